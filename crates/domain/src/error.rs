@@ -1,0 +1,73 @@
+//! What can be wrong with the nouns.
+
+/// A value that this crate refuses to make.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DomainError {
+    /// An identifier with characters that do not belong in a file name.
+    #[error("{kind} `{found}` must be 1 to 64 letters, digits, `_` or `-`")]
+    BadId {
+        /// Which identifier.
+        kind: &'static str,
+        /// What was given.
+        found: String,
+    },
+    /// A word that names none of the known values.
+    #[error("`{found}` is not a {kind}; expected one of {expected}")]
+    UnknownWord {
+        /// What the word should have named.
+        kind: &'static str,
+        /// What was given.
+        found: String,
+        /// The words that are known.
+        expected: &'static str,
+    },
+    /// Columns of one table that differ in length.
+    #[error("column `{column}` has {found} rows, expected {expected}")]
+    LengthMismatch {
+        /// Name of the column.
+        column: &'static str,
+        /// Its rows.
+        found: usize,
+        /// Rows of the others.
+        expected: usize,
+    },
+    /// A number that is NaN or infinite.
+    #[error("column `{column}` row {row} is {found}, expected a finite number")]
+    NotFinite {
+        /// Name of the column.
+        column: &'static str,
+        /// Zero-based row.
+        row: usize,
+        /// What was found.
+        found: f64,
+    },
+    /// A number outside its range.
+    #[error("`{name}` is {found}, expected {expected}")]
+    OutOfRange {
+        /// Name of the quantity.
+        name: &'static str,
+        /// What was found.
+        found: f64,
+        /// The range in words.
+        expected: &'static str,
+    },
+    /// A recording or drive without enough rows.
+    #[error("{what} has {found} rows, expected at least {expected}")]
+    TooShort {
+        /// What is too short.
+        what: &'static str,
+        /// Its rows.
+        found: usize,
+        /// Rows needed.
+        expected: usize,
+    },
+    /// A questionnaire definition that contradicts itself.
+    #[error("scale `{scale}`: {problem}")]
+    BadScale {
+        /// The scale's id.
+        scale: String,
+        /// What contradicts what.
+        problem: String,
+    },
+}

@@ -1,0 +1,118 @@
+//! Who and which.
+
+use crate::error::DomainError;
+use serde::{Deserialize, Serialize};
+use std::{fmt, str::FromStr};
+
+fn checked(kind: &'static str, text: String) -> Result<String, DomainError> {
+    let fits = (1..=64).contains(&text.len())
+        && text
+            .bytes()
+            .all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
+    if fits {
+        Ok(text)
+    } else {
+        Err(DomainError::BadId { kind, found: text })
+    }
+}
+
+macro_rules! id {
+    ($(#[$doc:meta])* $name:ident, $kind:literal) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        #[serde(try_from = "String", into = "String")]
+        pub struct $name(String);
+
+        impl $name {
+            /// Takes 1 to 64 letters, digits, `_` or `-`: what is safe in a file name everywhere.
+            ///
+            /// # Errors
+            /// [`DomainError::BadId`] for anything else.
+            pub fn new(text: impl Into<String>) -> Result<Self, DomainError> {
+                checked($kind, text.into()).map(Self)
+            }
+
+            /// The identifier as text.
+            pub fn as_str(&self) -> &str {
+                &self.0
+            }
+        }
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(&self.0)
+            }
+        }
+        impl TryFrom<String> for $name {
+            type Error = DomainError;
+            fn try_from(text: String) -> Result<Self, DomainError> {
+                Self::new(text)
+            }
+        }
+        impl From<$name> for String {
+            fn from(id: $name) -> String {
+                id.0
+            }
+        }
+    };
+}
+
+id!(
+    /// A participant of a study, such as `S2P07`.
+    ParticipantId, "participant id"
+);
+id!(
+    /// A drive, such as `S2P07-mimic`: also the stem of its files.
+    DriveId, "drive id"
+);
+
+/// A vehicle other than ego within one recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct VehicleId(pub u32);
+
+/// Which of the two studies of the paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub enum Study {
+    /// Model training: people drive, the networks learn.
+    #[serde(rename = "1")]
+    One,
+    /// Model testing: people drive once and sit through four AV conditions.
+    #[serde(rename = "2")]
+    Two,
+}
+
+impl Study {
+    /// `1` or `2`, as in files.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::One => "1",
+            Self::Two => "2",
+        }
+    }
+}
+
+impl FromStr for Study {
+    type Err = DomainError;
+    fn from_str(text: &str) -> Result<Self, DomainError> {
+        match text {
+            "1" => Ok(Self::One),
+            "2" => Ok(Self::Two),
+            _ => Err(DomainError::UnknownWord {
+                kind: "study",
+                found: text.to_owned(),
+                expected: "1, 2",
+            }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_id_cannot_leave_its_folder() {
+        assert!(ParticipantId::new("../etc").is_err());
+        assert!(DriveId::new("").is_err());
+        assert_eq!(DriveId::new("S1P01-own").unwrap().as_str(), "S1P01-own");
+    }
+}

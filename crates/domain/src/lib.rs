@@ -1,0 +1,32 @@
+//! The nouns of a driving-style study, their units, and the one way to make each.
+//!
+//! A [`Recording`] says who was where; [`Drive::from_recording`] turns it into the signals of
+//! the method (section 2), whoever drove. Everything else in the project takes and gives these.
+
+pub mod condition;
+pub mod drive;
+pub mod embedding;
+pub mod error;
+pub mod ids;
+pub mod measurement;
+pub mod recording;
+pub mod scene;
+pub mod seed;
+pub mod setpoints;
+pub mod survey;
+pub mod traits;
+pub mod units;
+
+pub use condition::Condition;
+pub use drive::{Drive, DriveMeta, DrivenBy, LaneChange};
+pub use embedding::Embedding;
+pub use error::DomainError;
+pub use ids::{DriveId, ParticipantId, Study, VehicleId};
+pub use measurement::Measurement;
+pub use recording::{EgoTrack, ObjectTrack, Recording};
+pub use scene::{EgoState, Reference, Road, Scene, Situation, VehicleState};
+pub use seed::stream_seed;
+pub use setpoints::Setpoints;
+pub use survey::{AdbScore, Answer, Moment, Scale, Score, Subscale};
+pub use traits::LatentTraits;
+pub use units::{Metres, MetresPerSecond, MetresPerSecond2, Seconds};

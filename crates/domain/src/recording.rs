@@ -1,0 +1,213 @@
+//! Who was where, evenly sampled.
+
+use crate::{
+    error::DomainError,
+    ids::VehicleId,
+    scene::{EgoState, Road, Scene, VehicleState},
+};
+
+/// Ego's track; every column has shape `(n,)`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct EgoTrack {
+    /// Bumper to bumper, in m.
+    pub length_m: f64,
+    /// Position of the centre along the road, in m.
+    pub x_m: Vec<f64>,
+    /// Lateral position of the centre, in m; 0 is the centre of lane 0.
+    pub y_m: Vec<f64>,
+    /// Speed, in m/s.
+    pub speed_mps: Vec<f64>,
+}
+
+/// Another vehicle over consecutive rows; one that vanishes and returns has two tracks with one id.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObjectTrack {
+    /// Which vehicle.
+    pub id: VehicleId,
+    /// Bumper to bumper, in m.
+    pub length_m: f64,
+    /// Row of the recording at which the columns start.
+    pub first_row: usize,
+    /// Position of the centre along the road, in m; shape `(m,)`.
+    pub x_m: Vec<f64>,
+    /// Lateral position of the centre, in m; shape `(m,)`.
+    pub y_m: Vec<f64>,
+    /// Speed, in m/s; shape `(m,)`.
+    pub speed_mps: Vec<f64>,
+}
+
+/// Who was where, at an even rate, from a log or from a simulation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    road: Road,
+    rate_hz: f64,
+    time_s: Vec<f64>,
+    segment: Vec<u32>,
+    ego: EgoTrack,
+    others: Vec<ObjectTrack>,
+}
+
+fn check_column(column: &'static str, values: &[f64], rows: usize) -> Result<(), DomainError> {
+    if values.len() != rows {
+        return Err(DomainError::LengthMismatch {
+            column,
+            found: values.len(),
+            expected: rows,
+        });
+    }
+    match values.iter().position(|v| !v.is_finite()) {
+        Some(row) => Err(DomainError::NotFinite {
+            column,
+            row,
+            found: values[row],
+        }),
+        None => Ok(()),
+    }
+}
+
+fn positive(name: &'static str, found: f64) -> Result<(), DomainError> {
+    if found.is_finite() && found > 0.0 {
+        Ok(())
+    } else {
+        Err(DomainError::OutOfRange {
+            name,
+            found,
+            expected: "a finite number above 0",
+        })
+    }
+}
+
+impl Recording {
+    /// Takes tracks sampled every 1/`rate_hz` seconds within a segment.
+    ///
+    /// `time_s` (s since the start) and `segment` have shape `(n,)`; the segment number rises by one after
+    /// each hole that was too long to bridge, and no window may span two segments. Rows are ordered in time.
+    ///
+    /// # Errors
+    /// [`DomainError::TooShort`] below two rows; [`DomainError::LengthMismatch`],
+    /// [`DomainError::NotFinite`] or [`DomainError::OutOfRange`] where a column is not as described.
+    pub fn new(
+        road: Road,
+        rate_hz: f64,
+        time_s: Vec<f64>,
+        segment: Vec<u32>,
+        ego: EgoTrack,
+        others: Vec<ObjectTrack>,
+    ) -> Result<Self, DomainError> {
+        let rows = time_s.len();
+        if rows < 2 {
+            return Err(DomainError::TooShort {
+                what: "recording",
+                found: rows,
+                expected: 2,
+            });
+        }
+        positive("rate_hz", rate_hz)?;
+        positive("lane_width_m", road.lane_width_m)?;
+        positive("posted_speed_mps", road.posted_speed_mps)?;
+        positive("lanes", f64::from(road.lanes))?;
+        check_column("time_s", &time_s, rows)?;
+        check_column("ego.x_m", &ego.x_m, rows)?;
+        check_column("ego.y_m", &ego.y_m, rows)?;
+        check_column("ego.speed_mps", &ego.speed_mps, rows)?;
+        if segment.len() != rows {
+            let found = segment.len();
+            return Err(DomainError::LengthMismatch {
+                column: "segment",
+                found,
+                expected: rows,
+            });
+        }
+        if let Some(row) = time_s.windows(2).position(|w| w[1] <= w[0]) {
+            let found = time_s[row + 1];
+            return Err(DomainError::OutOfRange {
+                name: "time_s",
+                found,
+                expected: "later than the row before",
+            });
+        }
+        for track in &others {
+            let m = track.x_m.len();
+            check_column("object.x_m", &track.x_m, m)?;
+            check_column("object.y_m", &track.y_m, m)?;
+            check_column("object.speed_mps", &track.speed_mps, m)?;
+            if track.first_row + m > rows {
+                let found = track.first_row + m;
+                return Err(DomainError::LengthMismatch {
+                    column: "object.x_m",
+                    found,
+                    expected: rows,
+                });
+            }
+        }
+        Ok(Self {
+            road,
+            rate_hz,
+            time_s,
+            segment,
+            ego,
+            others,
+        })
+    }
+
+    /// Number of rows, n.
+    pub fn rows(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// The road.
+    pub fn road(&self) -> &Road {
+        &self.road
+    }
+
+    /// Samples a second.
+    pub fn rate_hz(&self) -> f64 {
+        self.rate_hz
+    }
+
+    /// Time since the start, in s; shape `(n,)`.
+    pub fn time_s(&self) -> &[f64] {
+        &self.time_s
+    }
+
+    /// Segment number of each row; shape `(n,)`.
+    pub fn segment(&self) -> &[u32] {
+        &self.segment
+    }
+
+    /// Ego's track.
+    pub fn ego(&self) -> &EgoTrack {
+        &self.ego
+    }
+
+    /// Everybody else's tracks.
+    pub fn others(&self) -> &[ObjectTrack] {
+        &self.others
+    }
+
+    /// What was around ego at `row`; `None` past the end.
+    pub fn scene(&self, row: usize) -> Option<Scene> {
+        let time_s = *self.time_s.get(row)?;
+        let ego = EgoState {
+            x_m: self.ego.x_m[row],
+            y_m: self.ego.y_m[row],
+            speed_mps: self.ego.speed_mps[row],
+            length_m: self.ego.length_m,
+        };
+        let vehicles = self.others.iter().filter_map(|track| {
+            let at = row.checked_sub(track.first_row)?;
+            Some(VehicleState {
+                id: track.id,
+                x_m: *track.x_m.get(at)?,
+                y_m: track.y_m[at],
+                speed_mps: track.speed_mps[at],
+                length_m: track.length_m,
+            })
+        });
+        Some(Scene {
+            time_s,
+            ego,
+            vehicles: vehicles.collect(),
+        })
+    }
+}

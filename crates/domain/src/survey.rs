@@ -1,0 +1,282 @@
+//! Questionnaires: what is asked, what was answered, what it scores.
+
+use crate::{condition::Condition, error::DomainError, ids::ParticipantId};
+use serde::{Deserialize, Serialize};
+use std::{fmt, str::FromStr};
+
+/// When a questionnaire was answered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum Moment {
+    /// Before the drives; about oneself.
+    Pre,
+    /// After a drive in this condition; about that drive.
+    After(Condition),
+}
+
+impl fmt::Display for Moment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Pre => f.write_str("pre"),
+            Self::After(condition) => condition.fmt(f),
+        }
+    }
+}
+
+impl FromStr for Moment {
+    type Err = DomainError;
+    fn from_str(text: &str) -> Result<Self, DomainError> {
+        match text {
+            "pre" => Ok(Self::Pre),
+            other => other
+                .parse()
+                .map(Self::After)
+                .map_err(|_| DomainError::UnknownWord {
+                    kind: "moment",
+                    found: other.to_owned(),
+                    expected: "pre, own, mimic, aggressive, cautious, perpendicular",
+                }),
+        }
+    }
+}
+
+impl TryFrom<String> for Moment {
+    type Error = DomainError;
+    fn try_from(text: String) -> Result<Self, DomainError> {
+        text.parse()
+    }
+}
+
+impl From<Moment> for String {
+    fn from(moment: Moment) -> Self {
+        moment.to_string()
+    }
+}
+
+/// A group of items that are scored together.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Subscale {
+    /// Code name, such as `high_velocity`.
+    pub id: String,
+    /// Name for people.
+    pub title: String,
+    /// Its items, numbered from 1.
+    pub items: Vec<u32>,
+    /// Items reversed in this subscale only, beside those of the scale.
+    #[serde(default)]
+    pub reversed: Vec<u32>,
+}
+
+/// How the answers of a subscale become one score.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Scoring {
+    /// The sum over its items (a missing item counts as the mean of the answered ones).
+    Sum,
+    /// The mean of the answered items.
+    Mean,
+}
+
+/// A questionnaire: its items, their range, and how they are scored.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scale {
+    /// Code name, such as `mini_ipip`.
+    pub id: String,
+    /// Name for people.
+    pub title: String,
+    /// Where the scale was published.
+    pub reference: String,
+    /// Number of items; they are numbered from 1.
+    pub items: u32,
+    /// Lowest answer.
+    pub min: i32,
+    /// Highest answer.
+    pub max: i32,
+    /// Sum or mean.
+    pub scoring: Scoring,
+    /// Items scored as `min + max - answer`.
+    #[serde(default)]
+    pub reversed: Vec<u32>,
+    /// Share of a subscale's items that must be answered for it to be scored.
+    #[serde(default = "default_min_answered")]
+    pub min_answered: f64,
+    /// What is scored; at least one.
+    pub subscales: Vec<Subscale>,
+    /// Item wording, where it is in the public domain; empty, or one text an item.
+    #[serde(default)]
+    pub wording: Vec<String>,
+}
+
+fn default_min_answered() -> f64 {
+    0.8
+}
+
+impl Scale {
+    /// Says whether the definition agrees with itself.
+    ///
+    /// # Errors
+    /// [`DomainError::BadScale`] naming the first contradiction.
+    pub fn validate(&self) -> Result<(), DomainError> {
+        let bad = |problem: String| DomainError::BadScale {
+            scale: self.id.clone(),
+            problem,
+        };
+        if self.items == 0 || self.subscales.is_empty() {
+            return Err(bad("needs at least one item and one subscale".to_owned()));
+        }
+        if self.min >= self.max {
+            return Err(bad(format!(
+                "min {} is not below max {}",
+                self.min, self.max
+            )));
+        }
+        if !(self.min_answered > 0.0 && self.min_answered <= 1.0) {
+            return Err(bad(format!(
+                "min_answered {} is not in (0, 1]",
+                self.min_answered
+            )));
+        }
+        if !self.wording.is_empty() && self.wording.len() != self.items as usize {
+            let found = self.wording.len();
+            return Err(bad(format!(
+                "wording has {found} texts for {} items",
+                self.items
+            )));
+        }
+        let known = |item: &u32| (1..=self.items).contains(item);
+        if let Some(item) = self.reversed.iter().find(|i| !known(i)) {
+            return Err(bad(format!(
+                "reversed item {item} is not among its {} items",
+                self.items
+            )));
+        }
+        for sub in &self.subscales {
+            if sub.items.is_empty() {
+                return Err(bad(format!("subscale `{}` has no items", sub.id)));
+            }
+            if let Some(item) = sub.items.iter().chain(&sub.reversed).find(|i| !known(i)) {
+                let id = &sub.id;
+                return Err(bad(format!(
+                    "subscale `{id}` names item {item} of {}",
+                    self.items
+                )));
+            }
+            let mut sorted = sub.items.clone();
+            sorted.sort_unstable();
+            if let Some([twice, ..]) = sorted.windows(2).find(|w| w[0] == w[1]) {
+                return Err(bad(format!(
+                    "subscale `{}` names item {twice} twice",
+                    sub.id
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether `item` is reversed in `subscale`.
+    pub fn is_reversed(&self, subscale: &Subscale, item: u32) -> bool {
+        self.reversed.contains(&item) || subscale.reversed.contains(&item)
+    }
+}
+
+/// One answer to one item.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Answer {
+    /// Who answered.
+    pub participant: ParticipantId,
+    /// When.
+    pub moment: Moment,
+    /// Code name of the scale.
+    pub scale: String,
+    /// Item number, from 1.
+    pub item: u32,
+    /// The answer; `None` where it was left out.
+    pub answer: Option<i32>,
+}
+
+/// The score of one subscale for one participant at one moment.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Score {
+    /// Who answered.
+    pub participant: ParticipantId,
+    /// When.
+    pub moment: Moment,
+    /// Code name of the scale.
+    pub scale: String,
+    /// Code name of the subscale.
+    pub subscale: String,
+    /// The score; `None` where too few items were answered.
+    pub value: Option<f64>,
+    /// Items answered.
+    pub answered: u32,
+    /// Items of the subscale.
+    pub items: u32,
+}
+
+/// A score on the Aggressive Driving Behavior scale: 11 to 55 points.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Serialize, Deserialize)]
+#[serde(try_from = "f64", into = "f64")]
+pub struct AdbScore(f64);
+
+impl AdbScore {
+    /// Lowest score, in points.
+    pub const MIN: f64 = 11.0;
+    /// Highest score, in points.
+    pub const MAX: f64 = 55.0;
+
+    /// Takes 11 to 55 points.
+    ///
+    /// # Errors
+    /// [`DomainError::OutOfRange`] for anything else.
+    pub fn new(points: f64) -> Result<Self, DomainError> {
+        if (Self::MIN..=Self::MAX).contains(&points) {
+            Ok(Self(points))
+        } else {
+            Err(DomainError::OutOfRange {
+                name: "ADB score",
+                found: points,
+                expected: "11 to 55 points",
+            })
+        }
+    }
+
+    /// The points.
+    pub fn points(self) -> f64 {
+        self.0
+    }
+}
+
+impl TryFrom<f64> for AdbScore {
+    type Error = DomainError;
+    fn try_from(points: f64) -> Result<Self, DomainError> {
+        Self::new(points)
+    }
+}
+
+impl From<AdbScore> for f64 {
+    fn from(score: AdbScore) -> Self {
+        score.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_survive_their_text() {
+        for text in ["pre", "own", "mimic", "perpendicular"] {
+            assert_eq!(text.parse::<Moment>().unwrap().to_string(), text);
+        }
+        assert!("post".parse::<Moment>().is_err());
+    }
+
+    #[test]
+    fn adb_scores_end_at_11_and_55() {
+        assert!(AdbScore::new(10.9).is_err());
+        assert!(AdbScore::new(f64::NAN).is_err());
+        assert!(AdbScore::new(55.0).is_ok());
+    }
+}
