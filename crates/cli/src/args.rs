@@ -1,0 +1,46 @@
+//! What can be asked on the command line.
+
+use crate::commands;
+use clap::{Parser, Subcommand, ValueEnum};
+
+/// Learn a driver's style, drive as that driver would, and analyse the study: from driving logs to the
+/// printed figure.
+#[derive(Debug, Parser)]
+#[command(name = "maveric", version, arg_required_else_help = true, after_help = "\
+Example: maveric run                      the whole synthetic study, into reports/paper
+         maveric run pipelines/smoke.toml a small one, in a minute")]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// The commands, in the order of the data.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    Run(commands::run::Run),
+    Status(commands::status::Status),
+    Graph(commands::graph::Graph),
+    Generate(commands::generate::Generate),
+    Ingest(commands::ingest::Ingest),
+    Inspect(commands::inspect::Inspect),
+    Score(commands::score::Score),
+    Train(commands::train::Train),
+    Personalize(commands::personalize::Personalize),
+    Steer(commands::steer::Steer),
+    Simulate(commands::simulate::Simulate),
+    Measure(commands::measure::Measure),
+    Rate(commands::rate::Rate),
+    Evaluate(commands::evaluate::Evaluate),
+    Stats(commands::stats::Stats),
+    Report(commands::report::Report),
+}
+
+/// How a result is printed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Format {
+    /// Lines for people
+    #[default]
+    Text,
+    /// One JSON object
+    Json,
+}

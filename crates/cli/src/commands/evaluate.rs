@@ -1,0 +1,46 @@
+//! `maveric evaluate`.
+
+use super::print_outcome;
+use crate::{args::Format, diagnostics::Failure};
+use maveric_study::stages::evaluate::{self, EvaluateOptions};
+
+/// Predict each drive's unseen last third in closed loop, against constant time gap and IDM
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: maveric evaluate --model model.json --embeddings embeddings.csv --drives drives --out following.json")]
+pub(crate) struct Evaluate {
+    /// Trained model
+    #[arg(long)]
+    model: std::path::PathBuf,
+    /// Embeddings fitted to the first two thirds
+    #[arg(long)]
+    embeddings: std::path::PathBuf,
+    /// Folder of drives
+    #[arg(long)]
+    drives: std::path::PathBuf,
+    /// Results to write (JSON)
+    #[arg(long)]
+    out: std::path::PathBuf,
+    /// Root of every random choice
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Threads
+    #[arg(short, long, default_value_t = super::all_cores())]
+    jobs: usize,
+    /// How to print the result
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Evaluate {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let options = EvaluateOptions {
+            model: self.model,
+            embeddings: self.embeddings,
+            drives: self.drives,
+            out: self.out,
+            seed: self.seed,
+            jobs: self.jobs,
+        };
+        print_outcome(self.format, "could not evaluate", |watch| evaluate::evaluate(&options, watch))
+    }
+}

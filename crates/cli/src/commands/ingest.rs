@@ -1,0 +1,46 @@
+//! `maveric ingest`.
+
+use super::print_outcome;
+use crate::{args::Format, diagnostics::Failure};
+use maveric_study::stages::ingest::{self, IngestOptions};
+
+/// Turn driving logs (MCAP, CSV) into evenly sampled drives
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: maveric ingest logs/study1 --out drives/study1")]
+pub(crate) struct Ingest {
+    /// Logs, or folders of logs
+    #[arg(required = true)]
+    logs: Vec<std::path::PathBuf>,
+    /// Folder to write into: one Parquet file a drive, drives.csv, exclusions.csv
+    #[arg(long)]
+    out: std::path::PathBuf,
+    /// What the columns of a table mean (TOML); needed for CSV
+    #[arg(long)]
+    mapping: Option<std::path::PathBuf>,
+    /// Samples a second
+    #[arg(long)]
+    rate: Option<f64>,
+    /// Take what can be read of a damaged log, and say what could not
+    #[arg(long)]
+    recover: bool,
+    /// Threads
+    #[arg(short, long, default_value_t = super::all_cores())]
+    jobs: usize,
+    /// How to print the result
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Ingest {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let options = IngestOptions {
+            logs: self.logs,
+            out: self.out,
+            mapping: self.mapping,
+            rate_hz: self.rate,
+            recover: self.recover,
+            jobs: self.jobs,
+        };
+        print_outcome(self.format, "could not ingest", |watch| ingest::ingest(&options, watch))
+    }
+}

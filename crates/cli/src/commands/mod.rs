@@ -1,0 +1,93 @@
+//! One file per command: it parses, calls its library function, prints.
+
+pub(crate) mod evaluate;
+pub(crate) mod generate;
+pub(crate) mod graph;
+pub(crate) mod ingest;
+pub(crate) mod inspect;
+pub(crate) mod measure;
+pub(crate) mod personalize;
+pub(crate) mod rate;
+pub(crate) mod report;
+pub(crate) mod run;
+pub(crate) mod score;
+pub(crate) mod simulate;
+pub(crate) mod stats;
+pub(crate) mod status;
+pub(crate) mod steer;
+pub(crate) mod train;
+
+use crate::{
+    args::{Command, Format},
+    diagnostics::Failure,
+    interrupt, progress,
+};
+use maveric_study::{Outcome, StudyError, Watch};
+use std::io::Write as _;
+
+/// Runs the command that was asked for.
+pub(crate) fn run(command: Command) -> Result<(), Failure> {
+    match command {
+        Command::Run(c) => c.run(),
+        Command::Status(c) => c.run(),
+        Command::Graph(c) => c.run(),
+        Command::Generate(c) => c.run(),
+        Command::Ingest(c) => c.run(),
+        Command::Inspect(c) => c.run(),
+        Command::Score(c) => c.run(),
+        Command::Train(c) => c.run(),
+        Command::Personalize(c) => c.run(),
+        Command::Steer(c) => c.run(),
+        Command::Simulate(c) => c.run(),
+        Command::Measure(c) => c.run(),
+        Command::Rate(c) => c.run(),
+        Command::Evaluate(c) => c.run(),
+        Command::Stats(c) => c.run(),
+        Command::Report(c) => c.run(),
+    }
+}
+
+/// Runs `work` under a progress bar and Ctrl-C, prints its warnings on stderr and its result on stdout.
+pub(crate) fn print_outcome<T: serde::Serialize>(
+    format: Format,
+    doing: &'static str,
+    work: impl FnOnce(Watch<'_>) -> Result<Outcome<T>, StudyError>,
+) -> Result<(), Failure> {
+    let bar = progress::bar();
+    let show = |done: usize, total: usize, what: &str| {
+        bar.set_length(total as u64);
+        bar.set_position(done as u64);
+        bar.set_message(what.to_owned());
+    };
+    let outcome = work(Watch::new(&show, interrupt::flag())).map_err(Failure::study(doing));
+    bar.finish_and_clear();
+    let outcome = outcome?;
+    for warning in &outcome.warnings {
+        eprintln!("warning: {warning}");
+    }
+    match format {
+        Format::Text => print_lines(&outcome.summary),
+        Format::Json => print_json(&outcome),
+    }
+}
+
+/// Prints lines on stdout.
+pub(crate) fn print_lines(lines: &[String]) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    for line in lines {
+        writeln!(out, "{line}").map_err(Failure::output)?;
+    }
+    Ok(())
+}
+
+/// Prints one JSON object on stdout.
+pub(crate) fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    serde_json::to_writer_pretty(&mut out, value).map_err(|e| Failure::output(e.into()))?;
+    writeln!(out).map_err(Failure::output)
+}
+
+/// Threads to use when none are asked for: all cores.
+pub(crate) fn all_cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}

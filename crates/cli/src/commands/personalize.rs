@@ -1,0 +1,50 @@
+//! `maveric personalize`.
+
+use super::print_outcome;
+use crate::{args::Format, diagnostics::Failure};
+use maveric_study::stages::personalize::{self, PersonalizeOptions};
+
+/// Fit an embedding to each drive, the networks frozen
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: maveric personalize --model model.json --drives drives/study2 --scores scores.csv --out embeddings.csv")]
+pub(crate) struct Personalize {
+    /// Trained model
+    #[arg(long)]
+    model: std::path::PathBuf,
+    /// Folder of drives
+    #[arg(long)]
+    drives: std::path::PathBuf,
+    /// Questionnaire scores; each drive is then fitted both with and without its ADB score
+    #[arg(long)]
+    scores: Option<std::path::PathBuf>,
+    /// Embeddings to write
+    #[arg(long)]
+    out: std::path::PathBuf,
+    /// Share of each drive, from its start, that may be learned from
+    #[arg(long, default_value_t = 1.0)]
+    fit_fraction: f64,
+    /// Root of every random choice
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Threads
+    #[arg(short, long, default_value_t = super::all_cores())]
+    jobs: usize,
+    /// How to print the result
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Personalize {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let options = PersonalizeOptions {
+            model: self.model,
+            drives: self.drives,
+            scores: self.scores,
+            out: self.out,
+            fit_fraction: self.fit_fraction,
+            seed: self.seed,
+            jobs: self.jobs,
+        };
+        print_outcome(self.format, "could not personalize", |watch| personalize::personalize(&options, watch))
+    }
+}

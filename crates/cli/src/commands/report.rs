@@ -1,0 +1,33 @@
+//! `maveric report`.
+
+use super::print_outcome;
+use crate::{args::Format, diagnostics::Failure};
+use maveric_study::stages::report::{self, ReportOptions};
+
+/// Draw the figures, tables and the page from the results of a run
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: maveric report study_data/generated/paper --out reports/paper")]
+pub(crate) struct Report {
+    /// Folder of results, as the pipeline leaves it
+    results: std::path::PathBuf,
+    /// Folder to write into: index.html, figures, tables
+    #[arg(long)]
+    out: std::path::PathBuf,
+    /// What the paper reported (TOML)
+    #[arg(long, default_value = "study_data/claims.toml")]
+    claims: std::path::PathBuf,
+    /// How to print the result
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Report {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let options = ReportOptions {
+            results: self.results,
+            out: self.out,
+            claims: self.claims,
+        };
+        print_outcome(self.format, "could not write the report", |watch| report::report(&options, watch))
+    }
+}

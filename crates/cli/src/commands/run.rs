@@ -1,0 +1,142 @@
+//! `maveric run`.
+
+use super::{print_json, print_lines};
+use crate::{
+    args::Format,
+    diagnostics::Failure,
+    interrupt,
+    place::{PipelineArgs, place},
+};
+use maveric_pipeline::{Event, Outcome, RunOptions, RunReport, StageStatus, State, plan, run, why};
+use std::num::NonZeroUsize;
+
+/// Bring a pipeline up to date: run what is stale, in order, and say where the report is
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples: maveric run                                    the default study
+          maveric run pipelines/smoke.toml -j 2          two stages at once
+          maveric run pipelines/paper.toml train --force only the model, anew
+          maveric run --why train                        why a stage would run")]
+pub(crate) struct Run {
+    /// Pipeline file; then stages or files to bring up to date, all when none are named
+    #[arg(value_name = "PIPELINE] [STAGE")]
+    words: Vec<String>,
+    #[command(flatten)]
+    pipeline: PipelineArgs,
+    /// Stages that may run at once
+    #[arg(short, long, default_value_t = NonZeroUsize::MIN)]
+    jobs: NonZeroUsize,
+    /// Say what would run and why; run nothing
+    #[arg(short = 'n', long)]
+    dry_run: bool,
+    /// Say why this stage would run; run nothing
+    #[arg(long, value_name = "STAGE")]
+    why: Option<String>,
+    /// Run the named stages (all when none are named) even if they are up to date
+    #[arg(long)]
+    force: bool,
+    /// After a failure go on with what does not need the failed stage
+    #[arg(long)]
+    keep_going: bool,
+    /// Where the stages run
+    #[arg(long, value_enum, default_value_t)]
+    executor: Executor,
+    /// How to print the result
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// Where stages run.
+#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
+enum Executor {
+    /// As processes on this machine
+    #[default]
+    Local,
+}
+
+impl Run {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let Executor::Local = self.executor;
+        let (file, targets) = PipelineArgs::split(self.words);
+        let pipeline = self.pipeline.read(&file)?;
+        let place = place(&file)?;
+        if let Some(stage) = &self.why {
+            let statuses = why(&pipeline, &place, stage).map_err(Failure::pipeline("could not explain the stage"))?;
+            return print_statuses(self.format, &statuses);
+        }
+        if self.dry_run {
+            let statuses = plan(&pipeline, &place, &targets, self.force).map_err(Failure::pipeline("could not plan the run"))?;
+            return print_statuses(self.format, &statuses);
+        }
+        let options = RunOptions {
+            targets,
+            jobs: self.jobs,
+            force: self.force,
+            keep_going: self.keep_going,
+            cancel: interrupt::flag().clone(),
+        };
+        interrupt::be_patient();
+        let report = run(&pipeline, &place, &options, &mut say).map_err(Failure::pipeline("could not run the pipeline"))?;
+        print_report(self.format, &report)
+    }
+}
+
+fn say(event: &Event<'_>) {
+    match event {
+        Event::Started { stage, reasons, .. } => {
+            let why: Vec<String> = reasons.iter().take(2).map(ToString::to_string).collect();
+            let more = if reasons.len() > 2 { format!("; and {} more", reasons.len() - 2) } else { String::new() };
+            eprintln!("{stage}: running ({}{more})", why.join("; "));
+        }
+        Event::Line { stage, line } => eprintln!("{stage}: {line}"),
+        Event::UpToDate { stage, settled, wanted } => eprintln!("[{settled}/{wanted}] {stage}: up to date"),
+        Event::Finished { stage, seconds, settled, wanted } => eprintln!("[{settled}/{wanted}] {stage}: done in {seconds:.1} s"),
+        Event::Failed(failure) => {
+            eprintln!("error: {failure}");
+            for line in &failure.last_lines {
+                eprintln!("  | {line}");
+            }
+            if let Some(log) = &failure.log {
+                eprintln!("  its log: {}", log.display());
+            }
+            eprintln!("  to repeat it alone: {}", failure.repeat);
+        }
+        _ => {}
+    }
+}
+
+fn print_report(format: Format, report: &RunReport) -> Result<(), Failure> {
+    if format == Format::Json {
+        print_json(report)?;
+    } else {
+        let ran = report.stages.iter().filter(|s| s.state == State::Done).count();
+        if report.outcome == Outcome::Done && ran == 0 {
+            print_lines(&["everything is up to date; nothing was run".to_owned()])?;
+        }
+        for summary in &report.summaries {
+            print_lines(&[summary.text.trim_end().to_owned()])?;
+        }
+    }
+    match report.outcome {
+        Outcome::Done => Ok(()),
+        Outcome::Failed => Err(Failure::Told),
+        Outcome::Interrupted => Err(Failure::Interrupted),
+    }
+}
+
+/// Prints a line a stage, or one JSON object.
+pub(super) fn print_statuses(format: Format, statuses: &[StageStatus]) -> Result<(), Failure> {
+    if format == Format::Json {
+        return print_json(&serde_json::json!({ "stages": statuses }));
+    }
+    let mut lines = Vec::new();
+    for status in statuses {
+        if status.up_to_date {
+            lines.push(format!("{}: up to date", status.stage));
+            continue;
+        }
+        lines.push(format!("{}: stale", status.stage));
+        lines.extend(status.reasons.iter().map(|reason| format!("    {reason}")));
+    }
+    print_lines(&lines)
+}

@@ -1,0 +1,34 @@
+//! `maveric score`.
+
+use super::print_outcome;
+use crate::{args::Format, diagnostics::Failure};
+use maveric_study::stages::score::{self, ScoreOptions};
+
+/// Turn questionnaire answers into scores and reliabilities
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: maveric score --surveys surveys.csv --out scores.csv")]
+pub(crate) struct Score {
+    /// Answers: participant, moment, scale, item, answer; may be given more than once
+    #[arg(long, required = true)]
+    surveys: Vec<std::path::PathBuf>,
+    /// Folder of questionnaire definitions
+    #[arg(long, default_value = "study_data/scales")]
+    scales: std::path::PathBuf,
+    /// Scores to write; reliabilities go beside them as <name>_reliabilities.csv
+    #[arg(long)]
+    out: std::path::PathBuf,
+    /// How to print the result
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Score {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let options = ScoreOptions {
+            surveys: self.surveys,
+            scales: self.scales,
+            out: self.out,
+        };
+        print_outcome(self.format, "could not score the questionnaires", |watch| score::score(&options, watch))
+    }
+}

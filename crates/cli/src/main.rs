@@ -1,0 +1,20 @@
+//! The `maveric` program: parse, dispatch, exit status; nothing else.
+
+mod args;
+mod commands;
+mod diagnostics;
+mod interrupt;
+mod place;
+mod progress;
+
+use clap::Parser as _;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let args = args::Args::parse();
+    interrupt::listen();
+    match commands::run(args.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

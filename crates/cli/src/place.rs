@@ -1,0 +1,54 @@
+//! Where a pipeline stands, and what its stages may call.
+
+use crate::diagnostics::Failure;
+use maveric_pipeline::{Pipeline, Place, Program, parse_override};
+use std::path::{Path, PathBuf};
+
+/// The pipeline that runs when none is named.
+pub(crate) const DEFAULT_PIPELINE: &str = "pipelines/paper.toml";
+
+/// What every command about a pipeline takes.
+#[derive(Debug, clap::Args)]
+pub(crate) struct PipelineArgs {
+    /// Change a parameter for this run; may be given more than once
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+}
+
+impl PipelineArgs {
+    /// The pipeline file and the targets: the first word is the file if it ends in `.toml`.
+    pub(crate) fn split(mut words: Vec<String>) -> (PathBuf, Vec<String>) {
+        let named = words.first().is_some_and(|w| Path::new(w).extension().is_some_and(|e| e == "toml"));
+        let file = if named { words.remove(0) } else { DEFAULT_PIPELINE.to_owned() };
+        (PathBuf::from(file), words)
+    }
+
+    /// Reads the pipeline with its parameters changed as asked for.
+    pub(crate) fn read(&self, file: &Path) -> Result<Pipeline, Failure> {
+        let overrides: Result<Vec<_>, _> = self.set.iter().map(|text| parse_override(text)).collect();
+        let overrides = overrides.map_err(Failure::pipeline("could not read --set"))?;
+        Pipeline::read(file, &overrides).map_err(Failure::pipeline("could not read the pipeline"))
+    }
+}
+
+/// The project's root (above `pipelines/`, else the current folder), the ledger beside the pipeline
+/// file, and this program under its own name.
+pub(crate) fn place(file: &Path) -> Result<Place, Failure> {
+    let doing = "could not find this program's own file";
+    let program = std::env::current_exe().map_err(|e| Failure::io(doing, e))?;
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let absolute = std::path::absolute(folder).map_err(|e| Failure::io(doing, e))?;
+    let root = if absolute.file_name().is_some_and(|n| n == "pipelines") {
+        absolute.parent().map(Path::to_owned)
+    } else {
+        None
+    };
+    let root = root.map_or_else(std::env::current_dir, Ok).map_err(|e| Failure::io(doing, e))?;
+    let stem = file.file_stem().unwrap_or_default();
+    Ok(Place {
+        root,
+        ledger: file.with_extension("lock"),
+        log_dir: folder.join(".logs").join(stem),
+        program: Some(Program { name: "maveric".to_owned(), path: program, versions: maveric_study::stages::versions() }),
+    })
+}
