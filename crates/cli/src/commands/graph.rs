@@ -32,6 +32,8 @@ enum GraphFormat {
     Dot,
     /// For Markdown pages
     Mermaid,
+    /// A drawing
+    Svg,
 }
 
 impl Graph {
@@ -42,6 +44,7 @@ impl Graph {
             GraphFormat::Text => graph.text(),
             GraphFormat::Dot => graph.dot(),
             GraphFormat::Mermaid => graph.mermaid(),
+            GraphFormat::Svg => graph.svg(),
         };
         print_lines(&[text.trim_end().to_owned()])
     }

@@ -1,0 +1,364 @@
+//! Everything that can go wrong before, between and around the stages.
+//!
+//! A stage that fails is no error of the pipeline: it is a [`Failure`](crate::Failure) in
+//! the report of the run, beside the stages that succeeded.
+
+use std::path::PathBuf;
+
+/// What kept a pipeline from being read, checked or run.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PipelineError {
+    /// The pipeline file is not there or cannot be read.
+    #[error("cannot read the pipeline file {}", path.display())]
+    Unreadable {
+        /// The file as it was asked for.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The pipeline file says something that we do not understand.
+    #[error("{}:{line}:{column}: {problem}", path.display())]
+    Malformed {
+        /// The pipeline file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Column in characters, from 1.
+        column: usize,
+        /// What is wrong there.
+        problem: Box<FileProblem>,
+    },
+    /// `--set` without an equals sign.
+    #[error("`{text}` is not of the form KEY=VALUE")]
+    OverrideForm {
+        /// What was given.
+        text: String,
+    },
+    /// `--set` of a parameter that the pipeline does not have.
+    #[error("the pipeline has no parameter `{name}`")]
+    UnknownOverride {
+        /// The parameter that was to be set.
+        name: String,
+        /// The most similar parameter, if one is similar.
+        nearest: Option<String>,
+        /// All parameters, in alphabetical order.
+        known: Vec<String>,
+    },
+    /// `--set` of a parameter to a value of another type.
+    #[error("parameter `{name}` is {expected} in the pipeline, so it cannot be set to `{value}`")]
+    OverrideType {
+        /// The parameter.
+        name: String,
+        /// What it was to be set to.
+        value: String,
+        /// The type in the file, with its article.
+        expected: &'static str,
+    },
+    /// Stages that wait for each other.
+    #[error("stages wait for each other in a circle: {}", circle(steps))]
+    Cycle {
+        /// The circle; the last step's maker is the first step's stage.
+        steps: Vec<CycleStep>,
+    },
+    /// Two stages that write the same file, or one into the other's directory.
+    #[error("two stages make `{path}`: `{first}` and `{second}`")]
+    TwoMakers {
+        /// The path that both would write.
+        path: String,
+        /// The stage that comes first in the file.
+        first: String,
+        /// The other stage.
+        second: String,
+    },
+    /// An input that is not there and that no stage makes.
+    #[error("stage `{stage}` needs `{input}`, which does not exist and which no stage makes")]
+    MissingInput {
+        /// The stage that reads it.
+        stage: String,
+        /// The path, relative to the root directory.
+        input: String,
+        /// An output of some stage with a similar name.
+        nearest: Option<String>,
+        /// What the pipeline file says about getting it (`inputs_help`).
+        help: Option<String>,
+    },
+    /// A directory that a stage reads or makes, with our own files in it.
+    #[error("`{directory}` of stage `{stage}` holds {}, which the run itself needs", path.display())]
+    HoldsOurs {
+        /// The stage.
+        stage: String,
+        /// The input or output.
+        directory: String,
+        /// What lies in it: the root, the ledger, the logs or the pipeline file.
+        path: PathBuf,
+    },
+    /// A stage that calls our program with a command that it does not have.
+    #[error("stage `{stage}` calls `{program} {command}`, but {program} has no such command")]
+    UnknownCommand {
+        /// The stage.
+        stage: String,
+        /// The program's name.
+        program: String,
+        /// The word after it; empty if there is none.
+        command: String,
+        /// The most similar command.
+        nearest: Option<String>,
+    },
+    /// A target that is neither a stage nor a file of the pipeline.
+    #[error("`{target}` is neither a stage of pipeline `{pipeline}` nor a file that one makes")]
+    UnknownTarget {
+        /// What was asked for.
+        target: String,
+        /// The pipeline's name.
+        pipeline: String,
+        /// The most similar stage or output.
+        nearest: Option<String>,
+    },
+    /// The ledger is no ledger.
+    #[error("the ledger {} is damaged: {message}", path.display())]
+    LedgerDamaged {
+        /// The ledger.
+        path: PathBuf,
+        /// What does not fit, with its line where it has one.
+        message: String,
+    },
+    /// The ledger was written by a newer version.
+    #[error("the ledger {} has format {found}; this program knows formats up to {supported}", path.display())]
+    LedgerNewer {
+        /// The ledger.
+        path: PathBuf,
+        /// The format that it claims.
+        found: u32,
+        /// The newest that we read.
+        supported: u32,
+    },
+    /// Another run is at work on the same ledger.
+    #[error("another run of this pipeline{} is still at work (lock {})", holder(*pid), path.display())]
+    Busy {
+        /// The lock file.
+        path: PathBuf,
+        /// The process that took the lock, where it could be read.
+        pid: Option<u32>,
+    },
+    /// A file or directory could not be read or written.
+    #[error("cannot {doing} {}", path.display())]
+    Io {
+        /// What we wanted, as a verb phrase.
+        doing: &'static str,
+        /// Where.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The cancel flag was set while files were read.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl PipelineError {
+    /// What to try next, when we know it.
+    pub fn suggestion(&self) -> Option<String> {
+        match self {
+            Self::Malformed { problem, .. } => problem.suggestion(),
+            Self::OverrideForm { .. } => Some("for example: --set seed=7".to_owned()),
+            Self::UnknownOverride { nearest, known, .. } => did_you_mean(nearest.as_ref())
+                .or_else(|| Some(format!("its parameters: {}", listing(known)))),
+            Self::MissingInput { nearest, help, .. } => {
+                help.clone().or_else(|| did_you_mean(nearest.as_ref()))
+            }
+            Self::UnknownCommand { nearest, .. } | Self::UnknownTarget { nearest, .. } => {
+                did_you_mean(nearest.as_ref())
+            }
+            Self::TwoMakers { .. } => Some("give each stage an output of its own".to_owned()),
+            Self::LedgerDamaged { path, .. } => Some(format!(
+                "restore {}, or delete it: every stage then runs again",
+                path.display()
+            )),
+            Self::LedgerNewer { path, .. } => Some(format!(
+                "use the newer program, or delete {}: every stage then runs again",
+                path.display()
+            )),
+            Self::HoldsOurs { .. } => {
+                Some("name the files or subdirectories that the stage reads or makes".to_owned())
+            }
+            Self::Busy { .. } => Some("wait for it to end, or stop it".to_owned()),
+            Self::Unreadable { .. }
+            | Self::OverrideType { .. }
+            | Self::Cycle { .. }
+            | Self::Io { .. }
+            | Self::Interrupted => None,
+        }
+    }
+
+    /// For `map_err`: an I/O error with what was being done to which path.
+    pub(crate) fn io(
+        doing: &'static str,
+        path: impl Into<PathBuf>,
+    ) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.into();
+        move |source| Self::Io {
+            doing,
+            path,
+            source,
+        }
+    }
+}
+
+/// One step of a circle of stages: `stage` needs `file`, which `maker` makes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CycleStep {
+    /// The stage that waits.
+    pub stage: String,
+    /// The input that it waits for.
+    pub file: String,
+    /// The stage that makes it.
+    pub maker: String,
+}
+
+/// What is wrong at one place of a pipeline file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FileProblem {
+    /// Not TOML.
+    #[error("{message}")]
+    Syntax {
+        /// The parser's words.
+        message: String,
+    },
+    /// A key that the table does not have.
+    #[error("unknown key `{key}` in {table}")]
+    UnknownKey {
+        /// The key that was found.
+        key: String,
+        /// The table, as it is written in the file.
+        table: &'static str,
+        /// The most similar key, if one is similar.
+        nearest: Option<String>,
+        /// The keys that the table may have.
+        known: &'static [&'static str],
+    },
+    /// A key that must be there and is not.
+    #[error("{table} lacks `{key}`")]
+    MissingKey {
+        /// The key.
+        key: &'static str,
+        /// The table, as it is written in the file.
+        table: &'static str,
+    },
+    /// A value of another type.
+    #[error("`{key}` is {found}, expected {expected}")]
+    WrongType {
+        /// The key.
+        key: String,
+        /// The type that was found, with its article.
+        found: String,
+        /// The type that is needed.
+        expected: &'static str,
+    },
+    /// A name that cannot be one.
+    #[error("`{name}` cannot be a name: letters, digits, `_` and `-`, the first a letter or digit")]
+    BadName {
+        /// The name that was found.
+        name: String,
+    },
+    /// Two stages of one name.
+    #[error("a second stage `{name}`; the first is on line {first_line}")]
+    DuplicateStage {
+        /// The name.
+        name: String,
+        /// Where the first one stands.
+        first_line: usize,
+    },
+    /// A pipeline without stages.
+    #[error("the pipeline has no [[stage]]")]
+    NoStages,
+    /// A `{name}` without such a parameter.
+    #[error("`{{{name}}}` stands for a parameter, and [params] has no `{name}`")]
+    UnknownParameter {
+        /// The name between the braces.
+        name: String,
+        /// The most similar parameter.
+        nearest: Option<String>,
+    },
+    /// A parameter whose value contains itself.
+    #[error("parameter `{name}` contains itself")]
+    CircularParameter {
+        /// The parameter.
+        name: String,
+    },
+    /// A stage without a command line.
+    #[error("stage `{stage}` has an empty `cmd`")]
+    EmptyCommand {
+        /// The stage.
+        stage: String,
+    },
+    /// An input or output that would take in everything.
+    #[error("`{path}` cannot be an input or output: it names no file or directory below the root")]
+    BadPath {
+        /// The path as written.
+        path: String,
+    },
+}
+
+impl FileProblem {
+    fn suggestion(&self) -> Option<String> {
+        match self {
+            Self::UnknownKey { nearest, known, .. } => did_you_mean(nearest.as_ref())
+                .or_else(|| Some(format!("known keys: {}", known.join(", ")))),
+            Self::UnknownParameter { nearest, name } => did_you_mean(nearest.as_ref())
+                .or_else(|| Some(format!("for the braces themselves, write `{{{{{name}}}}}`"))),
+            _ => None,
+        }
+    }
+}
+
+/// The candidate nearest to `word`, if it is near enough to be meant.
+pub(crate) fn nearest<'a>(
+    word: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<String> {
+    candidates
+        .into_iter()
+        .map(|candidate| (strsim::osa_distance(word, candidate), candidate))
+        .filter(|(distance, candidate)| *distance <= 1 + candidate.chars().count() / 4)
+        .min()
+        .map(|(_, candidate)| candidate.to_owned())
+}
+
+fn did_you_mean(nearest: Option<&String>) -> Option<String> {
+    nearest.map(|name| format!("did you mean `{name}`?"))
+}
+
+fn listing(names: &[String]) -> String {
+    if names.is_empty() {
+        "none".to_owned()
+    } else {
+        names.join(", ")
+    }
+}
+
+fn holder(pid: Option<u32>) -> String {
+    pid.map_or_else(String::new, |pid| {
+        format!(", process {pid} or a stage that it left behind,")
+    })
+}
+
+fn circle(steps: &[CycleStep]) -> String {
+    let step = |s: &CycleStep| format!("`{}` needs `{}` from `{}`", s.stage, s.file, s.maker);
+    steps.iter().map(step).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_similar_word_is_suggested() {
+        assert_eq!(
+            nearest("inptus", ["cmd", "inputs", "outputs"]).as_deref(),
+            Some("inputs")
+        );
+        assert_eq!(nearest("banana", ["cmd", "inputs", "outputs"]), None);
+    }
+}

@@ -1,0 +1,37 @@
+//! What it takes to run a stage somewhere: a [`Job`] in, an [`Ended`] out. One file a place.
+
+pub(crate) mod local;
+
+use std::fs::File;
+use std::path::Path;
+use std::process::ExitStatus;
+
+/// A command line with everything that its process needs.
+pub(crate) struct Job<'a> {
+    /// The executable: a path, or a name to look up.
+    pub(crate) program: &'a Path,
+    /// Its arguments.
+    pub(crate) arguments: &'a [String],
+    /// The directory in which it runs.
+    pub(crate) root: &'a Path,
+    /// Its standard input.
+    pub(crate) stdin: File,
+    /// Takes all that it prints, both streams, line by line.
+    pub(crate) log: File,
+}
+
+/// How a job ended.
+pub(crate) enum Ended {
+    /// By itself.
+    Exited {
+        status: ExitStatus,
+        /// Its standard output; of a long one the last part, in whole lines.
+        stdout: String,
+        /// The last lines of both streams.
+        last_lines: Vec<String>,
+    },
+    /// Before it ran: there is no such program, or it may not be run.
+    NotStarted(std::io::Error),
+    /// By us, because the run was interrupted.
+    Interrupted,
+}

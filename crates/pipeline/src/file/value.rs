@@ -1,0 +1,130 @@
+//! Values of a TOML document, each with the place where it stands.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::PipelineError;
+use crate::error::{FileProblem, nearest};
+use crate::params::{Params, is_name};
+
+pub(super) type Value<'a> = Spanned<DeValue<'a>>;
+
+/// A problem and the byte of the text where it stands.
+pub(super) struct Located {
+    pub(super) at: usize,
+    pub(super) problem: FileProblem,
+}
+
+impl Located {
+    pub(super) fn into_error(self, text: &str, path: &Path) -> PipelineError {
+        let (line, column) = position(text, self.at);
+        PipelineError::Malformed {
+            path: path.to_owned(),
+            line,
+            column,
+            problem: Box::new(self.problem),
+        }
+    }
+}
+
+/// Line and column, both from 1, of a byte.
+pub(super) fn position(text: &str, byte: usize) -> (usize, usize) {
+    let before = text.get(..byte).unwrap_or(text);
+    let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+    let line = before.matches('\n').count() + 1;
+    (line, before[line_start..].chars().count() + 1)
+}
+
+pub(super) fn check_keys(
+    table: &DeTable<'_>,
+    described: &'static str,
+    known: &'static [&'static str],
+) -> Result<(), Located> {
+    let unknown = table
+        .keys()
+        .filter(|key| !known.contains(&key.get_ref().as_ref()))
+        .min_by_key(|key| key.span().start);
+    unknown.map_or(Ok(()), |key| {
+        Err(Located {
+            at: key.span().start,
+            problem: FileProblem::UnknownKey {
+                key: key.get_ref().to_string(),
+                table: described,
+                nearest: nearest(key.get_ref(), known.iter().copied()),
+                known,
+            },
+        })
+    })
+}
+
+pub(super) fn required<'t, 'i>(
+    table: &'t DeTable<'i>,
+    key: &'static str,
+    described: &'static str,
+    at: usize,
+) -> Result<&'t Value<'i>, Located> {
+    table.get(key).ok_or(Located {
+        at,
+        problem: FileProblem::MissingKey {
+            key,
+            table: described,
+        },
+    })
+}
+
+pub(super) fn check_name(name: &str, at: usize) -> Result<(), Located> {
+    let name = name.to_owned();
+    let problem = FileProblem::BadName { name };
+    match &problem {
+        FileProblem::BadName { name } if is_name(name) => Ok(()),
+        _ => Err(Located { at, problem }),
+    }
+}
+
+/// The strings of an array, parameters put in, each with the byte where it stands.
+pub(super) fn strings(
+    key: &str,
+    value: &Value<'_>,
+    params: &Params,
+    used: &mut BTreeSet<String>,
+) -> Result<Vec<(String, usize)>, Located> {
+    let DeValue::Array(entries) = value.get_ref() else {
+        return Err(wrong_type(key, value, "an array of strings"));
+    };
+    let mut texts = Vec::new();
+    for entry in entries {
+        let at = entry.span().start;
+        let text = params
+            .substitute(&string(key, entry)?, used)
+            .map_err(|problem| Located { at, problem })?;
+        texts.push((text, at));
+    }
+    Ok(texts)
+}
+
+pub(super) fn string(key: &str, value: &Value<'_>) -> Result<String, Located> {
+    value
+        .get_ref()
+        .as_str()
+        .map(str::to_owned)
+        .ok_or_else(|| wrong_type(key, value, "a string"))
+}
+
+pub(super) fn wrong_type(key: &str, value: &Value<'_>, expected: &'static str) -> Located {
+    let found = match value.get_ref() {
+        DeValue::Integer(_) => "an integer".to_owned(),
+        DeValue::Array(_) => "an array".to_owned(),
+        other => format!("a {}", other.type_str()),
+    };
+    Located {
+        at: value.span().start,
+        problem: FileProblem::WrongType {
+            key: key.to_owned(),
+            found,
+            expected,
+        },
+    }
+}

@@ -1,0 +1,115 @@
+//! One run at a time on one ledger.
+
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use crate::PipelineError;
+
+/// Stages that were just killed hold the lock until the system has cleared them away.
+const TRIES: u32 = 25;
+const BETWEEN_TRIES: Duration = Duration::from_millis(10);
+
+/// The right to change a ledger and the outputs that it describes.
+///
+/// The system releases the lock with the last process that holds it, so a dead one cannot
+/// keep it. The file stays: deleting it would let two runs lock two files of one name.
+#[derive(Debug)]
+pub(crate) struct RunLock {
+    path: PathBuf,
+    file: File,
+}
+
+impl RunLock {
+    /// Takes the lock, or says who has it.
+    pub(crate) fn acquire(path: PathBuf) -> Result<Self, PipelineError> {
+        let failed = || PipelineError::io("lock", &path);
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder).map_err(failed())?;
+        }
+        let mut file = OpenOptions::new()
+            .create(true)
+            .truncate(false)
+            .read(true)
+            .write(true)
+            .open(&path)
+            .map_err(failed())?;
+        let mut tries = 1;
+        while let Err(error) = file.try_lock() {
+            match error {
+                TryLockError::Error(error) => return Err(failed()(error)),
+                TryLockError::WouldBlock if tries == TRIES => {
+                    let pid = pid_in(&path);
+                    return Err(PipelineError::Busy { path, pid });
+                }
+                TryLockError::WouldBlock => std::thread::sleep(BETWEEN_TRIES),
+            }
+            tries += 1;
+        }
+        file.set_len(0)
+            .and_then(|()| writeln!(file, "{}", std::process::id()))
+            .map_err(failed())?;
+        Ok(Self { path, file })
+    }
+
+    /// The lock as a child's standard input, which reads as empty.
+    ///
+    /// A run that is killed outright thus leaves the lock to the stages that still write,
+    /// and the next run does not start beside them.
+    pub(crate) fn as_stdin(&self) -> Result<File, PipelineError> {
+        let failed = || PipelineError::io("lock", &self.path);
+        let mut file = self.file.try_clone().map_err(failed())?;
+        file.seek(SeekFrom::End(0)).map_err(failed())?;
+        Ok(file)
+    }
+}
+
+fn pid_in(path: &Path) -> Option<u32> {
+    std::fs::read_to_string(path).ok()?.trim().parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_second_run_is_told_who_holds_the_lock() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.running");
+        let held = RunLock::acquire(path.clone()).unwrap();
+        match RunLock::acquire(path.clone()).unwrap_err() {
+            PipelineError::Busy { pid, .. } => assert_eq!(pid, Some(std::process::id())),
+            other => panic!("{other}"),
+        }
+        drop(held);
+        assert!(RunLock::acquire(path).is_ok());
+    }
+
+    #[test]
+    fn the_file_of_a_dead_process_holds_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.running");
+        std::fs::write(&path, "1234567\n").unwrap();
+        assert!(RunLock::acquire(path).is_ok());
+    }
+
+    #[test]
+    fn a_stage_that_was_left_behind_keeps_the_lock_and_reads_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.running");
+        let held = RunLock::acquire(path.clone()).unwrap();
+        let mut child = std::process::Command::new("sh")
+            .args(["-c", "cat; exec sleep 20"])
+            .stdin(held.as_stdin().unwrap())
+            .stdout(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(held);
+        assert!(RunLock::acquire(path.clone()).is_err());
+        child.kill().unwrap();
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.stdout, b"");
+        assert!(RunLock::acquire(path).is_ok());
+    }
+}

@@ -1,0 +1,195 @@
+//! What a stage is made from: one list that is hashed and that explains.
+
+use std::collections::BTreeMap;
+
+use crate::content::Hasher;
+use crate::place::Program;
+use crate::{PipelineError, Reason, Stage};
+
+/// Everything that a stage's outputs depend on, gathered in one traversal.
+///
+/// Two manifests are equal exactly when their digests are, and where they differ the
+/// difference is a [`Reason`]: nothing is hashed that cannot be named.
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(transparent)]
+pub struct Manifest(BTreeMap<FactKind, BTreeMap<String, String>>);
+
+/// The kinds of facts in a manifest.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum FactKind {
+    /// `line`: the command line with all parameters in place.
+    Command,
+    /// Version of the program's command, by the command.
+    Version,
+    /// Value of each parameter in use, by its name.
+    Parameter,
+    /// Content of each input, by its path: a hash, for a directory with its number of files.
+    Input,
+}
+
+const COMMAND_LINE: &str = "line";
+
+impl Manifest {
+    /// Lists what `stage` would be made from now. An input that is not there has no entry.
+    pub(crate) fn of(
+        stage: &Stage,
+        program: Option<&Program>,
+        hasher: &Hasher<'_>,
+    ) -> Result<Self, PipelineError> {
+        let mut manifest = Self::default();
+        let command = crate::shell::quoted(&stage.command);
+        manifest.add(FactKind::Command, COMMAND_LINE, command);
+        if let Some(program) = program.filter(|program| program.name == stage.command[0]) {
+            let command = stage.command.get(1).map_or("", String::as_str);
+            if let Some(version) = program.versions.get(command) {
+                let name = format!("{} {command}", program.name);
+                manifest.add(FactKind::Version, &name, version.clone());
+            }
+        }
+        for (name, value) in &stage.params {
+            manifest.add(FactKind::Parameter, name, value.clone());
+        }
+        for input in &stage.inputs {
+            if let Some(content) = hasher.content(input)? {
+                manifest.add(FactKind::Input, input, content);
+            }
+        }
+        Ok(manifest)
+    }
+
+    /// The facts of one kind, by name.
+    pub fn facts(&self, kind: FactKind) -> impl Iterator<Item = (&str, &str)> {
+        let facts = self.0.get(&kind).into_iter().flatten();
+        facts.map(|(name, value)| (name.as_str(), value.as_str()))
+    }
+
+    /// The hash of the whole list, as 64 hexadecimal digits.
+    pub fn digest(&self) -> String {
+        let mut hasher = blake3::Hasher::new();
+        for (kind, facts) in &self.0 {
+            for (name, value) in facts {
+                hasher.update(&[*kind as u8]);
+                for part in [name, value] {
+                    hasher.update(&(part.len() as u64).to_le_bytes());
+                    hasher.update(part.as_bytes());
+                }
+            }
+        }
+        hasher.finalize().to_hex().to_string()
+    }
+
+    /// Why a stage made from `self` must be made again from `now`; empty if it need not.
+    pub(crate) fn differences(&self, now: &Self) -> Vec<Reason> {
+        let mut reasons = Vec::new();
+        for (name, change) in self.changes(now, FactKind::Parameter) {
+            let (before, now) = change;
+            reasons.push(Reason::ParameterChanged { name, before, now });
+        }
+        // A parameter in the command line has already been named: the line as a whole is
+        // given only where no parameter explains it.
+        if reasons.is_empty() {
+            for (_, (before, now)) in self.changes(now, FactKind::Command) {
+                let (before, now) = (before.unwrap_or_default(), now.unwrap_or_default());
+                reasons.push(Reason::CommandChanged { before, now });
+            }
+        }
+        for (command, (before, now)) in self.changes(now, FactKind::Version) {
+            reasons.push(Reason::VersionChanged {
+                command,
+                before,
+                now,
+            });
+        }
+        for (path, (before, now)) in self.changes(now, FactKind::Input) {
+            reasons.push(match (before, now) {
+                (None, _) => Reason::InputAdded { path },
+                (_, None) => Reason::InputRemoved { path },
+                (Some(before), Some(now)) => Reason::InputChanged { path, before, now },
+            });
+        }
+        reasons
+    }
+
+    fn add(&mut self, kind: FactKind, name: &str, value: String) {
+        self.0
+            .entry(kind)
+            .or_default()
+            .insert(name.to_owned(), value);
+    }
+
+    /// The facts of a kind that differ, by name, as they were and as they are.
+    fn changes(&self, now: &Self, kind: FactKind) -> BTreeMap<String, Change> {
+        let mut changes: BTreeMap<String, Change> = BTreeMap::new();
+        for (name, value) in self.facts(kind) {
+            changes.entry(name.to_owned()).or_default().0 = Some(value.to_owned());
+        }
+        for (name, value) in now.facts(kind) {
+            changes.entry(name.to_owned()).or_default().1 = Some(value.to_owned());
+        }
+        changes.retain(|_, (before, now)| before != now);
+        changes
+    }
+}
+
+type Change = (Option<String>, Option<String>);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn manifest(facts: &[(FactKind, &str, &str)]) -> Manifest {
+        let mut manifest = Manifest::default();
+        for (kind, name, value) in facts {
+            manifest.add(*kind, name, (*value).to_owned());
+        }
+        manifest
+    }
+
+    #[test]
+    fn a_parameter_is_named_instead_of_the_whole_command_line() {
+        let before = manifest(&[
+            (FactKind::Command, COMMAND_LINE, "x 1"),
+            (FactKind::Parameter, "seed", "1"),
+        ]);
+        let now = manifest(&[
+            (FactKind::Command, COMMAND_LINE, "x 2"),
+            (FactKind::Parameter, "seed", "2"),
+        ]);
+        let reasons = before.differences(&now);
+        assert_eq!(reasons.len(), 1);
+        assert_eq!(
+            reasons[0].to_string(),
+            "parameter `seed` changed from 1 to 2"
+        );
+    }
+
+    fn any_manifest() -> impl Strategy<Value = Manifest> {
+        let kind = prop_oneof![
+            Just(FactKind::Command),
+            Just(FactKind::Version),
+            Just(FactKind::Parameter),
+            Just(FactKind::Input),
+        ];
+        let fact = (kind, "[ab]{0,2}", "[ab]{0,2}");
+        prop::collection::vec(fact, 0..4).prop_map(|facts| {
+            let mut manifest = Manifest::default();
+            for (kind, name, value) in facts {
+                manifest.add(kind, &name, value);
+            }
+            manifest
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn a_digest_differs_exactly_when_a_difference_can_be_named(
+            a in any_manifest(), b in any_manifest()
+        ) {
+            prop_assert_eq!(a.digest() != b.digest(), !a.differences(&b).is_empty());
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! Parameters: `[params]`, `--set`, and `{name}` in the text of a stage.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::PipelineError;
+use crate::error::{FileProblem, nearest};
+
+/// The type that a parameter's value has in the file; `--set` may not change it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ParamKind {
+    Text,
+    Integer,
+    Float,
+    Boolean,
+}
+
+impl ParamKind {
+    fn described(self) -> &'static str {
+        match self {
+            Self::Text => "a string",
+            Self::Integer => "a whole number",
+            Self::Float => "a number",
+            Self::Boolean => "true or false",
+        }
+    }
+
+    fn admits(self, value: &str) -> bool {
+        match self {
+            Self::Text => true,
+            Self::Integer => value.parse::<i64>().is_ok(),
+            Self::Float => value.parse::<f64>().is_ok_and(f64::is_finite),
+            Self::Boolean => matches!(value, "true" | "false"),
+        }
+    }
+}
+
+/// A parameter as written, braces and all.
+#[derive(Debug, Clone)]
+pub(crate) struct Param {
+    pub(crate) kind: ParamKind,
+    pub(crate) text: String,
+}
+
+/// All parameters of a pipeline, by name.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Params(pub(crate) BTreeMap<String, Param>);
+
+/// Splits what follows `--set` at its first equals sign.
+///
+/// # Errors
+/// [`PipelineError::OverrideForm`] if there is none, or nothing before it.
+///
+/// # Example
+/// ```
+/// # use maveric_pipeline::parse_override;
+/// assert_eq!(parse_override("seed=7")?, ("seed".to_owned(), "7".to_owned()));
+/// assert!(parse_override("seed").is_err());
+/// # Ok::<(), maveric_pipeline::PipelineError>(())
+/// ```
+pub fn parse_override(text: &str) -> Result<(String, String), PipelineError> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() => {
+            Ok((name.trim().to_owned(), value.to_owned()))
+        }
+        _ => Err(PipelineError::OverrideForm {
+            text: text.to_owned(),
+        }),
+    }
+}
+
+impl Params {
+    /// Replaces the value of a parameter that exists.
+    pub(crate) fn set(&mut self, name: &str, value: &str) -> Result<(), PipelineError> {
+        let known: Vec<String> = self.0.keys().cloned().collect();
+        let Some(param) = self.0.get_mut(name) else {
+            return Err(PipelineError::UnknownOverride {
+                name: name.to_owned(),
+                nearest: nearest(name, known.iter().map(String::as_str)),
+                known,
+            });
+        };
+        if !param.kind.admits(value) {
+            return Err(PipelineError::OverrideType {
+                name: name.to_owned(),
+                value: value.to_owned(),
+                expected: param.kind.described(),
+            });
+        }
+        value.clone_into(&mut param.text);
+        Ok(())
+    }
+
+    /// `text` with each `{name}` replaced, and `{{name}}` by `{name}`; the names replaced,
+    /// also inside other parameters, join `used`. Braces around anything else stay.
+    pub(crate) fn substitute(
+        &self,
+        text: &str,
+        used: &mut BTreeSet<String>,
+    ) -> Result<String, FileProblem> {
+        self.substitute_within(text, used, &mut Vec::new())
+    }
+
+    fn substitute_within(
+        &self,
+        text: &str,
+        used: &mut BTreeSet<String>,
+        open: &mut Vec<String>,
+    ) -> Result<String, FileProblem> {
+        let mut result = String::with_capacity(text.len());
+        let mut rest = text;
+        while let Some(brace) = rest.find('{') {
+            result.push_str(&rest[..brace]);
+            rest = &rest[brace..];
+            if let Some(name) = rest.strip_prefix("{{").and_then(|r| name_before(r, "}}")) {
+                result.extend(["{", name, "}"]);
+                rest = &rest[name.len() + 4..];
+            } else if let Some(name) = name_before(&rest[1..], "}") {
+                result.push_str(&self.value(name, used, open)?);
+                rest = &rest[name.len() + 2..];
+            } else {
+                result.push('{');
+                rest = &rest[1..];
+            }
+        }
+        result.push_str(rest);
+        Ok(result)
+    }
+
+    fn value(
+        &self,
+        name: &str,
+        used: &mut BTreeSet<String>,
+        open: &mut Vec<String>,
+    ) -> Result<String, FileProblem> {
+        let param = self
+            .0
+            .get(name)
+            .ok_or_else(|| FileProblem::UnknownParameter {
+                name: name.to_owned(),
+                nearest: nearest(name, self.0.keys().map(String::as_str)),
+            })?;
+        if open.iter().any(|outer| outer == name) {
+            return Err(FileProblem::CircularParameter {
+                name: name.to_owned(),
+            });
+        }
+        open.push(name.to_owned());
+        let value = self.substitute_within(&param.text, used, open)?;
+        open.pop();
+        used.insert(name.to_owned());
+        Ok(value)
+    }
+}
+
+/// Whether `name` can name a parameter, a stage or a pipeline: it must do as a file name.
+pub(crate) fn is_name(name: &str) -> bool {
+    name.starts_with(|c: char| c.is_ascii_alphanumeric())
+        && name
+            .chars()
+            .all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-')
+}
+
+fn name_before<'a>(text: &'a str, end: &str) -> Option<&'a str> {
+    let (name, _) = text.split_once(end)?;
+    is_name(name).then_some(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn params(pairs: &[(&str, &str)]) -> Params {
+        let param = |text: &str| Param {
+            kind: ParamKind::Text,
+            text: text.to_owned(),
+        };
+        Params(
+            pairs
+                .iter()
+                .map(|(k, v)| ((*k).to_owned(), param(v)))
+                .collect(),
+        )
+    }
+
+    #[test]
+    fn a_parameter_may_use_another_and_both_count_as_used() {
+        let mut used = BTreeSet::new();
+        let params = params(&[("out", "data"), ("drives", "{out}/drives")]);
+        let text = params.substitute("{drives}/a.csv", &mut used).unwrap();
+        assert_eq!(text, "data/drives/a.csv");
+        assert_eq!(used.into_iter().collect::<Vec<_>>(), ["drives", "out"]);
+    }
+
+    #[test]
+    fn braces_that_hold_no_name_stay() {
+        let params = params(&[("a", "1")]);
+        let substituted = |text| params.substitute(text, &mut BTreeSet::new()).unwrap();
+        assert_eq!(substituted("awk '{print $1}' {a}"), "awk '{print $1}' 1");
+        assert_eq!(substituted("{{a}} {if(x){y;}} {"), "{a} {if(x){y;}} {");
+    }
+
+    #[test]
+    fn a_parameter_that_contains_itself_is_an_error() {
+        let params = params(&[("a", "{b}"), ("b", "{a}")]);
+        let result = params.substitute("{a}", &mut BTreeSet::new());
+        assert!(matches!(result, Err(FileProblem::CircularParameter { .. })));
+    }
+
+    #[test]
+    fn a_number_cannot_be_set_to_a_word() {
+        let mut params = params(&[]);
+        let kind = ParamKind::Integer;
+        let text = "1".to_owned();
+        params.0.insert("seed".to_owned(), Param { kind, text });
+        assert!(params.set("seed", "two").is_err());
+        assert!(params.set("seed", "2").is_ok());
+        let error = params.set("sed", "2").unwrap_err();
+        assert_eq!(error.suggestion().as_deref(), Some("did you mean `seed`?"));
+    }
+}

@@ -1,0 +1,101 @@
+//! Where a pipeline runs and with what program.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use crate::paths::normalise;
+use crate::{Pipeline, PipelineError, Stage};
+
+/// The directories and files of one run, all chosen by the caller.
+#[derive(Debug, Clone)]
+pub struct Place {
+    /// Relative paths of the pipeline file start here, and stages run here.
+    pub root: PathBuf,
+    /// What each output was made from; `<ledger>.hashes` (a cache that may be deleted)
+    /// and `<ledger>.running` (the lock) stand beside it.
+    pub ledger: PathBuf,
+    /// Holds `<stage>.log`, everything the stage's last run printed. A relative path
+    /// starts at the current directory, as does the ledger's.
+    pub log_dir: PathBuf,
+    /// The program that stages may call by name.
+    pub program: Option<Program>,
+}
+
+/// A program whose commands stages call by its name, wherever it is installed.
+///
+/// Its version command by command, not its bytes, is what outputs are made from: an
+/// unrelated release does not rebuild a study.
+#[derive(Debug, Clone)]
+pub struct Program {
+    /// The first word of a stage's `cmd` that means this program.
+    pub name: String,
+    /// The executable that is run instead; absolute.
+    pub path: PathBuf,
+    /// Version of each command's numbers, by the command's name (the second word).
+    pub versions: BTreeMap<String, String>,
+}
+
+impl Place {
+    pub(crate) fn hash_cache(&self) -> PathBuf {
+        self.beside_ledger(".hashes")
+    }
+
+    pub(crate) fn lock(&self) -> PathBuf {
+        self.beside_ledger(".running")
+    }
+
+    pub(crate) fn log_of(&self, stage: &str) -> PathBuf {
+        self.log_dir.join(format!("{stage}.log"))
+    }
+
+    pub(crate) fn stdout_of(&self, stage: &str) -> PathBuf {
+        self.log_dir.join(format!("{stage}.out"))
+    }
+
+    /// Refuses stages that would remove what the run needs, or be changed by its ledger.
+    pub(crate) fn check(&self, pipeline: &Pipeline) -> Result<(), PipelineError> {
+        let kept = [self.ledger.as_path(), &self.log_dir].map(|path| (path, one_spelling(path)));
+        let fixed = [self.root.as_path(), pipeline.path()].map(|path| (path, one_spelling(path)));
+        for stage in pipeline.stages() {
+            for output in &stage.outputs {
+                self.refuse_inside(stage, output, kept.iter().chain(&fixed))?;
+            }
+            for input in &stage.inputs {
+                self.refuse_inside(stage, input, kept.iter())?;
+            }
+        }
+        Ok(())
+    }
+
+    fn refuse_inside<'a>(
+        &self,
+        stage: &Stage,
+        directory: &str,
+        mut paths: impl Iterator<Item = &'a (&'a Path, PathBuf)>,
+    ) -> Result<(), PipelineError> {
+        let full = one_spelling(&self.root.join(directory));
+        match paths.find(|(_, path)| path.starts_with(&full)) {
+            None => Ok(()),
+            Some((path, _)) => Err(PipelineError::HoldsOurs {
+                stage: stage.name.clone(),
+                directory: directory.to_owned(),
+                path: path.to_path_buf(),
+            }),
+        }
+    }
+
+    fn beside_ledger(&self, suffix: &str) -> PathBuf {
+        let mut name = self.ledger.as_os_str().to_owned();
+        name.push(suffix);
+        PathBuf::from(name)
+    }
+}
+
+/// The absolute path without `..`; symbolic links are not looked at.
+fn one_spelling(path: &Path) -> PathBuf {
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    match absolute.to_str().and_then(normalise) {
+        Some(text) => PathBuf::from(text),
+        None => absolute,
+    }
+}

@@ -1,0 +1,136 @@
+//! Why a stage runs, in sentences.
+
+use std::fmt;
+
+/// One reason why a stage is not up to date.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Reason {
+    /// The caller insisted.
+    Forced,
+    /// The ledger knows no finished run.
+    NeverRun,
+    /// Its last run was begun and did not end well.
+    Unfinished,
+    /// A stage that makes one of its inputs runs first.
+    Upstream {
+        /// That stage.
+        stage: String,
+    },
+    /// The command line changed, and not by a parameter.
+    CommandChanged {
+        /// The line of the last run.
+        before: String,
+        /// The line now.
+        now: String,
+    },
+    /// A parameter changed.
+    ParameterChanged {
+        /// Its name.
+        name: String,
+        /// The value of the last run; `None` if it was not in use.
+        before: Option<String>,
+        /// The value now; `None` if it is no longer in use.
+        now: Option<String>,
+    },
+    /// The program computes something else now.
+    VersionChanged {
+        /// Program and command.
+        command: String,
+        /// The version of the last run.
+        before: Option<String>,
+        /// The version now.
+        now: Option<String>,
+    },
+    /// An input has another content.
+    InputChanged {
+        /// Its path.
+        path: String,
+        /// Its content at the last run.
+        before: String,
+        /// Its content now.
+        now: String,
+    },
+    /// An input is new.
+    InputAdded {
+        /// Its path.
+        path: String,
+    },
+    /// An input of the last run is gone.
+    InputRemoved {
+        /// Its path.
+        path: String,
+    },
+    /// An input is not there and no stage makes it: the stage cannot run.
+    InputMissing {
+        /// Its path.
+        path: String,
+    },
+    /// An output is not there.
+    OutputMissing {
+        /// Its path.
+        path: String,
+    },
+    /// An output is not what the stage had made.
+    OutputEdited {
+        /// Its path.
+        path: String,
+    },
+    /// The last run did not have this output.
+    OutputAdded {
+        /// Its path.
+        path: String,
+    },
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Forced => write!(f, "it was asked for by force"),
+            Self::NeverRun => write!(f, "there is no record of a finished run"),
+            Self::Unfinished => write!(f, "its last run did not finish"),
+            Self::Upstream { stage } => write!(f, "stage `{stage}` runs before it"),
+            Self::CommandChanged { before, now } => {
+                write!(f, "the command changed from `{before}` to `{now}`")
+            }
+            Self::ParameterChanged { name, before, now } => match (before, now) {
+                (Some(before), Some(now)) => {
+                    write!(f, "parameter `{name}` changed from {before} to {now}")
+                }
+                (None, Some(now)) => write!(f, "parameter `{name}` ({now}) is new in the stage"),
+                (_, None) => write!(f, "parameter `{name}` is no longer in the stage"),
+            },
+            Self::VersionChanged {
+                command,
+                before,
+                now,
+            } => {
+                let version = |v: &Option<String>| v.clone().unwrap_or_else(|| "none".to_owned());
+                let (before, now) = (version(before), version(now));
+                write!(f, "`{command}` changed from version {before} to {now}")
+            }
+            Self::InputChanged { path, before, now } => match (files(before), files(now)) {
+                (Some(before), Some(now)) if before != now => {
+                    write!(f, "input `{path}` changed: it had {before}, it has {now}")
+                }
+                _ => write!(f, "input `{path}` changed"),
+            },
+            Self::InputAdded { path } => write!(f, "input `{path}` is new"),
+            Self::InputRemoved { path } => write!(f, "input `{path}` is no longer there"),
+            Self::InputMissing { path } => {
+                write!(f, "input `{path}` does not exist and no stage makes it")
+            }
+            Self::OutputMissing { path } => write!(f, "output `{path}` is not there"),
+            Self::OutputEdited { path } => {
+                write!(f, "output `{path}` is not as the stage had left it")
+            }
+            Self::OutputAdded { path } => write!(f, "output `{path}` is new"),
+        }
+    }
+}
+
+/// The number of files in a directory's content.
+fn files(content: &str) -> Option<&str> {
+    content.split_once(" in ").map(|(_, files)| files)
+}

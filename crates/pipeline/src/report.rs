@@ -1,0 +1,130 @@
+//! What a run did, stage by stage.
+
+use std::path::PathBuf;
+
+use crate::Reason;
+
+/// What became of a stage.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum State {
+    /// It was not asked for.
+    Unknown,
+    /// It waits for stages upstream: at the end of a run, it did not come to run.
+    Wanted,
+    /// All that it needs is there: at the end of a run, it was not begun or was interrupted.
+    Ready,
+    /// It runs.
+    Running,
+    /// It ran, and its outputs are there.
+    Done,
+    /// It ran and did not end well.
+    Failed,
+    /// It had nothing to do.
+    UpToDate,
+}
+
+/// Why and how a stage failed.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, thiserror::Error)]
+#[error("stage `{stage}` failed: {cause}")]
+pub struct Failure {
+    /// The stage.
+    pub stage: String,
+    /// What went wrong.
+    pub cause: FailureCause,
+    /// The last lines that it printed, at most twenty.
+    pub last_lines: Vec<String>,
+    /// A shell command that repeats the stage alone.
+    pub repeat: String,
+    /// Everything that it printed, if it was begun.
+    pub log: Option<PathBuf>,
+    /// How long it ran, in seconds, if it was begun.
+    pub seconds: Option<f64>,
+}
+
+/// What went wrong in a stage.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, thiserror::Error)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum FailureCause {
+    /// Its program ended with an error.
+    #[error("its program ended with exit status {code}")]
+    Exit {
+        /// The exit status.
+        code: i32,
+    },
+    /// Something killed its program.
+    #[error("its program was killed{}", signal.map_or_else(String::new, |s| format!(" by signal {s}")))]
+    Killed {
+        /// The signal, where the system has them.
+        signal: Option<i32>,
+    },
+    /// Its program could not be started.
+    #[error("`{program}` cannot be started: {message}")]
+    NotStarted {
+        /// The program.
+        program: String,
+        /// What the system said.
+        message: String,
+    },
+    /// Its program ended well without having made all outputs.
+    #[error("its program ended well but did not make {}", paths.join(", "))]
+    OutputsMissing {
+        /// The outputs that are not there.
+        paths: Vec<String>,
+    },
+    /// The stages upstream ran but an input is not there.
+    #[error("the stages before it did not make {}", paths.join(", "))]
+    InputsMissing {
+        /// The inputs that are not there.
+        paths: Vec<String>,
+    },
+}
+
+/// How a run ended as a whole.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// All wanted stages are up to date.
+    Done,
+    /// At least one stage failed.
+    Failed,
+    /// The cancel flag was set; the next run continues after the last finished stage.
+    Interrupted,
+}
+
+/// What a run did.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct RunReport {
+    /// How it ended as a whole.
+    pub outcome: Outcome,
+    /// The wanted stages, in the order of [`Graph::ordered`](crate::Graph::ordered).
+    pub stages: Vec<StageResult>,
+    /// The failures, in the order in which they happened.
+    pub failures: Vec<Failure>,
+    /// What the stages with `summary = true` that are up to date printed, in the same order
+    /// as `stages`, also if they had nothing to do this time.
+    pub summaries: Vec<Summary>,
+}
+
+/// What became of one stage.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct StageResult {
+    /// The stage.
+    pub stage: String,
+    /// What became of it.
+    pub state: State,
+    /// Why it ran; empty if it did not.
+    pub reasons: Vec<Reason>,
+    /// How long it ran, in seconds, if it did.
+    pub seconds: Option<f64>,
+}
+
+/// The standard output of a stage.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct Summary {
+    /// The stage.
+    pub stage: String,
+    /// What it printed; of a long text the last part.
+    pub text: String,
+}

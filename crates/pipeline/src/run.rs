@@ -1,0 +1,202 @@
+//! Bringing a pipeline up to date: each stage as soon as what it needs is there.
+
+use std::collections::BTreeSet;
+use std::num::NonZeroUsize;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::time::Duration;
+
+use crate::attempt::{Attempt, News, Workshop};
+use crate::content::Hasher;
+use crate::ledger::OpenLedger;
+use crate::lock::RunLock;
+use crate::schedule::Schedule;
+use crate::{Failure, Graph, Ledger, Pipeline, PipelineError, Place, Reason, RunReport};
+
+/// How often the cancel flag is looked at.
+const TICK: Duration = Duration::from_millis(20);
+
+/// What to run and how.
+#[derive(Debug, Clone)]
+pub struct RunOptions {
+    /// Stages or files; each comes with everything upstream. Empty: all stages.
+    pub targets: Vec<String>,
+    /// How many stages may run at once.
+    pub jobs: NonZeroUsize,
+    /// Run the targets (all stages if there are none) even if they are up to date.
+    pub force: bool,
+    /// After a failure, go on with what does not need the failed stage.
+    pub keep_going: bool,
+    /// Set it to interrupt the run: running stages are ended within about 0.2 s.
+    pub cancel: Arc<AtomicBool>,
+}
+
+impl Default for RunOptions {
+    fn default() -> Self {
+        Self {
+            targets: Vec::new(),
+            jobs: NonZeroUsize::MIN,
+            force: false,
+            keep_going: false,
+            cancel: Arc::default(),
+        }
+    }
+}
+
+/// What happens in a run, as it happens, told on the thread that called [`run`].
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Event<'a> {
+    /// A stage begins.
+    Started {
+        /// Its name.
+        stage: &'a str,
+        /// Its command line as in the pipeline file, parameters put in.
+        command: String,
+        /// Why it runs.
+        reasons: &'a [Reason],
+    },
+    /// A stage wrote a line to its standard error.
+    Line {
+        /// The stage.
+        stage: &'a str,
+        /// The line, without its end.
+        line: &'a str,
+    },
+    /// A stage has nothing to do.
+    UpToDate {
+        /// The stage.
+        stage: &'a str,
+        /// How many of the wanted stages are settled, this one included.
+        settled: usize,
+        /// How many stages are wanted.
+        wanted: usize,
+    },
+    /// A stage has made its outputs.
+    Finished {
+        /// The stage.
+        stage: &'a str,
+        /// How long it ran, in seconds.
+        seconds: f64,
+        /// How many of the wanted stages are settled, this one included.
+        settled: usize,
+        /// How many stages are wanted.
+        wanted: usize,
+    },
+    /// A stage failed.
+    Failed(&'a Failure),
+}
+
+/// Brings the targets and everything upstream up to date.
+///
+/// A stage runs if its command line, parameters, program version or inputs are not those of
+/// its last good run, or if its outputs are not what that run left. The ledger is written
+/// after each stage, so that an interrupted run goes on where it stopped.
+///
+/// # Errors
+/// As [`plan`](crate::plan), [`PipelineError::Busy`] if another run is at work on the
+/// ledger, or if the ledger or a log cannot be written. A stage that fails is no error but
+/// part of the report.
+pub fn run(
+    pipeline: &Pipeline,
+    place: &Place,
+    options: &RunOptions,
+    observe: &mut dyn FnMut(Event<'_>),
+) -> Result<RunReport, PipelineError> {
+    let graph = Graph::new(pipeline)?;
+    graph.check_commands(place.program.as_ref())?;
+    place.check(pipeline)?;
+    let wanted = graph.wanted(&options.targets)?;
+    graph.check_sources(&wanted, place)?;
+    let forced = crate::status::forced(&graph, &options.targets, options.force)?;
+    let lock = RunLock::acquire(place.lock())?;
+    let mut ledger = Ledger::read(&place.ledger, pipeline.name())?;
+    let named = |stage: &String| pipeline.stages().iter().any(|s| s.name == *stage);
+    ledger.stage.retain(|stage, _| named(stage));
+    ledger.unfinished.retain(|stage, _| named(stage));
+    std::fs::create_dir_all(&place.log_dir).map_err(PipelineError::io("create", &place.log_dir))?;
+    let stop = AtomicBool::new(false);
+    let workshop = Workshop {
+        pipeline,
+        place,
+        hasher: Hasher::new(&place.root, place.hash_cache(), &stop),
+        ledger: Mutex::new(OpenLedger::new(place.ledger.clone(), ledger)),
+        lock,
+        stop: &stop,
+    };
+    let mut schedule = Schedule::new(&graph, wanted);
+    let result = work(&workshop, &mut schedule, &forced, options, observe);
+    workshop.hasher.save();
+    result?;
+    Ok(schedule.report(place))
+}
+
+enum Message {
+    News(usize, News),
+    Ended(usize, Result<Attempt, PipelineError>),
+}
+
+/// Hands ready stages to workers until there are none, or none may be begun.
+fn work(
+    workshop: &Workshop<'_>,
+    schedule: &mut Schedule<'_>,
+    forced: &BTreeSet<usize>,
+    options: &RunOptions,
+    observe: &mut dyn FnMut(Event<'_>),
+) -> Result<(), PipelineError> {
+    let graph = schedule.graph;
+    let jobs = options.jobs.get().min(schedule.wanted.len());
+    let (to_workers, orders) = mpsc::channel::<usize>();
+    let orders = Mutex::new(orders);
+    let (to_us, messages) = mpsc::channel();
+    let worker = |to_us: mpsc::Sender<Message>| {
+        let next = || orders.lock().unwrap_or_else(PoisonError::into_inner).recv();
+        while let Ok(index) = next() {
+            // The receiver outlives the workers, so nothing told is lost.
+            let mut tell = |news| drop(to_us.send(Message::News(index, news)));
+            let result = workshop.attempt(graph.stage(index), forced.contains(&index), &mut tell);
+            let _ = to_us.send(Message::Ended(index, result));
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..jobs {
+            let to_us = to_us.clone();
+            scope.spawn(|| worker(to_us));
+        }
+        let mut error = None;
+        let mut running = 0;
+        loop {
+            if options.cancel.load(Ordering::Relaxed) {
+                schedule.interrupted = true;
+                workshop.stop.store(true, Ordering::Relaxed);
+            }
+            let halted = error.is_some()
+                || schedule.interrupted
+                || (!schedule.failures.is_empty() && !options.keep_going);
+            while !halted && running < jobs {
+                let Some(index) = schedule.begin_next() else {
+                    break;
+                };
+                running += usize::from(to_workers.send(index).is_ok());
+            }
+            if running == 0 {
+                break;
+            }
+            match messages.recv_timeout(TICK) {
+                Ok(Message::News(index, news)) => schedule.hear(index, news, observe),
+                Ok(Message::Ended(index, Ok(attempt))) => {
+                    running -= 1;
+                    schedule.settle(index, attempt, observe);
+                }
+                Ok(Message::Ended(_, Err(failed))) => {
+                    running -= 1;
+                    workshop.stop.store(true, Ordering::Relaxed);
+                    error.get_or_insert(failed);
+                }
+                Err(_) => {} // nothing new: look at the flag again
+            }
+        }
+        drop(to_workers);
+        error.map_or(Ok(()), Err)
+    })
+}

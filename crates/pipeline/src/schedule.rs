@@ -1,0 +1,171 @@
+//! Where each stage of a run stands, and which one may be begun next.
+
+use std::collections::BTreeSet;
+
+use crate::attempt::{Attempt, News};
+use crate::{Event, Failure, Graph, Outcome, Place, RunReport, StageResult, State, Summary};
+
+/// Where each stage stands.
+pub(crate) struct Schedule<'g> {
+    pub(crate) graph: &'g Graph<'g>,
+    pub(crate) wanted: BTreeSet<usize>,
+    results: Vec<StageResult>,
+    /// Place of each stage in the order.
+    rank: Vec<usize>,
+    /// Ready stages by rank.
+    ready: BTreeSet<(usize, usize)>,
+    /// For each stage, how many stages upstream are not settled.
+    waiting: Vec<usize>,
+    pub(crate) failures: Vec<Failure>,
+    pub(crate) interrupted: bool,
+    settled: usize,
+}
+
+impl<'g> Schedule<'g> {
+    /// `wanted` must hold everything upstream of what it holds.
+    pub(crate) fn new(graph: &'g Graph<'g>, wanted: BTreeSet<usize>) -> Self {
+        let stages = graph.pipeline().stages();
+        let mut rank = vec![0; stages.len()];
+        for (place, &index) in graph.order().iter().enumerate() {
+            rank[index] = place;
+        }
+        let unknown = |stage: &crate::Stage| StageResult {
+            stage: stage.name.clone(),
+            state: State::Unknown,
+            reasons: Vec::new(),
+            seconds: None,
+        };
+        let makers = |i: usize| {
+            graph
+                .needs(i)
+                .iter()
+                .map(|n| n.maker)
+                .collect::<BTreeSet<_>>()
+        };
+        let mut schedule = Self {
+            graph,
+            results: stages.iter().map(unknown).collect(),
+            ready: BTreeSet::new(),
+            waiting: (0..stages.len()).map(|i| makers(i).len()).collect(),
+            rank,
+            wanted,
+            failures: Vec::new(),
+            interrupted: false,
+            settled: 0,
+        };
+        for index in schedule.wanted.clone() {
+            schedule.results[index].state = State::Wanted;
+            schedule.make_ready_if_it_is(index);
+        }
+        schedule
+    }
+
+    fn make_ready_if_it_is(&mut self, index: usize) {
+        if self.waiting[index] == 0 && self.results[index].state == State::Wanted {
+            self.results[index].state = State::Ready;
+            self.ready.insert((self.rank[index], index));
+        }
+    }
+
+    /// The first ready stage, which counts as running from now on.
+    pub(crate) fn begin_next(&mut self) -> Option<usize> {
+        let (_, index) = self.ready.pop_first()?;
+        self.results[index].state = State::Running;
+        Some(index)
+    }
+
+    /// Passes on what a stage says.
+    pub(crate) fn hear(&mut self, index: usize, news: News, observe: &mut dyn FnMut(Event<'_>)) {
+        let stage = self.graph.stage(index);
+        match news {
+            News::Line(line) => observe(Event::Line {
+                stage: &stage.name,
+                line: &line,
+            }),
+            News::Started { reasons } => {
+                observe(Event::Started {
+                    stage: &stage.name,
+                    command: crate::shell::quoted(&stage.command),
+                    reasons: &reasons,
+                });
+                self.results[index].reasons = reasons;
+            }
+        }
+    }
+
+    /// Notes how a stage ended, and what that makes ready.
+    pub(crate) fn settle(
+        &mut self,
+        index: usize,
+        attempt: Attempt,
+        observe: &mut dyn FnMut(Event<'_>),
+    ) {
+        let stage = self.graph.stage(index).name.as_str();
+        self.settled += 1;
+        let (settled, wanted) = (self.settled, self.wanted.len());
+        let result = &mut self.results[index];
+        match attempt {
+            Attempt::UpToDate => {
+                result.state = State::UpToDate;
+                observe(Event::UpToDate {
+                    stage,
+                    settled,
+                    wanted,
+                });
+            }
+            Attempt::Done { seconds } => {
+                result.state = State::Done;
+                result.seconds = Some(seconds);
+                observe(Event::Finished {
+                    stage,
+                    seconds,
+                    settled,
+                    wanted,
+                });
+            }
+            Attempt::Failed(failure) => {
+                result.state = State::Failed;
+                result.seconds = failure.seconds;
+                observe(Event::Failed(&failure));
+                self.failures.push(failure);
+                return;
+            }
+            Attempt::Interrupted => {
+                result.state = State::Ready;
+                return;
+            }
+        }
+        for &user in self.graph.users(index) {
+            self.waiting[user] -= 1;
+            self.make_ready_if_it_is(user);
+        }
+    }
+
+    pub(crate) fn report(self, place: &Place) -> RunReport {
+        let order = self.graph.order().iter();
+        let wanted: Vec<usize> = order.copied().filter(|i| self.wanted.contains(i)).collect();
+        let printed = |&index: &usize| {
+            let stage = self.graph.stage(index);
+            let good = matches!(self.results[index].state, State::Done | State::UpToDate);
+            let text = std::fs::read_to_string(place.stdout_of(&stage.name)).ok();
+            let stage_name = stage.name.clone();
+            text.filter(|_| good && stage.summary).map(|text| Summary {
+                stage: stage_name,
+                text,
+            })
+        };
+        let settled = |&i: &usize| matches!(self.results[i].state, State::Done | State::UpToDate);
+        RunReport {
+            outcome: if wanted.iter().all(settled) {
+                Outcome::Done
+            } else if self.interrupted {
+                Outcome::Interrupted
+            } else {
+                Outcome::Failed
+            },
+            summaries: wanted.iter().filter_map(printed).collect(),
+            stages: wanted.iter().map(|&i| self.results[i].clone()).collect(),
+            failures: self.failures,
+        }
+    }
+}

@@ -1,0 +1,501 @@
+//! Whole runs of small shell pipelines in temporary folders.
+#![expect(clippy::unwrap_used, reason = "the helpers of tests are tests, too")]
+
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use maveric_pipeline::*;
+
+/// A pipeline file and its place in a folder that goes with it.
+struct Project {
+    folder: tempfile::TempDir,
+    text: String,
+    overrides: Vec<(String, String)>,
+    options: RunOptions,
+}
+
+impl Project {
+    fn new(text: &str) -> Self {
+        Self {
+            folder: tempfile::tempdir().unwrap(),
+            text: text.to_owned(),
+            overrides: Vec::new(),
+            options: RunOptions::default(),
+        }
+    }
+
+    fn root(&self) -> &Path {
+        self.folder.path()
+    }
+
+    fn place(&self) -> Place {
+        Place {
+            root: self.root().to_owned(),
+            ledger: self.root().join("state/test.lock"),
+            log_dir: self.root().join("logs"),
+            program: None,
+        }
+    }
+
+    fn pipeline(&self) -> Pipeline {
+        Pipeline::parse(&self.text, Path::new("test.toml"), &self.overrides).unwrap()
+    }
+
+    fn run(&self) -> RunReport {
+        self.try_run().unwrap()
+    }
+
+    fn try_run(&self) -> Result<RunReport, PipelineError> {
+        run(&self.pipeline(), &self.place(), &self.options, &mut |_| {})
+    }
+
+    /// The stages that a run runs.
+    fn ran(&self) -> Vec<String> {
+        let report = self.run();
+        assert_eq!(report.outcome, Outcome::Done, "{:?}", report.failures);
+        in_state(&report, State::Done)
+    }
+
+    /// Why `stage` would run, in sentences.
+    fn why(&self, stage: &str) -> Vec<String> {
+        let status = why(&self.pipeline(), &self.place(), stage).unwrap();
+        status[0].reasons.iter().map(ToString::to_string).collect()
+    }
+
+    fn read(&self, path: &str) -> String {
+        fs::read_to_string(self.root().join(path)).unwrap()
+    }
+
+    fn write(&self, path: &str, text: &str) {
+        fs::write(self.root().join(path), text).unwrap();
+    }
+}
+
+fn in_state(report: &RunReport, state: State) -> Vec<String> {
+    let found = report.stages.iter().filter(|s| s.state == state);
+    found.map(|s| s.stage.clone()).collect()
+}
+
+/// seed -> one -> two, and a directory beside them.
+const CHAIN: &str = r#"
+name = "test"
+[params]
+seed = 1
+word = "end"
+[[stage]]
+name = "one"
+cmd = ["sh", "-c", "cat source.txt > one.txt; echo {seed} >> one.txt"]
+inputs = ["source.txt"]
+outputs = ["one.txt"]
+[[stage]]
+name = "two"
+cmd = ["sh", "-c", "wc -l < one.txt > out/two.txt; echo {word} | tee -a out/two.txt"]
+inputs = ["one.txt"]
+outputs = ["out/two.txt"]
+summary = true
+[[stage]]
+name = "folder"
+cmd = ["sh", "-c", "mkdir -p parts && for i in $(cat source.txt); do echo $i > parts/$i; done"]
+inputs = ["source.txt"]
+outputs = ["parts"]
+"#;
+
+fn chain() -> Project {
+    let project = Project::new(CHAIN);
+    project.write("source.txt", "1\n2\n");
+    project
+}
+
+#[test]
+fn a_second_run_does_nothing_and_still_has_the_summary() {
+    let project = chain();
+    assert_eq!(project.ran(), ["one", "two", "folder"]);
+    assert_eq!(project.read("out/two.txt").replace(' ', ""), "3\nend\n");
+    let before = project.read("state/test.lock");
+    let report = project.run();
+    assert_eq!(in_state(&report, State::UpToDate).len(), 3);
+    assert_eq!(report.summaries[0].text, "end\n");
+    assert_eq!(before, project.read("state/test.lock"));
+    let status = status(&project.pipeline(), &project.place()).unwrap();
+    assert!(status.iter().all(|s| s.up_to_date && s.reasons.is_empty()));
+}
+
+#[test]
+fn a_changed_parameter_rebuilds_what_follows_and_only_that() {
+    let mut project = chain();
+    project.ran();
+    project.overrides = vec![("word".to_owned(), "fin".to_owned())];
+    assert_eq!(
+        project.why("two"),
+        ["parameter `word` changed from end to fin"]
+    );
+    assert_eq!(project.ran(), ["two"]);
+    assert!(
+        project
+            .read("state/test.lock")
+            .contains("[stage.two.set]\nword = \"fin\"")
+    );
+    project.overrides.push(("seed".to_owned(), "2".to_owned()));
+    let plan = plan(&project.pipeline(), &project.place(), &[], false).unwrap();
+    let stale = plan.iter().filter(|s| !s.up_to_date).map(|s| &*s.stage);
+    assert_eq!(stale.collect::<Vec<_>>(), ["one", "two"]);
+    assert_eq!(plan[1].reasons[0].to_string(), "stage `one` runs before it");
+    assert_eq!(project.ran(), ["one", "two"]);
+}
+
+#[test]
+fn what_comes_out_the_same_stops_the_rebuilding() {
+    let project = chain();
+    project.ran();
+    let project = Project {
+        text: CHAIN.replace("cat source.txt > one", "cat < source.txt > one"),
+        ..project
+    };
+    assert!(project.why("one")[0].starts_with("the command changed from"));
+    assert_eq!(project.ran(), ["one"]);
+}
+
+#[test]
+fn a_touched_but_equal_file_rebuilds_nothing_and_an_equally_long_one_does() {
+    let project = chain();
+    project.ran();
+    project.write("source.txt", "1\n2\n");
+    assert_eq!(project.ran(), [""; 0]);
+    project.write("source.txt", "1\n3\n");
+    assert_eq!(project.why("one"), ["input `source.txt` changed"]);
+    assert_eq!(project.ran(), ["one", "two", "folder"]);
+    let parts = fs::read_dir(project.root().join("parts")).unwrap();
+    assert_eq!(parts.count(), 2, "the old part 2 must not stay");
+}
+
+#[test]
+fn an_output_deleted_or_edited_by_hand_is_noticed_and_rebuilt() {
+    let project = chain();
+    project.ran();
+    fs::remove_file(project.root().join("one.txt")).unwrap();
+    assert_eq!(project.why("one"), ["output `one.txt` is not there"]);
+    assert_eq!(project.ran(), ["one"]);
+    project.write("parts/2", "other");
+    project.write("out/two.txt", "other");
+    let sentence = "output `out/two.txt` is not as the stage had left it";
+    assert_eq!(project.why("out/two.txt"), [sentence]);
+    assert_eq!(project.ran(), ["two", "folder"]);
+    assert_eq!(project.read("parts/2"), "2\n");
+}
+
+#[test]
+fn a_target_brings_only_what_is_upstream_and_force_runs_only_the_target() {
+    let mut project = chain();
+    project.options.targets = vec!["out/two.txt".to_owned()];
+    assert_eq!(project.ran(), ["one", "two"]);
+    project.options.force = true;
+    assert_eq!(project.ran(), ["two"]);
+    project.options.targets.clear();
+    assert_eq!(project.ran(), ["one", "two", "folder"]);
+}
+
+#[test]
+fn a_missing_source_is_refused_before_anything_runs() {
+    let project = Project::new(&CHAIN.replace("[\"source.txt\"]", "[\"sauce.txt\"]"));
+    let error = project.try_run().unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "stage `one` needs `sauce.txt`, which does not exist and which no stage makes"
+    );
+    assert_eq!(
+        project.why("one")[1],
+        "input `sauce.txt` does not exist and no stage makes it"
+    );
+    assert!(!project.root().join("state").exists());
+}
+
+#[test]
+fn help_from_the_pipeline_file_says_how_to_get_a_missing_input() {
+    let project = Project::new(
+        "name = 'test'\n[[stage]]\nname = 'a'\ncmd = ['true']\ninputs = ['data']\n\
+         inputs_help = 'download the data from the archive'\n",
+    );
+    let help = project.try_run().unwrap_err().suggestion();
+    assert_eq!(help.as_deref(), Some("download the data from the archive"));
+}
+
+#[test]
+fn a_stage_may_neither_make_nor_read_the_directory_of_the_ledger() {
+    for key in ["inputs", "outputs"] {
+        let project = Project::new(&format!(
+            "name = 'test'\n[[stage]]\nname = 'a'\ncmd = ['true']\n{key} = ['state']\n"
+        ));
+        fs::create_dir(project.root().join("state")).unwrap();
+        let error = project.try_run().unwrap_err();
+        assert!(matches!(error, PipelineError::HoldsOurs { .. }), "{error}");
+    }
+    let project = Project::new("name = 'test'\n[[stage]]\nname = 'a'\ncmd = ['true']\n");
+    let root = project.root().file_name().unwrap().to_str().unwrap();
+    let project = Project {
+        text: format!("{}outputs = ['../{root}']\n", project.text),
+        ..project
+    };
+    assert!(matches!(
+        project.try_run(),
+        Err(PipelineError::HoldsOurs { .. })
+    ));
+}
+
+const FAILING: &str = r#"
+name = "test"
+[[stage]]
+name = "bad"
+cmd = ["sh", "-c", "echo half > bad.txt; echo 'no such column' >&2; exit 3"]
+outputs = ["bad.txt"]
+[[stage]]
+name = "after"
+cmd = ["sh", "-c", "cp bad.txt after.txt"]
+inputs = ["bad.txt"]
+outputs = ["after.txt"]
+[[stage]]
+name = "apart"
+cmd = ["sh", "-c", "echo good > apart.txt"]
+outputs = ["apart.txt"]
+"#;
+
+#[test]
+fn a_failure_stops_the_run_and_says_how_to_repeat_the_stage() {
+    let project = Project::new(FAILING);
+    let report = project.run();
+    assert_eq!(report.outcome, Outcome::Failed);
+    assert_eq!(in_state(&report, State::Ready), ["apart"]);
+    let failure = &report.failures[0];
+    assert_eq!(
+        failure.to_string(),
+        "stage `bad` failed: its program ended with exit status 3"
+    );
+    assert_eq!(failure.last_lines, ["no such column"]);
+    assert!(
+        fs::read_to_string(failure.log.as_ref().unwrap())
+            .unwrap()
+            .contains("no such column")
+    );
+    let repeated = std::process::Command::new("sh")
+        .args(["-c", &failure.repeat])
+        .output()
+        .unwrap();
+    assert_eq!(repeated.status.code(), Some(3));
+    assert_eq!(project.why("bad"), ["its last run did not finish"]);
+}
+
+#[test]
+fn keep_going_runs_what_does_not_need_the_failed_stage() {
+    let mut project = Project::new(FAILING);
+    project.options.keep_going = true;
+    let report = project.run();
+    assert_eq!(report.outcome, Outcome::Failed);
+    assert_eq!(in_state(&report, State::Done), ["apart"]);
+    assert_eq!(in_state(&report, State::Failed), ["bad"]);
+    assert_eq!(in_state(&report, State::Wanted), ["after"]);
+    assert!(!project.root().join("after.txt").exists());
+}
+
+#[test]
+fn a_stage_that_lies_about_its_outputs_fails_and_a_program_that_is_not_there_too() {
+    let project = Project::new(
+        "name = 'test'\n[[stage]]\nname = 'liar'\ncmd = ['true']\noutputs = ['a', 'b']\n\
+         [[stage]]\nname = 'ghost'\ncmd = ['no-such-program-here']\n",
+    );
+    let mut project = project;
+    project.options.keep_going = true;
+    let failures: Vec<_> = project
+        .run()
+        .failures
+        .iter()
+        .map(ToString::to_string)
+        .collect();
+    assert_eq!(
+        failures[0],
+        "stage `liar` failed: its program ended well but did not make a, b"
+    );
+    assert!(failures[1].contains("`no-such-program-here` cannot be started"));
+}
+
+#[test]
+fn a_stage_without_outputs_runs_once() {
+    let project = Project::new("name = 'test'\n[[stage]]\nname = 'a'\ncmd = ['true']\n");
+    assert_eq!(project.ran(), ["a"]);
+    assert_eq!(project.ran(), [""; 0]);
+}
+
+#[test]
+fn parallel_stages_overlap_and_make_what_one_at_a_time_makes() {
+    // Each of a pair waits for the other's mark, so one at a time could never finish.
+    let stage = |name: &str, other: &str| {
+        format!(
+            "[[stage]]\nname = '{name}'\noutputs = ['{name}.txt']\ncmd = ['sh', '-c', \
+             'touch {name}.mark; while [ ! -e {other}.mark ]; do sleep 0.01; done; \
+             echo {name} > {name}.txt']\n"
+        )
+    };
+    let join = "[[stage]]\nname = 'join'\ninputs = ['a.txt', 'b.txt']\noutputs = ['c.txt']\n\
+                cmd = ['sh', '-c', 'cat a.txt b.txt > c.txt']\n";
+    let text = format!(
+        "name = 'test'\n{}{}{join}",
+        stage("a", "b"),
+        stage("b", "a")
+    );
+    let mut project = Project::new(&text);
+    project.options.jobs = 2.try_into().unwrap();
+    assert_eq!(project.ran(), ["a", "b", "join"]);
+    assert_eq!(project.read("c.txt"), "a\nb\n");
+    let parallel = Ledger::read(&project.place().ledger, "test").unwrap();
+    project.options.jobs = 1.try_into().unwrap();
+    project.options.force = true;
+    assert_eq!(project.ran(), ["a", "b", "join"]);
+    let serial = Ledger::read(&project.place().ledger, "test").unwrap();
+    for (stage, record) in &serial.stage {
+        assert_eq!(record.digest, parallel.stage[stage].digest);
+        assert_eq!(record.outputs, parallel.stage[stage].outputs);
+    }
+}
+
+#[test]
+fn an_interrupted_run_goes_on_after_the_last_finished_stage() {
+    let text = r#"
+name = "test"
+[[stage]]
+name = "quick"
+cmd = ["sh", "-c", "echo 1 > quick.txt"]
+outputs = ["quick.txt"]
+[[stage]]
+name = "slow"
+cmd = ["sh", "-c", "echo half > slow.txt; [ -e go ] || sleep 30; cat quick.txt >> slow.txt"]
+inputs = ["quick.txt"]
+outputs = ["slow.txt"]
+"#;
+    let mut project = Project::new(text);
+    let cancel: Arc<AtomicBool> = Arc::default();
+    project.options.cancel = Arc::clone(&cancel);
+    let report = std::thread::scope(|scope| {
+        let running = scope.spawn(|| project.run());
+        while !project.root().join("slow.txt").exists() {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        cancel.store(true, Ordering::Relaxed);
+        running.join().unwrap()
+    });
+    assert_eq!(report.outcome, Outcome::Interrupted);
+    assert_eq!(in_state(&report, State::Done), ["quick"]);
+    assert_eq!(project.why("slow"), ["its last run did not finish"]);
+    cancel.store(false, Ordering::Relaxed);
+    project.write("go", "");
+    assert_eq!(project.ran(), ["slow"]);
+    assert_eq!(project.read("slow.txt"), "half\n1\n");
+}
+
+#[test]
+fn two_runs_at_once_are_refused() {
+    let text =
+        "name = 'test'\n[[stage]]\nname = 'a'\ncmd = ['sh', '-c', 'touch begun; sleep 30']\n";
+    let project = Project::new(text);
+    std::thread::scope(|scope| {
+        let first = scope.spawn(|| project.run());
+        while !project.root().join("begun").exists() {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let second = project.try_run();
+        project.options.cancel.store(true, Ordering::Relaxed);
+        assert!(matches!(second, Err(PipelineError::Busy { .. })));
+        assert_eq!(first.join().unwrap().outcome, Outcome::Interrupted);
+    });
+}
+
+#[test]
+fn our_program_counts_by_the_version_of_its_command_and_not_by_its_path() {
+    let text =
+        "name = 'test'\n[[stage]]\nname = 'a'\ncmd = ['tool', 'a.txt']\noutputs = ['a.txt']\n";
+    let project = Project::new(text);
+    let run_with = |path: &str, version: &str| {
+        let versions = [("a.txt".to_owned(), version.to_owned())].into();
+        let program = Program {
+            name: "tool".to_owned(),
+            path: path.into(),
+            versions,
+        };
+        let place = Place {
+            program: Some(program),
+            ..project.place()
+        };
+        run(&project.pipeline(), &place, &project.options, &mut |_| {}).unwrap()
+    };
+    let touch = "/usr/bin/touch";
+    assert_eq!(in_state(&run_with(touch, "1"), State::Done), ["a"]);
+    assert_eq!(
+        in_state(&run_with("/elsewhere/tool", "1"), State::UpToDate),
+        ["a"]
+    );
+    let report = run_with(touch, "2");
+    assert_eq!(
+        report.stages[0].reasons[0].to_string(),
+        "`tool a.txt` changed from version 1 to 2"
+    );
+}
+
+#[test]
+fn a_command_that_our_program_does_not_have_is_refused_with_the_one_that_was_meant() {
+    let project = Project::new("name = 'test'\n[[stage]]\nname = 'a'\ncmd = ['tool', 'trian']\n");
+    let place = Place {
+        program: Some(Program {
+            name: "tool".to_owned(),
+            path: "/bin/true".into(),
+            versions: [("train".to_owned(), "1".to_owned())].into(),
+        }),
+        ..project.place()
+    };
+    let error = status(&project.pipeline(), &place).unwrap_err();
+    assert_eq!(error.suggestion().as_deref(), Some("did you mean `train`?"));
+}
+
+#[test]
+fn events_come_in_order_with_their_reasons_and_lines() {
+    let project = Project::new(
+        "name = 'test'\n[[stage]]\nname = 'a'\ncmd = ['sh', '-c', 'echo working >&2']\n",
+    );
+    let mut heard = Vec::new();
+    let mut observe = |event: Event<'_>| {
+        heard.push(match event {
+            Event::Started { stage, reasons, .. } => format!("{stage} starts: {}", reasons[0]),
+            Event::Line { stage, line } => format!("{stage}: {line}"),
+            Event::Finished {
+                settled, wanted, ..
+            } => format!("{settled} of {wanted}"),
+            other => format!("{other:?}"),
+        });
+    };
+    run(
+        &project.pipeline(),
+        &project.place(),
+        &project.options,
+        &mut observe,
+    )
+    .unwrap();
+    let expected = [
+        "a starts: there is no record of a finished run",
+        "a: working",
+        "1 of 1",
+    ];
+    assert_eq!(heard, expected);
+}
+
+#[test]
+fn a_damaged_ledger_is_left_as_it_is() {
+    let project = chain();
+    project.ran();
+    project.write("state/test.lock", "damaged");
+    assert!(matches!(
+        project.try_run(),
+        Err(PipelineError::LedgerDamaged { .. })
+    ));
+    assert_eq!(project.read("state/test.lock"), "damaged");
+    fs::remove_file(project.place().ledger).unwrap();
+    assert_eq!(project.ran(), ["one", "two", "folder"]);
+}

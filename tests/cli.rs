@@ -1,0 +1,84 @@
+//! The program as a process: exit statuses, streams, broken files. What a command computes is tested where it lives.
+
+mod support;
+
+use support::{TempStudy, shared};
+
+#[test]
+fn wrong_usage_is_status_2_and_help_has_an_example() {
+    let study = TempStudy::new();
+    assert_eq!(study.maveric(&["frobnicate"]).status, Some(2));
+    assert_eq!(study.maveric(&["train"]).status, Some(2));
+    for command in
+        ["run", "status", "graph", "generate", "ingest", "inspect", "score", "train", "personalize", "steer", "simulate", "measure", "rate", "evaluate", "stats", "report"]
+    {
+        let help = study.maveric(&[command, "--help"]).ok().stdout;
+        assert!(help.contains("Example"), "{command}: {help}");
+    }
+}
+
+#[test]
+fn a_missing_file_an_empty_one_and_a_folder_are_named() {
+    let study = TempStudy::new();
+    let empty = study.write("empty.mcap", "");
+    let text = study.write("text.mcap", "this is no recording\n");
+    let folder = study.path("study_data");
+    let out = study.path("out");
+    let ingest = |log: &str| study.maveric(&["ingest", log, "--out", out.to_str().unwrap()]);
+    ingest("nowhere.mcap").failed(1, &["nowhere.mcap"]);
+    ingest(empty.to_str().unwrap()).failed(1, &["empty.mcap", "empty"]);
+    ingest(text.to_str().unwrap()).failed(1, &["text.mcap"]);
+    assert!(!out.exists() || std::fs::read_dir(&out).unwrap().next().is_none(), "nothing is written");
+    let compare = |data: &str| study.maveric(&["stats", "compare", data, "--subject", "s", "--within", "w", "--value", "v"]);
+    compare(folder.to_str().unwrap()).failed(1, &["is a folder"]);
+    compare("nowhere.csv").failed(1, &["nowhere.csv"]);
+    study.maveric(&["run", "pipelines/nowhere.toml"]).failed(1, &["nowhere.toml"]);
+    let broken = study.write("pipelines/broken.toml", "name = \"x\"\n[[stage]]\nnme = \"a\"\n");
+    study.maveric(&["run", broken.to_str().unwrap()]).failed(1, &["broken.toml:", "nme"]);
+}
+
+#[test]
+fn an_unknown_column_gets_the_nearest_name() {
+    let study = TempStudy::new();
+    study.write("d.csv", "subject,condition,value\na,x,1\na,y,2\nb,x,2\nb,y,4\n");
+    study
+        .maveric(&["stats", "within", "d.csv", "--subject", "subjct", "--within", "condition", "--value", "value"])
+        .failed(1, &["subjct", "did you mean `subject`"]);
+}
+
+#[test]
+fn a_model_of_something_else_is_refused() {
+    let study = TempStudy::new();
+    study.write("model.json", "{\"weights\": []}");
+    study.write("conditions.csv", "participant,condition,w1\nP1,mimic,0.1\n");
+    study
+        .maveric(&["simulate", "--model", "model.json", "--conditions", "conditions.csv", "--out", "av"])
+        .failed(1, &["model.json"]);
+    assert!(!study.path("av").exists());
+}
+
+#[test]
+fn json_is_one_object_on_stdout() {
+    let study = TempStudy::new();
+    study.write("d.csv", "s,w,v\na,x,1\na,y,2\na,z,4\nb,x,2\nb,y,4\nb,z,5\nc,x,1\nc,y,3\nc,z,2\n");
+    let ran = study.maveric(&["stats", "within", "d.csv", "--subject", "s", "--within", "w", "--value", "v", "--format", "json"]).ok();
+    let value: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+    assert!(value["rm_anova"]["F"].as_f64().unwrap() > 0.0);
+    assert!(value["apa"].is_object() || value["apa"].is_string());
+    assert!(ran.stderr.is_empty(), "{}", ran.stderr);
+}
+
+#[test]
+fn every_shipped_recording_can_be_inspected() {
+    let Some(folder) = shared("mcap") else { return };
+    let study = TempStudy::new();
+    let mut files = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let ran = study.maveric(&["inspect", path.to_str().unwrap()]);
+        assert!(matches!(ran.status, Some(0 | 1)), "{path:?}: {ran:?}");
+        assert!(!ran.stderr.contains("panicked"), "{path:?}: {}", ran.stderr);
+        files += 1;
+    }
+    assert!(files >= 11);
+}

@@ -1,0 +1,98 @@
+//! The pipeline end to end, on the small study: everything runs, a second run does nothing, a changed
+//! parameter rebuilds what follows and only that, an interrupted run goes on.
+
+mod support;
+
+use std::{path::Path, process::Stdio, time::Duration};
+use support::TempStudy;
+
+const SMOKE: &str = "pipelines/smoke.toml";
+
+fn states(report: &str) -> Vec<(String, String)> {
+    let report: serde_json::Value = serde_json::from_str(report).unwrap();
+    let text = |v: &serde_json::Value| v.as_str().unwrap().to_owned();
+    report["stages"].as_array().unwrap().iter().map(|s| (text(&s["stage"]), text(&s["state"]))).collect()
+}
+
+fn is_page(path: &Path) {
+    let page = std::fs::read_to_string(path).unwrap();
+    assert!(page.contains("ynthetic participants"), "the page says who these people are");
+    assert!(!page.contains("NaN"), "no NaN on the page");
+    assert!(!page.contains("src=\"http") && !page.contains("href=\"http"), "the page is self-contained");
+}
+
+#[test]
+fn the_small_study_runs_once_and_then_only_what_changed() {
+    let study = TempStudy::new();
+    let ran = study.maveric(&["run", SMOKE, "-j", "2"]).ok();
+    assert!(ran.stdout.contains("index.html"), "it says where the report is: {}", ran.stdout);
+    is_page(&study.path("reports/smoke/index.html"));
+    for figure in ["domain", "architecture", "simulator", "embedding_space", "difference_panels", "perpendicular", "preference"] {
+        let there = |end: &str| {
+            let files = std::fs::read_dir(study.path("reports/smoke/figures")).unwrap();
+            files.filter_map(Result::ok).any(|f| {
+                let name = f.file_name().to_string_lossy().into_owned();
+                name.starts_with(figure) && name.ends_with(end)
+            })
+        };
+        assert!(there(".svg") && there(".png"), "figure {figure}");
+    }
+
+    let again = study.maveric(&["run", SMOKE, "--format", "json"]).ok();
+    assert!(states(&again.stdout).iter().all(|(_, state)| state == "up_to_date"), "{}", again.stdout);
+    assert!(study.maveric(&["run", SMOKE]).ok().stdout.contains("nothing was run"));
+
+    let moved = study.maveric(&["run", SMOKE, "--set", "points=10", "--format", "json"]).ok();
+    let upstream = ["generate", "ingest-study1", "ingest-study2", "score", "train", "personalize"];
+    for (stage, state) in states(&moved.stdout) {
+        let expected = if upstream.contains(&stage.as_str()) { "up_to_date" } else { "done" };
+        assert_eq!(state, expected, "{stage}");
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_on_one_thread_and_on_two() {
+    let study = TempStudy::new();
+    for (out, jobs) in [("one", "1"), ("two", "2")] {
+        study.maveric(&["generate", "--out", out, "--study1", "2", "--study2", "1", "--duration", "60", "--seed", "7", "-j", jobs]).ok();
+        let logs = format!("{out}/logs/study1");
+        let drives = format!("{out}/drives");
+        study.maveric(&["ingest", &logs, "--out", &drives, "-j", jobs]).ok();
+        let model = format!("{out}/model.json");
+        study.maveric(&["train", "--drives", &drives, "--out", &model, "--epochs", "2", "-j", jobs]).ok();
+    }
+    let files = ["participants.csv", "surveys.csv", "model.json"];
+    let logs = std::fs::read_dir(study.path("one/logs/study1")).unwrap();
+    let logs = logs.map(|f| format!("logs/study1/{}", f.unwrap().file_name().to_string_lossy()));
+    let mut compared = 0;
+    for file in files.map(str::to_owned).into_iter().chain(logs) {
+        let read = |out: &str| std::fs::read(study.path(out).join(&file)).unwrap();
+        assert!(read("one") == read("two"), "{file} differs");
+        compared += 1;
+    }
+    assert!(compared >= 5);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_ends_with_130_and_goes_on_where_it_stopped() {
+    let study = TempStudy::new();
+    let mut command = study.command(&["run", SMOKE]);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let first = study.path("study_data/generated/smoke/scores.csv");
+    for _ in 0..3000 {
+        if first.exists() {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert!(first.exists());
+    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    let ended = child.wait().unwrap();
+    assert_eq!(ended.code(), Some(130));
+    let next = study.maveric(&["run", SMOKE, "--format", "json"]).ok();
+    let generate = states(&next.stdout).into_iter().find(|(stage, _)| stage == "generate").unwrap();
+    assert_eq!(generate.1, "up_to_date");
+    is_page(&study.path("reports/smoke/index.html"));
+}
