@@ -23,9 +23,6 @@ pub(crate) struct Evaluate {
     /// Root of every random choice
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Threads
-    #[arg(short, long, default_value_t = super::all_cores())]
-    jobs: usize,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -39,7 +36,6 @@ impl Evaluate {
             drives: self.drives,
             out: self.out,
             seed: self.seed,
-            jobs: self.jobs,
         };
         print_outcome(self.format, "could not evaluate", |watch| evaluate::evaluate(&options, watch))
     }

@@ -17,6 +17,9 @@ pub(crate) struct Generate {
     /// Folder of questionnaire definitions
     #[arg(long, default_value = "study_data/scales")]
     scales: std::path::PathBuf,
+    /// Sizes of the effects in their answers (TOML)
+    #[arg(long, default_value = "study_data/effects.toml")]
+    effects: std::path::PathBuf,
     /// Participants of Study 1
     #[arg(long, default_value_t = 30)]
     study1: usize,
@@ -43,6 +46,7 @@ impl Generate {
             out: self.out,
             scenario: self.scenario,
             scales: self.scales,
+            effects: self.effects,
             study1: self.study1,
             study2: self.study2,
             duration_s: self.duration,

@@ -1,0 +1,104 @@
+//! What can be wrong with a questionnaire or with the answers to it.
+
+use maveric_domain::{DomainError, Moment, ParticipantId};
+
+/// A questionnaire definition or an answer that is refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeasureError {
+    /// A scale file that is not TOML, or has a key missing, misspelt or of the wrong type.
+    #[error("not a scale definition: {problem}")]
+    ScaleToml {
+        /// Line, key and reason, as the parser gives them.
+        problem: String,
+    },
+    /// A definition that contradicts itself.
+    #[error(transparent)]
+    BadScale(#[from] DomainError),
+    /// Two definitions with one id.
+    #[error("scale `{scale}` is defined twice")]
+    ScaleTwice {
+        /// The id.
+        scale: String,
+    },
+    /// An answer to a scale that nobody defined.
+    #[error(
+        "participant {participant} ({moment}) answered scale `{scale}`; the scales known are {known}"
+    )]
+    UnknownScale {
+        /// Who answered.
+        participant: ParticipantId,
+        /// When.
+        moment: Moment,
+        /// The scale's id.
+        scale: String,
+        /// The ids that are defined.
+        known: String,
+    },
+    /// An answer to an item that the scale does not have.
+    #[error(
+        "participant {participant} ({moment}), scale `{scale}`: item {item} is not among its {items} items"
+    )]
+    UnknownItem {
+        /// Who answered.
+        participant: ParticipantId,
+        /// When.
+        moment: Moment,
+        /// The scale's id.
+        scale: String,
+        /// The item.
+        item: u32,
+        /// Number of items of the scale.
+        items: u32,
+    },
+    /// An answer outside the scale's range.
+    #[error(
+        "participant {participant} ({moment}), scale `{scale}`, item {item}: answer {found} is not in {min} to {max}"
+    )]
+    AnswerOutOfRange {
+        /// Who answered.
+        participant: ParticipantId,
+        /// When.
+        moment: Moment,
+        /// The scale's id.
+        scale: String,
+        /// The item.
+        item: u32,
+        /// The answer.
+        found: i32,
+        /// Lowest answer of the scale.
+        min: i32,
+        /// Highest answer of the scale.
+        max: i32,
+    },
+    /// Two answers of one participant to one item at one moment.
+    #[error("participant {participant} ({moment}), scale `{scale}`: item {item} is answered twice")]
+    DoubleAnswer {
+        /// Who answered.
+        participant: ParticipantId,
+        /// When.
+        moment: Moment,
+        /// The scale's id.
+        scale: String,
+        /// The item.
+        item: u32,
+    },
+}
+
+impl MeasureError {
+    /// The next step to try, where one is known.
+    pub fn suggestion(&self) -> Option<String> {
+        match self {
+            Self::UnknownScale { scale, .. } => Some(format!(
+                "add a definition of `{scale}` to the folder of scales"
+            )),
+            Self::AnswerOutOfRange { scale, .. } => Some(format!(
+                "`min` and `max` of `{scale}` must be the answers people could give; reversed items are stored as answered"
+            )),
+            Self::DoubleAnswer { .. } => {
+                Some("keep one row for each participant, moment, scale and item".to_owned())
+            }
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,41 @@
+//! Number of lane changes.
+
+use super::Measure;
+use maveric_domain::Drive;
+
+pub(super) const MEASURE: Measure = Measure {
+    name: "lane_changes",
+    title: "Number of lane changes",
+    unit: "1",
+    description: "Count of completed lane changes, to either side.",
+    why_missing: "never missing",
+    value,
+};
+
+// A `Result`-free signature for the list; a count always exists.
+#[expect(
+    clippy::unnecessary_wraps,
+    reason = "the list of measures needs one signature"
+)]
+fn value(drive: &Drive) -> Option<f64> {
+    let completed = drive.lane_changes().iter().filter(|c| c.completed).count();
+    Some(completed as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::*;
+    use super::*;
+
+    #[test]
+    fn a_pass_counts_two_and_a_change_cut_by_the_end_none() {
+        assert_eq!(
+            MEASURE.of(&Scripted::new(40.0).pass(5.0, 20.0).drive()),
+            Some(2.0)
+        );
+        assert_eq!(
+            MEASURE.of(&Scripted::new(22.6).pass(5.0, 20.0).drive()),
+            Some(1.0)
+        );
+    }
+}

@@ -1,0 +1,37 @@
+//! Fraction of time in the left lane.
+
+use super::Measure;
+use maveric_domain::Drive;
+
+pub(super) const MEASURE: Measure = Measure {
+    name: "left_lane_fraction",
+    title: "Fraction of time in left lane",
+    unit: "1",
+    description: "Share of rows with ego left of the rightmost lane.",
+    why_missing: "never missing",
+    value,
+};
+
+// Rows are evenly sampled, so a share of rows is a share of time.
+#[expect(
+    clippy::unnecessary_wraps,
+    reason = "the list of measures needs one signature"
+)]
+fn value(drive: &Drive) -> Option<f64> {
+    let left = drive.rows().lane.iter().filter(|&&lane| lane > 0).count();
+    Some(left as f64 / drive.len() as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::*;
+    use super::*;
+
+    #[test]
+    fn half_of_the_drive_to_the_left_is_one_half() {
+        let found = MEASURE
+            .of(&Scripted::new(40.0).pass(8.0, 28.0).drive())
+            .unwrap();
+        assert!((found - 0.5).abs() < 0.01, "{found}");
+    }
+}

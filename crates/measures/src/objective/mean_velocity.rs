@@ -1,0 +1,31 @@
+//! Mean velocity.
+
+use super::Measure;
+use maveric_domain::Drive;
+
+pub(super) const MEASURE: Measure = Measure {
+    name: "mean_velocity_mps",
+    title: "Mean velocity",
+    unit: "m/s",
+    description: "Mean of ego speed over the drive.",
+    why_missing: "never missing",
+    value,
+};
+
+fn value(drive: &Drive) -> Option<f64> {
+    super::mean(&drive.rows().ego_speed_mps)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::*;
+    use super::*;
+
+    #[test]
+    fn half_the_time_at_20_and_half_at_30_is_25() {
+        let drive = Scripted::new(20.0)
+            .speed(|t| if t < 10.0 { 20.0 } else { 30.0 })
+            .drive();
+        assert!((MEASURE.of(&drive).unwrap() - 25.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,152 @@
+//! Minimum headway distance.
+
+use super::{Measure, lead_ahead};
+use maveric_domain::Drive;
+
+/// How near a person gets to a lead vehicle before reacting to it.
+///
+/// # Source
+/// Paper, Metrics: "the minimum distance between the ego and lead vehicle before either the ego slows down or changes
+/// lanes". Ours: an encounter lasts while one vehicle is the reference ahead in ego's lane and ends with ego's change of lane; ego slows
+/// down where it decelerates by more than 0.4 m/s² for 0.5 s (calibration section 2). The distance is `lead_dx_m`, a gap.
+pub(super) const MEASURE: Measure = Measure {
+    name: "min_headway_distance_m",
+    title: "Minimum headway distance",
+    unit: "m",
+    description: "Smallest gap to a lead vehicle, over encounters, before ego first slows down or changes lane.",
+    why_missing: "no lead vehicle ahead in ego's lane",
+    value: |drive| nearest(drive, Until::SlowingOrChange),
+};
+
+/// The reading that does not stop where ego slows down: also the gap while following counts.
+///
+/// # Source
+/// Calibration section 2, whose figures (31 ± 10 m) are for this one.
+pub(super) const TO_CHANGE: Measure = Measure {
+    name: "min_headway_distance_to_change_m",
+    title: "Minimum headway distance up to the change",
+    unit: "m",
+    description: "Smallest gap to a lead vehicle, over encounters, before ego changes lane, whether it slows down or not.",
+    why_missing: "no lead vehicle ahead in ego's lane",
+    value: |drive| nearest(drive, Until::Change),
+};
+
+/// Deceleration from which ego slows down, in m/s².
+const SLOWING_MPS2: f64 = 0.4;
+/// How long it must last, in s.
+const SLOWING_S: f64 = 0.5;
+/// Half the span of the difference that gives the acceleration, in s.
+const HALF_SPAN_S: f64 = 0.2;
+
+#[derive(Clone, Copy, PartialEq)]
+enum Until {
+    SlowingOrChange,
+    Change,
+}
+
+/// Ego's acceleration at each row, in m/s²: a central difference that never spans two segments.
+fn acceleration(drive: &Drive) -> Vec<f64> {
+    let rows = drive.rows();
+    let n = drive.len();
+    let half = ((HALF_SPAN_S * drive.rate_hz()).round() as usize).max(1);
+    let at = |row: usize| {
+        let same = |i: &usize| rows.segment[*i] == rows.segment[row];
+        let low = (row.saturating_sub(half)..=row).find(same).unwrap_or(row);
+        let high = (row..=(row + half).min(n - 1))
+            .rev()
+            .find(same)
+            .unwrap_or(row);
+        let span = rows.time_s[high] - rows.time_s[low];
+        if span > 0.0 {
+            (rows.ego_speed_mps[high] - rows.ego_speed_mps[low]) / span
+        } else {
+            0.0
+        }
+    };
+    (0..n).map(at).collect()
+}
+
+/// Whether a slowing that lasts long enough is under way at each row.
+fn slowing(drive: &Drive) -> Vec<bool> {
+    let rows = drive.rows();
+    let braking: Vec<bool> = acceleration(drive)
+        .iter()
+        .map(|&a| a < -SLOWING_MPS2)
+        .collect();
+    let mut slow = vec![false; braking.len()];
+    let mut start = 0;
+    while start < braking.len() {
+        let run = braking[start..]
+            .iter()
+            .zip(&rows.segment[start..])
+            .take_while(|(b, s)| **b && **s == rows.segment[start])
+            .count();
+        if run as f64 / drive.rate_hz() >= SLOWING_S {
+            slow[start..start + run].fill(true);
+        }
+        start += run.max(1);
+    }
+    slow
+}
+
+fn nearest(drive: &Drive, until: Until) -> Option<f64> {
+    let rows = drive.rows();
+    let slow = match until {
+        Until::SlowingOrChange => slowing(drive),
+        Until::Change => vec![false; drive.len()],
+    };
+    let mut nearest: Option<f64> = None;
+    // The vehicle of the encounter under way, and whether ego has slowed down in it.
+    let mut encounter: Option<(Option<u32>, bool)> = None;
+    for (row, &slows) in slow.iter().enumerate() {
+        if rows.changing[row] != 0 || (row > 0 && rows.segment[row] != rows.segment[row - 1]) {
+            encounter = None;
+        }
+        if rows.changing[row] != 0 || !lead_ahead(drive, row) {
+            continue;
+        }
+        let lead = rows.lead_id[row];
+        let over = match encounter {
+            Some((same, over)) if same == lead => over,
+            _ => false,
+        };
+        if !over {
+            let dx = rows.lead_dx_m[row];
+            nearest = Some(nearest.map_or(dx, |least: f64| least.min(dx)));
+        }
+        encounter = Some((lead, over || slows));
+    }
+    nearest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::*;
+    use super::*;
+
+    #[test]
+    fn passing_without_slowing_is_measured_to_the_start_of_the_change() {
+        let drive = Scripted::new(40.0).lead(85.0, 25.0).pass(5.0, 30.0).drive();
+        let (both, to_change) = (MEASURE.of(&drive).unwrap(), TO_CHANGE.of(&drive).unwrap());
+        assert!((both - 60.0).abs() < 1.5, "{both}");
+        assert!((both - to_change).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_follows_the_first_slowing_does_not_count() {
+        // Closing at 5 m/s from 90 m; from second 8 ego brakes at 1 m/s² for 5 s.
+        let braking = |t: f64| 30.0 - (t - 8.0).clamp(0.0, 5.0);
+        let drive = Scripted::new(30.0).speed(braking).lead(90.0, 25.0).drive();
+        let before = MEASURE.of(&drive).unwrap();
+        assert!((before - 50.0).abs() < 1.5, "{before}");
+        let nearest = TO_CHANGE.of(&drive).unwrap();
+        assert!((nearest - 37.5).abs() < 1.0, "{nearest}");
+    }
+
+    #[test]
+    fn a_touch_of_the_brake_is_not_slowing_down() {
+        let touch = |t: f64| 30.0 - (t - 8.0).clamp(0.0, 0.2);
+        let drive = Scripted::new(12.0).speed(touch).lead(90.0, 25.0).drive();
+        assert!((MEASURE.of(&drive).unwrap() - TO_CHANGE.of(&drive).unwrap()).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,117 @@
+//! The objective measures: what a drive was like, one number each.
+
+mod headway_merge_back;
+mod headway_time;
+mod lane_changes;
+mod left_lane_fraction;
+mod mean_velocity;
+mod min_headway_distance;
+#[cfg(test)]
+mod testing;
+
+use maveric_domain::{Drive, Measurement};
+
+/// Speed below which a gap has no time gap, in m/s: at standstill there is none, not a large one.
+const STANDSTILL_MPS: f64 = 0.5;
+
+/// One objective measure of a drive.
+#[derive(Debug, Clone, Copy)]
+pub struct Measure {
+    /// Code name, such as `mean_headway_time_s`: the unit is its suffix.
+    pub name: &'static str,
+    /// Name for people, as in the paper.
+    pub title: &'static str,
+    /// Unit of the value, such as `m/s`; `1` for counts and shares.
+    pub unit: &'static str,
+    /// What is measured, in one sentence.
+    pub description: &'static str,
+    /// Why a drive may have no value.
+    pub why_missing: &'static str,
+    value: fn(&Drive) -> Option<f64>,
+}
+
+impl Measure {
+    /// The value for a drive, in [`Measure::unit`]; `None` for the reason in [`Measure::why_missing`].
+    ///
+    /// A value is finite.
+    pub fn of(&self, drive: &Drive) -> Option<f64> {
+        (self.value)(drive).filter(|v| v.is_finite())
+    }
+}
+
+/// The measures of method section 8, in its order.
+static ALL: [Measure; 7] = [
+    mean_velocity::MEASURE,
+    lane_changes::MEASURE,
+    headway_time::MEASURE,
+    min_headway_distance::MEASURE,
+    headway_merge_back::DISTANCE,
+    headway_merge_back::TIME,
+    left_lane_fraction::MEASURE,
+];
+
+/// Other readings of the paper's definitions, for comparison.
+static ALTERNATIVES: [Measure; 1] = [min_headway_distance::TO_CHANGE];
+
+/// The seven measures of the method (section 8), in its order.
+pub fn all() -> &'static [Measure] {
+    &ALL
+}
+
+/// Other readings of a definition, by names of their own; not part of [`all`].
+pub fn alternatives() -> &'static [Measure] {
+    &ALTERNATIVES
+}
+
+/// The measure of this code name, among [`all`] and [`alternatives`].
+pub fn find(name: &str) -> Option<&'static Measure> {
+    ALL.iter().chain(&ALTERNATIVES).find(|m| m.name == name)
+}
+
+/// The seven measures of one drive, in the order of [`all`].
+pub fn measure(drive: &Drive) -> Vec<Measurement> {
+    let one = |m: &Measure| Measurement {
+        drive: drive.meta().drive.clone(),
+        measure: m.name.to_owned(),
+        value: m.of(drive),
+    };
+    ALL.iter().map(one).collect()
+}
+
+/// Mean of the values; `None` without any.
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// Whether the reference vehicle is ahead in ego's own lane at `row`.
+fn lead_ahead(drive: &Drive, row: usize) -> bool {
+    let rows = drive.rows();
+    rows.lead_present[row]
+        && rows.lead_dx_m[row] > 0.0
+        && rows.lead_dy_m[row].abs() < 0.5 * drive.road().lane_width_m
+}
+
+#[cfg(test)]
+mod tests {
+    use super::testing::*;
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_measure_has_a_name_of_its_own_and_is_found_by_it() {
+        let names: BTreeSet<&str> = all().iter().chain(alternatives()).map(|m| m.name).collect();
+        assert_eq!(names.len(), 8);
+        assert!(names.iter().all(|n| find(n).is_some()));
+        assert!(find("mean_speed").is_none());
+    }
+
+    #[test]
+    fn an_empty_road_gives_speed_count_and_lane_share_and_nothing_else() {
+        let drive = Scripted::new(60.0).drive();
+        let values: Vec<Option<f64>> = measure(&drive).into_iter().map(|m| m.value).collect();
+        assert_eq!(
+            values,
+            [Some(30.0), Some(0.0), None, None, None, None, Some(0.0)]
+        );
+    }
+}

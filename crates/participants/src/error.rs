@@ -1,0 +1,66 @@
+//! What synthetic participants refuse.
+
+use maveric_domain::{Condition, DomainError, ParticipantId};
+
+/// Settings, effects or trials that make no sense.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ParticipantError {
+    /// A number outside its range, in the settings or in the file of effects.
+    #[error("`{name}` is {found}, expected {expected}")]
+    BadSetting {
+        /// The key, with the tables it is in.
+        name: String,
+        /// What was found.
+        found: f64,
+        /// The range in words.
+        expected: &'static str,
+    },
+    /// A model for a subscale that no scale has.
+    #[error("effects name subscale `{scale}.{subscale}`, which is in no scale")]
+    UnknownSubscale {
+        /// Code name of the scale.
+        scale: String,
+        /// Code name of the subscale.
+        subscale: String,
+    },
+    /// Two models for one item.
+    #[error("scale `{scale}`: item {item} belongs to two of the subscales with effects")]
+    ItemTwice {
+        /// Code name of the scale.
+        scale: String,
+        /// The item.
+        item: u32,
+    },
+    /// A scale with models for some items but not for this one.
+    #[error("scale `{scale}`: item {item} belongs to none of the subscales with effects")]
+    ItemWithoutModel {
+        /// Code name of the scale.
+        scale: String,
+        /// The item.
+        item: u32,
+    },
+    /// A condition rated twice, or one that is not rated.
+    #[error("participant {participant}: condition {condition} {problem}")]
+    BadTrial {
+        /// Who.
+        participant: ParticipantId,
+        /// The condition.
+        condition: Condition,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+    /// A measure that is NaN or infinite.
+    #[error("participant {participant}: measure `{measure}` is {found}, expected a finite number")]
+    BadMeasure {
+        /// Who.
+        participant: ParticipantId,
+        /// Code name of the measure.
+        measure: String,
+        /// What was found.
+        found: f64,
+    },
+    /// A questionnaire definition or an identifier that is refused.
+    #[error(transparent)]
+    Domain(#[from] DomainError),
+}

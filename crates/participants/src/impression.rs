@@ -1,0 +1,119 @@
+//! What a person makes of a drive.
+
+use crate::{
+    effects::{Effects, Loadings},
+    person::Participant,
+    ratings::MeasureValues,
+    response::{normal, stream},
+};
+use maveric_domain::Condition;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The shift that a person would like best, in the unit of [`Perception::shift`](crate::effects::Perception::shift): the truth that an
+/// estimate of preference is held against.
+pub fn preferred_shift(participant: &Participant, effects: &Effects, seed: u64) -> f64 {
+    let own = normal(&mut stream(seed, &[participant.id.as_str(), "preference"]));
+    let by_traits = weighted(participant, &effects.preference.effects);
+    effects.preference.intercept + by_traits + effects.preference.own_sd * own
+}
+
+fn homophily(participant: &Participant, effects: &Effects, seed: u64) -> f64 {
+    let own = normal(&mut stream(seed, &[participant.id.as_str(), "homophily"]));
+    let by_traits = weighted(participant, &effects.homophily.effects);
+    effects.homophily.mean + by_traits + effects.homophily.own_sd * own
+}
+
+fn weighted(participant: &Participant, effects: &Loadings) -> f64 {
+    effects
+        .iter()
+        .map(|(name, effect)| effect * participant.latent(*name))
+        .sum()
+}
+
+/// One person in one condition.
+pub(crate) struct Trial<'a> {
+    pub(crate) participant: &'a Participant,
+    pub(crate) condition: Condition,
+    pub(crate) place: f64,
+    pub(crate) own: &'a MeasureValues,
+    pub(crate) values: &'a MeasureValues,
+    pub(crate) spread: &'a BTreeMap<String, f64>,
+}
+
+/// What the person makes of it; shared by all scales.
+pub(crate) struct Impression {
+    pub(crate) fit: f64,
+    pub(crate) likeness: f64,
+    pub(crate) shift: f64,
+    pub(crate) distance: f64,
+    pub(crate) place: f64,
+    pub(crate) halo_condition: f64,
+    pub(crate) halo_person: f64,
+}
+
+/// Differences beyond this many standard deviations look alike.
+const LARGEST_DIFFERENCE: f64 = 5.0;
+
+impl Trial<'_> {
+    /// Difference of a measure from the own drive, in standard deviations of the population.
+    fn difference(&self, measure: &str) -> Option<f64> {
+        let sd = self
+            .spread
+            .get(measure)
+            .filter(|s| s.is_finite() && **s > 0.0)?;
+        let av = self.values.get(measure).copied().flatten()?;
+        let own = self.own.get(measure).copied().flatten()?;
+        Some(((av - own) / sd).clamp(-LARGEST_DIFFERENCE, LARGEST_DIFFERENCE))
+    }
+
+    /// Sum of weight · value over the measures that can be compared, per unit of their weight, times the whole
+    /// weight; the others are added to `missing`.
+    fn mean_over(
+        &self,
+        weights: &BTreeMap<String, f64>,
+        value: impl Fn(f64) -> f64,
+        missing: &mut BTreeSet<String>,
+    ) -> f64 {
+        let (mut sum, mut compared, mut whole) = (0.0, 0.0, 0.0);
+        for (measure, weight) in weights.iter().filter(|(_, w)| **w != 0.0) {
+            whole += weight.abs();
+            match self.difference(measure) {
+                Some(difference) => {
+                    sum += weight * value(difference);
+                    compared += weight.abs();
+                }
+                None => {
+                    missing.insert(measure.clone());
+                }
+            }
+        }
+        if compared > 0.0 {
+            sum * whole / compared
+        } else {
+            0.0
+        }
+    }
+
+    pub(crate) fn impression(&self, effects: &Effects, seed: u64) -> (Impression, Vec<String>) {
+        let id = self.participant.id.as_str();
+        let condition = self.condition.as_str();
+        let mut rng = stream(seed, &[id, "impression", condition]);
+        let mut missing = BTreeSet::new();
+        let perception = &effects.perception;
+        let seen = self.mean_over(&perception.shift, |d| d, &mut missing);
+        let shift = seen + perception.noise_sd * normal(&mut rng);
+        let squares = self.mean_over(&perception.distance, |d| d * d, &mut missing);
+        let distance = squares.max(0.0).sqrt();
+        let preferred = preferred_shift(self.participant, effects, seed);
+        let impression = Impression {
+            fit: -(shift - preferred).powi(2),
+            likeness: -homophily(self.participant, effects, seed) * distance,
+            shift,
+            distance,
+            place: self.place,
+            halo_condition: normal(&mut rng),
+            halo_person: normal(&mut stream(seed, &[id, "halo"])),
+        };
+        (impression, missing.into_iter().collect())
+    }
+}

@@ -1,0 +1,25 @@
+//! Synthetic participants: traits, questionnaire answers and ratings.
+//!
+//! [`Cohort::draw`] makes people, [`answer_before`] their answers before the drives, [`rate`] their
+//! ratings of the AV conditions. Sizes come from [`Effects`], which is one file.
+
+pub mod answers;
+pub mod cohort;
+pub mod effects;
+pub mod error;
+pub mod impression;
+pub mod person;
+pub mod ratings;
+mod response;
+pub mod settings;
+
+pub use answers::answer_before;
+pub use cohort::{Cohort, PlannedDrive};
+pub use effects::Effects;
+pub use error::ParticipantError;
+pub use impression::preferred_shift;
+pub use person::{Gender, Participant, Personality, Population, Trait};
+pub use ratings::{MeasureValues, Rated, RatingWarning, rate, spread};
+pub use settings::{CohortSettings, Group};
+#[cfg(test)]
+mod testing;

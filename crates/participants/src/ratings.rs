@@ -1,0 +1,465 @@
+//! What people think of the car in each condition.
+
+use crate::{
+    answers::{covered_once, subscale_of},
+    effects::{Effects, RatingModel},
+    error::ParticipantError,
+    impression::{Impression, Trial},
+    person::Participant,
+    response::{as_given, grade, maybe_left_out, normal, stream},
+};
+use maveric_domain::{Answer, Condition, Moment, ParticipantId, Scale};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt,
+};
+
+/// The objective measures of one drive by code name; `None` where the drive has none.
+pub type MeasureValues = BTreeMap<String, Option<f64>>;
+
+/// What was left out of the ratings.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum RatingWarning {
+    /// Measures that one of the two drives lacks, or that do not vary: the person judged by the others.
+    NotCompared {
+        /// Who.
+        participant: ParticipantId,
+        /// The condition.
+        condition: Condition,
+        /// Code names of the measures.
+        measures: Vec<String>,
+    },
+}
+
+impl fmt::Display for RatingWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotCompared {
+                participant,
+                condition,
+                measures,
+            } => write!(
+                f,
+                "participant {participant} ({condition}) was rated without {}",
+                measures.join(", ")
+            ),
+        }
+    }
+}
+
+/// Answers after the conditions, and what was left out of them.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Rated {
+    /// Ordered by condition as given, scale as given and item.
+    pub answers: Vec<Answer>,
+    /// One a condition at most.
+    pub warnings: Vec<RatingWarning>,
+}
+
+/// Standard deviation of each measure over drives (n − 1): the unit in which people perceive differences.
+///
+/// A measure with fewer than two values, or with all of them equal, has none.
+pub fn spread(drives: &[&MeasureValues]) -> BTreeMap<String, f64> {
+    let names: BTreeSet<&String> = drives.iter().flat_map(|d| d.keys()).collect();
+    let sd = |name: &String| {
+        let values: Vec<f64> = drives
+            .iter()
+            .filter_map(|d| d.get(name).copied().flatten())
+            .collect();
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+        Some((squares / (n - 1.0)).sqrt()).filter(|sd| sd.is_finite() && *sd > 0.0)
+    };
+    names
+        .into_iter()
+        .filter_map(|name| Some((name.clone(), sd(name)?)))
+        .collect()
+}
+
+/// Lets one participant rate the conditions that they sat through.
+///
+/// `own` and `trials` hold objective measures by code name, `spread` their standard deviations in the population (see [`spread`]).
+/// Only the scales that [`Effects::ratings`] knows are asked. Each answer depends on the seed, the person, the condition and
+/// the subscale alone.
+///
+/// # Errors
+/// [`ParticipantError::BadTrial`] for a condition given twice or one driven by hand; [`ParticipantError::BadMeasure`];
+/// [`ParticipantError::BadSetting`], [`ParticipantError::UnknownSubscale`], [`ParticipantError::ItemTwice`],
+/// [`ParticipantError::ItemWithoutModel`] or [`ParticipantError::Domain`] where effects or scales do not fit.
+///
+/// # Source
+/// Method section 7; the formula is at [`RatingModel`].
+pub fn rate(
+    participant: &Participant,
+    own: &MeasureValues,
+    trials: &[(Condition, MeasureValues)],
+    spread: &BTreeMap<String, f64>,
+    scales: &[Scale],
+    effects: &Effects,
+    seed: u64,
+) -> Result<Rated, ParticipantError> {
+    effects.check()?;
+    check_scales(scales, effects)?;
+    check_measures(participant, own)?;
+    let mut rated = Rated::default();
+    let mut seen = BTreeSet::new();
+    for (index, (condition, values)) in trials.iter().enumerate() {
+        check_measures(participant, values)?;
+        let bad = |problem| {
+            Err(ParticipantError::BadTrial {
+                participant: participant.id.clone(),
+                condition: *condition,
+                problem,
+            })
+        };
+        if *condition == Condition::Own {
+            return bad("is not driven by the car");
+        }
+        if !seen.insert(*condition) {
+            return bad("is given twice");
+        }
+        let place = participant.order.iter().position(|c| c == condition);
+        let trial = Trial {
+            participant,
+            condition: *condition,
+            place: place.unwrap_or(index) as f64 - 1.5,
+            own,
+            values,
+            spread,
+        };
+        let (impression, missing) = trial.impression(effects, seed);
+        if !missing.is_empty() {
+            rated.warnings.push(RatingWarning::NotCompared {
+                participant: participant.id.clone(),
+                condition: *condition,
+                measures: missing,
+            });
+        }
+        for scale in scales {
+            if let Some(models) = effects.ratings.get(&scale.id) {
+                let answers = trial.answers(scale, models, &impression, effects, seed);
+                rated.answers.extend(answers);
+            }
+        }
+    }
+    Ok(rated)
+}
+
+fn check_scales(scales: &[Scale], effects: &Effects) -> Result<(), ParticipantError> {
+    for scale in scales {
+        scale.validate()?;
+    }
+    for (id, models) in &effects.ratings {
+        match scales.iter().find(|s| s.id == *id) {
+            Some(scale) => covered_once(scale, models.keys())?,
+            None => {
+                return Err(ParticipantError::UnknownSubscale {
+                    scale: id.clone(),
+                    subscale: models.keys().next().cloned().unwrap_or_default(),
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn check_measures(
+    participant: &Participant,
+    values: &MeasureValues,
+) -> Result<(), ParticipantError> {
+    for (measure, value) in values {
+        if let Some(found) = value.filter(|v| !v.is_finite()) {
+            return Err(ParticipantError::BadMeasure {
+                participant: participant.id.clone(),
+                measure: measure.clone(),
+                found,
+            });
+        }
+    }
+    Ok(())
+}
+
+impl Trial<'_> {
+    fn answers(
+        &self,
+        scale: &Scale,
+        models: &BTreeMap<String, RatingModel>,
+        impression: &Impression,
+        effects: &Effects,
+        seed: u64,
+    ) -> Vec<Answer> {
+        let id = self.participant.id.as_str();
+        let mut answers = Vec::new();
+        for (name, model) in models {
+            let Ok(subscale) = subscale_of(scale, name) else {
+                continue; // checked before any trial
+            };
+            let labels = [id, "rating", scale.id.as_str(), name.as_str()];
+            let habit = normal(&mut stream(seed, &labels));
+            let mut rng = stream(
+                seed,
+                &[id, "rating", &scale.id, name, self.condition.as_str()],
+            );
+            let latent = model.latent(impression)
+                + model.person_sd * habit
+                + model.noise_sd * normal(&mut rng);
+            for &item in &subscale.items {
+                let scored = grade(scale, latent + model.item_sd * normal(&mut rng));
+                let given = as_given(scale, subscale, item, scored);
+                answers.push(Answer {
+                    participant: self.participant.id.clone(),
+                    moment: Moment::After(self.condition),
+                    scale: scale.id.clone(),
+                    item,
+                    answer: maybe_left_out(&mut rng, effects.missing_rate, given),
+                });
+            }
+        }
+        answers.sort_by_key(|a| a.item);
+        answers
+    }
+}
+
+impl RatingModel {
+    fn latent(&self, i: &Impression) -> f64 {
+        self.mean
+            + self.preference * i.fit
+            + self.homophily * i.likeness
+            + self.shift * i.shift
+            + self.distance * i.distance
+            + self.order * i.place
+            + (self.liking + self.halo_condition) * i.halo_condition
+            + self.halo_person * i.halo_person
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::*;
+
+    /// Mean correlation over studies of 24 of a trait's score with a difference of ratings.
+    fn mean_r(
+        studies: &[TestStudy],
+        before: (&str, &str),
+        other: Condition,
+        after: (&str, &str),
+    ) -> f64 {
+        let r = |study: &TestStudy| {
+            let x = study.scores(Moment::Pre, before.0, before.1);
+            correlation(&x, &study.mimic_minus(other, after.0, after.1))
+        };
+        studies.iter().map(r).sum::<f64>() / studies.len() as f64
+    }
+
+    fn mean(values: &[f64]) -> f64 {
+        values.iter().sum::<f64>() / values.len() as f64
+    }
+
+    const OUTCOMES: [(&str, &str, f64); 4] = [
+        ("rosas", "competence", 1.0),
+        ("godspeed_intelligence", "intelligence", 1.0),
+        ("jian_trust", "overall", 1.0),
+        ("rosas", "discomfort", -1.0),
+    ];
+
+    #[test]
+    fn the_papers_correlations_come_out_with_their_signs() {
+        let effects = effects();
+        let studies: Vec<TestStudy> = (0..20).map(|s| TestStudy::run(24, s, &effects)).collect();
+        let conscientious = ("mini_ipip", "conscientiousness");
+        for (scale, subscale, sign) in OUTCOMES {
+            let outcome = (scale, subscale);
+            for other in [Condition::Cautious, Condition::Aggressive] {
+                let r = sign * mean_r(&studies, conscientious, other, outcome);
+                assert!((-0.75..-0.15).contains(&r), "{other} {subscale}: {r}");
+            }
+            let r = sign
+                * mean_r(
+                    &studies,
+                    ("mdsi", "high_velocity"),
+                    Condition::Aggressive,
+                    outcome,
+                );
+            assert!((-0.75..-0.15).contains(&r), "high velocity {subscale}: {r}");
+        }
+        let r = mean_r(
+            &studies,
+            ("mini_ipip", "openness"),
+            Condition::Aggressive,
+            ("rosas", "discomfort"),
+        );
+        assert!((0.1..0.6).contains(&r), "openness: {r}");
+        for (scale, subscale, sign) in OUTCOMES {
+            let over_conditions = |s: &TestStudy, scale: &str, subscale: &str| -> Vec<f64> {
+                let after = |c: &Condition| s.scores(Moment::After(*c), scale, subscale);
+                Condition::AV.iter().flat_map(after).collect()
+            };
+            let r = |s: &TestStudy| {
+                correlation(
+                    &over_conditions(s, "similarity", "similarity"),
+                    &over_conditions(s, scale, subscale),
+                )
+            };
+            let r = sign * mean(&studies.iter().map(r).collect::<Vec<_>>());
+            assert!((0.05..0.5).contains(&r), "similarity {subscale}: {r}");
+        }
+    }
+
+    #[test]
+    fn aggressive_is_called_more_and_cautious_less_aggressive_than_mimic() {
+        let study = TestStudy::run(200, 3, &effects());
+        let scale = ("aggressiveness", "aggressiveness");
+        let mimic = mean(&study.scores(Moment::After(Condition::Mimic), scale.0, scale.1));
+        assert!((mimic - 4.0).abs() < 0.2, "{mimic}");
+        let above = mean(&study.mimic_minus(Condition::Aggressive, scale.0, scale.1));
+        let below = mean(&study.mimic_minus(Condition::Cautious, scale.0, scale.1));
+        assert!(above < -0.4 && below > 0.4, "{above} {below}");
+    }
+
+    #[test]
+    fn a_part_of_the_people_prefer_another_style_than_their_own() {
+        let study = TestStudy::run(400, 4, &effects());
+        for (other, low) in [(Condition::Aggressive, 0.12), (Condition::Cautious, 0.2)] {
+            let differences = study.mimic_minus(other, "jian_trust", "overall");
+            let share = differences.iter().filter(|d| **d < 0.0).count() as f64 / 400.0;
+            assert!((low..0.5).contains(&share), "{other}: {share}");
+        }
+    }
+
+    #[test]
+    fn without_effects_ratings_know_nothing_of_condition_trait_or_similarity() {
+        let study = TestStudy::run(600, 5, &effects().without_effects());
+        // 3.3 standard errors of r, and of a mean difference.
+        let bound = 3.3 / 600_f64.sqrt();
+        let scales = OUTCOMES.iter().map(|(s, d, _)| (*s, *d));
+        let scales = scales.chain([
+            ("similarity", "similarity"),
+            ("aggressiveness", "aggressiveness"),
+        ]);
+        for (scale, subscale) in scales {
+            for other in [
+                Condition::Cautious,
+                Condition::Aggressive,
+                Condition::Perpendicular,
+            ] {
+                let d = study.mimic_minus(other, scale, subscale);
+                let m = mean(&d);
+                let sd = mean(&d.iter().map(|x| (x - m).powi(2)).collect::<Vec<_>>()).sqrt();
+                assert!((m / sd).abs() < bound, "{other} {subscale}: {m}");
+                for (name, before) in [
+                    ("conscientiousness", "mini_ipip"),
+                    ("openness", "mini_ipip"),
+                    ("high_velocity", "mdsi"),
+                ] {
+                    let r = correlation(&study.scores(Moment::Pre, before, name), &d);
+                    assert!(r.abs() < bound, "{name} {other} {subscale}: {r}");
+                }
+            }
+            if scale != "similarity" {
+                let mimic = Moment::After(Condition::Mimic);
+                let similarity = study.scores(mimic, "similarity", "similarity");
+                let r = correlation(&similarity, &study.scores(mimic, scale, subscale));
+                assert!(r.abs() < bound, "similarity {subscale}: {r}");
+            }
+        }
+    }
+
+    fn one_trial(
+        values: MeasureValues,
+    ) -> (Participant, MeasureValues, Vec<(Condition, MeasureValues)>) {
+        let study = TestStudy::run(2, 1, &effects());
+        let participant = study.cohort.participants[0].clone();
+        let own = own_measures(&participant.id, 1);
+        (participant, own, vec![(Condition::Mimic, values)])
+    }
+
+    fn units() -> BTreeMap<String, f64> {
+        let people = ["A", "B", "C"].map(|id| own_measures(&ParticipantId::new(id).unwrap(), 1));
+        spread(&people.iter().collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn a_drive_without_merge_back_is_judged_by_the_rest_and_said_so() {
+        let (participant, own, _) = one_trial(MeasureValues::new());
+        let mut values = own.clone();
+        values.insert("headway_merge_back_m".to_owned(), None);
+        let trials = [(Condition::Mimic, values)];
+        let rated = rate(
+            &participant,
+            &own,
+            &trials,
+            &units(),
+            &scales(),
+            &effects(),
+            1,
+        )
+        .unwrap();
+        assert_eq!(rated.answers.len(), 12 + 12 + 5 + 4 + 4);
+        assert_eq!(rated.warnings.len(), 1);
+        assert!(
+            rated.warnings[0]
+                .to_string()
+                .ends_with("was rated without headway_merge_back_m")
+        );
+    }
+
+    #[test]
+    fn one_trial_does_not_change_another() {
+        let study = TestStudy::run(2, 1, &effects());
+        let participant = &study.cohort.participants[0];
+        let own = own_measures(&participant.id, 1);
+        let all = trials(&own, &participant.id, 1);
+        let run = |trials: &[(Condition, MeasureValues)]| {
+            rate(
+                participant,
+                &own,
+                trials,
+                &units(),
+                &scales(),
+                &effects(),
+                1,
+            )
+            .unwrap()
+            .answers
+        };
+        assert_eq!(run(&all)[..37], run(&all[..1])[..]);
+    }
+
+    #[test]
+    fn impossible_trials_are_refused() {
+        let (participant, own, mut trials) = one_trial(MeasureValues::new());
+        trials.push(trials[0].clone());
+        let said = |trials: &[(Condition, MeasureValues)]| {
+            rate(
+                &participant,
+                &own,
+                trials,
+                &units(),
+                &scales(),
+                &effects(),
+                1,
+            )
+            .unwrap_err()
+            .to_string()
+        };
+        assert!(said(&trials).contains("mimic is given twice"));
+        assert!(said(&[(Condition::Own, own.clone())]).contains("own is not driven by the car"));
+        let mut infinite = own.clone();
+        infinite.insert("lane_changes".to_owned(), Some(f64::INFINITY));
+        assert!(said(&[(Condition::Mimic, infinite)]).contains("`lane_changes` is inf"));
+    }
+
+    #[test]
+    fn measures_that_do_not_vary_have_no_unit() {
+        let drive = |v: Option<f64>| {
+            MeasureValues::from([("x".to_owned(), Some(1.0)), ("y".to_owned(), v)])
+        };
+        let drives = [drive(Some(1.0)), drive(Some(3.0)), drive(None)];
+        let found = spread(&drives.iter().collect::<Vec<_>>());
+        assert_eq!(found, BTreeMap::from([("y".to_owned(), 2_f64.sqrt())]));
+        assert!(spread(&[]).is_empty());
+    }
+}

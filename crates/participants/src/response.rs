@@ -1,0 +1,92 @@
+//! From a latent answer to a ticked box.
+
+use maveric_domain::{Scale, Subscale, stream_seed};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_distr::{Distribution as _, StandardNormal};
+use rand_pcg::Pcg64;
+
+/// A generator that belongs to `labels` alone.
+pub(crate) fn stream(seed: u64, labels: &[&str]) -> Pcg64 {
+    Pcg64::seed_from_u64(stream_seed(seed, labels))
+}
+
+/// One draw from N(0, 1).
+pub(crate) fn normal(rng: &mut Pcg64) -> f64 {
+    StandardNormal.sample(rng)
+}
+
+/// The box that is ticked for a latent answer in points, as scored: the nearest one within the range.
+///
+/// # Source
+/// The graded-response model (Samejima 1969) in its normal-ogive form with equally spaced thresholds: an answer is
+/// at least k where the latent answer exceeds k − ½.
+pub(crate) fn grade(scale: &Scale, latent_points: f64) -> i32 {
+    // `as` saturates, so the clamp sees any latent answer.
+    (latent_points.round() as i32).clamp(scale.min, scale.max)
+}
+
+/// The answer as given: reversed where the key reverses it back.
+pub(crate) fn as_given(scale: &Scale, subscale: &Subscale, item: u32, scored: i32) -> i32 {
+    if scale.is_reversed(subscale, item) {
+        scale.min + scale.max - scored
+    } else {
+        scored
+    }
+}
+
+/// The answer, unless it is left out.
+pub(crate) fn maybe_left_out(rng: &mut Pcg64, missing_rate: f64, answer: i32) -> Option<i32> {
+    (!rng.random_bool(missing_rate)).then_some(answer)
+}
+
+/// Scored answers to `n` items that add up to `total`, scattered by about `item_sd` around their mean.
+pub(crate) fn with_total(
+    scale: &Scale,
+    n: usize,
+    total: i64,
+    item_sd: f64,
+    rng: &mut Pcg64,
+) -> Vec<i32> {
+    let sum_of = |answers: &[i32]| answers.iter().map(|&a| i64::from(a)).sum::<i64>();
+    let (lowest, highest) = (vec![scale.min; n], vec![scale.max; n]);
+    let total = total.clamp(sum_of(&lowest), sum_of(&highest));
+    let mean = total as f64 / n as f64;
+    let mut answers: Vec<i32> = (0..n)
+        .map(|_| grade(scale, mean + item_sd * normal(rng)))
+        .collect();
+    loop {
+        let step = (total - sum_of(&answers)).signum() as i32;
+        let free: Vec<usize> = (0..n)
+            .filter(|&i| (scale.min..=scale.max).contains(&(answers[i] + step)))
+            .collect();
+        if step == 0 || free.is_empty() {
+            return answers;
+        }
+        answers[free[rng.random_range(0..free.len())]] += step;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn scale() -> Scale {
+        toml::from_str(include_str!("../../../study_data/scales/adb.toml")).unwrap()
+    }
+
+    proptest! {
+        #[test]
+        fn items_add_up_to_their_total(total in -20..80_i64, sd in 0.0..3.0_f64, seed: u64) {
+            let answers = with_total(&scale(), 11, total, sd, &mut stream(seed, &["x"]));
+            let sum: i64 = answers.iter().map(|&a| i64::from(a)).sum();
+            prop_assert_eq!(sum, total.clamp(11, 55));
+            prop_assert!(answers.iter().all(|a| (1..=5).contains(a)));
+        }
+
+        #[test]
+        fn any_latent_answer_ticks_a_box(latent: f64) {
+            prop_assert!((1..=5).contains(&grade(&scale(), latent)));
+        }
+    }
+}

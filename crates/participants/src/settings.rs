@@ -1,0 +1,153 @@
+//! How a cohort is made up.
+
+use crate::{error::ParticipantError, person::Population};
+use maveric_domain::Study;
+use serde::{Deserialize, Serialize};
+
+/// A group of participants: how old, how many of them women.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Group {
+    /// Mean age in years.
+    pub mean_age_years: f64,
+    /// Standard deviation of age in years, before the tails are cut at 1.5 of them.
+    pub sd_age_years: f64,
+    /// Share of women, 0 to 1.
+    pub female_share: f64,
+}
+
+/// How a cohort is made up.
+///
+/// # Source
+/// Paper, Participants; method section 7. Standard deviations of age are not reported: 10 years is ours, and so are
+/// the correlations between traits, which only follow the direction usual in the literature on driving.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CohortSettings {
+    /// Study 1, all recruited internally.
+    pub study1: Group,
+    /// The half of Study 2 recruited internally: the participants of odd number.
+    pub study2_internal: Group,
+    /// The half of Study 2 recruited from the public: the participants of even number.
+    pub study2_external: Group,
+    /// Share of professionals in Study 1, 0 to 1.
+    pub professional_share: f64,
+    /// Aggressiveness at which professionals drive the aggressive role; its negative for the cautious one.
+    pub role_aggressiveness: f64,
+    /// Standard deviation of that.
+    pub role_sd: f64,
+    /// Correlation of conscientiousness with aggressiveness.
+    pub conscientiousness_aggressiveness: f64,
+    /// Correlation of agreeableness with aggressiveness.
+    pub agreeableness_aggressiveness: f64,
+    /// Correlation of the high-velocity style with aggressiveness.
+    pub high_velocity_aggressiveness: f64,
+    /// Correlation of the high-velocity style with pace.
+    pub high_velocity_pace: f64,
+}
+
+impl Default for CohortSettings {
+    fn default() -> Self {
+        let group = |mean_age_years, female_share| Group {
+            mean_age_years,
+            sd_age_years: 10.0,
+            female_share,
+        };
+        Self {
+            study1: group(35.4, 0.27),
+            study2_internal: group(34.42, 0.334),
+            study2_external: group(43.92, 0.417),
+            professional_share: 4.0 / 30.0,
+            role_aggressiveness: 1.9,
+            role_sd: 0.2,
+            conscientiousness_aggressiveness: -0.15,
+            agreeableness_aggressiveness: -0.2,
+            high_velocity_aggressiveness: 0.5,
+            high_velocity_pace: 0.4,
+        }
+    }
+}
+
+impl CohortSettings {
+    /// Says whether the settings make sense.
+    ///
+    /// # Errors
+    /// [`ParticipantError::BadSetting`] naming the first key that does not.
+    pub fn check(&self) -> Result<(), ParticipantError> {
+        let within = |name: &str, found: f64, low: f64, high: f64, expected: &'static str| {
+            if (low..=high).contains(&found) {
+                return Ok(());
+            }
+            Err(ParticipantError::BadSetting {
+                name: name.to_owned(),
+                found,
+                expected,
+            })
+        };
+        for (name, group) in [
+            ("study1", &self.study1),
+            ("study2_internal", &self.study2_internal),
+            ("study2_external", &self.study2_external),
+        ] {
+            let key = |field: &str| format!("{name}.{field}");
+            within(
+                &key("mean_age_years"),
+                group.mean_age_years,
+                18.0,
+                90.0,
+                "18 to 90 years",
+            )?;
+            within(
+                &key("sd_age_years"),
+                group.sd_age_years,
+                0.0,
+                30.0,
+                "0 to 30 years",
+            )?;
+            within(&key("female_share"), group.female_share, 0.0, 1.0, "0 to 1")?;
+        }
+        within(
+            "professional_share",
+            self.professional_share,
+            0.0,
+            1.0,
+            "0 to 1",
+        )?;
+        within(
+            "role_aggressiveness",
+            self.role_aggressiveness,
+            0.0,
+            5.0,
+            "0 to 5",
+        )?;
+        within("role_sd", self.role_sd, 0.0, 2.0, "0 to 2")?;
+        for (name, r) in [
+            (
+                "conscientiousness_aggressiveness",
+                self.conscientiousness_aggressiveness,
+            ),
+            (
+                "agreeableness_aggressiveness",
+                self.agreeableness_aggressiveness,
+            ),
+        ] {
+            within(name, r, -1.0, 1.0, "-1 to 1")?;
+        }
+        let explained = self.high_velocity_aggressiveness.powi(2) + self.high_velocity_pace.powi(2);
+        within(
+            "high_velocity_aggressiveness² + high_velocity_pace²",
+            explained,
+            0.0,
+            1.0,
+            "0 to 1",
+        )
+    }
+
+    pub(crate) fn group(&self, study: Study, population: Population) -> &Group {
+        match (study, population) {
+            (Study::One, _) => &self.study1,
+            (Study::Two, Population::Internal) => &self.study2_internal,
+            (Study::Two, Population::External) => &self.study2_external,
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! What can go wrong between files and the science.
+
+use std::path::PathBuf;
+
+/// A command's failure, naming the file and what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StudyError {
+    /// A file that cannot be read or written.
+    #[error("cannot {action} {}: {source}", path.display())]
+    Io {
+        /// `read`, `write`, …
+        action: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A table that cannot be parsed.
+    #[error("{}: not a readable {format} table: {problem}", path.display())]
+    BadTable {
+        /// The file.
+        path: PathBuf,
+        /// CSV or Parquet.
+        format: &'static str,
+        /// What the parser said.
+        problem: String,
+    },
+    /// A table without the column asked for.
+    #[error("{}: no column `{wanted}`; columns are {}", path.display(), found.join(", "))]
+    NoColumn {
+        /// The file.
+        path: PathBuf,
+        /// The column asked for.
+        wanted: String,
+        /// The columns there are.
+        found: Vec<String>,
+        /// The nearest of them.
+        nearest: Option<String>,
+    },
+    /// A cell that does not hold what its column should.
+    #[error("{}: row {row}, column `{column}`: found `{found}`, expected {expected}", path.display())]
+    BadCell {
+        /// The file.
+        path: PathBuf,
+        /// Data row, from 1 (the header is not counted).
+        row: usize,
+        /// The column.
+        column: String,
+        /// What is there.
+        found: String,
+        /// What should be.
+        expected: String,
+    },
+    /// A file that holds something else than it should.
+    #[error("{}: {problem}", path.display())]
+    BadFile {
+        /// The file.
+        path: PathBuf,
+        /// What was found and what was expected.
+        problem: String,
+        /// What to do.
+        help: Option<String>,
+    },
+    /// A request that cannot be met with these data.
+    #[error("{problem}")]
+    NotPossible {
+        /// What was found and what was expected.
+        problem: String,
+        /// What to do.
+        help: Option<String>,
+    },
+    /// The work was interrupted.
+    #[error("interrupted")]
+    Interrupted,
+    /// A value that the nouns refuse.
+    #[error(transparent)]
+    Domain(#[from] maveric_domain::DomainError),
+    /// A log that cannot be ingested.
+    #[error(transparent)]
+    Ingest(#[from] maveric_ingest::IngestError),
+    /// A questionnaire that cannot be scored.
+    #[error(transparent)]
+    Measure(#[from] maveric_measures::MeasureError),
+    /// Training, personalising or steering that failed.
+    #[error(transparent)]
+    Model(#[from] maveric_model::ModelError),
+    /// Recorded car-following that cannot be evaluated.
+    #[error(transparent)]
+    Following(#[from] maveric_model::following::FollowingError),
+    /// A drive that could not be simulated.
+    #[error(transparent)]
+    Simulator(#[from] maveric_simulator::SimulatorError),
+    /// People that could not be made up.
+    #[error(transparent)]
+    Participants(#[from] maveric_participants::ParticipantError),
+    /// A test that refuses its data.
+    #[error(transparent)]
+    Stats(#[from] maveric_stats::StatsError),
+    /// A figure or page that could not be drawn.
+    #[error(transparent)]
+    Report(#[from] maveric_report::ReportError),
+}
+
+impl StudyError {
+    /// The next step, where one is known.
+    pub fn suggestion(&self) -> Option<String> {
+        match self {
+            Self::NoColumn { nearest, .. } => {
+                nearest.as_ref().map(|name| format!("did you mean `{name}`?"))
+            }
+            Self::BadFile { help, .. } | Self::NotPossible { help, .. } => help.clone(),
+            Self::Io { source, .. } if source.kind() == std::io::ErrorKind::NotFound => {
+                Some("check the path; relative paths start at the current folder".to_owned())
+            }
+            Self::Ingest(error) => error.suggestion(),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn read(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.into();
+        move |source| Self::Io { action: "read", path, source }
+    }
+
+    pub(crate) fn write(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.into();
+        move |source| Self::Io { action: "write", path, source }
+    }
+
+    pub(crate) fn file(path: impl Into<PathBuf>, problem: impl Into<String>) -> Self {
+        Self::BadFile { path: path.into(), problem: problem.into(), help: None }
+    }
+}

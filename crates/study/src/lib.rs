@@ -1,0 +1,14 @@
+//! The library behind every command: stages, tables and files.
+//!
+//! Each function of [`stages`] is one command of the `maveric` program; the program parses, calls it and prints.
+
+pub mod atomic_write;
+pub mod error;
+pub mod model_planner;
+pub mod outcome;
+pub mod stages;
+pub mod tables;
+
+pub use error::StudyError;
+pub use model_planner::ModelPlanner;
+pub use outcome::{Outcome, Progress, Watch};

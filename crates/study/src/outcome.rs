@@ -1,0 +1,89 @@
+//! What a command gives back, and how it is watched while it works.
+
+use crate::error::StudyError;
+use serde::Serialize;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A command's result: the value, a few lines for people, and what was left out.
+#[derive(Debug, Clone, Serialize)]
+pub struct Outcome<T> {
+    /// What was computed or written.
+    #[serde(flatten)]
+    pub value: T,
+    /// The result in a few lines.
+    #[serde(skip)]
+    pub summary: Vec<String>,
+    /// Each thing that was left out, repaired or doubtful, in a sentence.
+    pub warnings: Vec<String>,
+}
+
+/// How far long work has come: `done` of `total` steps, and what the step is.
+pub type Progress<'a> = dyn Fn(usize, usize, &str) + Sync + 'a;
+
+/// Watches long work: is told how far it has come, and can stop it.
+#[derive(Clone, Copy)]
+pub struct Watch<'a> {
+    progress: &'a Progress<'a>,
+    cancel: &'a AtomicBool,
+}
+
+impl std::fmt::Debug for Watch<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Watch").field("cancel", self.cancel).finish_non_exhaustive()
+    }
+}
+
+impl<'a> Watch<'a> {
+    /// Reports to `progress`; stops soon after `cancel` becomes true.
+    pub fn new(progress: &'a Progress<'a>, cancel: &'a AtomicBool) -> Self {
+        Self { progress, cancel }
+    }
+
+    /// Tells how far the work has come.
+    ///
+    /// # Errors
+    /// [`StudyError::Interrupted`] if the work should stop.
+    pub fn step(&self, done: usize, total: usize, what: &str) -> Result<(), StudyError> {
+        (self.progress)(done, total, what);
+        self.check()
+    }
+
+    /// Whether to go on.
+    ///
+    /// # Errors
+    /// [`StudyError::Interrupted`] if the work should stop.
+    pub fn check(&self) -> Result<(), StudyError> {
+        if self.cancel.load(Ordering::Relaxed) { Err(StudyError::Interrupted) } else { Ok(()) }
+    }
+
+    /// The flag that stops the work, for a library that watches it itself.
+    pub fn cancel(&self) -> &'a AtomicBool {
+        self.cancel
+    }
+}
+
+/// Runs `work` on each item on `jobs` threads; results come in the items' order.
+///
+/// # Errors
+/// The first error in the items' order, or [`StudyError::Interrupted`].
+pub(crate) fn for_each_on<I: Sync, T: Send>(
+    jobs: usize,
+    items: &[I],
+    watch: Watch<'_>,
+    what: &str,
+    work: impl Fn(&I) -> Result<T, StudyError> + Sync,
+) -> Result<Vec<T>, StudyError> {
+    use rayon::prelude::*;
+    use std::sync::atomic::AtomicUsize;
+    let done = AtomicUsize::new(0);
+    let one = |item: &I| {
+        watch.check()?;
+        let result = work(item)?;
+        watch.step(done.fetch_add(1, Ordering::Relaxed) + 1, items.len(), what)?;
+        Ok(result)
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
+    let pool = pool.map_err(|e| StudyError::NotPossible { problem: format!("cannot start {jobs} threads: {e}"), help: None })?;
+    let results: Vec<Result<T, StudyError>> = pool.install(|| items.par_iter().map(one).collect());
+    results.into_iter().collect()
+}

@@ -1,0 +1,103 @@
+//! 9.5: who prefers what, and what goes with it.
+
+use super::{
+    data::StudyData,
+    result::{HomophilyRow, Preference, SimilarityRow},
+    adapt::{correlate, correlate_within},
+};
+use crate::error::StudyError;
+use maveric_domain::{Condition, ParticipantId};
+use maveric_stats::{CorrelationMethod, adjust};
+
+/// The ratings of a condition: code name, scale, subscale, and whether more of it is better.
+const RATINGS: [(&str, &str, &str, bool); 4] = [
+    ("competence", "rosas", "competence", true),
+    ("intelligence", "godspeed_intelligence", "intelligence", true),
+    ("discomfort", "rosas", "discomfort", false),
+    ("trust", "jian_trust", "overall", true),
+];
+
+fn rating(data: &StudyData, p: &ParticipantId, condition: Condition, name: &str) -> Option<f64> {
+    let (_, scale, subscale, _) = RATINGS.iter().find(|r| r.0 == name)?;
+    data.post(p, condition, scale, subscale)
+}
+
+/// Every factor against every rating difference: one family.
+pub(super) fn homophily(data: &StudyData) -> Result<Vec<HomophilyRow>, StudyError> {
+    let mut rows = Vec::new();
+    for scale in ["mini_ipip", "mdsi"] {
+        for factor in data.pre_subscales(scale) {
+            let x: Vec<Option<f64>> = data.participants.iter().map(|p| data.pre(p, scale, &factor)).collect();
+            for versus in [Condition::Cautious, Condition::Aggressive] {
+                for (name, ..) in RATINGS {
+                    let difference =
+                        |p| Some(rating(data, p, Condition::Mimic, name)? - rating(data, p, versus, name)?);
+                    let y: Vec<Option<f64>> = data.participants.iter().map(difference).collect();
+                    rows.push(HomophilyRow {
+                        factor: factor.clone(),
+                        versus,
+                        rating: name.to_owned(),
+                        correlation: correlate(&x, &y, CorrelationMethod::Auto)?,
+                        p_holm: None,
+                        p_bh: None,
+                    });
+                }
+            }
+        }
+    }
+    let tested: Vec<usize> = (0..rows.len()).filter(|&i| rows[i].correlation.p.is_some()).collect();
+    let p: Vec<f64> = tested.iter().filter_map(|&i| rows[i].correlation.p).collect();
+    if !p.is_empty() {
+        let adjusted = adjust(&p)?;
+        for (k, &i) in tested.iter().enumerate() {
+            rows[i].p_holm = adjusted.holm.get(k).copied();
+            rows[i].p_bh = adjusted.bh.get(k).copied();
+        }
+    }
+    Ok(rows)
+}
+
+/// Perceived similarity against the ratings, over participants × conditions.
+pub(super) fn similarity(data: &StudyData) -> Result<Vec<SimilarityRow>, StudyError> {
+    let cells: Vec<(&ParticipantId, Condition)> =
+        data.participants.iter().flat_map(|p| Condition::AV.map(|c| (p, c))).collect();
+    let subjects: Vec<String> = cells.iter().map(|(p, _)| p.to_string()).collect();
+    let x: Vec<Option<f64>> = cells.iter().map(|(p, c)| data.post(p, *c, "similarity", "similarity")).collect();
+    let one = |name: &str| {
+        let y: Vec<Option<f64>> = cells.iter().map(|(p, c)| rating(data, p, *c, name)).collect();
+        Ok(SimilarityRow {
+            rating: name.to_owned(),
+            pooled: correlate(&x, &y, CorrelationMethod::Spearman)?,
+            within: correlate_within(&subjects, &x, &y)?,
+        })
+    };
+    ["trust", "intelligence", "competence"].into_iter().map(one).collect()
+}
+
+/// Who rated Aggressive and Cautious above Mimic.
+pub(super) fn preferences(data: &StudyData) -> Vec<Preference> {
+    let one = |&(name, _, _, more_is_better): &(&str, &str, &str, bool)| {
+        let mut found = Preference {
+            rating: name.to_owned(),
+            n: 0,
+            aggressive_above: 0,
+            cautious_above: 0,
+            mimic_not_above_cautious: 0,
+        };
+        let sign = if more_is_better { 1.0 } else { -1.0 };
+        for p in &data.participants {
+            let score = |c| rating(data, p, c, name).map(|v| v * sign);
+            let (Some(mimic), Some(aggressive), Some(cautious)) =
+                (score(Condition::Mimic), score(Condition::Aggressive), score(Condition::Cautious))
+            else {
+                continue;
+            };
+            found.n += 1;
+            found.aggressive_above += usize::from(aggressive > mimic);
+            found.cautious_above += usize::from(cautious > mimic);
+            found.mimic_not_above_cautious += usize::from(mimic <= cautious);
+        }
+        found
+    };
+    RATINGS.iter().map(one).collect()
+}

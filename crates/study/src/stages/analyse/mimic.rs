@@ -1,0 +1,79 @@
+//! 9.2: how well Mimic reproduces the driver; 9.3: whether it is nearer than the other conditions.
+
+use super::{
+    data::StudyData,
+    line::{FOLLOWS, title},
+    result::{MimicAccuracy, Nearer},
+};
+use crate::error::StudyError;
+use maveric_domain::Condition;
+use maveric_measures::mean_accuracy;
+use maveric_stats::{WithinSubjects, adjust, within};
+
+/// Mimic accuracy of each measure, beside what the mean of the other drivers would have reached.
+pub(super) fn accuracy(data: &StudyData) -> Vec<MimicAccuracy> {
+    let one = |measure: &str| {
+        let own: Vec<Option<f64>> =
+            data.participants.iter().map(|p| data.measured(p, Condition::Own, measure)).collect();
+        let pair = |(i, p)| (data.measured(p, Condition::Mimic, measure), own[i]);
+        let pairs: Vec<_> = data.participants.iter().enumerate().map(pair).collect();
+        let found = mean_accuracy(&pairs);
+        let others = |i: usize| {
+            let values: Vec<f64> =
+                own.iter().enumerate().filter(|(j, _)| *j != i).filter_map(|(_, v)| *v).collect();
+            (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+        };
+        let guesses: Vec<_> = own.iter().enumerate().map(|(i, v)| (others(i), *v)).collect();
+        MimicAccuracy {
+            measure: measure.to_owned(),
+            title: title(measure),
+            mean: found.mean,
+            sd: found.sd,
+            n: found.n,
+            dropped: found.dropped(),
+            population_mean: mean_accuracy(&guesses).mean,
+        }
+    };
+    FOLLOWS.iter().map(|m| one(m)).collect()
+}
+
+/// |Mimic − own| against |other − own|, Holm over all rows.
+pub(super) fn nearer(data: &StudyData) -> Result<Vec<Nearer>, StudyError> {
+    let mut rows = Vec::new();
+    for measure in FOLLOWS {
+        for than in [Condition::Aggressive, Condition::Cautious] {
+            let mut subjects = Vec::new();
+            let mut distances: Vec<Vec<f64>> = Vec::new();
+            for p in &data.participants {
+                let Some(own) = data.measured(p, Condition::Own, measure) else { continue };
+                let distance = |c| data.measured(p, c, measure).map(|v| (v - own).abs());
+                if let (Some(mimic), Some(other)) = (distance(Condition::Mimic), distance(than)) {
+                    subjects.push(p.to_string());
+                    distances.push(vec![mimic, other]);
+                }
+            }
+            let n = subjects.len();
+            let wins = distances.iter().filter(|d| d[0] < d[1]).count();
+            let tested = WithinSubjects::from_rows(&["mimic", "other"], &subjects, &distances).ok();
+            let p = tested.and_then(|t| within(&t).wilcoxon.get("mimic|other").and_then(|w| w.p));
+            rows.push(Nearer {
+                measure: measure.to_owned(),
+                title: title(measure),
+                than,
+                n,
+                share: (n > 0).then(|| wins as f64 / n as f64),
+                p,
+                p_holm: None,
+            });
+        }
+    }
+    let tested: Vec<usize> = (0..rows.len()).filter(|&i| rows[i].p.is_some()).collect();
+    let p: Vec<f64> = tested.iter().filter_map(|&i| rows[i].p).collect();
+    if !p.is_empty() {
+        let holm = adjust(&p)?.holm;
+        for (k, &i) in tested.iter().enumerate() {
+            rows[i].p_holm = holm.get(k).copied();
+        }
+    }
+    Ok(rows)
+}

@@ -1,0 +1,103 @@
+//! 9.3: differences from the own drive in the four conditions, six panels.
+
+use super::{
+    data::StudyData,
+    line::{FOLLOWS, title, unit},
+    result::{Panel, PanelPair},
+};
+use crate::{error::StudyError, stages::stats::apa_omnibus};
+use maveric_domain::{Condition, MetresPerSecond};
+use maveric_measures::difference_from_own;
+use maveric_stats::{WithinSubjects, compare};
+
+/// Level of the assumption checks and of `reject`.
+const ALPHA: f64 = 0.05;
+/// "As aggressive as I am" on the scale of perceived aggressiveness.
+const SAME_AGGRESSIVENESS: f64 = 4.0;
+
+/// The six panels of the paper, in its order.
+pub(super) fn panels(data: &StudyData) -> Result<Vec<Panel>, StudyError> {
+    let mut panels = Vec::new();
+    for measure in FOLLOWS {
+        let value = |p: &_, c| difference_from_own(data.measured(p, c, measure), data.measured(p, Condition::Own, measure));
+        // People read speeds in mph.
+        let (scale, unit) = match measure {
+            "mean_velocity_mps" => (MetresPerSecond(1.0).mph(), "mph".to_owned()),
+            _ => (1.0, unit(measure)),
+        };
+        let row = |p| Condition::AV.map(|c| value(p, c).map(|v| v * scale)).to_vec();
+        let rows = data.participants.iter().map(row).collect();
+        panels.push(panel(data, measure, title(measure), unit, 0.0, rows)?);
+    }
+    let rated = |p| Condition::AV.map(|c| data.post(p, c, "aggressiveness", "aggressiveness")).to_vec();
+    let rows = data.participants.iter().map(rated).collect();
+    let name = "Subjective aggressiveness".to_owned();
+    panels.push(panel(data, "aggressiveness", name, "rating, 1 to 7".to_owned(), SAME_AGGRESSIVENESS, rows)?);
+    Ok(panels)
+}
+
+fn panel(
+    data: &StudyData,
+    measure: &str,
+    title: String,
+    unit: String,
+    same: f64,
+    rows: Vec<Vec<Option<f64>>>,
+) -> Result<Panel, StudyError> {
+    let participants: Vec<String> = data.participants.iter().map(ToString::to_string).collect();
+    let complete = |row: &Vec<Option<f64>>| row.iter().copied().collect::<Option<Vec<f64>>>();
+    let mut subjects = Vec::new();
+    let mut values = Vec::new();
+    let mut dropped = Vec::new();
+    for (who, row) in participants.iter().zip(&rows) {
+        match complete(row) {
+            Some(full) => {
+                subjects.push(who.clone());
+                values.push(full);
+            }
+            None => dropped.push(who.clone()),
+        }
+    }
+    let n = subjects.len();
+    let mut panel = Panel {
+        measure: measure.to_owned(),
+        title,
+        unit,
+        same,
+        participants,
+        rows,
+        n,
+        dropped,
+        chosen: None,
+        reasons: Vec::new(),
+        omnibus: format!("not tested: {n} participants with a value in every condition"),
+        omnibus_p: None,
+        pairs: Vec::new(),
+        comparison: serde_json::Value::Null,
+    };
+    if n < 2 {
+        return Ok(panel);
+    }
+    let names = Condition::AV.map(Condition::as_str);
+    let tested = WithinSubjects::from_rows(&names, &subjects, &values)?;
+    let found = compare(&tested, ALPHA)?;
+    panel.chosen = serde_json::to_value(found.chosen).ok().and_then(|v| v.as_str().map(str::to_owned));
+    panel.reasons.clone_from(&found.reasons);
+    panel.omnibus_p = found.omnibus.p;
+    panel.omnibus = apa_omnibus(&found.omnibus, found.n).map_or_else(
+        || "no test statistic: see the reasons in the analysis".to_owned(),
+        |statement| statement.markup().to_owned(),
+    );
+    for (name, pair) in found.posthoc.pairs.iter() {
+        let Some((first, second)) = name.split_once('|') else { continue };
+        panel.pairs.push(PanelPair {
+            first: first.parse()?,
+            second: second.parse()?,
+            mean_difference: Some(pair.mean_diff).filter(|d| d.is_finite()),
+            p: pair.p,
+            p_holm: pair.p_adjusted,
+        });
+    }
+    panel.comparison = serde_json::to_value(&found).unwrap_or_default();
+    Ok(panel)
+}

@@ -1,0 +1,114 @@
+//! `generate`: a whole study of people who do not exist.
+
+use crate::{
+    atomic_write::{atomic_write, read_text},
+    error::StudyError,
+    outcome::{Outcome, Watch, for_each_on},
+    stages::{rate::read_effects, score::read_scales},
+    tables::{participants::write_participants, surveys::write_answers},
+};
+use maveric_domain::{DriveMeta, DrivenBy, Seconds, Study, stream_seed};
+use maveric_ingest::write_mcap;
+use maveric_participants::{Cohort, CohortSettings, PlannedDrive, answer_before};
+use maveric_simulator::{Driver, Scenario, rollout};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// What to make up.
+#[derive(Debug, Clone)]
+pub struct GenerateOptions {
+    /// Folder to write into.
+    pub out: PathBuf,
+    /// World to drive in; the paper's without.
+    pub scenario: Option<PathBuf>,
+    /// Folder of questionnaire definitions.
+    pub scales: PathBuf,
+    /// Sizes of the effects in the answers.
+    pub effects: PathBuf,
+    /// Participants of Study 1.
+    pub study1: usize,
+    /// Participants of Study 2.
+    pub study2: usize,
+    /// Length of a drive, in s; the scenario's without.
+    pub duration_s: Option<f64>,
+    /// Root of every random choice.
+    pub seed: u64,
+    /// Threads.
+    pub jobs: usize,
+}
+
+/// What was made up.
+#[derive(Debug, Clone, Serialize)]
+pub struct Generated {
+    /// People.
+    pub participants: usize,
+    /// Drives.
+    pub drives: usize,
+    /// Answers before the drives.
+    pub answers: usize,
+    /// Collisions over all drives.
+    pub collisions: usize,
+}
+
+/// Reads a scenario, or takes the paper's, at the length asked for.
+///
+/// # Errors
+/// [`StudyError`] naming the file and the key.
+pub fn read_scenario(path: Option<&Path>, duration_s: Option<f64>) -> Result<Scenario, StudyError> {
+    let scenario = match path {
+        None => Scenario::paper(),
+        Some(path) => toml::from_str(&read_text(path)?).map_err(|e| StudyError::file(path, format!("not a scenario: {e}")))?,
+    };
+    match duration_s {
+        None => Ok(scenario),
+        Some(seconds) => Ok(scenario.with_duration(Seconds(seconds))?),
+    }
+}
+
+/// Makes up participants, their answers and their driving logs, labelled as synthetic throughout.
+///
+/// # Errors
+/// [`StudyError`] where scenario, scales or effects are not as they should be, or a file cannot be written.
+pub fn generate(options: &GenerateOptions, watch: Watch<'_>) -> Result<Outcome<Generated>, StudyError> {
+    let scenario = read_scenario(options.scenario.as_deref(), options.duration_s)?;
+    let scales = read_scales(&options.scales)?;
+    let effects = read_effects(&options.effects)?;
+    let cohort = Cohort::draw(options.study1, options.study2, options.seed, &CohortSettings::default())?;
+    let answers = answer_before(&cohort, &scales, &effects, options.seed)?;
+    let collisions = for_each_on(options.jobs, &cohort.drives, watch, "drives", |planned| drive(options, &scenario, planned))?;
+    write_participants(&options.out.join("participants.csv"), &cohort.participants)?;
+    write_answers(&options.out.join("surveys.csv"), &answers)?;
+    let value = Generated {
+        participants: cohort.participants.len(),
+        drives: cohort.drives.len(),
+        answers: answers.len(),
+        collisions: collisions.iter().sum(),
+    };
+    let warnings = (value.collisions > 0).then(|| format!("{} collisions in the synthetic drives", value.collisions));
+    let summary =
+        vec![format!("{} synthetic participants, {} drives: {}", value.participants, value.drives, options.out.display())];
+    Ok(Outcome { value, summary, warnings: warnings.into_iter().collect() })
+}
+
+/// Drives once and writes the log; gives the number of collisions.
+fn drive(options: &GenerateOptions, scenario: &Scenario, planned: &PlannedDrive) -> Result<usize, StudyError> {
+    let person = stream_seed(options.seed, &[planned.participant.as_str(), "person"]);
+    let day = stream_seed(options.seed, &[planned.drive.as_str(), "day"]);
+    let params = scenario.settings().drivers.draw(&planned.traits, person, day);
+    let world = stream_seed(options.seed, &[planned.drive.as_str(), "world"]);
+    let driven = rollout(scenario, Driver::Human(&params), world)?;
+    let meta = DriveMeta {
+        drive: planned.drive.clone(),
+        participant: planned.participant.clone(),
+        study: planned.study,
+        condition: planned.condition,
+        driven_by: DrivenBy::Synthetic,
+    };
+    let folder = match planned.study {
+        Study::One => "study1",
+        Study::Two => "study2",
+    };
+    let path = options.out.join("logs").join(folder).join(format!("{}.mcap", planned.drive));
+    atomic_write(&path, |file| Ok(write_mcap(&driven.recording, &meta, file)?))?;
+    Ok(driven.report.collisions as usize)
+}

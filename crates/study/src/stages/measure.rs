@@ -1,0 +1,61 @@
+//! `measure`: the objective measures, a row a drive.
+
+use crate::{
+    error::StudyError,
+    outcome::{Outcome, Watch},
+    tables::{
+        drives::read_drives,
+        measurements::{MeasuredDrive, write_measurements},
+    },
+};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// What to measure.
+#[derive(Debug, Clone)]
+pub struct MeasureOptions {
+    /// Folders of drives.
+    pub drives: Vec<PathBuf>,
+    /// Table to write.
+    pub out: PathBuf,
+}
+
+/// What was measured.
+#[derive(Debug, Clone, Serialize)]
+pub struct Measured {
+    /// Number of drives.
+    pub drives: usize,
+    /// The measures: code names, in order.
+    pub measures: Vec<&'static str>,
+    /// How many drives have no value, a measure each, in that order.
+    pub missing: Vec<usize>,
+}
+
+/// Measures every drive of the folders.
+///
+/// # Errors
+/// [`StudyError`] if a drive cannot be read or the table not written.
+pub fn measure(options: &MeasureOptions, watch: Watch<'_>) -> Result<Outcome<Measured>, StudyError> {
+    let measures = maveric_measures::objective::all();
+    let names: Vec<&'static str> = measures.iter().map(|m| m.name).collect();
+    let mut rows = Vec::new();
+    for (done, folder) in options.drives.iter().enumerate() {
+        for drive in read_drives(folder)? {
+            watch.check()?;
+            let values = measures.iter().map(|m| (m.name.to_owned(), m.of(&drive))).collect();
+            rows.push(MeasuredDrive { meta: drive.meta().clone(), values });
+        }
+        watch.step(done + 1, options.drives.len(), "folders measured")?;
+    }
+    write_measurements(&options.out, &names, &rows)?;
+    let missing: Vec<usize> =
+        names.iter().map(|name| rows.iter().filter(|r| r.values[*name].is_none()).count()).collect();
+    let warnings = measures
+        .iter()
+        .zip(&missing)
+        .filter(|(_, count)| **count > 0)
+        .map(|(m, count)| format!("{count} of {} drives have no {}: {}", rows.len(), m.title.to_lowercase(), m.why_missing))
+        .collect();
+    let summary = vec![format!("{} drives measured: {}", rows.len(), options.out.display())];
+    Ok(Outcome { value: Measured { drives: rows.len(), measures: names, missing }, summary, warnings })
+}

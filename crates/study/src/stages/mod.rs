@@ -1,0 +1,41 @@
+//! One module per command.
+
+pub mod analyse;
+pub mod evaluate;
+pub mod generate;
+pub mod ingest;
+pub mod inspect;
+pub mod measure;
+pub mod personalize;
+pub mod rate;
+pub mod report;
+pub mod score;
+pub mod simulate;
+pub mod stats;
+pub mod steer;
+pub mod train;
+
+use std::collections::BTreeMap;
+
+/// Version of each command's numbers: part of what its outputs are made from.
+///
+/// Raise one when that command would compute something else from the same inputs; an unrelated release then
+/// does not retrain a model.
+pub fn versions() -> BTreeMap<String, String> {
+    [
+        ("generate", 1),
+        ("ingest", 1),
+        ("score", 1),
+        ("train", 1),
+        ("personalize", 1),
+        ("steer", 1),
+        ("simulate", 1),
+        ("measure", 1),
+        ("rate", 1),
+        ("evaluate", 1),
+        ("stats", 1),
+        ("report", 1),
+    ]
+    .map(|(command, version)| (command.to_owned(), version.to_string()))
+    .into()
+}

@@ -1,0 +1,100 @@
+//! `rate`: synthetic participants rate what each condition did.
+
+use crate::{
+    atomic_write::read_text,
+    error::StudyError,
+    outcome::{Outcome, Watch},
+    stages::score::read_scales,
+    tables::{
+        measurements::{MeasuredDrive, read_measurements},
+        participants::read_participants,
+        surveys::write_answers,
+    },
+};
+use maveric_domain::{Condition, Study};
+use maveric_participants::{Effects, MeasureValues, spread};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// What to rate.
+#[derive(Debug, Clone)]
+pub struct RateOptions {
+    /// Measurements of own and AV drives.
+    pub measures: PathBuf,
+    /// The synthetic participants.
+    pub participants: PathBuf,
+    /// Sizes of the effects.
+    pub effects: PathBuf,
+    /// Folder of questionnaire definitions.
+    pub scales: PathBuf,
+    /// Answers to write.
+    pub out: PathBuf,
+    /// Root of every random choice.
+    pub seed: u64,
+}
+
+/// What was rated.
+#[derive(Debug, Clone, Serialize)]
+pub struct Ratings {
+    /// Participants who rated.
+    pub participants: usize,
+    /// Their answers.
+    pub answers: usize,
+}
+
+/// Reads the sizes of the effects.
+///
+/// # Errors
+/// [`StudyError`] naming the file and the key.
+pub fn read_effects(path: &Path) -> Result<Effects, StudyError> {
+    let effects: Effects =
+        toml::from_str(&read_text(path)?).map_err(|e| StudyError::file(path, format!("not a file of effects: {e}")))?;
+    effects.check().map_err(|e| StudyError::file(path, e.to_string()))?;
+    Ok(effects)
+}
+
+/// Lets each synthetic participant of Study 2 rate the conditions that they sat through.
+///
+/// # Errors
+/// [`StudyError`] if a table cannot be read, and for participants without an own drive.
+pub fn rate(options: &RateOptions, watch: Watch<'_>) -> Result<Outcome<Ratings>, StudyError> {
+    let drives = read_measurements(&options.measures)?;
+    let people = read_participants(&options.participants)?;
+    let effects = read_effects(&options.effects)?;
+    let scales = read_scales(&options.scales)?;
+    let own = |d: &&MeasuredDrive| d.meta.condition == Condition::Own;
+    let by_hand: Vec<&MeasureValues> = drives.iter().filter(own).map(|d| &d.values).collect();
+    let spread = spread(&by_hand);
+    let mut answers = Vec::new();
+    let mut warnings = Vec::new();
+    let mut raters = 0;
+    for person in people.iter().filter(|p| p.study == Study::Two) {
+        watch.check()?;
+        let mine: Vec<&MeasuredDrive> =
+            drives.iter().filter(|d| d.meta.study == Study::Two && d.meta.participant == person.id).collect();
+        let Some(own_drive) = mine.iter().copied().find(|d| own(d)) else {
+            warnings.push(format!("participant {}: no own drive, so no ratings", person.id));
+            continue;
+        };
+        let trial = |c: &Condition| mine.iter().find(|d| d.meta.condition == *c).map(|d| (*c, d.values.clone()));
+        let trials: Vec<(Condition, MeasureValues)> = person.order.iter().filter_map(trial).collect();
+        if trials.len() < person.order.len() {
+            let missing = person.order.len() - trials.len();
+            warnings.push(format!("participant {}: {missing} conditions were not driven, so not rated", person.id));
+        }
+        let rated =
+            maveric_participants::rate(person, &own_drive.values, &trials, &spread, &scales, &effects, options.seed)?;
+        warnings.extend(rated.warnings.iter().map(ToString::to_string));
+        answers.extend(rated.answers);
+        raters += 1;
+    }
+    if raters == 0 {
+        return Err(StudyError::NotPossible {
+            problem: format!("no participant of {} has an own drive in {}", options.participants.display(), options.measures.display()),
+            help: Some("measure the drives of the same study: --drives drives/study2 --drives av/drives".to_owned()),
+        });
+    }
+    write_answers(&options.out, &answers)?;
+    let summary = vec![format!("{raters} synthetic participants rated their conditions: {}", options.out.display())];
+    Ok(Outcome { value: Ratings { participants: raters, answers: answers.len() }, summary, warnings })
+}

@@ -1,0 +1,70 @@
+//! From the columns of a table to what a test takes.
+
+use super::WithinColumns;
+use crate::{error::StudyError, tables::Table};
+use maveric_stats::{PlannedTest, PowerQuestion, ReportedCorrelation, WithinSubjects};
+
+/// A column of labels without a missing one.
+pub(super) fn labels(table: &Table, column: &str) -> Result<Vec<String>, StudyError> {
+    let cells = table.text(column)?;
+    let filled = |(row, cell): (usize, Option<String>)| cell.ok_or_else(|| table.bad_cell(row, column, "", "a label"));
+    cells.into_iter().enumerate().map(filled).collect()
+}
+
+pub(super) fn within(table: &Table, columns: &WithinColumns) -> Result<WithinSubjects, StudyError> {
+    let subjects = labels(table, &columns.subject)?;
+    let conditions = labels(table, &columns.within)?;
+    Ok(WithinSubjects::from_long(&subjects, &conditions, &table.numbers(&columns.value)?)?)
+}
+
+/// Values by group, in the order in which the groups first appear.
+pub(super) fn grouped(table: &Table, group: &str, value: &str) -> Result<Vec<(String, Vec<Option<f64>>)>, StudyError> {
+    let mut found: Vec<(String, Vec<Option<f64>>)> = Vec::new();
+    for (name, value) in labels(table, group)?.into_iter().zip(table.numbers(value)?) {
+        match found.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, values)) => values.push(value),
+            None => found.push((name, vec![value])),
+        }
+    }
+    Ok(found)
+}
+
+/// One question a row: `test`, `n`, `effect`, `alpha`, and for an ANOVA `k`, `corr`, `epsilon`.
+pub(super) fn power_questions(table: &Table) -> Result<Vec<PowerQuestion>, StudyError> {
+    let test = labels(table, "test")?;
+    let n = table.all_numbers("n")?;
+    let effect = table.all_numbers("effect")?;
+    let alpha = table.all_numbers("alpha")?;
+    let optional = |name: &str| if table.has(name) { table.numbers(name) } else { Ok(vec![None; table.rows()]) };
+    let (k, corr, epsilon) = (optional("k")?, optional("corr")?, optional("epsilon")?);
+    let need = |cells: &[Option<f64>], row: usize, name: &str| {
+        cells[row].ok_or_else(|| table.bad_cell(row, name, "", "a number, for an ANOVA"))
+    };
+    (0..table.rows())
+        .map(|row| {
+            let effect = effect[row];
+            let planned = match test[row].as_str() {
+                "paired_t" => PlannedTest::PairedT { effect },
+                "pearson" => PlannedTest::Pearson { effect },
+                "rm_anova" => PlannedTest::RmAnova {
+                    effect,
+                    k: need(&k, row, "k")? as usize,
+                    corr: need(&corr, row, "corr")?,
+                    epsilon: need(&epsilon, row, "epsilon")?,
+                },
+                other => return Err(table.bad_cell(row, "test", other, "paired_t, pearson or rm_anova")),
+            };
+            Ok(PowerQuestion { test: planned, n: n[row] as usize, alpha: alpha[row] })
+        })
+        .collect()
+}
+
+/// One published correlation a row: `coefficient`, `df`, `p`, as printed.
+pub(super) fn reported(table: &Table) -> Result<Vec<ReportedCorrelation>, StudyError> {
+    let coefficient = labels(table, "coefficient")?;
+    let df = table.all_numbers("df")?;
+    let p = labels(table, "p")?;
+    Ok((0..table.rows())
+        .map(|row| ReportedCorrelation { coefficient: coefficient[row].clone(), df: df[row] as usize, p: p[row].clone() })
+        .collect())
+}

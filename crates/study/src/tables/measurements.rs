@@ -1,0 +1,64 @@
+//! The objective measures: a row a drive, a column a measure.
+
+use super::{Table, TableBuilder};
+use crate::error::StudyError;
+use maveric_domain::{Condition, DriveId, DriveMeta, DrivenBy, ParticipantId, Study};
+use std::{collections::BTreeMap, path::Path};
+
+/// What was measured of one drive.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct MeasuredDrive {
+    /// Whose drive it is.
+    pub meta: DriveMeta,
+    /// Code name of the measure → value; `None` where the drive has none.
+    pub values: BTreeMap<String, Option<f64>>,
+}
+
+/// Writes measurements; the measures are columns in the order given.
+///
+/// # Errors
+/// [`StudyError::Io`], [`StudyError::BadTable`].
+pub fn write_measurements(path: &Path, measures: &[&str], drives: &[MeasuredDrive]) -> Result<(), StudyError> {
+    let mut builder = TableBuilder::default()
+        .text("drive", drives.iter().map(|d| d.meta.drive.as_str()))
+        .text("participant", drives.iter().map(|d| d.meta.participant.as_str()))
+        .text("study", drives.iter().map(|d| d.meta.study.as_str()))
+        .text("condition", drives.iter().map(|d| d.meta.condition.as_str()))
+        .text("driven_by", drives.iter().map(|d| d.meta.driven_by.as_str()));
+    for measure in measures {
+        builder = builder.numbers(measure, drives.iter().map(|d| d.values.get(*measure).copied().flatten()));
+    }
+    builder.write(path)
+}
+
+/// Reads measurements back; every column that is not about the drive itself is a measure.
+///
+/// # Errors
+/// As [`Table`] does, naming row and column.
+pub fn read_measurements(path: &Path) -> Result<Vec<MeasuredDrive>, StudyError> {
+    let table = Table::read(path)?;
+    let drive: Vec<DriveId> = table.ids("drive")?;
+    let participant: Vec<ParticipantId> = table.ids("participant")?;
+    let study: Vec<Study> = table.parsed("study")?;
+    let condition: Vec<Condition> = table.parsed("condition")?;
+    let driven_by: Vec<DrivenBy> = table.parsed("driven_by")?;
+    let about = ["drive", "participant", "study", "condition", "driven_by"];
+    let mut drives: Vec<MeasuredDrive> = (0..table.rows())
+        .map(|i| MeasuredDrive {
+            meta: DriveMeta {
+                drive: drive[i].clone(),
+                participant: participant[i].clone(),
+                study: study[i],
+                condition: condition[i],
+                driven_by: driven_by[i],
+            },
+            values: BTreeMap::new(),
+        })
+        .collect();
+    for measure in table.columns().iter().filter(|c| !about.contains(&c.as_str())) {
+        for (drive, value) in drives.iter_mut().zip(table.numbers(measure)?) {
+            drive.values.insert(measure.clone(), value);
+        }
+    }
+    Ok(drives)
+}

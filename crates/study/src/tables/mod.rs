@@ -1,0 +1,305 @@
+//! Tables as files: CSV, TSV or Parquet by the file's name, read with errors that name the row.
+
+pub mod conditions;
+pub mod drives;
+pub mod embeddings;
+pub mod measurements;
+pub mod participants;
+pub mod surveys;
+
+use crate::{atomic_write::atomic_write, error::StudyError};
+use polars::prelude::*;
+use std::{
+    io::{Cursor, Read as _},
+    path::{Path, PathBuf},
+    str::FromStr,
+};
+
+/// A table in memory, with the path it came from for its error messages.
+#[derive(Debug, Clone)]
+pub struct Table {
+    path: PathBuf,
+    frame: DataFrame,
+}
+
+fn is_parquet(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("parquet"))
+}
+
+fn separator(path: &Path) -> u8 {
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tsv")) { b'\t' } else { b',' }
+}
+
+impl Table {
+    /// Reads CSV, TSV or Parquet; `-` is standard input, as CSV.
+    ///
+    /// # Errors
+    /// [`StudyError::Io`], [`StudyError::BadFile`] for a folder or an empty file, [`StudyError::BadTable`].
+    pub fn read(path: &Path) -> Result<Self, StudyError> {
+        if path.is_dir() {
+            return Err(StudyError::file(path, "is a folder, expected a CSV or Parquet file"));
+        }
+        let mut bytes = Vec::new();
+        if path == Path::new("-") {
+            std::io::stdin().lock().read_to_end(&mut bytes).map_err(StudyError::read(path))?;
+        } else {
+            bytes = std::fs::read(path).map_err(StudyError::read(path))?;
+        }
+        Self::parse(path, bytes)
+    }
+
+    fn parse(path: &Path, bytes: Vec<u8>) -> Result<Self, StudyError> {
+        if bytes.iter().all(u8::is_ascii_whitespace) {
+            return Err(StudyError::file(path, "is empty, expected a table with a header line"));
+        }
+        let bad = |format: &'static str| {
+            move |e: PolarsError| StudyError::BadTable { path: path.to_owned(), format, problem: e.to_string() }
+        };
+        let frame = if bytes.starts_with(b"PAR1") {
+            ParquetReader::new(Cursor::new(bytes)).finish().map_err(bad("Parquet"))?
+        } else if is_parquet(path) {
+            return Err(StudyError::file(path, "does not start like Parquet (PAR1)"));
+        } else {
+            if bytes.contains(&0) {
+                return Err(StudyError::file(path, "is not text: found a zero byte, expected CSV"));
+            }
+            // Everything as text: this module converts, and can then name the row.
+            CsvReadOptions::default()
+                .with_infer_schema_length(Some(0))
+                .map_parse_options(|o| o.with_separator(separator(path)))
+                .into_reader_with_file_handle(Cursor::new(bytes))
+                .finish()
+                .map_err(bad("CSV"))?
+        };
+        Ok(Self { path: path.to_owned(), frame })
+    }
+
+    /// Number of data rows.
+    pub fn rows(&self) -> usize {
+        self.frame.height()
+    }
+
+    /// Names of the columns, in order.
+    pub fn columns(&self) -> Vec<String> {
+        self.frame.get_column_names().iter().map(ToString::to_string).collect()
+    }
+
+    /// Whether there is a column of this name.
+    pub fn has(&self, column: &str) -> bool {
+        self.frame.column(column).is_ok()
+    }
+
+    /// Where the table came from.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn column(&self, wanted: &str) -> Result<&Column, StudyError> {
+        self.frame.column(wanted).map_err(|_| {
+            let found = self.columns();
+            let nearest = found
+                .iter()
+                .map(|name| (strsim::jaro_winkler(&name.to_lowercase(), &wanted.to_lowercase()), name))
+                .filter(|(likeness, _)| *likeness > 0.7)
+                .max_by(|a, b| a.0.total_cmp(&b.0))
+                .map(|(_, name)| name.clone());
+            StudyError::NoColumn { path: self.path.clone(), wanted: wanted.to_owned(), found, nearest }
+        })
+    }
+
+    /// A column as text; a missing cell is `None`.
+    ///
+    /// # Errors
+    /// [`StudyError::NoColumn`].
+    pub fn text(&self, column: &str) -> Result<Vec<Option<String>>, StudyError> {
+        let series = self.column(column)?;
+        let text = series.cast(&DataType::String).map_err(|e| self.bad_column(column, &e))?;
+        let text = text.str().map_err(|e| self.bad_column(column, &e))?;
+        Ok(text.iter().map(|cell| cell.filter(|t| !t.is_empty()).map(str::to_owned)).collect())
+    }
+
+    fn bad_column(&self, column: &str, error: &PolarsError) -> StudyError {
+        StudyError::file(&self.path, format!("column `{column}` cannot be read: {error}"))
+    }
+
+    /// A fault in a cell; `row` counts from 0 here and from 1 in the message.
+    pub(crate) fn bad_cell(&self, row: usize, column: &str, found: impl Into<String>, expected: impl Into<String>) -> StudyError {
+        StudyError::BadCell {
+            path: self.path.clone(),
+            row: row + 1,
+            column: column.to_owned(),
+            found: found.into(),
+            expected: expected.into(),
+        }
+    }
+
+    /// A column as finite numbers; a missing cell (empty, `NA`, `null`) is `None`.
+    ///
+    /// # Errors
+    /// [`StudyError::NoColumn`]; [`StudyError::BadCell`] for text, NaN or an infinite value.
+    pub fn numbers(&self, column: &str) -> Result<Vec<Option<f64>>, StudyError> {
+        let series = self.column(column)?;
+        if !series.dtype().is_primitive_numeric() {
+            let cells = self.text(column)?;
+            let number = |(row, cell): (usize, Option<String>)| match cell.as_deref().map(str::trim) {
+                None | Some("" | "NA" | "null") => Ok(None),
+                Some(text) => match text.parse::<f64>() {
+                    Ok(value) if value.is_finite() => Ok(Some(value)),
+                    _ => Err(self.bad_cell(row, column, text, "a finite number")),
+                },
+            };
+            return cells.into_iter().enumerate().map(number).collect();
+        }
+        let floats = series.cast(&DataType::Float64).map_err(|e| self.bad_column(column, &e))?;
+        let floats = floats.f64().map_err(|e| self.bad_column(column, &e))?;
+        let number = |(row, cell): (usize, Option<f64>)| match cell {
+            Some(value) if !value.is_finite() => Err(self.bad_cell(row, column, value.to_string(), "a finite number")),
+            other => Ok(other),
+        };
+        floats.iter().enumerate().map(number).collect()
+    }
+
+    /// A column in which every cell is a finite number.
+    ///
+    /// # Errors
+    /// As [`Table::numbers`], and [`StudyError::BadCell`] for a missing cell.
+    pub fn all_numbers(&self, column: &str) -> Result<Vec<f64>, StudyError> {
+        let cells = self.numbers(column)?;
+        let filled = |(row, cell): (usize, Option<f64>)| cell.ok_or_else(|| self.bad_cell(row, column, "", "a number"));
+        cells.into_iter().enumerate().map(filled).collect()
+    }
+
+    /// A column in which every cell parses as `T`, such as an id or a condition.
+    ///
+    /// # Errors
+    /// [`StudyError::NoColumn`]; [`StudyError::BadCell`] with what `T` says of the cell.
+    pub fn parsed<T: FromStr>(&self, column: &str) -> Result<Vec<T>, StudyError>
+    where
+        T::Err: std::fmt::Display,
+    {
+        let cells = self.text(column)?;
+        let parse = |(row, cell): (usize, Option<String>)| {
+            let text = cell.unwrap_or_default();
+            text.parse::<T>().map_err(|e| self.bad_cell(row, column, &text, e.to_string()))
+        };
+        cells.into_iter().enumerate().map(parse).collect()
+    }
+
+    /// A column in which every cell makes a `T`, such as a participant id.
+    ///
+    /// # Errors
+    /// As [`Table::parsed`].
+    pub fn ids<T: TryFrom<String>>(&self, column: &str) -> Result<Vec<T>, StudyError>
+    where
+        T::Error: std::fmt::Display,
+    {
+        let cells = self.text(column)?;
+        let make = |(row, cell): (usize, Option<String>)| {
+            let text = cell.unwrap_or_default();
+            T::try_from(text.clone()).map_err(|e| self.bad_cell(row, column, &text, e.to_string()))
+        };
+        cells.into_iter().enumerate().map(make).collect()
+    }
+}
+
+/// A table being made, column by column.
+#[derive(Debug, Default)]
+pub struct TableBuilder {
+    columns: Vec<Column>,
+}
+
+impl TableBuilder {
+    /// Adds a column of text.
+    #[must_use]
+    pub fn text<S: AsRef<str>>(mut self, name: &str, cells: impl IntoIterator<Item = S>) -> Self {
+        let cells: Vec<String> = cells.into_iter().map(|c| c.as_ref().to_owned()).collect();
+        self.columns.push(Column::new(name.into(), cells));
+        self
+    }
+
+    /// Adds a column of numbers, some of them missing.
+    #[must_use]
+    pub fn numbers(mut self, name: &str, cells: impl IntoIterator<Item = Option<f64>>) -> Self {
+        let cells: Vec<Option<f64>> = cells.into_iter().collect();
+        self.columns.push(Column::new(name.into(), cells));
+        self
+    }
+
+    /// Adds a column of whole numbers, some of them missing.
+    #[must_use]
+    pub fn integers(mut self, name: &str, cells: impl IntoIterator<Item = Option<i64>>) -> Self {
+        let cells: Vec<Option<i64>> = cells.into_iter().collect();
+        self.columns.push(Column::new(name.into(), cells));
+        self
+    }
+
+    /// Adds a column of yes and no.
+    #[must_use]
+    pub fn flags(mut self, name: &str, cells: impl IntoIterator<Item = bool>) -> Self {
+        let cells: Vec<bool> = cells.into_iter().collect();
+        self.columns.push(Column::new(name.into(), cells));
+        self
+    }
+
+    /// Writes CSV, TSV or Parquet by the file's name, whole or not at all.
+    ///
+    /// # Errors
+    /// [`StudyError::Io`], [`StudyError::BadTable`].
+    pub fn write(self, path: &Path) -> Result<(), StudyError> {
+        self.write_with(path, Vec::new())
+    }
+
+    /// As [`TableBuilder::write`], with named texts in the file's own metadata (Parquet only).
+    pub(crate) fn write_with(self, path: &Path, metadata: Vec<(String, String)>) -> Result<(), StudyError> {
+        let format = if is_parquet(path) { "Parquet" } else { "CSV" };
+        let bad = |e: PolarsError| StudyError::BadTable { path: path.to_owned(), format, problem: e.to_string() };
+        let height = self.columns.first().map_or(0, Column::len);
+        let mut frame = DataFrame::new(height, self.columns).map_err(bad)?;
+        atomic_write(path, |file| {
+            let done = if is_parquet(path) {
+                ParquetWriter::new(file)
+                    .with_compression(ParquetCompression::Zstd(None))
+                    .with_key_value_metadata(Some(KeyValueMetadata::from_static(metadata)))
+                    .set_parallel(false)
+                    .finish(&mut frame)
+                    .map(|_| ())
+            } else {
+                CsvWriter::new(file).with_separator(separator(path)).finish(&mut frame)
+            };
+            done.map_err(bad)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(text: &str) -> Result<Table, StudyError> {
+        Table::parse(Path::new("t.csv"), text.as_bytes().to_vec())
+    }
+
+    #[test]
+    fn a_bad_cell_is_named_by_row_and_column() {
+        let error = table("a,b\n1,2\n3,x\n").unwrap().numbers("b").unwrap_err().to_string();
+        assert_eq!(error, "t.csv: row 2, column `b`: found `x`, expected a finite number");
+    }
+
+    #[test]
+    fn infinities_are_refused_and_missing_cells_are_not() {
+        assert!(table("a\ninf\n").unwrap().numbers("a").is_err());
+        assert_eq!(table("a,b\n,1\nNA,2\n3,4\n").unwrap().numbers("a").unwrap(), [None, None, Some(3.0)]);
+    }
+
+    #[test]
+    fn an_unknown_column_gets_the_nearest_name() {
+        let error = table("subject,value\n1,2\n").unwrap().numbers("vlaue").unwrap_err();
+        assert_eq!(error.suggestion().unwrap(), "did you mean `value`?");
+    }
+
+    #[test]
+    fn an_empty_file_and_a_binary_one_say_so() {
+        assert!(table(" \n").unwrap_err().to_string().contains("is empty"));
+        assert!(table("a\u{0}b").unwrap_err().to_string().contains("not text"));
+    }
+}
