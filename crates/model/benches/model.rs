@@ -1,0 +1,66 @@
+//! Training, personalising and predicting on small drives made by hand. Run with `cargo bench -p maveric-model`.
+
+#[path = "../tests/support/drives.rs"]
+mod drives;
+
+use divan::{Bencher, counter::ItemsCount};
+use maveric_model::{
+    Model, PersonalizeParams, Predictor, TrainParams, TrainSettings, TrainingDrive, personalize,
+    train,
+};
+use std::ops::ControlFlow;
+
+fn main() {
+    divan::main();
+}
+
+fn trained(drives: &[drives::Scored], epochs: usize) -> (Model, usize) {
+    let given: Vec<_> = drives
+        .iter()
+        .map(|(drive, adb)| TrainingDrive {
+            drive,
+            adb: Some(*adb),
+        })
+        .collect();
+    let params = TrainParams::new(TrainSettings {
+        epochs,
+        ..TrainSettings::default()
+    })
+    .expect("settings in range");
+    let trained =
+        train(&given, &params, 1, &mut |_| ControlFlow::Continue(())).expect("drives long enough");
+    (trained.model, trained.report.rows)
+}
+
+/// Five epochs over drives of ten minutes; items are rows times epochs.
+#[divan::bench(args = [8, 38], sample_count = 3, sample_size = 1)]
+fn train_five_epochs(bencher: Bencher<'_, '_>, drivers: usize) {
+    let drives = drives::drivers(drivers, 600.0);
+    let rows = trained(&drives, 1).1;
+    bencher
+        .counter(ItemsCount::new(5 * rows))
+        .bench_local(|| trained(&drives, 5));
+}
+
+/// One driver's ten minutes, four starts.
+#[divan::bench(sample_count = 5, sample_size = 1)]
+fn personalize_600_s(bencher: Bencher<'_, '_>) {
+    let drives = drives::drivers(6, 600.0);
+    let model = trained(&drives[1..], 10).0;
+    let params = PersonalizeParams::default();
+    bencher.bench_local(|| personalize(&model, &drives[0].0, None, &params, 1));
+}
+
+/// One window to set-points.
+#[divan::bench]
+fn predict_one_window(bencher: Bencher<'_, '_>) {
+    let drives = drives::drivers(2, 60.0);
+    let model = trained(&drives, 1).0;
+    let predictor = Predictor::new(&model, model.mean_embedding()).expect("the model's own size");
+    let mut window = model.window_buffer();
+    for row in 0..100 {
+        let situation = drives[0].0.situation(row).expect("600 rows");
+        window.push(&situation).expect("increasing times");
+    }
+    bencher.bench_local(|| predictor.predict(&window));
+}

@@ -1,0 +1,187 @@
+//! What can go wrong with models.
+
+use maveric_domain::{DomainError, DriveId};
+
+/// A training, a personalising or a model file that this crate refuses.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// A setting outside its range.
+    #[error("`{name}` is {found}, expected {expected}")]
+    BadSetting {
+        /// Name of the setting.
+        name: &'static str,
+        /// What was given.
+        found: f64,
+        /// The range in words.
+        expected: &'static str,
+    },
+    /// Nothing to learn from.
+    #[error("no drive to train on: {given} given, {excluded} of them shorter than a window")]
+    NoDrives {
+        /// Drives given.
+        given: usize,
+        /// Drives that were excluded.
+        excluded: usize,
+    },
+    /// Two drives with one identifier.
+    #[error("drive {drive} is given twice")]
+    DuplicateDrive {
+        /// The drive.
+        drive: DriveId,
+    },
+    /// A drive without rows to fit an embedding to.
+    #[error("drive {drive} lasts {found_s} s, expected at least {expected_s} s (one window)")]
+    DriveTooShort {
+        /// The drive.
+        drive: DriveId,
+        /// Its duration within the rows that may be used, in s.
+        found_s: f64,
+        /// The window's duration, in s.
+        expected_s: f64,
+    },
+    /// Losses that stopped being numbers.
+    #[error("training diverged in epoch {epoch}; lower `learning_rate`")]
+    Diverged {
+        /// The epoch, from 1.
+        epoch: usize,
+    },
+    /// The caller asked to stop.
+    #[error("stopped after epoch {epoch}")]
+    Cancelled {
+        /// Epochs that were completed.
+        epoch: usize,
+    },
+    /// An embedding that does not belong to this model.
+    #[error("embedding has {found} coordinates, the model has {expected}")]
+    EmbeddingSize {
+        /// Coordinates given.
+        found: usize,
+        /// Coordinates of the model.
+        expected: usize,
+    },
+    /// A window of another length than the model reads.
+    #[error("window has {found} steps, the model reads {expected}")]
+    WindowLength {
+        /// Steps given.
+        found: usize,
+        /// Steps expected.
+        expected: usize,
+    },
+    /// A window into which nothing was pushed.
+    #[error("the window is empty; push a situation first")]
+    EmptyWindow,
+    /// A situation that is not later than the one before.
+    #[error("situation at {found_s} s is not later than the one before at {last_s} s")]
+    TimeNotIncreasing {
+        /// Its time, in s.
+        found_s: f64,
+        /// The time before, in s.
+        last_s: f64,
+    },
+    /// A signal that is NaN or infinite.
+    #[error("`{signal}` is {found}, expected a finite number")]
+    NotFinite {
+        /// Name of the signal.
+        signal: &'static str,
+        /// What was found.
+        found: f64,
+    },
+    /// A model trained without ADB scores has no direction of aggression.
+    #[error("the model learned no aggression axis: no drive it was trained on had an ADB score")]
+    NoAggressionAxis,
+    /// An embedding of one number has nothing perpendicular to its axis.
+    #[error("an embedding of size {found} has no perpendicular directions, expected at least 2")]
+    NoPerpendicular {
+        /// The model's embedding size.
+        found: usize,
+    },
+    /// Too few drivers for that many folds.
+    #[error("{drivers} drivers cannot be split into {folds} folds")]
+    TooFewDrivers {
+        /// Drivers given.
+        drivers: usize,
+        /// Folds asked for.
+        folds: usize,
+    },
+    /// Bytes that do not start like a model file.
+    #[error("not a MAVERIC model file")]
+    NotAModelFile,
+    /// A model file of another version.
+    #[error("model file has version {found}, this program reads {expected}; train again")]
+    OtherVersion {
+        /// Version of the file.
+        found: u32,
+        /// Version this program reads.
+        expected: u32,
+    },
+    /// A model file that was cut off or added to.
+    #[error("model file has {found} bytes after its header, expected {expected}")]
+    WrongLength {
+        /// Bytes found.
+        found: usize,
+        /// Bytes the header promises.
+        expected: usize,
+    },
+    /// A model file with changed bytes.
+    #[error("model file is damaged: checksum {found:016x}, expected {expected:016x}")]
+    Damaged {
+        /// Checksum of the bytes.
+        found: u64,
+        /// Checksum in the header.
+        expected: u64,
+    },
+    /// A model file that contradicts itself.
+    #[error("model file is not valid: {problem}")]
+    BadModelFile {
+        /// What is wrong.
+        problem: String,
+    },
+    /// A value that the domain refuses.
+    #[error(transparent)]
+    Domain(#[from] DomainError),
+}
+
+impl ModelError {
+    /// The next step, where one is known.
+    pub fn suggestion(&self) -> Option<&'static str> {
+        match self {
+            Self::NoDrives { .. } | Self::DriveTooShort { .. } => {
+                Some("record longer drives, or shorten `window_s`")
+            }
+            Self::NoAggressionAxis => Some("score the ADB questionnaire and train with its scores"),
+            Self::Diverged { .. } => Some("lower `learning_rate` or `gradient_clip`"),
+            Self::NotAModelFile
+            | Self::OtherVersion { .. }
+            | Self::WrongLength { .. }
+            | Self::Damaged { .. }
+            | Self::BadModelFile { .. } => Some("train the model again"),
+            _ => None,
+        }
+    }
+}
+
+/// Something left out while training or personalising, and why.
+#[derive(Debug, Clone, PartialEq, thiserror::Error, serde::Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum ModelWarning {
+    /// A drive that was not used.
+    #[error("drive {drive} left out: {found_s} s, shorter than one window of {expected_s} s")]
+    DriveLeftOut {
+        /// The drive.
+        drive: DriveId,
+        /// Its duration, in s.
+        found_s: f64,
+        /// The window's duration, in s.
+        expected_s: f64,
+    },
+    /// A loss without data.
+    #[error("{loss} left out: {reason}")]
+    LossLeftOut {
+        /// Which loss.
+        loss: crate::losses::Loss,
+        /// Why.
+        reason: &'static str,
+    },
+}

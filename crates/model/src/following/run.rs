@@ -1,0 +1,340 @@
+//! One driver behind one leader, evenly sampled.
+
+use super::error::FollowingError;
+use maveric_domain::Drive;
+use std::ops::Range;
+
+/// Fewest rows that split into two parts of at least two.
+const MIN_ROWS: usize = 4;
+/// How far a step of time may be from one over the rate, as a share of it.
+const TIME_TOLERANCE: f64 = 0.05;
+
+/// What a following run is made of; every column has shape `(n,)`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FollowingColumns {
+    /// Time, in s.
+    pub time_s: Vec<f64>,
+    /// Position of the leader along the road, in m. Only its changes are used, so any point of the vehicle will do.
+    pub leader_x_m: Vec<f64>,
+    /// Speed of the leader, in m/s.
+    pub lead_speed_mps: Vec<f64>,
+    /// Speed of ego, in m/s.
+    pub ego_speed_mps: Vec<f64>,
+    /// Gap from bumper to bumper, in m, above 0.
+    pub gap_m: Vec<f64>,
+}
+
+/// One driver behind one leader, evenly sampled: the first ⌊2n/3⌋ rows to fit, the rest to test.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FollowingRun {
+    driver: String,
+    rate_hz: f64,
+    columns: FollowingColumns,
+}
+
+/// Rows of a run: what a law is fitted to or tried on.
+#[derive(Debug, Clone)]
+pub struct Stretch<'a> {
+    pub(super) run: &'a FollowingRun,
+    pub(super) rows: Range<usize>,
+}
+
+impl FollowingRun {
+    /// Takes the columns of a run sampled `rate_hz` times a second; `driver` names it in results and errors.
+    ///
+    /// # Errors
+    /// [`FollowingError::TooShort`] below four rows; [`FollowingError::BadRate`], [`FollowingError::LengthMismatch`],
+    /// [`FollowingError::BadValue`] (a number that is not finite, a gap that is not above 0) or
+    /// [`FollowingError::UnevenTime`] where a column is not as described.
+    pub fn new(
+        driver: impl Into<String>,
+        rate_hz: f64,
+        columns: FollowingColumns,
+    ) -> Result<Self, FollowingError> {
+        let run = Self {
+            driver: driver.into(),
+            rate_hz,
+            columns,
+        };
+        run.check()?;
+        Ok(run)
+    }
+
+    /// Reads a drive that follows one leader throughout; the leader's position is `ego_x_m` + `lead_dx_m`.
+    ///
+    /// # Errors
+    /// [`FollowingError::NoLead`] if a row has no reference vehicle, [`FollowingError::LeaderChanged`] if it is
+    /// not the same one throughout, and those of [`FollowingRun::new`]: a gap of 0 or below, or a hole in time.
+    ///
+    /// # Source
+    /// The leader's position is integrated, not the difference of speeds: in recordings the two do not quite agree.
+    pub fn from_drive(drive: &Drive) -> Result<Self, FollowingError> {
+        let rows = drive.rows();
+        let driver = drive.meta().drive.to_string();
+        if let Some(row) = rows.lead_present.iter().position(|present| !present) {
+            let missing = rows.lead_present.iter().filter(|present| !**present);
+            return Err(FollowingError::NoLead {
+                driver,
+                row,
+                missing: missing.count(),
+                rows: drive.len(),
+            });
+        }
+        if let Some(before) = rows.lead_id.windows(2).position(|w| w[0] != w[1]) {
+            let row = before + 1;
+            return Err(FollowingError::LeaderChanged { driver, row });
+        }
+        let leader = |(x, dx): (&f64, &f64)| x + dx;
+        let columns = FollowingColumns {
+            time_s: rows.time_s.clone(),
+            leader_x_m: rows
+                .ego_x_m
+                .iter()
+                .zip(&rows.lead_dx_m)
+                .map(leader)
+                .collect(),
+            lead_speed_mps: rows.lead_speed_mps.clone(),
+            ego_speed_mps: rows.ego_speed_mps.clone(),
+            gap_m: rows.lead_dx_m.clone(),
+        };
+        Self::new(driver, drive.rate_hz(), columns)
+    }
+
+    /// Name of the driver, or of the drive.
+    pub fn driver(&self) -> &str {
+        &self.driver
+    }
+
+    /// Samples a second.
+    pub fn rate_hz(&self) -> f64 {
+        self.rate_hz
+    }
+
+    /// Number of rows, n.
+    pub fn rows(&self) -> usize {
+        self.columns.time_s.len()
+    }
+
+    /// The columns.
+    pub fn columns(&self) -> &FollowingColumns {
+        &self.columns
+    }
+
+    /// First row of the test part, ⌊2n/3⌋.
+    pub fn test_start(&self) -> usize {
+        2 * self.rows() / 3
+    }
+
+    /// The driver's rows: all that may be read before the test.
+    pub fn fit(&self) -> Stretch<'_> {
+        let rows = 0..self.test_start();
+        Stretch { run: self, rows }
+    }
+
+    /// The rest.
+    pub fn test(&self) -> Stretch<'_> {
+        let rows = self.test_start()..self.rows();
+        Stretch { run: self, rows }
+    }
+
+    fn check(&self) -> Result<(), FollowingError> {
+        let driver = || self.driver.clone();
+        let expected = self.rows();
+        if expected < MIN_ROWS {
+            return Err(FollowingError::TooShort {
+                driver: driver(),
+                found: expected,
+                expected: MIN_ROWS,
+            });
+        }
+        if !(self.rate_hz.is_finite() && self.rate_hz > 0.0) {
+            return Err(FollowingError::BadRate {
+                driver: driver(),
+                found: self.rate_hz,
+            });
+        }
+        let c = &self.columns;
+        for (column, values, above_m) in [
+            ("time_s", &c.time_s, None),
+            ("leader_x_m", &c.leader_x_m, None),
+            ("lead_speed_mps", &c.lead_speed_mps, None),
+            ("ego_speed_mps", &c.ego_speed_mps, None),
+            ("gap_m", &c.gap_m, Some(0.0)),
+        ] {
+            if values.len() != expected {
+                return Err(FollowingError::LengthMismatch {
+                    driver: driver(),
+                    column,
+                    found: values.len(),
+                    expected,
+                });
+            }
+            let bad = |v: &f64| !v.is_finite() || above_m.is_some_and(|above| *v <= above);
+            if let Some(row) = values.iter().position(bad) {
+                return Err(FollowingError::BadValue {
+                    driver: driver(),
+                    column,
+                    row,
+                    found: values[row],
+                    expected: above_m.map_or("a finite number", |_| "a finite number above 0"),
+                });
+            }
+        }
+        let step_s = 1.0 / self.rate_hz;
+        let uneven = |w: &[f64]| (w[1] - w[0] - step_s).abs() > TIME_TOLERANCE * step_s;
+        match c.time_s.windows(2).position(uneven) {
+            Some(before) => Err(FollowingError::UnevenTime {
+                driver: driver(),
+                row: before + 1,
+                found_s: c.time_s[before + 1] - c.time_s[before],
+                expected_s: step_s,
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Stretch<'_> {
+    /// Rows of the run that it covers.
+    pub fn rows(&self) -> Range<usize> {
+        self.rows.clone()
+    }
+
+    /// Mean time gap, gap over ego speed, over the rows above `above_mps` (m/s), in s.
+    ///
+    /// # Errors
+    /// [`FollowingError::NeverMoves`] if there is no such row: standstill has no time gap.
+    pub fn mean_time_gap_s(&self, above_mps: f64) -> Result<f64, FollowingError> {
+        let c = &self.run.columns;
+        let (mut sum, mut count) = (0.0, 0_usize);
+        for row in self.rows.clone() {
+            let speed = c.ego_speed_mps[row];
+            if speed > above_mps {
+                sum += c.gap_m[row] / speed;
+                count += 1;
+            }
+        }
+        if count == 0 {
+            let driver = self.run.driver.clone();
+            return Err(FollowingError::NeverMoves { driver, above_mps });
+        }
+        Ok(sum / count as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{FollowingError as E, *};
+    use crate::following::made_up;
+    use maveric_domain::{
+        Condition, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording,
+        Road, Study, VehicleId,
+    };
+
+    fn columns() -> FollowingColumns {
+        made_up::behind("P01", 10, 20.0, 10.0, |_| 10.0)
+            .columns()
+            .clone()
+    }
+
+    /// 3 s at 10 m/s; the leader, 25 m from centre to centre and 5 m long like ego, leaves at row `leaves`.
+    fn drive(leaves: usize) -> Drive {
+        let n = 30;
+        let x: Vec<f64> = (0..n).map(|i| i as f64).collect();
+        let ego = EgoTrack {
+            length_m: 5.0,
+            x_m: x.clone(),
+            y_m: vec![0.0; n],
+            speed_mps: vec![10.0; n],
+        };
+        let leader = ObjectTrack {
+            id: VehicleId(7),
+            length_m: 5.0,
+            first_row: 0,
+            x_m: x[..leaves].iter().map(|x| x + 25.0).collect(),
+            y_m: vec![0.0; leaves],
+            speed_mps: vec![10.0; leaves],
+        };
+        let time_s = (0..n).map(|i| i as f64 / 10.0).collect();
+        let recording =
+            Recording::new(Road::PAPER, 10.0, time_s, vec![0; n], ego, vec![leader]).unwrap();
+        let meta = DriveMeta {
+            drive: DriveId::new("P01-own").unwrap(),
+            participant: ParticipantId::new("P01").unwrap(),
+            study: Study::One,
+            condition: Condition::Own,
+            driven_by: DrivenBy::Human,
+        };
+        Drive::from_recording(meta, &recording).unwrap()
+    }
+
+    #[test]
+    fn two_thirds_of_the_rows_are_the_drivers() {
+        let run = FollowingRun::new("P01", 10.0, columns()).unwrap();
+        assert_eq!(run.fit().rows(), 0..6);
+        assert_eq!(run.test().rows(), 6..10);
+    }
+
+    #[test]
+    fn a_drive_gives_the_gap_and_a_leader_ahead_by_it() {
+        let run = FollowingRun::from_drive(&drive(30)).unwrap();
+        assert_eq!(run.driver(), "P01-own");
+        assert!((run.columns().gap_m[3] - 20.0).abs() < 1e-12);
+        assert!((run.columns().leader_x_m[3] - 23.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn rows_without_a_lead_are_an_error_that_says_so() {
+        let error = FollowingRun::from_drive(&drive(22)).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "drive `P01-own` has no lead vehicle in 8 of 30 rows, first in row 22; \
+             cut it to one stretch of following"
+        );
+    }
+
+    #[test]
+    fn standstill_has_no_time_gap() {
+        let mut columns = columns();
+        columns.ego_speed_mps[..3].fill(0.5);
+        let run = FollowingRun::new("P01", 10.0, columns).unwrap();
+        assert!((run.fit().mean_time_gap_s(2.0).unwrap() - 2.0).abs() < 1e-12);
+        assert!(matches!(
+            run.fit().mean_time_gap_s(20.0),
+            Err(E::NeverMoves { .. })
+        ));
+    }
+
+    #[test]
+    fn columns_that_are_not_as_described_are_refused() {
+        let refused = |change: fn(&mut FollowingColumns)| {
+            let mut columns = columns();
+            change(&mut columns);
+            FollowingRun::new("P01", 10.0, columns).unwrap_err()
+        };
+        assert!(matches!(
+            refused(|c| c.gap_m[4] = 0.0),
+            E::BadValue { row: 4, .. }
+        ));
+        assert!(matches!(
+            refused(|c| c.lead_speed_mps[2] = f64::NAN),
+            E::BadValue { row: 2, .. }
+        ));
+        assert!(matches!(
+            refused(|c| c.time_s[9] = 3.0),
+            E::UnevenTime { row: 9, .. }
+        ));
+        assert!(matches!(
+            refused(|c| c.gap_m.truncate(9)),
+            E::LengthMismatch { .. }
+        ));
+        assert!(matches!(
+            refused(|c| *c = FollowingColumns::default()),
+            E::TooShort { .. }
+        ));
+        assert!(matches!(
+            FollowingRun::new("P01", 0.0, columns()),
+            Err(E::BadRate { .. })
+        ));
+    }
+}

@@ -1,0 +1,44 @@
+//! A driver's style as a small embedding: networks, training, personalising, style space.
+//!
+//! [`train()`] learns five sub-networks and an embedding per drive from [`maveric_domain::Drive`]s;
+//! [`personalize()`] fits an embedding to a new drive with the networks frozen; [`style_space`] moves an
+//! embedding along or across the direction of aggression; [`Predictor`] turns an embedding and a window of the
+//! last seconds into [`maveric_domain::Setpoints`]. No files, no clock, no controllers.
+
+mod adam;
+mod bfgs;
+pub mod checkpoint;
+pub mod cross_validate;
+mod dataset;
+pub mod error;
+pub mod following;
+mod kernel;
+mod linear_algebra;
+pub mod losses;
+pub mod model;
+pub mod network;
+mod objective;
+pub mod params;
+pub mod personalize;
+pub mod predict;
+mod rows;
+pub mod scaling;
+pub mod style_space;
+#[cfg(test)]
+#[path = "../tests/support/drives.rs"]
+mod test_drives;
+pub mod train;
+mod trainer;
+pub mod whitening;
+pub mod windows;
+
+pub use cross_validate::{SizeResult, cross_validate};
+pub use error::{ModelError, ModelWarning};
+pub use losses::{Loss, LossTerms, LossWeights, MutualInformationLoss};
+pub use model::{Learned, Model, TrainingEmbedding};
+pub use network::Architecture;
+pub use params::{PersonalizeParams, PersonalizeSettings, TrainParams, TrainSettings};
+pub use personalize::{Personalized, Start, personalize};
+pub use predict::Predictor;
+pub use train::{EpochReport, Trained, TrainingDrive, TrainingReport, train};
+pub use windows::{Window, WindowBuffer, WindowSettings};

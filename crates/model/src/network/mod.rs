@@ -1,0 +1,106 @@
+//! The five sub-networks of the method, their parameters in one vector.
+
+pub(crate) mod encoded;
+pub(crate) mod following_distance;
+pub(crate) mod lane_change;
+pub(crate) mod mlp;
+pub(crate) mod mutual_information;
+pub(crate) mod style;
+pub(crate) mod velocity;
+
+use crate::kernel::Real;
+use following_distance::FollowingDistance;
+use lane_change::LaneChange;
+use mlp::Mlp;
+use mutual_information::MutualInformation;
+use serde::{Deserialize, Serialize};
+use style::Style;
+use velocity::Velocity;
+
+/// Signals that each of C and V reads a window of.
+pub(crate) const WINDOW_SIGNALS: usize = 3;
+
+/// Sizes of the networks.
+///
+/// # Source
+/// Method section 3; the paper gives no sizes but that of the embedding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Architecture {
+    /// Numbers in an embedding, d.
+    pub embedding_size: usize,
+    /// Units of each hidden layer of F, C, V and M.
+    pub hidden_units: usize,
+    /// Hidden layers of F, C, V and M.
+    pub hidden_layers: usize,
+    /// Units of the encoders' hidden layer.
+    pub encoder_units: usize,
+    /// Numbers in each of z_l and z_v.
+    pub encoding_size: usize,
+    /// Steps of a window.
+    pub window_steps: usize,
+}
+
+impl Architecture {
+    fn head_sizes(&self, inputs: usize, outputs: usize) -> Vec<usize> {
+        let hidden = std::iter::repeat_n(self.hidden_units, self.hidden_layers);
+        std::iter::once(inputs)
+            .chain(hidden)
+            .chain([outputs])
+            .collect()
+    }
+
+    /// Number of weights and biases of all five sub-networks.
+    pub fn parameters(&self) -> usize {
+        Networks::new(*self).parameters
+    }
+}
+
+/// The five sub-networks; a new one is one file and one line here.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Networks {
+    pub(crate) architecture: Architecture,
+    pub(crate) following_distance: FollowingDistance,
+    pub(crate) lane_change: LaneChange,
+    pub(crate) velocity: Velocity,
+    pub(crate) style: Style,
+    pub(crate) mutual_information: MutualInformation,
+    /// Length of the parameter vector.
+    pub(crate) parameters: usize,
+}
+
+impl Networks {
+    pub(crate) fn new(architecture: Architecture) -> Self {
+        let mut offset = 0;
+        Self {
+            architecture,
+            following_distance: FollowingDistance::new(&mut offset, &architecture),
+            lane_change: LaneChange::new(&mut offset, &architecture),
+            velocity: Velocity::new(&mut offset, &architecture),
+            style: Style::new(&mut offset, &architecture),
+            mutual_information: MutualInformation::new(&mut offset, &architecture),
+            parameters: offset,
+        }
+    }
+
+    pub(crate) fn all(&self) -> [&Mlp; 7] {
+        [
+            &self.following_distance.head,
+            &self.lane_change.encoded.encoder,
+            &self.lane_change.encoded.head,
+            &self.velocity.encoded.encoder,
+            &self.velocity.encoded.head,
+            &self.style.layer,
+            &self.mutual_information.head,
+        ]
+    }
+
+    /// Fresh parameters.
+    pub(crate) fn initialise<T: Real>(&self, rng: &mut impl rand::Rng) -> Vec<T> {
+        let mut parameters = vec![T::default(); self.parameters];
+        for mlp in self.all() {
+            mlp.initialise(&mut parameters, rng);
+        }
+        parameters
+    }
+}

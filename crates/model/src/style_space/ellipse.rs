@@ -1,0 +1,378 @@
+//! Perpendicular: across the direction of aggression, where S does not change.
+
+use super::AggressionAxis;
+use crate::{
+    error::ModelError,
+    linear_algebra::{dot, mean_and_covariance, norm, symmetric_eigen, times},
+    model::Model,
+};
+use maveric_domain::Embedding;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::PI;
+
+/// Relative difference below which two variances count as one: the ellipse is a circle there.
+const ROUND: f64 = 1e-3;
+
+/// The ellipse around an embedding in the `(d − 1)`-dimensional complement of g, half-axes one standard
+/// deviation of the training embeddings along the complement's principal axes.
+///
+/// A whitened space has the same deviation everywhere, and so no principal axes of its own; an angle then needs
+/// a zero and a sign from elsewhere. **Convention**: within axes of one variance, the first points where the training
+/// drivers' mean speed rises most (by least squares on the complement's coordinates). Every axis with a
+/// variance of its own is turned so that mean speed does not fall along it. What is left open is the sense of the
+/// angle: in three dimensions g, first and second axis are right-handed; in more, a further axis's largest component
+/// is positive. So the zero means the same in every training run, the sense does not: fit cosine and sine.
+///
+/// # Source
+/// Method section 4; calibration section 5 on the angle's missing zero.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PerpendicularEllipse {
+    axes: Vec<Vec<f64>>,
+    half_axes: Vec<f64>,
+}
+
+/// An embedding moved across the direction of aggression.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Perpendicular {
+    /// Where it is now.
+    pub embedding: Embedding,
+    /// Angle between the first two axes, in rad, from −π to π; 0 or π where there is one axis only.
+    pub angle_rad: f64,
+    /// Point on the unit sphere that was scaled by the half-axes, shape `(d − 1,)`: `[cos, sin]` of the angle for an
+    /// embedding of three.
+    pub unit: Vec<f64>,
+}
+
+impl PerpendicularEllipse {
+    /// The ellipse of a model.
+    ///
+    /// # Errors
+    /// [`ModelError::NoAggressionAxis`], or [`ModelError::NoPerpendicular`] for an embedding of one number.
+    pub fn of(model: &Model) -> Result<Self, ModelError> {
+        let direction = AggressionAxis::of(model)?.direction();
+        let d = direction.len();
+        if d < 2 {
+            return Err(ModelError::NoPerpendicular { found: d });
+        }
+        let training = model.training();
+        let points: Vec<&[f64]> = training.iter().map(|t| t.embedding.coordinates()).collect();
+        let speeds: Vec<f64> = training.iter().map(|t| t.mean_speed_mps).collect();
+        Ok(Self::around(&direction, &points, &speeds))
+    }
+
+    fn around(direction: &[f64], points: &[&[f64]], speeds: &[f64]) -> Self {
+        let basis = complement(direction);
+        let n = basis.len();
+        let inside: Vec<Vec<f64>> = points
+            .iter()
+            .map(|p| basis.iter().map(|b| dot(b, p)).collect())
+            .collect();
+        let refs: Vec<&[f64]> = inside.iter().map(Vec::as_slice).collect();
+        let (mean, covariance) = mean_and_covariance(&refs, n);
+        let (values, mut vectors) = symmetric_eigen(&covariance, n);
+        let rise = speed_rise(&refs, &mean, speeds, &values, &vectors);
+        turn_round_parts(&values, &mut vectors, &rise);
+        let mut axes: Vec<Vec<f64>> = vectors
+            .iter()
+            .map(|v| {
+                let sign = if dot(v, &rise) < -1e-9 * norm(&rise) {
+                    -1.0
+                } else {
+                    1.0
+                };
+                let mut axis = vec![0.0; direction.len()];
+                for (x, b) in v.iter().zip(&basis) {
+                    for (to, b) in axis.iter_mut().zip(b) {
+                        *to += sign * x * b;
+                    }
+                }
+                axis
+            })
+            .collect();
+        let alike = |i: usize| (values[0] - values[i]).abs() <= ROUND * values[0];
+        if n == 2 && alike(1) {
+            orient(direction, &mut axes);
+        }
+        Self {
+            axes,
+            half_axes: values.iter().map(|v| v.max(0.0).sqrt()).collect(),
+        }
+    }
+
+    /// Unit vectors along the half-axes, shape `(d − 1, d)`.
+    pub fn axes(&self) -> &[Vec<f64>] {
+        &self.axes
+    }
+
+    /// Lengths of the half-axes, shape `(d − 1,)`.
+    pub fn half_axes(&self) -> &[f64] {
+        &self.half_axes
+    }
+
+    /// The point of the ellipse around `embedding` at an angle between the first two axes, in rad; with one
+    /// axis only, the sign of its cosine decides.
+    ///
+    /// # Errors
+    /// [`ModelError::EmbeddingSize`], or [`ModelError::NotFinite`] for the angle.
+    pub fn at_angle(
+        &self,
+        embedding: &Embedding,
+        angle_rad: f64,
+    ) -> Result<Perpendicular, ModelError> {
+        if !angle_rad.is_finite() {
+            return Err(ModelError::NotFinite {
+                signal: "angle_rad",
+                found: angle_rad,
+            });
+        }
+        let mut unit = vec![0.0; self.axes.len()];
+        match unit.as_mut_slice() {
+            [only] => *only = 1.0_f64.copysign(angle_rad.cos()),
+            [first, second, ..] => (*first, *second) = (angle_rad.cos(), angle_rad.sin()),
+            [] => {}
+        }
+        self.at(embedding, unit)
+    }
+
+    /// A point of the ellipse around `embedding` at an angle drawn evenly; beyond three dimensions a direction
+    /// drawn evenly from the sphere.
+    ///
+    /// # Errors
+    /// [`ModelError::EmbeddingSize`] if the embedding is not of the model's size.
+    pub fn sample(
+        &self,
+        embedding: &Embedding,
+        rng: &mut impl rand::Rng,
+    ) -> Result<Perpendicular, ModelError> {
+        let mut unit: Vec<f64> = self
+            .axes
+            .iter()
+            .map(|_| StandardNormal.sample(rng))
+            .collect();
+        let length = norm(&unit);
+        if length > 0.0 {
+            for u in &mut unit {
+                *u /= length;
+            }
+        } else {
+            unit[0] = 1.0;
+        }
+        self.at(embedding, unit)
+    }
+
+    fn at(&self, embedding: &Embedding, unit: Vec<f64>) -> Result<Perpendicular, ModelError> {
+        let mut w = embedding.coordinates().to_vec();
+        let (found, expected) = (w.len(), self.axes.len() + 1);
+        if found != expected {
+            return Err(ModelError::EmbeddingSize { found, expected });
+        }
+        for ((u, half), axis) in unit.iter().zip(&self.half_axes).zip(&self.axes) {
+            for (to, a) in w.iter_mut().zip(axis) {
+                *to += u * half * a;
+            }
+        }
+        let angle_rad = match unit.as_slice() {
+            [first, second, ..] => second.atan2(*first),
+            [only] if *only < 0.0 => PI,
+            _ => 0.0,
+        };
+        Ok(Perpendicular {
+            embedding: Embedding::new(w)?,
+            angle_rad,
+            unit,
+        })
+    }
+}
+
+/// An orthonormal basis of what is perpendicular to a unit vector: coordinate axes, the one nearest to it left
+/// out, made perpendicular one after the other.
+fn complement(direction: &[f64]) -> Vec<Vec<f64>> {
+    let d = direction.len();
+    let nearest = (0..d).max_by(|&i, &j| direction[i].abs().total_cmp(&direction[j].abs()));
+    let mut basis = vec![direction.to_vec()];
+    for i in (0..d).filter(|&i| Some(i) != nearest) {
+        let mut v = vec![0.0; d];
+        v[i] = 1.0;
+        // Twice: once is exact enough only for vectors that are far from parallel.
+        for _ in 0..2 {
+            for b in &basis {
+                let along = dot(&v, b);
+                for (x, b) in v.iter_mut().zip(b) {
+                    *x -= along * b;
+                }
+            }
+        }
+        let length = norm(&v);
+        basis.push(v.into_iter().map(|x| x / length).collect());
+    }
+    basis.split_off(1)
+}
+
+/// Slope of mean speed by least squares on the points: C⁺ cov(x, speed).
+fn speed_rise(
+    points: &[&[f64]],
+    mean: &[f64],
+    speeds: &[f64],
+    values: &[f64],
+    vectors: &[Vec<f64>],
+) -> Vec<f64> {
+    let n = points.len().max(1) as f64;
+    let mean_speed = speeds.iter().sum::<f64>() / n;
+    let mut covariance = vec![0.0; mean.len()];
+    for (point, speed) in points.iter().zip(speeds) {
+        for ((to, x), m) in covariance.iter_mut().zip(*point).zip(mean) {
+            *to += (x - m) * (speed - mean_speed) / n;
+        }
+    }
+    let least = 1e-9 * values[0].abs();
+    let inverse =
+        crate::linear_algebra::of_symmetric(
+            values,
+            vectors,
+            |v| {
+                if v > least { 1.0 / v } else { 0.0 }
+            },
+        );
+    times(&inverse, &covariance)
+}
+
+/// Turns axes of one variance among themselves, so that the first takes all of `rise` that lies in their space.
+fn turn_round_parts(values: &[f64], vectors: &mut [Vec<f64>], rise: &[f64]) {
+    let mut start = 0;
+    while start < values.len() {
+        let scale = values[0].abs().max(f64::MIN_POSITIVE);
+        let end = (start..values.len())
+            .take_while(|&i| (values[start] - values[i]).abs() <= ROUND * scale)
+            .last()
+            .map_or(start + 1, |i| i + 1);
+        let part = &mut vectors[start..end];
+        let shares: Vec<f64> = part.iter().map(|v| dot(v, rise)).collect();
+        let length = norm(&shares);
+        if part.len() > 1 && length > 0.0 {
+            let first: Vec<f64> = shares.iter().map(|s| s / length).collect();
+            let mut coordinates = vec![first.clone()];
+            coordinates.extend(complement(&first));
+            let turned = coordinates.iter().map(|c| {
+                let mut v = vec![0.0; rise.len()];
+                for (c, old) in c.iter().zip(part.iter()) {
+                    for (to, x) in v.iter_mut().zip(old) {
+                        *to += c * x;
+                    }
+                }
+                v
+            });
+            let turned: Vec<Vec<f64>> = turned.collect();
+            part.clone_from_slice(&turned);
+        }
+        start = end;
+    }
+}
+
+/// Makes direction, first and second axis right-handed.
+fn orient(direction: &[f64], axes: &mut [Vec<f64>]) {
+    if let ([a, b, c], [first, second]) = (direction, &mut *axes) {
+        let cross = [
+            b * first[2] - c * first[1],
+            c * first[0] - a * first[2],
+            a * first[1] - b * first[0],
+        ];
+        if dot(&cross, second) < 0.0 {
+            for x in second {
+                *x = -*x;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use rand::SeedableRng;
+
+    fn cloud(d: usize, scales: &[f64]) -> Vec<Vec<f64>> {
+        let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(7);
+        let point = |_| {
+            scales[..d]
+                .iter()
+                .map(|s| {
+                    let z: f64 = StandardNormal.sample(&mut rng);
+                    s * z
+                })
+                .collect()
+        };
+        (0..500).map(point).collect()
+    }
+
+    fn ellipse(direction: &[f64], points: &[Vec<f64>], speeds: &[f64]) -> PerpendicularEllipse {
+        let refs: Vec<&[f64]> = points.iter().map(Vec::as_slice).collect();
+        PerpendicularEllipse::around(direction, &refs, speeds)
+    }
+
+    proptest! {
+        #[test]
+        fn a_perpendicular_move_keeps_predicted_aggression(
+            g in prop::collection::vec(-5.0..5.0_f64, 2..7),
+            seed in 0_u64..1000,
+        ) {
+            prop_assume!(norm(&g) > 0.1);
+            let d = g.len();
+            let direction: Vec<f64> = g.iter().map(|x| x / norm(&g)).collect();
+            let points = cloud(d, &[1.0, 2.0, 0.5, 1.0, 1.0, 3.0]);
+            let speeds: Vec<f64> = points.iter().map(|p| 20.0 + p[0]).collect();
+            let ellipse = ellipse(&direction, &points, &speeds);
+            let axis = AggressionAxis::for_tests(g, 30.0);
+            let w = Embedding::new(vec![0.3; d]).unwrap();
+            let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+            let moved = ellipse.sample(&w, &mut rng).unwrap();
+            let before = axis.aggression_hat(&w).unwrap();
+            prop_assert!((axis.aggression_hat(&moved.embedding).unwrap() - before).abs() < 1e-5);
+            prop_assert!((norm(&moved.unit) - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn half_axes_are_the_deviations_across_g() {
+        let points = cloud(3, &[5.0, 2.0, 1.0]);
+        let speeds: Vec<f64> = points.iter().map(|p| 20.0 - p[1]).collect();
+        let ellipse = ellipse(&[1.0, 0.0, 0.0], &points, &speeds);
+        assert!((ellipse.half_axes()[0] - 2.0).abs() < 0.2);
+        assert!((ellipse.half_axes()[1] - 1.0).abs() < 0.1);
+        // Speed falls along y, so the first axis points to −y.
+        assert!(ellipse.axes()[0][1] < -0.9);
+    }
+
+    #[test]
+    fn on_a_circle_angle_zero_is_where_speed_rises_most() {
+        let points: Vec<Vec<f64>> = (0..200)
+            .map(|i| {
+                let a = f64::from(i) * PI / 100.0;
+                vec![0.0, a.cos(), a.sin()]
+            })
+            .collect();
+        let speeds: Vec<f64> = points
+            .iter()
+            .map(|p| 25.0 + 3.0 * p[1] - 4.0 * p[2])
+            .collect();
+        let ellipse = ellipse(&[1.0, 0.0, 0.0], &points, &speeds);
+        let axis = &ellipse.axes()[0];
+        assert!((axis[1] - 0.6).abs() < 1e-6 && (axis[2] + 0.8).abs() < 1e-6);
+        let w = Embedding::new(vec![0.0; 3]).unwrap();
+        let quarter = ellipse.at_angle(&w, PI / 2.0).unwrap();
+        // g × first axis: right-handed.
+        let at = quarter.embedding.coordinates();
+        let half = ellipse.half_axes()[1];
+        assert!((at[1] - 0.8 * half).abs() < 1e-6 && (at[2] - 0.6 * half).abs() < 1e-6);
+    }
+
+    #[test]
+    fn two_dimensions_have_two_sides() {
+        let points = cloud(2, &[1.0, 2.0]);
+        let speeds: Vec<f64> = points.iter().map(|p| p[1]).collect();
+        let ellipse = ellipse(&[1.0, 0.0], &points, &speeds);
+        let w = Embedding::new(vec![0.0, 0.0]).unwrap();
+        let back = ellipse.at_angle(&w, 3.0).unwrap();
+        assert!(back.embedding.coordinates()[1] < -1.5);
+        assert!((back.angle_rad - PI).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,29 @@
+//! How far out is too far: embeddings beyond every training driver.
+
+use crate::{error::ModelError, linear_algebra::norm, model::Model};
+use maveric_domain::Embedding;
+
+/// Share of `embeddings` that lie further from the mean of the training embeddings than any of those; `None` of
+/// nothing.
+///
+/// # Errors
+/// [`ModelError::EmbeddingSize`] if one is not of the model's size.
+///
+/// # Source
+/// Calibration section 6: the networks are extrapolated there, so the share is reported.
+pub fn share_outside_training(
+    model: &Model,
+    embeddings: &[Embedding],
+) -> Result<Option<f64>, ModelError> {
+    let mean = model.mean_embedding();
+    let radius = model.training_radius();
+    let mut outside = 0;
+    for embedding in embeddings {
+        model.check(embedding)?;
+        let difference = embedding.coordinates().iter().zip(mean.coordinates());
+        let distance = norm(&difference.map(|(x, m)| x - m).collect::<Vec<_>>());
+        outside += usize::from(distance > radius);
+    }
+    let n = embeddings.len();
+    Ok((n > 0).then(|| outside as f64 / n as f64))
+}

@@ -1,0 +1,207 @@
+//! Ours beside theirs.
+
+use super::load::{Claim, Rule};
+use super::recheck::{Recheck, recheck};
+use crate::error::ReportError;
+use std::collections::BTreeMap;
+
+/// A claim with our result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LedgerRow {
+    /// The claim.
+    pub claim: Claim,
+    /// Our number, in the claim's unit.
+    pub ours: Option<f64>,
+    /// The p that belongs to our coefficient.
+    pub ours_p: Option<f64>,
+    /// What the rule says.
+    pub verdict: Verdict,
+    /// Whether the paper's p follows from its own coefficient.
+    pub recheck: Option<Recheck>,
+}
+
+/// What comes of a comparison.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    /// Direction and size are as in the paper.
+    Agrees,
+    /// The direction is, the size or the strength is not.
+    SameDirection,
+    /// Not even the direction.
+    Differs,
+    /// We set it so.
+    ByDesign,
+    /// Nothing was found under the key.
+    NotComputed,
+}
+
+impl Verdict {
+    /// As the ledger writes it.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Agrees => "agrees",
+            Self::SameDirection => "same direction",
+            Self::Differs => "differs",
+            Self::ByDesign => "by design",
+            Self::NotComputed => "not computed here",
+        }
+    }
+}
+
+/// Joins claims and results, in the claims' order.
+///
+/// `results` maps keys to numbers in the claim's unit (percent as 0..100, speeds in mph). A key
+/// that is not there gives [`Verdict::NotComputed`]. The p of a coefficient under `….r` is looked
+/// up under `….p`. A p that is to be below a bound needs its direction beside it: `….p` is read
+/// together with `….direction`, above 0 if the difference goes the way that the claim says.
+///
+/// # Errors
+/// [`ReportError::Claim`] if a result is not finite.
+pub fn join(
+    claims: &[Claim],
+    results: &BTreeMap<String, f64>,
+) -> Result<Vec<LedgerRow>, ReportError> {
+    claims
+        .iter()
+        .map(|claim| {
+            let find = |key: &str| -> Result<Option<f64>, ReportError> {
+                match results.get(key) {
+                    Some(value) if !value.is_finite() => Err(ReportError::Claim {
+                        id: claim.id.clone(),
+                        reason: format!("our result `{key}` is {value}"),
+                    }),
+                    found => Ok(found.copied()),
+                }
+            };
+            let ours = find(&claim.key)?;
+            let ours_p = match claim.key.strip_suffix(".r") {
+                Some(stem) => find(&format!("{stem}.p"))?,
+                None => None,
+            };
+            let verdict = match (ours, claim.rule) {
+                (None, _) => Verdict::NotComputed,
+                // A small p says nothing of which way: without the direction there is no verdict.
+                (Some(p), Rule::PBelow { .. }) => match find(&direction_key(&claim.key))? {
+                    None => Verdict::NotComputed,
+                    Some(direction) if direction > 0.0 => judge(claim, p),
+                    Some(_) => Verdict::Differs,
+                },
+                (Some(ours), _) => judge(claim, ours),
+            };
+            Ok(LedgerRow {
+                claim: claim.clone(),
+                ours,
+                ours_p,
+                verdict,
+                recheck: recheck(claim),
+            })
+        })
+        .collect()
+}
+
+fn direction_key(key: &str) -> String {
+    format!("{}.direction", key.strip_suffix(".p").unwrap_or(key))
+}
+
+/// Without a bound of its own, a p below this still points the same way.
+const SIGNIFICANT: f64 = 0.05;
+
+fn judge(claim: &Claim, ours: f64) -> Verdict {
+    let theirs = claim.printed.value;
+    let distance = (ours - theirs).abs();
+    let choose = |holds: bool, yes: Verdict, no: Verdict| if holds { yes } else { no };
+    // A tolerance of 0 means "the same number", up to the last bits.
+    let within = |tolerance: f64| distance <= tolerance + 1e-9;
+    match claim.rule {
+        Rule::Direction { tolerance } => {
+            let same = ours * theirs > 0.0;
+            match (same, within(tolerance)) {
+                (true, true) => Verdict::Agrees,
+                (true, false) => Verdict::SameDirection,
+                (false, _) => Verdict::Differs,
+            }
+        }
+        Rule::Near { tolerance } => choose(within(tolerance), Verdict::Agrees, Verdict::Differs),
+        Rule::PBelow { bound } => {
+            let weaker = choose(ours < SIGNIFICANT, Verdict::SameDirection, Verdict::Differs);
+            choose(ours < bound, Verdict::Agrees, weaker)
+        }
+        Rule::PAbove { bound } => choose(ours > bound, Verdict::Agrees, Verdict::Differs),
+        Rule::Above => choose(ours > theirs, Verdict::Agrees, Verdict::Differs),
+        Rule::ByDesign { tolerance } => {
+            choose(within(tolerance), Verdict::ByDesign, Verdict::Differs)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::load::load;
+    use super::*;
+
+    fn claim(printed: &str, rule: &str) -> Vec<Claim> {
+        load(&format!(
+            "[[claim]]\nid = \"a\"\ntext = \"t\"\nsection = \"s\"\nquantity = \"r\"\n\
+             printed = \"{printed}\"\nkey = \"x.r\"\nrule = {rule}\n"
+        ))
+        .unwrap()
+    }
+
+    fn verdict(printed: &str, rule: &str, ours: f64) -> Verdict {
+        let results = BTreeMap::from([("x.r".to_owned(), ours), ("x.r.direction".to_owned(), 1.0)]);
+        join(&claim(printed, rule), &results).unwrap()[0].verdict
+    }
+
+    #[test]
+    fn direction_asks_for_the_sign_first_and_the_size_second() {
+        let rule = "{ direction = { tolerance = 0.2 } }";
+        assert_eq!(verdict("-.46", rule, -0.3), Verdict::Agrees);
+        assert_eq!(verdict("-.46", rule, -0.1), Verdict::SameDirection);
+        assert_eq!(verdict("-.46", rule, 0.1), Verdict::Differs);
+        assert_eq!(verdict(".05", rule, -0.01), Verdict::Differs);
+    }
+
+    #[test]
+    fn a_weaker_p_still_points_the_same_way() {
+        let rule = "{ p-below = { bound = 0.001 } }";
+        assert_eq!(verdict("<.001", rule, 0.0001), Verdict::Agrees);
+        assert_eq!(verdict("<.001", rule, 0.02), Verdict::SameDirection);
+        assert_eq!(verdict("<.001", rule, 0.2), Verdict::Differs);
+    }
+
+    #[test]
+    fn a_small_p_the_other_way_does_not_agree() {
+        let claims = claim("<.001", "{ p-below = { bound = 0.001 } }");
+        let mut results = BTreeMap::from([("x.r".to_owned(), 1e-6)]);
+        assert_eq!(
+            join(&claims, &results).unwrap()[0].verdict,
+            Verdict::NotComputed
+        );
+        results.insert("x.r.direction".to_owned(), -0.4);
+        assert_eq!(
+            join(&claims, &results).unwrap()[0].verdict,
+            Verdict::Differs
+        );
+    }
+
+    #[test]
+    fn what_was_not_computed_is_said_to_be_so() {
+        let rows = join(&claim(".5", "\"above\""), &BTreeMap::new()).unwrap();
+        assert_eq!(rows[0].verdict, Verdict::NotComputed);
+        assert_eq!(rows[0].ours, None);
+    }
+
+    #[test]
+    fn a_result_that_is_no_number_is_refused() {
+        let results = BTreeMap::from([("x.r".to_owned(), f64::NAN)]);
+        assert!(join(&claim(".5", "\"above\""), &results).is_err());
+    }
+
+    #[test]
+    fn a_misspelt_key_in_the_file_is_an_error() {
+        assert!(matches!(
+            load("[[claim]]\nidd = \"a\""),
+            Err(ReportError::Claims { .. })
+        ));
+    }
+}

@@ -1,0 +1,181 @@
+//! The ledger as a table.
+
+use super::join::{LedgerRow, Verdict};
+use super::load::{DfSource, Quantity, Rule};
+use crate::apa;
+use crate::markup::literal;
+use crate::tables::{Cell, Column, Table};
+use std::collections::BTreeMap;
+
+/// How many claims got each verdict, in the order of [`Verdict`].
+pub fn verdict_counts(rows: &[LedgerRow]) -> BTreeMap<Verdict, usize> {
+    let mut counts = BTreeMap::new();
+    for row in rows {
+        *counts.entry(row.verdict).or_insert(0) += 1;
+    }
+    counts
+}
+
+/// Builds the table `claims`.
+pub fn ledger_table(rows: &[LedgerRow]) -> Table {
+    let counts: Vec<String> = verdict_counts(rows)
+        .into_iter()
+        .map(|(verdict, count)| format!("{}: {count}", verdict.text()))
+        .collect();
+    Table {
+        name: "claims".to_owned(),
+        title: "Every number that the paper reports, and ours".to_owned(),
+        columns: vec![
+            Column::left("Claim"),
+            Column::left("Part"),
+            Column::left("Paper"),
+            Column::left("Here"),
+            Column::left("Verdict"),
+            Column::left("Rule"),
+            Column::left("Does the paper’s *p* follow from its own figures?"),
+            Column::left("Remark"),
+        ],
+        rows: rows
+            .iter()
+            .map(|row| {
+                vec![
+                    Cell::text(&row.claim.text),
+                    Cell::text(&row.claim.section),
+                    Cell::Marked(theirs(row)),
+                    ours(row).map_or(Cell::Missing, Cell::Marked),
+                    Cell::text(row.verdict.text()),
+                    Cell::text(rule(row.claim.rule)),
+                    own_figures(row).map_or(Cell::Missing, Cell::Marked),
+                    row.claim.note.as_ref().map_or(Cell::Missing, Cell::text),
+                ]
+            })
+            .collect(),
+        notes: vec![
+            format!("{}.", counts.join("; ")),
+            "The paper’s participants are real people, ours may be synthetic: a verdict compares \
+             direction and size, and is no replication."
+                .to_owned(),
+        ],
+    }
+}
+
+fn symbol(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::R => "*r*",
+        Quantity::Rho => "*ρ*",
+        _ => "*p*",
+    }
+}
+
+/// `= .46`, `< .001`.
+fn relation(text: &str) -> String {
+    if text.starts_with(['<', '>']) {
+        text.to_owned()
+    } else {
+        format!("= {text}")
+    }
+}
+
+fn theirs(row: &LedgerRow) -> String {
+    let claim = &row.claim;
+    let printed = literal(&claim.printed.text());
+    match claim.quantity {
+        Quantity::R | Quantity::Rho => {
+            let df = match (claim.df, claim.df_from) {
+                (Some(df), Some(DfSource::Printed)) => format!("({df})"),
+                _ => String::new(),
+            };
+            let p = claim.printed_p.as_ref();
+            let p = p.map_or(String::new(), |p| format!(", *p* {}", relation(&p.text())));
+            format!("{}{df} = {printed}{p}", symbol(claim.quantity))
+        }
+        Quantity::P => format!("*p* {}", relation(&printed)),
+        other => format!("{printed}{}", other.unit()),
+    }
+}
+
+fn ours(row: &LedgerRow) -> Option<String> {
+    let ours = row.ours?;
+    let quantity = row.claim.quantity;
+    Some(match quantity {
+        Quantity::R | Quantity::Rho => {
+            let p = row
+                .ours_p
+                .map_or(String::new(), |p| format!(", {}", apa::p(p).markup()));
+            format!(
+                "{} = {}{p}",
+                symbol(quantity),
+                apa::bounded(ours, quantity.decimals())
+            )
+        }
+        Quantity::P => apa::p(ours).markup().to_owned(),
+        other => {
+            let whole = (ours - ours.round()).abs() < 1e-9;
+            let decimals = if whole { 0 } else { other.decimals().max(1) };
+            format!("{}{}", apa::number(ours, decimals), other.unit())
+        }
+    })
+}
+
+fn rule(rule: Rule) -> String {
+    match rule {
+        Rule::Direction { tolerance } => format!("same sign; size within {tolerance}"),
+        Rule::Near { tolerance } => format!("within {tolerance}"),
+        Rule::PBelow { bound } => {
+            let decimals = if bound < 0.01 { 3 } else { 2 };
+            format!("p below {}", apa::bounded(bound, decimals))
+        }
+        Rule::PAbove { bound } => format!("p above {}", apa::bounded(bound, 2)),
+        Rule::Above => "above the paper’s bound".to_owned(),
+        Rule::ByDesign { tolerance } => format!("set by us; within {tolerance}"),
+    }
+}
+
+fn own_figures(row: &LedgerRow) -> Option<String> {
+    let result = row.recheck?;
+    if result.follows {
+        return Some("yes".to_owned());
+    }
+    let (low, high) = (result.p_low, result.p_high);
+    let p = if high < 0.001 {
+        "< .001".to_owned()
+    } else {
+        let write = |p: f64| {
+            if p < 0.001 {
+                "< .001".to_owned()
+            } else {
+                apa::bounded(p, 3)
+            }
+        };
+        format!("{} to {}", write(low), write(high))
+    };
+    let df = row.claim.df.unwrap_or_default();
+    let fits = match result.fitting_df {
+        Some(fitting) => format!("; it fits *df* = {fitting}"),
+        None => "; no *df* up to 200 fits".to_owned(),
+    };
+    Some(format!("no: *df* = {df} gives *p* {p}{fits}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{join, load};
+    use super::*;
+
+    #[test]
+    fn the_papers_own_claims_make_a_complete_table() {
+        let claims = load(include_str!("../../../../study_data/claims.toml")).unwrap();
+        let results = BTreeMap::from([
+            ("line.mean_velocity.r".to_owned(), 0.52),
+            ("line.mean_velocity.p".to_owned(), 0.0093),
+        ]);
+        let rows = join(&claims, &results).unwrap();
+        let table = ledger_table(&rows);
+        table.check().unwrap();
+        assert_eq!(table.rows.len(), claims.len());
+        let markdown = table.to_markdown();
+        assert!(markdown.contains("*r* = .52, *p* = .009"));
+        assert!(markdown.contains("no: *df* = 22 gives *p* .014 to .016; it fits *df* = 20"));
+        assert_eq!(verdict_counts(&rows)[&Verdict::Agrees], 1);
+    }
+}

@@ -1,0 +1,182 @@
+//! Where drivers lie on the aggression line, against what they do and say.
+
+use super::axes::{Frame, Labels, Scale};
+use super::canvas::Pen;
+use super::check::Check;
+use super::fit;
+use super::theme::{INK, Marker, TWO_COLUMNS_MM, stroke};
+use super::{Context, Figure, Plan, Shows, draw};
+use crate::error::ReportError;
+use crate::markup;
+use maveric_stats::LinearFit;
+use serde::{Deserialize, Serialize};
+
+/// Panels of the same people, one a measure.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AggressionLine {
+    /// The panels; three to a row.
+    pub panels: Vec<LinePanel>,
+}
+
+/// One measure against the position on the line.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LinePanel {
+    /// Such as `Mean velocity`.
+    pub title: String,
+    /// Title of the axis with the unit: `Mean velocity (mph)`.
+    pub axis: String,
+    /// (position on the line, in standard deviations of the training embeddings; measure).
+    pub points: Vec<(f64, f64)>,
+    /// The test, with marks. Shown as the subtitle.
+    pub statistic: String,
+}
+
+const NAME: &str = "aggression-line";
+const MOST_POINTS: usize = 1000;
+
+/// Draws each measure against the position on the aggression line, with line and band.
+///
+/// # Errors
+/// [`ReportError`] if there is no panel, a panel is empty or a value is not finite.
+///
+/// # Source
+/// Method, sections 4 and 9.1. The paper gives these correlations in its text, without a figure.
+pub fn aggression_line(input: &AggressionLine, context: &Context) -> Result<Figure, ReportError> {
+    let check = Check(NAME);
+    check.at_least(1, "panels", input.panels.len())?;
+    for panel in &input.panels {
+        check.at_least(1, "participants", panel.points.len())?;
+        check.finite("position", panel.points.iter().map(|point| point.0))?;
+        check.finite(&panel.title, panel.points.iter().map(|point| point.1))?;
+    }
+    let columns = input.panels.len().min(3);
+    let rows = input.panels.len().div_ceil(3);
+    let low = input
+        .panels
+        .iter()
+        .map(|panel| panel.points.len())
+        .min()
+        .unwrap_or(0);
+    let high = input
+        .panels
+        .iter()
+        .map(|panel| panel.points.len())
+        .max()
+        .unwrap_or(0);
+    let n = if low == high {
+        format!("{low}")
+    } else {
+        format!("{low} to {high}, by panel (a drive without merge-back has no value there)")
+    };
+    let found: Vec<String> = input
+        .panels
+        .iter()
+        .map(|panel| {
+            format!(
+                "{}: {}.",
+                panel.title,
+                markup::plain(&panel.statistic).replace('\n', "; ")
+            )
+        })
+        .collect();
+    let plan = Plan {
+        name: NAME.to_owned(),
+        size_mm: (
+            TWO_COLUMNS_MM * columns as f64 / 3.0,
+            55.0 * rows as f64 + 3.0,
+        ),
+        title: "Position on the aggression line against each measure".to_owned(),
+        caption: format!(
+            "Each test participant’s position on the aggression line (the projection of the \
+             embedding on the gradient of the style predictor) against each measure of their own \
+             drive. Line: least squares, with its 95% band. *n* = {n}. The correlation stands \
+             below each title."
+        ),
+        alt: found.join(" "),
+        shows: Shows::Participants,
+    };
+    draw(plan, context, |canvas, whole| {
+        for (index, panel) in input.panels.iter().enumerate() {
+            let place = whole.cell((index % 3, index / 3), (columns, rows), (10.0, 9.0));
+            let x = Scale::over(panel.points.iter().map(|point| point.0), 4);
+            let y = Scale::over(panel.points.iter().map(|point| point.1), 4);
+            let labels = Labels {
+                title: &panel.title,
+                subtitle: &panel.statistic,
+                x: "Position on the aggression line",
+                y: &panel.axis,
+                ..Labels::default()
+            };
+            let frame = Frame::draw(canvas, place, &labels, x, y);
+            if let Some(line) = fit::line(&panel.points) {
+                paint_fit(canvas, &frame, &panel.points, &line);
+            }
+            for &(x, y) in panel.points.iter().take(MOST_POINTS) {
+                canvas.marker(frame.at(x, y), 1.6, Marker::Circle, INK);
+            }
+        }
+    })
+}
+
+fn paint_fit(
+    canvas: &mut super::canvas::Canvas<'_>,
+    frame: &Frame,
+    points: &[(f64, f64)],
+    line: &LinearFit,
+) {
+    let low = points
+        .iter()
+        .map(|point| point.0)
+        .fold(f64::INFINITY, f64::min);
+    let high = points
+        .iter()
+        .map(|point| point.0)
+        .fold(f64::NEG_INFINITY, f64::max);
+    let steps = || (0..=30).map(|step| low + (high - low) * f64::from(step) / 30.0);
+    // The band may leave the panel at its ends: it is cut there, which shows as a flat edge.
+    let inside = |value: f64| value.clamp(frame.y.low(), frame.y.high());
+    let band_at = |x: f64| {
+        line.band(x, 0.95)
+            .unwrap_or((line.predict(x), line.predict(x)))
+    };
+    let mut band: Vec<(f64, f64)> = steps().map(|x| frame.at(x, inside(band_at(x).1))).collect();
+    let lower: Vec<(f64, f64)> = steps().map(|x| frame.at(x, inside(band_at(x).0))).collect();
+    band.extend(lower.into_iter().rev());
+    canvas.polygon(&band, INK, 0.12);
+    let ends = [
+        frame.at(low, inside(line.predict(low))),
+        frame.at(high, inside(line.predict(high))),
+    ];
+    canvas.path(&ends, Pen::new(INK, stroke::STRONG));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn input(points: Vec<(f64, f64)>) -> AggressionLine {
+        AggressionLine {
+            panels: vec![LinePanel {
+                title: "Mean velocity".into(),
+                axis: "Mean velocity (mph)".into(),
+                points,
+                statistic: "*r*(2) = .49".into(),
+            }],
+        }
+    }
+
+    #[test]
+    fn participants_at_one_position_are_drawn_without_a_line() {
+        let figure = aggression_line(
+            &input(vec![(1.0, 2.0), (1.0, 3.0), (1.0, 4.0)]),
+            &Context::real(),
+        );
+        assert!(!figure.unwrap().svg.contains("<polygon"));
+    }
+
+    #[test]
+    fn nobody_is_an_error_and_not_an_empty_picture() {
+        let refused = aggression_line(&input(Vec::new()), &Context::real());
+        assert!(matches!(refused, Err(ReportError::TooFew { .. })));
+    }
+}

@@ -1,0 +1,379 @@
+//! Scales, ticks and the frame of a panel.
+
+use super::canvas::{Canvas, Look, Pen, cap_height};
+use super::theme::{GRID, INK, size, stroke};
+pub(crate) use crate::apa::number;
+
+/// A range of values, its ticks, and where it lies on the page.
+#[derive(Debug, Clone)]
+pub(crate) struct Scale {
+    low: f64,
+    high: f64,
+    pub(crate) ticks: Vec<f64>,
+    pub(crate) labels: Vec<String>,
+    from: f64,
+    to: f64,
+    logarithmic: bool,
+}
+
+impl Scale {
+    /// A linear scale over `values` with some room at both ends and about `wanted` ticks.
+    ///
+    /// All values equal: the range is widened by 5 %, or by 1 around zero.
+    pub(crate) fn over(values: impl IntoIterator<Item = f64>, wanted: usize) -> Self {
+        let (low, high) = extent(values);
+        let room = 0.04 * (high - low);
+        Self::between(low - room, high + room, wanted)
+    }
+
+    /// A linear scale from `low` to `high`.
+    pub(crate) fn between(low: f64, high: f64, wanted: usize) -> Self {
+        let (low, high) = widened(low, high);
+        let step = nice_step((high - low) / wanted.max(1) as f64);
+        let first = (low / step).ceil() as i64;
+        let last = (high / step + 1e-9).floor() as i64;
+        let ticks: Vec<f64> = (first..=last).map(|k| k as f64 * step).collect();
+        let decimals = (-step.log10() - 1e-9).ceil().clamp(0.0, 6.0) as usize;
+        let labels = ticks.iter().map(|&tick| number(tick, decimals)).collect();
+        Self {
+            low,
+            high,
+            ticks,
+            labels,
+            from: 0.0,
+            to: 1.0,
+            logarithmic: false,
+        }
+    }
+
+    /// A logarithmic scale over positive values.
+    pub(crate) fn log_over(values: impl IntoIterator<Item = f64>) -> Self {
+        let (low, high) = extent(values.into_iter().map(f64::log10));
+        let room = 0.05 * (high - low);
+        let (low, high) = widened(low - room, high + room);
+        let steps: &[f64] = if high - low < 1.6 {
+            &[1.0, 2.0, 5.0]
+        } else {
+            &[1.0]
+        };
+        let mut ticks = Vec::new();
+        let mut labels = Vec::new();
+        for power in (low.floor() as i32)..=(high.ceil() as i32) {
+            for step in steps {
+                let place = f64::from(power) + step.log10();
+                if place >= low && place <= high {
+                    ticks.push(place);
+                    labels.push(number(step * 10f64.powi(power), (-power).max(0) as usize));
+                }
+            }
+        }
+        Self {
+            low,
+            high,
+            ticks,
+            labels,
+            from: 0.0,
+            to: 1.0,
+            logarithmic: true,
+        }
+    }
+
+    /// A scale whose ticks are given: value and label.
+    pub(crate) fn labelled(low: f64, high: f64, ticks: Vec<(f64, String)>) -> Self {
+        let (low, high) = widened(low, high);
+        let (ticks, labels) = ticks.into_iter().unzip();
+        Self {
+            low,
+            high,
+            ticks,
+            labels,
+            from: 0.0,
+            to: 1.0,
+            logarithmic: false,
+        }
+    }
+
+    /// The same scale laid from `from` to `to` on the page, in points.
+    pub(crate) fn placed(mut self, from: f64, to: f64) -> Self {
+        (self.from, self.to) = (from, to);
+        self
+    }
+
+    /// Where a value lies on the page, in points.
+    pub(crate) fn at(&self, value: f64) -> f64 {
+        let value = if self.logarithmic {
+            value.log10()
+        } else {
+            value
+        };
+        self.place(value)
+    }
+
+    fn place(&self, value: f64) -> f64 {
+        self.from + (value - self.low) / (self.high - self.low) * (self.to - self.from)
+    }
+
+    pub(crate) fn low(&self) -> f64 {
+        self.low
+    }
+
+    pub(crate) fn high(&self) -> f64 {
+        self.high
+    }
+
+    fn widest_label(&self) -> f64 {
+        let look = Look::new(size::TICK);
+        self.labels
+            .iter()
+            .map(|label| look.width(label))
+            .fold(0.0, f64::max)
+    }
+}
+
+fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    values
+        .into_iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+            (low.min(v), high.max(v))
+        })
+}
+
+fn widened(low: f64, high: f64) -> (f64, f64) {
+    if !(low.is_finite() && high.is_finite()) {
+        return (0.0, 1.0);
+    }
+    let tiny = 1e-9 * low.abs().max(high.abs()).max(1e-9);
+    if high - low > tiny {
+        return (low, high);
+    }
+    let room = if low.abs() < 1e-9 {
+        1.0
+    } else {
+        0.05 * low.abs()
+    };
+    (low - room, high + room)
+}
+
+fn nice_step(rough: f64) -> f64 {
+    let power = 10f64.powf(rough.log10().floor());
+    let share = rough / power;
+    // The nearest of 1, 2, 5 and 10, so that the number of ticks is near the wanted one.
+    let nice = match share {
+        share if share < 1.5 => 1.0,
+        share if share < 3.2 => 2.0,
+        share if share < 7.1 => 5.0,
+        _ => 10.0,
+    };
+    nice * power
+}
+
+/// A rectangle on the page, in points.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place {
+    pub(crate) left: f64,
+    pub(crate) top: f64,
+    pub(crate) right: f64,
+    pub(crate) bottom: f64,
+}
+
+impl Place {
+    /// The `(column, row)`th of a grid of equal places.
+    pub(crate) fn cell(
+        self,
+        (column, row): (usize, usize),
+        (columns, rows): (usize, usize),
+        gap: (f64, f64),
+    ) -> Self {
+        let width = (self.right - self.left - gap.0 * (columns - 1) as f64) / columns as f64;
+        let height = (self.bottom - self.top - gap.1 * (rows - 1) as f64) / rows as f64;
+        let left = self.left + column as f64 * (width + gap.0);
+        let top = self.top + row as f64 * (height + gap.1);
+        Self {
+            left,
+            top,
+            right: left + width,
+            bottom: top + height,
+        }
+    }
+}
+
+/// A panel's axes, placed.
+#[derive(Debug, Clone)]
+pub(crate) struct Frame {
+    pub(crate) x: Scale,
+    pub(crate) y: Scale,
+    pub(crate) place: Place,
+}
+
+/// What is written around a panel. Empty texts take no room.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Labels<'a> {
+    pub(crate) title: &'a str,
+    pub(crate) subtitle: &'a str,
+    pub(crate) x: &'a str,
+    pub(crate) y: &'a str,
+    /// Room for the numbers at the y axis, in points, at least: aligns panels above each other.
+    pub(crate) numbers: f64,
+}
+
+const TITLE_GAP: f64 = 4.0;
+const TICK_LENGTH: f64 = 2.0;
+
+impl Frame {
+    /// Draws title, axes, ticks, a grid across y, and gives the scales their places.
+    pub(crate) fn draw(
+        canvas: &mut Canvas<'_>,
+        outer: Place,
+        labels: &Labels<'_>,
+        x: Scale,
+        y: Scale,
+    ) -> Self {
+        let mut top = outer.top;
+        if !labels.title.is_empty() {
+            top += cap_height(size::TITLE);
+            canvas.text(
+                labels.title,
+                (outer.left, top),
+                Look::new(size::TITLE).semibold(),
+            );
+            top += TITLE_GAP;
+        }
+        for line in labels.subtitle.lines() {
+            top += cap_height(size::SUBTITLE);
+            canvas.text(line, (outer.left, top), Look::new(size::SUBTITLE));
+            top += TITLE_GAP;
+        }
+        top += if labels.title.is_empty() {
+            cap_height(size::TICK) / 2.0
+        } else {
+            3.0
+        };
+        let mut bottom = outer.bottom;
+        if !labels.x.is_empty() {
+            bottom -= cap_height(size::AXIS) + 6.5;
+        }
+        if x.labels.iter().any(|label| !label.is_empty()) {
+            bottom -= cap_height(size::TICK) + TICK_LENGTH + 2.5;
+        }
+        let mut left = outer.left;
+        if !labels.y.is_empty() {
+            left += cap_height(size::AXIS) + 5.0;
+        }
+        left += y.widest_label().max(labels.numbers) + TICK_LENGTH + 2.0;
+        let place = Place {
+            left,
+            top,
+            right: outer.right,
+            bottom,
+        };
+        let x = x.placed(place.left, place.right);
+        let y = y.placed(place.bottom, place.top);
+        let frame = Self { x, y, place };
+        frame.axes(canvas, outer, labels);
+        frame
+    }
+
+    fn axes(&self, canvas: &mut Canvas<'_>, outer: Place, labels: &Labels<'_>) {
+        let Place {
+            left,
+            top,
+            right,
+            bottom,
+        } = self.place;
+        let axis = Pen::new(INK, stroke::AXIS);
+        let tick_look = Look::new(size::TICK);
+        for (&tick, label) in self.y.ticks.iter().zip(&self.y.labels) {
+            let y = self.y.place(tick);
+            canvas.line((left, y), (right, y), Pen::new(GRID, stroke::THIN));
+            canvas.text(
+                label,
+                (left - TICK_LENGTH - 2.0, y),
+                tick_look.end().centred(),
+            );
+        }
+        for (&tick, label) in self.x.ticks.iter().zip(&self.x.labels) {
+            let x = self.x.place(tick);
+            canvas.line((x, bottom), (x, bottom + TICK_LENGTH), axis);
+            let half = tick_look.width(label) / 2.0;
+            // The outermost labels stay inside the panel.
+            let x = x.clamp(
+                outer.left + half,
+                (outer.right - half).max(outer.left + half),
+            );
+            canvas.text(
+                label,
+                (x, bottom + TICK_LENGTH + 2.5),
+                tick_look.middle().hanging(),
+            );
+        }
+        canvas.line((left, top), (left, bottom), axis);
+        canvas.line((left, bottom), (right, bottom), axis);
+        let axis_look = Look::new(size::AXIS).middle();
+        if !labels.x.is_empty() {
+            let x = f64::midpoint(left, right);
+            canvas.text(labels.x, (x, outer.bottom - 2.0), axis_look);
+        }
+        if !labels.y.is_empty() {
+            let half = axis_look.width(labels.y) / 2.0;
+            let middle = f64::midpoint(top, bottom);
+            let y = middle
+                .max(outer.top + half)
+                .min((outer.bottom - half).max(middle - half));
+            canvas.text(labels.y, (outer.left, y), axis_look.hanging().turned());
+        }
+    }
+
+    /// Where a pair of values lies on the page.
+    pub(crate) fn at(&self, x: f64, y: f64) -> (f64, f64) {
+        (self.x.at(x), self.y.at(y))
+    }
+
+    /// A line across the panel at a value of y.
+    pub(crate) fn rule(&self, canvas: &mut Canvas<'_>, y: f64) {
+        if y < self.y.low() || y > self.y.high() {
+            return;
+        }
+        let y = self.y.at(y);
+        canvas.line(
+            (self.place.left, y),
+            (self.place.right, y),
+            Pen::new(INK, stroke::AXIS).dashed(2.0, 1.5),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_a_true_minus_and_no_negative_zero() {
+        assert_eq!(number(-1.25, 1), "−1.2");
+        assert_eq!(number(-0.001, 1), "0.0");
+        assert_eq!(number(12.0, 0), "12");
+    }
+
+    #[test]
+    fn equal_values_get_a_range_around_them() {
+        let scale = Scale::over([5.0, 5.0], 4).placed(0.0, 100.0);
+        assert!((scale.at(5.0) - 50.0).abs() < 1e-9);
+        let zero = Scale::over([0.0], 4).placed(0.0, 100.0);
+        assert!((zero.at(0.0) - 50.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        let scale = Scale::between(-0.37, 1.18, 4);
+        assert_eq!(scale.labels, ["0.0", "0.5", "1.0"]);
+        assert_eq!(
+            Scale::between(0.0, 100.0, 5).labels,
+            ["0", "20", "40", "60", "80", "100"]
+        );
+    }
+
+    #[test]
+    fn a_short_logarithmic_scale_has_ticks_between_the_powers() {
+        let scale = Scale::log_over([0.3, 2.1]);
+        assert_eq!(scale.labels, ["0.5", "1", "2"]);
+    }
+}

@@ -1,0 +1,277 @@
+//! One driver's unseen last third, driven again by the models.
+
+use super::axes::{Frame, Labels, Place, Scale};
+use super::canvas::{Key, Pen, cap_height};
+use super::check::Check;
+use super::theme::{GREY, INK, Marker, OCHRE, TWO_COLUMNS_MM, colour, size, stroke};
+use super::{Context, Figure, Plan, Shows, draw};
+use crate::error::ReportError;
+use crate::markup;
+use maveric_domain::condition::Condition;
+use plotters::style::RGBColor;
+use serde::{Deserialize, Serialize};
+
+/// Who is at the wheel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Follower {
+    /// The recording itself.
+    Recorded,
+    /// The network with the driver's own embedding.
+    Model,
+    /// The network with the mean embedding of the training drivers.
+    MeanEmbedding,
+    /// IDM calibrated to this driver.
+    Idm,
+    /// A constant time gap, the driver's own mean.
+    ConstantTimeGap,
+}
+
+impl Follower {
+    pub(crate) fn label(self) -> &'static str {
+        match self {
+            Self::Recorded => "recorded",
+            Self::Model => "model, own embedding",
+            Self::MeanEmbedding => "model, mean embedding",
+            Self::Idm => "IDM, own",
+            Self::ConstantTimeGap => "constant time gap, own",
+        }
+    }
+
+    pub(crate) fn colour(self) -> RGBColor {
+        match self {
+            Self::Recorded => INK,
+            Self::Model => colour(Condition::Mimic),
+            Self::MeanEmbedding => GREY,
+            Self::Idm => colour(Condition::Cautious),
+            Self::ConstantTimeGap => OCHRE,
+        }
+    }
+
+    pub(crate) fn marker(self) -> Marker {
+        match self {
+            Self::Recorded => Marker::Circle,
+            Self::Model => Marker::Square,
+            Self::MeanEmbedding => Marker::Diamond,
+            Self::Idm => Marker::TriangleUp,
+            Self::ConstantTimeGap => Marker::TriangleDown,
+        }
+    }
+
+    fn pen(self) -> Pen {
+        match self {
+            Self::Recorded => Pen::new(self.colour(), 1.3),
+            Self::Model => Pen::new(self.colour(), stroke::STRONG),
+            Self::MeanEmbedding => Pen::new(self.colour(), 0.8).dashed(1.2, 1.5),
+            Self::Idm => Pen::new(self.colour(), 0.8).dashed(4.0, 2.0),
+            Self::ConstantTimeGap => Pen::new(self.colour(), 0.8).dashed(2.0, 1.5),
+        }
+    }
+}
+
+/// Gap and speed over the test third.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CarFollowing {
+    /// Id of the driver or car.
+    pub driver: String,
+    /// Name of the recordings.
+    pub data_set: String,
+    /// Time of each row, in seconds, rising.
+    pub time_s: Vec<f64>,
+    /// The recording and the models; each as long as `time_s`.
+    pub series: Vec<FollowingSeries>,
+}
+
+/// One run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FollowingSeries {
+    /// Who drove.
+    pub follower: Follower,
+    /// Bumper-to-bumper gap, in metres.
+    pub gap_m: Vec<f64>,
+    /// Ego speed, in m/s.
+    pub speed_mps: Vec<f64>,
+}
+
+const NAME: &str = "car-following";
+
+/// Draws gap and speed over time. The figure's name ends in the driver's id.
+///
+/// # Errors
+/// [`ReportError`] if there are fewer than two rows, no series, lengths differ, or a value is not
+/// finite.
+pub fn car_following(input: &CarFollowing, context: &Context) -> Result<Figure, ReportError> {
+    let name = format!("{NAME}-{}", slug(&input.driver));
+    let check = Check(&name);
+    check.at_least(2, "rows", input.time_s.len())?;
+    check.at_least(1, "series", input.series.len())?;
+    check.finite("time_s", input.time_s.iter().copied())?;
+    for series in &input.series {
+        for (field, values) in [("gap_m", &series.gap_m), ("speed_mps", &series.speed_mps)] {
+            check.length(field, values.len(), input.time_s.len())?;
+            check.finite(field, values.iter().copied())?;
+        }
+    }
+    let first = input.time_s[0];
+    let last = input.time_s[input.time_s.len() - 1];
+    let plan = Plan {
+        name: name.clone(),
+        size_mm: (TWO_COLUMNS_MM, 96.0),
+        title: format!(
+            "Following in closed loop: {}",
+            markup::literal(&input.driver)
+        ),
+        caption: format!(
+            "{}, {}: gap and speed over the unseen last third of the drive ({:.0} s). Recorded is \
+             only the vehicle ahead; each model starts from the true gap and speed and then drives \
+             on its own. *n* = 1 drive; no test.",
+            markup::literal(&input.data_set),
+            markup::literal(&input.driver),
+            last - first
+        ),
+        alt: alternative(input),
+        shows: Shows::Participants,
+    };
+    draw(plan, context, |canvas, mut whole| {
+        let keys: Vec<(Key, &str)> = input
+            .series
+            .iter()
+            .map(|series| (Key::Line(series.follower.pen()), series.follower.label()))
+            .collect();
+        canvas.legend_row((whole.left, whole.top + 4.0), &keys);
+        whole.top += cap_height(size::TICK) + 6.0;
+        let split = whole.top + 0.56 * (whole.bottom - whole.top);
+        let upper = Place {
+            bottom: split - 4.0,
+            ..whole
+        };
+        let lower = Place {
+            top: split,
+            ..whole
+        };
+        for (place, title, x_title, gap) in [
+            (upper, "Gap to the vehicle ahead (m)", "", true),
+            (
+                lower,
+                "Speed (m/s)",
+                "Time since the start of the test third (s)",
+                false,
+            ),
+        ] {
+            let pick = |s: &'_ FollowingSeries| {
+                if gap {
+                    s.gap_m.clone()
+                } else {
+                    s.speed_mps.clone()
+                }
+            };
+            let values: Vec<Vec<f64>> = input.series.iter().map(pick).collect();
+            let y = Scale::over(
+                values.iter().flatten().copied().chain(gap.then_some(0.0)),
+                5,
+            );
+            let x = Scale::between(0.0, last - first, 8);
+            let labels = Labels {
+                x: x_title,
+                y: title,
+                numbers: 12.0,
+                ..Labels::default()
+            };
+            let frame = Frame::draw(canvas, place, &labels, x, y);
+            for (series, values) in input.series.iter().zip(&values).rev() {
+                let path: Vec<(f64, f64)> = thinned(&input.time_s, values)
+                    .into_iter()
+                    .map(|(time, value)| frame.at(time - first, value))
+                    .collect();
+                canvas.path(&path, series.follower.pen());
+            }
+        }
+    })
+}
+
+fn slug(text: &str) -> String {
+    let mut out = String::new();
+    for sign in text.chars() {
+        if sign.is_ascii_alphanumeric() {
+            out.push(sign.to_ascii_lowercase());
+        } else if !out.is_empty() && !out.ends_with('-') {
+            out.push('-');
+        }
+    }
+    let slug = out.trim_end_matches('-');
+    if slug.is_empty() {
+        "driver".to_owned()
+    } else {
+        slug.to_owned()
+    }
+}
+
+/// At most about 800 points, keeping the lowest and highest of each stretch.
+fn thinned(times: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
+    let pairs: Vec<(f64, f64)> = times.iter().copied().zip(values.iter().copied()).collect();
+    let stretch = pairs.len().div_ceil(400);
+    if stretch < 2 {
+        return pairs;
+    }
+    let mut out = Vec::new();
+    for part in pairs.chunks(stretch) {
+        let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
+        if let (Some(low), Some(high)) =
+            (part.iter().min_by(by_value), part.iter().max_by(by_value))
+        {
+            out.push(if low.0 <= high.0 { *low } else { *high });
+            out.push(if low.0 <= high.0 { *high } else { *low });
+        }
+    }
+    out
+}
+
+fn alternative(input: &CarFollowing) -> String {
+    let recorded = input
+        .series
+        .iter()
+        .find(|series| series.follower == Follower::Recorded);
+    let mut words = vec![format!("Gap and speed of {} over time.", input.driver)];
+    if let Some(recorded) = recorded {
+        for series in input
+            .series
+            .iter()
+            .filter(|s| s.follower != Follower::Recorded)
+        {
+            let squares: f64 = series
+                .gap_m
+                .iter()
+                .zip(&recorded.gap_m)
+                .map(|(a, b)| (a - b).powi(2))
+                .sum();
+            let error = (squares / input.time_s.len() as f64).sqrt();
+            words.push(format!(
+                "{}: gap off by {error:.1} m (root mean square).",
+                series.follower.label()
+            ));
+        }
+    }
+    words.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_becomes_a_file_name() {
+        assert_eq!(slug("Audi A6 / 2"), "audi-a6-2");
+        assert_eq!(slug("../<x>"), "x");
+        assert_eq!(slug("😀"), "driver");
+    }
+
+    #[test]
+    fn thinning_keeps_a_spike() {
+        let times: Vec<f64> = (0..5000).map(f64::from).collect();
+        let mut values = vec![0.0; 5000];
+        values[2345] = 9.0;
+        let thin = thinned(&times, &values);
+        assert!(thin.len() <= 800);
+        assert!(thin.iter().any(|(_, value)| *value > 8.9));
+    }
+}

@@ -1,0 +1,477 @@
+//! Difference from the participant's own drive, condition by condition: rainclouds.
+
+use super::axes::{Frame, Labels, Place, Scale};
+use super::canvas::{Canvas, Look, Pen};
+use super::check::Check;
+use super::fit;
+use super::theme::{
+    GREY, INK, PAPER, TWO_COLUMNS_MM, colour, condition_name, marker, size, stroke,
+};
+use super::{Context, Figure, Plan, Shows, draw};
+use crate::apa;
+use crate::error::ReportError;
+use maveric_domain::condition::Condition;
+use plotters::style::RGBColor;
+use serde::{Deserialize, Serialize};
+
+/// The panels of the figure, in reading order.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DifferencePanels {
+    /// Any number of panels; three to a row.
+    pub panels: Vec<DifferencePanel>,
+}
+
+/// One measure.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DifferencePanel {
+    /// Such as `Mean velocity`.
+    pub title: String,
+    /// Title of the axis with the unit, such as `Difference from own drive (mph)`.
+    pub axis: String,
+    /// The conditions, in the order of the columns of `rows`.
+    pub conditions: Vec<Condition>,
+    /// One row a participant, one value a condition, in the axis's unit; `None` is missing.
+    pub rows: Vec<Vec<Option<f64>>>,
+    /// The omnibus test, with marks, as [`crate::apa`] writes it. Shown as the subtitle.
+    pub omnibus: String,
+    /// Post-hoc pairs to be shown as brackets.
+    pub pairs: Vec<PairTest>,
+    /// Value at which a line is drawn (0 for a difference, 4 for "as aggressive as I am").
+    pub reference: Option<f64>,
+}
+
+/// A post-hoc comparison.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PairTest {
+    /// One condition.
+    pub first: Condition,
+    /// The other.
+    pub second: Condition,
+    /// Its p value, adjusted after Holm.
+    pub p_holm: f64,
+}
+
+const NAME: &str = "difference-panels";
+/// Above this many participants lines and points are left out.
+const MOST_POINTS: usize = 300;
+
+/// Draws the panels: half violin, box, points, each participant's line, mean with within-subject
+/// interval, omnibus test in the subtitle, Holm brackets.
+///
+/// # Errors
+/// [`ReportError`] if there is no panel, a value is not finite, or a row is of the wrong length.
+///
+/// # Source
+/// The paper's figure of six panels; method, section 9.3.
+pub fn difference_panels(
+    input: &DifferencePanels,
+    context: &Context,
+) -> Result<Figure, ReportError> {
+    let check = Check(NAME);
+    check.at_least(1, "panels", input.panels.len())?;
+    for panel in &input.panels {
+        check.at_least(1, "conditions", panel.conditions.len())?;
+        check.at_least(1, "participants", panel.rows.len())?;
+        for row in &panel.rows {
+            check.length("a participant's row", row.len(), panel.conditions.len())?;
+        }
+        check.finite(&panel.title, panel.rows.iter().flatten().flatten().copied())?;
+        check.finite("a pair's p", panel.pairs.iter().map(|pair| pair.p_holm))?;
+        check.at_least(1, "values", panel.rows.iter().flatten().flatten().count())?;
+    }
+    let columns = input.panels.len().min(3);
+    let rows = input.panels.len().div_ceil(3);
+    let width = TWO_COLUMNS_MM * columns as f64 / 3.0;
+    let plan = Plan {
+        name: NAME.to_owned(),
+        size_mm: (width.max(85.0), 64.0 * rows as f64 + 3.0),
+        title: "Difference between each condition and the participant’s own drive".to_owned(),
+        caption: caption(input),
+        alt: alternative(input),
+        shows: Shows::Participants,
+    };
+    draw(plan, context, |canvas, whole| {
+        for (index, panel) in input.panels.iter().enumerate() {
+            let place = whole.cell((index % 3, index / 3), (columns, rows), (10.0, 11.0));
+            paint_panel(canvas, place, panel);
+        }
+    })
+}
+
+fn complete(panel: &DifferencePanel) -> Vec<Vec<f64>> {
+    panel
+        .rows
+        .iter()
+        .filter_map(|row| row.iter().copied().collect())
+        .collect()
+}
+
+fn column(panel: &DifferencePanel, index: usize) -> Vec<f64> {
+    let mut values: Vec<f64> = panel.rows.iter().filter_map(|row| row[index]).collect();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+fn paint_panel(canvas: &mut Canvas<'_>, place: Place, panel: &DifferencePanel) {
+    let k = panel.conditions.len();
+    let brackets = brackets(panel);
+    let values = panel
+        .rows
+        .iter()
+        .flatten()
+        .flatten()
+        .copied()
+        .chain(panel.reference);
+    let data = Scale::over(values, 5);
+    // The brackets need their room above the data.
+    let levels = brackets
+        .iter()
+        .map(|bracket| bracket.level + 1)
+        .max()
+        .unwrap_or(0);
+    let room = levels as f64 * STEP + if levels > 0 { 3.0 } else { 0.0 };
+    let plot = (place.bottom - place.top - 42.0).max(40.0);
+    let reach = (data.high() - data.low()) * 0.06;
+    let (low, top) = (data.low() - reach, data.high() + reach);
+    let high = low + (top - low) * plot / (plot - room).max(plot / 3.0);
+    // Ticks only where there are data: what lies above them is room for the brackets.
+    let data = Scale::between(low, top, 4);
+    let y = Scale::labelled(low, high, data.ticks.into_iter().zip(data.labels).collect());
+    let names = panel
+        .conditions
+        .iter()
+        .enumerate()
+        .map(|(index, condition)| {
+            let name = match condition {
+                Condition::Perpendicular => "Perp.",
+                other => condition_name(*other),
+            };
+            (index as f64, name.to_owned())
+        });
+    let x = Scale::labelled(-0.55, k as f64 - 0.4, names.collect());
+    let labels = Labels {
+        title: &panel.title,
+        subtitle: &panel.omnibus,
+        x: "",
+        y: &panel.axis,
+        ..Labels::default()
+    };
+    let frame = Frame::draw(canvas, place, &labels, x, y);
+    if let Some(reference) = panel.reference {
+        frame.rule(canvas, reference);
+    }
+    let slot = (frame.place.right - frame.place.left) / (k as f64 + 0.15);
+    if panel.rows.len() <= MOST_POINTS {
+        paint_participants(canvas, &frame, panel, slot);
+    }
+    let rows = complete(panel);
+    let half_widths = fit::within_subject_half_widths(&rows);
+    for (index, &condition) in panel.conditions.iter().enumerate() {
+        let sorted = column(panel, index);
+        if sorted.is_empty() {
+            continue;
+        }
+        let middle = frame.x.at(index as f64);
+        paint_cloud(canvas, &frame, &sorted, middle, slot, colour(condition));
+        let kept: Vec<f64> = rows.iter().map(|row| row[index]).collect();
+        if let (Some(mean), Some(widths)) = (fit::mean(&kept), &half_widths) {
+            let x = middle + BOX * slot;
+            let half = widths[index];
+            let ends = [frame.y.at(mean - half), frame.y.at(mean + half)];
+            canvas.line((x, ends[0]), (x, ends[1]), Pen::new(INK, stroke::STRONG));
+            canvas.disc((x, frame.y.at(mean)), 1.7, INK, 1.0);
+            canvas.ring((x, frame.y.at(mean)), 1.7, Pen::new(PAPER, stroke::THIN));
+        }
+    }
+    let base = frame.place.top + room - 3.0;
+    for bracket in &brackets {
+        let y = base - bracket.level as f64 * STEP;
+        let (from, to) = (
+            frame.x.at(bracket.from as f64),
+            frame.x.at(bracket.to as f64),
+        );
+        let pen = Pen::new(INK, stroke::AXIS);
+        canvas.path(
+            &[
+                (from + 1.0, y + 2.0),
+                (from + 1.0, y),
+                (to - 1.0, y),
+                (to - 1.0, y + 2.0),
+            ],
+            pen,
+        );
+        let look = Look::new(size::SMALL).middle();
+        canvas.text(&bracket.text, (f64::midpoint(from, to), y - 1.8), look);
+    }
+}
+
+/// Offsets within a condition's slot, as shares of its width.
+const POINTS: f64 = -0.2;
+const JITTER: f64 = 0.09;
+const BOX: f64 = 0.02;
+const VIOLIN: f64 = 0.11;
+const VIOLIN_WIDTH: f64 = 0.27;
+/// Height of a level of brackets, in points.
+const STEP: f64 = 1.6 * size::SMALL;
+
+fn paint_participants(canvas: &mut Canvas<'_>, frame: &Frame, panel: &DifferencePanel, slot: f64) {
+    let n = panel.rows.len();
+    // Jitter by the participant's place in the list: the same on every run, no generator.
+    let jitter = |index: usize| {
+        let turn = (index as f64 * 0.618_034).fract();
+        if n < 2 {
+            0.0
+        } else {
+            (turn - 0.5) * 2.0 * JITTER * slot
+        }
+    };
+    let at = |index: usize, condition: usize, value: f64| {
+        (
+            frame.x.at(condition as f64) + POINTS * slot + jitter(index),
+            frame.y.at(value),
+        )
+    };
+    let pen = Pen::new(GREY, stroke::THIN).alpha(0.35);
+    for (index, row) in panel.rows.iter().enumerate() {
+        let mut path = Vec::new();
+        for (condition, value) in row.iter().enumerate() {
+            match value {
+                Some(value) => path.push(at(index, condition, *value)),
+                None => canvas.path(&std::mem::take(&mut path), pen),
+            }
+        }
+        canvas.path(&path, pen);
+    }
+    for (column, &condition) in panel.conditions.iter().enumerate() {
+        for (index, row) in panel.rows.iter().enumerate() {
+            if let Some(value) = row[column] {
+                let place = at(index, column, value);
+                canvas.marker(place, stroke::POINT, marker(condition), colour(condition));
+            }
+        }
+    }
+}
+
+fn paint_cloud(
+    canvas: &mut Canvas<'_>,
+    frame: &Frame,
+    sorted: &[f64],
+    middle: f64,
+    slot: f64,
+    ink: RGBColor,
+) {
+    let edge = middle + VIOLIN * slot;
+    let curve: Vec<(f64, f64)> = fit::density(sorted, 48)
+        .into_iter()
+        .filter(|(value, _)| *value >= frame.y.low() && *value <= frame.y.high())
+        .map(|(value, height)| (edge + height * VIOLIN_WIDTH * slot, frame.y.at(value)))
+        .collect();
+    if let (Some(first), Some(last)) = (curve.first().copied(), curve.last().copied()) {
+        let mut corners = curve;
+        corners.push((edge, last.1));
+        corners.push((edge, first.1));
+        canvas.polygon(&corners, ink, 0.25);
+        corners.push(corners[0]);
+        canvas.path(&corners, Pen::new(ink, stroke::OUTLINE));
+    }
+    let [low, median, high] = [0.25, 0.5, 0.75].map(|share| fit::quantile(sorted, share));
+    let fence = 1.5 * (high - low);
+    let whisker_low = sorted
+        .iter()
+        .copied()
+        .find(|v| *v >= low - fence)
+        .unwrap_or(low);
+    let whisker_high = sorted
+        .iter()
+        .rev()
+        .copied()
+        .find(|v| *v <= high + fence)
+        .unwrap_or(high);
+    let centre = middle + BOX * slot;
+    let half = 0.07 * slot;
+    let pen = Pen::new(ink, stroke::BOX);
+    for (from, to) in [(whisker_low, low), (high, whisker_high)] {
+        canvas.line((centre, frame.y.at(from)), (centre, frame.y.at(to)), pen);
+    }
+    let corners = (
+        (centre - half, frame.y.at(high)),
+        (centre + half, frame.y.at(low)),
+    );
+    canvas.fill_rect(corners.0, corners.1, PAPER, 1.0);
+    canvas.rect(corners.0, corners.1, pen);
+    canvas.line(
+        (centre - half, frame.y.at(median)),
+        (centre + half, frame.y.at(median)),
+        pen,
+    );
+}
+
+#[derive(Debug)]
+struct Bracket {
+    from: usize,
+    to: usize,
+    level: usize,
+    text: String,
+}
+
+/// Shortest first, each on the lowest level where it meets no other.
+fn brackets(panel: &DifferencePanel) -> Vec<Bracket> {
+    let place = |wanted: Condition| panel.conditions.iter().position(|&c| c == wanted);
+    let mut spans: Vec<(usize, usize, f64)> = panel
+        .pairs
+        .iter()
+        .filter_map(|pair| {
+            let (a, b) = (place(pair.first)?, place(pair.second)?);
+            Some((a.min(b), a.max(b), pair.p_holm))
+        })
+        .collect();
+    spans.sort_by_key(|(from, to, _)| (to - from, *from));
+    let mut out: Vec<Bracket> = Vec::new();
+    for (from, to, p) in spans {
+        let mut level = 0;
+        while out
+            .iter()
+            .any(|b| b.level == level && b.from < to && from < b.to)
+        {
+            level += 1;
+        }
+        out.push(Bracket {
+            from,
+            to,
+            level,
+            text: apa::p(p).markup().to_owned(),
+        });
+    }
+    out
+}
+
+fn caption(input: &DifferencePanels) -> String {
+    let sizes: Vec<(usize, usize)> = input
+        .panels
+        .iter()
+        .map(|panel| (complete(panel).len(), panel.rows.len()))
+        .collect();
+    let all = sizes.iter().map(|(_, all)| *all).max().unwrap_or(0);
+    let low = sizes.iter().map(|(kept, _)| *kept).min().unwrap_or(0);
+    let high = sizes.iter().map(|(kept, _)| *kept).max().unwrap_or(0);
+    let complete = if low == high {
+        format!("{low}")
+    } else {
+        format!("{low} to {high} (by panel)")
+    };
+    let points = if all > MOST_POINTS {
+        "Points and lines of single participants are left out, there being too many."
+    } else {
+        "Each point is a participant, each thin line one participant across the conditions."
+    };
+    format!(
+        "Difference between the car and the participant’s own drive. {points} Half violins are \
+         kernel densities, boxes quartiles with whiskers to 1.5 times their distance, black dots \
+         means with within-subject 95% intervals (Cousineau–Morey). *n* = {all} participants, of \
+         whom {complete} have a value in every condition and enter means, intervals and tests. \
+         The omnibus test stands below each title; brackets carry *p* values after Holm. Perp., \
+         Perpendicular."
+    )
+}
+
+fn alternative(input: &DifferencePanels) -> String {
+    let mut words = Vec::new();
+    for panel in &input.panels {
+        let rows = complete(panel);
+        let means: Vec<String> = panel
+            .conditions
+            .iter()
+            .enumerate()
+            .filter_map(|(index, condition)| {
+                let values: Vec<f64> = rows.iter().map(|row| row[index]).collect();
+                let mean = fit::mean(&values)?;
+                Some(format!(
+                    "{} {}",
+                    condition_name(*condition),
+                    super::axes::number(mean, 2)
+                ))
+            })
+            .collect();
+        words.push(format!("{}: means {}.", panel.title, means.join(", ")));
+    }
+    words.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn panel(rows: Vec<Vec<Option<f64>>>) -> DifferencePanels {
+        let pair = |second| PairTest {
+            first: Condition::Mimic,
+            second,
+            p_holm: 0.0004,
+        };
+        DifferencePanels {
+            panels: vec![DifferencePanel {
+                title: "Mean velocity".into(),
+                axis: "Difference (mph)".into(),
+                conditions: Condition::AV.to_vec(),
+                rows,
+                omnibus: "*F*(3, 69) = 25.23".into(),
+                pairs: [
+                    Condition::Aggressive,
+                    Condition::Cautious,
+                    Condition::Perpendicular,
+                ]
+                .map(pair)
+                .to_vec(),
+                reference: Some(0.0),
+            }],
+        }
+    }
+
+    fn rows(n: usize) -> Vec<Vec<Option<f64>>> {
+        (0..n)
+            .map(|i| {
+                (0..4)
+                    .map(|j| Some(((i * 7 + j * 3) % 11) as f64 - 5.0))
+                    .collect()
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_missing_cell_leaves_its_participant_out_of_the_means_and_says_so() {
+        let mut rows = rows(6);
+        rows[2][1] = None;
+        let figure = difference_panels(&panel(rows), &Context::synthetic(1)).unwrap();
+        assert!(figure.caption.contains("*n* = 6 participants, of whom 5"));
+        assert!(figure.caption.ends_with("Synthetic participants."));
+        assert!(figure.svg.contains("synthetic participants</text>"));
+    }
+
+    #[test]
+    fn a_value_that_is_not_a_number_is_refused() {
+        let mut rows = rows(6);
+        rows[2][1] = Some(f64::NAN);
+        let refused = difference_panels(&panel(rows), &Context::real());
+        assert!(matches!(refused, Err(ReportError::NotFinite { .. })));
+    }
+
+    #[test]
+    fn brackets_do_not_cross() {
+        let input = panel(rows(6));
+        let levels: Vec<usize> = brackets(&input.panels[0]).iter().map(|b| b.level).collect();
+        assert_eq!(levels, [0, 1, 2]);
+    }
+
+    #[test]
+    fn equal_values_and_a_single_participant_still_make_a_picture() {
+        let same = panel(vec![vec![Some(0.0); 4]; 5]);
+        assert!(difference_panels(&same, &Context::real()).is_ok());
+        let one = panel(vec![vec![Some(1.0), Some(2.0), Some(3.0), Some(4.0)]]);
+        assert!(difference_panels(&one, &Context::real()).is_ok());
+    }
+
+    #[test]
+    fn ten_thousand_participants_make_no_ten_thousand_points() {
+        let figure = difference_panels(&panel(rows(10_000)), &Context::real()).unwrap();
+        assert!(figure.svg.len() < 60_000);
+    }
+}

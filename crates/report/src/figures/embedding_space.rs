@@ -1,0 +1,581 @@
+//! The style space: who lies where, and which way is "more aggressive".
+
+use super::axes::{Frame, Labels, Place, Scale};
+use super::canvas::{Canvas, Key, Look, Pen, cap_height};
+use super::check::Check;
+use super::projection::{View, paint_box};
+use super::theme::{
+    GREY, INK, MUTED, PAPER, TWO_COLUMNS_MM, colour, condition_name, marker, size, stroke, viridis,
+};
+use super::{Context, Figure, Plan, Shows, draw};
+use crate::apa::number;
+use crate::error::ReportError;
+use maveric_domain::condition::Condition;
+use serde::{Deserialize, Serialize};
+
+/// Drivers in the style space.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EmbeddingSpace {
+    /// The drivers, all with embeddings of the same size.
+    pub points: Vec<EmbeddingPoint>,
+    /// The gradient of the style predictor, of the same size; not zero.
+    pub gradient: Vec<f64>,
+    /// One participant's conditions.
+    pub example: Option<ExampleConditions>,
+}
+
+/// One driver.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EmbeddingPoint {
+    /// The embedding.
+    pub embedding: Vec<f64>,
+    /// ADB score, 11 to 55 points: the size of the point.
+    pub adb_points: f64,
+    /// Mean velocity in m/s: the colour of the point, in mph.
+    pub mean_velocity_mps: f64,
+}
+
+/// Where one participant's conditions lie.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ExampleConditions {
+    /// The participant's id.
+    pub participant: String,
+    /// Mimic: the embedding as fitted.
+    pub mimic: Vec<f64>,
+    /// Up the gradient.
+    pub aggressive: Vec<f64>,
+    /// Down the gradient.
+    pub cautious: Vec<f64>,
+    /// The participant's Perpendicular embedding, if it was drawn.
+    pub perpendicular: Option<Vec<f64>>,
+    /// The ellipse it was drawn from, in order round it.
+    pub ellipse: Vec<Vec<f64>>,
+}
+
+const NAME: &str = "embedding-space";
+const MPH_PER_MPS: f64 = 2.236_936_292_054_402;
+const ADB_RANGE: (f64, f64) = (11.0, 55.0);
+const MOST_POINTS: usize = 1000;
+
+/// Draws the space in three dimensions, if it has three, and the plane of aggression against the
+/// first axis perpendicular to it.
+///
+/// # Errors
+/// [`ReportError`] if there is nobody, sizes differ, the gradient is zero, or a value is not
+/// finite.
+///
+/// # Source
+/// The paper's figure of the embedding space; method, sections 4 and 9.1. The plane is ours.
+pub fn embedding_space(input: &EmbeddingSpace, context: &Context) -> Result<Figure, ReportError> {
+    check(input)?;
+    let dimensions = input.gradient.len();
+    let solid = dimensions == 3;
+    let example = match &input.example {
+        Some(example) => format!(
+            " Large markers: participant {} in each condition, 15 ADB points up and down the \
+             gradient from Mimic; line: the ellipse that Perpendicular is drawn from, one standard \
+             deviation wide.",
+            crate::markup::literal(&example.participant)
+        ),
+        None => String::new(),
+    };
+    let views = if solid {
+        "Left, the three dimensions; right, the plane of the aggression gradient and of the \
+         direction across it in which drivers differ most."
+    } else {
+        "The plane of the aggression gradient and of the direction across it in which drivers \
+         differ most."
+    };
+    let low = input
+        .points
+        .iter()
+        .map(|p| p.mean_velocity_mps)
+        .fold(f64::INFINITY, f64::min);
+    let high = input
+        .points
+        .iter()
+        .map(|p| p.mean_velocity_mps)
+        .fold(f64::NEG_INFINITY, f64::max);
+    let plan = Plan {
+        name: NAME.to_owned(),
+        size_mm: if solid {
+            (TWO_COLUMNS_MM, 98.0)
+        } else {
+            (110.0, 98.0)
+        },
+        title: "The learned style space".to_owned(),
+        caption: format!(
+            "Embeddings of size {dimensions}; each point is a drive, its size the driver’s ADB \
+             score, its colour the mean velocity. {views} Black line: gradient of the style \
+             predictor.{example} *n* = {} drives; no test.",
+            input.points.len()
+        ),
+        alt: format!(
+            "{} drives in a style space of {dimensions} dimensions, mean velocity from {} to {} mph.",
+            input.points.len(),
+            number(low * MPH_PER_MPS, 1),
+            number(high * MPH_PER_MPS, 1)
+        ),
+        shows: Shows::Participants,
+    };
+    let palette = Palette {
+        low: low * MPH_PER_MPS,
+        high: high * MPH_PER_MPS,
+    };
+    draw(plan, context, |canvas, whole| {
+        let foot = 34.0;
+        let upper = Place {
+            bottom: whole.bottom - foot,
+            ..whole
+        };
+        paint_keys(
+            canvas,
+            Place {
+                top: upper.bottom,
+                ..whole
+            },
+            input.example.is_some(),
+            palette,
+            solid,
+        );
+        let mut plane = upper;
+        if solid {
+            let split = whole.left + 0.5 * (whole.right - whole.left);
+            paint_solid(
+                canvas,
+                Place {
+                    right: split - 8.0,
+                    ..upper
+                },
+                input,
+                palette,
+            );
+            plane.left = split + 8.0;
+        }
+        paint_plane(canvas, plane, input, palette, solid);
+    })
+}
+
+fn check(input: &EmbeddingSpace) -> Result<(), ReportError> {
+    let check = Check(NAME);
+    let dimensions = input.gradient.len();
+    check.at_least(1, "dimensions", dimensions)?;
+    check.at_least(1, "drives", input.points.len())?;
+    check.finite("gradient", input.gradient.iter().copied())?;
+    let length = norm(&input.gradient);
+    check.that(length > 0.0, "gradient", length, "a length above 0")?;
+    for point in &input.points {
+        check.length("an embedding", point.embedding.len(), dimensions)?;
+        check.finite("embedding", point.embedding.iter().copied())?;
+        check.finite("adb_points", [point.adb_points])?;
+        let (low, high) = ADB_RANGE;
+        let adb = point.adb_points;
+        check.that(
+            (low..=high).contains(&adb),
+            "adb_points",
+            adb,
+            "11 to 55 points",
+        )?;
+        check.finite("mean_velocity_mps", [point.mean_velocity_mps])?;
+    }
+    for place in input.example.iter().flat_map(ExampleConditions::all) {
+        check.length("an example's embedding", place.len(), dimensions)?;
+        check.finite("an example's embedding", place.iter().copied())?;
+    }
+    Ok(())
+}
+
+impl ExampleConditions {
+    fn markers(&self) -> Vec<(Condition, &[f64])> {
+        let mut out = vec![
+            (Condition::Cautious, self.cautious.as_slice()),
+            (Condition::Aggressive, self.aggressive.as_slice()),
+        ];
+        out.extend(
+            self.perpendicular
+                .as_deref()
+                .map(|w| (Condition::Perpendicular, w)),
+        );
+        out.push((Condition::Mimic, self.mimic.as_slice()));
+        out
+    }
+
+    fn all(&self) -> impl Iterator<Item = &[f64]> {
+        self.markers()
+            .into_iter()
+            .map(|(_, w)| w)
+            .chain(self.ellipse.iter().map(Vec::as_slice))
+    }
+}
+
+fn norm(vector: &[f64]) -> f64 {
+    vector.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Palette {
+    low: f64,
+    high: f64,
+}
+
+impl Palette {
+    fn of(self, mps: f64) -> plotters::style::RGBColor {
+        let range = self.high - self.low;
+        viridis(if range > 1e-9 {
+            (mps * MPH_PER_MPS - self.low) / range
+        } else {
+            0.5
+        })
+    }
+}
+
+/// Area grows with the score.
+fn radius(adb: f64) -> f64 {
+    let share = (adb - ADB_RANGE.0) / (ADB_RANGE.1 - ADB_RANGE.0);
+    (1.2 + share * 12.0).sqrt()
+}
+
+fn paint_point(canvas: &mut Canvas<'_>, at: (f64, f64), point: &EmbeddingPoint, palette: Palette) {
+    let r = radius(point.adb_points);
+    canvas.disc(at, r, palette.of(point.mean_velocity_mps), 1.0);
+    canvas.ring(at, r, Pen::new(PAPER, stroke::THIN));
+}
+
+fn paint_condition(canvas: &mut Canvas<'_>, at: (f64, f64), condition: Condition) {
+    canvas.marker(at, 4.6, marker(condition), PAPER);
+    canvas.marker(at, 3.8, marker(condition), colour(condition));
+}
+
+enum Item<'a> {
+    Point(&'a EmbeddingPoint),
+    Piece((f64, f64), Pen),
+    Condition(Condition),
+}
+
+fn paint_solid(canvas: &mut Canvas<'_>, place: Place, input: &EmbeddingSpace, palette: Palette) {
+    let cube = |w: &[f64]| [w[0], w[1], w[2]];
+    let gradient = cube(&input.gradient);
+    let length = norm(&gradient);
+    let unit = gradient.map(|g| g / length);
+    let everything = || {
+        let example = input.example.iter().flat_map(ExampleConditions::all);
+        input
+            .points
+            .iter()
+            .map(|point| point.embedding.as_slice())
+            .chain(example)
+    };
+    let view = View::fit(&everything().map(cube).collect::<Vec<_>>(), unit, place);
+    paint_box(canvas, &view, ["*w*_{1}", "*w*_{2}", "*w*_{3}"]);
+    let mut items: Vec<(f64, (f64, f64), Item<'_>)> = Vec::new();
+    let placed = |w: [f64; 3], nearer: f64| {
+        let (at, depth) = view.project(w);
+        (depth + nearer, at)
+    };
+    for point in input.points.iter().take(MOST_POINTS) {
+        let (depth, at) = placed(cube(&point.embedding), 0.0);
+        items.push((depth, at, Item::Point(point)));
+    }
+    let n = input.points.len() as f64;
+    let centre: [f64; 3] = [0, 1, 2].map(|axis| {
+        input
+            .points
+            .iter()
+            .map(|point| point.embedding[axis])
+            .sum::<f64>()
+            / n
+    });
+    let (start, end) = view.chord(centre, unit);
+    let pieces: u32 = 24;
+    let along = |k: u32| {
+        let share = start + (end - start) * f64::from(k) / f64::from(pieces);
+        [0, 1, 2].map(|axis| centre[axis] + share * unit[axis])
+    };
+    for k in 0..pieces {
+        let (depth, at) = placed(along(k), 0.0);
+        items.push((
+            depth,
+            at,
+            Item::Piece(view.project(along(k + 1)).0, Pen::new(INK, 1.2)),
+        ));
+    }
+    if let Some(example) = &input.example {
+        let pen = Pen::new(colour(Condition::Perpendicular), stroke::STRONG);
+        for (k, w) in example.ellipse.iter().enumerate() {
+            let next = &example.ellipse[(k + 1) % example.ellipse.len()];
+            let (depth, at) = placed(cube(w), 0.0);
+            items.push((depth, at, Item::Piece(view.project(cube(next)).0, pen)));
+        }
+        for (condition, w) in example.markers() {
+            let (depth, at) = placed(cube(w), view.size());
+            items.push((depth, at, Item::Condition(condition)));
+        }
+    }
+    items.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (_, at, item) in items {
+        match item {
+            Item::Point(point) => paint_point(canvas, at, point, palette),
+            Item::Piece(to, pen) => canvas.line(at, to, pen),
+            Item::Condition(condition) => paint_condition(canvas, at, condition),
+        }
+    }
+    // The end of the line that means more.
+    let (tail, tip) = (
+        view.project(along(pieces - 1)).0,
+        view.project(along(pieces)).0,
+    );
+    canvas.arrow(tail, tip, Pen::new(INK, 1.2), 6.0);
+}
+
+/// The unit direction across `unit` in which the points vary most, sign fixed by its largest part.
+fn first_perpendicular(points: &[EmbeddingPoint], unit: &[f64]) -> Vec<f64> {
+    let d = unit.len();
+    let n = points.len() as f64;
+    let mean: Vec<f64> = (0..d)
+        .map(|axis| {
+            points
+                .iter()
+                .map(|point| point.embedding[axis])
+                .sum::<f64>()
+                / n
+        })
+        .collect();
+    let across: Vec<Vec<f64>> = points
+        .iter()
+        .map(|point| {
+            let centred: Vec<f64> = point
+                .embedding
+                .iter()
+                .zip(&mean)
+                .map(|(w, m)| w - m)
+                .collect();
+            let along = dot(&centred, unit);
+            centred
+                .iter()
+                .zip(unit)
+                .map(|(c, u)| c - along * u)
+                .collect()
+        })
+        .collect();
+    let mut best = vec![0.0; d];
+    // Power iteration from every axis: a start across the answer would never find it.
+    for start in 0..d {
+        let mut direction = vec![0.0; d];
+        direction[start] = 1.0;
+        let mut variance = 0.0;
+        for _ in 0..200 {
+            let mut next = vec![0.0; d];
+            for row in &across {
+                let weight = dot(row, &direction);
+                for (cell, value) in next.iter_mut().zip(row) {
+                    *cell += weight * value;
+                }
+            }
+            variance = norm(&next);
+            if variance < 1e-12 {
+                break;
+            }
+            direction = next.iter().map(|x| x / variance).collect();
+        }
+        let spread = |v: &[f64]| across.iter().map(|row| dot(row, v).powi(2)).sum::<f64>();
+        if variance >= 1e-12 && spread(&direction) > spread(&best) * (1.0 + 1e-9) {
+            best = direction;
+        }
+    }
+    let largest = best
+        .iter()
+        .copied()
+        .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+    if largest < 0.0 {
+        best.iter().map(|x| -x).collect()
+    } else {
+        best
+    }
+}
+
+fn paint_plane(
+    canvas: &mut Canvas<'_>,
+    place: Place,
+    input: &EmbeddingSpace,
+    palette: Palette,
+    solid: bool,
+) {
+    let length = norm(&input.gradient);
+    let unit: Vec<f64> = input.gradient.iter().map(|g| g / length).collect();
+    let across = first_perpendicular(&input.points, &unit);
+    let at = |w: &[f64]| (dot(w, &unit), dot(w, &across));
+    let mut places: Vec<(f64, f64)> = input
+        .points
+        .iter()
+        .map(|point| at(&point.embedding))
+        .collect();
+    places.extend(
+        input
+            .example
+            .iter()
+            .flat_map(ExampleConditions::all)
+            .map(at),
+    );
+    let x = Scale::over(places.iter().map(|place| place.0), 5);
+    let y = Scale::over(places.iter().map(|place| place.1), 5);
+    let labels = Labels {
+        x: "Position on the aggression line",
+        y: "First axis across it",
+        ..Labels::default()
+    };
+    // Level with the box beside it.
+    let place = if solid {
+        Place {
+            top: place.top + 6.0,
+            bottom: place.bottom - 4.0,
+            ..place
+        }
+    } else {
+        place
+    };
+    let frame = Frame::draw(canvas, place, &labels, x, y);
+    let middle = places[..input.points.len()]
+        .iter()
+        .map(|place| place.1)
+        .sum::<f64>()
+        / input.points.len() as f64;
+    let y = frame.y.at(middle);
+    canvas.arrow(
+        (frame.place.left, y),
+        (frame.place.right, y),
+        Pen::new(INK, 1.2),
+        6.0,
+    );
+    if let Some(example) = &input.example {
+        let mut ring: Vec<(f64, f64)> = example
+            .ellipse
+            .iter()
+            .map(|w| at(w))
+            .map(|(x, y)| frame.at(x, y))
+            .collect();
+        ring.extend(ring.first().copied());
+        canvas.path(
+            &ring,
+            Pen::new(colour(Condition::Perpendicular), stroke::STRONG),
+        );
+    }
+    for point in input.points.iter().take(MOST_POINTS) {
+        let (x, y) = at(&point.embedding);
+        paint_point(canvas, frame.at(x, y), point, palette);
+    }
+    for (condition, w) in input.example.iter().flat_map(ExampleConditions::markers) {
+        let (x, y) = at(w);
+        paint_condition(canvas, frame.at(x, y), condition);
+    }
+}
+
+fn paint_keys(canvas: &mut Canvas<'_>, place: Place, example: bool, palette: Palette, solid: bool) {
+    let first = place.top + 11.0;
+    let second = place.top + 26.0;
+    let small = Look::new(size::TICK);
+    let mut x = place.left;
+    if example {
+        let keys = [
+            Condition::Mimic,
+            Condition::Aggressive,
+            Condition::Cautious,
+            Condition::Perpendicular,
+        ]
+        .map(|c| (Key::Point(marker(c), colour(c)), condition_name(c)));
+        canvas.legend_row((x, first), &keys);
+    }
+    let row = if solid && !example { first } else { second };
+    let title = "ADB score";
+    canvas.text(title, (x, row), small.centred().colour(MUTED));
+    x += small.width(title) + 8.0;
+    for adb in [15.0, 30.0, 45.0] {
+        let r = radius(adb);
+        canvas.disc((x + r, row), r, GREY, 1.0);
+        x += 2.0 * r + 2.5;
+        let label = number(adb, 0);
+        canvas.text(&label, (x, row), small.centred());
+        x += small.width(&label) + 8.0;
+    }
+    let title = "Mean velocity (mph)";
+    x += 6.0;
+    canvas.text(title, (x, row), small.centred().colour(MUTED));
+    x += small.width(title) + 6.0;
+    let ends = [number(palette.low, 1), number(palette.high, 1)];
+    canvas.text(&ends[0], (x, row), small.centred());
+    x += small.width(&ends[0]) + 3.0;
+    let width = 68.0_f64.min(place.right - x - small.width(&ends[1]) - 4.0);
+    let half = cap_height(size::TICK) / 2.0 + 1.0;
+    for step in 0..40 {
+        let left = x + width * f64::from(step) / 40.0;
+        // A hair wider than its step, or the ground shows between the steps.
+        let right = left + width / 40.0 + if step < 39 { 0.15 } else { 0.0 };
+        canvas.fill_rect(
+            (left, row - half),
+            (right, row + half),
+            viridis(f64::from(step) / 39.0),
+            1.0,
+        );
+    }
+    canvas.text(&ends[1], (x + width + 3.0, row), small.centred());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn space(dimensions: usize) -> EmbeddingSpace {
+        let embedding = |seed: usize| -> Vec<f64> {
+            (0..dimensions)
+                .map(|axis| ((seed * 13 + axis * 7) % 17) as f64 / 5.0 - 1.6)
+                .collect()
+        };
+        let points = (0..20)
+            .map(|seed| EmbeddingPoint {
+                embedding: embedding(seed),
+                adb_points: 11.0 + (seed * 2) as f64,
+                mean_velocity_mps: 24.0 + seed as f64 * 0.3,
+            })
+            .collect();
+        EmbeddingSpace {
+            points,
+            gradient: vec![1.0; dimensions],
+            example: None,
+        }
+    }
+
+    #[test]
+    fn every_size_of_embedding_makes_a_picture() {
+        for dimensions in [1, 2, 3, 5, 8] {
+            let figure = embedding_space(&space(dimensions), &Context::real()).unwrap();
+            assert!(figure.svg.matches("<circle").count() >= 20);
+        }
+    }
+
+    #[test]
+    fn the_second_axis_is_across_the_gradient() {
+        let input = space(5);
+        let unit: Vec<f64> = vec![1.0 / 5f64.sqrt(); 5];
+        let across = first_perpendicular(&input.points, &unit);
+        assert!(dot(&across, &unit).abs() < 1e-9);
+        assert!((norm(&across) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_gradient_of_zero_is_refused() {
+        let mut input = space(3);
+        input.gradient = vec![0.0; 3];
+        let refused = embedding_space(&input, &Context::real());
+        assert!(matches!(refused, Err(ReportError::OutOfRange { .. })));
+    }
+
+    #[test]
+    fn a_score_outside_the_scale_is_refused() {
+        let mut input = space(3);
+        input.points[4].adb_points = 60.0;
+        assert!(embedding_space(&input, &Context::real()).is_err());
+    }
+}

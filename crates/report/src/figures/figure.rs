@@ -1,0 +1,150 @@
+//! What every figure is, and what it says about whose numbers it shows.
+
+use super::axes::Place;
+use super::canvas::{Canvas, Look, sketch};
+use super::font::font_face_css;
+use super::page::Head;
+use super::theme::{MUTED, size};
+use crate::error::ReportError;
+use crate::markup;
+use serde::{Deserialize, Serialize};
+
+/// Whose numbers are shown.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Context {
+    /// The participants do not exist: every figure, caption and file says so.
+    pub synthetic: bool,
+    /// Root seed of the run, written into the files' metadata.
+    pub seed: Option<u64>,
+}
+
+impl Context {
+    /// A context of real recordings.
+    pub fn real() -> Self {
+        Self::default()
+    }
+
+    /// A context of synthetic participants.
+    pub fn synthetic(seed: u64) -> Self {
+        Self {
+            synthetic: true,
+            seed: Some(seed),
+        }
+    }
+
+    pub(crate) fn metadata(&self) -> String {
+        let mut words = Vec::new();
+        if self.synthetic {
+            words.push("Synthetic participants".to_owned());
+        }
+        if let Some(seed) = self.seed {
+            words.push(format!("seed {seed}"));
+        }
+        words.join("; ")
+    }
+}
+
+/// A finished figure.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Figure {
+    /// Stem of its files and its anchor: lower-case letters, digits, hyphens.
+    pub name: String,
+    /// One line.
+    pub title: String,
+    /// The caption, with marks (see [`crate::markup`]): what is shown, n, the test.
+    pub caption: String,
+    /// The finding in words, for who cannot see the picture. Plain text.
+    pub alt: String,
+    /// SVG 1.1, without the font inside: for a page that has the font, and for comparing.
+    pub svg: String,
+}
+
+impl Figure {
+    /// The SVG with the font inside, to stand alone as a file.
+    pub fn standalone_svg(&self) -> String {
+        match self.svg.split_once("<metadata>") {
+            Some((before, after)) => {
+                format!(
+                    "{before}<style>{}</style>\n<metadata>{after}",
+                    font_face_css()
+                )
+            }
+            None => self.svg.clone(),
+        }
+    }
+
+    /// The figure as PNG at 300 dots per inch, on white.
+    ///
+    /// # Errors
+    /// [`ReportError::Png`] if the SVG cannot be read or rendered.
+    pub fn png(&self) -> Result<Vec<u8>, ReportError> {
+        super::png::render(&self.name, &self.svg, &self.alt)
+    }
+}
+
+/// Whether a figure shows what participants did, or explains a thing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Shows {
+    Participants,
+    Explanation,
+}
+
+/// Everything of a figure but the drawing.
+#[derive(Debug)]
+pub(crate) struct Plan {
+    pub(crate) name: String,
+    pub(crate) size_mm: (f64, f64),
+    pub(crate) title: String,
+    pub(crate) caption: String,
+    pub(crate) alt: String,
+    pub(crate) shows: Shows,
+}
+
+const MARGIN: f64 = 3.0;
+const LABEL_HEIGHT: f64 = 8.0;
+
+/// Draws a figure into its place; says "synthetic participants" where that is so.
+pub(crate) fn draw(
+    plan: Plan,
+    context: &Context,
+    paint: impl FnOnce(&mut Canvas<'_>, Place),
+) -> Result<Figure, ReportError> {
+    let says_so = context.synthetic && plan.shows == Shows::Participants;
+    let head = Head {
+        name: plan.name.clone(),
+        size_mm: plan.size_mm,
+        title: markup::plain(&plan.title),
+        description: plan.alt.clone(),
+        metadata: match plan.shows {
+            Shows::Participants => context.metadata(),
+            Shows::Explanation => String::new(),
+        },
+    };
+    let svg = sketch(&head, |canvas| {
+        let foot = if says_so { LABEL_HEIGHT } else { 0.0 };
+        let (right, bottom) = (canvas.width - MARGIN, canvas.height - MARGIN);
+        let place = Place {
+            left: MARGIN,
+            top: MARGIN,
+            right,
+            bottom: bottom - foot,
+        };
+        paint(canvas, place);
+        if says_so {
+            let look = Look::new(size::SMALL).end().colour(MUTED);
+            canvas.text("synthetic participants", (right, bottom), look);
+        }
+    })?;
+    let caption = if says_so {
+        format!("{} Synthetic participants.", plan.caption)
+    } else {
+        plan.caption
+    };
+    Ok(Figure {
+        name: plan.name,
+        title: plan.title,
+        caption,
+        alt: plan.alt,
+        svg,
+    })
+}

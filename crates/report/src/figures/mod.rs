@@ -1,0 +1,43 @@
+//! The figures: each a function from exactly the plain numbers that it draws.
+
+mod axes;
+mod canvas;
+mod check;
+mod fit;
+mod font;
+mod page;
+mod png;
+mod projection;
+mod theme;
+mod vehicle;
+
+pub mod aggression_line;
+pub mod architecture;
+pub mod car_following;
+pub mod difference_panels;
+pub mod domain;
+pub mod embedding_space;
+pub mod following_errors;
+pub mod perpendicular;
+pub mod preference;
+pub mod simulator_view;
+pub mod training_curves;
+
+mod figure;
+
+pub use aggression_line::aggression_line;
+pub use architecture::architecture;
+pub use car_following::car_following;
+pub use difference_panels::difference_panels;
+pub use domain::domain;
+pub use embedding_space::embedding_space;
+pub use figure::{Context, Figure};
+pub use following_errors::following_errors;
+pub use perpendicular::perpendicular;
+pub use preference::preference;
+pub use simulator_view::simulator_view;
+pub use training_curves::training_curves;
+
+pub(crate) use figure::{Plan, Shows, draw};
+pub(crate) use font::font_face_css;
+pub(crate) use theme::{DARK, hex};

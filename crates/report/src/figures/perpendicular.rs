@@ -1,0 +1,204 @@
+//! What changes on the way round the perpendicular ellipse.
+
+use super::axes::{Frame, Labels, Scale};
+use super::canvas::{Canvas, Pen};
+use super::check::Check;
+use super::fit;
+use super::theme::{GREY, PAPER, TWO_COLUMNS_MM, colour, marker, stroke};
+use super::{Context, Figure, Plan, Shows, draw};
+use crate::error::ReportError;
+use crate::markup;
+use maveric_domain::condition::Condition;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// Panels side by side, one a measure.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PerpendicularChanges {
+    /// The panels.
+    pub panels: Vec<PerpendicularPanel>,
+}
+
+/// One measure against the angle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PerpendicularPanel {
+    /// Such as `Minimum headway distance`.
+    pub title: String,
+    /// Title of the axis with the unit: `Change from Mimic (m)`.
+    pub axis: String,
+    /// A participant each.
+    pub points: Vec<AngleChange>,
+    /// The test, with marks. Shown as the subtitle.
+    pub statistic: String,
+}
+
+/// One participant's place on the ellipse, and what changed there.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct AngleChange {
+    /// Angle on the ellipse, in radians; any turn.
+    pub angle_rad: f64,
+    /// Perpendicular minus Mimic, in the axis's unit.
+    pub change: f64,
+}
+
+const NAME: &str = "perpendicular";
+/// The first part of the circle is drawn again after 360°, so that neighbours are seen as such.
+const REPEATED_DEGREES: f64 = 30.0;
+const MOST_POINTS: usize = 300;
+
+/// Draws each change against the angle with its fit on cosine and sine.
+///
+/// # Errors
+/// [`ReportError`] if there is no panel, a panel is empty or a value is not finite.
+///
+/// # Source
+/// The paper's figure of perpendicular headway; method, section 9.4. The fit on cosine and sine
+/// is ours: the angle has no natural zero, so a straight line through it depends on the plane's
+/// axes.
+pub fn perpendicular(
+    input: &PerpendicularChanges,
+    context: &Context,
+) -> Result<Figure, ReportError> {
+    let check = Check(NAME);
+    check.at_least(1, "panels", input.panels.len())?;
+    for panel in &input.panels {
+        check.at_least(1, "participants", panel.points.len())?;
+        check.finite(
+            "angle_rad",
+            panel.points.iter().map(|point| point.angle_rad),
+        )?;
+        check.finite("change", panel.points.iter().map(|point| point.change))?;
+    }
+    let count = input.panels.len();
+    let sizes: Vec<String> = input
+        .panels
+        .iter()
+        .map(|panel| format!("{} ({})", panel.points.len(), panel.title.to_lowercase()))
+        .collect();
+    let found: Vec<String> = input
+        .panels
+        .iter()
+        .map(|panel| {
+            format!(
+                "{}: {}.",
+                panel.title,
+                markup::plain(&panel.statistic).replace('\n', "; ")
+            )
+        })
+        .collect();
+    let plan = Plan {
+        name: NAME.to_owned(),
+        size_mm: (if count == 1 { 85.0 } else { TWO_COLUMNS_MM }, 66.0),
+        title: "Moving round the ellipse perpendicular to aggression".to_owned(),
+        caption: format!(
+            "Change from Mimic to Perpendicular against the angle on the ellipse at which each \
+             participant’s Perpendicular embedding lies. Predicted aggression is the same all \
+             round. Line: least squares on cosine and sine of the angle. The first 30° are \
+             repeated in grey. *n* = {}; the test stands below each title.",
+            sizes.join(", ")
+        ),
+        alt: found.join(" "),
+        shows: Shows::Participants,
+    };
+    draw(plan, context, |canvas, whole| {
+        for (index, panel) in input.panels.iter().enumerate() {
+            let place = whole.cell((index, 0), (count, 1), (14.0, 0.0));
+            paint(canvas, place, panel);
+        }
+    })
+}
+
+fn paint(canvas: &mut Canvas<'_>, place: super::axes::Place, panel: &PerpendicularPanel) {
+    let ticks = [0.0, 90.0, 180.0, 270.0, 360.0].map(|angle| (angle, format!("{angle:.0}°")));
+    let x = Scale::labelled(-6.0, 360.0 + REPEATED_DEGREES + 4.0, ticks.to_vec());
+    let y = Scale::over(
+        panel.points.iter().map(|point| point.change).chain([0.0]),
+        5,
+    );
+    let labels = Labels {
+        title: &panel.title,
+        subtitle: &panel.statistic,
+        x: "Angle on the perpendicular ellipse",
+        y: &panel.axis,
+        ..Labels::default()
+    };
+    let frame = Frame::draw(canvas, place, &labels, x, y);
+    frame.rule(canvas, 0.0);
+    let pairs: Vec<(f64, f64)> = panel
+        .points
+        .iter()
+        .map(|point| (point.angle_rad, point.change))
+        .collect();
+    let ink = colour(Condition::Perpendicular);
+    if let Some([level, cosine, sine]) = fit::circular_fit(&pairs) {
+        let curve: Vec<(f64, f64)> = (0..=90)
+            .map(|step| TAU * f64::from(step) / 90.0)
+            .map(|angle| (angle, level + cosine * angle.cos() + sine * angle.sin()))
+            .filter(|(_, change)| *change >= frame.y.low() && *change <= frame.y.high())
+            .map(|(angle, change)| frame.at(angle / TAU * 360.0, change))
+            .collect();
+        canvas.path(&curve, Pen::new(ink, stroke::STRONG));
+    }
+    for &(angle, change) in pairs.iter().take(MOST_POINTS) {
+        let degrees = fit::degrees_from_radians(angle);
+        if degrees <= REPEATED_DEGREES {
+            let again = frame.at(degrees + 360.0, change);
+            canvas.disc(again, 1.5, GREY, 0.6);
+            canvas.ring(again, 1.5, Pen::new(PAPER, stroke::THIN));
+        }
+        canvas.marker(
+            frame.at(degrees, change),
+            1.8,
+            marker(Condition::Perpendicular),
+            ink,
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn input(angle_rad: f64) -> PerpendicularChanges {
+        let points = vec![
+            AngleChange {
+                angle_rad,
+                change: 2.0,
+            },
+            AngleChange {
+                angle_rad: 2.0,
+                change: -1.0,
+            },
+            AngleChange {
+                angle_rad: 4.0,
+                change: 0.5,
+            },
+            AngleChange {
+                angle_rad: 5.0,
+                change: 1.5,
+            },
+        ];
+        PerpendicularChanges {
+            panels: vec![PerpendicularPanel {
+                title: "Minimum headway distance".into(),
+                axis: "Change (m)".into(),
+                points,
+                statistic: "*r*(2) = .68".into(),
+            }],
+        }
+    }
+
+    #[test]
+    fn an_angle_and_the_same_angle_a_turn_later_are_drawn_alike() {
+        let (a, b) = (input(0.25), input(0.25 - TAU));
+        let svg =
+            |input: &PerpendicularChanges| perpendicular(input, &Context::real()).unwrap().svg;
+        assert_eq!(svg(&a), svg(&b));
+    }
+
+    #[test]
+    fn an_infinite_angle_is_refused() {
+        let refused = perpendicular(&input(f64::INFINITY), &Context::real());
+        assert!(matches!(refused, Err(ReportError::NotFinite { .. })));
+    }
+}

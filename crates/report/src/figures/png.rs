@@ -1,0 +1,77 @@
+//! An SVG of ours as PNG, 300 dots per inch, on white.
+
+use super::font::{FAMILY, Face};
+use crate::error::ReportError;
+use resvg::{tiny_skia, usvg};
+use std::sync::{Arc, OnceLock};
+
+const CSS_PIXELS_PER_INCH: f32 = 96.0;
+const DOTS_PER_INCH: f32 = 300.0;
+const DOTS_PER_METRE: u32 = 11_811;
+
+/// Parsing options that know our fonts and nothing of the machine.
+pub(crate) fn options() -> usvg::Options<'static> {
+    static FONTS: OnceLock<Arc<usvg::fontdb::Database>> = OnceLock::new();
+    let fonts = FONTS.get_or_init(|| {
+        let mut fonts = usvg::fontdb::Database::new();
+        for face in Face::ALL {
+            fonts.load_font_data(face.ttf().to_vec());
+        }
+        Arc::new(fonts)
+    });
+    usvg::Options {
+        fontdb: Arc::clone(fonts),
+        font_family: FAMILY.to_owned(),
+        ..usvg::Options::default()
+    }
+}
+
+/// Renders an SVG; `description` goes into the file.
+pub(crate) fn render(figure: &str, svg: &str, description: &str) -> Result<Vec<u8>, ReportError> {
+    let failed = |reason: String| ReportError::Png {
+        figure: figure.to_owned(),
+        reason,
+    };
+    let tree = usvg::Tree::from_str(svg, &options()).map_err(|error| failed(error.to_string()))?;
+    let scale = DOTS_PER_INCH / CSS_PIXELS_PER_INCH;
+    let size = tree.size();
+    let (width, height) = (
+        (size.width() * scale).round() as u32,
+        (size.height() * scale).round() as u32,
+    );
+    let mut pixels = tiny_skia::Pixmap::new(width, height)
+        .ok_or_else(|| failed(format!("{width} × {height} is no size for a picture")))?;
+    // The last row and column are fractions of a pixel: they would turn grey without this.
+    pixels.fill(tiny_skia::Color::WHITE);
+    let whole = tiny_skia::Transform::from_scale(
+        width as f32 / size.width(),
+        height as f32 / size.height(),
+    );
+    resvg::render(&tree, whole, &mut pixels.as_mut());
+    let mut rgb = Vec::with_capacity(pixels.data().len() / 4 * 3);
+    for pixel in pixels.data().chunks_exact(4) {
+        rgb.extend_from_slice(&pixel[..3]);
+    }
+
+    let mut out = Vec::new();
+    let mut encoder = png::Encoder::new(&mut out, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_pixel_dims(Some(png::PixelDimensions {
+        xppu: DOTS_PER_METRE,
+        yppu: DOTS_PER_METRE,
+        unit: png::Unit::Meter,
+    }));
+    encoder
+        .add_itxt_chunk("Description".to_owned(), description.to_owned())
+        .map_err(|error| failed(error.to_string()))?;
+    let mut writer = encoder
+        .write_header()
+        .map_err(|error| failed(error.to_string()))?;
+    writer
+        .write_image_data(&rgb)
+        .map_err(|error| failed(error.to_string()))?;
+    writer.finish().map_err(|error| failed(error.to_string()))?;
+    Ok(out)
+}

@@ -1,0 +1,226 @@
+//! A box in three dimensions on a flat page: orthographic, drawn back to front by the caller.
+
+use super::axes::{Place, Scale};
+use super::canvas::{Canvas, Look, Pen};
+use super::theme::{GREY, GRID, size, stroke};
+
+/// Looking from this many degrees above.
+const ELEVATION_DEGREES: f64 = 22.0;
+/// Room for tick labels and axis titles round the box, in points.
+const RIM: f64 = 26.0;
+
+/// How the box is looked at, and where it lies on the page.
+#[derive(Debug, Clone)]
+pub(crate) struct View {
+    right: [f64; 3],
+    up: [f64; 3],
+    towards: [f64; 3],
+    low: [f64; 3],
+    high: [f64; 3],
+    scales: [Scale; 3],
+    centre: [f64; 3],
+    origin: (f64, f64),
+    points_per_unit: f64,
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+impl View {
+    /// Fits the box of all points into a place, turned so that `shown` is seen well.
+    pub(crate) fn fit(points: &[[f64; 3]], shown: [f64; 3], place: Place) -> Self {
+        let scales = [0, 1, 2].map(|axis: usize| Scale::over(points.iter().map(|w| w[axis]), 4));
+        let low = [0, 1, 2].map(|axis: usize| scales[axis].low());
+        let high = [0, 1, 2].map(|axis: usize| scales[axis].high());
+        let centre = [0, 1, 2].map(|axis: usize| f64::midpoint(low[axis], high[axis]));
+        let seen = |azimuth: f64| {
+            let (right, up, _) = axes(azimuth);
+            dot(right, shown).hypot(dot(up, shown))
+        };
+        // Not at its longest: then all that lies across it would be seen edge on.
+        let off = |azimuth: f64| (seen(azimuth) - 0.8).abs();
+        let azimuth = (0..=10)
+            .map(|step| -70.0 + 5.0 * f64::from(step))
+            .min_by(|a, b| off(*a).total_cmp(&off(*b)))
+            .unwrap_or(-45.0);
+        let (right, up, towards) = axes(azimuth);
+        let mut view = Self {
+            right,
+            up,
+            towards,
+            low,
+            high,
+            scales,
+            centre,
+            origin: (0.0, 0.0),
+            points_per_unit: 1.0,
+        };
+        let corners: Vec<(f64, f64)> = (0..8).map(|k| view.project(view.corner(k)).0).collect();
+        let span = |pick: fn(&(f64, f64)) -> f64| {
+            let low = corners.iter().map(pick).fold(f64::INFINITY, f64::min);
+            let high = corners.iter().map(pick).fold(f64::NEG_INFINITY, f64::max);
+            (low, high)
+        };
+        let (x, y) = (span(|corner| corner.0), span(|corner| corner.1));
+        let (wide, tall) = (
+            place.right - place.left - 2.0 * RIM,
+            place.bottom - place.top - 1.5 * RIM,
+        );
+        view.points_per_unit = (wide / (x.1 - x.0)).min(tall / (y.1 - y.0));
+        let scale = view.points_per_unit;
+        view.origin = (
+            f64::midpoint(place.left, place.right) + 0.2 * RIM - scale * f64::midpoint(x.0, x.1),
+            f64::midpoint(place.top, place.bottom) - 0.4 * RIM - scale * f64::midpoint(y.0, y.1),
+        );
+        view
+    }
+
+    fn corner(&self, index: usize) -> [f64; 3] {
+        [0, 1, 2].map(|axis: usize| {
+            if index >> axis & 1 == 0 {
+                self.low[axis]
+            } else {
+                self.high[axis]
+            }
+        })
+    }
+
+    /// Place on the page in points, and depth: greater is nearer.
+    pub(crate) fn project(&self, w: [f64; 3]) -> ((f64, f64), f64) {
+        let centred = [0, 1, 2].map(|axis: usize| w[axis] - self.centre[axis]);
+        let scale = self.points_per_unit;
+        let x = self.origin.0 + scale * dot(centred, self.right);
+        let y = self.origin.1 - scale * dot(centred, self.up);
+        ((x, y), dot(centred, self.towards))
+    }
+
+    /// Longest diagonal of the box: nothing is nearer than another thing by more.
+    pub(crate) fn size(&self) -> f64 {
+        (0..3)
+            .map(|axis: usize| (self.high[axis] - self.low[axis]).powi(2))
+            .sum::<f64>()
+            .sqrt()
+    }
+
+    /// From where to where a line through `centre` runs inside the box, in units of `unit`.
+    pub(crate) fn chord(&self, centre: [f64; 3], unit: [f64; 3]) -> (f64, f64) {
+        let mut range = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in 0..3 {
+            if unit[axis].abs() > 1e-12 {
+                let a = (self.low[axis] - centre[axis]) / unit[axis];
+                let b = (self.high[axis] - centre[axis]) / unit[axis];
+                range = (range.0.max(a.min(b)), range.1.min(a.max(b)));
+            }
+        }
+        range
+    }
+}
+
+fn axes(azimuth_degrees: f64) -> ([f64; 3], [f64; 3], [f64; 3]) {
+    let (sin_a, cos_a) = azimuth_degrees.to_radians().sin_cos();
+    let (sin_e, cos_e) = ELEVATION_DEGREES.to_radians().sin_cos();
+    let right = [-sin_a, cos_a, 0.0];
+    let up = [-sin_e * cos_a, -sin_e * sin_a, cos_e];
+    let towards = [cos_e * cos_a, cos_e * sin_a, sin_e];
+    (right, up, towards)
+}
+
+/// Draws the three far faces with their grids, ticks and axis titles.
+pub(crate) fn paint_box(canvas: &mut Canvas<'_>, view: &View, titles: [&str; 3]) {
+    let far = [0, 1, 2].map(|axis: usize| {
+        if view.towards[axis] > 0.0 {
+            view.low[axis]
+        } else {
+            view.high[axis]
+        }
+    });
+    let near = [0, 1, 2].map(|axis: usize| {
+        if view.towards[axis] > 0.0 {
+            view.high[axis]
+        } else {
+            view.low[axis]
+        }
+    });
+    let grid = Pen::new(GRID, stroke::THIN);
+    let edge = Pen::new(GREY, stroke::AXIS);
+    for face in 0..3 {
+        let (j, k) = ((face + 1) % 3, (face + 2) % 3);
+        for (across, along) in [(j, k), (k, j)] {
+            let line = |value: f64| {
+                let mut from = [0.0; 3];
+                from[face] = far[face];
+                from[across] = value;
+                let mut to = from;
+                from[along] = view.low[along];
+                to[along] = view.high[along];
+                (view.project(from).0, view.project(to).0)
+            };
+            for &tick in &view.scales[across].ticks {
+                let (from, to) = line(tick);
+                canvas.line(from, to, grid);
+            }
+            for end in [view.low[across], view.high[across]] {
+                let (from, to) = line(end);
+                canvas.line(from, to, edge);
+            }
+        }
+    }
+    let middle = view.project(view.centre).0;
+    for axis in 0..3 {
+        let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
+        // The edges that carry numbers: near ones on the floor, the leftmost upright one.
+        let mut base = [0.0; 3];
+        if axis == 2 {
+            let left = |a: f64, b: f64| view.project([a, b, view.centre[2]]).0.0;
+            let corners = [
+                (view.low[0], view.low[1]),
+                (view.low[0], view.high[1]),
+                (view.high[0], view.low[1]),
+                (view.high[0], view.high[1]),
+            ];
+            let leftmost = corners
+                .into_iter()
+                .min_by(|p, q| left(p.0, p.1).total_cmp(&left(q.0, q.1)))
+                .unwrap_or(corners[0]);
+            (base[0], base[1]) = leftmost;
+        } else {
+            base[2] = view.low[2];
+            let other = if j == 2 { k } else { j };
+            base[other] = near[other];
+        }
+        let at = |value: f64| {
+            let mut w = base;
+            w[axis] = value;
+            view.project(w).0
+        };
+        let centre = at(view.centre[axis]);
+        let (dx, dy) = if axis == 2 {
+            (-1.0, 0.0)
+        } else {
+            (centre.0 - middle.0, (centre.1 - middle.1).max(1.0))
+        };
+        let length = dx.hypot(dy);
+        let away = (dx / length, dy / length);
+        let ends = (at(view.low[axis]), at(view.high[axis]));
+        canvas.line(ends.0, ends.1, edge);
+        let look = Look::new(size::TICK).centred();
+        for (&tick, label) in view.scales[axis]
+            .ticks
+            .iter()
+            .zip(&view.scales[axis].labels)
+        {
+            let (x, y) = at(tick);
+            canvas.line((x, y), (x + 2.0 * away.0, y + 2.0 * away.1), edge);
+            let look = if axis == 2 { look.end() } else { look.middle() };
+            let gap = if axis == 2 { 4.0 } else { 8.0 };
+            canvas.text(label, (x + gap * away.0, y + gap * away.1), look);
+        }
+        let title = (centre.0 + 21.0 * away.0, centre.1 + 21.0 * away.1);
+        canvas.text(
+            titles[axis],
+            title,
+            Look::new(size::AXIS + 0.5).middle().centred(),
+        );
+    }
+}

@@ -1,0 +1,155 @@
+//! How the losses fell while training.
+
+use super::axes::{Frame, Labels, Scale};
+use super::canvas::{Key, Pen};
+use super::check::Check;
+use super::theme::{GREY, INK, TWO_COLUMNS_MM, stroke};
+use super::{Context, Figure, Plan, Shows, draw};
+use crate::error::ReportError;
+use serde::{Deserialize, Serialize};
+
+/// The terms of the loss, epoch by epoch.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TrainingCurves {
+    /// One panel a term.
+    pub terms: Vec<LossTerm>,
+    /// Training drives, for the caption.
+    pub drives: usize,
+}
+
+/// One term.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LossTerm {
+    /// Such as `*L*_{1} following distance`; with marks.
+    pub title: String,
+    /// Value after each epoch, from epoch 1.
+    pub train: Vec<f64>,
+    /// The same on held-out drives; as long as `train`, or empty.
+    pub validation: Vec<f64>,
+}
+
+const NAME: &str = "training-curves";
+
+/// Draws each term against the epoch; logarithmic where a positive term falls more than tenfold.
+///
+/// # Errors
+/// [`ReportError`] if there is no term, a term has no epoch, lengths differ, or a value is not
+/// finite.
+pub fn training_curves(input: &TrainingCurves, context: &Context) -> Result<Figure, ReportError> {
+    let check = Check(NAME);
+    check.at_least(1, "terms", input.terms.len())?;
+    for term in &input.terms {
+        check.at_least(1, "epochs", term.train.len())?;
+        check.finite(
+            &term.title,
+            term.train.iter().chain(&term.validation).copied(),
+        )?;
+        if !term.validation.is_empty() {
+            check.length(
+                "the validation curve",
+                term.validation.len(),
+                term.train.len(),
+            )?;
+        }
+    }
+    let columns = input.terms.len().min(3);
+    let rows = input.terms.len().div_ceil(3);
+    let validated = input.terms.iter().any(|term| !term.validation.is_empty());
+    let epochs = input
+        .terms
+        .iter()
+        .map(|term| term.train.len())
+        .max()
+        .unwrap_or(0);
+    let found: Vec<String> = input
+        .terms
+        .iter()
+        .map(|term| {
+            let name = crate::markup::plain(&term.title);
+            let (first, last) = (term.train[0], term.train[term.train.len() - 1]);
+            format!("{name} goes from {first:.3} to {last:.3}.")
+        })
+        .collect();
+    let plan = Plan {
+        name: NAME.to_owned(),
+        size_mm: (TWO_COLUMNS_MM, 44.0 * rows as f64 + 6.0),
+        title: "Training".to_owned(),
+        caption: format!(
+            "Each term of the loss by epoch, unweighted, on standardised targets, over {} training \
+             drives and {epochs} epochs.{}",
+            input.drives,
+            if validated {
+                " Dashed: drives held out."
+            } else {
+                ""
+            }
+        ),
+        alt: found.join(" "),
+        shows: Shows::Participants,
+    };
+    let solid = Pen::new(INK, stroke::STRONG);
+    let dashed = Pen::new(GREY, stroke::STRONG).dashed(3.0, 2.0);
+    draw(plan, context, |canvas, mut whole| {
+        if validated {
+            let keys = [
+                (Key::Line(solid), "training drives"),
+                (Key::Line(dashed), "held-out drives"),
+            ];
+            canvas.legend_row((whole.left, whole.top + 4.0), &keys);
+            whole.top += 15.0;
+        }
+        for (index, term) in input.terms.iter().enumerate() {
+            let place = whole.cell((index % 3, index / 3), (columns, rows), (12.0, 9.0));
+            let values = || term.train.iter().chain(&term.validation).copied();
+            let low = values().fold(f64::INFINITY, f64::min);
+            let high = values().fold(f64::NEG_INFINITY, f64::max);
+            let y = if low > 0.0 && high / low > 10.0 {
+                Scale::log_over(values())
+            } else {
+                Scale::over(values(), 4)
+            };
+            let x = Scale::between(0.0, term.train.len() as f64, 4);
+            let labels = Labels {
+                title: &term.title,
+                subtitle: "",
+                x: "Epoch",
+                y: "",
+                ..Labels::default()
+            };
+            let frame = Frame::draw(canvas, place, &labels, x, y);
+            for (curve, pen) in [(&term.validation, dashed), (&term.train, solid)] {
+                let path: Vec<(f64, f64)> = curve
+                    .iter()
+                    .enumerate()
+                    .map(|(epoch, value)| frame.at((epoch + 1) as f64, *value))
+                    .collect();
+                canvas.path(&path, pen);
+                if let [only] = path.as_slice() {
+                    canvas.disc(*only, stroke::POINT, INK, 1.0);
+                }
+            }
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_validation_curve_of_another_length_is_refused() {
+        let term = LossTerm {
+            title: "L".into(),
+            train: vec![1.0, 0.5],
+            validation: vec![1.0],
+        };
+        let refused = training_curves(
+            &TrainingCurves {
+                terms: vec![term],
+                drives: 3,
+            },
+            &Context::real(),
+        );
+        assert!(matches!(refused, Err(ReportError::LengthMismatch { .. })));
+    }
+}

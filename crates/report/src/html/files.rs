@@ -1,0 +1,69 @@
+//! A report as a list of files.
+
+use super::page::{page, table_page};
+use super::report::Report;
+use crate::claims::ledger_table;
+use crate::error::ReportError;
+use crate::figures::Figure;
+use crate::tables::{Table, exclusions};
+
+/// A file to be written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RenderedFile {
+    /// Path relative to the report's folder, with `/` between its parts.
+    pub path: String,
+    /// Its content.
+    pub bytes: Vec<u8>,
+}
+
+/// Renders `index.html`, `figures/*.{svg,png}` and `tables/*.{csv,md,tex,html}`.
+///
+/// The same report gives the same bytes.
+///
+/// # Errors
+/// What [`Report::check`] finds; [`ReportError::Png`] or [`ReportError::Template`] if rendering
+/// fails.
+pub fn render(report: &Report) -> Result<Vec<RenderedFile>, ReportError> {
+    report.check()?;
+    let left_out = exclusions(&report.exclusions);
+    let ledger = report.ledger.as_deref().map(ledger_table);
+    let mut files = vec![RenderedFile {
+        path: "index.html".to_owned(),
+        bytes: page(report, &left_out, ledger.as_ref())?.into_bytes(),
+    }];
+    for figure in report.sections.iter().flat_map(|section| &section.figures) {
+        files.extend(figure_files(figure)?);
+    }
+    let tables = report.sections.iter().flat_map(|section| &section.tables);
+    for table in tables.chain([&left_out]).chain(ledger.as_ref()) {
+        files.extend(table_files(table, report)?);
+    }
+    Ok(files)
+}
+
+fn figure_files(figure: &Figure) -> Result<[RenderedFile; 2], ReportError> {
+    let path = |ending: &str| format!("figures/{}.{ending}", figure.name);
+    Ok([
+        RenderedFile {
+            path: path("svg"),
+            bytes: figure.standalone_svg().into_bytes(),
+        },
+        RenderedFile {
+            path: path("png"),
+            bytes: figure.png()?,
+        },
+    ])
+}
+
+fn table_files(table: &Table, report: &Report) -> Result<[RenderedFile; 4], ReportError> {
+    let file = |ending: &str, text: String| RenderedFile {
+        path: format!("tables/{}.{ending}", table.name),
+        bytes: text.into_bytes(),
+    };
+    Ok([
+        file("csv", table.to_csv()),
+        file("md", table.to_markdown()),
+        file("tex", table.to_latex()),
+        file("html", table_page(table, report)?),
+    ])
+}

@@ -1,0 +1,96 @@
+//! The correlation table of the homophily analysis.
+
+use super::{Cell, Column, Table};
+use crate::apa;
+use serde::{Deserialize, Serialize};
+
+/// Which coefficient.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Coefficient {
+    /// Pearson's r.
+    Pearson,
+    /// Spearman's ρ.
+    Spearman,
+    /// Repeated-measures correlation: several rows of one person.
+    RepeatedMeasures,
+}
+
+/// A computed correlation.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Correlation {
+    /// Which coefficient.
+    pub coefficient: Coefficient,
+    /// Its value.
+    pub value: f64,
+    /// Degrees of freedom.
+    pub df: usize,
+    /// Two-sided p.
+    pub p: f64,
+}
+
+impl Correlation {
+    /// As APA writes it.
+    pub fn statement(&self) -> apa::Statement {
+        match self.coefficient {
+            Coefficient::Pearson => apa::r(self.value, self.df, self.p),
+            Coefficient::Spearman => apa::rho(self.value, self.df, self.p),
+            Coefficient::RepeatedMeasures => apa::r_rm(self.value, self.df, self.p),
+        }
+    }
+}
+
+/// One pair of variables.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CorrelationRow {
+    /// Such as `Conscientiousness`.
+    pub independent: String,
+    /// Such as `Mimic − Cautious, competence`.
+    pub dependent: String,
+    /// Ours; `None` if it could not be computed.
+    pub ours: Option<Correlation>,
+    /// Ours with the repeated answers of one person taken as such, where they are.
+    pub repeated: Option<Correlation>,
+    /// What the paper printed for this pair, if it did.
+    pub paper: Option<Correlation>,
+}
+
+/// Builds the table `correlations`.
+pub fn correlations(rows: &[CorrelationRow], participants: usize) -> Table {
+    let cell = |correlation: Option<&Correlation>| {
+        correlation.map_or(Cell::Missing, |c| {
+            Cell::Marked(c.statement().markup().to_owned())
+        })
+    };
+    Table {
+        name: "correlations".to_owned(),
+        title: "Personality, driving style and similarity against ratings".to_owned(),
+        columns: [
+            "Independent",
+            "Dependent",
+            "Here",
+            "Here, repeated measures",
+            "Paper",
+        ]
+        .map(Column::left)
+        .to_vec(),
+        rows: rows
+            .iter()
+            .map(|row| {
+                vec![
+                    Cell::text(&row.independent),
+                    Cell::text(&row.dependent),
+                    cell(row.ours.as_ref()),
+                    cell(row.repeated.as_ref()),
+                    cell(row.paper.as_ref()),
+                ]
+            })
+            .collect(),
+        notes: vec![format!(
+            "*n* = {participants} participants. Pearson’s *r* where assumptions hold, else \
+             Spearman’s *ρ*; *p* values are not adjusted. Rows with more pairs than participants \
+             repeat each participant once a condition: *r*_{{rm}} takes that into account. Paper: \
+             its own, real participants."
+        )],
+    }
+}

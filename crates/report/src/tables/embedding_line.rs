@@ -1,0 +1,49 @@
+//! Correlations of the position on the aggression line.
+
+use super::{Cell, Column, Correlation, Table};
+use serde::{Deserialize, Serialize};
+
+/// One measure.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LineCorrelation {
+    /// Such as `Mean velocity`.
+    pub measure: String,
+    /// Ours; `None` if it could not be computed.
+    pub ours: Option<Correlation>,
+    /// With embeddings fitted without the questionnaire's term, where that was done.
+    pub without_style_loss: Option<Correlation>,
+    /// What the paper printed.
+    pub paper: Option<Correlation>,
+}
+
+/// Builds the table `embedding-line`.
+pub fn embedding_line(rows: &[LineCorrelation], participants: usize) -> Table {
+    let cell = |correlation: Option<&Correlation>| {
+        correlation.map_or(Cell::Missing, |c| {
+            Cell::Marked(c.statement().markup().to_owned())
+        })
+    };
+    Table {
+        name: "embedding-line".to_owned(),
+        title: "Position on the aggression line against each measure".to_owned(),
+        columns: ["Measure", "Here", "Here, fitted without *L*_{4}", "Paper"]
+            .map(Column::left)
+            .to_vec(),
+        rows: rows
+            .iter()
+            .map(|row| {
+                vec![
+                    Cell::text(&row.measure),
+                    cell(row.ours.as_ref()),
+                    cell(row.without_style_loss.as_ref()),
+                    cell(row.paper.as_ref()),
+                ]
+            })
+            .collect(),
+        notes: vec![format!(
+            "*n* = {participants} test participants. With *L*_{{4}} the ADB score itself takes part in \
+             fitting the embedding, so its own correlation is partly built in: the third column \
+             leaves it out."
+        )],
+    }
+}

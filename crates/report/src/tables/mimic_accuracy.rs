@@ -1,0 +1,57 @@
+//! How near Mimic comes to its driver.
+
+use super::{Cell, Column, Table};
+use serde::{Deserialize, Serialize};
+
+/// One measure; accuracies are shares, 1 being exact.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AccuracyRow {
+    /// Such as `Mean velocity`.
+    pub measure: String,
+    /// Drivers with a value in both drives.
+    pub n: usize,
+    /// Ours.
+    pub ours: Option<f64>,
+    /// What the paper printed.
+    pub paper: Option<f64>,
+    /// Guessing the training drivers' mean for everybody.
+    pub population_mean: Option<f64>,
+    /// Two drives of one driver against each other.
+    pub test_retest: Option<f64>,
+}
+
+/// Builds the table `mimic-accuracy`.
+pub fn mimic_accuracy(rows: &[AccuracyRow]) -> Table {
+    let percent = |share: Option<f64>| Cell::number(share.map(|share| 100.0 * share), 1);
+    Table {
+        name: "mimic-accuracy".to_owned(),
+        title: "Mimic accuracy (%)".to_owned(),
+        columns: vec![
+            Column::left("Measure"),
+            Column::right("*n*"),
+            Column::right("Here"),
+            Column::right("Paper"),
+            Column::right("Mean of the training drivers as guess"),
+            Column::right("Same driver, two drives"),
+        ],
+        rows: rows
+            .iter()
+            .map(|row| {
+                vec![
+                    Cell::text(&row.measure),
+                    Cell::count(row.n),
+                    percent(row.ours),
+                    percent(row.paper),
+                    percent(row.population_mean),
+                    percent(row.test_retest),
+                ]
+            })
+            .collect(),
+        notes: vec![
+            "Accuracy: 1 − |car − driver| / driver, mean over drivers. A driver without a value in \
+             one of the two drives is left out of that row. The guess is the floor, the same \
+             driver’s second drive about the ceiling. No test."
+                .to_owned(),
+        ],
+    }
+}

@@ -1,0 +1,20 @@
+//! Tables: one shape, four ways to write it, and a builder for each table of the report.
+
+mod correlations;
+mod embedding_line;
+mod exclusions;
+mod following;
+mod mimic_accuracy;
+mod participants;
+mod reliabilities;
+mod table;
+mod write;
+
+pub use correlations::{Coefficient, Correlation, CorrelationRow, correlations};
+pub use embedding_line::{LineCorrelation, embedding_line};
+pub use exclusions::{Exclusion, exclusions};
+pub use following::{FollowingRow, following_errors};
+pub use mimic_accuracy::{AccuracyRow, mimic_accuracy};
+pub use participants::{ParticipantGroup, participants};
+pub use reliabilities::{Reliability, reliabilities};
+pub use table::{Align, Cell, Column, Table};

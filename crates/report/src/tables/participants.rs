@@ -1,0 +1,63 @@
+//! Who took part.
+
+use super::{Cell, Column, Table};
+use serde::{Deserialize, Serialize};
+
+/// A group of participants.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ParticipantGroup {
+    /// Such as `Study 2, internal`.
+    pub group: String,
+    /// How many.
+    pub n: usize,
+    /// Drives by hand.
+    pub drives: usize,
+    /// Mean age in years.
+    pub mean_age: Option<f64>,
+    /// Standard deviation of the age.
+    pub sd_age: Option<f64>,
+    /// Share who are female, 0 to 1.
+    pub female: Option<f64>,
+    /// Mean ADB score, 11 to 55.
+    pub mean_adb: Option<f64>,
+    /// Its standard deviation.
+    pub sd_adb: Option<f64>,
+}
+
+/// Builds the table `participants`.
+pub fn participants(groups: &[ParticipantGroup], synthetic: bool) -> Table {
+    Table {
+        name: "participants".to_owned(),
+        title: "Participants".to_owned(),
+        columns: vec![
+            Column::left("Group"),
+            Column::right("*n*"),
+            Column::right("Drives"),
+            Column::right("Age, *M* (years)"),
+            Column::right("*SD*"),
+            Column::right("Female (%)"),
+            Column::right("ADB, *M* (points)"),
+            Column::right("*SD*"),
+        ],
+        rows: groups
+            .iter()
+            .map(|group| {
+                vec![
+                    Cell::text(&group.group),
+                    Cell::count(group.n),
+                    Cell::count(group.drives),
+                    Cell::number(group.mean_age, 1),
+                    Cell::number(group.sd_age, 1),
+                    Cell::number(group.female.map(|share| 100.0 * share), 1),
+                    Cell::number(group.mean_adb, 1),
+                    Cell::number(group.sd_adb, 1),
+                ]
+            })
+            .collect(),
+        notes: if synthetic {
+            vec!["Synthetic participants: none of them exists.".to_owned()]
+        } else {
+            Vec::new()
+        },
+    }
+}

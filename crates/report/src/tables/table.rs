@@ -1,0 +1,153 @@
+//! The one shape of a table.
+
+use crate::apa;
+use crate::error::ReportError;
+use crate::markup;
+use serde::{Deserialize, Serialize};
+
+/// A table, ready to be written.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Table {
+    /// Stem of its files and its anchor: lower-case letters, digits, hyphens.
+    pub name: String,
+    /// One line, with marks (see [`crate::markup`]).
+    pub title: String,
+    /// The columns.
+    pub columns: Vec<Column>,
+    /// The rows, each with a cell a column.
+    pub rows: Vec<Vec<Cell>>,
+    /// What stands below: n, tests, abbreviations. With marks.
+    pub notes: Vec<String>,
+}
+
+/// The head of a column.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Column {
+    /// What it holds, with the unit; with marks.
+    pub header: String,
+    /// On which side its cells stand.
+    pub align: Align,
+}
+
+/// On which side cells stand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Align {
+    /// Words.
+    Left,
+    /// Numbers.
+    Right,
+}
+
+/// What a cell holds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Cell {
+    /// Any text, taken as it is: names, ids, reasons.
+    Text(String),
+    /// A text of ours with marks.
+    Marked(String),
+    /// A number, rounded for display; whole in the CSV.
+    Number {
+        /// The value.
+        value: f64,
+        /// Decimals shown.
+        decimals: usize,
+    },
+    /// A number bounded by 1, shown without the zero before the point.
+    Bounded {
+        /// The value.
+        value: f64,
+        /// Decimals shown.
+        decimals: usize,
+    },
+    /// Not there: an empty field in the CSV, a dash elsewhere.
+    Missing,
+}
+
+impl Cell {
+    /// Any text, taken as it is.
+    pub fn text(text: impl Into<String>) -> Self {
+        Self::Text(text.into())
+    }
+
+    /// A count.
+    pub fn count(count: usize) -> Self {
+        Self::Number {
+            value: count as f64,
+            decimals: 0,
+        }
+    }
+
+    /// A number, or missing.
+    pub fn number(value: Option<f64>, decimals: usize) -> Self {
+        value.map_or(Self::Missing, |value| Self::Number { value, decimals })
+    }
+
+    /// A number bounded by 1, or missing.
+    pub fn bounded(value: Option<f64>, decimals: usize) -> Self {
+        value.map_or(Self::Missing, |value| Self::Bounded { value, decimals })
+    }
+
+    /// As shown, with marks.
+    pub(crate) fn marked(&self) -> String {
+        match self {
+            Self::Text(text) => markup::literal(text),
+            Self::Marked(text) => text.clone(),
+            Self::Number { value, decimals } => apa::number(*value, *decimals),
+            Self::Bounded { value, decimals } => apa::bounded(*value, *decimals),
+            Self::Missing => "–".to_owned(),
+        }
+    }
+}
+
+impl Column {
+    /// A column of words.
+    pub fn left(header: impl Into<String>) -> Self {
+        Self {
+            header: header.into(),
+            align: Align::Left,
+        }
+    }
+
+    /// A column of numbers.
+    pub fn right(header: impl Into<String>) -> Self {
+        Self {
+            header: header.into(),
+            align: Align::Right,
+        }
+    }
+}
+
+impl Table {
+    /// Checks that every row fits the columns and every number is finite.
+    ///
+    /// # Errors
+    /// [`ReportError::TableShape`] or [`ReportError::TableNumber`], naming the row.
+    pub fn check(&self) -> Result<(), ReportError> {
+        for (row, cells) in self.rows.iter().enumerate() {
+            if cells.len() != self.columns.len() {
+                return Err(ReportError::TableShape {
+                    table: self.name.clone(),
+                    row,
+                    found: cells.len(),
+                    expected: self.columns.len(),
+                });
+            }
+            for (column, cell) in cells.iter().enumerate() {
+                if let Cell::Number { value, .. } | Cell::Bounded { value, .. } = cell
+                    && !value.is_finite()
+                {
+                    let table = self.name.clone();
+                    return Err(ReportError::TableNumber {
+                        table,
+                        row,
+                        column,
+                        value: *value,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,313 @@
+//! A table as CSV, Markdown, LaTeX and HTML.
+
+use super::table::{Align, Cell, Table};
+use crate::markup::{self, Level};
+use std::fmt::Write as _;
+
+impl Table {
+    /// Comma-separated values (RFC 4180), numbers in full precision, missing cells empty.
+    pub fn to_csv(&self) -> String {
+        let mut out = String::new();
+        let header = self
+            .columns
+            .iter()
+            .map(|column| csv_field(&markup::plain(&column.header)));
+        out.push_str(&header.collect::<Vec<_>>().join(","));
+        out.push_str("\r\n");
+        for row in &self.rows {
+            let fields = row.iter().map(|cell| match cell {
+                Cell::Number { value, .. } | Cell::Bounded { value, .. } => format!("{value}"),
+                Cell::Missing => String::new(),
+                Cell::Text(text) => csv_field(text),
+                Cell::Marked(text) => csv_field(&markup::plain(text)),
+            });
+            out.push_str(&fields.collect::<Vec<_>>().join(","));
+            out.push_str("\r\n");
+        }
+        out
+    }
+
+    /// A pipe table of GitHub's Markdown, with title and notes.
+    pub fn to_markdown(&self) -> String {
+        let mut out = format!("**{}**\n\n", markdown(&self.title));
+        let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+        out += &line(
+            self.columns
+                .iter()
+                .map(|column| markdown(&column.header))
+                .collect(),
+        );
+        let rule = |align| if align == Align::Right { "--:" } else { ":--" }.to_owned();
+        out += &line(
+            self.columns
+                .iter()
+                .map(|column| rule(column.align))
+                .collect(),
+        );
+        for row in &self.rows {
+            out += &line(row.iter().map(|cell| markdown(&cell.marked())).collect());
+        }
+        for note in &self.notes {
+            let _ = write!(out, "\n{}\n", markdown(note));
+        }
+        out
+    }
+
+    /// A LaTeX `table` with `booktabs` rules. Needs `\usepackage{booktabs}`.
+    pub fn to_latex(&self) -> String {
+        let columns: String = self
+            .columns
+            .iter()
+            .map(|column| {
+                if column.align == Align::Right {
+                    'r'
+                } else {
+                    'l'
+                }
+            })
+            .collect();
+        let line = |cells: Vec<String>| format!("{} \\\\\n", cells.join(" & "));
+        let mut out = format!(
+            "\\begin{{table}}\n\\centering\n\\caption{{{}}}\n\\label{{tab:{}}}\n\\begin{{tabular}}{{{columns}}}\n\\toprule\n",
+            latex(&self.title),
+            self.name
+        );
+        out += &line(
+            self.columns
+                .iter()
+                .map(|column| latex(&column.header))
+                .collect(),
+        );
+        out += "\\midrule\n";
+        for row in &self.rows {
+            out += &line(row.iter().map(|cell| latex(&cell.marked())).collect());
+        }
+        out += "\\bottomrule\n\\end{tabular}\n";
+        for note in &self.notes {
+            let _ = writeln!(out, "\\par\\smallskip\\footnotesize {}", latex(note));
+        }
+        out += "\\end{table}\n";
+        out
+    }
+
+    /// An HTML `table` with caption and notes; everything escaped.
+    pub fn to_html(&self) -> String {
+        let side = |align| {
+            if align == Align::Right {
+                " class=\"number\""
+            } else {
+                ""
+            }
+        };
+        let title = markup::html(&self.title);
+        let mut out = format!(
+            "<table id=\"table-{}\">\n<caption>{title}</caption>\n<thead><tr>",
+            self.name
+        );
+        for column in &self.columns {
+            let header = markup::html(&column.header);
+            let _ = write!(out, "<th scope=\"col\"{}>{header}</th>", side(column.align));
+        }
+        out += "</tr></thead>\n<tbody>\n";
+        for row in &self.rows {
+            out += "<tr>";
+            for (index, (cell, column)) in row.iter().zip(&self.columns).enumerate() {
+                let mut text = markup::html(&cell.marked());
+                if matches!(cell, Cell::Text(_)) {
+                    // A name written from right to left leaves the rest of the row alone.
+                    text = format!("<bdi>{text}</bdi>");
+                }
+                let side = side(column.align);
+                let _ = if index == 0 {
+                    write!(out, "<th scope=\"row\"{side}>{text}</th>")
+                } else {
+                    write!(out, "<td{side}>{text}</td>")
+                };
+            }
+            out += "</tr>\n";
+        }
+        out += "</tbody>\n</table>\n";
+        for note in &self.notes {
+            let _ = writeln!(out, "<p class=\"note\">{}</p>", markup::html(note));
+        }
+        out
+    }
+}
+
+fn csv_field(text: &str) -> String {
+    if text.contains(['"', ',', '\n', '\r']) || text.starts_with(' ') || text.ends_with(' ') {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}
+
+fn markdown(marked: &str) -> String {
+    let mut out = String::new();
+    for run in markup::runs(marked) {
+        let mut text = String::new();
+        for sign in run.text.chars() {
+            match sign {
+                '\n' | '\r' => text.push(' '),
+                '&' => text.push_str("&amp;"),
+                '<' => text.push_str("&lt;"),
+                '>' => text.push_str("&gt;"),
+                '|' | '*' | '_' | '`' | '[' | ']' | '\\' | '~' => {
+                    text.push('\\');
+                    text.push(sign);
+                }
+                _ => text.push(sign),
+            }
+        }
+        if run.italic && !text.trim().is_empty() {
+            text = format!("*{text}*");
+        }
+        let text = match run.level {
+            Level::Line => text,
+            Level::Lowered => format!("<sub>{text}</sub>"),
+            Level::Raised => format!("<sup>{text}</sup>"),
+        };
+        out.push_str(&text);
+    }
+    out
+}
+
+fn latex(marked: &str) -> String {
+    let mut out = String::new();
+    for run in markup::runs(marked) {
+        let mut text: String = run.text.chars().map(latex_sign).collect();
+        if run.italic {
+            text = format!("\\textit{{{text}}}");
+        }
+        let text = match run.level {
+            Level::Line => text,
+            Level::Lowered => format!("\\textsubscript{{{text}}}"),
+            Level::Raised => format!("\\textsuperscript{{{text}}}"),
+        };
+        out.push_str(&text);
+    }
+    out
+}
+
+/// Signs that pdfLaTeX does not take as they are.
+fn latex_sign(sign: char) -> String {
+    let known = match sign {
+        '\\' => "\\textbackslash{}",
+        '~' => "\\textasciitilde{}",
+        '^' => "\\textasciicircum{}",
+        '<' => "\\textless{}",
+        '>' => "\\textgreater{}",
+        '−' => "$-$",
+        '×' => "$\\times$",
+        '±' => "$\\pm$",
+        '≤' => "$\\leq$",
+        '≥' => "$\\geq$",
+        '→' => "$\\rightarrow$",
+        'α' => "$\\alpha$",
+        'δ' => "$\\delta$",
+        'ε' => "$\\varepsilon$",
+        'η' => "$\\eta$",
+        'ρ' => "$\\rho$",
+        'χ' => "$\\chi$",
+        'ω' => "$\\omega$",
+        '²' => "\\textsuperscript{2}",
+        '°' => "\\textdegree{}",
+        '\n' | '\r' => " ",
+        '&' | '%' | '$' | '#' | '_' | '{' | '}' => return format!("\\{sign}"),
+        _ => return sign.to_string(),
+    };
+    known.to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::table::Column;
+    use super::*;
+    use crate::error::ReportError;
+
+    const NASTY: &str = "<b>\"A & B\"</b>, 50 % _x_ $y$ | *z* \\ {#}";
+
+    fn table() -> Table {
+        Table {
+            name: "nasty".into(),
+            title: "*η*^{2} & more".into(),
+            columns: vec![Column::left("Who"), Column::right("*r*")],
+            rows: vec![
+                vec![Cell::text(NASTY), Cell::bounded(Some(-0.456_789), 2)],
+                vec![Cell::text("=1+1"), Cell::Missing],
+            ],
+            notes: vec!["Note.".into()],
+        }
+    }
+
+    #[test]
+    fn html_shows_a_nasty_name_and_runs_none_of_it() {
+        let html = table().to_html();
+        assert!(
+            html.contains("&lt;b&gt;&quot;A &amp; B&quot;&lt;/b&gt;, 50 % _x_ $y$ | *z* \\ {#}")
+        );
+        assert!(!html.contains("<b>"));
+        assert!(html.contains("<i>η</i><sup>2</sup> &amp; more"));
+        assert!(html.contains("<td class=\"number\">−.46</td>"));
+    }
+
+    #[test]
+    fn csv_keeps_the_name_and_the_whole_number() {
+        let csv = table().to_csv();
+        let mut lines = csv.split("\r\n");
+        assert_eq!(lines.next(), Some("Who,r"));
+        assert_eq!(
+            lines.next(),
+            Some("\"<b>\"\"A & B\"\"</b>, 50 % _x_ $y$ | *z* \\ {#}\",-0.456789")
+        );
+        assert_eq!(lines.next(), Some("=1+1,"));
+    }
+
+    #[test]
+    fn markdown_keeps_its_columns() {
+        let markdown = table().to_markdown();
+        let row = markdown
+            .lines()
+            .find(|line| line.contains("A &amp; B"))
+            .unwrap();
+        assert!(row.contains("&lt;b&gt;") && row.contains("\\|") && row.contains("\\*z\\*"));
+        let bars = row.replace("\\|", "").matches('|').count();
+        assert_eq!(bars, 3);
+    }
+
+    #[test]
+    fn latex_escapes_what_latex_reads() {
+        let latex = table().to_latex();
+        assert!(latex.contains("50 \\% \\_x\\_ \\$y\\$ | *z* \\textbackslash{} \\{\\#\\}"));
+        assert!(latex.contains("\\caption{\\textit{$\\eta$}\\textsuperscript{2} \\& more}"));
+        assert!(latex.contains("\\toprule") && latex.contains("$-$.46"));
+    }
+
+    #[test]
+    fn a_row_that_is_too_short_is_refused() {
+        let mut table = table();
+        table.rows[1].pop();
+        assert!(matches!(
+            table.check(),
+            Err(ReportError::TableShape {
+                row: 1,
+                found: 1,
+                ..
+            })
+        ));
+    }
+
+    #[test]
+    fn a_number_that_is_none_is_refused() {
+        let mut table = table();
+        table.rows[0][1] = Cell::number(Some(f64::NAN), 2);
+        assert!(matches!(
+            table.check(),
+            Err(ReportError::TableNumber {
+                row: 0,
+                column: 1,
+                ..
+            })
+        ));
+    }
+}

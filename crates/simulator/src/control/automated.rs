@@ -1,0 +1,250 @@
+//! The automated car: a planner's set-points through the controllers.
+
+use super::{
+    emergency::EmergencyBrake,
+    following::{self, Lead},
+    lane_change::{ReturnRule, Wish, duration_s, gaps_are_safe},
+    path::{Manoeuvre, Steering},
+    velocity::{VelocityController, bounded_jerk},
+};
+use crate::{
+    error::SimulatorError,
+    neighbours::ahead,
+    planner::{PLANNING_STEP_S, Planner},
+    rollout::Action,
+    scenario::{ControllerSettings, VehicleSettings},
+};
+use maveric_domain::{Road, Scene, Setpoints, Situation, drive::ReferenceTracker};
+
+/// What the safety layer did, in episodes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Interventions {
+    pub(crate) braked: u32,
+    pub(crate) held_changes: u32,
+    pub(crate) given_up_changes: u32,
+}
+
+/// What the car is doing about its lane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum LaneState {
+    Keeping,
+    /// A change is due and waits for a safe gap.
+    Waiting,
+    Changing,
+    /// A change was given up.
+    GoingBack,
+}
+
+/// A planner and the controllers that carry out what it asks.
+pub(crate) struct AutomatedDriver<'a> {
+    planner: &'a mut dyn Planner,
+    settings: &'a ControllerSettings,
+    vehicle: &'a VehicleSettings,
+    road: Road,
+    tracker: ReferenceTracker,
+    velocity: VelocityController,
+    velocity_leads: bool,
+    wish: Wish,
+    return_rule: ReturnRule,
+    command_mps2: f64,
+    lane_state: LaneState,
+    brake: EmergencyBrake,
+    done: Interventions,
+}
+
+/// Time a change that is given up takes to undo, in s.
+const GO_BACK_S: f64 = 3.0;
+
+impl<'a> AutomatedDriver<'a> {
+    pub(crate) fn new(
+        planner: &'a mut dyn Planner,
+        settings: &'a ControllerSettings,
+        vehicle: &'a VehicleSettings,
+        road: Road,
+    ) -> Self {
+        Self {
+            planner,
+            settings,
+            vehicle,
+            road,
+            tracker: ReferenceTracker::new(road),
+            velocity: VelocityController::default(),
+            velocity_leads: true,
+            wish: Wish::default(),
+            return_rule: ReturnRule::default(),
+            command_mps2: 0.0,
+            lane_state: LaneState::Keeping,
+            brake: EmergencyBrake::default(),
+            done: Interventions::default(),
+        }
+    }
+
+    pub(crate) fn interventions(&self) -> Interventions {
+        Interventions {
+            braked: self.brake.episodes(),
+            ..self.done
+        }
+    }
+
+    pub(crate) fn act(
+        &mut self,
+        scene: &Scene,
+        steering: &Steering,
+    ) -> Result<Action, SimulatorError> {
+        let reference = self.tracker.observe(scene);
+        let situation = Situation {
+            time_s: scene.time_s,
+            ego_speed_mps: scene.ego.speed_mps,
+            reference,
+        };
+        let asked = checked(self.planner.plan(&situation), scene.time_s)?;
+        let acceleration_mps2 = self.accelerate(scene, steering, &asked);
+
+        let manoeuvre = if steering.coming_from().is_some() {
+            self.give_up_if_unsafe(scene, steering)
+        } else {
+            self.note_end_of_change();
+            let wish = self.wish.due(
+                self.settings,
+                &reference,
+                asked.change_probability,
+                PLANNING_STEP_S,
+            );
+            let back = self.return_rule.due(
+                self.settings,
+                scene,
+                &self.road,
+                &reference,
+                PLANNING_STEP_S,
+            );
+            self.start_if_safe(scene, steering, wish || back)
+        };
+        Ok(Action {
+            acceleration_mps2,
+            manoeuvre,
+        })
+    }
+
+    /// The smaller of what velocity, following and safety ask, without a jump.
+    fn accelerate(&mut self, scene: &Scene, steering: &Steering, asked: &Setpoints) -> f64 {
+        let s = self.settings;
+        let speed = scene.ego.speed_mps;
+        let [low, high] = s.speed_range_mps;
+        let cruise = self.velocity.command(
+            s,
+            asked.speed_mps.clamp(low, high),
+            speed,
+            self.velocity_leads,
+            PLANNING_STEP_S,
+        );
+        // The lane being left counts for the first half of a change, the one entered from its start.
+        let left_behind = steering
+            .coming_from()
+            .filter(|_| steering.progress(scene.ego.x_m) < Some(0.5));
+        let lanes = [Some(steering.lane()), left_behind];
+        let wanted = lanes
+            .into_iter()
+            .flatten()
+            .filter_map(|lane| ahead(scene, &self.road, lane))
+            .map(|n| {
+                let lead = Lead {
+                    gap_m: n.gap_m,
+                    speed_mps: n.vehicle.speed_mps,
+                };
+                following::command(s, asked.following_distance_m, speed, lead, cruise)
+            })
+            .fold(cruise, f64::min);
+        self.velocity_leads = wanted >= cruise;
+
+        let limit = self.vehicle.braking_limit_mps2;
+        let wanted = wanted.clamp(-limit, self.vehicle.acceleration_limit_mps2);
+        let smooth = bounded_jerk(s, self.command_mps2, wanted, PLANNING_STEP_S);
+        self.command_mps2 = self.brake.override_command(s, self.vehicle, scene, smooth);
+        self.command_mps2
+    }
+
+    /// A change carried out starts the count again; one given up is still wanted.
+    fn note_end_of_change(&mut self) {
+        match self.lane_state {
+            LaneState::Changing => self.wish.reset(),
+            LaneState::GoingBack => {}
+            LaneState::Keeping | LaneState::Waiting => return,
+        }
+        self.lane_state = LaneState::Keeping;
+    }
+
+    /// Before the line is crossed a change whose gaps have become unsafe is undone.
+    fn give_up_if_unsafe(&mut self, scene: &Scene, steering: &Steering) -> Option<Manoeuvre> {
+        let early = steering.progress(scene.ego.x_m) < Some(0.5);
+        if self.lane_state == LaneState::GoingBack || !early {
+            return None;
+        }
+        // Without the margin that starting needs: a change does not flutter at the edge of the rule.
+        if gaps_are_safe(self.settings, scene, &self.road, steering.lane(), 0.0) {
+            return None;
+        }
+        self.lane_state = LaneState::GoingBack;
+        self.done.given_up_changes += 1;
+        Some(Manoeuvre::GoBack {
+            duration_s: GO_BACK_S,
+        })
+    }
+
+    fn start_if_safe(
+        &mut self,
+        scene: &Scene,
+        steering: &Steering,
+        due: bool,
+    ) -> Option<Manoeuvre> {
+        if !due {
+            self.lane_state = LaneState::Keeping;
+            return None;
+        }
+        let here = steering.lane();
+        let lane = if here == 0 { 1 } else { here - 1 };
+        let safe = gaps_are_safe(
+            self.settings,
+            scene,
+            &self.road,
+            lane,
+            self.settings.margin_m,
+        );
+        let duration = duration_s(
+            self.settings,
+            scene.ego.speed_mps,
+            ahead(scene, &self.road, here),
+        );
+        let Some(duration_s) = duration.filter(|_| safe) else {
+            self.done.held_changes += u32::from(self.lane_state != LaneState::Waiting);
+            self.lane_state = LaneState::Waiting;
+            return None;
+        };
+        self.lane_state = LaneState::Changing;
+        Some(Manoeuvre::Change { lane, duration_s })
+    }
+}
+
+fn checked(asked: Setpoints, time_s: f64) -> Result<Setpoints, SimulatorError> {
+    let refuse = |name, found, expected| {
+        Err(SimulatorError::Setpoint {
+            name,
+            found,
+            time_s,
+            expected,
+        })
+    };
+    if !asked.speed_mps.is_finite() {
+        return refuse("speed_mps", asked.speed_mps, "a finite number");
+    }
+    if !asked.following_distance_m.is_finite() {
+        return refuse(
+            "following_distance_m",
+            asked.following_distance_m,
+            "a finite number",
+        );
+    }
+    if !(0.0..=1.0).contains(&asked.change_probability) {
+        return refuse("change_probability", asked.change_probability, "0 to 1");
+    }
+    Ok(asked)
+}

@@ -1,0 +1,112 @@
+//! The safety layer's brake: harder than the controllers asked, where that alone avoids a vehicle.
+
+use super::safety::needed_braking_mps2;
+use crate::{
+    neighbours::in_the_way,
+    planner::PLANNING_STEP_S,
+    scenario::{ControllerSettings, VehicleSettings},
+};
+use maveric_domain::{Scene, VehicleId};
+
+/// Sideways room beside a vehicle below which it is in the way, in m.
+const SIDE_CLEARANCE_M: f64 = 0.2;
+/// How much harder than needed it brakes: the brake has a lag.
+const RESERVE: f64 = 1.3;
+/// Share of the braking at which it takes over below which it lets go again.
+const RELEASE: f64 = 0.5;
+
+/// Watches what is in the way, whatever its lane, and brakes for it.
+#[derive(Debug, Clone, Default)]
+pub(super) struct EmergencyBrake {
+    seen: Option<(VehicleId, f64)>,
+    braking: bool,
+    episodes: u32,
+}
+
+impl EmergencyBrake {
+    /// How often it braked.
+    pub(super) fn episodes(&self) -> u32 {
+        self.episodes
+    }
+
+    /// The command that the car gets where the controllers ask for `wanted_mps2`.
+    pub(super) fn override_command(
+        &mut self,
+        settings: &ControllerSettings,
+        vehicle: &VehicleSettings,
+        scene: &Scene,
+        wanted_mps2: f64,
+    ) -> f64 {
+        let needed = self.needed_mps2(settings, vehicle, scene);
+        let threshold = if self.braking {
+            RELEASE * settings.intervenes_above_mps2
+        } else {
+            settings.intervenes_above_mps2
+        };
+        let command = if needed > threshold {
+            wanted_mps2.min(-(RESERVE * needed).min(vehicle.braking_limit_mps2))
+        } else {
+            wanted_mps2
+        };
+        let overrides = command < wanted_mps2;
+        self.episodes += u32::from(overrides && !self.braking);
+        self.braking = overrides;
+        command
+    }
+
+    fn needed_mps2(
+        &mut self,
+        settings: &ControllerSettings,
+        vehicle: &VehicleSettings,
+        scene: &Scene,
+    ) -> f64 {
+        let Some(n) = in_the_way(scene, vehicle.width_m, SIDE_CLEARANCE_M) else {
+            self.seen = None;
+            return 0.0;
+        };
+        let speed = n.vehicle.speed_mps;
+        let lead_braking = match self.seen {
+            Some((id, before)) if id == n.vehicle.id => (before - speed) / PLANNING_STEP_S,
+            _ => 0.0,
+        };
+        self.seen = Some((n.vehicle.id, speed));
+        let ego = scene.ego.speed_mps;
+        needed_braking_mps2(n.gap_m, settings.margin_m, ego, speed, lead_braking)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::Scenario;
+    use maveric_domain::{EgoState, VehicleState};
+
+    #[test]
+    fn it_brakes_for_a_car_that_cuts_in_and_counts_that_once() {
+        let scenario = Scenario::paper();
+        let s = scenario.settings();
+        let mut brake = EmergencyBrake::default();
+        let mut command = |gap_m: f64| {
+            let scene = Scene {
+                time_s: 0.0,
+                ego: EgoState {
+                    x_m: 0.0,
+                    y_m: 0.0,
+                    speed_mps: 30.0,
+                    length_m: 4.7,
+                },
+                vehicles: vec![VehicleState {
+                    id: VehicleId(1),
+                    x_m: gap_m + 4.7,
+                    y_m: 1.5,
+                    speed_mps: 22.0,
+                    length_m: 4.7,
+                }],
+            };
+            brake.override_command(&s.controllers, &s.vehicle, &scene, 0.5)
+        };
+        assert!((command(40.0) - 0.5).abs() < 1e-12);
+        assert!(command(9.0) < -5.0 && command(8.9) < -5.0);
+        assert_eq!(brake.episodes(), 1);
+    }
+}

@@ -1,0 +1,198 @@
+//! When a lane change starts, how long it takes, and whether it may.
+
+use super::safety::safe_distance_m;
+use crate::{
+    neighbours::{Neighbour, ahead, behind},
+    scenario::{ChangeRule, ControllerSettings},
+};
+use maveric_domain::{Reference, Road, Scene, VehicleId};
+
+/// Collects P(change) until it suffices.
+///
+/// # Source
+/// Calibration section 4: Λ = Σ −ln(1 − P) per second since this reference vehicle became the reference or the last change
+/// ended. Without a reference vehicle there is nothing to pass and nothing is collected (ours).
+#[derive(Debug, Clone, Default)]
+pub(super) struct Wish {
+    reference: Option<VehicleId>,
+    hazard: f64,
+}
+
+/// P is taken as at most this, so that Λ stays finite.
+const SUREST: f64 = 1.0 - 1e-9;
+
+impl Wish {
+    /// Forgets what was collected: a change has ended.
+    pub(super) fn reset(&mut self) {
+        self.hazard = 0.0;
+    }
+
+    /// Takes the present P(change) and says whether a change is due.
+    pub(super) fn due(
+        &mut self,
+        settings: &ControllerSettings,
+        reference: &Reference,
+        probability: f64,
+        step_s: f64,
+    ) -> bool {
+        if reference.vehicle != self.reference {
+            self.reference = reference.vehicle;
+            self.hazard = 0.0;
+        }
+        if reference.vehicle.is_some() {
+            self.hazard -= (-probability.min(SUREST)).ln_1p() * step_s;
+        }
+        match settings.change_rule {
+            ChangeRule::Accumulated => self.hazard > settings.hazard_threshold,
+            ChangeRule::Paper => probability > settings.probability_threshold,
+        }
+    }
+}
+
+/// Whether the gaps in `lane` pass the safety rule with `margin_m` on top.
+pub(super) fn gaps_are_safe(
+    settings: &ControllerSettings,
+    scene: &Scene,
+    road: &Road,
+    lane: u8,
+    margin_m: f64,
+) -> bool {
+    let ego = scene.ego.speed_mps;
+    let ahead_safe = ahead(scene, road, lane)
+        .is_none_or(|n| n.gap_m > safe_distance_m(settings, ego, n.vehicle.speed_mps) + margin_m);
+    let behind_safe = behind(scene, road, lane)
+        .is_none_or(|n| n.gap_m > safe_distance_m(settings, n.vehicle.speed_mps, ego) + margin_m);
+    ahead_safe && behind_safe
+}
+
+/// How long a change takes with `lead` ahead in the lane left; `None` if ego would meet it before half of that.
+///
+/// # Source
+/// Calibration section 4. A fixed 4.8 s made Aggressive hit the lead that it was passing.
+pub(super) fn duration_s(
+    settings: &ControllerSettings,
+    ego_mps: f64,
+    lead: Option<Neighbour>,
+) -> Option<f64> {
+    let longest = settings.change_longest_s;
+    let Some(lead) = lead else {
+        return Some(longest);
+    };
+    let closing = ego_mps - lead.vehicle.speed_mps;
+    let room = lead.gap_m - settings.change_reserve_m;
+    if room <= 0.0 {
+        return None;
+    }
+    if closing <= 0.0 {
+        return Some(longest);
+    }
+    let meets_in = room / closing;
+    let duration = (settings.change_time_factor * meets_in)
+        .max(settings.change_shortest_s)
+        .min(longest);
+    (meets_in > 0.5 * duration).then_some(duration)
+}
+
+/// Counts how long the car has been in the passing lane with nobody to pass.
+///
+/// # Source
+/// Calibration section 4, the return rule: the lane-change predictor does not read its lane, so once the tracker drops the passed
+/// vehicle it sees free road and would stay left for ever.
+#[derive(Debug, Clone, Default)]
+pub(super) struct ReturnRule {
+    idle_s: f64,
+}
+
+impl ReturnRule {
+    /// Whether to go back to lane 0 now.
+    pub(super) fn due(
+        &mut self,
+        settings: &ControllerSettings,
+        scene: &Scene,
+        road: &Road,
+        reference: &Reference,
+        step_s: f64,
+    ) -> bool {
+        let reference_lane = road.lane_at(scene.ego.y_m + reference.dy_m);
+        let passing = reference.vehicle.is_some() && reference_lane == 0;
+        if road.lane_at(scene.ego.y_m) == 0 || passing {
+            self.idle_s = 0.0;
+            return false;
+        }
+        self.idle_s += step_s;
+        self.idle_s > settings.return_after_s
+            && ahead(scene, road, 0)
+                .is_none_or(|n| n.gap_m > settings.return_free_s * scene.ego.speed_mps)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use maveric_domain::VehicleState;
+
+    const SETTINGS: ControllerSettings = ControllerSettings::PAPER;
+
+    fn lead(gap_m: f64, speed_mps: f64) -> Neighbour {
+        let vehicle = VehicleState {
+            id: VehicleId(1),
+            x_m: 0.0,
+            y_m: 0.0,
+            speed_mps,
+            length_m: 4.7,
+        };
+        Neighbour { vehicle, gap_m }
+    }
+
+    fn reference(id: u32) -> Reference {
+        Reference {
+            vehicle: Some(VehicleId(id)),
+            ..Reference::free_road(&Road::PAPER)
+        }
+    }
+
+    #[test]
+    fn small_probabilities_add_up_to_a_change() {
+        let mut wish = Wish::default();
+        let due = |wish: &mut Wish| wish.due(&SETTINGS, &reference(1), 0.1, 0.05);
+        let ticks = (0..1000).take_while(|_| !due(&mut wish)).count();
+        // 0.5 / -ln(0.9) = 4.75 s.
+        assert!((ticks as f64 * 0.05 - 4.75).abs() < 0.1, "{ticks}");
+    }
+
+    #[test]
+    fn another_reference_vehicle_starts_the_count_again() {
+        let mut wish = Wish::default();
+        for _ in 0..90 {
+            assert!(!wish.due(&SETTINGS, &reference(1), 0.1, 0.05));
+        }
+        for _ in 0..90 {
+            assert!(!wish.due(&SETTINGS, &reference(2), 0.1, 0.05));
+        }
+    }
+
+    #[test]
+    fn the_rule_of_the_paper_looks_at_this_moment_only() {
+        let settings = ControllerSettings {
+            change_rule: ChangeRule::Paper,
+            ..SETTINGS
+        };
+        let mut wish = Wish::default();
+        for _ in 0..2000 {
+            assert!(!wish.due(&settings, &reference(1), 0.19, 0.05));
+        }
+        assert!(wish.due(&settings, &reference(1), 0.21, 0.05));
+    }
+
+    #[test]
+    fn a_change_is_quicker_near_the_lead_and_refused_too_near() {
+        assert_eq!(
+            duration_s(&SETTINGS, 30.0, Some(lead(60.0, 27.0))),
+            Some(4.8)
+        );
+        let quick = duration_s(&SETTINGS, 30.0, Some(lead(13.0, 25.0))).unwrap();
+        assert!((quick - 3.0).abs() < 1e-9, "{quick}");
+        assert_eq!(duration_s(&SETTINGS, 30.0, Some(lead(8.0, 25.0))), None);
+        assert_eq!(duration_s(&SETTINGS, 30.0, Some(lead(2.0, 35.0))), None);
+    }
+}

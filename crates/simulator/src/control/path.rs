@@ -1,0 +1,226 @@
+//! Where the car steers: a lane's centre, or a Bezier curve to another's, by Stanley's rule.
+
+use crate::vehicle::KinematicBicycle;
+
+/// Share of the length at each end over which the curve leaves and meets its lanes.
+const HANDLE: f64 = 0.45;
+/// A change is no shorter than this, in m, however slow the car.
+const SHORTEST_M: f64 = 12.0;
+/// Speed added in Stanley's denominator, so that a slow car does not steer wildly, in m/s.
+const SOFTENING_MPS: f64 = 1.0;
+
+/// A cubic Bezier curve from a pose to the centre line of a lane.
+#[derive(Debug, Clone, Copy)]
+struct Bezier {
+    x: [f64; 4],
+    y: [f64; 4],
+}
+
+impl Bezier {
+    fn new(from: (f64, f64), heading_rad: f64, length_m: f64, target_y_m: f64) -> Self {
+        let handle = HANDLE * length_m;
+        let end = from.0 + length_m;
+        Self {
+            x: [
+                from.0,
+                from.0 + handle * heading_rad.cos(),
+                end - handle,
+                end,
+            ],
+            y: [
+                from.1,
+                from.1 + handle * heading_rad.sin(),
+                target_y_m,
+                target_y_m,
+            ],
+        }
+    }
+
+    fn value(p: &[f64; 4], s: f64) -> f64 {
+        let r = 1.0 - s;
+        r * r * r * p[0] + 3.0 * r * r * s * p[1] + 3.0 * r * s * s * p[2] + s * s * s * p[3]
+    }
+
+    fn slope(p: &[f64; 4], s: f64) -> f64 {
+        let r = 1.0 - s;
+        3.0 * (r * r * (p[1] - p[0]) + 2.0 * r * s * (p[2] - p[1]) + s * s * (p[3] - p[2]))
+    }
+
+    /// Lateral position (m) and heading (rad) of the curve at `x_m`.
+    fn at(&self, x_m: f64) -> (f64, f64) {
+        if x_m >= self.x[3] {
+            return (self.y[3], 0.0);
+        }
+        // x rises with s, so halving always finds it; 24 halvings are micrometres.
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..24 {
+            let middle = 0.5 * (low + high);
+            if Self::value(&self.x, middle) < x_m {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let s = 0.5 * (low + high);
+        let heading = Self::slope(&self.y, s).atan2(Self::slope(&self.x, s));
+        (Self::value(&self.y, s), heading)
+    }
+}
+
+/// A lane change under way.
+#[derive(Debug, Clone, Copy)]
+struct Change {
+    from: u8,
+    start_x_m: f64,
+    curve: Bezier,
+}
+
+/// What the car's driver may ask of its steering.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Manoeuvre {
+    /// Change to `lane` over `duration_s` at the present speed.
+    Change {
+        /// Lane to go to.
+        lane: u8,
+        /// Time the change takes, in s.
+        duration_s: f64,
+    },
+    /// Go back to the lane the change under way came from.
+    GoBack {
+        /// Time that takes, in s.
+        duration_s: f64,
+    },
+}
+
+/// Keeps the lane, or carries out a change.
+#[derive(Debug, Clone)]
+pub(crate) struct Steering {
+    lane_width_m: f64,
+    gain_per_s: f64,
+    lane: u8,
+    change: Option<Change>,
+}
+
+impl Steering {
+    pub(crate) fn new(lane_width_m: f64, gain_per_s: f64, lane: u8) -> Self {
+        Self {
+            lane_width_m,
+            gain_per_s,
+            lane,
+            change: None,
+        }
+    }
+
+    /// The lane kept, or the one a change goes to.
+    pub(crate) fn lane(&self) -> u8 {
+        self.lane
+    }
+
+    /// The lane a change under way came from.
+    pub(crate) fn coming_from(&self) -> Option<u8> {
+        self.change.map(|change| change.from)
+    }
+
+    /// How much of the change under way lies behind, 0 to 1, at `x_m`.
+    pub(crate) fn progress(&self, x_m: f64) -> Option<f64> {
+        self.change.map(|change| {
+            let length = change.curve.x[3] - change.start_x_m;
+            ((x_m - change.start_x_m) / length).clamp(0.0, 1.0)
+        })
+    }
+
+    /// Begins what the driver asks.
+    pub(crate) fn begin(&mut self, manoeuvre: Manoeuvre, car: &KinematicBicycle) {
+        let (lane, duration_s) = match manoeuvre {
+            Manoeuvre::Change { lane, duration_s } => (lane, duration_s),
+            Manoeuvre::GoBack { duration_s } => match self.change {
+                Some(change) => (change.from, duration_s),
+                None => return,
+            },
+        };
+        let length_m = (car.speed_mps * duration_s).max(SHORTEST_M);
+        let target_y_m = f64::from(lane) * self.lane_width_m;
+        let from = (car.x_m, car.y_m);
+        self.change = Some(Change {
+            from: self.lane,
+            start_x_m: car.x_m,
+            curve: Bezier::new(from, car.heading_rad, length_m, target_y_m),
+        });
+        self.lane = lane;
+    }
+
+    /// Angle of the front wheels, in rad: Stanley's rule at the front axle.
+    ///
+    /// # Source
+    /// Snider 2009, section 2.3: heading error plus atan(k e / v).
+    pub(crate) fn angle_rad(&mut self, car: &KinematicBicycle) -> f64 {
+        let (x, y) = car.front_axle_m();
+        if self.change.is_some_and(|c| car.x_m >= c.curve.x[3]) {
+            self.change = None;
+        }
+        let (path_y, path_heading) = match &self.change {
+            Some(change) => change.curve.at(x),
+            None => (f64::from(self.lane) * self.lane_width_m, 0.0),
+        };
+        let error = (path_y - y) * path_heading.cos();
+        let pull = (self.gain_per_s * error).atan2(car.speed_mps + SOFTENING_MPS);
+        path_heading - car.heading_rad + pull
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::Scenario;
+
+    fn drive(car: &mut KinematicBicycle, steering: &mut Steering, seconds: f64) -> f64 {
+        let mut furthest = f64::MIN;
+        for _ in 0..(seconds * 100.0) as usize {
+            let angle = steering.angle_rad(car);
+            car.step(0.0, angle);
+            furthest = furthest.max(car.y_m);
+        }
+        furthest
+    }
+
+    #[test]
+    fn a_lane_change_ends_in_the_lane_centre_without_swinging_past_it() {
+        for (speed, duration_s) in [(15.0, 4.8), (30.0, 4.8), (38.0, 2.5), (30.0, 2.5)] {
+            let mut car = KinematicBicycle::new(&Scenario::paper().settings().vehicle, 0.0, speed);
+            let mut steering = Steering::new(3.66, 1.5, 0);
+            steering.begin(
+                Manoeuvre::Change {
+                    lane: 1,
+                    duration_s,
+                },
+                &car,
+            );
+            let furthest = drive(&mut car, &mut steering, duration_s + 4.0);
+            assert!(
+                (car.y_m - 3.66).abs() < 0.05,
+                "{speed} {duration_s}: {}",
+                car.y_m
+            );
+            assert!(furthest < 3.66 + 0.3, "{speed} {duration_s}: {furthest}");
+            assert!(car.heading_rad.abs() < 0.005 && steering.coming_from().is_none());
+        }
+    }
+
+    #[test]
+    fn a_change_given_up_halfway_ends_in_the_lane_it_came_from() {
+        let mut car = KinematicBicycle::new(&Scenario::paper().settings().vehicle, 0.0, 30.0);
+        let mut steering = Steering::new(3.66, 1.5, 0);
+        steering.begin(
+            Manoeuvre::Change {
+                lane: 1,
+                duration_s: 4.8,
+            },
+            &car,
+        );
+        drive(&mut car, &mut steering, 2.0);
+        assert!(car.y_m > 0.5);
+        steering.begin(Manoeuvre::GoBack { duration_s: 3.0 }, &car);
+        drive(&mut car, &mut steering, 8.0);
+        assert!(car.y_m.abs() < 0.05 && steering.lane() == 0);
+    }
+}

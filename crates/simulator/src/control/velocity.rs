@@ -1,0 +1,91 @@
+//! Velocity controller: PI on v̂.
+
+use crate::scenario::ControllerSettings;
+
+/// Proportional and integral action on the speed error, with anti-windup.
+#[derive(Debug, Clone, Default)]
+pub(super) struct VelocityController {
+    integral_mps2: f64,
+}
+
+/// The integral never holds more than this, in m/s²: nothing on a flat road needs more.
+const INTEGRAL_LIMIT_MPS2: f64 = 1.0;
+/// Error above which the integral rests, in m/s: what the proportional part is there for.
+const INTEGRAL_BAND_MPS: f64 = 2.0;
+
+impl VelocityController {
+    /// Acceleration wanted, in m/s².
+    ///
+    /// `leads` says whether this controller had the car in the step before: while another one has it, or the error
+    /// is large, the integral fades instead of winding up.
+    pub(super) fn command(
+        &mut self,
+        settings: &ControllerSettings,
+        wanted_mps: f64,
+        speed_mps: f64,
+        leads: bool,
+        step_s: f64,
+    ) -> f64 {
+        let error = wanted_mps - speed_mps;
+        if leads && error.abs() < INTEGRAL_BAND_MPS {
+            self.integral_mps2 += settings.velocity_integral_per_s2 * error * step_s;
+        } else {
+            self.integral_mps2 *= 1.0 - step_s;
+        }
+        self.integral_mps2 = self
+            .integral_mps2
+            .clamp(-INTEGRAL_LIMIT_MPS2, INTEGRAL_LIMIT_MPS2);
+        settings.velocity_gain_per_s * error + self.integral_mps2
+    }
+}
+
+/// Moves `last_mps2` towards `wanted_mps2` no faster than the jerk bound allows.
+pub(super) fn bounded_jerk(
+    settings: &ControllerSettings,
+    last_mps2: f64,
+    wanted_mps2: f64,
+    step_s: f64,
+) -> f64 {
+    let most = settings.jerk_limit_mps3 * step_s;
+    last_mps2 + (wanted_mps2 - last_mps2).clamp(-most, most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{scenario::Scenario, vehicle::KinematicBicycle};
+
+    #[test]
+    fn it_reaches_the_speed_without_much_overshoot() {
+        let settings = ControllerSettings::PAPER;
+        for (from, to) in [(20.0, 30.0), (30.0, 20.0), (25.0, 26.0)] {
+            let mut car = KinematicBicycle::new(&Scenario::paper().settings().vehicle, 0.0, from);
+            let mut controller = VelocityController::default();
+            let (mut command, mut furthest) = (0.0, f64::MIN);
+            let sign: f64 = if to > from { 1.0 } else { -1.0 };
+            for tick in 0..1200 {
+                let wanted = controller.command(&settings, to, car.speed_mps, true, 0.05);
+                command = bounded_jerk(&settings, command, wanted.clamp(-8.0, 3.0), 0.05);
+                for _ in 0..5 {
+                    car.step(command, 0.0);
+                }
+                furthest = furthest.max(sign * (car.speed_mps - to));
+                if tick > 400 {
+                    assert!((car.speed_mps - to).abs() < 0.2, "{from} {to} {tick}");
+                }
+            }
+            assert!(furthest < 0.6, "{from} -> {to}: {furthest}");
+        }
+    }
+
+    #[test]
+    fn a_long_wait_behind_a_lead_does_not_wind_up() {
+        let settings = ControllerSettings::PAPER;
+        let mut controller = VelocityController::default();
+        for _ in 0..2000 {
+            controller.command(&settings, 30.0, 28.5, false, 0.05);
+        }
+        let command = controller.command(&settings, 30.0, 30.0, false, 0.05);
+        assert!(command.abs() < 1e-9);
+    }
+}

@@ -1,0 +1,22 @@
+//! A highway, a car, its controllers, and drivers that are not people.
+//!
+//! A [`Scenario`] and a [`Driver`] go in, [`rollout`] gives a recording. The driver is a synthetic person
+//! ([`DriverParams`]) or a [`Planner`] whose set-points the controllers carry out.
+
+mod control;
+mod drivers;
+pub mod error;
+mod neighbours;
+pub mod planner;
+mod rollout;
+pub mod scenario;
+mod traffic;
+mod vehicle;
+mod world;
+
+pub use control::safe_distance;
+pub use drivers::{DriverParams, EncounterNoise, Law, Population};
+pub use error::SimulatorError;
+pub use planner::{PLANNING_RATE_HZ, Planner};
+pub use rollout::{Driver, Rollout, RolloutReport, rollout};
+pub use scenario::{ChangeRule, ControllerSettings, Scenario, ScenarioSettings};

@@ -1,0 +1,601 @@
+//! One drive, from the first row to the last.
+
+use crate::{
+    control::{
+        AutomatedDriver, Interventions,
+        path::{Manoeuvre, Steering},
+        safe_distance,
+    },
+    drivers::{DriverParams, HumanDriver},
+    error::SimulatorError,
+    neighbours::ahead,
+    planner::{PLANNING_RATE_HZ, PLANNING_STEP_S, Planner},
+    scenario::{ControllerSettings, Scenario},
+    traffic::EgoView,
+    vehicle::{KinematicBicycle, kinematic::STEP_S},
+    world::World,
+};
+use maveric_domain::{
+    EgoTrack, MetresPerSecond, Recording, Road, Scene, VehicleId, scene::bumper_distance_m,
+};
+
+/// Who drives.
+pub enum Driver<'a> {
+    /// A synthetic person.
+    Human(&'a DriverParams),
+    /// A planner, through the controllers.
+    Automated(&'a mut dyn Planner, &'a ControllerSettings),
+}
+
+/// A drive and what is to be said about it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rollout {
+    /// Who was where, at [`PLANNING_RATE_HZ`].
+    pub recording: Recording,
+    /// What was counted.
+    pub report: RolloutReport,
+}
+
+/// Counts over one drive; an episode is counted once, however long it lasts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct RolloutReport {
+    /// Episodes in which ego and another vehicle overlapped.
+    pub collisions: u32,
+    /// Episodes with the vehicle ahead in ego's lane nearer than the safety rule allows.
+    pub rule_violations: u32,
+    /// Episodes in which the safety layer braked harder than the controllers asked; 0 for people.
+    pub interventions: u32,
+    /// Lane changes that were due and had to wait for a safe gap; 0 for people.
+    pub held_changes: u32,
+    /// Lane changes undone in their first half because a gap had become unsafe; 0 for people.
+    pub given_up_changes: u32,
+    /// Lane changes started.
+    pub started_changes: u32,
+    /// Lead vehicles that came.
+    pub leads: u32,
+    /// Encounters among them in which the passing lane was taken.
+    pub blocked_encounters: u32,
+}
+
+/// What a driver does until the next row.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Action {
+    pub(crate) acceleration_mps2: f64,
+    pub(crate) manoeuvre: Option<Manoeuvre>,
+}
+
+enum Seat<'a> {
+    Human(HumanDriver<'a>),
+    Automated(AutomatedDriver<'a>),
+}
+
+/// What goes wrong around ego, counted by episode.
+#[derive(Debug, Default)]
+struct Watch {
+    touching: Vec<VehicleId>,
+    too_near: bool,
+    collisions: u32,
+    violations: u32,
+}
+
+impl Watch {
+    fn look(&mut self, scene: &Scene, road: &Road, rule: &ControllerSettings, width_m: f64) {
+        let ego = &scene.ego;
+        let touching: Vec<VehicleId> = scene
+            .vehicles
+            .iter()
+            .filter(|v| bumper_distance_m(ego, v).abs() <= 0.0 && (v.y_m - ego.y_m).abs() < width_m)
+            .map(|v| v.id)
+            .collect();
+        let fresh = touching.iter().filter(|id| !self.touching.contains(id));
+        self.collisions += fresh.count() as u32;
+        self.touching = touching;
+        let too_near = ahead(scene, road, road.lane_at(ego.y_m)).is_some_and(|n| {
+            let rear = MetresPerSecond(ego.speed_mps);
+            let safe = safe_distance(rule, rear, MetresPerSecond(n.vehicle.speed_mps));
+            n.gap_m < safe.0 - rule.margin_m
+        });
+        self.violations += u32::from(too_near && !self.too_near);
+        self.too_near = too_near;
+    }
+}
+
+/// Drives `scenario` once and records it.
+///
+/// The recording has duration · [`PLANNING_RATE_HZ`] rows and one segment. The same scenario, driver and seed give the same
+/// bytes; traffic, perception, wander and encounters each have a stream of their own, derived from `seed`.
+///
+/// # Errors
+/// [`SimulatorError::Setting`] if the controller settings given with a planner are out of range,
+/// [`SimulatorError::Setpoint`] if the planner gives a set-point that is not a number or not a probability,
+/// [`SimulatorError::Recording`] if the drive is shorter than two rows.
+///
+/// # Source
+/// Method sections 5 to 7, calibration sections 1, 2 and 4.
+///
+/// # Example
+/// ```
+/// # use maveric_simulator::{Driver, DriverParams, Scenario, rollout};
+/// # use maveric_domain::{LatentTraits, Seconds};
+/// let scenario = Scenario::paper().with_duration(Seconds(60.0))?;
+/// let driver = DriverParams::draw(&LatentTraits::default(), 1, 1);
+/// let drive = rollout(&scenario, Driver::Human(&driver), 7)?;
+/// assert_eq!(drive.recording.rows(), 1200);
+/// assert_eq!(drive.report.collisions, 0);
+/// # Ok::<(), maveric_simulator::SimulatorError>(())
+/// ```
+pub fn rollout(
+    scenario: &Scenario,
+    driver: Driver<'_>,
+    seed: u64,
+) -> Result<Rollout, SimulatorError> {
+    let settings = scenario.settings();
+    let road = scenario.road();
+    let rule = match &driver {
+        Driver::Automated(_, settings) => {
+            settings.check()?;
+            (*settings).clone()
+        }
+        Driver::Human(_) => settings.controllers.clone(),
+    };
+    let mut seat = match driver {
+        Driver::Human(params) => {
+            Seat::Human(HumanDriver::new(params, &settings.vehicle, road, seed))
+        }
+        Driver::Automated(planner, controllers) => Seat::Automated(AutomatedDriver::new(
+            planner,
+            controllers,
+            &settings.vehicle,
+            road,
+        )),
+    };
+    let start = &settings.start;
+    let start_y_m = road.lane_centre_m(start.lane);
+    let start_mps = MetresPerSecond::from_mph(start.speed_mph).0;
+    let mut car = KinematicBicycle::new(&settings.vehicle, start_y_m, start_mps);
+    let mut steering = Steering::new(road.lane_width_m, rule.stanley_gain_per_s, start.lane);
+    let mut world = World::new(scenario, seed);
+    let mut watch = Watch::default();
+    let mut started_changes = 0;
+
+    let rows = (settings.duration_s * PLANNING_RATE_HZ).round() as usize;
+    let mut ego = EgoTrack {
+        length_m: settings.vehicle.length_m,
+        ..EgoTrack::default()
+    };
+    let mut time_s = Vec::with_capacity(rows);
+    let mut scene = Scene {
+        time_s: 0.0,
+        ego: car.state(),
+        vehicles: Vec::new(),
+    };
+    for row in 0..rows {
+        scene.time_s = row as f64 / PLANNING_RATE_HZ;
+        scene.ego = car.state();
+        world.states(&mut scene.vehicles);
+        time_s.push(scene.time_s);
+        ego.x_m.push(scene.ego.x_m);
+        ego.y_m.push(scene.ego.y_m);
+        ego.speed_mps.push(scene.ego.speed_mps);
+        world.record();
+        watch.look(&scene, &road, &rule, settings.vehicle.width_m);
+
+        let action = match &mut seat {
+            Seat::Human(human) => human.act(&scene, &steering),
+            Seat::Automated(automated) => automated.act(&scene, &steering)?,
+        };
+        let view = EgoView {
+            x_m: scene.ego.x_m,
+            y_m: scene.ego.y_m,
+            speed_mps: scene.ego.speed_mps,
+            length_m: scene.ego.length_m,
+            lane: road.lane_at(scene.ego.y_m),
+            keeping: steering.coming_from().is_none(),
+            target_mps: world.target_mps(),
+        };
+        world.decide(&view, row, scene.time_s);
+        if let Some(manoeuvre) = action.manoeuvre {
+            started_changes += u32::from(matches!(manoeuvre, Manoeuvre::Change { .. }));
+            steering.begin(manoeuvre, &car);
+        }
+        for _ in 0..(PLANNING_STEP_S / STEP_S).round() as usize {
+            let angle_rad = steering.angle_rad(&car);
+            car.step(action.acceleration_mps2, angle_rad);
+        }
+        world.advance();
+    }
+
+    let done = match &seat {
+        Seat::Human(_) => Interventions::default(),
+        Seat::Automated(automated) => automated.interventions(),
+    };
+    let (leads, blocked_encounters) = world.counts();
+    let recording = Recording::new(
+        road,
+        PLANNING_RATE_HZ,
+        time_s,
+        vec![0; rows],
+        ego,
+        world.into_tracks(),
+    )?;
+    Ok(Rollout {
+        recording,
+        report: RolloutReport {
+            collisions: watch.collisions,
+            rule_violations: watch.violations,
+            interventions: done.braked,
+            held_changes: done.held_changes,
+            given_up_changes: done.given_up_changes,
+            started_changes,
+            leads,
+            blocked_encounters,
+        },
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::{ScenarioSettings, VehiclePlacement};
+    use maveric_domain::{
+        Condition, Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Seconds,
+        Setpoints, Situation, Study, drive::Direction,
+    };
+    use proptest::prelude::*;
+
+    fn drive(rollout: &Rollout) -> Drive {
+        let meta = DriveMeta {
+            drive: DriveId::new("test").unwrap(),
+            participant: ParticipantId::new("test").unwrap(),
+            study: Study::One,
+            condition: Condition::Own,
+            driven_by: DrivenBy::Synthetic,
+        };
+        Drive::from_recording(meta, &rollout.recording).unwrap()
+    }
+
+    fn person(a: f64, b: f64, c: f64, seed: u64) -> DriverParams {
+        let traits = LatentTraits {
+            aggressiveness: a,
+            spacing: b,
+            pace: c,
+        };
+        DriverParams::draw(&traits, seed, seed)
+    }
+
+    /// Asks for the same at all times.
+    fn always(speed_mps: f64, gap_m: f64, change: f64) -> impl FnMut(&Situation) -> Setpoints {
+        move |_| Setpoints {
+            speed_mps,
+            following_distance_m: gap_m,
+            change_probability: change,
+        }
+    }
+
+    /// Passes what is near ahead, merges back 1.4 s past it.
+    fn passing(speed_mps: f64) -> impl FnMut(&Situation) -> Setpoints {
+        move |s| {
+            let gap_s = s.reference.dx_m / s.ego_speed_mps.max(1.0);
+            let own_lane = s.reference.dy_m.abs() < 1.83;
+            let likely = s.reference.vehicle.is_some()
+                && (own_lane && gap_s < 2.0 || !own_lane && gap_s < -1.4);
+            Setpoints {
+                speed_mps,
+                following_distance_m: 1.2 * s.ego_speed_mps,
+                change_probability: if likely { 0.3 } else { 0.0 },
+            }
+        }
+    }
+
+    fn with(change: impl FnOnce(&mut ScenarioSettings)) -> Scenario {
+        let mut settings = Scenario::paper().settings().clone();
+        change(&mut settings);
+        Scenario::try_from(settings).unwrap()
+    }
+
+    /// A road with nothing on it but what a test puts there.
+    fn empty_road(duration_s: f64, vehicles: Vec<VehiclePlacement>) -> Scenario {
+        with(|s| {
+            s.duration_s = duration_s;
+            s.leads.factors_of_target.clear();
+            s.leads.factors_of_posted.clear();
+            s.off_lane.interval_s = [1e5, 1e5];
+            s.vehicles = vehicles;
+        })
+    }
+
+    fn placed(ahead_m: f64, lane: u8, speed_mps: f64) -> VehiclePlacement {
+        VehiclePlacement {
+            ahead_m,
+            lane,
+            speed_mps,
+        }
+    }
+
+    fn automated(scenario: &Scenario, mut planner: impl Planner, seed: u64) -> Rollout {
+        let settings = &scenario.settings().controllers;
+        rollout(scenario, Driver::Automated(&mut planner, settings), seed).unwrap()
+    }
+
+    fn final_gap_m(rollout: &Rollout, other: usize) -> f64 {
+        let ego = rollout.recording.ego();
+        let track = &rollout.recording.others()[other];
+        let centres = track.x_m.last().unwrap() - ego.x_m.last().unwrap();
+        centres - 0.5 * (track.length_m + ego.length_m)
+    }
+
+    #[test]
+    fn the_car_stops_behind_a_standing_one() {
+        let scenario = empty_road(120.0, vec![placed(400.0, 0, 0.0)]);
+        let stopped = automated(&scenario, always(30.0, 8.0, 0.0), 1);
+        assert!(*stopped.recording.ego().speed_mps.last().unwrap() < 0.1);
+        let gap = final_gap_m(&stopped, 0);
+        assert!((2.0..12.0).contains(&gap), "{gap}");
+        assert_eq!(stopped.report.collisions, 0);
+    }
+
+    #[test]
+    fn a_person_stops_where_both_lanes_are_taken() {
+        let scenario = empty_road(120.0, vec![placed(400.0, 0, 0.0), placed(400.0, 1, 0.0)]);
+        for seed in 0..5 {
+            let driver = person(1.0, -1.0, 1.0, seed);
+            let stopped = rollout(&scenario, Driver::Human(&driver), seed).unwrap();
+            assert!(*stopped.recording.ego().speed_mps.last().unwrap() < 0.3);
+            assert_eq!(stopped.report.collisions, 0);
+            assert!(final_gap_m(&stopped, 0) > 0.5);
+        }
+    }
+
+    #[test]
+    fn the_car_passes_a_slower_lead_and_merges_back() {
+        let scenario = empty_road(120.0, vec![placed(200.0, 0, 24.0)]);
+        let passed = automated(&scenario, passing(30.0), 1);
+        let changes = drive(&passed).lane_changes();
+        let directions: Vec<Direction> = changes.iter().map(|c| c.direction).collect();
+        assert_eq!(directions, [Direction::Left, Direction::Right]);
+        assert!(changes.iter().all(|c| c.completed));
+        assert!(passed.recording.ego().y_m.last().unwrap().abs() < 0.05);
+        assert_eq!(passed.report.collisions + passed.report.interventions, 0);
+    }
+
+    #[test]
+    fn the_car_waits_while_the_passing_lane_is_taken() {
+        let beside = vec![
+            placed(45.0, 0, 24.5),
+            placed(8.0, 1, 24.5872),
+            placed(-14.0, 1, 24.5872),
+        ];
+        let scenario = empty_road(40.0, beside);
+        let waited = automated(&scenario, passing(24.7), 1);
+        assert_eq!(drive(&waited).lane_changes().len(), 0);
+        assert_eq!(waited.report.held_changes, 1);
+    }
+
+    #[test]
+    fn the_car_returns_when_there_is_nobody_to_pass() {
+        let scenario = with(|s| {
+            s.duration_s = 25.0;
+            s.start.lane = 1;
+            s.off_lane.interval_s = [1e5, 1e5];
+        });
+        let returned = automated(&scenario, always(28.0, 40.0, 0.0), 1);
+        assert!(returned.recording.ego().y_m.last().unwrap().abs() < 0.1);
+    }
+
+    #[test]
+    fn an_asked_gap_below_the_safe_distance_is_not_kept() {
+        let scenario = empty_road(180.0, vec![placed(100.0, 0, 25.0)]);
+        let followed = automated(&scenario, always(33.0, 1.0, 0.0), 1);
+        let gap = final_gap_m(&followed, 0);
+        let v = MetresPerSecond(25.0);
+        let safe = safe_distance(&scenario.settings().controllers, v, v).0;
+        assert!(gap > safe - 1.5, "{gap} {safe}");
+        assert_eq!(followed.report.rule_violations, 0);
+    }
+
+    #[test]
+    fn small_probabilities_pass_by_adding_up_and_never_by_the_rule_of_the_paper() {
+        let mut scenario = empty_road(120.0, vec![placed(60.0, 0, 24.0)]);
+        let left = |scenario: &Scenario| {
+            let driven = automated(scenario, always(27.0, 30.0, 0.05), 1);
+            driven.report.started_changes
+        };
+        assert!(left(&scenario) > 0);
+        let mut settings = scenario.settings().clone();
+        settings.controllers.change_rule = crate::scenario::ChangeRule::Paper;
+        scenario = Scenario::try_from(settings).unwrap();
+        assert_eq!(left(&scenario), 0);
+    }
+
+    #[test]
+    fn people_meet_six_leads_and_hit_none() {
+        for seed in 0..8 {
+            let driver = person(0.3 * seed as f64 - 1.2, 0.0, 0.0, seed);
+            let driven = rollout(&Scenario::paper(), Driver::Human(&driver), seed).unwrap();
+            assert_eq!(driven.report.collisions, 0);
+            assert_eq!(
+                (driven.report.leads, driven.report.blocked_encounters),
+                (6, 2)
+            );
+            assert!(drive(&driven).lane_changes().len() >= 2);
+        }
+    }
+
+    #[test]
+    fn the_other_vehicles_never_overlap_each_other() {
+        for seed in 0..6 {
+            let driver = person(0.0, 0.0, 0.0, seed);
+            let driven = rollout(&Scenario::paper(), Driver::Human(&driver), seed).unwrap();
+            for row in (0..driven.recording.rows()).step_by(4) {
+                let all = driven.recording.scene(row).unwrap().vehicles;
+                for (i, a) in all.iter().enumerate() {
+                    for b in &all[..i] {
+                        let apart = (a.y_m - b.y_m).abs() > 1.9 || (a.x_m - b.x_m).abs() > 4.7;
+                        assert!(apart, "seed {seed} row {row}: {a:?} {b:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn two_minutes_meet_two_leads() {
+        let scenario = Scenario::paper().with_duration(Seconds(120.0)).unwrap();
+        let driver = person(0.5, 0.0, 0.5, 1);
+        let driven = rollout(&scenario, Driver::Human(&driver), 1).unwrap();
+        assert_eq!(driven.report.leads, 2);
+        assert_eq!(driven.recording.rows(), 2400);
+    }
+
+    #[test]
+    fn aggressive_people_drive_faster_and_merge_back_closer() {
+        let mean_of = |a: f64| {
+            let (mut speed, mut gap, mut merges) = (0.0, 0.0, 0.0);
+            for seed in 0..12 {
+                let driver = person(a, 0.0, 0.0, seed);
+                let driven = rollout(&Scenario::paper(), Driver::Human(&driver), seed).unwrap();
+                let drive = drive(&driven);
+                let speeds = &drive.rows().ego_speed_mps;
+                speed += speeds.iter().sum::<f64>() / speeds.len() as f64;
+                for gap_m in drive
+                    .lane_changes()
+                    .iter()
+                    .filter_map(|c| c.gap_behind_m.filter(|_| c.direction == Direction::Right))
+                {
+                    gap += gap_m;
+                    merges += 1.0;
+                }
+            }
+            (speed / 12.0, gap / merges)
+        };
+        let (calm, wild) = (mean_of(-1.5), mean_of(1.5));
+        assert!(wild.0 > calm.0 + 3.0, "{calm:?} {wild:?}");
+        assert!(wild.1 < calm.1 - 10.0, "{calm:?} {wild:?}");
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_drive_and_another_another() {
+        let scenario = Scenario::paper().with_duration(Seconds(200.0)).unwrap();
+        let driver = person(0.2, 0.1, -0.3, 5);
+        let once = |seed| rollout(&scenario, Driver::Human(&driver), seed).unwrap();
+        assert_eq!(once(9), once(9));
+        assert_ne!(once(9), once(10));
+    }
+
+    #[test]
+    fn a_vehicle_out_of_sight_changes_nobody_elses_drive() {
+        let duration_s = 200.0;
+        let far = with(|s| {
+            s.duration_s = duration_s;
+            s.vehicles = vec![placed(-20_000.0, 0, 0.0)];
+        });
+        let without = with(|s| s.duration_s = duration_s);
+        let driver = person(0.2, 0.1, -0.3, 5);
+        let ego = |scenario: &Scenario| {
+            let driven = rollout(scenario, Driver::Human(&driver), 3).unwrap();
+            driven.recording.ego().clone()
+        };
+        assert_eq!(ego(&far), ego(&without));
+    }
+
+    #[test]
+    fn more_off_lane_traffic_leaves_the_order_of_the_leads() {
+        let approach_speeds = |interval_s: f64| {
+            let scenario = with(|s| s.off_lane.interval_s = [interval_s, interval_s]);
+            let driven = automated(&scenario, always(28.0, 40.0, 0.0), 4);
+            assert_eq!(driven.report.leads, 6);
+            let ego = driven.recording.ego();
+            let leads = driven.recording.others().iter().filter(|t| t.y_m[0] < 1.0);
+            // Each lead drives off in the end; its speed 20 s before is its own.
+            leads
+                .filter(|t| t.first_row > 0 && t.x_m[0] > ego.x_m[t.first_row])
+                .map(|t| (t.speed_mps[t.speed_mps.len().min(1100) - 1] * 2.0).round())
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(approach_speeds(60.0), approach_speeds(1e5));
+    }
+
+    #[test]
+    fn a_set_point_that_is_no_number_is_refused_by_name_and_time() {
+        let mut planner = always(f64::NAN, 30.0, 0.0);
+        let scenario = Scenario::paper();
+        let settings = &scenario.settings().controllers;
+        let error = rollout(&scenario, Driver::Automated(&mut planner, settings), 1).unwrap_err();
+        assert!(
+            error.to_string().contains("`speed_mps` = NaN at 0 s"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn controller_settings_out_of_range_are_refused() {
+        let mut planner = always(30.0, 30.0, 0.0);
+        let settings = ControllerSettings {
+            gap_gain_per_s2: -1.0,
+            ..ControllerSettings::PAPER
+        };
+        let driver = Driver::Automated(&mut planner, &settings);
+        let error = rollout(&Scenario::paper(), driver, 1).unwrap_err();
+        assert!(error.to_string().contains("controllers.gap_gain_per_s2"));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn no_person_collides_from_any_feasible_start(
+            latents in prop::array::uniform3(-3.5..3.5_f64),
+            ahead_m in 130.0..400.0_f64,
+            lead_mps in 0.0..30.0_f64,
+            seed in 0..u64::MAX,
+        ) {
+            let scenario = with(|s| {
+                s.duration_s = 240.0;
+                s.vehicles = vec![placed(ahead_m, 0, lead_mps)];
+            });
+            let driver = person(latents[0], latents[1], latents[2], seed);
+            let driven = rollout(&scenario, Driver::Human(&driver), seed).unwrap();
+            prop_assert_eq!(driven.report.collisions, 0);
+        }
+
+        #[test]
+        fn no_planner_and_no_accepted_settings_make_the_car_collide(
+            speed_mps in -50.0..200.0_f64,
+            gap_m in -50.0..200.0_f64,
+            change in 0.0..=1.0_f64,
+            start in (130.0..400.0_f64, 0.0..30.0_f64),
+            gains in (0.01..2.0_f64, 0.0..0.5_f64, 0.0..0.5_f64, 0.01..2.0_f64),
+            rss in (0.3..3.0_f64, 3.0..8.0_f64, 0.0..1.0_f64, 1.0..50.0_f64),
+            handing in (5.0..200.0_f64, 0.0..5.0_f64, 0.5..3.5_f64, 0.1..20.0_f64),
+            changing in (0.05..3.0_f64, 2.0..10.0_f64, 0.0..1.0_f64, 0.5..1.8_f64),
+            seed in 0..u64::MAX,
+        ) {
+            let controllers = ControllerSettings {
+                velocity_gain_per_s: gains.0,
+                velocity_integral_per_s2: gains.1,
+                gap_gain_per_s2: gains.2,
+                speed_difference_gain_per_s: gains.3,
+                reaction_s: rss.0,
+                own_braking_mps2: rss.1,
+                other_braking_mps2: rss.1 + rss.2 * (12.0 - rss.1),
+                margin_m: rss.3,
+                following_threshold_m: handing.0,
+                following_threshold_factor: handing.1,
+                closing_braking_mps2: handing.2,
+                handover_band_m: handing.3,
+                hazard_threshold: changing.0,
+                change_shortest_s: changing.1,
+                change_longest_s: changing.1 + changing.2 * (15.0 - changing.1),
+                change_time_factor: changing.3,
+                ..ControllerSettings::PAPER
+            };
+            let scenario = with(|s| {
+                s.duration_s = 240.0;
+                s.vehicles = vec![placed(start.0, 0, start.1)];
+                s.controllers = controllers;
+            });
+            let driven = automated(&scenario, always(speed_mps, gap_m, change), seed);
+            prop_assert_eq!(driven.report.collisions, 0);
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! Every number of the world a user may change, checked once.
+
+mod car;
+mod check;
+mod controllers;
+mod traffic;
+
+use crate::{drivers::Population, error::SimulatorError};
+pub use car::{RoadSettings, StartSettings, VehicleSettings};
+use check::{Range, check};
+pub use controllers::{ChangeRule, ControllerSettings};
+use maveric_domain::{MetresPerSecond, Road};
+use serde::{Deserialize, Serialize};
+pub use traffic::{BlockedSettings, LeadSettings, OffLaneSettings, VehiclePlacement};
+
+/// A scenario as its file has it; [`Scenario`] is the checked form.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScenarioSettings {
+    /// Length of the drive, in s.
+    pub duration_s: f64,
+    /// The road.
+    pub road: RoadSettings,
+    /// Ego's car.
+    pub vehicle: VehicleSettings,
+    /// How ego starts.
+    pub start: StartSettings,
+    /// The six lead vehicles.
+    pub leads: LeadSettings,
+    /// Encounters in which the passing lane is taken.
+    pub blocked: BlockedSettings,
+    /// Other vehicles of the passing lane.
+    pub off_lane: OffLaneSettings,
+    /// The automated car's controllers.
+    pub controllers: ControllerSettings,
+    /// The population of synthetic drivers.
+    pub drivers: Population,
+    /// Further vehicles, there from the start, each keeping its speed and lane.
+    #[serde(default)]
+    pub vehicles: Vec<VehiclePlacement>,
+}
+
+/// A checked scenario: the world, the car, its controllers and who may drive it.
+///
+/// # Example
+/// ```
+/// # use maveric_simulator::Scenario;
+/// let minutes = Scenario::paper().with_duration(maveric_domain::Seconds(120.0))?;
+/// assert!((minutes.settings().duration_s - 120.0).abs() < 1e-12);
+/// # Ok::<(), maveric_simulator::SimulatorError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "ScenarioSettings", into = "ScenarioSettings")]
+pub struct Scenario {
+    settings: ScenarioSettings,
+}
+
+impl Scenario {
+    /// The world of the paper with the numbers of calibration: `study_data/scenarios/paper.toml` in code.
+    pub fn paper() -> Self {
+        Self {
+            settings: ScenarioSettings {
+                duration_s: 600.0,
+                road: RoadSettings::PAPER,
+                vehicle: VehicleSettings::PAPER,
+                start: StartSettings::PAPER,
+                leads: LeadSettings::paper(),
+                blocked: BlockedSettings::PAPER,
+                off_lane: OffLaneSettings::PAPER,
+                controllers: ControllerSettings::PAPER,
+                drivers: Population::PAPER,
+                vehicles: Vec::new(),
+            },
+        }
+    }
+
+    /// The same scenario over another time.
+    ///
+    /// # Errors
+    /// [`SimulatorError::Setting`] outside 1 s to 24 h.
+    pub fn with_duration(
+        mut self,
+        duration: maveric_domain::Seconds,
+    ) -> Result<Self, SimulatorError> {
+        self.settings.duration_s = duration.0;
+        Self::try_from(self.settings)
+    }
+
+    /// The numbers.
+    pub fn settings(&self) -> &ScenarioSettings {
+        &self.settings
+    }
+
+    /// The road, as recordings have it.
+    pub fn road(&self) -> Road {
+        let road = &self.settings.road;
+        Road {
+            lanes: road.lanes,
+            lane_width_m: road.lane_width_m,
+            posted_speed_mps: MetresPerSecond::from_mph(road.posted_speed_mph).0,
+        }
+    }
+}
+
+impl TryFrom<ScenarioSettings> for Scenario {
+    type Error = SimulatorError;
+    fn try_from(settings: ScenarioSettings) -> Result<Self, SimulatorError> {
+        check(
+            "",
+            "duration_s",
+            settings.duration_s,
+            Range::Within(1.0, 86_400.0, "1 to 86400 s"),
+        )?;
+        settings.road.check()?;
+        settings.vehicle.check()?;
+        settings.start.check(&settings.road)?;
+        settings.leads.check()?;
+        settings.blocked.check()?;
+        settings.off_lane.check()?;
+        settings.controllers.check()?;
+        settings.drivers.check()?;
+        for vehicle in &settings.vehicles {
+            vehicle.check(&settings.road, settings.vehicle.length_m)?;
+        }
+        Ok(Self { settings })
+    }
+}
+
+impl From<Scenario> for ScenarioSettings {
+    fn from(scenario: Scenario) -> Self {
+        scenario.settings
+    }
+}
+
+pub(crate) use check::{Range as SettingRange, check as check_setting};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PAPER: &str = include_str!("../../../../study_data/scenarios/paper.toml");
+
+    #[test]
+    fn the_file_of_the_paper_says_what_the_code_says() {
+        let read: Scenario = toml::from_str(PAPER).unwrap();
+        assert_eq!(read, Scenario::paper());
+    }
+
+    #[test]
+    fn the_code_of_the_paper_passes_its_own_checks() {
+        let settings = Scenario::paper().settings().clone();
+        assert!(Scenario::try_from(settings).is_ok());
+    }
+
+    #[test]
+    fn a_misspelt_key_is_an_error_that_names_it() {
+        let text = PAPER.replace("slot_spacing_s", "slot_spaceing_s");
+        let error = toml::from_str::<Scenario>(&text).unwrap_err();
+        assert!(error.to_string().contains("slot_spaceing_s"));
+    }
+
+    #[test]
+    fn a_number_outside_its_range_is_an_error_that_names_it() {
+        for (key, bad) in [
+            ("duration_s = 600.0", "duration_s = nan"),
+            ("lane_width_m = 3.66", "lane_width_m = 0.0"),
+            ("hazard_threshold = 0.5", "hazard_threshold = -1.0"),
+            ("braking_limit_mps2 = 8.0", "braking_limit_mps2 = inf"),
+        ] {
+            assert!(PAPER.contains(key), "{key}");
+            let error = toml::from_str::<Scenario>(&PAPER.replacen(key, bad, 1)).unwrap_err();
+            let name = key.split(' ').next().unwrap();
+            assert!(error.to_string().contains(name), "{error}");
+        }
+    }
+}

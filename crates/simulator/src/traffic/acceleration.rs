@@ -1,0 +1,71 @@
+//! How the other vehicles speed up and slow down.
+
+use super::{Car, EgoView, Role, blocked, distance_m};
+use crate::scenario::ScenarioSettings;
+
+/// Acceleration of off-lane vehicles and of cars riding beside ego, at most, in m/s².
+const ACCELERATION_MPS2: f64 = 2.0;
+/// Sideways distance of centres below which a vehicle is in another's way, in m.
+const IN_THE_WAY_M: f64 = 2.4;
+/// Gap at standstill, in m.
+const STANDSTILL_M: f64 = 2.0;
+/// Time gap kept, in s: short, so that a car which ego has passed keeps its speed behind it.
+const TIME_GAP_S: f64 = 0.6;
+/// Acceleration and comfortable braking of the car-following rule, in m/s².
+const FOLLOWING_MPS2: (f64, f64) = (1.5, 2.5);
+/// Hardest braking, in m/s².
+const BRAKING_MPS2: f64 = 8.0;
+
+/// Acceleration towards the speed that the car's role wants, in m/s².
+pub(crate) fn wanted(
+    car: &mut Car,
+    settings: &ScenarioSettings,
+    ego: &EgoView,
+    time_s: f64,
+) -> f64 {
+    let distance = distance_m(ego, &car.state);
+    let (wanted_mps, limit) = match &mut car.role {
+        Role::Lead(plan) => {
+            let ahead = (car.lane == ego.lane && car.state.x_m > ego.x_m).then_some(distance);
+            let wanted = plan.wanted_mps(&settings.leads, ego, ahead, time_s);
+            (wanted, settings.leads.acceleration_mps2)
+        }
+        Role::Blocker { place_m, leaving } => {
+            let x_m = car.state.x_m;
+            let wanted = blocked::wanted_mps(&settings.blocked, ego, x_m, *place_m, *leaving);
+            (wanted, ACCELERATION_MPS2)
+        }
+        Role::Steady { speed_mps, .. } => (*speed_mps, ACCELERATION_MPS2),
+    };
+    (wanted_mps - car.state.speed_mps).clamp(-limit, limit)
+}
+
+/// Acceleration that keeps the car off whatever is ahead of it, in m/s²; infinite on free road.
+///
+/// # Source
+/// The interaction term of IDM (Treiber, Hennecke and Helbing 2000), only where the gap is shorter than wanted.
+pub(crate) fn held_back(car: &Car, cars: &[Car], ego: &EgoView) -> f64 {
+    let own = &car.state;
+    let others = cars
+        .iter()
+        .map(|c| &c.state)
+        .filter(|s| s.id != own.id)
+        .map(|s| (s.x_m, s.y_m, s.speed_mps, s.length_m));
+    let nearest = others
+        .chain([(ego.x_m, ego.y_m, ego.speed_mps, ego.length_m)])
+        .filter(|&(x, y, ..)| x > own.x_m && (y - own.y_m).abs() < IN_THE_WAY_M)
+        .map(|(x, _, speed, length)| (x - own.x_m - 0.5 * (length + own.length_m), speed))
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((gap_m, speed_mps)) = nearest else {
+        return f64::INFINITY;
+    };
+    let (a, b) = FOLLOWING_MPS2;
+    let closing = own.speed_mps - speed_mps;
+    let dynamic = own.speed_mps * (TIME_GAP_S + closing / (2.0 * (a * b).sqrt()));
+    let z = (STANDSTILL_M + dynamic.max(0.0)) / gap_m.max(0.1);
+    if z < 1.0 {
+        f64::INFINITY
+    } else {
+        (a * (1.0 - z * z)).max(-BRAKING_MPS2)
+    }
+}

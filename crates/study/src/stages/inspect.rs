@@ -1,0 +1,205 @@
+//! `inspect`: what is in a log, a drive or a model.
+
+use crate::{
+    atomic_write::atomic_write_bytes,
+    error::StudyError,
+    outcome::{Outcome, Watch},
+    stages::{ingest::read_mapping, train::read_model},
+    tables::drives::read_drive,
+};
+use maveric_domain::{Drive, DriveMeta};
+use maveric_ingest::{IngestSettings, LogSummary, read_log};
+use maveric_report::{
+    Context,
+    figures::{CarFollowing, Follower, FollowingSeries, car_following},
+};
+use serde::Serialize;
+use std::{
+    fs::File,
+    io::Read as _,
+    path::{Path, PathBuf},
+};
+
+/// What to look into.
+#[derive(Debug, Clone)]
+pub struct InspectOptions {
+    /// The files.
+    pub files: Vec<PathBuf>,
+    /// What the columns of a table mean.
+    pub mapping: Option<PathBuf>,
+    /// Picture of the first file's drive to write (PNG).
+    pub plot: Option<PathBuf>,
+}
+
+/// What one file holds.
+#[derive(Debug, Clone, Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum Inspected {
+    /// A raw log.
+    Log(Box<LogSummary>),
+    /// A drive that was ingested.
+    Drive {
+        /// Whose it is.
+        meta: DriveMeta,
+        /// Samples a second.
+        rate_hz: f64,
+        /// Rows.
+        rows: usize,
+        /// Length, in s.
+        duration_s: f64,
+        /// Stretches without a hole.
+        segments: usize,
+        /// Rows with a reference vehicle.
+        lead_rows: usize,
+        /// Rows following it.
+        following_rows: usize,
+        /// Lane changes, completed ones.
+        lane_changes: usize,
+    },
+    /// A trained model.
+    Model {
+        /// Size of its embeddings.
+        embedding_size: usize,
+        /// Numbers in its networks.
+        parameters: usize,
+        /// Drives that it learned from.
+        drives: usize,
+        /// What it learned: following distance, lane change, aggression.
+        learned: [bool; 3],
+    },
+}
+
+/// What the files hold, in their order.
+#[derive(Debug, Clone, Serialize)]
+pub struct InspectedFiles {
+    /// One entry a file.
+    pub files: Vec<InspectedFile>,
+}
+
+/// What one file holds, with its path.
+#[derive(Debug, Clone, Serialize)]
+pub struct InspectedFile {
+    /// The file.
+    pub path: PathBuf,
+    /// What is in it.
+    #[serde(flatten)]
+    pub content: Inspected,
+}
+
+fn begins_with(path: &Path, magic: &[u8]) -> Result<bool, StudyError> {
+    if path.is_dir() {
+        return Err(StudyError::file(path, "is a folder, expected a log, a drive or a model"));
+    }
+    let mut start = Vec::new();
+    let file = File::open(path).map_err(StudyError::read(path))?;
+    file.take(magic.len() as u64).read_to_end(&mut start).map_err(StudyError::read(path))?;
+    Ok(start == magic)
+}
+
+/// Says what each file holds; draws the first one's drive if asked to.
+///
+/// # Errors
+/// [`StudyError`] naming the file that cannot be read as any of the three.
+pub fn inspect(options: &InspectOptions, watch: Watch<'_>) -> Result<Outcome<InspectedFiles>, StudyError> {
+    let mut files = Vec::new();
+    let mut summary = Vec::new();
+    for (done, path) in options.files.iter().enumerate() {
+        let content = look_into(path)?;
+        summary.push(format!("{}", path.display()));
+        summary.extend(lines(&content).into_iter().map(|line| format!("  {line}")));
+        files.push(InspectedFile { path: path.clone(), content });
+        watch.step(done + 1, options.files.len(), "files")?;
+    }
+    if let (Some(out), Some(first)) = (&options.plot, options.files.first()) {
+        plot(first, options.mapping.as_deref(), out)?;
+        summary.push(format!("picture: {}", out.display()));
+    }
+    Ok(Outcome { value: InspectedFiles { files }, summary, warnings: Vec::new() })
+}
+
+fn look_into(path: &Path) -> Result<Inspected, StudyError> {
+    if begins_with(path, b"PAR1")? {
+        let drive = read_drive(path)?;
+        let rows = drive.rows();
+        return Ok(Inspected::Drive {
+            meta: drive.meta().clone(),
+            rate_hz: drive.rate_hz(),
+            rows: drive.len(),
+            duration_s: rows.time_s.last().copied().unwrap_or(0.0) - rows.time_s[0],
+            segments: rows.segment.last().map_or(0, |s| *s as usize + 1),
+            lead_rows: rows.lead_present.iter().filter(|p| **p).count(),
+            following_rows: rows.following.iter().filter(|f| **f).count(),
+            lane_changes: drive.lane_changes().iter().filter(|c| c.completed).count(),
+        });
+    }
+    if begins_with(path, b"{")? {
+        let model = read_model(path)?;
+        let learned = model.learned();
+        return Ok(Inspected::Model {
+            embedding_size: model.embedding_size(),
+            parameters: model.architecture().parameters(),
+            drives: model.training().len(),
+            learned: [learned.following_distance, learned.lane_change, learned.aggression],
+        });
+    }
+    Ok(Inspected::Log(Box::new(maveric_ingest::inspect(path)?)))
+}
+
+fn number(value: Option<f64>, unit: &str) -> String {
+    value.map_or_else(|| "-".to_owned(), |v| format!("{v:.2}{unit}"))
+}
+
+fn lines(content: &Inspected) -> Vec<String> {
+    match content {
+        Inspected::Log(log) => log_lines(log),
+        Inspected::Drive { meta, rate_hz, rows, duration_s, segments, lead_rows, following_rows, lane_changes } => vec![
+            format!("drive {} of {}, study {}, {}, {}", meta.drive, meta.participant, meta.study.as_str(), meta.condition, meta.driven_by.as_str()),
+            format!("{rows} rows at {rate_hz} Hz, {duration_s:.1} s, {segments} segments"),
+            format!("{lead_rows} rows with a reference vehicle, {following_rows} following, {lane_changes} lane changes"),
+        ],
+        Inspected::Model { embedding_size, parameters, drives, learned: [following, change, aggression] } => vec![
+            format!("model with embeddings of size {embedding_size}, {parameters} parameters, trained on {drives} drives"),
+            format!("learned: following distance {following}, lane change {change}, aggression {aggression}"),
+        ],
+    }
+}
+
+fn log_lines(log: &LogSummary) -> Vec<String> {
+    let mut lines = vec![format!("{:?}, {} messages or rows over {}", log.format, log.rows, number(log.duration_s, " s"))];
+    for c in &log.channels {
+        let why = c.reason.as_ref().map(|r| format!("  not decodable: {r}")).unwrap_or_default();
+        lines.push(format!("{:44} {:44} {:6} messages {:>9}{why}", c.topic, c.type_name, c.messages, number(c.rate_hz, " Hz")));
+    }
+    for c in &log.columns {
+        lines.push(format!("{:24} {} filled, {} to {}", c.name, c.filled, number(c.least, ""), number(c.greatest, "")));
+    }
+    lines.extend(log.gaps.iter().map(|g| format!("gap on {}: {:.2} to {:.2} s", g.topic, g.from_s, g.to_s)));
+    lines.extend(log.damage.iter().map(|d| format!("damage: {}", d.what)));
+    lines.push(format!("would ingest: {}", log.would_ingest));
+    lines
+}
+
+fn plot(path: &Path, mapping: Option<&Path>, out: &Path) -> Result<(), StudyError> {
+    let drive = if begins_with(path, b"PAR1")? {
+        read_drive(path)?
+    } else {
+        let mapping = mapping.map(read_mapping).transpose()?;
+        let settings = IngestSettings { mapping, ..IngestSettings::default() };
+        let Some(log) = read_log(path, &settings)?.into_iter().next() else {
+            return Err(StudyError::file(path, "holds no drive to draw"));
+        };
+        Drive::from_recording(log.meta, &log.recording)?
+    };
+    let rows = drive.rows();
+    let input = CarFollowing {
+        driver: drive.meta().drive.to_string(),
+        data_set: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        time_s: rows.time_s.clone(),
+        series: vec![FollowingSeries {
+            follower: Follower::Recorded,
+            gap_m: rows.lead_dx_m.clone(),
+            speed_mps: rows.ego_speed_mps.clone(),
+        }],
+    };
+    atomic_write_bytes(out, &car_following(&input, &Context::real())?.png()?)
+}

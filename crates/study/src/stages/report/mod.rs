@@ -1,0 +1,78 @@
+//! `report`: figures, tables and the page from the results of a run.
+
+mod keys;
+mod people;
+mod real;
+mod scene;
+mod synthetic;
+
+use crate::{
+    atomic_write::{atomic_write_bytes, read_text},
+    error::StudyError,
+    outcome::{Outcome, Watch},
+};
+use maveric_report::html::RenderedFile;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// What to report.
+#[derive(Debug, Clone)]
+pub struct ReportOptions {
+    /// Folder of results, as the pipeline leaves it.
+    pub results: PathBuf,
+    /// Folder to write into.
+    pub out: PathBuf,
+    /// What the paper reported.
+    pub claims: PathBuf,
+}
+
+/// What was written.
+#[derive(Debug, Clone, Serialize)]
+pub struct Reported {
+    /// The page.
+    pub page: PathBuf,
+    /// Files written, the page included.
+    pub files: usize,
+    /// The findings, a line each.
+    pub findings: Vec<String>,
+}
+
+/// Draws every figure and table that the results have numbers for, and the page that holds them.
+///
+/// A folder with `analysis.json` is a study; one with `following.json` is an evaluation on recorded driving.
+///
+/// # Errors
+/// [`StudyError`] if the folder holds neither, a result cannot be read, or a figure refuses its numbers.
+pub fn report(options: &ReportOptions, watch: Watch<'_>) -> Result<Outcome<Reported>, StudyError> {
+    let folder = &options.results;
+    let (page, findings) = if folder.join("analysis.json").exists() {
+        let claims = read_text(&options.claims)?;
+        synthetic::page(folder, &claims, watch)?
+    } else if folder.join("following.json").exists() {
+        real::page(folder)?
+    } else {
+        return Err(StudyError::BadFile {
+            path: folder.clone(),
+            problem: "holds neither analysis.json nor following.json, so there is nothing to report".to_owned(),
+            help: Some("run a pipeline first, or `maveric stats paper` over a study's results".to_owned()),
+        });
+    };
+    watch.step(1, 2, "report")?;
+    let files = maveric_report::render(&page)?;
+    write_all(&options.out, &files)?;
+    watch.step(2, 2, "report")?;
+    let index = options.out.join("index.html");
+    let mut summary = findings.clone();
+    summary.push(format!("report: {}", index.display()));
+    let value = Reported { page: index, files: files.len(), findings };
+    Ok(Outcome { value, summary, warnings: page.warnings })
+}
+
+fn write_all(out: &Path, files: &[RenderedFile]) -> Result<(), StudyError> {
+    // The page last: when it is there, everything that it links to is there too.
+    let (page, others): (Vec<&RenderedFile>, Vec<&RenderedFile>) = files.iter().partition(|f| f.path == "index.html");
+    for file in others.into_iter().chain(page) {
+        atomic_write_bytes(&out.join(&file.path), &file.bytes)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,109 @@
+//! Who took part: groups, ages, scores.
+
+use crate::{
+    error::StudyError,
+    tables::{measurements::MeasuredDrive, participants::read_participants, surveys::read_scores},
+};
+use maveric_domain::{Moment, Score, Study};
+use maveric_participants::{Gender, Participant, Population};
+use maveric_report::tables::ParticipantGroup;
+use std::path::Path;
+
+/// The participants of both studies.
+pub(super) struct People {
+    people: Vec<Participant>,
+    scores: Vec<Score>,
+    /// Drives by hand of each study.
+    drives: [usize; 2],
+}
+
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+fn sd(values: &[f64]) -> Option<f64> {
+    let m = mean(values)?;
+    let squares: f64 = values.iter().map(|v| (v - m).powi(2)).sum();
+    (values.len() > 1).then(|| (squares / (values.len() - 1) as f64).sqrt())
+}
+
+impl People {
+    pub(super) fn read(folder: &Path, drives: &[MeasuredDrive]) -> Result<Self, StudyError> {
+        let by_hand = |study| {
+            let hand = |d: &&MeasuredDrive| d.meta.driven_by != maveric_domain::DrivenBy::Automated;
+            drives.iter().filter(|d| d.meta.study == study).filter(hand).count()
+        };
+        Ok(Self {
+            people: read_participants(&folder.join("participants.csv"))?,
+            scores: read_scores(&folder.join("scores.csv"))?,
+            drives: [by_hand(Study::One), by_hand(Study::Two)],
+        })
+    }
+
+    fn of(&self, study: Study, population: Option<Population>) -> Vec<&Participant> {
+        let fits = |p: &&Participant| p.study == study && population.is_none_or(|g| p.population == g);
+        self.people.iter().filter(fits).collect()
+    }
+
+    fn adb(&self, people: &[&Participant]) -> Vec<f64> {
+        let score = |p: &&Participant| {
+            let mine = |s: &&Score| {
+                s.participant == p.id && s.moment == Moment::Pre && s.scale == "adb" && s.subscale == "total"
+            };
+            self.scores.iter().find(mine)?.value
+        };
+        people.iter().filter_map(score).collect()
+    }
+
+    fn group(&self, name: &str, study: Study, population: Option<Population>) -> ParticipantGroup {
+        let people = self.of(study, population);
+        let ages: Vec<f64> = people.iter().map(|p| f64::from(p.age_years)).collect();
+        let women = people.iter().filter(|p| p.gender == Gender::Female).count();
+        let adb = self.adb(&people);
+        let drives = match (study, population) {
+            (Study::One, _) => self.drives[0],
+            (Study::Two, None) => self.drives[1],
+            (Study::Two, Some(_)) => people.len(),
+        };
+        ParticipantGroup {
+            group: name.to_owned(),
+            n: people.len(),
+            drives,
+            mean_age: mean(&ages),
+            sd_age: sd(&ages),
+            female: (!people.is_empty()).then(|| women as f64 / people.len() as f64),
+            mean_adb: mean(&adb),
+            sd_adb: sd(&adb),
+        }
+    }
+
+    /// The rows of the participants table.
+    pub(super) fn groups(&self) -> Vec<ParticipantGroup> {
+        vec![
+            self.group("Study 1 (model training)", Study::One, None),
+            self.group("Study 2 (model testing), internal", Study::Two, Some(Population::Internal)),
+            self.group("Study 2 (model testing), external", Study::Two, Some(Population::External)),
+        ]
+    }
+
+    /// What the claims ledger asks about the participants.
+    pub(super) fn results(&self) -> Vec<(String, Option<f64>)> {
+        let mut found = Vec::new();
+        for (key, study, population) in [
+            ("study1", Study::One, None),
+            ("study2", Study::Two, None),
+            ("study2.internal", Study::Two, Some(Population::Internal)),
+            ("study2.external", Study::Two, Some(Population::External)),
+        ] {
+            let group = self.group(key, study, population);
+            found.push((format!("participants.{key}.n"), Some(group.n as f64)));
+            found.push((format!("participants.{key}.mean_age"), group.mean_age));
+            found.push((format!("participants.{key}.female_percent"), group.female.map(|f| 100.0 * f)));
+        }
+        found.push(("participants.n".to_owned(), Some(self.people.len() as f64)));
+        let professionals = self.of(Study::One, None).iter().filter(|p| p.professional).count();
+        found.push(("participants.study1.professionals".to_owned(), Some(professionals as f64)));
+        found.push(("participants.study1.drives".to_owned(), Some(self.drives[0] as f64)));
+        found
+    }
+}

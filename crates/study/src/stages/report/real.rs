@@ -1,0 +1,124 @@
+//! The page of an evaluation on recorded driving.
+
+use crate::{
+    atomic_write::read_json,
+    error::StudyError,
+    stages::train::{TrainingSummary, training_path},
+};
+use maveric_model::following::{FollowingEvaluation, FollowingMethod};
+use maveric_report::{
+    Context, Report,
+    figures::{
+        CarFollowing, Follower, FollowingErrors, FollowingSeries, ModelErrors, car_following, following_errors,
+    },
+    html::{Provenance, Section},
+    tables::{self, FollowingRow},
+};
+use std::path::Path;
+
+/// The methods that the figures show.
+const SHOWN: [(FollowingMethod, Follower); 4] = [
+    (FollowingMethod::NetworkOwn, Follower::Model),
+    (FollowingMethod::NetworkMean, Follower::MeanEmbedding),
+    (FollowingMethod::IdmOwn, Follower::Idm),
+    (FollowingMethod::ConstantTimeGapOwn, Follower::ConstantTimeGap),
+];
+
+pub(super) fn page(folder: &Path) -> Result<(Report, Vec<String>), StudyError> {
+    let found: FollowingEvaluation = read_json(&folder.join("following.json"))?;
+    let training: TrainingSummary = read_json(&training_path(&folder.join("model.json")))?;
+    let context = Context::real();
+    let data_set = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let rows: Vec<FollowingRow> = found
+        .means
+        .iter()
+        .map(|m| FollowingRow {
+            model: m.method.label().to_owned(),
+            gap_rmse_m: Some(m.gap_rmse_m),
+            speed_rmse_mps: Some(m.speed_rmse_mps),
+            gap_nrmse: Some(m.nrmse),
+            reached_zero: Some(m.reached_zero),
+        })
+        .collect();
+    let drivers: Vec<String> = found.drivers.iter().map(|d| d.driver.clone()).collect();
+    let errors_of = |method| -> Vec<f64> {
+        let of = |d: &maveric_model::following::DriverEvaluation| {
+            d.methods.iter().find(|m| m.method == method).map(|m| m.errors.gap_rmse_m)
+        };
+        found.drivers.iter().filter_map(of).collect()
+    };
+    let errors = FollowingErrors {
+        data_set: data_set.clone(),
+        drivers: drivers.clone(),
+        models: SHOWN.map(|(method, model)| ModelErrors { model, gap_rmse_m: errors_of(method) }).to_vec(),
+    };
+    let mut figures = vec![following_errors(&errors, &context)?];
+    for driver in &found.drivers {
+        let series = &driver.series;
+        let recorded = FollowingSeries {
+            follower: Follower::Recorded,
+            gap_m: series.gap_m.clone(),
+            speed_mps: series.ego_speed_mps.clone(),
+        };
+        let simulated = SHOWN.iter().filter_map(|(method, follower)| {
+            let s = series.simulated.iter().find(|s| s.method == *method)?;
+            Some(FollowingSeries { follower: *follower, gap_m: s.gap_m.clone(), speed_mps: s.speed_mps.clone() })
+        });
+        let input = CarFollowing {
+            driver: driver.driver.clone(),
+            data_set: data_set.clone(),
+            time_s: series.time_s.clone(),
+            series: std::iter::once(recorded).chain(simulated).collect(),
+        };
+        figures.push(car_following(&input, &context)?);
+    }
+    let mean = |method| found.means.iter().find(|m| m.method == method);
+    let mut summary = vec![format!(
+        "{} drivers, recorded by instruments on a road or track; each one's last third was seen by no fit.",
+        drivers.len()
+    )];
+    for (method, _) in SHOWN {
+        if let Some(m) = mean(method) {
+            summary.push(format!(
+                "{}: gap {:.2} m, speed {:.2} m/s (RMSE in closed loop, mean over drivers); the simulated gap reached 0 for {} of {}.",
+                m.method.label(),
+                m.gap_rmse_m,
+                m.speed_rmse_mps,
+                m.reached_zero,
+                m.drivers
+            ));
+        }
+    }
+    let findings = summary.clone();
+    summary.extend(training.left_out.iter().map(|l| format!("Left out of the training: {l}.")));
+    let sections = vec![Section {
+        title: "Car-following on the unseen last third".to_owned(),
+        intro: vec![
+            "Only the leader is recorded in these simulations: from the true gap and speed at the first unseen row, each model \
+             drives to the end of the drive on its own. The network gives a following distance, which a controller \
+             with gains fitted to the *other* drivers and the safety rule turns into acceleration. A car is not a \
+             person, and a pair of vehicles is one meeting of two drivers."
+                .to_owned(),
+        ],
+        figures,
+        tables: vec![tables::following_errors(&rows, &data_set, drivers.len())],
+    }];
+    let report = Report {
+        title: format!("Car-following of recorded drivers: {data_set}"),
+        subtitle: "Prediction of each driver's speed and gap in closed loop, beside a constant time gap and IDM".to_owned(),
+        context,
+        summary,
+        sections,
+        ledger: None,
+        exclusions: Vec::new(),
+        warnings: training.left_out.iter().chain(&training.warnings).cloned().collect(),
+        provenance: Provenance {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            seed: Some(training.seed),
+            command: format!("maveric run pipelines/{data_set}.toml"),
+            parameters: super::synthetic::parameters(&training),
+            inputs: Vec::new(),
+        },
+    };
+    Ok((report, findings))
+}
