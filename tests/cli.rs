@@ -49,11 +49,11 @@ fn an_unknown_column_gets_the_nearest_name() {
 #[test]
 fn a_model_of_something_else_is_refused() {
     let study = TempStudy::new();
-    study.write("model.json", "{\"weights\": []}");
+    study.write("model.maveric", "{\"weights\": []}");
     study.write("conditions.csv", "participant,condition,w1\nP1,mimic,0.1\n");
     study
-        .maveric(&["simulate", "--model", "model.json", "--conditions", "conditions.csv", "--out", "av"])
-        .failed(1, &["model.json"]);
+        .maveric(&["simulate", "--model", "model.maveric", "--conditions", "conditions.csv", "--out", "av"])
+        .failed(1, &["model.maveric"]);
     assert!(!study.path("av").exists());
 }
 

@@ -58,10 +58,10 @@ fn the_same_seed_gives_the_same_bytes_on_one_thread_and_on_two() {
         let logs = format!("{out}/logs/study1");
         let drives = format!("{out}/drives");
         study.maveric(&["ingest", &logs, "--out", &drives, "-j", jobs]).ok();
-        let model = format!("{out}/model.json");
+        let model = format!("{out}/model.maveric");
         study.maveric(&["train", "--drives", &drives, "--out", &model, "--epochs", "2", "-j", jobs]).ok();
     }
-    let files = ["participants.csv", "surveys.csv", "model.json"];
+    let files = ["participants.csv", "surveys.csv", "model.maveric"];
     let logs = std::fs::read_dir(study.path("one/logs/study1")).unwrap();
     let logs = logs.map(|f| format!("logs/study1/{}", f.unwrap().file_name().to_string_lossy()));
     let mut compared = 0;

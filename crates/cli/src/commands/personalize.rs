@@ -6,7 +6,7 @@ use maveric_study::stages::personalize::{self, PersonalizeOptions};
 
 /// Fit an embedding to each drive, the networks frozen
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: maveric personalize --model model.json --drives drives/study2 --scores scores.csv --out embeddings.csv")]
+#[command(after_help = "Example: maveric personalize --model model.maveric --drives drives/study2 --scores scores.csv --out embeddings.csv")]
 pub(crate) struct Personalize {
     /// Trained model
     #[arg(long)]

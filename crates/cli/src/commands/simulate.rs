@@ -6,7 +6,7 @@ use maveric_study::stages::simulate::{self, SimulateOptions};
 
 /// Drive each participant's conditions in the simulator
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: maveric simulate --model model.json --conditions conditions.csv --out av")]
+#[command(after_help = "Example: maveric simulate --model model.maveric --conditions conditions.csv --out av")]
 pub(crate) struct Simulate {
     /// Trained model
     #[arg(long)]

@@ -6,7 +6,7 @@ use maveric_study::stages::train::{self, TrainOptions};
 
 /// Train the networks and the training drivers' embeddings
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: maveric train --drives drives/study1 --scores scores.csv --out model.json")]
+#[command(after_help = "Example: maveric train --drives drives/study1 --scores scores.csv --out model.maveric")]
 pub(crate) struct Train {
     /// Folder of drives
     #[arg(long)]

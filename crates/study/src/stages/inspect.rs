@@ -132,7 +132,7 @@ fn look_into(path: &Path) -> Result<Inspected, StudyError> {
             lane_changes: drive.lane_changes().iter().filter(|c| c.completed).count(),
         });
     }
-    if begins_with(path, b"{")? {
+    if begins_with(path, b"maveric-model")? {
         let model = read_model(path)?;
         let learned = model.learned();
         return Ok(Inspected::Model {

@@ -9,7 +9,7 @@ use crate::{
         surveys::{read_answers, write_scores},
     },
 };
-use maveric_domain::{Answer, Scale};
+use maveric_domain::{Answer, Moment, Scale};
 use maveric_measures::{ItemMatrix, parse_scale};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -84,12 +84,16 @@ pub fn reliabilities_path(out: &Path) -> PathBuf {
     out.with_file_name(format!("{stem}_reliabilities.csv"))
 }
 
-/// Alpha over respondents at every moment they answered; after the conditions that is four sheets a person, as the
-/// paper's scales were used.
+/// Alpha over one sheet a person: those from before the drives where there are any. After the conditions a person
+/// answers once a condition, and all sheets count, as the paper's scales were used.
 fn reliability(matrix: &ItemMatrix) -> Reliability {
     let names: Vec<String> = matrix.items.iter().map(|item| format!("item {item}")).collect();
+    let before = matrix.respondents.iter().any(|(_, moment)| *moment == Moment::Pre);
+    let asked = |moment: Moment| !before || moment == Moment::Pre;
+    let sheets: Vec<&Vec<Option<f64>>> =
+        matrix.respondents.iter().zip(&matrix.answers).filter(|((_, m), _)| asked(*m)).map(|(_, row)| row).collect();
     let columns: Vec<Vec<Option<f64>>> =
-        (0..names.len()).map(|i| matrix.answers.iter().map(|row| row[i]).collect()).collect();
+        (0..names.len()).map(|i| sheets.iter().map(|row| row[i]).collect()).collect();
     let items: Vec<(&str, &[Option<f64>])> =
         names.iter().zip(&columns).map(|(name, column)| (name.as_str(), column.as_slice())).collect();
     let found = maveric_stats::alpha(&items).ok();
@@ -99,7 +103,7 @@ fn reliability(matrix: &ItemMatrix) -> Reliability {
         subscale: matrix.subscale.clone(),
         items: matrix.items.len(),
         n: found.as_ref().map_or(0, |a| a.n),
-        dropped: found.as_ref().map_or(matrix.answers.len(), |a| a.missing),
+        dropped: found.as_ref().map_or(sheets.len(), |a| a.missing),
         alpha: alpha.and_then(|a| a.raw),
         ci_low: alpha.and_then(|a| a.ci_low),
         ci_high: alpha.and_then(|a| a.ci_high),

@@ -69,6 +69,9 @@ pub struct TrainingSummary {
     pub epochs: Vec<EpochReport>,
 }
 
+/// Name of the model among a run's results.
+pub const MODEL_FILE: &str = "model.maveric";
+
 /// File beside the model that holds the training's report.
 pub fn training_path(model: &Path) -> PathBuf {
     beside(model, "_training.json")

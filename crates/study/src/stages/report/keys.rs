@@ -56,11 +56,18 @@ pub(super) fn results(analysis: &Analysis, people: &People, setup: &[(&str, f64)
         found.set(format!("mimic_accuracy.{}", short(&row.measure)), row.mean.map(|m| 100.0 * m));
     }
     for row in &analysis.nearer {
-        found.set(format!("nearer.{}.{}.p", short(&row.measure), row.than), row.p_holm);
+        let key = format!("nearer.{}.{}", short(&row.measure), row.than);
+        found.set(format!("{key}.p"), row.p_holm);
+        // Above 0: for more people than not, Mimic is the nearer one.
+        found.set(format!("{key}.direction"), row.share.map(|s| s - 0.5));
     }
     let rated = analysis.panels.iter().filter(|p| p.measure == "aggressiveness").flat_map(|p| &p.pairs);
     for pair in rated.filter(|p| p.first == Condition::Mimic) {
-        found.set(format!("rated_aggressiveness.{}.p", pair.second), pair.p_holm);
+        let key = format!("rated_aggressiveness.{}", pair.second);
+        found.set(format!("{key}.p"), pair.p_holm);
+        // The claims: Cautious is rated below Mimic, Aggressive above it.
+        let sign = if pair.second == Condition::Cautious { 1.0 } else { -1.0 };
+        found.set(format!("{key}.direction"), pair.mean_difference.map(|d| sign * d));
     }
     for row in &analysis.kept {
         let name = short(&row.measure);

@@ -3,7 +3,7 @@
 use crate::{
     atomic_write::read_json,
     error::StudyError,
-    stages::train::{TrainingSummary, training_path},
+    stages::train::{MODEL_FILE, TrainingSummary, training_path},
 };
 use maveric_model::following::{FollowingEvaluation, FollowingMethod};
 use maveric_report::{
@@ -26,7 +26,7 @@ const SHOWN: [(FollowingMethod, Follower); 4] = [
 
 pub(super) fn page(folder: &Path) -> Result<(Report, Vec<String>), StudyError> {
     let found: FollowingEvaluation = read_json(&folder.join("following.json"))?;
-    let training: TrainingSummary = read_json(&training_path(&folder.join("model.json")))?;
+    let training: TrainingSummary = read_json(&training_path(&folder.join(MODEL_FILE)))?;
     let context = Context::real();
     let data_set = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let rows: Vec<FollowingRow> = found

@@ -11,7 +11,7 @@ use crate::{
     outcome::Watch,
     stages::{
         analyse::{AggressionLine as Line, Analysis, Correlation as Found, HomophilyRow, Panel},
-        train::{TrainingSummary, embeddings_path, read_model, training_path},
+        train::{MODEL_FILE, TrainingSummary, embeddings_path, read_model, training_path},
     },
     tables::{
         Table as File,
@@ -53,11 +53,11 @@ struct Run {
 
 pub(super) fn page(folder: &Path, claims: &str, watch: Watch<'_>) -> Result<(Report, Vec<String>), StudyError> {
     let analysis: Analysis = read_json(&folder.join("analysis.json"))?;
-    let training: TrainingSummary = read_json(&training_path(&folder.join("model.json")))?;
+    let training: TrainingSummary = read_json(&training_path(&folder.join(MODEL_FILE)))?;
     let measured = read_measurements(&folder.join("measurements.parquet"))?;
     let context = if analysis.synthetic { Context::synthetic(training.seed) } else { Context::real() };
     let run = Run {
-        model: read_model(&folder.join("model.json"))?,
+        model: read_model(&folder.join(MODEL_FILE))?,
         conditions: read_conditions(&folder.join("conditions.csv"))?,
         analysis,
         training,
@@ -282,7 +282,7 @@ fn section_embedding(folder: &Path, run: &Run, ledger: &[LedgerRow]) -> Result<S
         run.measured.iter().find(|d| d.meta.drive == *drive).and_then(|d| d.values.get("mean_velocity_mps").copied().flatten())
     };
     let mut points = Vec::new();
-    for row in read_embeddings(&embeddings_path(&folder.join("model.json")))? {
+    for row in read_embeddings(&embeddings_path(&folder.join(MODEL_FILE)))? {
         if let (Some(adb_points), Some(mean_velocity_mps)) = (row.adb, speed_of(&row.drive)) {
             points.push(EmbeddingPoint { embedding: row.embedding.coordinates().to_vec(), adb_points, mean_velocity_mps });
         }

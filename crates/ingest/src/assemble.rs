@@ -1,0 +1,310 @@
+//! From samples as recorded to a recording: one clock, road frame, even rows.
+
+use crate::{
+    differentiate::fill_speeds,
+    error::IngestError,
+    lanes::{ego_at, place},
+    mapping::{FrameKind, RoadMapping},
+    quality::{Warning, WarningKind},
+    raw::{EgoSample, ObjectSample, RawDrive},
+    resample::{Grid, grid},
+    synchronise::synchronise,
+};
+use maveric_domain::{EgoTrack, ObjectTrack, Recording, Road, VehicleId};
+use std::{collections::BTreeMap, path::Path};
+
+/// Length of a vehicle whose log does not say it: a middle-sized car, in m.
+const CAR_LENGTH_M: f64 = 4.7;
+/// Mean distance from ego below which an object is ego itself, in m.
+const EGO_ITSELF_M: f64 = 1.0;
+
+/// How the samples of a drive become a recording.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Target {
+    /// The road.
+    pub(crate) road: Road,
+    /// How the log's frame lies to it.
+    pub(crate) frame: FrameKind,
+    /// Lateral position of lane 0's centre in the log's frame, in m.
+    pub(crate) right_lane_centre_y_m: f64,
+    /// Whether vehicles beside ego's lane are left out, because the only lane known is ego's.
+    pub(crate) own_lane_only: bool,
+    /// Rows a second.
+    pub(crate) rate_hz: f64,
+    /// Longest hole that is bridged, in s.
+    pub(crate) max_gap_s: f64,
+}
+
+impl Target {
+    /// The target for a log that does not describe its own road.
+    pub(crate) fn mapped(road: &RoadMapping, rate_hz: f64, max_gap_s: f64) -> Self {
+        Self {
+            road: road.road(),
+            frame: road.frame,
+            right_lane_centre_y_m: road.right_lane_centre_y_m,
+            own_lane_only: road.lanes == 1,
+            rate_hz,
+            max_gap_s,
+        }
+    }
+}
+
+/// Makes the recording of a drive and says what was left out of it.
+///
+/// # Errors
+/// [`IngestError::TooSparse`] where no two rows belong together, [`IngestError::Refused`].
+pub(crate) fn assemble(
+    path: &Path,
+    mut drive: RawDrive,
+    target: &Target,
+) -> Result<(Recording, Vec<Warning>), IngestError> {
+    let mut warnings = synchronise(path, &mut drive);
+    if drive.ego.iter().any(|s| s.speed_mps.is_none()) {
+        fill_speeds(&mut drive.ego, target.max_gap_s);
+        drive.ego.retain(|s| s.speed_mps.is_some());
+        let what = "no speed was recorded: it is differentiated from the positions";
+        warnings.push(Warning::new(
+            path,
+            WarningKind::Default,
+            drive.ego.len(),
+            what,
+        ));
+    }
+    if drive.ego_among_objects {
+        warnings.extend(drop_ego(path, &mut drive));
+    }
+    let lane_y_m = target.right_lane_centre_y_m;
+    place(&mut drive, target.frame, lane_y_m, target.max_gap_s);
+    if target.own_lane_only {
+        warnings.extend(keep_own_lane(path, &mut drive, target.road.lane_width_m));
+    }
+
+    let seconds = |ns: i64| ns as f64 / 1e9;
+    let time_s: Vec<f64> = drive.ego.iter().map(|s| seconds(s.stamp_ns)).collect();
+    let rows = grid(&time_s, target.rate_hz, target.max_gap_s);
+    if !rows.holes_s.is_empty() {
+        let what = format!(
+            "holes of more than {} s are not bridged: a segment starts after each",
+            target.max_gap_s
+        );
+        let warning = Warning::new(path, WarningKind::Hole, rows.holes_s.len(), what);
+        warnings.push(warning.with_spans(rows.holes_s.iter().copied()));
+    }
+    // Rows that stand alone, each in its own segment, are no drive either.
+    if !rows.rows.windows(2).any(|w| w[0].segment == w[1].segment) {
+        return Err(IngestError::TooSparse {
+            path: path.to_owned(),
+            samples: drive.ego.len(),
+            max_gap_s: target.max_gap_s,
+        });
+    }
+    let ego_length_m = drive.ego_length_m.unwrap_or_else(|| {
+        let what = format!("ego's length is not known: {CAR_LENGTH_M} m stands in");
+        warnings.push(Warning::new(path, WarningKind::Default, 1, what));
+        CAR_LENGTH_M
+    });
+    let ego = ego_track(&drive.ego, &rows, ego_length_m);
+    let objects = drive.objects.len();
+    let others = tracks(path, drive.objects, &rows, target, &mut warnings);
+    if objects > 0 && others.is_empty() {
+        let what = "no sample of the others falls on a row of ego: their clocks may differ";
+        warnings.push(Warning::new(path, WarningKind::NoOverlap, objects, what));
+    }
+    let first = rows.rows[0].tick;
+    let row_time = |r: &crate::resample::Row| (r.tick - first) as f64 / target.rate_hz;
+    let recording = Recording::new(
+        target.road,
+        target.rate_hz,
+        rows.rows.iter().map(row_time).collect(),
+        rows.rows.iter().map(|r| r.segment).collect(),
+        ego,
+        others,
+    )
+    .map_err(|source| IngestError::Refused {
+        path: path.to_owned(),
+        source,
+    })?;
+    Ok((recording, warnings))
+}
+
+fn ego_track(samples: &[EgoSample], grid: &Grid, length_m: f64) -> EgoTrack {
+    let column = |value: fn(&EgoSample) -> f64| -> Vec<f64> {
+        grid.rows.iter().map(|r| r.of(samples, value)).collect()
+    };
+    EgoTrack {
+        length_m,
+        x_m: column(|s| s.x_m),
+        y_m: column(|s| s.y_m),
+        // Samples without a speed were left out above.
+        speed_mps: column(|s| s.speed_mps.unwrap_or(0.0)),
+    }
+}
+
+/// Tracks of the others on ego's rows: one for every unbroken stay of a vehicle.
+fn tracks(
+    path: &Path,
+    objects: Vec<ObjectSample>,
+    ego: &Grid,
+    target: &Target,
+    warnings: &mut Vec<Warning>,
+) -> Vec<ObjectTrack> {
+    let mut by_id: BTreeMap<u32, Vec<ObjectSample>> = BTreeMap::new();
+    for object in objects {
+        by_id.entry(object.id).or_default().push(object);
+    }
+    let mut without_length = 0;
+    let mut tracks = Vec::new();
+    for (id, samples) in by_id {
+        let length_m = samples.iter().find_map(|s| s.length_m).unwrap_or_else(|| {
+            without_length += 1;
+            CAR_LENGTH_M
+        });
+        let time_s: Vec<f64> = samples.iter().map(|s| s.stamp_ns as f64 / 1e9).collect();
+        let own = grid(&time_s, target.rate_hz, target.max_gap_s);
+        let mut current: Option<(ObjectTrack, u32)> = None;
+        let mut at = 0;
+        for row in &own.rows {
+            // Ego's rows and the vehicle's are both rising: walk them side by side.
+            while ego.rows.get(at).is_some_and(|e| e.tick < row.tick) {
+                at += 1;
+            }
+            if ego.rows.get(at).is_none_or(|e| e.tick != row.tick) {
+                continue;
+            }
+            let goes_on = current
+                .as_ref()
+                .is_some_and(|(t, s)| *s == row.segment && t.first_row + t.x_m.len() == at);
+            if !goes_on {
+                let fresh = ObjectTrack {
+                    id: VehicleId(id),
+                    length_m,
+                    first_row: at,
+                    x_m: Vec::new(),
+                    y_m: Vec::new(),
+                    speed_mps: Vec::new(),
+                };
+                tracks.extend(current.replace((fresh, row.segment)).map(|(t, _)| t));
+            }
+            if let Some((track, _)) = &mut current {
+                track.x_m.push(row.of(&samples, |s| s.x_m));
+                track.y_m.push(row.of(&samples, |s| s.y_m));
+                track.speed_mps.push(row.of(&samples, |s| s.speed_mps));
+            }
+        }
+        tracks.extend(current.map(|(t, _)| t));
+    }
+    if without_length > 0 {
+        let what = format!("vehicles without dimensions are taken to be {CAR_LENGTH_M} m long");
+        warnings.push(Warning::new(
+            path,
+            WarningKind::Default,
+            without_length,
+            what,
+        ));
+    }
+    tracks.sort_by_key(|t| (t.first_row, t.id));
+    tracks
+}
+
+/// Leaves out the object that is ego: `/carla/objects` holds it too.
+fn drop_ego(path: &Path, drive: &mut RawDrive) -> Option<Warning> {
+    let mut distance: BTreeMap<u32, (f64, f64)> = BTreeMap::new();
+    for object in &drive.objects {
+        if let Some((x, y)) = ego_at(&drive.ego, object.stamp_ns) {
+            let sum = distance.entry(object.id).or_default();
+            sum.0 += (object.x_m - x).hypot(object.y_m - y);
+            sum.1 += 1.0;
+        }
+    }
+    let near = distance
+        .into_iter()
+        .find(|(_, (sum, n))| sum / n < EGO_ITSELF_M);
+    let (id, _) = near?;
+    drive.objects.retain(|o| o.id != id);
+    let what = format!("object {id} is ego itself and is left out");
+    Some(Warning::new(path, WarningKind::Choice, 1, what))
+}
+
+/// Leaves out vehicles more than half a lane aside of ego: on a road of one known lane they would count as ahead.
+fn keep_own_lane(path: &Path, drive: &mut RawDrive, lane_width_m: f64) -> Option<Warning> {
+    let before = drive.objects.len();
+    let ego = &drive.ego;
+    drive.objects.retain(|o| {
+        ego_at(ego, o.stamp_ns).is_none_or(|(_, y)| (o.y_m - y).abs() <= 0.5 * lane_width_m)
+    });
+    let count = before - drive.objects.len();
+    (count > 0).then(|| {
+        let what =
+            "vehicles beside ego's lane are left out: give the road in a mapping to keep them";
+        Warning::new(path, WarningKind::OtherLane, count, what)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drive(objects: Vec<ObjectSample>) -> RawDrive {
+        let ego = (0..100).map(|i| EgoSample {
+            stamp_ns: i * 100_000_000,
+            log_ns: i * 100_000_000,
+            x_m: i as f64,
+            y_m: 0.0,
+            yaw_rad: Some(0.0),
+            speed_mps: Some(10.0),
+        });
+        RawDrive {
+            ego: ego.collect(),
+            objects,
+            ego_length_m: Some(4.0),
+            ego_among_objects: true,
+        }
+    }
+
+    fn object(i: i64, id: u32, dx_m: f64, y_m: f64) -> ObjectSample {
+        ObjectSample {
+            stamp_ns: i * 100_000_000,
+            log_ns: i * 100_000_000,
+            id,
+            x_m: i as f64 + dx_m,
+            y_m,
+            speed_mps: 10.0,
+            length_m: Some(5.0),
+        }
+    }
+
+    fn assembled(objects: Vec<ObjectSample>) -> (Recording, Vec<Warning>) {
+        let target = Target::mapped(&RoadMapping::UNKNOWN, 20.0, 0.5);
+        assemble(Path::new("log"), drive(objects), &target).unwrap()
+    }
+
+    #[test]
+    fn ego_among_the_objects_and_vehicles_of_other_lanes_are_left_out() {
+        let objects = (0..100).flat_map(|i| {
+            [
+                object(i, 1, 0.1, 0.0),
+                object(i, 2, 30.0, 0.3),
+                object(i, 3, 20.0, 3.6),
+            ]
+        });
+        let (recording, warnings) = assembled(objects.collect());
+        let ids: Vec<u32> = recording.others().iter().map(|t| t.id.0).collect();
+        assert_eq!(ids, [2]);
+        let kinds: Vec<WarningKind> = warnings.iter().map(|w| w.kind).collect();
+        assert_eq!(kinds, [WarningKind::Choice, WarningKind::OtherLane]);
+    }
+
+    #[test]
+    fn a_vehicle_that_returns_has_two_tracks_and_none_bridges_its_absence() {
+        let objects = (0..100)
+            .filter(|i| !(40..60).contains(i))
+            .map(|i| object(i, 7, 30.0, 0.0));
+        let (recording, _) = assembled(objects.collect());
+        let found: Vec<(usize, usize)> = recording
+            .others()
+            .iter()
+            .map(|t| (t.first_row, t.x_m.len()))
+            .collect();
+        assert_eq!(found, [(0, 79), (120, 79)]);
+    }
+}

@@ -1,0 +1,83 @@
+//! Speed from positions, where a log has no speed.
+
+use crate::raw::EgoSample;
+
+/// Half the window over which positions are differentiated, in s: long enough to calm a localisation of some
+/// centimetres at 100 Hz, short enough for a car's braking.
+const HALF_WINDOW_S: f64 = 0.2;
+
+/// Most samples to either side: a guard against logs with very many samples at almost one time.
+const MOST_SAMPLES: usize = 256;
+
+/// Fills in missing speeds: the slope of a straight line fitted to x and y over ±0.2 s (at least one sample to
+/// either side), a smoothed central difference, in the plane of x and y.
+///
+/// Samples are sorted; windows do not reach over holes longer than `max_gap_s`. A sample that stands alone keeps
+/// no speed. Poses alone do not tell reversing: the speed is positive.
+pub(crate) fn fill_speeds(ego: &mut [EgoSample], max_gap_s: f64) {
+    let at = |i: usize| ego[i].stamp_ns as f64 / 1e9;
+    let n = ego.len();
+    let mut speeds = Vec::with_capacity(n);
+    for i in 0..n {
+        let mut first = i;
+        while first > 0
+            && i - first < MOST_SAMPLES
+            && at(first) - at(first - 1) <= max_gap_s
+            && (first == i || at(i) - at(first - 1) <= HALF_WINDOW_S)
+        {
+            first -= 1;
+        }
+        let mut last = i;
+        while last + 1 < n
+            && last - i < MOST_SAMPLES
+            && at(last + 1) - at(last) <= max_gap_s
+            && (last == i || at(last + 1) - at(i) <= HALF_WINDOW_S)
+        {
+            last += 1;
+        }
+        speeds.push(slope(&ego[first..=last]));
+    }
+    for (sample, speed) in ego.iter_mut().zip(speeds) {
+        sample.speed_mps = sample.speed_mps.or(speed);
+    }
+}
+
+/// Length of the velocity that fits some positions best; none for a single one.
+fn slope(samples: &[EgoSample]) -> Option<f64> {
+    let n = samples.len() as f64;
+    let start = samples.first()?;
+    let since = |s: &EgoSample| (s.stamp_ns - start.stamp_ns) as f64 / 1e9;
+    let mean_t = samples.iter().map(since).sum::<f64>() / n;
+    let (mut tt, mut tx, mut ty) = (0.0, 0.0, 0.0);
+    for sample in samples {
+        let t = since(sample) - mean_t;
+        tt += t * t;
+        tx += t * (sample.x_m - start.x_m);
+        ty += t * (sample.y_m - start.y_m);
+    }
+    (tt > 0.0).then(|| (tx / tt).hypot(ty / tt))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_steady_movement_has_its_speed_up_to_both_ends_and_a_lone_sample_has_none() {
+        let mut ego: Vec<EgoSample> = (0..50)
+            .map(|i| EgoSample {
+                stamp_ns: i64::from(i) * 10_000_000 + if i == 49 { 5_000_000_000 } else { 0 },
+                log_ns: 0,
+                x_m: 0.03 * f64::from(i),
+                y_m: 0.04 * f64::from(i),
+                yaw_rad: None,
+                speed_mps: None,
+            })
+            .collect();
+        fill_speeds(&mut ego, 0.5);
+        for sample in &ego[..49] {
+            assert!((sample.speed_mps.unwrap() - 5.0).abs() < 1e-9);
+        }
+        assert_eq!(ego[49].speed_mps, None);
+    }
+}

@@ -1,0 +1,232 @@
+//! What can be wrong with a log.
+
+use std::path::{Path, PathBuf};
+
+/// A log, a mapping or a setting that cannot be used, or a log that cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum IngestError {
+    /// Nothing there.
+    #[error("no file {}", path.display())]
+    NotFound {
+        /// What was asked for.
+        path: PathBuf,
+    },
+    /// A folder where a file is needed.
+    #[error("{} is a folder, expected one log", path.display())]
+    IsDirectory {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A file without a byte.
+    #[error("{} is empty (0 bytes), expected an MCAP recording or a table", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The operating system refused.
+    #[error("could not read {}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        #[source]
+        source: std::io::Error,
+    },
+    /// Neither MCAP nor text.
+    #[error("{} is neither an MCAP recording nor a text table: it starts with {found}", path.display())]
+    NotALog {
+        /// The file.
+        path: PathBuf,
+        /// Its first bytes.
+        found: String,
+    },
+    /// A recording with a damaged or missing part.
+    #[error("{} is damaged at byte {at_byte}: {what}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// Where the damage was met.
+        at_byte: u64,
+        /// What is wrong there.
+        what: String,
+    },
+    /// No channel that says where ego was.
+    #[error("no channel of {} says where ego was: {found}", path.display())]
+    NoEgo {
+        /// The file.
+        path: PathBuf,
+        /// The channels and why each was not taken.
+        found: String,
+    },
+    /// A topic that the mapping names and the log lacks.
+    #[error("no usable topic `{topic}` in {}", path.display())]
+    UnknownTopic {
+        /// The file.
+        path: PathBuf,
+        /// The topic.
+        topic: String,
+        /// The most similar topic there is.
+        nearest: Option<String>,
+    },
+    /// A drive's metadata with a value that makes no sense.
+    #[error("metadata `{key}` of {} is `{found}`, expected {expected}", path.display())]
+    BadMetadata {
+        /// The file.
+        path: PathBuf,
+        /// The key.
+        key: &'static str,
+        /// What was found.
+        found: String,
+        /// What was expected.
+        expected: &'static str,
+    },
+    /// A table, and nothing that says what its columns mean.
+    #[error("{} is a table, and no mapping says what its columns mean", path.display())]
+    NoMapping {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A mapping that cannot be used.
+    #[error("mapping {}: {reason}", path.display())]
+    BadMapping {
+        /// The mapping file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A column that the mapping names and the table lacks.
+    #[error("no column `{column}` in {}, whose columns are {found}", path.display())]
+    UnknownColumn {
+        /// The table.
+        path: PathBuf,
+        /// The column.
+        column: String,
+        /// The most similar column there is.
+        nearest: Option<String>,
+        /// The columns there are.
+        found: String,
+    },
+    /// A cell that is not a number.
+    #[error("{} row {row} column `{column}` holds `{found}`, expected a finite number", path.display())]
+    BadCell {
+        /// The table.
+        path: PathBuf,
+        /// Data row, counted from 1 below the header.
+        row: usize,
+        /// The column.
+        column: String,
+        /// What was found.
+        found: String,
+    },
+    /// A text that is no table.
+    #[error("{} cannot be read as a table: {reason}", path.display())]
+    BadTable {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// Samples too far apart for a single step of the result.
+    #[error(
+        "{} has {samples} samples of ego, none of them followed by another within {max_gap_s} s; expected a drive",
+        path.display()
+    )]
+    TooSparse {
+        /// The file.
+        path: PathBuf,
+        /// Samples of ego.
+        samples: usize,
+        /// The longest hole that is bridged, in s.
+        max_gap_s: f64,
+    },
+    /// A setting outside its range.
+    #[error("`{name}` is {found}, expected {expected}")]
+    BadSetting {
+        /// The setting.
+        name: &'static str,
+        /// What was found.
+        found: f64,
+        /// The range in words.
+        expected: &'static str,
+    },
+    /// Values that make no recording or no name.
+    #[error("{} gives no recording", path.display())]
+    Refused {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        #[source]
+        source: maveric_domain::DomainError,
+    },
+    /// A recording that could not be written.
+    #[error("could not write the recording")]
+    Write {
+        /// Why.
+        #[source]
+        source: mcap::McapError,
+    },
+}
+
+impl IngestError {
+    /// What to try next, where we know it.
+    pub fn suggestion(&self) -> Option<String> {
+        Some(match self {
+            Self::NotFound { .. } => "check the path; `maveric ingest` takes log files".to_owned(),
+            Self::IsDirectory { path } => {
+                format!("name the files in it, such as {}", path.join("*.mcap").display())
+            }
+            Self::Empty { .. } => "record or copy it again; nothing can be recovered".to_owned(),
+            Self::NotALog { .. } => {
+                "logs are MCAP (ROS 2) or CSV/TSV with a mapping; convert others first".to_owned()
+            }
+            Self::Damaged { .. } => "use --recover to keep what is readable".to_owned(),
+            Self::NoEgo { .. } => {
+                "ego needs a nav_msgs/Odometry or geometry_msgs/PoseStamped channel in CDR; see `maveric inspect`"
+                    .to_owned()
+            }
+            Self::UnknownTopic { nearest, .. } => match nearest {
+                Some(nearest) => format!("did you mean `{nearest}`? see `maveric inspect`"),
+                None => "see `maveric inspect` for the topics".to_owned(),
+            },
+            Self::NoMapping { .. } => {
+                "give --mapping FILE.toml; study_data/mappings has some to start from".to_owned()
+            }
+            Self::UnknownColumn { nearest, .. } => match nearest {
+                Some(nearest) => format!("did you mean `{nearest}`? correct it in the mapping"),
+                None => "correct the mapping, or give the one made for this table".to_owned(),
+            },
+            Self::BadCell { .. } => {
+                "correct the cell or empty it: rows with an empty cell are left out and counted"
+                    .to_owned()
+            }
+            Self::TooSparse { .. } => {
+                "the log is sampled too rarely for a drive; its channels are in `maveric inspect`".to_owned()
+            }
+            _ => return None,
+        })
+    }
+
+    /// Names the file in an operating-system error, giving the common ones their own kind.
+    pub(crate) fn io(path: &Path, source: std::io::Error) -> Self {
+        let path = path.to_owned();
+        match source.kind() {
+            std::io::ErrorKind::NotFound => Self::NotFound { path },
+            std::io::ErrorKind::IsADirectory => Self::IsDirectory { path },
+            _ => Self::Io { path, source },
+        }
+    }
+}
+
+/// The most similar of `candidates`, if any is similar at all.
+pub(crate) fn nearest<'a>(
+    wanted: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<String> {
+    candidates
+        .into_iter()
+        .map(|c| (strsim::jaro_winkler(wanted, c), c))
+        .filter(|(similarity, _)| *similarity > 0.7)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, c)| c.to_owned())
+}

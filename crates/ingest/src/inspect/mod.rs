@@ -1,0 +1,238 @@
+//! What is in a log, and what would become of it.
+
+mod survey;
+
+use crate::{
+    error::IngestError,
+    quality::Warning,
+    raw::{
+        csv,
+        mcap::{
+            channels::Role,
+            choice::{Choice, Found, choose},
+            container::walk,
+            read::damage_warnings,
+        },
+    },
+    read_log::{Format, format_of, read_log},
+    settings::{IngestSettings, Ingested},
+};
+use serde::Serialize;
+use std::{collections::BTreeMap, path::Path};
+use survey::{Survey, Surveyed};
+
+/// What kind of file a log is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LogFormat {
+    /// An MCAP recording.
+    Mcap,
+    /// A text table.
+    Table,
+}
+
+/// What is in a log.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LogSummary {
+    /// What kind of file it is.
+    pub format: LogFormat,
+    /// Who wrote it, where it says so.
+    pub writer: Option<String>,
+    /// Whose drive it is, where it says so.
+    pub drive: Option<BTreeMap<String, String>>,
+    /// Channels of a recording, by topic.
+    pub channels: Vec<ChannelSummary>,
+    /// Columns of a table, in its order.
+    pub columns: Vec<ColumnSummary>,
+    /// Rows of a table, or messages of a recording.
+    pub rows: usize,
+    /// From the first to the last time of receipt, in s.
+    pub duration_s: Option<f64>,
+    /// Holes in channels that come at a rate.
+    pub gaps: Vec<Gap>,
+    /// What is damaged.
+    pub damage: Vec<Warning>,
+    /// What [`crate::read_log`] makes of it with the default settings and `recover`, in a sentence.
+    pub would_ingest: String,
+}
+
+/// One channel of a recording.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelSummary {
+    /// Its topic.
+    pub topic: String,
+    /// The type of its messages.
+    pub type_name: String,
+    /// Encoding of its messages.
+    pub encoding: String,
+    /// Encoding of its schema.
+    pub schema_encoding: String,
+    /// Number of messages.
+    pub messages: usize,
+    /// Messages a second, from the median interval; none below two different times.
+    pub rate_hz: Option<f64>,
+    /// First time of receipt, in s.
+    pub first_s: Option<f64>,
+    /// Last time of receipt, in s.
+    pub last_s: Option<f64>,
+    /// Whether its messages can be decoded; the first one was.
+    pub decodable: bool,
+    /// Why not.
+    pub reason: Option<String>,
+}
+
+/// One column of a table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ColumnSummary {
+    /// Its name.
+    pub name: String,
+    /// Cells that hold something.
+    pub filled: usize,
+    /// Least number; none where some cell is no number.
+    pub least: Option<f64>,
+    /// Greatest number; none where some cell is no number.
+    pub greatest: Option<f64>,
+}
+
+/// A hole in a channel that comes at a rate.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Gap {
+    /// The channel.
+    pub topic: String,
+    /// Last message before it, in s since the log's first message.
+    pub from_s: f64,
+    /// First message after it, in s since the log's first message.
+    pub to_s: f64,
+}
+
+/// Says what is in a log without making a drive of it; damage is listed, never an error.
+///
+/// # Errors
+/// [`IngestError::NotFound`], [`IngestError::IsDirectory`], [`IngestError::Empty`], [`IngestError::Io`],
+/// [`IngestError::NotALog`]; [`IngestError::BadTable`] for a text that is no table.
+pub fn inspect(path: &Path) -> Result<LogSummary, IngestError> {
+    match format_of(path)? {
+        Format::Mcap => inspect_mcap(path),
+        Format::Text => inspect_table(path),
+    }
+}
+
+fn inspect_table(path: &Path) -> Result<LogSummary, IngestError> {
+    let text = std::fs::read(path).map_err(|e| IngestError::io(path, e))?;
+    let separator = separator_of(&text);
+    let frame = csv::read_frame(path, text, separator)?;
+    let summary = |name: &str| {
+        let cells = frame.column(name).and_then(|c| c.str()).ok();
+        let filled = cells.map_or(0, |c| c.iter().flatten().count());
+        let numbers = csv::numbers(path, &frame, name).unwrap_or_default();
+        let numbers = || numbers.iter().flatten().copied();
+        ColumnSummary {
+            name: name.to_owned(),
+            filled,
+            least: numbers().min_by(f64::total_cmp),
+            greatest: numbers().max_by(f64::total_cmp),
+        }
+    };
+    let names = frame.get_column_names();
+    Ok(LogSummary {
+        format: LogFormat::Table,
+        writer: None,
+        drive: None,
+        channels: Vec::new(),
+        columns: names.iter().map(|n| summary(n.as_str())).collect(),
+        rows: frame.height(),
+        duration_s: None,
+        gaps: Vec::new(),
+        damage: Vec::new(),
+        would_ingest: "a table: a mapping must say what its columns mean and in which units"
+            .to_owned(),
+    })
+}
+
+/// The most frequent of comma, semicolon and tab in the first line.
+fn separator_of(text: &[u8]) -> char {
+    let line = text.split(|&b| b == b'\n').next().unwrap_or_default();
+    let count = |c: char| line.split(|&b| b == c as u8).count();
+    // Of equals the last wins, so the comma stands there.
+    ['\t', ';', ',']
+        .into_iter()
+        .max_by_key(|&c| count(c))
+        .unwrap_or(',')
+}
+
+fn inspect_mcap(path: &Path) -> Result<LogSummary, IngestError> {
+    let mut survey = Survey::default();
+    let mut damage = walk(path, true, &mut survey)?;
+    if survey.undeclared > 0 && !survey.channels.is_empty() {
+        // As when reading: a lost chunk may have declared channels that the summary repeats.
+        survey = survey.knowing();
+        damage = walk(path, true, &mut survey)?;
+    }
+    let all = || {
+        survey
+            .channels
+            .values()
+            .flat_map(|c| c.log_ns.iter().copied())
+    };
+    let (first, last) = (all().min(), all().max());
+    let damage = damage_warnings(path, &damage, first);
+    let found: Vec<Found<'_>> = survey.channels.values().map(Surveyed::found).collect();
+    // The only sure way to know what reading makes of it is to read it.
+    let settings = IngestSettings {
+        recover: true,
+        ..IngestSettings::default()
+    };
+    let would_ingest = match (choose(path, None, &found), read_log(path, &settings)) {
+        (Ok(choice), Ok(drives)) => describe(&found, &choice, &drives, !damage.is_empty()),
+        (Err(error), _) | (_, Err(error)) => format!("nothing: {error}"),
+    };
+    let start = first.unwrap_or(0);
+    let gaps = survey
+        .channels
+        .values()
+        .flat_map(|c| c.gaps(start))
+        .collect();
+    let rows = all().count();
+    let mut channels: Vec<ChannelSummary> = survey
+        .channels
+        .into_values()
+        .map(Surveyed::summary)
+        .collect();
+    channels.sort_by(|a, b| a.topic.cmp(&b.topic));
+    Ok(LogSummary {
+        format: LogFormat::Mcap,
+        writer: survey.writer,
+        drive: survey.drive,
+        channels,
+        columns: Vec::new(),
+        rows,
+        duration_s: first.zip(last).map(|(a, b)| (b - a) as f64 / 1e9),
+        gaps,
+        damage,
+        would_ingest,
+    })
+}
+
+fn describe(found: &[Found<'_>], choice: &Choice, drives: &[Ingested], damaged: bool) -> String {
+    let ego = &found[choice.ego];
+    let speed = match ego.role {
+        Ok(Some(Role::Pose)) => ", its speed differentiated",
+        _ => "",
+    };
+    let others = match choice.objects.map(|i| &found[i]) {
+        Some(objects) => format!("the others from `{}`", objects.topic),
+        None => "no other vehicles, so no lead vehicle".to_owned(),
+    };
+    let caution = if damaged {
+        "; with --recover only, because the file is damaged"
+    } else {
+        ""
+    };
+    let rows: usize = drives.iter().map(|d| d.recording.rows()).sum();
+    format!(
+        "one drive of {rows} rows at {} Hz: ego from `{}` ({}){speed}; {others}{caution}",
+        IngestSettings::RATE_HZ,
+        ego.topic,
+        ego.type_name
+    )
+}

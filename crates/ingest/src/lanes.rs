@@ -1,0 +1,248 @@
+//! From the frame of a log to the frame of the road: x along it, y to the left, lane 0 around y = 0.
+
+use crate::{
+    mapping::FrameKind,
+    raw::{EgoSample, ObjectSample, RawDrive},
+};
+
+/// Largest distance from a straight line at which a path still counts as straight, in m.
+const STRAIGHT_M: f64 = 10.0;
+/// Least way between two samples that has a direction, in m.
+const DIRECTION_M: f64 = 0.1;
+
+/// Moves ego and the others into the frame of the road.
+///
+/// `Map`: the log's frame is the road's; only `right_lane_centre_y_m` is taken off y. `Path`: x is the way that ego has
+/// driven (the integral of its speed; straight distances over holes of more than `max_gap_s`), y is 0, and
+/// the others are placed ahead of and beside ego by its heading, which is wrong far ahead in a bend. `Auto`: where ego
+/// stays within 10 m of the line from its first to its last position, that line is x and ego's median y is 0; else
+/// `Path`. Samples are synchronised and have speeds.
+pub(crate) fn place(
+    drive: &mut RawDrive,
+    frame: FrameKind,
+    right_lane_centre_y_m: f64,
+    max_gap_s: f64,
+) {
+    match frame {
+        FrameKind::Map => {}
+        FrameKind::Path => along_path(drive, max_gap_s),
+        FrameKind::Auto => match straight_line(&drive.ego) {
+            Some(line) => along_line(drive, &line),
+            None => along_path(drive, max_gap_s),
+        },
+    }
+    for y in drive.ego.iter_mut().map(|s| &mut s.y_m) {
+        *y -= right_lane_centre_y_m;
+    }
+    for y in drive.objects.iter_mut().map(|s| &mut s.y_m) {
+        *y -= right_lane_centre_y_m;
+    }
+}
+
+/// Where ego was at `time_ns`, between its samples: `(x, y)` in m; none outside them.
+pub(crate) fn ego_at(ego: &[EgoSample], time_ns: i64) -> Option<(f64, f64)> {
+    let (before, after, w) = bracket(ego, time_ns)?;
+    let mix = |a: f64, b: f64| a + w * (b - a);
+    Some((mix(before.x_m, after.x_m), mix(before.y_m, after.y_m)))
+}
+
+fn bracket(ego: &[EgoSample], time_ns: i64) -> Option<(&EgoSample, &EgoSample, f64)> {
+    let next = ego.partition_point(|s| s.stamp_ns <= time_ns);
+    let before = ego.get(next.checked_sub(1)?)?;
+    let Some(after) = ego.get(next) else {
+        return (before.stamp_ns == time_ns).then_some((before, before, 0.0));
+    };
+    let w = (time_ns - before.stamp_ns) as f64 / (after.stamp_ns - before.stamp_ns) as f64;
+    Some((before, after, w))
+}
+
+struct Line {
+    x_m: f64,
+    y_m: f64,
+    cos: f64,
+    sin: f64,
+}
+
+impl Line {
+    fn along(&self, x_m: f64, y_m: f64) -> (f64, f64) {
+        let (dx, dy) = (x_m - self.x_m, y_m - self.y_m);
+        (dx * self.cos + dy * self.sin, dy * self.cos - dx * self.sin)
+    }
+}
+
+fn straight_line(ego: &[EgoSample]) -> Option<Line> {
+    let (first, last) = (ego.first()?, ego.last()?);
+    let (dx, dy) = (last.x_m - first.x_m, last.y_m - first.y_m);
+    let length = dx.hypot(dy);
+    if length <= 0.0 {
+        return None;
+    }
+    let line = Line {
+        x_m: first.x_m,
+        y_m: first.y_m,
+        cos: dx / length,
+        sin: dy / length,
+    };
+    // Ego that turns back is on no straight road either.
+    let mut furthest = f64::NEG_INFINITY;
+    for sample in ego {
+        let (x, y) = line.along(sample.x_m, sample.y_m);
+        furthest = furthest.max(x);
+        if y.abs() > STRAIGHT_M || x < furthest - STRAIGHT_M {
+            return None;
+        }
+    }
+    Some(line)
+}
+
+fn along_line(drive: &mut RawDrive, line: &Line) {
+    let mut ys: Vec<f64> = Vec::with_capacity(drive.ego.len());
+    for s in &mut drive.ego {
+        (s.x_m, s.y_m) = line.along(s.x_m, s.y_m);
+        ys.push(s.y_m);
+    }
+    ys.sort_by(f64::total_cmp);
+    let median = ys.get(ys.len() / 2).copied().unwrap_or(0.0);
+    for s in &mut drive.ego {
+        s.y_m -= median;
+    }
+    for s in &mut drive.objects {
+        let (x, y) = line.along(s.x_m, s.y_m);
+        (s.x_m, s.y_m) = (x, y - median);
+    }
+}
+
+fn along_path(drive: &mut RawDrive, max_gap_s: f64) {
+    let way = driven_way(&drive.ego, max_gap_s);
+    let headings = headings(&drive.ego);
+    for object in &mut drive.objects {
+        if let Some(placed) = beside_path(&drive.ego, &way, &headings, object) {
+            (object.x_m, object.y_m) = placed;
+        } else {
+            // Ego was not there: the object cannot be placed, and resampling drops it.
+            object.x_m = f64::NAN;
+        }
+    }
+    drive.objects.retain(|o| o.x_m.is_finite());
+    for (sample, way) in drive.ego.iter_mut().zip(way) {
+        (sample.x_m, sample.y_m) = (way, 0.0);
+    }
+}
+
+fn driven_way(ego: &[EgoSample], max_gap_s: f64) -> Vec<f64> {
+    let mut way = Vec::with_capacity(ego.len());
+    let mut so_far = 0.0;
+    for (i, sample) in ego.iter().enumerate() {
+        if let Some(before) = i.checked_sub(1).map(|i| &ego[i]) {
+            let dt = (sample.stamp_ns - before.stamp_ns) as f64 / 1e9;
+            so_far += match (before.speed_mps, sample.speed_mps) {
+                (Some(a), Some(b)) if dt <= max_gap_s => 0.5 * (a + b) * dt,
+                _ => (sample.x_m - before.x_m).hypot(sample.y_m - before.y_m),
+            };
+        }
+        way.push(so_far);
+    }
+    way
+}
+
+/// Ego's heading as a unit vector: as recorded, else its direction of movement, kept while it stands.
+fn headings(ego: &[EgoSample]) -> Vec<(f64, f64)> {
+    let moved = |i: usize| {
+        let a = &ego[i.saturating_sub(1)];
+        let b = &ego[(i + 1).min(ego.len() - 1)];
+        let (dx, dy) = (b.x_m - a.x_m, b.y_m - a.y_m);
+        let way = dx.hypot(dy);
+        (way > DIRECTION_M).then(|| (dx / way, dy / way))
+    };
+    let known = |i: usize| match ego[i].yaw_rad {
+        Some(yaw) => Some((yaw.cos(), yaw.sin())),
+        None => moved(i),
+    };
+    let mut heading = (0..ego.len()).find_map(known).unwrap_or((1.0, 0.0));
+    (0..ego.len())
+        .map(|i| {
+            heading = known(i).unwrap_or(heading);
+            heading
+        })
+        .collect()
+}
+
+fn beside_path(
+    ego: &[EgoSample],
+    way: &[f64],
+    headings: &[(f64, f64)],
+    object: &ObjectSample,
+) -> Option<(f64, f64)> {
+    let (x, y) = ego_at(ego, object.stamp_ns)?;
+    let next = ego.partition_point(|s| s.stamp_ns <= object.stamp_ns);
+    let before = next - 1;
+    let after = next.min(ego.len() - 1);
+    let (_, _, w) = bracket(ego, object.stamp_ns)?;
+    let s = way[before] + w * (way[after] - way[before]);
+    let (cos, sin) = headings[before];
+    let (dx, dy) = (object.x_m - x, object.y_m - y);
+    Some((s + dx * cos + dy * sin, dy * cos - dx * sin))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ego(points: &[(f64, f64)]) -> Vec<EgoSample> {
+        let sample = |(i, &(x_m, y_m)): (i64, &(f64, f64))| EgoSample {
+            stamp_ns: i * 100_000_000,
+            log_ns: 0,
+            x_m,
+            y_m,
+            yaw_rad: None,
+            speed_mps: Some(10.0),
+        };
+        (0..).zip(points).map(sample).collect()
+    }
+
+    fn object(stamp_ns: i64, x_m: f64, y_m: f64) -> ObjectSample {
+        ObjectSample {
+            stamp_ns,
+            log_ns: 0,
+            id: 1,
+            x_m,
+            y_m,
+            speed_mps: 10.0,
+            length_m: None,
+        }
+    }
+
+    #[test]
+    fn a_straight_drive_in_any_direction_becomes_x() {
+        let mut drive = RawDrive {
+            ego: ego(&[(5.0, 5.0), (5.0, 6.0), (5.0, 7.0)]),
+            objects: vec![object(0, 4.0, 25.0)],
+            ..RawDrive::default()
+        };
+        place(&mut drive, FrameKind::Auto, 0.0, 0.5);
+        assert!((drive.ego[2].x_m - 2.0).abs() < 1e-12 && drive.ego[2].y_m.abs() < 1e-12);
+        let o = &drive.objects[0];
+        assert!((o.x_m - 20.0).abs() < 1e-12 && (o.y_m - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_winding_drive_is_unrolled_along_its_path() {
+        let circle: Vec<(f64, f64)> = (0..400)
+            .map(|i| {
+                (
+                    50.0 * (0.02 * f64::from(i)).cos(),
+                    50.0 * (0.02 * f64::from(i)).sin(),
+                )
+            })
+            .collect();
+        let mut drive = RawDrive {
+            ego: ego(&circle),
+            objects: vec![object(10_000_000_000, circle[103].0, circle[103].1)],
+            ..RawDrive::default()
+        };
+        place(&mut drive, FrameKind::Auto, 0.0, 0.5);
+        assert!((drive.ego[399].x_m - 399.0).abs() < 1e-9);
+        let o = &drive.objects[0];
+        assert!((o.x_m - 103.0).abs() < 0.1 && o.y_m.abs() < 0.2);
+    }
+}

@@ -1,0 +1,29 @@
+//! Raw driving logs to evenly sampled recordings.
+//!
+//! [`read_log`] takes an MCAP recording of a ROS 2 rig or a table with its [`Mapping`] and gives the drives in
+//! it, on one time base and in road coordinates; [`inspect`] says what is in a log and what would become of it;
+//! [`write_mcap`] writes a recording as a CARLA rig would have.
+
+mod assemble;
+mod differentiate;
+mod error;
+mod inspect;
+mod lanes;
+mod mapping;
+mod quality;
+mod raw;
+mod read_log;
+mod resample;
+mod settings;
+mod synchronise;
+
+pub use error::IngestError;
+pub use inspect::{ChannelSummary, ColumnSummary, Gap, LogFormat, LogSummary, inspect};
+pub use mapping::{
+    Columns, FrameKind, GapKind, Layout, LengthUnit, Mapping, McapMapping, Names, RoadMapping,
+    SpeedUnit, TableMapping, TimeUnit, Units,
+};
+pub use quality::{Warning, WarningKind};
+pub use raw::mcap::write::write_mcap;
+pub use read_log::{log_files, read_log};
+pub use settings::{IngestSettings, Ingested};

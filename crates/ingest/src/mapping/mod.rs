@@ -1,0 +1,197 @@
+//! Mappings: what the columns of a table, the topics of a recording and the names of files mean.
+
+pub(crate) mod names;
+mod table;
+
+use crate::error::IngestError;
+use maveric_domain::Road;
+pub use names::Names;
+use serde::Deserialize;
+use std::path::Path;
+pub use table::{Columns, GapKind, Layout, LengthUnit, SpeedUnit, TableMapping, TimeUnit, Units};
+
+/// What a log means where it does not say so itself; read from TOML, where a misspelt key is an error.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Mapping {
+    /// Rows a second of the result; without it the canonical rate.
+    pub rate_hz: Option<f64>,
+    /// Names of files that are no logs, such as `manifest.csv`; `*` stands for any characters.
+    #[serde(default)]
+    pub skip: Vec<String>,
+    /// The road, where the log does not say it.
+    pub road: Option<RoadMapping>,
+    /// Ids from file names.
+    pub names: Option<Names>,
+    /// Columns of a table.
+    pub table: Option<TableMapping>,
+    /// Topics of a recording.
+    pub mcap: Option<McapMapping>,
+}
+
+/// The road of a log, and how the log's frame lies to it.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RoadMapping {
+    /// Number of lanes.
+    pub lanes: u8,
+    /// Width of a lane, in m.
+    pub lane_width_m: f64,
+    /// Posted speed, in m/s: the lead speed that stands for a free road.
+    pub posted_speed_mps: f64,
+    /// How the log's frame lies to the road.
+    #[serde(default)]
+    pub frame: FrameKind,
+    /// Lateral position of the right lane's centre in that frame, in m.
+    #[serde(default)]
+    pub right_lane_centre_y_m: f64,
+}
+
+impl RoadMapping {
+    /// One lane of the paper's road, in a frame to be found: what stands in where nothing is known.
+    pub const UNKNOWN: Self = Self {
+        lanes: 1,
+        lane_width_m: Road::PAPER.lane_width_m,
+        posted_speed_mps: Road::PAPER.posted_speed_mps,
+        frame: FrameKind::Auto,
+        right_lane_centre_y_m: 0.0,
+    };
+
+    /// The road.
+    pub fn road(&self) -> Road {
+        Road {
+            lanes: self.lanes,
+            lane_width_m: self.lane_width_m,
+            posted_speed_mps: self.posted_speed_mps,
+        }
+    }
+}
+
+/// How the frame of a log lies to the road.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FrameKind {
+    /// x runs along the road and y to the left already.
+    Map,
+    /// x is the way that ego has driven; ego's lateral position is lost.
+    Path,
+    /// A straight line through ego's drive where it is straight, else [`FrameKind::Path`].
+    #[default]
+    Auto,
+}
+
+/// Topics of a recording; those that are not named are chosen by type.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct McapMapping {
+    /// Topic of ego's `Odometry` or `PoseStamped`.
+    pub ego_topic: Option<String>,
+    /// Topic of the others' `ObjectArray`.
+    pub objects_topic: Option<String>,
+}
+
+impl Mapping {
+    /// Reads a mapping file.
+    ///
+    /// # Errors
+    /// [`IngestError::NotFound`] and the like; [`IngestError::BadMapping`] as [`Mapping::from_toml`].
+    pub fn read(path: &Path) -> Result<Self, IngestError> {
+        let text = std::fs::read_to_string(path).map_err(|e| IngestError::io(path, e))?;
+        Self::from_toml(&text, path)
+    }
+
+    /// Takes the text of a mapping; `path` is named in errors.
+    ///
+    /// # Errors
+    /// [`IngestError::BadMapping`] where the text is no TOML, has an unknown or missing key, or a value
+    /// outside its range.
+    pub fn from_toml(text: &str, path: &Path) -> Result<Self, IngestError> {
+        let bad = |reason: String| IngestError::BadMapping {
+            path: path.to_owned(),
+            reason,
+        };
+        let mapping: Self = toml::from_str(text).map_err(|e| bad(e.to_string()))?;
+        mapping.check().map_err(bad)?;
+        Ok(mapping)
+    }
+
+    /// Whether the mapping says to pass over a file of this name.
+    pub fn skips(&self, path: &Path) -> bool {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        self.skip
+            .iter()
+            .any(|pattern| names::matches(pattern, &name))
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let positive = |name: &str, value: f64| {
+            if value.is_finite() && value > 0.0 {
+                Ok(())
+            } else {
+                Err(format!(
+                    "`{name}` is {value}, expected a finite number above 0"
+                ))
+            }
+        };
+        if let Some(rate) = self.rate_hz {
+            positive("rate_hz", rate)?;
+        }
+        if let Some(road) = &self.road {
+            positive("road.lanes", f64::from(road.lanes))?;
+            positive("road.lane_width_m", road.lane_width_m)?;
+            positive("road.posted_speed_mps", road.posted_speed_mps)?;
+            if !road.right_lane_centre_y_m.is_finite() {
+                return Err("`road.right_lane_centre_y_m` is not finite".to_owned());
+            }
+        }
+        if let Some(table) = &self.table {
+            positive("table.ego_length_m", table.ego_length_m)?;
+            positive("table.lead_length_m", table.lead_length_m)?;
+            if !table.separator.is_ascii() {
+                return Err(format!(
+                    "`table.separator` is `{}`, expected ASCII",
+                    table.separator
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shipped(name: &str) -> Mapping {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
+        Mapping::read(&folder.join(name)).unwrap()
+    }
+
+    #[test]
+    fn shipped_mappings_are_read_and_skip_their_manifests() {
+        for name in ["openacc.toml", "ngsim_pairs.toml"] {
+            let mapping = shipped(name);
+            assert!(mapping.skips(Path::new("data/manifest.csv")), "{name}");
+            assert!(
+                !mapping.skips(Path::new("data/i80_0400pm_f1_l2.csv")),
+                "{name}"
+            );
+        }
+        let units = shipped("ngsim_pairs.toml").table.unwrap().units;
+        assert_eq!(units.length, LengthUnit::Feet);
+    }
+
+    #[test]
+    fn a_misspelt_key_a_missing_unit_and_a_senseless_value_are_refused() {
+        let of = |text: &str| {
+            Mapping::from_toml(text, Path::new("m.toml"))
+                .unwrap_err()
+                .to_string()
+        };
+        assert!(of("rate = 10").contains("unknown field `rate`"));
+        assert!(of("rate_hz = 0").contains("rate_hz"));
+        let table = "[table]\nlayout = \"pair\"\ngap_kind = \"bumper_to_bumper\"\n[table.columns]\n\
+            time = \"t\"\nego_x = \"x\"\nego_speed = \"v\"\nlead_speed = \"w\"\ngap = \"s\"\n[table.units]\nlength = \"m\"\n";
+        assert!(of(table).contains("time"));
+    }
+}

@@ -1,0 +1,162 @@
+//! Ids from file names.
+
+use crate::error::IngestError;
+use maveric_domain::{Condition, DomainError, DriveId, DriveMeta, DrivenBy, ParticipantId, Study};
+use serde::Deserialize;
+use std::path::Path;
+
+/// How a file's name says whose drive it is.
+///
+/// `file` is a pattern for the name without its extension, such as `pair_{run}_f{place}`: each name in braces
+/// takes what stands there, up to the text that follows. `drive` and `participant` are put together from these.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Names {
+    /// Pattern of the file's name.
+    pub file: String,
+    /// The drive's id.
+    pub drive: String,
+    /// The participant's id.
+    pub participant: String,
+    /// The study that the drives are used as.
+    #[serde(default = "study_one")]
+    pub study: Study,
+    /// Whose style the drives show.
+    #[serde(default = "own")]
+    pub condition: Condition,
+    /// Who drove.
+    #[serde(default = "human")]
+    pub driven_by: DrivenBy,
+}
+
+fn study_one() -> Study {
+    Study::One
+}
+
+fn own() -> Condition {
+    Condition::Own
+}
+
+fn human() -> DrivenBy {
+    DrivenBy::Human
+}
+
+/// Whose drive a file is, and whether its name told.
+///
+/// Without names, or where the pattern does not fit, the file's own name is the drive and the participant: a person
+/// in their own style by hand.
+///
+/// # Errors
+/// [`IngestError::Refused`] where a template makes no id.
+pub(crate) fn meta_of(
+    path: &Path,
+    names: Option<&Names>,
+) -> Result<(DriveMeta, bool), IngestError> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let refused = |source: DomainError| IngestError::Refused {
+        path: path.to_owned(),
+        source,
+    };
+    if let Some(names) = names
+        && let Some(captures) = capture(&names.file, &stem)
+    {
+        let meta = DriveMeta {
+            drive: DriveId::new(fill(&names.drive, &captures)).map_err(refused)?,
+            participant: ParticipantId::new(fill(&names.participant, &captures))
+                .map_err(refused)?,
+            study: names.study,
+            condition: names.condition,
+            driven_by: names.driven_by,
+        };
+        return Ok((meta, true));
+    }
+    let allowed = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    let mut id: String = stem
+        .chars()
+        .map(|c| if allowed(c) { c } else { '_' })
+        .take(64)
+        .collect();
+    if id.is_empty() {
+        "drive".clone_into(&mut id);
+    }
+    let meta = DriveMeta {
+        drive: DriveId::new(id.clone()).map_err(refused)?,
+        participant: ParticipantId::new(id).map_err(refused)?,
+        study: study_one(),
+        condition: own(),
+        driven_by: human(),
+    };
+    Ok((meta, names.is_none()))
+}
+
+/// Whether `name` fits a pattern in which `*` stands for any characters.
+pub(super) fn matches(pattern: &str, name: &str) -> bool {
+    match pattern.split_once('*') {
+        None => pattern == name,
+        Some((head, tail)) => name.strip_prefix(head).is_some_and(|rest| {
+            let mut starts = rest.char_indices().map(|(i, _)| i).chain([rest.len()]);
+            starts.any(|i| matches(tail, &rest[i..]))
+        }),
+    }
+}
+
+/// What stands in the places of a pattern's braces; none where the text does not fit.
+fn capture<'a>(pattern: &'a str, text: &'a str) -> Option<Vec<(&'a str, &'a str)>> {
+    let mut captures = Vec::new();
+    let (literal, mut pattern) = pattern.split_once('{').unwrap_or((pattern, ""));
+    let mut text = text.strip_prefix(literal)?;
+    while let Some((name, rest)) = pattern.split_once('}') {
+        let (literal, after) = match rest.split_once('{') {
+            Some((literal, after)) => (literal, after),
+            None => (rest, ""),
+        };
+        let end = if after.is_empty() && !rest.contains('{') {
+            // The last place reaches to the end.
+            text.len().checked_sub(literal.len())?
+        } else {
+            text.find(literal)?
+        };
+        let value = text.get(..end).filter(|v| !v.is_empty())?;
+        captures.push((name, value));
+        text = text.get(end..)?.strip_prefix(literal)?;
+        pattern = after;
+    }
+    text.is_empty().then_some(captures)
+}
+
+fn fill(template: &str, captures: &[(&str, &str)]) -> String {
+    captures
+        .iter()
+        .fold(template.to_owned(), |text, (name, value)| {
+            text.replace(&format!("{{{name}}}"), value)
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pattern_takes_up_to_the_text_that_follows() {
+        let found = capture("oa_{run}_f{place}_{car}", "oa_0407_p10_f2_Audi_A6").unwrap();
+        assert_eq!(
+            found,
+            [("run", "0407_p10"), ("place", "2"), ("car", "Audi_A6")]
+        );
+        assert_eq!(fill("{run}-{place}", &found), "0407_p10-2");
+        assert_eq!(capture("oa_{run}_f{place}", "other"), None);
+        assert_eq!(capture("fixed", "fixed"), Some(vec![]));
+    }
+
+    #[test]
+    fn a_star_stands_for_any_characters() {
+        assert!(matches("*manifest*.csv", "my_manifest_2.csv"));
+        assert!(!matches("manifest.csv", "manifest2.csv"));
+    }
+
+    #[test]
+    fn a_name_with_blanks_becomes_a_safe_id() {
+        let (meta, _) = meta_of(Path::new("logs/my drive #1.mcap"), None).unwrap();
+        assert_eq!(meta.drive.as_str(), "my_drive__1");
+    }
+}

@@ -1,0 +1,11 @@
+//! MCAP: the container, and the drives that ROS 2 rigs put into it.
+
+pub(crate) mod channels;
+pub(crate) mod choice;
+pub(crate) mod chunk;
+pub(crate) mod container;
+pub(crate) mod metadata;
+pub(crate) mod read;
+pub(crate) mod record;
+pub(crate) mod signals;
+pub(crate) mod write;

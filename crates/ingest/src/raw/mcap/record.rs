@@ -1,0 +1,155 @@
+//! Records of the container, read without trusting a length that they claim.
+
+use std::collections::BTreeMap;
+
+/// Opcodes of the container.
+pub(crate) mod op {
+    pub(crate) use mcap::records::op::{
+        CHANNEL, CHUNK, DATA_END, FOOTER, HEADER, MESSAGE, METADATA, SCHEMA,
+    };
+    /// The highest opcode that the format has given out.
+    pub(crate) const LAST_KNOWN: u8 = DATA_END;
+}
+
+/// Bytes before a record's content: opcode and length.
+pub(crate) const HEAD: usize = 9;
+
+/// What a channel's bytes mean.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Schema<'a> {
+    pub(crate) id: u16,
+    pub(crate) name: String,
+    pub(crate) encoding: String,
+    pub(crate) data: &'a [u8],
+}
+
+/// A stream of messages.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Channel {
+    pub(crate) id: u16,
+    pub(crate) schema_id: u16,
+    pub(crate) topic: String,
+    pub(crate) encoding: String,
+}
+
+/// One message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Message<'a> {
+    pub(crate) channel: u16,
+    pub(crate) log_ns: u64,
+    pub(crate) data: &'a [u8],
+}
+
+/// Named text values.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Metadata {
+    pub(crate) name: String,
+    pub(crate) values: BTreeMap<String, String>,
+}
+
+/// A record, as far as it says something about drives.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Record<'a> {
+    /// The profile and the library that wrote the file.
+    Header(String, String),
+    Schema(Schema<'a>),
+    Channel(Channel),
+    Message(Message<'a>),
+    Metadata(Metadata),
+    /// Of no interest here.
+    Other,
+}
+
+/// Reads along the content of a record; `None` past its end.
+#[derive(Debug)]
+pub(crate) struct Fields<'a>(pub(crate) &'a [u8]);
+
+impl<'a> Fields<'a> {
+    fn bytes(&mut self, n: usize) -> Option<&'a [u8]> {
+        let (head, rest) = self.0.split_at_checked(n)?;
+        self.0 = rest;
+        Some(head)
+    }
+
+    fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
+        self.bytes(N)?.first_chunk().copied()
+    }
+
+    pub(crate) fn u16(&mut self) -> Option<u16> {
+        self.array().map(u16::from_le_bytes)
+    }
+
+    pub(crate) fn u32(&mut self) -> Option<u32> {
+        self.array().map(u32::from_le_bytes)
+    }
+
+    pub(crate) fn u64(&mut self) -> Option<u64> {
+        self.array().map(u64::from_le_bytes)
+    }
+
+    fn block(&mut self) -> Option<&'a [u8]> {
+        let length = self.u32()?;
+        self.bytes(usize::try_from(length).ok()?)
+    }
+
+    pub(crate) fn text(&mut self) -> Option<String> {
+        self.block()
+            .map(|b| String::from_utf8_lossy(b).into_owned())
+    }
+}
+
+/// Reads the content of a record; `None` where it does not hold what its opcode promises.
+pub(crate) fn parse(opcode: u8, content: &[u8]) -> Option<Record<'_>> {
+    let mut fields = Fields(content);
+    Some(match opcode {
+        op::HEADER => Record::Header(fields.text()?, fields.text()?),
+        op::SCHEMA => Record::Schema(Schema {
+            id: fields.u16()?,
+            name: fields.text()?,
+            encoding: fields.text()?,
+            data: fields.block()?,
+        }),
+        op::CHANNEL => Record::Channel(Channel {
+            id: fields.u16()?,
+            schema_id: fields.u16()?,
+            topic: fields.text()?,
+            encoding: fields.text()?,
+        }),
+        op::MESSAGE => {
+            let channel = fields.u16()?;
+            fields.u32()?;
+            let log_ns = fields.u64()?;
+            fields.u64()?;
+            Record::Message(Message {
+                channel,
+                log_ns,
+                data: fields.0,
+            })
+        }
+        op::METADATA => {
+            let name = fields.text()?;
+            let mut pairs = Fields(fields.block()?);
+            let mut values = BTreeMap::new();
+            while !pairs.0.is_empty() {
+                values.insert(pairs.text()?, pairs.text()?);
+            }
+            Record::Metadata(Metadata { name, values })
+        }
+        _ => Record::Other,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_claimed_length_past_the_end_gives_nothing() {
+        assert_eq!(
+            parse(op::SCHEMA, &[1, 0, 255, 255, 255, 255, b'x', 0, 0]),
+            None
+        );
+        assert_eq!(parse(op::MESSAGE, &[0; 10]), None);
+        assert_eq!(parse(op::FOOTER, &[]), Some(Record::Other));
+    }
+}

@@ -1,0 +1,54 @@
+//! What readers of raw formats give: samples as recorded, before they share a time base.
+
+pub(crate) mod csv;
+pub(crate) mod mcap;
+pub(crate) mod ros2;
+
+/// Where ego was at one time, as recorded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct EgoSample {
+    /// Time stamped by the source, in ns.
+    pub(crate) stamp_ns: i64,
+    /// Time of receipt, in ns.
+    pub(crate) log_ns: i64,
+    /// Position of the centre in the log's frame, in m.
+    pub(crate) x_m: f64,
+    /// Position of the centre in the log's frame, in m.
+    pub(crate) y_m: f64,
+    /// Heading in the log's frame, in rad.
+    pub(crate) yaw_rad: Option<f64>,
+    /// Speed, in m/s; none where only poses were recorded.
+    pub(crate) speed_mps: Option<f64>,
+}
+
+/// Where another vehicle was at one time, as recorded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ObjectSample {
+    /// Time stamped by the source, in ns.
+    pub(crate) stamp_ns: i64,
+    /// Time of receipt, in ns.
+    pub(crate) log_ns: i64,
+    /// Number within the log.
+    pub(crate) id: u32,
+    /// Position of the centre in the log's frame, in m.
+    pub(crate) x_m: f64,
+    /// Position of the centre in the log's frame, in m.
+    pub(crate) y_m: f64,
+    /// Speed, in m/s.
+    pub(crate) speed_mps: f64,
+    /// Bumper to bumper, in m.
+    pub(crate) length_m: Option<f64>,
+}
+
+/// The samples of one drive.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct RawDrive {
+    /// Ego, in the order of the file.
+    pub(crate) ego: Vec<EgoSample>,
+    /// The others, in the order of the file.
+    pub(crate) objects: Vec<ObjectSample>,
+    /// Ego's length, where the log says it, in m.
+    pub(crate) ego_length_m: Option<f64>,
+    /// Whether one of the objects may be ego itself.
+    pub(crate) ego_among_objects: bool,
+}

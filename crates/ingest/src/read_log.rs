@@ -1,0 +1,167 @@
+//! One log in, its drives out.
+
+use crate::{
+    assemble::{Target, assemble},
+    error::IngestError,
+    mapping::{FrameKind, Mapping, RoadMapping, names::meta_of},
+    quality::{Warning, WarningKind},
+    raw,
+    settings::{IngestSettings, Ingested},
+};
+use std::{
+    fs::File,
+    io::Read,
+    path::{Path, PathBuf},
+};
+
+/// What a file is, by its first bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Format {
+    Mcap,
+    Text,
+}
+
+/// Reads the drives of one log: an MCAP recording, or a table with its mapping. The content decides, not the name.
+///
+/// A file that the mapping skips gives no drives. A recording by [`crate::write_mcap`] says whose it is and on which
+/// road; others are named by the mapping's pattern or by their file, and their road is the mapping's, else one
+/// lane along ego's drive ([`FrameKind::Auto`]), with vehicles beside it left out. Times are header stamps, rows are even
+/// at the settings' rate, and a hole longer than `max_gap_s` starts a segment.
+///
+/// # Errors
+/// [`IngestError::NotFound`], [`IngestError::IsDirectory`], [`IngestError::Empty`], [`IngestError::Io`] or
+/// [`IngestError::NotALog`] for what is no log; [`IngestError::Damaged`] for a damaged recording without `recover`;
+/// [`IngestError::NoEgo`] or [`IngestError::UnknownTopic`] where no channel tells ego's way;
+/// [`IngestError::NoMapping`], [`IngestError::UnknownColumn`], [`IngestError::BadCell`] or
+/// [`IngestError::BadTable`] for tables; [`IngestError::TooSparse`], [`IngestError::BadMetadata`],
+/// [`IngestError::Refused`] and [`IngestError::BadSetting`].
+pub fn read_log(path: &Path, settings: &IngestSettings) -> Result<Vec<Ingested>, IngestError> {
+    let mapping = settings.mapping.as_ref();
+    let (rate_hz, max_gap_s) = (settings.rate_hz()?, settings.max_gap_s()?);
+    let format = format_of(path)?;
+    if mapping.is_some_and(|m| m.skips(path)) {
+        return Ok(Vec::new());
+    }
+    let road = mapping.and_then(|m| m.road).unwrap_or(RoadMapping::UNKNOWN);
+    let mapped = Target::mapped(&road, rate_hz, max_gap_s);
+    let (drive, meta, target, mut warnings) = match format {
+        Format::Mcap => {
+            let topics = mapping.and_then(|m| m.mcap.as_ref());
+            let (drive, record, warnings) = raw::mcap::read::read(path, topics, settings.recover)?;
+            match record {
+                Some(record) => {
+                    let target = Target {
+                        road: record.road,
+                        frame: FrameKind::Map,
+                        right_lane_centre_y_m: 0.0,
+                        own_lane_only: false,
+                        ..mapped
+                    };
+                    (drive, Some(record.meta), target, warnings)
+                }
+                None => (drive, None, mapped, warnings),
+            }
+        }
+        Format::Text => {
+            let table = mapping.and_then(|m| m.table.as_ref());
+            let table = table.ok_or_else(|| IngestError::NoMapping {
+                path: path.to_owned(),
+            })?;
+            let text = std::fs::read(path).map_err(|e| IngestError::io(path, e))?;
+            let (drive, warnings) = raw::csv::read(path, text, table)?;
+            let target = Target {
+                // A table of pairs lies along the road already.
+                frame: FrameKind::Map,
+                ..mapped
+            };
+            (drive, None, target, warnings)
+        }
+    };
+    let meta = match meta {
+        Some(meta) => meta,
+        None => named(path, mapping, &mut warnings)?,
+    };
+    let (recording, more) = assemble(path, drive, &target)?;
+    warnings.extend(more);
+    Ok(vec![Ingested {
+        meta,
+        recording,
+        warnings,
+    }])
+}
+
+fn named(
+    path: &Path,
+    mapping: Option<&Mapping>,
+    warnings: &mut Vec<Warning>,
+) -> Result<maveric_domain::DriveMeta, IngestError> {
+    let (meta, told) = meta_of(path, mapping.and_then(|m| m.names.as_ref()))?;
+    if !told {
+        let what = "the file's name does not fit the mapping's pattern: it is the drive's name";
+        warnings.push(Warning::new(path, WarningKind::Default, 1, what));
+    }
+    Ok(meta)
+}
+
+/// The logs at `path`: itself if it is a file, else the files of the folder that end in `.mcap`, `.csv`, `.tsv`
+/// or `.txt`, sorted by name. Files that the mapping skips are not among them.
+///
+/// # Errors
+/// [`IngestError::NotFound`] or [`IngestError::Io`].
+pub fn log_files(path: &Path, mapping: Option<&Mapping>) -> Result<Vec<PathBuf>, IngestError> {
+    let wrong = |e| IngestError::io(path, e);
+    if !std::fs::metadata(path).map_err(wrong)?.is_dir() {
+        return Ok(vec![path.to_owned()]);
+    }
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(path).map_err(wrong)? {
+        let file = entry.map_err(wrong)?.path();
+        let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
+        let known = ["mcap", "csv", "tsv", "txt"]
+            .iter()
+            .any(|e| extension == *e);
+        if known && file.is_file() && !mapping.is_some_and(|m| m.skips(&file)) {
+            files.push(file);
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+/// Tells a recording from a text by the first bytes.
+///
+/// # Errors
+/// As [`read_log`] for what is no log.
+pub(crate) fn format_of(path: &Path) -> Result<Format, IngestError> {
+    let wrong = |e| IngestError::io(path, e);
+    let file = File::open(path).map_err(wrong)?;
+    if file.metadata().map_err(wrong)?.is_dir() {
+        return Err(IngestError::IsDirectory {
+            path: path.to_owned(),
+        });
+    }
+    let mut head = Vec::new();
+    file.take(4096).read_to_end(&mut head).map_err(wrong)?;
+    if head.is_empty() {
+        return Err(IngestError::Empty {
+            path: path.to_owned(),
+        });
+    }
+    let magic = mcap::MAGIC;
+    if head.starts_with(magic) || head.len() < magic.len() && magic.starts_with(&head) {
+        return Ok(Format::Mcap);
+    }
+    let text = match std::str::from_utf8(&head) {
+        Ok(_) => true,
+        // A character may be cut by the end of what was read.
+        Err(e) => e.error_len().is_none() && e.valid_up_to() > 0,
+    };
+    if text && !head.contains(&0) {
+        return Ok(Format::Text);
+    }
+    let first = head.iter().take(8).map(|b| format!("{b:02x}"));
+    Err(IngestError::NotALog {
+        path: path.to_owned(),
+        found: first.collect::<Vec<String>>().join(" "),
+    })
+}

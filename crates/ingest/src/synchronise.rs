@@ -1,0 +1,176 @@
+//! One clock, in order, each time once.
+
+use crate::{
+    quality::{Warning, WarningKind},
+    raw::{EgoSample, ObjectSample, RawDrive},
+};
+use std::path::Path;
+
+/// Median difference between times of receipt and stamps that is worth a word, in s.
+const SKEW_S: f64 = 0.1;
+
+/// A sample of a vehicle at a time.
+trait Stamped {
+    fn stamp_ns(&self) -> i64;
+    /// What may not come twice at one time: a vehicle.
+    fn id(&self) -> u32;
+    fn is_finite(&self) -> bool;
+}
+
+impl Stamped for EgoSample {
+    fn stamp_ns(&self) -> i64 {
+        self.stamp_ns
+    }
+    fn id(&self) -> u32 {
+        0
+    }
+    fn is_finite(&self) -> bool {
+        self.x_m.is_finite() && self.y_m.is_finite() && self.speed_mps.is_none_or(f64::is_finite)
+    }
+}
+
+impl Stamped for ObjectSample {
+    fn stamp_ns(&self) -> i64 {
+        self.stamp_ns
+    }
+    fn id(&self) -> u32 {
+        self.id
+    }
+    fn is_finite(&self) -> bool {
+        self.x_m.is_finite() && self.y_m.is_finite() && self.speed_mps.is_finite()
+    }
+}
+
+/// Puts all samples on header stamps, sorted, each vehicle once a time.
+///
+/// Where ego or the others carry no stamps (all zero), both go by times of receipt: two clocks cannot be
+/// compared. Afterwards `stamp_ns` counts from ego's first sample.
+pub(crate) fn synchronise(path: &Path, drive: &mut RawDrive) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    // A single stamp may well be 0, and so may a time of receipt beside it.
+    let unstamped = drive.ego.iter().all(|s| s.stamp_ns == 0)
+        && drive.ego.iter().any(|s| s.log_ns != 0)
+        || drive.objects.iter().all(|s| s.stamp_ns == 0)
+            && drive.objects.iter().any(|s| s.log_ns != 0);
+    if unstamped {
+        let count = drive.ego.len() + drive.objects.len();
+        let what = "no header stamps: times of receipt are used";
+        warnings.push(Warning::new(path, WarningKind::ReceiveTime, count, what));
+        drive.ego.iter_mut().for_each(|s| s.stamp_ns = s.log_ns);
+        drive.objects.iter_mut().for_each(|s| s.stamp_ns = s.log_ns);
+    } else {
+        warnings.extend(skew(path, &drive.ego));
+    }
+    order(path, "ego", &mut drive.ego, &mut warnings);
+    order(path, "the others", &mut drive.objects, &mut warnings);
+    let start = drive.ego.first().map_or(0, |s| s.stamp_ns);
+    let rebase = |ns: &mut i64| *ns = ns.saturating_sub(start);
+    drive.ego.iter_mut().for_each(|s| rebase(&mut s.stamp_ns));
+    drive
+        .objects
+        .iter_mut()
+        .for_each(|s| rebase(&mut s.stamp_ns));
+    warnings
+}
+
+fn skew(path: &Path, ego: &[EgoSample]) -> Option<Warning> {
+    let late = |s: &EgoSample| (i128::from(s.log_ns) - i128::from(s.stamp_ns)) as f64 / 1e9;
+    let mut late: Vec<f64> = ego.iter().map(late).collect();
+    late.sort_by(f64::total_cmp);
+    let median = *late.get(late.len() / 2)?;
+    (median.abs() > SKEW_S).then(|| {
+        let what = format!(
+            "ego's times of receipt are {median:.3} s behind its header stamps (median): stamps are used"
+        );
+        Warning::new(path, WarningKind::ReceiveSkew, late.len(), what)
+    })
+}
+
+fn order<T: Stamped>(path: &Path, who: &str, samples: &mut Vec<T>, warnings: &mut Vec<Warning>) {
+    let mut report = |kind, count: usize, what: String| {
+        if count > 0 {
+            warnings.push(Warning::new(path, kind, count, what));
+        }
+    };
+    let before = samples.len();
+    samples.retain(Stamped::is_finite);
+    let what = format!("samples of {who} with a value that is not finite are left out");
+    report(WarningKind::MissingValue, before - samples.len(), what);
+
+    let mut backwards = 0;
+    let mut last = i64::MIN;
+    for time in samples.iter().map(Stamped::stamp_ns) {
+        backwards += usize::from(time < last);
+        last = time;
+    }
+    // Stable: of two samples at one time the first that came is kept.
+    samples.sort_by_key(|s| (s.stamp_ns(), s.id()));
+    let what = format!("samples of {who} came out of order and were sorted");
+    report(WarningKind::OutOfOrder, backwards, what);
+
+    let before = samples.len();
+    samples.dedup_by(|b, a| a.id() == b.id() && a.stamp_ns() == b.stamp_ns());
+    let what = format!("second samples of {who} at one time are left out");
+    report(WarningKind::DuplicateTime, before - samples.len(), what);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ego(stamp_ns: i64, log_ns: i64, x_m: f64) -> EgoSample {
+        EgoSample {
+            stamp_ns,
+            log_ns,
+            x_m,
+            y_m: 0.0,
+            yaw_rad: None,
+            speed_mps: Some(1.0),
+        }
+    }
+
+    fn kinds(drive: &mut RawDrive) -> Vec<WarningKind> {
+        let warnings = synchronise(Path::new("log"), drive);
+        warnings.iter().map(|w| w.kind).collect()
+    }
+
+    #[test]
+    fn samples_are_sorted_and_the_first_of_one_time_is_kept() {
+        let samples = [(30, 3.0), (10, 1.0), (20, 2.0), (20, 9.0), (40, f64::NAN)];
+        let mut drive = RawDrive {
+            ego: samples.map(|(t, x)| ego(t, t, x)).to_vec(),
+            ..RawDrive::default()
+        };
+        let found = kinds(&mut drive);
+        let left: Vec<(i64, f64)> = drive.ego.iter().map(|s| (s.stamp_ns, s.x_m)).collect();
+        assert_eq!(left, [(0, 1.0), (10, 2.0), (20, 3.0)]);
+        assert_eq!(
+            found,
+            [
+                WarningKind::MissingValue,
+                WarningKind::OutOfOrder,
+                WarningKind::DuplicateTime
+            ]
+        );
+    }
+
+    #[test]
+    fn without_stamps_times_of_receipt_are_used_and_said() {
+        let mut drive = RawDrive {
+            ego: vec![ego(0, 5, 1.0), ego(0, 7, 2.0)],
+            ..RawDrive::default()
+        };
+        assert_eq!(kinds(&mut drive), [WarningKind::ReceiveTime]);
+        assert_eq!(drive.ego[1].stamp_ns, 2);
+    }
+
+    #[test]
+    fn late_receipt_is_reported_and_stamps_are_used() {
+        let mut drive = RawDrive {
+            ego: vec![ego(0, 2_000_000_000, 1.0), ego(50, 2_000_000_050, 2.0)],
+            ..RawDrive::default()
+        };
+        assert_eq!(kinds(&mut drive), [WarningKind::ReceiveSkew]);
+        assert_eq!(drive.ego[1].stamp_ns, 50);
+    }
+}

@@ -1,0 +1,80 @@
+//! Whole logs in, recordings out: our own, damaged copies of them, and real ones.
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
+
+mod damage;
+mod round_trip;
+mod samples;
+mod tables;
+
+use maveric_domain::{
+    Condition, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording, Road,
+    Study, VehicleId,
+};
+use maveric_ingest::write_mcap;
+use std::{io::Cursor, path::PathBuf};
+
+/// Rows of a minute at 20 Hz.
+const ROWS: usize = 1200;
+
+fn meta() -> DriveMeta {
+    DriveMeta {
+        drive: DriveId::new("S2P07-mimic").unwrap(),
+        participant: ParticipantId::new("S2P07").unwrap(),
+        study: Study::Two,
+        condition: Condition::Mimic,
+        driven_by: DrivenBy::Automated,
+    }
+}
+
+/// A minute with a lane change, standstill, a lead vehicle that leaves and returns, and a hole in time.
+fn recording(hole: bool) -> Recording {
+    let shift = |row: usize| if hole && row >= 700 { 2.0 } else { 0.0 };
+    let time_s: Vec<f64> = (0..ROWS).map(|i| i as f64 / 20.0 + shift(i)).collect();
+    let speed = |t: f64| (25.0 - 0.5 * t).max(0.0) + 0.1 * (7.0 * t).sin().abs();
+    let ego = EgoTrack {
+        length_m: 4.83,
+        x_m: time_s
+            .iter()
+            .map(|t| 24.0 * t + (0.3 * t).sin() / 3.0)
+            .collect(),
+        y_m: time_s
+            .iter()
+            .map(|t| 3.66 / (1.0 + (20.0 - t).exp()))
+            .collect(),
+        speed_mps: time_s.iter().map(|&t| speed(t)).collect(),
+    };
+    let track = |id, first_row: usize, last_row: usize| {
+        let t = &time_s[first_row..last_row];
+        ObjectTrack {
+            id: VehicleId(id),
+            length_m: 4.5 + f64::from(id),
+            first_row,
+            x_m: t.iter().map(|t| 60.0 + 23.1 * t).collect(),
+            y_m: t.iter().map(|t| 0.01 * t.cos()).collect(),
+            speed_mps: t.iter().map(|t| 23.1 + 0.2 * t.sin()).collect(),
+        }
+    };
+    let others = vec![track(3, 0, 300), track(8, 100, ROWS), track(3, 500, 650)];
+    let segment = (0..ROWS).map(|i| u32::from(hole && i >= 700)).collect();
+    let others = if hole { others[..1].to_vec() } else { others };
+    Recording::new(Road::PAPER, 20.0, time_s, segment, ego, others).unwrap()
+}
+
+fn bytes_of(recording: &Recording) -> Vec<u8> {
+    let mut out = Cursor::new(Vec::new());
+    write_mcap(recording, &meta(), &mut out).unwrap();
+    out.into_inner()
+}
+
+/// A folder of real recordings beside the repository; says so and gives nothing where it is missing.
+#[expect(clippy::print_stdout, reason = "a test that is passed over says so")]
+fn shared(folder: &str) -> Option<PathBuf> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("../../../shared/data")
+        .join(folder);
+    if path.is_dir() {
+        return Some(path);
+    }
+    println!("passed over: {} is not there", path.display());
+    None
+}

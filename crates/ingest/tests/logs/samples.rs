@@ -1,0 +1,118 @@
+//! Real recordings: healthy ones open, odd ones are refused by themselves, damaged ones say so.
+
+use super::shared;
+use maveric_ingest::{IngestError, IngestSettings, LogSummary, inspect, log_files, read_log};
+
+fn summary(name: &str) -> Option<LogSummary> {
+    let path = shared("mcap")?.join(name);
+    Some(inspect(&path).unwrap())
+}
+
+#[test]
+fn every_recording_opens_and_says_what_it_would_become() {
+    let Some(folder) = shared("mcap") else { return };
+    for path in log_files(&folder, None).unwrap() {
+        let found = inspect(&path).unwrap();
+        assert!(!found.would_ingest.is_empty(), "{}", path.display());
+        for channel in &found.channels {
+            assert_eq!(channel.decodable, channel.reason.is_none());
+        }
+        // Reading never panics, whatever there is to read.
+        let recover = IngestSettings {
+            recover: true,
+            ..IngestSettings::default()
+        };
+        let _ = read_log(&path, &recover);
+    }
+}
+
+#[test]
+fn every_common_message_type_fits_its_definition() {
+    let Some(found) = summary("all_common_types_ros2.mcap") else {
+        return;
+    };
+    assert_eq!(found.channels.len(), 94);
+    let refused: Vec<String> = found
+        .channels
+        .iter()
+        .filter_map(|c| c.reason.as_ref().map(|r| format!("{}: {r}", c.type_name)))
+        .collect();
+    assert!(refused.is_empty(), "{refused:?}");
+}
+
+#[test]
+fn healthy_rosbag2_files_decode_whole() {
+    for name in [
+        "rosbag2_cdr_test.mcap",
+        "rosbag2_talker.mcap",
+        "rosbag2_wbag_0.mcap",
+        "rosbag2_seek_schema_name_without_msg.mcap",
+    ] {
+        let Some(found) = summary(name) else { return };
+        for channel in &found.channels {
+            assert!(
+                channel.decodable,
+                "{name} {}: {:?}",
+                channel.topic, channel.reason
+            );
+        }
+        assert!(found.damage.is_empty(), "{name}: {:?}", found.damage);
+    }
+}
+
+#[test]
+fn other_encodings_are_refused_channel_by_channel() {
+    for (name, reason) in [
+        ("rosbag2_wrong_serialization.mcap", "`wrong_format`"),
+        ("ros1_tf_diagnostics_zstd.mcap", "`ros1`"),
+        ("json_schema_log.mcap", "`json`"),
+    ] {
+        let Some(found) = summary(name) else { return };
+        assert_eq!(found.channels.len(), 2, "{name}");
+        for channel in &found.channels {
+            let found = channel.reason.as_ref().unwrap();
+            assert!(found.contains(reason), "{name}: {found}");
+        }
+        let path = shared("mcap").unwrap().join(name);
+        let error = read_log(&path, &IngestSettings::default()).unwrap_err();
+        assert!(matches!(&error, IngestError::NoEgo { found, .. } if found.contains(reason)));
+    }
+}
+
+#[test]
+fn a_recording_that_was_killed_is_damaged_and_holds_no_drive() {
+    let Some(folder) = shared("mcap") else { return };
+    let path = folder.join("chunk_not_closed.mcap");
+    let error = read_log(&path, &IngestSettings::default()).unwrap_err();
+    assert!(matches!(error, IngestError::Damaged { .. }), "{error}");
+    let recover = IngestSettings {
+        recover: true,
+        ..IngestSettings::default()
+    };
+    let error = read_log(&path, &recover).unwrap_err();
+    assert!(matches!(error, IngestError::NoEgo { .. }), "{error}");
+    assert_eq!(inspect(&path).unwrap().damage.len(), 1);
+}
+
+#[test]
+fn a_flight_of_poses_has_a_differentiated_speed_and_no_lead_vehicle() {
+    let Some(folder) = shared("mcap") else { return };
+    let found = read_log(
+        &folder.join("cub_pose_flight.mcap"),
+        &IngestSettings::default(),
+    )
+    .unwrap()
+    .remove(0);
+    let recording = &found.recording;
+    assert_eq!(found.meta.drive.as_str(), "cub_pose_flight");
+    assert!(recording.others().is_empty());
+    let last = recording.time_s()[recording.rows() - 1];
+    assert!((last - 198.0).abs() < 2.0, "{last}");
+    let fastest = recording
+        .ego()
+        .speed_mps
+        .iter()
+        .copied()
+        .fold(0.0, f64::max);
+    assert!(fastest > 2.0 && fastest < 30.0, "{fastest}");
+}

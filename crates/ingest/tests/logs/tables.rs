@@ -1,0 +1,144 @@
+//! Tables of pairs, real and made up.
+
+use super::shared;
+use maveric_domain::{Drive, Recording};
+use maveric_ingest::{
+    IngestError, IngestSettings, Ingested, LogFormat, Mapping, WarningKind, inspect, log_files,
+    read_log,
+};
+use std::path::Path;
+
+fn shipped(name: &str) -> Mapping {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
+    Mapping::read(&folder.join(name)).unwrap()
+}
+
+fn settings(mapping: &str) -> IngestSettings {
+    IngestSettings {
+        mapping: Some(shipped(mapping)),
+        ..IngestSettings::default()
+    }
+}
+
+fn of_text(text: &str) -> Result<Ingested, IngestError> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("oa_pair_run_f2_Car.csv");
+    std::fs::write(&path, text).unwrap();
+    read_log(&path, &settings("openacc.toml")).map(|mut found| found.remove(0))
+}
+
+const HEADER: &str = "t,x_follower,v_follower,x_leader,v_leader,leader_length,spacing\n";
+
+/// First gap between bumpers, in m.
+fn first_gap_m(recording: &Recording) -> f64 {
+    let scene = recording.scene(0).unwrap();
+    maveric_domain::scene::bumper_distance_m(&scene.ego, &scene.vehicles[0])
+}
+
+#[test]
+fn openacc_has_four_drives_whose_gap_is_the_spacing() {
+    let Some(folder) = shared("openacc_astazero") else {
+        return;
+    };
+    let settings = settings("openacc.toml");
+    let files = log_files(&folder, settings.mapping.as_ref()).unwrap();
+    assert_eq!(files.len(), 4);
+    for path in &files {
+        let found = read_log(path, &settings).unwrap().remove(0);
+        assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+        assert_eq!(
+            (found.recording.rows(), found.recording.others().len()),
+            (12_433, 1)
+        );
+        assert!((found.recording.rate_hz() - 10.0).abs() < 1e-12);
+        let drive = Drive::from_recording(found.meta, &found.recording).unwrap();
+        assert!(drive.rows().lead_present.iter().all(|&p| p));
+    }
+    let first = read_log(&files[0], &settings).unwrap().remove(0);
+    assert_eq!(first.meta.drive.as_str(), "openacc-040719_platoon10-f2");
+    assert!((first_gap_m(&first.recording) - 5.122_082_263_370_74).abs() < 1e-9);
+    assert!(
+        read_log(&folder.join("manifest.csv"), &settings)
+            .unwrap()
+            .is_empty()
+    );
+}
+
+#[test]
+fn ngsim_feet_become_metres() {
+    let Some(folder) = shared("ngsim_i80_pairs") else {
+        return;
+    };
+    let settings = settings("ngsim_pairs.toml");
+    let files = log_files(&folder, settings.mapping.as_ref()).unwrap();
+    assert_eq!(files.len(), 12);
+    let path = folder.join("i80_0500pm_f1278_l1267.csv");
+    let found = read_log(&path, &settings).unwrap().remove(0);
+    assert_eq!(found.meta.participant.as_str(), "i80-0500pm-f1278");
+    assert!((first_gap_m(&found.recording) - 27.792_645_84 * 0.3048).abs() < 1e-9);
+    assert!((found.recording.ego().speed_mps[0] - 25.046_703_11 * 0.3048).abs() < 1e-9);
+    assert!((found.recording.others()[0].length_m - 17.8 * 0.3048).abs() < 1e-12);
+}
+
+#[test]
+fn every_table_of_the_samples_can_be_inspected() {
+    for folder in ["comma2k19_segment", "ngsim_us101_i80", "openacc_astazero"] {
+        let Some(folder) = shared(folder) else { return };
+        for path in log_files(&folder, None).unwrap() {
+            let found = inspect(&path).unwrap();
+            assert_eq!(found.format, LogFormat::Table);
+            assert!(found.rows > 0 && !found.columns.is_empty());
+        }
+    }
+}
+
+#[test]
+fn a_cell_that_is_no_number_is_named_and_an_empty_one_is_counted() {
+    let bad = of_text(&format!("{HEADER}0,0,1,9,1,0,9\n0.1,0.1,fast,9,1,0,9\n")).unwrap_err();
+    let text = bad.to_string();
+    assert!(text.contains("row 2") && text.contains("v_follower") && text.contains("`fast`"));
+
+    let found = of_text(&format!(
+        "{HEADER}0,0,1,9,1,0,9\n0.1,,1,9,1,0,9\n0.2,0.2,1,9,NaN,0,9\n0.3,0.3,1,9,1,0,9\n"
+    ))
+    .unwrap();
+    assert_eq!(found.recording.rows(), 4, "a dropout of 0.2 s is bridged");
+    let counts: Vec<(WarningKind, usize)> =
+        found.warnings.iter().map(|w| (w.kind, w.count)).collect();
+    assert_eq!(
+        counts,
+        [
+            (WarningKind::MissingValue, 1),
+            (WarningKind::MissingValue, 1)
+        ]
+    );
+}
+
+#[test]
+fn an_unknown_column_is_named_with_the_nearest_one() {
+    let error = of_text("t,x_follower,v_folower,v_leader,leader_length,spacing\n0,0,1,1,0,9\n");
+    let error = error.unwrap_err();
+    assert!(matches!(&error, IngestError::UnknownColumn { column, .. } if column == "v_follower"));
+    assert!(error.suggestion().unwrap().contains("`v_folower`"));
+}
+
+#[test]
+fn a_table_without_rows_or_with_one_is_refused() {
+    assert!(matches!(of_text(HEADER), Err(IngestError::BadTable { .. })));
+    let one = of_text(&format!("{HEADER}0,0,1,9,1,0,9\n"));
+    assert!(matches!(
+        one,
+        Err(IngestError::TooSparse { samples: 1, .. })
+    ));
+}
+
+#[test]
+fn a_hole_in_a_table_starts_a_segment() {
+    let found = of_text(&format!(
+        "{HEADER}0,0,1,9,1,0,9\n0.1,0,1,9,1,0,9\n3,3,1,9,1,0,9\n3.1,3,1,9,1,0,9\n"
+    ))
+    .unwrap();
+    assert_eq!(found.recording.segment(), [0, 0, 1, 1]);
+    assert_eq!(found.warnings[0].spans_s, [(0.1, 3.0)]);
+    assert_eq!(found.recording.others().len(), 2);
+}

@@ -1,0 +1,343 @@
+//! The whole analysis of a within-subject design.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    Adjustment, Conover, Friedman, Mauchly, Named, Nemenyi, PairedT, PooledT, Reasons, RmAnova,
+    ShapiroWilk, Sphericity, Wilcoxon, WithinSubjects,
+    friedman::{self, Exact, RankTable},
+    normality::shapiro_wilk,
+    numerics::moments::mean_and_square_sum,
+    paired,
+    rm_anova::{self, Decomposition},
+    sphericity,
+};
+
+/// Mean and spread of one condition.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ConditionSummary {
+    /// Mean over subjects.
+    pub mean: f64,
+    /// Standard deviation, over n-1.
+    pub sd: f64,
+    /// Lower end of the 95 % within-subject interval of the mean (Morey, 2008): subjects'
+    /// means taken out, variance times k/(k-1).
+    pub within_ci_low: Option<f64>,
+    /// Upper end.
+    pub within_ci_high: Option<f64>,
+}
+
+/// Everything this crate computes for n subjects under k conditions.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WithinAnalysis {
+    /// Complete subjects.
+    pub n: usize,
+    /// Conditions.
+    pub k: usize,
+    /// Subjects left out because a cell is missing.
+    pub dropped: Vec<String>,
+    /// Mean and spread by condition.
+    pub desc: Named<ConditionSummary>,
+    /// Repeated-measures analysis of variance.
+    pub rm_anova: RmAnova,
+    /// Mauchly's test of sphericity.
+    pub mauchly: Mauchly,
+    /// Corrections for a lack of sphericity.
+    pub sphericity: Sphericity,
+    /// Friedman's test.
+    pub friedman: Friedman,
+    /// Paired t tests by pair.
+    pub paired: Named<PairedT>,
+    /// t tests over the pooled error term by pair.
+    pub pooled: Named<PooledT>,
+    /// Wilcoxon's signed-rank tests by pair.
+    pub wilcoxon: Named<Wilcoxon>,
+    /// Conover's comparisons by pair.
+    pub conover: Named<Conover>,
+    /// Nemenyi's comparisons by pair.
+    pub nemenyi: Named<Nemenyi>,
+    /// Shapiro and Wilk's test by condition, and of the `residuals` of the additive model.
+    pub shapiro: Named<ShapiroWilk>,
+    /// Why numbers do not exist, by name.
+    pub undefined: Reasons,
+}
+
+/// The analysis of variance alone.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RmAnovaAnalysis {
+    /// Complete subjects.
+    pub n: usize,
+    /// Conditions.
+    pub k: usize,
+    /// Subjects left out because a cell is missing.
+    pub dropped: Vec<String>,
+    /// Mean and spread by condition.
+    pub desc: Named<ConditionSummary>,
+    /// Repeated-measures analysis of variance.
+    pub rm_anova: RmAnova,
+    /// Mauchly's test of sphericity.
+    pub mauchly: Mauchly,
+    /// Corrections for a lack of sphericity.
+    pub sphericity: Sphericity,
+    /// Why numbers do not exist, by name.
+    pub undefined: Reasons,
+}
+
+/// Friedman's test alone.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FriedmanAnalysis {
+    /// Complete subjects.
+    pub n: usize,
+    /// Conditions.
+    pub k: usize,
+    /// Subjects left out because a cell is missing.
+    pub dropped: Vec<String>,
+    /// Mean and spread by condition.
+    pub desc: Named<ConditionSummary>,
+    /// Friedman's test.
+    pub friedman: Friedman,
+    /// Why numbers do not exist, by name.
+    pub undefined: Reasons,
+}
+
+/// Runs every test of the within-subject design on the same complete subjects.
+///
+/// # Source
+/// The formula of each number is at its field. Where R, JASP, SciPy and pingouin disagree
+/// the field says whom it follows.
+///
+/// # Example
+/// Effort to rise from four stools (Wretenberg, Arborelius and Lindberg, 1993; R's
+/// `nlme::ergoStool`):
+/// ```
+/// use maveric_stats::{WithinSubjects, within};
+/// let rows = [
+///     [12.0, 15.0, 12.0, 10.0], [10.0, 14.0, 13.0, 12.0], [7.0, 14.0, 13.0, 9.0],
+///     [7.0, 11.0, 10.0, 9.0], [8.0, 11.0, 8.0, 7.0], [9.0, 11.0, 11.0, 10.0],
+///     [8.0, 12.0, 12.0, 11.0], [7.0, 11.0, 8.0, 7.0], [9.0, 13.0, 10.0, 8.0],
+/// ].map(Vec::from);
+/// let subjects = ["1", "2", "3", "4", "5", "6", "7", "8", "9"];
+/// let data = WithinSubjects::from_rows(&["T1", "T2", "T3", "T4"], &subjects, &rows)?;
+/// let analysis = within(&data);
+/// let f = analysis.rm_anova.f.unwrap();
+/// assert!((f - 22.3556).abs() < 1e-4); // R: F(3, 24) = 22.36
+/// assert!(analysis.friedman.p_exact.unwrap() < 1e-6);
+/// assert!(analysis.undefined.get("mauchly.W").is_none());
+/// # Ok::<(), maveric_stats::StatsError>(())
+/// ```
+pub fn within(data: &WithinSubjects) -> WithinAnalysis {
+    let mut undefined = Reasons::default();
+    let parts = rm_anova::decompose(data);
+    let (anova, mauchly, sphericity) = variance_part(data, &parts, &mut undefined);
+    let table = RankTable::of(data);
+    let (friedman, inner) = friedman::test(&table, Exact::Feasible);
+    undefined.absorb("friedman", inner);
+    let columns: Vec<Vec<f64>> = (0..data.k()).map(|j| data.column(j)).collect();
+    WithinAnalysis {
+        n: data.n(),
+        k: data.k(),
+        dropped: data.dropped().to_vec(),
+        desc: summaries(data, &parts),
+        paired: paired_t(data, &columns, &mut undefined),
+        pooled: pooled_t(data, &parts, &anova, &mut undefined),
+        wilcoxon: wilcoxon(data, &columns, &mut undefined),
+        conover: conover(data, &table, &mut undefined),
+        nemenyi: nemenyi(data, &table),
+        shapiro: shapiro(data, &columns, &parts, &mut undefined),
+        rm_anova: anova,
+        mauchly,
+        sphericity,
+        friedman,
+        undefined,
+    }
+}
+
+/// Repeated-measures analysis of variance with its test and corrections of sphericity.
+pub fn rm_anova(data: &WithinSubjects) -> RmAnovaAnalysis {
+    let mut undefined = Reasons::default();
+    let parts = rm_anova::decompose(data);
+    let (rm_anova, mauchly, sphericity) = variance_part(data, &parts, &mut undefined);
+    RmAnovaAnalysis {
+        n: data.n(),
+        k: data.k(),
+        dropped: data.dropped().to_vec(),
+        desc: summaries(data, &parts),
+        rm_anova,
+        mauchly,
+        sphericity,
+        undefined,
+    }
+}
+
+/// Friedman's test, with the exact p where it is feasible.
+pub fn friedman(data: &WithinSubjects) -> FriedmanAnalysis {
+    let mut undefined = Reasons::default();
+    let (friedman, inner) = friedman::test(&RankTable::of(data), Exact::Feasible);
+    undefined.absorb("friedman", inner);
+    FriedmanAnalysis {
+        n: data.n(),
+        k: data.k(),
+        dropped: data.dropped().to_vec(),
+        desc: summaries(data, &rm_anova::decompose(data)),
+        friedman,
+        undefined,
+    }
+}
+
+pub(crate) fn variance_part(
+    data: &WithinSubjects,
+    parts: &Decomposition,
+    undefined: &mut Reasons,
+) -> (RmAnova, Mauchly, Sphericity) {
+    let (anova, inner) = rm_anova::test(data, parts);
+    undefined.absorb("rm_anova", inner);
+    let (mauchly, sphericity, inner) = sphericity::tests(data, &parts.residuals, &anova);
+    undefined.absorb("", inner);
+    (anova, mauchly, sphericity)
+}
+
+pub(crate) fn summaries(data: &WithinSubjects, parts: &Decomposition) -> Named<ConditionSummary> {
+    let (n, k) = (data.n() as f64, data.k() as f64);
+    let t95 = paired::t::t95(data.n());
+    let summary = |j: usize| {
+        let (mean, squares) = mean_and_square_sum(data.rows().map(|row| row[j]));
+        // Residuals are the normalised values less their condition mean.
+        let column = parts.residuals.iter().skip(j).step_by(data.k());
+        let variance = column.map(|r| r * r).sum::<f64>() / (n - 1.0) * k / (k - 1.0);
+        let half = t95.map(|t| t * (variance / n).sqrt());
+        ConditionSummary {
+            mean,
+            sd: (squares / (n - 1.0)).sqrt(),
+            within_ci_low: half.map(|h| mean - h),
+            within_ci_high: half.map(|h| mean + h),
+        }
+    };
+    data.conditions()
+        .iter()
+        .cloned()
+        .zip((0..data.k()).map(summary))
+        .collect()
+}
+
+pub(crate) fn paired_t(
+    data: &WithinSubjects,
+    columns: &[Vec<f64>],
+    undefined: &mut Reasons,
+) -> Named<PairedT> {
+    let t95 = paired::t::t95(data.n());
+    let mut results = by_pair(data, "paired", undefined, |a, b| {
+        paired::t::test(&columns[a], &columns[b], t95)
+    });
+    holm(&mut results, |r| r.p, |r, p| r.p_holm = p);
+    results
+}
+
+pub(crate) fn pooled_t(
+    data: &WithinSubjects,
+    parts: &Decomposition,
+    anova: &RmAnova,
+    undefined: &mut Reasons,
+) -> Named<PooledT> {
+    let means = &parts.condition_effects;
+    let mut results = by_pair(data, "pooled", undefined, |a, b| {
+        paired::pooled::test(means[a] - means[b], data.n(), anova)
+    });
+    holm(&mut results, |r| r.p, |r, p| r.p_holm = p);
+    results
+}
+
+pub(crate) fn wilcoxon(
+    data: &WithinSubjects,
+    columns: &[Vec<f64>],
+    undefined: &mut Reasons,
+) -> Named<Wilcoxon> {
+    let written = paired::wilcoxon::written_columns(columns);
+    let mut results = by_pair(data, "wilcoxon", undefined, |a, b| {
+        let written = written.as_ref().map(|w| (&w[a][..], &w[b][..]));
+        paired::wilcoxon::test(&columns[a], &columns[b], written)
+    });
+    holm(&mut results, |r| r.p, |r, p| r.p_holm = p);
+    holm(&mut results, |r| r.p_exact, |r, p| r.p_exact_holm = p);
+    holm(
+        &mut results,
+        |r| r.p_normal_cc,
+        |r, p| r.p_normal_cc_holm = p,
+    );
+    holm(
+        &mut results,
+        |r| r.p_r_default,
+        |r, p| r.p_r_default_holm = p,
+    );
+    results
+}
+
+pub(crate) fn conover(
+    data: &WithinSubjects,
+    table: &RankTable,
+    undefined: &mut Reasons,
+) -> Named<Conover> {
+    let mut results = by_pair(data, "conover", undefined, |a, b| {
+        paired::conover::test(table, a, b)
+    });
+    holm(&mut results, |r| r.p, |r, p| r.p_holm = p);
+    results
+}
+
+pub(crate) fn nemenyi(data: &WithinSubjects, table: &RankTable) -> Named<Nemenyi> {
+    data.pairs()
+        .into_iter()
+        .map(|(a, b, name)| (name, paired::nemenyi::test(table, a, b)))
+        .collect()
+}
+
+fn shapiro(
+    data: &WithinSubjects,
+    columns: &[Vec<f64>],
+    parts: &Decomposition,
+    undefined: &mut Reasons,
+) -> Named<ShapiroWilk> {
+    let residuals = ("residuals".to_owned(), &parts.residuals[..]);
+    let samples = data
+        .conditions()
+        .iter()
+        .cloned()
+        .zip(columns.iter().map(Vec::as_slice));
+    samples
+        .chain([residuals])
+        .map(|(name, sample)| {
+            let (result, inner) = shapiro_wilk(sample);
+            undefined.absorb(&format!("shapiro.{name}"), inner);
+            (name, result)
+        })
+        .collect()
+}
+
+fn by_pair<T>(
+    data: &WithinSubjects,
+    test_name: &str,
+    undefined: &mut Reasons,
+    test: impl Fn(usize, usize) -> (T, Reasons),
+) -> Named<T> {
+    data.pairs()
+        .into_iter()
+        .map(|(a, b, name)| {
+            let (result, inner) = test(a, b);
+            if !inner.is_empty() {
+                undefined.absorb(&format!("{test_name}.{name}"), inner);
+            }
+            (name, result)
+        })
+        .collect()
+}
+
+fn holm<T>(
+    results: &mut Named<T>,
+    read: impl Fn(&T) -> Option<f64>,
+    write: impl Fn(&mut T, Option<f64>),
+) {
+    let p: Vec<Option<f64>> = results.values().map(read).collect();
+    let adjusted = Adjustment::Holm.apply_defined(&p);
+    for (result, p) in results.values_mut().zip(adjusted) {
+        write(result, p);
+    }
+}

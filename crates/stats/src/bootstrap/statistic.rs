@@ -1,0 +1,187 @@
+//! Statistics of a sample in which each row counts as often as it was drawn.
+
+use super::{BootstrapData, Statistic};
+use crate::{
+    StatsError, complete, correlation,
+    friedman::{Exact, RankTable},
+    numerics::moments::{centred, is_rounding, largest},
+    ranks,
+};
+
+/// Data prepared so that a resample costs one pass.
+pub(super) enum Sample {
+    Mean(Vec<f64>),
+    /// Sorted values.
+    Median(Vec<f64>),
+    Pearson(Vec<f64>, Vec<f64>),
+    Spearman(Vec<f64>, Vec<f64>),
+    /// Subject-centred rows, their squares, and the number of conditions.
+    Eta2 {
+        rows: Vec<f64>,
+        squares: Vec<f64>,
+        k: usize,
+        floor: f64,
+    },
+    KendallW(RankTable),
+}
+
+impl Sample {
+    /// The sample and the number of rows left out.
+    pub(super) fn of(
+        statistic: Statistic,
+        data: BootstrapData<'_>,
+    ) -> Result<(Self, usize), StatsError> {
+        match (statistic, data) {
+            (Statistic::Mean | Statistic::Median, BootstrapData::Values(values)) => {
+                let mut kept = complete::values(values, "value", 2)?;
+                let missing = values.len() - kept.len();
+                if statistic == Statistic::Mean {
+                    return Ok((Self::Mean(kept), missing));
+                }
+                kept.sort_by(f64::total_cmp);
+                Ok((Self::Median(kept), missing))
+            }
+            (Statistic::Pearson | Statistic::Spearman, BootstrapData::Pairs(x, y)) => {
+                let mut complete = complete::rows(&[("x", x), ("y", y)], "pair", 2)?;
+                let (y, x) = (complete.columns.pop(), complete.columns.pop());
+                let (x, y) = (x.unwrap_or_default(), y.unwrap_or_default());
+                let sample = if statistic == Statistic::Pearson {
+                    Self::Pearson(centred(&x), centred(&y))
+                } else {
+                    Self::Spearman(x, y)
+                };
+                Ok((sample, complete.missing))
+            }
+            (Statistic::Eta2Partial, BootstrapData::Within(data)) => {
+                let rows: Vec<f64> = data.rows().flat_map(centred).collect();
+                let squares = rows
+                    .chunks_exact(data.k())
+                    .map(|r| r.iter().map(|v| v * v).sum())
+                    .collect();
+                let floor = (4.0 * f64::EPSILON * largest(data.values())).powi(2);
+                Ok((
+                    Self::Eta2 {
+                        rows,
+                        squares,
+                        k: data.k(),
+                        floor,
+                    },
+                    data.dropped().len(),
+                ))
+            }
+            (Statistic::KendallW, BootstrapData::Within(data)) => {
+                Ok((Self::KendallW(RankTable::of(data)), data.dropped().len()))
+            }
+            (statistic, data) => Err(StatsError::WrongData {
+                statistic: format!("{statistic:?}"),
+                data: match data {
+                    BootstrapData::Values(_) => "one column",
+                    BootstrapData::Pairs(..) => "two columns",
+                    BootstrapData::Within(_) => "a within-subject design",
+                }
+                .to_owned(),
+            }),
+        }
+    }
+
+    pub(super) fn rows(&self) -> usize {
+        match self {
+            Self::Mean(v) | Self::Median(v) | Self::Pearson(v, _) | Self::Spearman(v, _) => v.len(),
+            Self::Eta2 { squares, .. } => squares.len(),
+            Self::KendallW(table) => table.n,
+        }
+    }
+
+    /// The statistic with row i taken `counts[i]` times; `None` where it has no value.
+    pub(super) fn statistic(&self, counts: &[u32]) -> Option<f64> {
+        let total: u32 = counts.iter().sum();
+        match self {
+            Self::Mean(values) => {
+                let pivot = values[0];
+                let sum: f64 = values
+                    .iter()
+                    .zip(counts)
+                    .map(|(v, &c)| (v - pivot) * f64::from(c))
+                    .sum();
+                Some(pivot + sum / f64::from(total))
+            }
+            Self::Median(sorted) => {
+                let at = |place: u32| {
+                    let mut seen = 0;
+                    let mut pairs = sorted.iter().zip(counts);
+                    pairs.find_map(|(v, &c)| {
+                        seen += c;
+                        (seen > place).then_some(*v)
+                    })
+                };
+                Some(0.5 * (at((total - 1) / 2)? + at(total / 2)?))
+            }
+            Self::Pearson(x, y) => weighted_r(x, y, counts, f64::from(total)),
+            Self::Spearman(x, y) => {
+                let repeat = |v: &[f64]| -> Vec<f64> {
+                    let rows = v.iter().zip(counts);
+                    rows.flat_map(|(v, &c)| std::iter::repeat_n(*v, c as usize))
+                        .collect()
+                };
+                let rank = |v: &[f64]| -> Vec<f64> {
+                    ranks::doubled(&repeat(v))
+                        .0
+                        .iter()
+                        .map(|&r| r as f64)
+                        .collect()
+                };
+                correlation::coefficient(&rank(x), &rank(y))
+            }
+            Self::Eta2 {
+                rows,
+                squares,
+                k,
+                floor,
+            } => {
+                let mut sums = [0.0_f64; 16];
+                let mut long;
+                let sums: &mut [f64] = if *k <= 16 {
+                    &mut sums[..*k]
+                } else {
+                    long = vec![0.0; *k];
+                    &mut long
+                };
+                let mut within = 0.0;
+                for ((row, square), &count) in rows.chunks_exact(*k).zip(squares).zip(counts) {
+                    if count > 0 {
+                        let weight = f64::from(count);
+                        within += weight * square;
+                        for (sum, v) in sums.iter_mut().zip(row) {
+                            *sum += weight * v;
+                        }
+                    }
+                }
+                let condition = sums.iter().map(|s| s * s).sum::<f64>() / f64::from(total);
+                (within > floor * rows.len() as f64).then(|| (condition / within).min(1.0))
+            }
+            Self::KendallW(table) => {
+                let drawn = table.resampled(counts);
+                crate::friedman::test(&drawn, Exact::No).0.kendall_w
+            }
+        }
+    }
+}
+
+/// r of centred columns with row weights.
+fn weighted_r(x: &[f64], y: &[f64], counts: &[u32], total: f64) -> Option<f64> {
+    let (mut sx, mut sy, mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for ((&a, &b), &c) in x.iter().zip(y).zip(counts) {
+        let c = f64::from(c);
+        sx += c * a;
+        sy += c * b;
+        xx += c * a * a;
+        yy += c * b * b;
+        xy += c * a * b;
+    }
+    let (vx, vy) = (xx - sx * sx / total, yy - sy * sy / total);
+    // A resample of one row only has no spread but for rounding.
+    if is_rounding(vx, 16.0 * xx) || is_rounding(vy, 16.0 * yy) {
+        return None;
+    }
+    Some(((xy - sx * sy / total) / (vx.sqrt() * vy.sqrt())).clamp(-1.0, 1.0))
+}

@@ -1,0 +1,352 @@
+//! One procedure from data to finding: check, choose, test, compare pairs, and say why.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    Adjustment, ConditionSummary, Effect, EffectName, Friedman, Mauchly, Named, Posthoc,
+    PosthocTest, Reasons, RmAnova, ShapiroWilk, Sphericity, StatsError, WithinSubjects, analysis,
+    friedman::{self, Exact, RankTable},
+    normality::shapiro_wilk,
+    posthoc::all_pairs,
+    rm_anova,
+};
+
+/// The omnibus test chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum OmnibusTest {
+    /// Repeated-measures analysis of variance.
+    RmAnova,
+    /// Friedman's test.
+    Friedman,
+}
+
+/// The correction of the degrees of freedom of F.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum SphericityCorrection {
+    /// None: sphericity was not rejected, or cannot fail.
+    None,
+    /// Greenhouse and Geisser's ε.
+    GreenhouseGeisser,
+    /// Huynh and Feldt's ε.
+    HuynhFeldt,
+}
+
+/// One assumption that was looked at.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AssumptionCheck {
+    /// What was checked, in words.
+    pub name: String,
+    /// W of Shapiro and Wilk, or of Mauchly.
+    pub statistic: Option<f64>,
+    /// p of the check.
+    pub p: Option<f64>,
+    /// Whether the assumption stands; `None` if it could not be tested.
+    pub passed: Option<bool>,
+}
+
+/// The omnibus test as it should be reported.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Omnibus {
+    /// Which test.
+    pub test: OmnibusTest,
+    /// Which correction, for the analysis of variance.
+    pub correction: SphericityCorrection,
+    /// F, or χ² of Friedman.
+    pub statistic: Option<f64>,
+    /// Degrees of freedom, corrected.
+    pub df1: Option<f64>,
+    /// Degrees of freedom of the error, corrected; F only.
+    pub df2: Option<f64>,
+    /// The ε by which both were multiplied; F only.
+    pub epsilon: Option<f64>,
+    /// p with the correction; of Friedman the exact p where feasible, else that of Iman
+    /// and Davenport's F.
+    pub p: Option<f64>,
+    /// How p was computed.
+    pub p_method: OmnibusP,
+    /// Whether p is below alpha.
+    pub reject: Option<bool>,
+    /// Partial eta squared, or Kendall's W.
+    pub effect: Effect,
+}
+
+/// Where the omnibus p comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum OmnibusP {
+    /// The F distribution.
+    F,
+    /// All orders of the ranks within subjects.
+    Exact,
+    /// Iman and Davenport's F of the ranks.
+    ImanDavenport,
+    /// χ², where all subjects agree and F is infinite.
+    Chi2,
+}
+
+/// What was checked, chosen and found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Complete subjects.
+    pub n: usize,
+    /// Conditions.
+    pub k: usize,
+    /// Subjects left out because a cell is missing.
+    pub dropped: Vec<String>,
+    /// Mean and spread by condition.
+    pub desc: Named<ConditionSummary>,
+    /// The omnibus test.
+    pub chosen: OmnibusTest,
+    /// Why, one sentence a step.
+    pub reasons: Vec<String>,
+    /// Every check that was made.
+    pub checks: Vec<AssumptionCheck>,
+    /// The finding.
+    pub omnibus: Omnibus,
+    /// All pairs: paired t or Wilcoxon, Holm's correction.
+    pub posthoc: Posthoc,
+    /// Why numbers do not exist, by name.
+    pub undefined: Reasons,
+}
+
+/// Checks assumptions, then chooses between analysis of variance and Friedman's test.
+///
+/// 1. Shapiro and Wilk on the residuals of the additive model (value - subject mean -
+///    condition mean + grand mean). Rejected at 5 %, or not testable: Friedman, then
+///    Wilcoxon's tests.
+/// 2. Else the analysis of variance, then paired t tests. Mauchly rejected at 5 %, or not
+///    testable with more than two conditions: degrees of freedom times Huynh and Feldt's ε
+///    if Greenhouse and Geisser's is above .75, else times Greenhouse and Geisser's
+///    (Girden, 1992).
+///
+/// Pairs are corrected by Holm's method, whatever the omnibus test says. Each step is
+/// recorded in `checks` and `reasons`.
+///
+/// # Errors
+/// [`StatsError::BadParameter`] if `alpha` is not between 0 and 1.
+///
+/// # Example
+/// ```
+/// use maveric_stats::{OmnibusTest, WithinSubjects, compare};
+/// let rows = [[1.0, 4.0, 2.0], [2.0, 6.0, 3.0], [3.0, 6.5, 3.5], [1.5, 5.0, 4.0]].map(Vec::from);
+/// let data = WithinSubjects::from_rows(&["a", "b", "c"], &["1", "2", "3", "4"], &rows)?;
+/// let result = compare(&data, 0.05)?;
+/// assert_eq!(result.chosen, OmnibusTest::RmAnova);
+/// assert!(result.omnibus.reject == Some(true) && result.reasons.len() == 2);
+/// # Ok::<(), maveric_stats::StatsError>(())
+/// ```
+pub fn compare(data: &WithinSubjects, alpha: f64) -> Result<Comparison, StatsError> {
+    if !(alpha > 0.0 && alpha < 1.0) {
+        return Err(StatsError::BadParameter {
+            name: "alpha".to_owned(),
+            expected: "between 0 and 1".to_owned(),
+            found: alpha,
+        });
+    }
+    let parts = rm_anova::decompose(data);
+    let mut inner = Reasons::default();
+    let (anova, mauchly, sphericity) = analysis::variance_part(data, &parts, &mut inner);
+    let (normal, _) = shapiro_wilk(&parts.residuals);
+    let mut trace = Trace::default();
+    let chosen = trace.choose(&normal, &anova);
+    let mut undefined = Reasons::default();
+    let omnibus = match chosen {
+        OmnibusTest::RmAnova => {
+            let correction = trace.correction(data, &mauchly, &sphericity);
+            of_anova(&anova, &sphericity, correction)
+        }
+        OmnibusTest::Friedman => {
+            let (friedman, _) = friedman::test(&RankTable::of(data), Exact::Feasible);
+            of_friedman(&friedman)
+        }
+    };
+    let omnibus = Omnibus {
+        reject: omnibus.p.map(|p| p < alpha),
+        ..omnibus
+    };
+    say_why(&omnibus, &trace.checks, &mut undefined);
+    let test = match chosen {
+        OmnibusTest::RmAnova => PosthocTest::T,
+        OmnibusTest::Friedman => PosthocTest::Wilcoxon,
+    };
+    let mut posthoc = all_pairs(data, test, Adjustment::Holm, alpha);
+    undefined.absorb("posthoc", std::mem::take(&mut posthoc.undefined));
+    Ok(Comparison {
+        n: data.n(),
+        k: data.k(),
+        dropped: data.dropped().to_vec(),
+        desc: analysis::summaries(data, &parts),
+        chosen,
+        reasons: trace.reasons,
+        checks: trace.checks,
+        omnibus,
+        posthoc,
+        undefined,
+    })
+}
+
+/// The checks made so far, and what followed from each.
+#[derive(Default)]
+struct Trace {
+    checks: Vec<AssumptionCheck>,
+    reasons: Vec<String>,
+}
+
+/// Level of the checks of assumptions.
+const CHECK_ALPHA: f64 = 0.05;
+
+impl Trace {
+    fn choose(&mut self, normal: &ShapiroWilk, anova: &RmAnova) -> OmnibusTest {
+        self.checks.push(AssumptionCheck {
+            name: "normality of the residuals (Shapiro-Wilk)".to_owned(),
+            statistic: normal.w,
+            p: normal.p,
+            passed: normal.p.map(|p| p >= CHECK_ALPHA),
+        });
+        let mut say = |reason: String| self.reasons.push(reason);
+        match (normal.p, anova.f) {
+            (_, None) => {
+                say(
+                    "the error sum of squares is zero, so there is no F: Friedman's test"
+                        .to_owned(),
+                );
+                OmnibusTest::Friedman
+            }
+            (None, _) => {
+                say("the residuals cannot be tested for normality: Friedman's test".to_owned());
+                OmnibusTest::Friedman
+            }
+            (Some(p), _) if p < CHECK_ALPHA => {
+                say(format!(
+                    "the residuals are not normal (p = {p:.3}): Friedman's test"
+                ));
+                OmnibusTest::Friedman
+            }
+            (Some(p), _) => {
+                say(format!(
+                    "normality of the residuals is not rejected (p = {p:.3}): analysis of variance"
+                ));
+                OmnibusTest::RmAnova
+            }
+        }
+    }
+
+    fn correction(
+        &mut self,
+        data: &WithinSubjects,
+        mauchly: &Mauchly,
+        sphericity: &Sphericity,
+    ) -> SphericityCorrection {
+        if data.k() == 2 {
+            self.reasons.push(
+                "two conditions have a single difference: no correction for sphericity".to_owned(),
+            );
+            return SphericityCorrection::None;
+        }
+        self.checks.push(AssumptionCheck {
+            name: "sphericity (Mauchly)".to_owned(),
+            statistic: mauchly.w,
+            p: mauchly.p,
+            passed: mauchly.p.map(|p| p >= CHECK_ALPHA),
+        });
+        let finding = match mauchly.p {
+            Some(p) if p >= CHECK_ALPHA => {
+                self.reasons.push(format!(
+                    "sphericity is not rejected (p = {p:.3}): no correction"
+                ));
+                return SphericityCorrection::None;
+            }
+            Some(p) => format!("sphericity is rejected (p = {p:.3})"),
+            None => "sphericity cannot be tested".to_owned(),
+        };
+        let gg = sphericity.gg.unwrap_or(sphericity.lower_bound);
+        if gg > 0.75 {
+            self.reasons.push(format!("{finding} and Greenhouse-Geisser epsilon is {gg:.2}, above .75: Huynh-Feldt correction"));
+            SphericityCorrection::HuynhFeldt
+        } else {
+            self.reasons.push(format!("{finding} and Greenhouse-Geisser epsilon is {gg:.2}, not above .75: Greenhouse-Geisser correction"));
+            SphericityCorrection::GreenhouseGeisser
+        }
+    }
+}
+
+fn of_anova(anova: &RmAnova, sphericity: &Sphericity, correction: SphericityCorrection) -> Omnibus {
+    let (epsilon, p) = match correction {
+        SphericityCorrection::None => (Some(1.0), anova.p),
+        SphericityCorrection::GreenhouseGeisser => (sphericity.gg, sphericity.p_gg),
+        SphericityCorrection::HuynhFeldt => (sphericity.hf, sphericity.p_hf),
+    };
+    Omnibus {
+        test: OmnibusTest::RmAnova,
+        correction,
+        statistic: anova.f,
+        df1: epsilon.map(|e| e * anova.df1 as f64),
+        df2: epsilon.map(|e| e * anova.df2 as f64),
+        epsilon,
+        p,
+        p_method: OmnibusP::F,
+        reject: None,
+        effect: Effect {
+            name: EffectName::Eta2Partial,
+            value: anova.eta2_partial,
+            ci_low: anova.eta2_partial_ci90_low,
+            ci_high: anova.eta2_partial_ci90_high,
+            confidence: 0.90,
+        },
+    }
+}
+
+fn of_friedman(friedman: &Friedman) -> Omnibus {
+    let (p, p_method) = match (friedman.p_exact, friedman.f_p) {
+        (Some(p), _) => (Some(p), OmnibusP::Exact),
+        (None, Some(p)) => (Some(p), OmnibusP::ImanDavenport),
+        (None, None) => (friedman.p, OmnibusP::Chi2),
+    };
+    Omnibus {
+        test: OmnibusTest::Friedman,
+        correction: SphericityCorrection::None,
+        statistic: friedman.chi2,
+        df1: friedman.df.map(|df| df as f64),
+        df2: None,
+        epsilon: None,
+        p,
+        p_method,
+        reject: None,
+        effect: Effect {
+            name: EffectName::KendallW,
+            value: friedman.kendall_w,
+            ci_low: None,
+            ci_high: None,
+            confidence: 0.95,
+        },
+    }
+}
+
+fn say_why(omnibus: &Omnibus, checks: &[AssumptionCheck], undefined: &mut Reasons) {
+    for (i, check) in checks.iter().enumerate() {
+        if check.p.is_none() {
+            undefined.note(&format!("checks.{i}"), "the data do not allow this check");
+        }
+    }
+    if omnibus.statistic.is_none() {
+        undefined.note(
+            "omnibus",
+            "neither test has a value: the conditions do not differ for any subject",
+        );
+    }
+    if omnibus.test == OmnibusTest::Friedman {
+        undefined.note_all(
+            &["omnibus.df2", "omnibus.epsilon"],
+            "Friedman's chi-squared has neither",
+        );
+        undefined.note_all(
+            &["omnibus.effect.ci_low", "omnibus.effect.ci_high"],
+            "Kendall's W has no interval in closed form; `bootstrap` gives one",
+        );
+    }
+}

@@ -1,0 +1,235 @@
+//! How two columns go together.
+
+mod kendall;
+mod pearson;
+mod rm_correlation;
+mod spearman;
+mod spearman_exact;
+
+use serde::{Deserialize, Serialize};
+
+pub use kendall::Kendall;
+pub use pearson::Pearson;
+pub use rm_correlation::{RmCorrelation, RmCorrelationAnalysis, rm_correlation};
+pub use spearman::Spearman;
+
+pub(crate) use pearson::coefficient;
+
+use crate::{
+    Reasons, StatsError, complete, normality::shapiro_wilk, numerics::distributions::t_two_sided,
+};
+
+/// Which coefficient is wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum CorrelationMethod {
+    /// Pearson's r.
+    Pearson,
+    /// Spearman's ρ.
+    Spearman,
+    /// Kendall's τ-b.
+    Kendall,
+    /// Pearson if Shapiro and Wilk reject neither column at 5 %, else Spearman.
+    #[default]
+    Auto,
+    /// All three.
+    All,
+}
+
+/// The correlation of two columns.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Correlation {
+    /// Complete pairs.
+    pub n: usize,
+    /// Pairs left out because a member is missing.
+    pub missing: usize,
+    /// Pearson's r, if asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pearson: Option<Pearson>,
+    /// Spearman's ρ, if asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spearman: Option<Spearman>,
+    /// Kendall's τ-b, if asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kendall: Option<Kendall>,
+    /// What [`CorrelationMethod::Auto`] chose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chosen: Option<CorrelationMethod>,
+    /// Why.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub reasons: Vec<String>,
+    /// What a reader should know before believing p.
+    pub warnings: Vec<String>,
+    /// Why numbers do not exist, by name.
+    pub undefined: Reasons,
+}
+
+/// Correlates two columns of shape `(rows,)`; a pair with a missing member is left out.
+///
+/// Give `subjects` where the rows belong to people: if one occurs twice, the rows are not
+/// independent and a warning names [`rm_correlation`].
+///
+/// # Errors
+/// [`StatsError::LengthMismatch`]; [`StatsError::NotFinite`]; [`StatsError::TooFew`] below
+/// two complete pairs.
+///
+/// # Source
+/// At each field of [`Pearson`], [`Spearman`] and [`Kendall`].
+///
+/// # Example
+/// ```
+/// use maveric_stats::{CorrelationMethod, correlate};
+/// // Anscombe (1973), first set.
+/// let x = [10.0, 8.0, 13.0, 9.0, 11.0, 14.0, 6.0, 4.0, 12.0, 7.0, 5.0].map(Some);
+/// let y = [8.04, 6.95, 7.58, 8.81, 8.33, 9.96, 7.24, 4.26, 10.84, 4.82, 5.68].map(Some);
+/// let result = correlate(&x, &y, CorrelationMethod::All, None)?;
+/// assert!((result.pearson.unwrap().r.unwrap() - 0.8164).abs() < 1e-4);
+/// assert!((result.spearman.unwrap().p.unwrap() - 0.0033).abs() < 1e-4); // exact
+/// # Ok::<(), maveric_stats::StatsError>(())
+/// ```
+pub fn correlate(
+    x: &[Option<f64>],
+    y: &[Option<f64>],
+    method: CorrelationMethod,
+    subjects: Option<&[String]>,
+) -> Result<Correlation, StatsError> {
+    let complete = complete::rows(&[("x", x), ("y", y)], "pair", 2)?;
+    let (x, y) = (&complete.columns[0], &complete.columns[1]);
+    let mut result = Correlation {
+        n: x.len(),
+        missing: complete.missing,
+        pearson: None,
+        spearman: None,
+        kendall: None,
+        chosen: None,
+        reasons: Vec::new(),
+        warnings: repeated_subjects(subjects, &complete.kept)?,
+        undefined: Reasons::default(),
+    };
+    let mut wanted = method;
+    if method == CorrelationMethod::Auto {
+        (wanted, result.reasons) = choose(x, y);
+        result.chosen = Some(wanted);
+    }
+    let all = wanted == CorrelationMethod::All;
+    if all || wanted == CorrelationMethod::Pearson {
+        let (pearson, inner) = pearson::test(x, y);
+        result.undefined.absorb("pearson", inner);
+        result.pearson = Some(pearson);
+    }
+    if all || wanted == CorrelationMethod::Spearman {
+        let (spearman, inner) = spearman::test(x, y);
+        result.undefined.absorb("spearman", inner);
+        result.spearman = Some(spearman);
+    }
+    if all || wanted == CorrelationMethod::Kendall {
+        let (kendall, inner) = kendall::test(x, y);
+        result.undefined.absorb("kendall", inner);
+        result.kendall = Some(kendall);
+    }
+    Ok(result)
+}
+
+fn choose(x: &[f64], y: &[f64]) -> (CorrelationMethod, Vec<String>) {
+    let mut reasons = Vec::new();
+    let mut normal = true;
+    for (name, column) in [("x", x), ("y", y)] {
+        let (test, _) = shapiro_wilk(column);
+        match test.p {
+            Some(p) if p >= 0.05 => {
+                reasons.push(format!(
+                    "Shapiro-Wilk does not reject normality of {name} (p = {p:.3})"
+                ));
+            }
+            Some(p) => {
+                normal = false;
+                reasons.push(format!(
+                    "Shapiro-Wilk rejects normality of {name} (p = {p:.3})"
+                ));
+            }
+            None => {
+                normal = false;
+                reasons.push(format!("normality of {name} cannot be tested"));
+            }
+        }
+    }
+    let chosen = if normal {
+        CorrelationMethod::Pearson
+    } else {
+        CorrelationMethod::Spearman
+    };
+    (chosen, reasons)
+}
+
+fn repeated_subjects(
+    subjects: Option<&[String]>,
+    kept: &[usize],
+) -> Result<Vec<String>, StatsError> {
+    let Some(subjects) = subjects else {
+        return Ok(Vec::new());
+    };
+    if let Some(&last) = kept.last().filter(|&&row| row >= subjects.len()) {
+        return Err(StatsError::LengthMismatch {
+            name: "subject".to_owned(),
+            found: subjects.len(),
+            expected: last + 1,
+        });
+    }
+    let distinct: std::collections::BTreeSet<_> = kept.iter().map(|&row| &subjects[row]).collect();
+    if distinct.len() == kept.len() {
+        return Ok(Vec::new());
+    }
+    Ok(vec![format!(
+        "{} pairs come from {} subjects: repeated answers of one person are not independent, so p and interval are too good; use rmcorr (repeated-measures correlation)",
+        kept.len(),
+        distinct.len()
+    )])
+}
+
+/// tanh(atanh(r) ± z · error), which is r itself at ±1.
+pub(crate) fn fisher_interval(r: f64, error: f64) -> (f64, f64) {
+    if r.abs() >= 1.0 {
+        return (r, r);
+    }
+    let half = 1.959_963_984_540_054 * error;
+    ((r.atanh() - half).tanh(), (r.atanh() + half).tanh())
+}
+
+/// Two-sided p of a correlation with `df` degrees of freedom: t = r √(df / (1 - r²)).
+pub(crate) fn p_of_r(r: f64, df: f64) -> f64 {
+    let rest = (1.0 - r) * (1.0 + r);
+    if rest <= 0.0 {
+        return 0.0;
+    }
+    t_two_sided(r * (df / rest).sqrt(), df)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn repeated_answers_of_one_person_are_warned_about() {
+        let x = [1.0, 2.0, 4.0].map(Some);
+        let who = ["a", "b", "a"].map(str::to_owned);
+        let result = correlate(&x, &x, CorrelationMethod::Pearson, Some(&who)).unwrap();
+        assert!(result.warnings[0].contains("rmcorr"));
+        let result = correlate(
+            &[Some(1.0), Some(2.0), None],
+            &x,
+            CorrelationMethod::Pearson,
+            Some(&who),
+        )
+        .unwrap();
+        assert!(result.warnings.is_empty() && result.missing == 1);
+    }
+
+    #[test]
+    fn auto_says_what_it_chose_and_why() {
+        let x: Vec<_> = (0..20).map(|i| Some(f64::from(i).exp())).collect();
+        let result = correlate(&x, &x, CorrelationMethod::Auto, None).unwrap();
+        assert_eq!(result.chosen, Some(CorrelationMethod::Spearman));
+        assert_eq!(result.reasons.len(), 2);
+    }
+}

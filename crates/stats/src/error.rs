@@ -1,0 +1,130 @@
+//! What can be wrong with data handed to this crate.
+
+/// Why an analysis was refused as a whole.
+///
+/// A single number that does not exist is no error: it is `None`, with its reason in
+/// [`Reasons`](crate::Reasons).
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StatsError {
+    /// Columns of one table differ in length.
+    #[error("column `{name}` has {found} rows, expected {expected}")]
+    LengthMismatch {
+        /// The column.
+        name: String,
+        /// Its rows.
+        found: usize,
+        /// The rows of the first column.
+        expected: usize,
+    },
+    /// A value is NaN or infinite.
+    #[error("value {value} in `{name}`, row {row} (from 0), is not a finite number")]
+    NotFinite {
+        /// The column, or the condition.
+        name: String,
+        /// Row, counted from 0.
+        row: usize,
+        /// What was found.
+        value: f64,
+    },
+    /// A value whose square is not a number of double precision.
+    #[error(
+        "value {value} in `{name}`, row {row} (from 0), is too large to square, expected at most 1e75"
+    )]
+    TooLarge {
+        /// The column, or the condition.
+        name: String,
+        /// Row, counted from 0.
+        row: usize,
+        /// What was found.
+        value: f64,
+    },
+    /// Fewer subjects than the test needs.
+    #[error(
+        "{found} complete {unit}(s) after leaving out {dropped} with missing values, expected at least {expected}"
+    )]
+    TooFew {
+        /// What is counted: subject, pair, respondent, value, group.
+        unit: String,
+        /// How many are complete.
+        found: usize,
+        /// How many were left out because of missing values.
+        dropped: usize,
+        /// How many are needed.
+        expected: usize,
+    },
+    /// Fewer than two conditions.
+    #[error("{found} condition(s), expected at least 2")]
+    TooFewConditions {
+        /// How many were found.
+        found: usize,
+    },
+    /// The same subject has two values in one condition.
+    #[error("subject `{subject}` has two values in condition `{condition}`, expected one")]
+    DoubleCell {
+        /// The subject.
+        subject: String,
+        /// The condition.
+        condition: String,
+    },
+    /// Two conditions, subjects or items carry the same name.
+    #[error("the name `{name}` occurs twice among the {what}s, expected distinct names")]
+    DoubleName {
+        /// condition, subject or item.
+        what: String,
+        /// The name.
+        name: String,
+    },
+    /// A condition in the data that is not in the given order.
+    #[error("condition `{condition}` is in the data but not in the given order of conditions")]
+    UnknownCondition {
+        /// The condition.
+        condition: String,
+    },
+    /// A parameter outside its range.
+    #[error("`{name}` must be {expected}, got {found}")]
+    BadParameter {
+        /// The parameter.
+        name: String,
+        /// The accepted range in words.
+        expected: String,
+        /// What was given.
+        found: f64,
+    },
+    /// A printed number that cannot be read.
+    #[error("row {row} (from 0): cannot read {what} from `{text}`, expected {expected}")]
+    Unreadable {
+        /// Row, counted from 0.
+        row: usize,
+        /// Which number.
+        what: String,
+        /// The text as given.
+        text: String,
+        /// An example of what is understood.
+        expected: String,
+    },
+    /// The statistic needs another kind of data.
+    #[error("statistic {statistic} cannot be computed from {data}")]
+    WrongData {
+        /// The statistic.
+        statistic: String,
+        /// The data given.
+        data: String,
+    },
+}
+
+impl StatsError {
+    /// The next step, where one is known.
+    pub fn suggestion(&self) -> Option<&'static str> {
+        match self {
+            Self::DoubleCell { .. } => {
+                Some("average repeated trials first, so that there is one value a cell")
+            }
+            Self::TooFew { dropped, .. } if *dropped > 0 => Some(
+                "a subject with a missing cell is left out: fill in or drop the condition that misses",
+            ),
+            Self::NotFinite { .. } => Some("leave the cell empty if the value is missing"),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,265 @@
+//! The exact distribution of Friedman's statistic, by convolution over rank-sum states.
+//!
+//! Under the null hypothesis each subject's ranks, ties and all, come in any order with
+//! the same probability. The rank sums of the conditions are then exchangeable, so a state
+//! is the *sorted* vector of sums: 24 subjects x 4 conditions have thousands of states
+//! where there are 24^24 arrangements.
+
+use super::RankTable;
+
+/// Transitions after which the exact p is given up.
+const MOST_TRANSITIONS: usize = 40_000_000;
+const MOST_CONDITIONS: usize = 8;
+
+/// P(Σ Rj² ≥ observed) over all orders within subjects; `None` if there are too many.
+pub(super) fn p_value(table: &RankTable) -> Option<f64> {
+    // Ranks from 0 and without their common factor keep the states few; the statistic is
+    // unchanged but for scale and offset, which the spread does not see.
+    let factor = common_factor(&table.doubled);
+    let largest = table.n as u64 * u64::try_from(2 * (table.k as i64 - 1) / factor).ok()?;
+    let packing = Packing::of(table.k, largest)?;
+    let mut rows: Vec<Vec<u64>> = table
+        .doubled
+        .chunks_exact(table.k)
+        .map(|row| {
+            let mut row: Vec<u64> = row.iter().map(|r| ((r - 2) / factor) as u64).collect();
+            row.sort_unstable();
+            row
+        })
+        .filter(|row| row.first() != row.last())
+        .collect();
+    // Equal rows together, so that their orders are listed once.
+    rows.sort();
+    let mut budget = MOST_TRANSITIONS;
+    // The last step is only summed, never stored.
+    let last = rows.pop()?;
+    let mut states = States::start();
+    let mut known: (Vec<u64>, Vec<u64>) = (Vec::new(), Vec::new());
+    for row in rows {
+        if known.0 != row {
+            let orders = packing.orders(&row, budget)?;
+            known = (row, orders);
+        }
+        budget = budget.checked_sub(states.used * known.1.len())?;
+        states = states.step(&known.1, &packing);
+    }
+    let orders = packing.orders(&last, budget)?;
+    budget.checked_sub(states.used * orders.len())?;
+    let needed = table.spread() * table.k as i64;
+    let reaches = |key: u64| {
+        // k Σ s² - (Σ s)² = k Σ (s - mean)²; rows of one single tie add nothing to it.
+        let sums = packing.unpack(key);
+        let sums = &sums[..table.k];
+        let total: i64 = sums.iter().map(|&s| s as i64).sum();
+        let squares: i64 = sums.iter().map(|&s| (s * s) as i64).sum();
+        (table.k as i64 * squares - total * total) * factor * factor >= needed
+    };
+    let share = 1.0 / orders.len() as f64;
+    let mut p = 0.0;
+    for (key, mass) in states.iter() {
+        let hits = orders.iter().filter(|&&order| reaches(key + order)).count();
+        p += mass * (hits as f64 * share);
+    }
+    Some(p.min(1.0))
+}
+
+/// Rank sums side by side in one word, wide enough that adding words adds the sums.
+struct Packing {
+    conditions: usize,
+    bits: u32,
+}
+
+impl Packing {
+    fn of(conditions: usize, largest: u64) -> Option<Self> {
+        let bits = u64::BITS - largest.leading_zeros();
+        let fits = conditions <= MOST_CONDITIONS && bits as usize * conditions <= 64;
+        fits.then_some(Self { conditions, bits })
+    }
+
+    fn pack(&self, sums: &[u64]) -> u64 {
+        sums.iter().rev().fold(0, |key, &s| key << self.bits | s)
+    }
+
+    fn unpack(&self, mut key: u64) -> [u64; MOST_CONDITIONS] {
+        let mask = (1 << self.bits) - 1;
+        let mut sums = [0; MOST_CONDITIONS];
+        for sum in &mut sums[..self.conditions] {
+            *sum = key & mask;
+            key >>= self.bits;
+        }
+        sums
+    }
+
+    /// The same sums in ascending order.
+    fn sorted(&self, key: u64) -> u64 {
+        let mut sums = self.unpack(key);
+        let sums = &mut sums[..self.conditions];
+        for i in 1..sums.len() {
+            let mut j = i;
+            while j > 0 && sums[j - 1] > sums[j] {
+                sums.swap(j - 1, j);
+                j -= 1;
+            }
+        }
+        self.pack(sums)
+    }
+
+    /// The distinct orders of a sorted row, packed; `None` if there are more than `most`.
+    fn orders(&self, sorted: &[u64], most: usize) -> Option<Vec<u64>> {
+        let mut row = sorted.to_vec();
+        let mut all = vec![self.pack(&row)];
+        loop {
+            // The next permutation in lexicographic order; ties are visited once.
+            let Some(i) = (1..row.len()).rev().find(|&i| row[i - 1] < row[i]) else {
+                return Some(all);
+            };
+            let j = (i..row.len()).rev().find(|&j| row[j] > row[i - 1])?;
+            row.swap(i - 1, j);
+            row[i..].reverse();
+            all.push(self.pack(&row));
+            if all.len() > most {
+                return None;
+            }
+        }
+    }
+}
+
+fn common_factor(doubled: &[i64]) -> i64 {
+    let gcd = |mut a: i64, mut b: i64| {
+        while b != 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    doubled.iter().fold(0, |g, &r| gcd(r - 2, g)).max(1)
+}
+
+/// Sorted rank sums and their probability: an open-addressing table with a fixed hash, so
+/// that the order of summation, and with it the last digit, never changes.
+struct States {
+    keys: Vec<u64>,
+    mass: Vec<f64>,
+    used: usize,
+}
+
+impl States {
+    fn empty(slots: usize) -> Self {
+        Self {
+            keys: vec![0; slots],
+            mass: vec![0.0; slots],
+            used: 0,
+        }
+    }
+
+    /// All sums zero.
+    fn start() -> Self {
+        let mut states = Self::empty(64);
+        states.add(0, 1.0);
+        states
+    }
+
+    fn iter(&self) -> impl Iterator<Item = (u64, f64)> {
+        let slots = self.keys.iter().copied().zip(self.mass.iter().copied());
+        slots.filter(|(_, mass)| *mass > 0.0)
+    }
+
+    fn step(&self, orders: &[u64], packing: &Packing) -> Self {
+        // Room for twice as many states as now, at most half full.
+        let mut next = Self::empty((4 * self.used).next_power_of_two().max(64));
+        let share = 1.0 / orders.len() as f64;
+        for (key, mass) in self.iter() {
+            for order in orders {
+                next.add(packing.sorted(key + order), mass * share);
+            }
+        }
+        next
+    }
+
+    fn add(&mut self, key: u64, mass: f64) {
+        if 2 * self.used >= self.keys.len() {
+            let mut larger = Self::empty(2 * self.keys.len());
+            for (key, mass) in self.iter() {
+                larger.add(key, mass);
+            }
+            *self = larger;
+        }
+        let slot = self.slot(key);
+        if self.mass[slot] <= 0.0 {
+            self.used += 1;
+            self.keys[slot] = key;
+        }
+        self.mass[slot] += mass;
+    }
+
+    fn slot(&self, key: u64) -> usize {
+        let mask = self.keys.len() - 1;
+        let mut slot = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as usize & mask;
+        while self.mass[slot] > 0.0 && self.keys[slot] != key {
+            slot = (slot + 1) & mask;
+        }
+        slot
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::WithinSubjects;
+
+    /// Every order of every subject, one by one.
+    fn enumerated(table: &RankTable) -> f64 {
+        let packing = Packing::of(table.k, 2 * (table.n * table.k) as u64).unwrap();
+        let mut all = vec![0_u64];
+        for row in table.doubled.chunks_exact(table.k) {
+            let mut row: Vec<u64> = row.iter().map(|&v| v as u64).collect();
+            row.sort_unstable();
+            let orders = packing.orders(&row, 1000).unwrap();
+            all = all
+                .iter()
+                .flat_map(|state| orders.iter().map(move |order| state + order))
+                .collect();
+        }
+        let mean = (table.n * (table.k + 1)) as i64;
+        let spread = |key: u64| -> i64 {
+            let sums = packing.unpack(key);
+            sums[..table.k]
+                .iter()
+                .map(|&s| (s as i64 - mean).pow(2))
+                .sum()
+        };
+        let hits = all
+            .iter()
+            .filter(|&&key| spread(key) >= table.spread())
+            .count();
+        hits as f64 / all.len() as f64
+    }
+
+    #[test]
+    fn it_agrees_with_full_enumeration_with_and_without_ties() {
+        for rows in [
+            vec![
+                vec![1.0, 2.0, 3.0],
+                vec![1.0, 3.0, 2.0],
+                vec![2.0, 3.0, 5.0],
+                vec![1.0, 2.0, 9.0],
+            ],
+            vec![
+                vec![1.0, 1.0, 3.0],
+                vec![1.0, 3.0, 3.0],
+                vec![2.0, 2.0, 2.0],
+                vec![1.0, 2.0, 9.0],
+            ],
+            vec![
+                vec![4.0, 1.0, 3.0, 3.0],
+                vec![1.0, 3.0, 3.0, 5.0],
+                vec![2.0, 1.0, 5.0, 4.0],
+            ],
+        ] {
+            let k = rows[0].len();
+            let names: Vec<String> = (0..9).map(|i| format!("n{i}")).collect();
+            let data = WithinSubjects::from_rows(&names[..k], &names[..rows.len()], &rows).unwrap();
+            let table = RankTable::of(&data);
+            assert!((p_value(&table).unwrap() - enumerated(&table)).abs() < 1e-14);
+        }
+    }
+}

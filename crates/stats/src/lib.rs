@@ -1,0 +1,62 @@
+#![doc = include_str!("../README.md")]
+#![expect(
+    clippy::cast_possible_wrap,
+    reason = "counts of subjects, conditions and ranks are far below 2^63"
+)]
+
+mod adjust;
+mod analysis;
+mod bootstrap;
+mod compare;
+mod complete;
+mod correlation;
+mod error;
+mod friedman;
+mod named;
+mod normality;
+mod numerics;
+mod paired;
+mod posthoc;
+mod power;
+mod proportion;
+mod ranks;
+mod reasons;
+mod recheck;
+mod regression;
+mod reliability;
+mod rm_anova;
+mod sphericity;
+mod variances;
+mod within_subjects;
+
+pub use adjust::{Adjusted, Adjustment, adjust};
+pub use analysis::{
+    ConditionSummary, FriedmanAnalysis, RmAnovaAnalysis, WithinAnalysis, friedman, rm_anova, within,
+};
+pub use bootstrap::{Bootstrap, BootstrapData, BootstrapSettings, Interval, Statistic, bootstrap};
+pub use compare::{
+    AssumptionCheck, Comparison, Omnibus, OmnibusP, OmnibusTest, SphericityCorrection, compare,
+};
+pub use correlation::{
+    Correlation, CorrelationMethod, Kendall, Pearson, RmCorrelation, RmCorrelationAnalysis,
+    Spearman, correlate, rm_correlation,
+};
+pub use error::StatsError;
+pub use friedman::Friedman;
+pub use named::Named;
+pub use normality::{Normality, SampleShape, ShapiroWilk, normality};
+pub use paired::{
+    conover::Conover, nemenyi::Nemenyi, pooled::PooledT, t::PairedT, wilcoxon::PMethod,
+    wilcoxon::Wilcoxon,
+};
+pub use posthoc::{Effect, EffectName, Posthoc, PosthocPair, PosthocTest, posthoc};
+pub use power::{PlannedTest, PowerAnalysis, PowerAnswer, PowerQuestion, power};
+pub use proportion::{Proportion, proportion};
+pub use reasons::Reasons;
+pub use recheck::{Recheck, RecheckAnalysis, ReportedCorrelation, recheck};
+pub use regression::{CircularLinear, LinearFit, circular_linear, linear_fit};
+pub use reliability::{Alpha, AlphaAnalysis, ItemDropped, ItemStatistics, alpha};
+pub use rm_anova::RmAnova;
+pub use sphericity::{Mauchly, Sphericity};
+pub use variances::{Bartlett, Levene, VarianceTests, levene};
+pub use within_subjects::WithinSubjects;

@@ -1,0 +1,10 @@
+//! Distributions and linear algebra that the tests need, accurate in the tails.
+
+pub(crate) mod decimal;
+pub(crate) mod distributions;
+pub(crate) mod moments;
+pub(crate) mod noncentral;
+pub(crate) mod roots;
+pub(crate) mod special;
+pub(crate) mod spectrum;
+pub(crate) mod studentized_range;

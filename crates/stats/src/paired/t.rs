@@ -1,0 +1,140 @@
+//! The paired t test and the standardised mean difference.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    Reasons,
+    numerics::{
+        decimal,
+        distributions::{t_quantile_two_sided, t_two_sided},
+        moments::{is_rounding, largest, mean_and_square_sum},
+        noncentral::t_ncp_interval,
+        special::ln_gamma_half_step,
+    },
+};
+
+/// The difference of two conditions, each subject its own control.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PairedT {
+    /// Mean of A minus B.
+    pub mean_diff: f64,
+    /// Mean difference over its standard error.
+    pub t: Option<f64>,
+    /// n - 1.
+    pub df: usize,
+    /// Two-sided.
+    pub p: Option<f64>,
+    /// Holm's correction over all pairs of the analysis.
+    pub p_holm: Option<f64>,
+    /// Lower end of the 95 % interval of the mean difference.
+    pub ci_low: Option<f64>,
+    /// Upper end.
+    pub ci_high: Option<f64>,
+    /// Mean difference over the standard deviation of the differences.
+    pub dz: Option<f64>,
+    /// dz times Hedges' exact correction, Γ(m/2) / (√(m/2) Γ((m-1)/2)), m = n-1.
+    pub gz: Option<f64>,
+    /// Lower end of the 95 % interval of dz, by the noncentral t.
+    pub dz_ci_low: Option<f64>,
+    /// Upper end.
+    pub dz_ci_high: Option<f64>,
+    /// Mean difference over the root of the mean of both variances; what pingouin calls
+    /// Cohen's d of a paired design.
+    pub d_av: Option<f64>,
+}
+
+/// Compares two columns of shape `(n,)`, n ≥ 2; `t95` is the two-sided 5 % quantile.
+pub(crate) fn test(a: &[f64], b: &[f64], t95: Option<f64>) -> (PairedT, Reasons) {
+    let mut reasons = Reasons::default();
+    let n = a.len() as f64;
+    let df = n - 1.0;
+    let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+    let (mean, squares) = mean_and_square_sum(differences.iter().copied());
+    let constant = is_constant_difference(a, b, &differences);
+    let sd = (!constant)
+        .then(|| (squares / df).sqrt())
+        .filter(|sd| *sd > 0.0);
+    let t = sd.map(|sd| mean / (sd / n.sqrt()));
+    if sd.is_none() {
+        let reason = "the differences do not vary";
+        reasons.note_all(
+            &[
+                "t",
+                "p",
+                "p_holm",
+                "ci_low",
+                "ci_high",
+                "dz",
+                "gz",
+                "dz_ci_low",
+                "dz_ci_high",
+            ],
+            reason,
+        );
+    }
+    let half = sd.zip(t95).map(|(sd, t95)| t95 * sd / n.sqrt());
+    let dz = sd.map(|sd| mean / sd);
+    let gz = dz.filter(|_| df > 1.0).map(|dz| dz * hedges_factor(df));
+    if gz.is_none() {
+        reasons.note("gz", "its correction needs at least three subjects");
+    }
+    let interval = t.and_then(|t| t_ncp_interval(t, df, 0.025));
+    if interval.is_none() {
+        reasons.note_all(
+            &["dz_ci_low", "dz_ci_high"],
+            "no noncentral t leaves 2.5 % beyond this t",
+        );
+    }
+    let variance = |values: &[f64]| {
+        let (_, squares) = mean_and_square_sum(values.iter().copied());
+        squares / df
+    };
+    let average_sd = (0.5 * (variance(a) + variance(b))).sqrt();
+    let d_av = (average_sd > 0.0).then(|| mean / average_sd);
+    if d_av.is_none() {
+        reasons.note("d_av", "neither condition varies");
+    }
+    let result = PairedT {
+        mean_diff: mean,
+        t,
+        df: a.len() - 1,
+        p: t.map(|t| t_two_sided(t, df)),
+        p_holm: None,
+        ci_low: half.map(|h| mean - h),
+        ci_high: half.map(|h| mean + h),
+        dz,
+        gz,
+        dz_ci_low: interval.map(|(low, _)| low / n.sqrt()),
+        dz_ci_high: interval.map(|(_, high)| high / n.sqrt()),
+        d_av,
+    };
+    (result, reasons)
+}
+
+/// The two-sided 5 % quantile of t for n subjects.
+pub(crate) fn t95(n: usize) -> Option<f64> {
+    t_quantile_two_sided(0.05, n as f64 - 1.0)
+}
+
+/// Γ(m/2) / (√(m/2) Γ((m-1)/2)).
+fn hedges_factor(m: f64) -> f64 {
+    (ln_gamma_half_step(0.5 * (m - 1.0)) - 0.5 * (0.5 * m).ln()).exp()
+}
+
+/// Whether all differences are one number, as written or up to rounding.
+fn is_constant_difference(a: &[f64], b: &[f64], differences: &[f64]) -> bool {
+    let scale = largest(a).max(largest(b));
+    let spread = differences
+        .iter()
+        .fold(0.0_f64, |m, d| m.max((d - differences[0]).abs()));
+    if is_rounding(spread, scale) {
+        return true;
+    }
+    if spread > 1e-6 * scale {
+        return false;
+    }
+    decimal::as_written(&[a, b].concat()).is_some_and(|w| {
+        let (a, b) = w.split_at(a.len());
+        a.iter().zip(b).all(|(x, y)| x - y == a[0] - b[0])
+    })
+}

@@ -1,0 +1,320 @@
+//! All pairs of conditions, after an omnibus test or instead of one.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    Adjustment, Named, Nemenyi, PMethod, PairedT, Reasons, StatsError, Wilcoxon, WithinSubjects,
+    analysis, friedman::RankTable, numerics::moments::mean_and_square_sum, rm_anova,
+};
+
+/// The test of a pair of conditions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum PosthocTest {
+    /// Paired t test, each pair with its own error.
+    T,
+    /// t test over the pooled error term of the analysis of variance.
+    PooledT,
+    /// Wilcoxon's signed-rank test.
+    Wilcoxon,
+    /// Conover's comparison of rank sums.
+    Conover,
+    /// Nemenyi's comparison of mean ranks; its p is corrected for all pairs by itself.
+    Nemenyi,
+}
+
+/// The name of an effect size.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum EffectName {
+    /// Mean difference over the standard deviation of the differences.
+    Dz,
+    /// (W+ - W-) / (W+ + W-) of the signed ranks.
+    RankBiserial,
+    /// SSc / (SSc + SSe).
+    Eta2Partial,
+    /// χ² / (n (k-1)).
+    KendallW,
+}
+
+/// An effect size with its interval.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Effect {
+    /// Which effect size.
+    pub name: EffectName,
+    /// The estimate.
+    pub value: Option<f64>,
+    /// Lower end of the interval.
+    pub ci_low: Option<f64>,
+    /// Upper end.
+    pub ci_high: Option<f64>,
+    /// Confidence of the interval: 0.95 for pairs, 0.90 for partial eta squared.
+    pub confidence: f64,
+}
+
+/// One pair of conditions.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PosthocPair {
+    /// Mean of A minus B.
+    pub mean_diff: f64,
+    /// t, W+ or q of the test.
+    pub statistic: Option<f64>,
+    /// Degrees of freedom of a t.
+    pub df: Option<usize>,
+    /// Differences that are not zero, of Wilcoxon's test; else all subjects.
+    pub n_used: usize,
+    /// Two-sided.
+    pub p: Option<f64>,
+    /// How p was computed.
+    pub p_method: Option<PMethod>,
+    /// p corrected for all pairs.
+    pub p_adjusted: Option<f64>,
+    /// Whether the corrected p is below alpha.
+    pub reject: Option<bool>,
+    /// Effect size of the pair.
+    pub effect: Effect,
+}
+
+/// All pairs of a within-subject design.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Posthoc {
+    /// Complete subjects.
+    pub n: usize,
+    /// Conditions.
+    pub k: usize,
+    /// Subjects left out because a cell is missing.
+    pub dropped: Vec<String>,
+    /// The test.
+    pub test: PosthocTest,
+    /// The correction for all pairs.
+    pub adjust: Adjustment,
+    /// Level of significance of `reject`.
+    pub alpha: f64,
+    /// Results by pair `A|B`, A minus B.
+    pub pairs: Named<PosthocPair>,
+    /// What a reader should know.
+    pub warnings: Vec<String>,
+    /// Why numbers do not exist, by name.
+    pub undefined: Reasons,
+}
+
+/// Compares every pair of conditions.
+///
+/// # Errors
+/// [`StatsError::BadParameter`] if `alpha` is not between 0 and 1.
+///
+/// # Example
+/// ```
+/// use maveric_stats::{Adjustment, PosthocTest, WithinSubjects, posthoc};
+/// let rows = [[1.0, 4.0, 2.0], [2.0, 6.0, 3.0], [3.0, 6.5, 3.5], [1.5, 5.0, 4.0]].map(Vec::from);
+/// let data = WithinSubjects::from_rows(&["a", "b", "c"], &["1", "2", "3", "4"], &rows);
+/// let result = posthoc(&data?, PosthocTest::T, Adjustment::Holm, 0.05)?;
+/// let pair = result.pairs.get("a|b").unwrap();
+/// assert!(pair.mean_diff < 0.0 && pair.p_adjusted > pair.p);
+/// # Ok::<(), maveric_stats::StatsError>(())
+/// ```
+pub fn posthoc(
+    data: &WithinSubjects,
+    test: PosthocTest,
+    adjust: Adjustment,
+    alpha: f64,
+) -> Result<Posthoc, StatsError> {
+    if !(alpha > 0.0 && alpha < 1.0) {
+        return Err(StatsError::BadParameter {
+            name: "alpha".to_owned(),
+            expected: "between 0 and 1".to_owned(),
+            found: alpha,
+        });
+    }
+    Ok(all_pairs(data, test, adjust, alpha))
+}
+
+/// [`posthoc`] for a level that has been checked.
+pub(crate) fn all_pairs(
+    data: &WithinSubjects,
+    test: PosthocTest,
+    adjust: Adjustment,
+    alpha: f64,
+) -> Posthoc {
+    let mut undefined = Reasons::default();
+    let columns: Vec<Vec<f64>> = (0..data.k()).map(|j| data.column(j)).collect();
+    let mut raw = single_tests(data, test, &columns, &mut undefined);
+    let mut warnings = Vec::new();
+    let nemenyi = test == PosthocTest::Nemenyi;
+    if nemenyi && adjust != Adjustment::None {
+        warnings.push(
+            "Nemenyi's p is corrected for all pairs by itself; it is not corrected again"
+                .to_owned(),
+        );
+    }
+    let adjust = if nemenyi { Adjustment::None } else { adjust };
+    let p: Vec<Option<f64>> = raw.values().map(|pair| pair.p).collect();
+    for (pair, adjusted) in raw.values_mut().zip(adjust.apply_defined(&p)) {
+        pair.p_adjusted = adjusted;
+        pair.reject = adjusted.map(|p| p < alpha);
+    }
+    for (name, pair) in raw.iter() {
+        if pair.p.is_none() {
+            let missing = ["statistic", "p", "p_method", "p_adjusted", "reject"];
+            for field in missing {
+                undefined.note(
+                    &format!("pairs.{name}.{field}"),
+                    "the differences of the pair do not allow the test",
+                );
+            }
+        }
+        if pair.df.is_none() {
+            undefined.note(
+                &format!("pairs.{name}.df"),
+                "the statistic has no degrees of freedom",
+            );
+        }
+        for (field, value) in [
+            ("value", pair.effect.value),
+            ("ci_low", pair.effect.ci_low),
+            ("ci_high", pair.effect.ci_high),
+        ] {
+            if value.is_none() {
+                undefined.note(
+                    &format!("pairs.{name}.effect.{field}"),
+                    "the differences do not vary, or the effect is at its limit",
+                );
+            }
+        }
+    }
+    Posthoc {
+        n: data.n(),
+        k: data.k(),
+        dropped: data.dropped().to_vec(),
+        test,
+        adjust,
+        alpha,
+        pairs: raw,
+        warnings,
+        undefined,
+    }
+}
+
+/// What the five tests have in common: statistic, df, n used, p and its method.
+struct Single(Option<f64>, Option<usize>, usize, Option<f64>, PMethod);
+
+fn single_tests(
+    data: &WithinSubjects,
+    test: PosthocTest,
+    columns: &[Vec<f64>],
+    undefined: &mut Reasons,
+) -> Named<PosthocPair> {
+    // The tests' own reasons carry their own names; those of the pairs are given above.
+    let mut inner = Reasons::default();
+    let n = data.n();
+    // Tests of means report dz, tests of ranks the rank-biserial correlation: the paired
+    // tests that give them run in any case, and only once.
+    let mut ignored = Reasons::default();
+    let paired = match test {
+        PosthocTest::T => Some(analysis::paired_t(data, columns, &mut inner)),
+        PosthocTest::PooledT => Some(analysis::paired_t(data, columns, &mut ignored)),
+        _ => None,
+    };
+    let signed = match test {
+        PosthocTest::Wilcoxon => Some(analysis::wilcoxon(data, columns, &mut inner)),
+        PosthocTest::Conover | PosthocTest::Nemenyi => {
+            Some(analysis::wilcoxon(data, columns, &mut ignored))
+        }
+        _ => None,
+    };
+    let singles: Vec<Single> = match test {
+        PosthocTest::T => {
+            let single = |t: &PairedT| Single(t.t, Some(t.df), n, t.p, PMethod::T);
+            paired.iter().flat_map(Named::values).map(single).collect()
+        }
+        PosthocTest::PooledT => {
+            let parts = rm_anova::decompose(data);
+            let (anova, _) = rm_anova::test(data, &parts);
+            let tests = analysis::pooled_t(data, &parts, &anova, &mut inner);
+            tests
+                .values()
+                .map(|t| Single(t.t, Some(t.df), n, t.p, PMethod::T))
+                .collect()
+        }
+        PosthocTest::Wilcoxon => {
+            let single = |w: &Wilcoxon| {
+                Single(
+                    w.w_plus,
+                    None,
+                    w.n_used,
+                    w.p,
+                    w.p_method.unwrap_or(PMethod::Exact),
+                )
+            };
+            signed.iter().flat_map(Named::values).map(single).collect()
+        }
+        PosthocTest::Conover => {
+            let tests = analysis::conover(data, &RankTable::of(data), &mut inner);
+            tests
+                .values()
+                .map(|t| Single(t.t, Some(t.df), n, t.p, PMethod::T))
+                .collect()
+        }
+        PosthocTest::Nemenyi => {
+            let tests = analysis::nemenyi(data, &RankTable::of(data));
+            let single =
+                |t: &Nemenyi| Single(Some(t.q), None, n, Some(t.p), PMethod::StudentizedRange);
+            tests.values().map(single).collect()
+        }
+    };
+    let effects = effects(paired.as_ref(), signed.as_ref());
+    for (name, reason) in inner.iter() {
+        let pair = name.split_once('.').map_or(name, |(_, rest)| rest);
+        for field in ["statistic", "p", "p_method", "p_adjusted", "reject"] {
+            // A reason for the whole pair, or for its p, is the reason here.
+            let of_pair = data
+                .pairs()
+                .into_iter()
+                .find(|(_, _, p)| pair == p || pair == format!("{p}.p"));
+            if let Some((_, _, p)) = of_pair {
+                undefined.note(&format!("pairs.{p}.{field}"), reason);
+            }
+        }
+    }
+    data.pairs()
+        .into_iter()
+        .zip(singles)
+        .zip(effects)
+        .map(|(((a, b, name), single), effect)| {
+            let Single(statistic, df, n_used, p, method) = single;
+            let differences = data.rows().map(|row| row[a] - row[b]);
+            let pair = PosthocPair {
+                mean_diff: mean_and_square_sum(differences).0,
+                statistic,
+                df,
+                n_used,
+                p,
+                p_method: p.map(|_| method),
+                p_adjusted: None,
+                reject: None,
+                effect,
+            };
+            (name, pair)
+        })
+        .collect()
+}
+
+fn effects(paired: Option<&Named<PairedT>>, signed: Option<&Named<Wilcoxon>>) -> Vec<Effect> {
+    let of_means = paired.into_iter().flat_map(Named::values).map(|t| Effect {
+        name: EffectName::Dz,
+        value: t.dz,
+        ci_low: t.dz_ci_low,
+        ci_high: t.dz_ci_high,
+        confidence: 0.95,
+    });
+    let of_ranks = signed.into_iter().flat_map(Named::values).map(|w| Effect {
+        name: EffectName::RankBiserial,
+        value: w.rank_biserial,
+        ci_low: w.rank_biserial_ci_low,
+        ci_high: w.rank_biserial_ci_high,
+        confidence: 0.95,
+    });
+    of_means.chain(of_ranks).collect()
+}

@@ -1,0 +1,218 @@
+//! How likely a test is to find an effect.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    Reasons, StatsError,
+    numerics::{
+        distributions::{f_quantile_upper, normal_quantile, normal_upper, t_quantile_two_sided},
+        noncentral::{f_lower, t_lower},
+    },
+};
+
+/// The test that is planned, with the effect expected.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", tag = "test")]
+#[non_exhaustive]
+pub enum PlannedTest {
+    /// A paired t test; `effect` is dz.
+    PairedT {
+        /// Mean difference over the standard deviation of the differences.
+        effect: f64,
+    },
+    /// A test of Pearson's r; `effect` is r.
+    Pearson {
+        /// The correlation expected.
+        effect: f64,
+    },
+    /// A one-way repeated-measures analysis of variance; `effect` is partial eta squared
+    /// of the population means (f² = η² / (1 - η²), between-subject metric as G*Power's).
+    RmAnova {
+        /// Partial eta squared.
+        effect: f64,
+        /// Conditions.
+        k: usize,
+        /// Correlation of two conditions over subjects.
+        corr: f64,
+        /// Greenhouse and Geisser's ε, from 1/(k-1) to 1.
+        epsilon: f64,
+    },
+}
+
+/// One question about power.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PowerQuestion {
+    /// The test and its effect.
+    #[serde(flatten)]
+    pub test: PlannedTest,
+    /// Subjects (pairs, for a correlation).
+    pub n: usize,
+    /// Two-sided level of significance.
+    pub alpha: f64,
+}
+
+/// The answer to one [`PowerQuestion`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PowerAnswer {
+    /// Probability of p < alpha.
+    pub power: Option<f64>,
+    /// The smallest n with a power of at least 80 %.
+    pub n_for_80: Option<usize>,
+}
+
+/// Answers in the order of the questions.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PowerAnalysis {
+    /// One answer a question.
+    pub row: Vec<PowerAnswer>,
+    /// Why numbers do not exist, by name.
+    pub undefined: Reasons,
+}
+
+/// Sample sizes looked at for `n_for_80`.
+const MOST_SUBJECTS: usize = 1_000_000;
+
+/// Power of planned tests.
+///
+/// # Errors
+/// [`StatsError::BadParameter`] for an effect, level or correlation outside its range.
+///
+/// # Source
+/// Noncentral t with ncp = dz √n; Fisher's z with its bias term r/(2(n-1)), as R's `pwr`;
+/// noncentral F with ncp = f² n k ε / (1 - corr), as pingouin's `power_rm_anova`.
+///
+/// # Example
+/// ```
+/// use maveric_stats::{PlannedTest, PowerQuestion, power};
+/// let question = PowerQuestion { test: PlannedTest::PairedT { effect: 0.5 }, n: 24, alpha: 0.05 };
+/// let answer = &power(&[question])?.row[0];
+/// assert!((answer.power.unwrap() - 0.650_392).abs() < 1e-6); // pwr.t.test
+/// assert_eq!(answer.n_for_80, Some(34));
+/// # Ok::<(), maveric_stats::StatsError>(())
+/// ```
+pub fn power(questions: &[PowerQuestion]) -> Result<PowerAnalysis, StatsError> {
+    let mut undefined = Reasons::default();
+    let mut row = Vec::with_capacity(questions.len());
+    for (i, question) in questions.iter().enumerate() {
+        check(question)?;
+        let power = power_at(question, question.n);
+        if power.is_none() {
+            undefined.note(
+                &format!("row.{i}.power"),
+                "too few subjects for the test to have degrees of freedom",
+            );
+        }
+        let n_for_80 = smallest_n(question);
+        if n_for_80.is_none() {
+            undefined.note(
+                &format!("row.{i}.n_for_80"),
+                format!("no sample of up to {MOST_SUBJECTS} reaches a power of 80 %"),
+            );
+        }
+        row.push(PowerAnswer { power, n_for_80 });
+    }
+    Ok(PowerAnalysis { row, undefined })
+}
+
+fn check(question: &PowerQuestion) -> Result<(), StatsError> {
+    let inside = |name: &str, found: f64, low: f64, high: f64| {
+        let fine = found > low && found < high;
+        fine.then_some(()).ok_or_else(|| StatsError::BadParameter {
+            name: name.to_owned(),
+            expected: format!("between {low} and {high}"),
+            found,
+        })
+    };
+    inside("alpha", question.alpha, 0.0, 1.0)?;
+    match question.test {
+        PlannedTest::PairedT { effect } => inside("effect", effect, -1e6, 1e6),
+        PlannedTest::Pearson { effect } => inside("effect", effect, -1.0, 1.0),
+        PlannedTest::RmAnova {
+            effect,
+            k,
+            corr,
+            epsilon,
+        } => {
+            if k < 2 {
+                return Err(StatsError::TooFewConditions { found: k });
+            }
+            inside("effect", effect, -f64::MIN_POSITIVE, 1.0)?;
+            inside("corr", corr, -1.0, 1.0)?;
+            inside(
+                "epsilon",
+                epsilon,
+                1.0 / (k as f64 - 1.0) - 1e-9,
+                1.0 + 1e-9,
+            )
+        }
+    }
+}
+
+fn power_at(question: &PowerQuestion, n: usize) -> Option<f64> {
+    let (size, alpha) = (n as f64, question.alpha);
+    match question.test {
+        PlannedTest::PairedT { effect } => {
+            let df = size - 1.0;
+            if n < 2 {
+                return None;
+            }
+            let critical = t_quantile_two_sided(alpha, df)?;
+            let ncp = effect.abs() * size.sqrt();
+            Some(1.0 - t_lower(critical, df, ncp) + t_lower(-critical, df, ncp))
+        }
+        PlannedTest::Pearson { effect } => {
+            if n < 4 {
+                return None;
+            }
+            let critical = t_quantile_two_sided(alpha, size - 2.0)?;
+            let limit = (critical / (critical * critical + size - 2.0).sqrt()).atanh();
+            let r = effect.abs();
+            let z = r.atanh() + r / (2.0 * (size - 1.0));
+            let scale = (size - 3.0).sqrt();
+            Some(normal_upper((limit - z) * scale) + normal_upper((limit + z) * scale))
+        }
+        PlannedTest::RmAnova {
+            effect,
+            k,
+            corr,
+            epsilon,
+        } => {
+            if n < 2 {
+                return None;
+            }
+            let k = k as f64;
+            let ncp = effect / (1.0 - effect) * size * k * epsilon / (1.0 - corr);
+            let d1 = (k - 1.0) * epsilon;
+            let d2 = d1 * (size - 1.0);
+            let critical = f_quantile_upper(alpha, d1, d2)?;
+            Some(1.0 - f_lower(critical, d1, d2, ncp))
+        }
+    }
+}
+
+fn smallest_n(question: &PowerQuestion) -> Option<usize> {
+    let enough = |n: usize| power_at(question, n).is_some_and(|power| power >= 0.8);
+    let mut high = 4;
+    while !enough(high) {
+        high *= 2;
+        if high > MOST_SUBJECTS {
+            return None;
+        }
+    }
+    // Power grows with n, so halving finds the first.
+    let mut low = if high == 4 { 1 } else { high / 2 };
+    while high - low > 1 {
+        let middle = low.midpoint(high);
+        if enough(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    Some(high)
+}
+
+/// z for a two-sided interval of that confidence.
+pub(crate) fn z_for(confidence: f64) -> f64 {
+    normal_quantile(0.5 + 0.5 * confidence)
+}

@@ -1,0 +1,221 @@
+//! Straight lines, and directions, fitted by least squares.
+
+use serde::Serialize;
+
+use crate::{
+    Reasons, StatsError, complete,
+    numerics::{
+        distributions::{f_upper, t_quantile_two_sided, t_two_sided},
+        moments::{centred, is_constant, mean_and_square_sum},
+    },
+};
+
+/// y = intercept + slope x.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LinearFit {
+    /// Complete pairs.
+    pub n: usize,
+    /// Pairs left out because a member is missing.
+    pub missing: usize,
+    /// Change of y for one unit of x.
+    pub slope: f64,
+    /// y at x = 0.
+    pub intercept: f64,
+    /// Standard error of the slope.
+    pub slope_se: Option<f64>,
+    /// Standard error of the intercept.
+    pub intercept_se: Option<f64>,
+    /// Two-sided p of the slope, n-2 degrees of freedom.
+    pub slope_p: Option<f64>,
+    /// Standard deviation of the residuals, over n-2.
+    pub residual_sd: Option<f64>,
+    /// Share of the variance of y that the line explains.
+    pub r2: Option<f64>,
+    /// Mean of x.
+    pub mean_x: f64,
+    /// Σ (x - mean)².
+    pub ss_x: f64,
+    /// Why numbers do not exist, by name.
+    pub undefined: Reasons,
+}
+
+impl LinearFit {
+    /// y on the line.
+    pub fn predict(&self, x: f64) -> f64 {
+        self.intercept + self.slope * x
+    }
+
+    /// The pointwise interval of the line at `x`, with the given confidence (0.95).
+    pub fn band(&self, x: f64, confidence: f64) -> Option<(f64, f64)> {
+        let n = self.n as f64;
+        let t = t_quantile_two_sided(1.0 - confidence, n - 2.0)?;
+        let distance = x - self.mean_x;
+        let error = self.residual_sd? * (1.0 / n + distance * distance / self.ss_x).sqrt();
+        Some((self.predict(x) - t * error, self.predict(x) + t * error))
+    }
+}
+
+/// Fits a line to pairs, columns of shape `(rows,)`; incomplete pairs are left out.
+///
+/// # Errors
+/// [`StatsError::LengthMismatch`]; [`StatsError::NotFinite`]; [`StatsError::TooFew`] below
+/// two complete pairs; [`StatsError::BadParameter`] if x does not vary.
+///
+/// # Example
+/// ```
+/// let x = [1.0, 2.0, 3.0, 4.0].map(Some);
+/// let y = [2.1, 3.9, 6.2, 7.8].map(Some);
+/// let fit = maveric_stats::linear_fit(&x, &y)?;
+/// assert!((fit.slope - 1.94).abs() < 1e-12 && (fit.intercept - 0.15).abs() < 1e-12);
+/// let (low, high) = fit.band(2.5, 0.95).unwrap();
+/// assert!(low < 5.0 && 5.0 < high);
+/// # Ok::<(), maveric_stats::StatsError>(())
+/// ```
+pub fn linear_fit(x: &[Option<f64>], y: &[Option<f64>]) -> Result<LinearFit, StatsError> {
+    let complete = complete::rows(&[("x", x), ("y", y)], "pair", 2)?;
+    let (x, y) = (&complete.columns[0], &complete.columns[1]);
+    let (mean_x, ss_x) = mean_and_square_sum(x.iter().copied());
+    if is_constant(x) || ss_x <= 0.0 {
+        return Err(StatsError::BadParameter {
+            name: "x".to_owned(),
+            expected: "at least two different values".to_owned(),
+            found: x[0],
+        });
+    }
+    let n = x.len() as f64;
+    let (mean_y, ss_y) = mean_and_square_sum(y.iter().copied());
+    let (dx, dy) = (centred(x), centred(y));
+    let slope = dx.iter().zip(&dy).map(|(a, b)| a * b).sum::<f64>() / ss_x;
+    let rest: f64 = dx
+        .iter()
+        .zip(&dy)
+        .map(|(a, b)| (b - slope * a).powi(2))
+        .sum();
+    let mut undefined = Reasons::default();
+    let sd = (n > 2.0).then(|| (rest / (n - 2.0)).sqrt());
+    let slope_se = sd.map(|sd| sd / ss_x.sqrt());
+    if sd.is_none() {
+        undefined.note_all(
+            &["residual_sd", "slope_se", "intercept_se", "slope_p"],
+            "two pairs leave no degrees of freedom",
+        );
+    }
+    let slope_p = slope_se
+        .filter(|se| *se > 0.0)
+        .map(|se| t_two_sided(slope / se, n - 2.0));
+    if slope_p.is_none() {
+        undefined.note(
+            "slope_p",
+            "the pairs lie on the line, so the slope has no error",
+        );
+    }
+    let r2 = (!is_constant(y)).then(|| 1.0 - rest / ss_y);
+    if r2.is_none() {
+        undefined.note("r2", "y does not vary");
+    }
+    Ok(LinearFit {
+        n: x.len(),
+        missing: complete.missing,
+        slope,
+        intercept: mean_y - slope * mean_x,
+        slope_se,
+        intercept_se: sd.map(|sd| sd * (1.0 / n + mean_x * mean_x / ss_x).sqrt()),
+        slope_p,
+        residual_sd: sd,
+        r2,
+        mean_x,
+        ss_x,
+        undefined,
+    })
+}
+
+/// The multiple correlation of y with the direction of an angle.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CircularLinear {
+    /// Complete pairs.
+    pub n: usize,
+    /// Pairs left out because a member is missing.
+    pub missing: usize,
+    /// Multiple R of y on cosine and sine of the angle, from 0 to 1.
+    pub r: Option<f64>,
+    /// (R²/2) / ((1 - R²)/(n-3)).
+    #[serde(rename = "F")]
+    pub f: Option<f64>,
+    /// 2.
+    pub df1: usize,
+    /// n - 3.
+    pub df2: Option<usize>,
+    /// P(F' ≥ F).
+    pub p: Option<f64>,
+    /// The angle at which y is largest, in radians from -π to π.
+    pub direction_rad: Option<f64>,
+    /// Why numbers do not exist, by name.
+    pub undefined: Reasons,
+}
+
+/// Correlates y with an angle in radians, both of shape `(rows,)`.
+///
+/// # Errors
+/// [`StatsError::LengthMismatch`]; [`StatsError::NotFinite`]; [`StatsError::TooFew`] below
+/// three complete pairs.
+///
+/// # Source
+/// Mardia and Jupp (2000), section 11.2.1; here with p by F, which is exact for normal
+/// errors where their χ² = n R² is not.
+///
+/// # Example
+/// ```
+/// let angle: Vec<_> = (0..12).map(|i| Some(f64::from(i) * 0.5)).collect();
+/// let y: Vec<_> = (0..12).map(|i| Some((f64::from(i) * 0.5 - 1.0).cos() + f64::from(i % 2) * 0.1)).collect();
+/// let result = maveric_stats::circular_linear(&angle, &y)?;
+/// assert!(result.r.unwrap() > 0.99 && (result.direction_rad.unwrap() - 1.0).abs() < 0.05);
+/// # Ok::<(), maveric_stats::StatsError>(())
+/// ```
+pub fn circular_linear(
+    angle_rad: &[Option<f64>],
+    y: &[Option<f64>],
+) -> Result<CircularLinear, StatsError> {
+    let complete = complete::rows(&[("angle", angle_rad), ("y", y)], "pair", 3)?;
+    let (angles, y) = (&complete.columns[0], &complete.columns[1]);
+    let cosine: Vec<f64> = centred(&angles.iter().map(|a| a.cos()).collect::<Vec<_>>());
+    let sine: Vec<f64> = centred(&angles.iter().map(|a| a.sin()).collect::<Vec<_>>());
+    let dy = centred(y);
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+    let (cc, ss, cs) = (
+        dot(&cosine, &cosine),
+        dot(&sine, &sine),
+        dot(&cosine, &sine),
+    );
+    let (cy, sy, yy) = (dot(&cosine, &dy), dot(&sine, &dy), dot(&dy, &dy));
+    let determinant = cc * ss - cs * cs;
+    let mut undefined = Reasons::default();
+    let fitted = (determinant > 1e-12 * cc * ss && !is_constant(y)).then(|| {
+        let a = (cy * ss - sy * cs) / determinant;
+        let b = (sy * cc - cy * cs) / determinant;
+        (((a * cy + b * sy) / yy).clamp(0.0, 1.0), b.atan2(a))
+    });
+    if fitted.is_none() {
+        undefined.note_all(
+            &["r", "F", "p", "df2", "direction_rad"],
+            "y does not vary, or all angles lie on one line through the centre",
+        );
+    }
+    let df2 = y.len() - 3;
+    let f = fitted
+        .filter(|(r2, _)| df2 > 0 && *r2 < 1.0)
+        .map(|(r2, _)| 0.5 * r2 / ((1.0 - r2) / df2 as f64));
+    if f.is_none() {
+        undefined.note_all(&["F", "p"], "no variance is left after the fit");
+    }
+    Ok(CircularLinear {
+        n: y.len(),
+        missing: complete.missing,
+        r: fitted.map(|(r2, _)| r2.sqrt()),
+        f,
+        df1: 2,
+        df2: fitted.map(|_| df2),
+        p: f.map(|f| f_upper(f, 2.0, df2 as f64)),
+        direction_rad: fitted.map(|(_, direction)| direction),
+        undefined,
+    })
+}

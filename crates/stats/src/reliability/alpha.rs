@@ -1,0 +1,309 @@
+//! Cronbach's alpha.
+
+use serde::{Deserialize, Serialize};
+
+use super::omega;
+use crate::{
+    Reasons, StatsError, complete, correlation,
+    numerics::{
+        distributions::f_quantile_upper,
+        moments::{centred, is_constant},
+    },
+};
+
+/// Cronbach's alpha in its variants.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Alpha {
+    /// k/(k-1) (1 - Σ item variances / variance of the sum), complete respondents.
+    pub raw: Option<f64>,
+    /// k r̄ / (1 + (k-1) r̄).
+    pub standardized: Option<f64>,
+    /// r̄, the mean correlation of two items.
+    pub mean_r: Option<f64>,
+    /// Lower end of Feldt's 95 % interval of `raw`.
+    pub ci_low: Option<f64>,
+    /// Upper end.
+    pub ci_high: Option<f64>,
+    /// `raw` from pairwise covariances, the default of psych and pingouin.
+    pub raw_pairwise: Option<f64>,
+    /// `standardized` from pairwise covariances.
+    pub standardized_pairwise: Option<f64>,
+    /// McDonald's ω of one factor (least-squares loadings of the correlations).
+    pub omega: Option<f64>,
+}
+
+/// Alpha of the other items.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ItemDropped {
+    /// The item left out.
+    pub name: String,
+    /// `raw` of the others.
+    pub alpha: Option<f64>,
+}
+
+/// One item and the rest of the scale.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ItemStatistics {
+    /// The item.
+    pub name: String,
+    /// Mean of complete respondents.
+    pub mean: f64,
+    /// Standard deviation of complete respondents.
+    pub sd: f64,
+    /// Correlation with the sum of the others.
+    pub r_drop: Option<f64>,
+}
+
+/// Reliability of a scale, with each item's part.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AlphaAnalysis {
+    /// Complete respondents.
+    pub n: usize,
+    /// Items.
+    pub k: usize,
+    /// Respondents left out because an answer is missing.
+    pub missing: usize,
+    /// Alpha of all items.
+    pub alpha: Alpha,
+    /// Alpha without each item, in their order.
+    pub drop: Vec<ItemDropped>,
+    /// Each item, in order.
+    pub item: Vec<ItemStatistics>,
+    /// Items that do not vary or look reverse keyed.
+    pub warnings: Vec<String>,
+    /// Why numbers do not exist, by name.
+    pub undefined: Reasons,
+}
+
+/// Cronbach's alpha of items, each a column of shape `(respondents,)`; respondents with a
+/// missing answer are left out.
+///
+/// # Errors
+/// [`StatsError::LengthMismatch`]; [`StatsError::DoubleName`]; [`StatsError::NotFinite`];
+/// [`StatsError::TooFew`] below two items or two complete respondents.
+///
+/// # Source
+/// Cronbach (1951); interval of Feldt, Woodruff and Salih (1987). psych and pingouin use
+/// pairwise covariances by default: `raw_pairwise`.
+///
+/// # Example
+/// ```
+/// let items = [[2.0, 4.0, 3.0, 5.0].map(Some), [1.0, 5.0, 3.0, 4.0].map(Some)];
+/// let columns: Vec<(&str, &[Option<f64>])> = vec![("a", &items[0]), ("b", &items[1])];
+/// let result = maveric_stats::alpha(&columns)?;
+/// assert!((result.alpha.raw.unwrap() - 8.0 / 9.0).abs() < 1e-12);
+/// # Ok::<(), maveric_stats::StatsError>(())
+/// ```
+pub fn alpha(items: &[(&str, &[Option<f64>])]) -> Result<AlphaAnalysis, StatsError> {
+    complete::enough("item", items.len(), 0, 2)?;
+    for (i, (name, _)) in items.iter().enumerate() {
+        if items[..i].iter().any(|(other, _)| other == name) {
+            return Err(StatsError::DoubleName {
+                what: "item".to_owned(),
+                name: (*name).to_owned(),
+            });
+        }
+    }
+    let complete = complete::rows(items, "respondent", 2)?;
+    let columns = &complete.columns;
+    let (n, k) = (columns[0].len(), columns.len());
+    let covariances = covariance_matrix(columns);
+    let mut undefined = Reasons::default();
+    let mut warnings = Vec::new();
+    let all: Vec<usize> = (0..k).collect();
+    let raw = raw_alpha(&covariances, &all);
+    let item = item_statistics(items, columns, &mut undefined, &mut warnings);
+    let drop = items
+        .iter()
+        .enumerate()
+        .map(|(i, (name, _))| {
+            let others: Vec<usize> = (0..k).filter(|&j| j != i).collect();
+            let alpha = raw_alpha(&covariances, &others);
+            if alpha.is_none() {
+                undefined.note(
+                    &format!("drop.{i}.alpha"),
+                    "fewer than two items that vary are left",
+                );
+            }
+            ItemDropped {
+                name: (*name).to_owned(),
+                alpha,
+            }
+        })
+        .collect();
+    let mean_r = mean_correlation(&covariances);
+    let interval = raw.and_then(|raw| feldt(raw, n as f64, k as f64));
+    let pairwise = pairwise_matrix(items);
+    let omega = omega::total(&covariances);
+    let standardized = |r: f64| k as f64 * r / (1.0 + (k as f64 - 1.0) * r);
+    let alpha = Alpha {
+        raw,
+        standardized: mean_r.map(standardized).filter(|a| a.is_finite()),
+        mean_r,
+        ci_low: interval.map(|(low, _)| low),
+        ci_high: interval.map(|(_, high)| high),
+        raw_pairwise: pairwise.as_ref().and_then(|m| raw_alpha(m, &all)),
+        standardized_pairwise: pairwise
+            .as_ref()
+            .and_then(|m| mean_correlation(m))
+            .map(standardized),
+        omega,
+    };
+    say_why(&alpha, k, &mut undefined);
+    Ok(AlphaAnalysis {
+        n,
+        k,
+        missing: complete.missing,
+        alpha,
+        drop,
+        item,
+        warnings,
+        undefined,
+    })
+}
+
+fn say_why(alpha: &Alpha, k: usize, undefined: &mut Reasons) {
+    let constant = "an item does not vary, so it has no correlations";
+    for (name, value, reason) in [
+        ("alpha.raw", alpha.raw, "the sum of the items does not vary"),
+        (
+            "alpha.ci_low",
+            alpha.ci_low,
+            "there is no alpha to put an interval around",
+        ),
+        (
+            "alpha.ci_high",
+            alpha.ci_high,
+            "there is no alpha to put an interval around",
+        ),
+        ("alpha.mean_r", alpha.mean_r, constant),
+        ("alpha.standardized", alpha.standardized, constant),
+        (
+            "alpha.raw_pairwise",
+            alpha.raw_pairwise,
+            "two items have fewer than two respondents in common, or nothing varies",
+        ),
+        (
+            "alpha.standardized_pairwise",
+            alpha.standardized_pairwise,
+            "two items have fewer than two respondents in common, or an item does not vary",
+        ),
+    ] {
+        if value.is_none() {
+            undefined.note(name, reason);
+        }
+    }
+    if alpha.omega.is_none() {
+        let reason = if k < 3 {
+            "one factor needs at least three items"
+        } else {
+            "the one-factor model has no proper solution for these items"
+        };
+        undefined.note("alpha.omega", reason);
+    }
+}
+
+fn item_statistics(
+    items: &[(&str, &[Option<f64>])],
+    columns: &[Vec<f64>],
+    undefined: &mut Reasons,
+    warnings: &mut Vec<String>,
+) -> Vec<ItemStatistics> {
+    let n = columns[0].len();
+    let mut statistics = Vec::with_capacity(items.len());
+    for (i, (name, _)) in items.iter().enumerate() {
+        let rest: Vec<f64> = (0..n)
+            .map(|row| {
+                let others = columns.iter().enumerate().filter(|(j, _)| *j != i);
+                others.map(|(_, column)| column[row]).sum()
+            })
+            .collect();
+        let r_drop = correlation::coefficient(&columns[i], &rest);
+        if r_drop.is_none() {
+            undefined.note(
+                &format!("item.{i}.r_drop"),
+                "the item, or the sum of the others, does not vary",
+            );
+        }
+        if is_constant(&columns[i]) {
+            warnings.push(format!("item {name} does not vary"));
+        }
+        if r_drop.is_some_and(|r| r < 0.0) {
+            warnings.push(format!(
+                "item {name} goes against the others (r = {:.2}): is it reverse keyed?",
+                r_drop.unwrap_or(0.0)
+            ));
+        }
+        let (mean, squares) =
+            crate::numerics::moments::mean_and_square_sum(columns[i].iter().copied());
+        statistics.push(ItemStatistics {
+            name: (*name).to_owned(),
+            mean,
+            sd: (squares / (n as f64 - 1.0)).sqrt(),
+            r_drop,
+        });
+    }
+    statistics
+}
+
+fn covariance(a: &[f64], b: &[f64]) -> f64 {
+    let product: f64 = centred(a).iter().zip(centred(b)).map(|(x, y)| x * y).sum();
+    product / (a.len() as f64 - 1.0)
+}
+
+fn covariance_matrix(columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    columns
+        .iter()
+        .map(|a| columns.iter().map(|b| covariance(a, b)).collect())
+        .collect()
+}
+
+/// Covariances over the respondents who answered both items.
+fn pairwise_matrix(items: &[(&str, &[Option<f64>])]) -> Option<Vec<Vec<f64>>> {
+    let pair = |a: &[Option<f64>], b: &[Option<f64>]| {
+        let both: Vec<(f64, f64)> = a
+            .iter()
+            .zip(b)
+            .filter_map(|(a, b)| Some(((*a)?, (*b)?)))
+            .collect();
+        let (a, b): (Vec<f64>, Vec<f64>) = both.into_iter().unzip();
+        (a.len() > 1).then(|| covariance(&a, &b))
+    };
+    items
+        .iter()
+        .map(|(_, a)| items.iter().map(|(_, b)| pair(a, b)).collect())
+        .collect()
+}
+
+fn raw_alpha(covariances: &[Vec<f64>], items: &[usize]) -> Option<f64> {
+    let k = items.len() as f64;
+    let trace: f64 = items.iter().map(|&i| covariances[i][i]).sum();
+    let total: f64 = items
+        .iter()
+        .map(|&i| items.iter().map(|&j| covariances[i][j]).sum::<f64>())
+        .sum();
+    (items.len() > 1 && total > 1e-14 * trace && total > 0.0)
+        .then(|| k / (k - 1.0) * (1.0 - trace / total))
+}
+
+fn mean_correlation(covariances: &[Vec<f64>]) -> Option<f64> {
+    let k = covariances.len();
+    let mut sum = 0.0;
+    for i in 0..k {
+        for j in 0..i {
+            let scale = covariances[i][i].sqrt() * covariances[j][j].sqrt();
+            if scale <= 0.0 {
+                return None;
+            }
+            sum += covariances[i][j] / scale;
+        }
+    }
+    Some(sum / (0.5 * (k * (k - 1)) as f64))
+}
+
+fn feldt(alpha: f64, n: f64, k: f64) -> Option<(f64, f64)> {
+    let (d1, d2) = (n - 1.0, (n - 1.0) * (k - 1.0));
+    let high = f_quantile_upper(0.025, d1, d2)?;
+    let low = f_quantile_upper(0.975, d1, d2)?;
+    Some((1.0 - (1.0 - alpha) * high, 1.0 - (1.0 - alpha) * low))
+}

@@ -1,0 +1,188 @@
+//! One-way repeated-measures analysis of variance.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    Reasons, WithinSubjects,
+    numerics::{
+        decimal,
+        distributions::f_upper,
+        moments::{is_rounding, largest},
+        noncentral::f_ncp_interval,
+    },
+};
+
+/// The analysis of variance of one within-subject factor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RmAnova {
+    /// F = MS of the conditions over MS of the error.
+    #[serde(rename = "F")]
+    pub f: Option<f64>,
+    /// P(F' ≥ F) if sphericity holds; see [`Sphericity`](crate::Sphericity) for when not.
+    pub p: Option<f64>,
+    /// k - 1.
+    pub df1: usize,
+    /// (n - 1)(k - 1).
+    pub df2: usize,
+    /// n Σ (condition mean - grand mean)².
+    pub ss_condition: f64,
+    /// k Σ (subject mean - grand mean)².
+    pub ss_subject: f64,
+    /// Σ (value - subject mean - condition mean + grand mean)².
+    pub ss_error: f64,
+    /// SSc / (SSc + SSe).
+    pub eta2_partial: Option<f64>,
+    /// Lower end of its 90 % interval, by the noncentral F: ncp / (ncp + df2).
+    pub eta2_partial_ci90_low: Option<f64>,
+    /// Upper end of that interval.
+    pub eta2_partial_ci90_high: Option<f64>,
+    /// The same interval mapped as Steiger (2004) and MBESS do: ncp / (ncp + df1 + df2 + 1).
+    pub eta2_partial_ci90_mbess_low: Option<f64>,
+    /// Upper end of that interval.
+    pub eta2_partial_ci90_mbess_high: Option<f64>,
+    /// SSc / (SSc + SSe + SSs).
+    pub eta2_generalized: Option<f64>,
+    /// (SSc - df1 MSe) / (SSc + SSe + SSs + MSs); it may be negative.
+    pub omega2_partial: Option<f64>,
+}
+
+/// Residuals of the additive model and the sums of squares, from one pass over the data.
+pub(crate) struct Decomposition {
+    /// Condition means less the grand mean, so that an offset costs no digits.
+    pub(crate) condition_effects: Vec<f64>,
+    /// Row-major, shape `(n, k)`; all zero if the data are exactly additive.
+    pub(crate) residuals: Vec<f64>,
+    pub(crate) ss_condition: f64,
+    pub(crate) ss_subject: f64,
+    pub(crate) ss_error: f64,
+}
+
+/// Splits the values into grand mean, subject, condition and residual.
+pub(crate) fn decompose(data: &WithinSubjects) -> Decomposition {
+    let (n, k) = (data.n() as f64, data.k() as f64);
+    let pivot = data.values()[0];
+    let mut condition = vec![0.0; data.k()];
+    let mut subject = Vec::with_capacity(data.n());
+    for row in data.rows() {
+        let mut sum = 0.0;
+        for (total, value) in condition.iter_mut().zip(row) {
+            let value = value - pivot;
+            *total += value;
+            sum += value;
+        }
+        subject.push(sum / k);
+    }
+    for total in &mut condition {
+        *total /= n;
+    }
+    let grand = condition.iter().sum::<f64>() / k;
+    let mut residuals = Vec::with_capacity(data.values().len());
+    for (row, mean) in data.rows().zip(&subject) {
+        for (value, column) in row.iter().zip(&condition) {
+            residuals.push(((value - pivot) - mean) - (column - grand));
+        }
+    }
+    if is_additive(data, &residuals) {
+        residuals.fill(0.0);
+    }
+    let squares = |values: &[f64], centre: f64| {
+        values
+            .iter()
+            .map(|v| (v - centre) * (v - centre))
+            .sum::<f64>()
+    };
+    Decomposition {
+        ss_condition: n * squares(&condition, grand),
+        ss_subject: k * squares(&subject, grand),
+        ss_error: squares(&residuals, 0.0),
+        condition_effects: condition.iter().map(|m| m - grand).collect(),
+        residuals,
+    }
+}
+
+/// Whether each subject's values differ from another's by one constant, exactly as
+/// written or up to rounding.
+fn is_additive(data: &WithinSubjects, residuals: &[f64]) -> bool {
+    let scale = largest(data.values());
+    if residuals.iter().all(|&r| is_rounding(r, scale)) {
+        return true;
+    }
+    // Only residuals near rounding make the exact comparison worth its time.
+    if largest(residuals) > 1e-6 * scale {
+        return false;
+    }
+    decimal::as_written(data.values()).is_some_and(|written| {
+        let first = &written[..data.k()];
+        written.chunks_exact(data.k()).all(|row| {
+            row.iter()
+                .zip(first)
+                .all(|(a, b)| a - b == row[0] - first[0])
+        })
+    })
+}
+
+pub(crate) fn test(data: &WithinSubjects, parts: &Decomposition) -> (RmAnova, Reasons) {
+    let mut reasons = Reasons::default();
+    let (n, k) = (data.n(), data.k());
+    let (df1, df2) = (k - 1, (n - 1) * (k - 1));
+    let (d1, d2) = (df1 as f64, df2 as f64);
+    let (ss_condition, ss_subject, ss_error) =
+        (parts.ss_condition, parts.ss_subject, parts.ss_error);
+    let (ms_error, ms_subject) = (ss_error / d2, ss_subject / (n as f64 - 1.0));
+    let f = (ss_error > 0.0)
+        .then(|| (ss_condition / d1) / ms_error)
+        .filter(|f| f.is_finite());
+    let p = f.map(|f| f_upper(f, d1, d2));
+    let effect = ss_condition + ss_error;
+    let total = effect + ss_subject;
+    let interval = f.and_then(|f| f_ncp_interval(f, d1, d2, 0.05));
+    if f.is_none() {
+        let reason = if ss_condition > 0.0 {
+            "the error sum of squares is zero, so F has no finite value"
+        } else {
+            "conditions and error do not vary at all: F is 0/0"
+        };
+        reasons.note_all(&["F", "p"], reason);
+    }
+    if interval.is_none() {
+        let names = [
+            "eta2_partial_ci90_low",
+            "eta2_partial_ci90_high",
+            "eta2_partial_ci90_mbess_low",
+            "eta2_partial_ci90_mbess_high",
+        ];
+        reasons.note_all(&names, "there is no F to invert");
+    }
+    if effect <= 0.0 {
+        reasons.note(
+            "eta2_partial",
+            "neither conditions nor error vary: it is 0/0",
+        );
+    }
+    if total <= 0.0 {
+        reasons.note_all(
+            &["eta2_generalized", "omega2_partial"],
+            "the values do not vary at all: it is 0/0",
+        );
+    }
+    let share = |ncp: f64| ncp / (ncp + d2);
+    let share_mbess = |ncp: f64| ncp / (ncp + d1 + d2 + 1.0);
+    let anova = RmAnova {
+        f,
+        p,
+        df1,
+        df2,
+        ss_condition,
+        ss_subject,
+        ss_error,
+        eta2_partial: (effect > 0.0).then(|| ss_condition / effect),
+        eta2_partial_ci90_low: interval.map(|(low, _)| share(low)),
+        eta2_partial_ci90_high: interval.map(|(_, high)| share(high)),
+        eta2_partial_ci90_mbess_low: interval.map(|(low, _)| share_mbess(low)),
+        eta2_partial_ci90_mbess_high: interval.map(|(_, high)| share_mbess(high)),
+        eta2_generalized: (total > 0.0).then(|| ss_condition / total),
+        omega2_partial: (total > 0.0)
+            .then(|| (ss_condition - d1 * ms_error) / (total + ms_subject)),
+    };
+    (anova, reasons)
+}

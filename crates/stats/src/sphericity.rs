@@ -1,0 +1,209 @@
+//! Whether all differences of conditions vary alike, and what to do if not.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    Reasons, RmAnova, WithinSubjects,
+    numerics::{
+        distributions::{chi2_upper, f_upper},
+        moments::centred,
+        spectrum::squared_singular_values,
+    },
+};
+
+/// Mauchly's test of sphericity.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Mauchly {
+    /// Determinant of the contrast covariance over the (k-1)th power of its mean eigenvalue.
+    #[serde(rename = "W")]
+    pub w: Option<f64>,
+    /// -(n-1) ρ ln W, with ρ = 1 - (2q² + q + 2) / (6 q (n-1)), q = k-1.
+    pub chi2: Option<f64>,
+    /// q (q+1) / 2 - 1.
+    pub df: Option<usize>,
+    /// With the second-order term, which uses k where Anderson has k-1: as R and pingouin.
+    pub p: Option<f64>,
+    /// With the second-order term as Anderson (2003) gives it.
+    pub p_anderson: Option<f64>,
+    /// First order only.
+    pub p_chi2: Option<f64>,
+}
+
+/// Corrections of the degrees of freedom of F for a lack of sphericity.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Sphericity {
+    /// Greenhouse and Geisser's ε: (Σλ)² / ((k-1) Σλ²), from 1/(k-1) to 1.
+    pub gg: Option<f64>,
+    /// Huynh and Feldt's ε as the formula gives it; it may pass 1.
+    pub hf_raw: Option<f64>,
+    /// The same cut at 1, and 1 where the formula has no positive value.
+    pub hf: Option<f64>,
+    /// 1 / (k-1).
+    pub lower_bound: f64,
+    /// p of F with both degrees of freedom times `gg`.
+    pub p_gg: Option<f64>,
+    /// p of F with both degrees of freedom times `hf`.
+    pub p_hf: Option<f64>,
+    /// p of F with both degrees of freedom times `lower_bound`.
+    pub p_lb: Option<f64>,
+    /// df1 times `gg`.
+    pub df1_gg: Option<f64>,
+    /// df2 times `gg`.
+    pub df2_gg: Option<f64>,
+    /// df1 times `hf`.
+    pub df1_hf: Option<f64>,
+    /// df2 times `hf`.
+    pub df2_hf: Option<f64>,
+}
+
+/// Eigenvalues of the error matrix of orthonormal contrasts, times n-1, largest first.
+///
+/// They are squared singular values of the centred contrasts themselves.
+fn eigenvalues(residuals: &[f64], k: usize) -> Vec<f64> {
+    // Helmert contrasts of the residuals, which are centred both ways already.
+    let columns = (1..k)
+        .map(|j| {
+            let norm = ((j * (j + 1)) as f64).sqrt();
+            let contrast: Vec<f64> = residuals
+                .chunks_exact(k)
+                .map(|row| (row[..j].iter().sum::<f64>() - j as f64 * row[j]) / norm)
+                .collect();
+            centred(&contrast)
+        })
+        .collect();
+    let mut values = squared_singular_values(columns);
+    values.sort_by(|a, b| b.total_cmp(a));
+    values
+}
+
+pub(crate) fn tests(
+    data: &WithinSubjects,
+    residuals: &[f64],
+    anova: &RmAnova,
+) -> (Mauchly, Sphericity, Reasons) {
+    let mut reasons = Reasons::default();
+    let values = eigenvalues(residuals, data.k());
+    let mauchly = mauchly(data, &values, &mut reasons);
+    let sphericity = corrections(data, &values, anova, &mut reasons);
+    (mauchly, sphericity, reasons)
+}
+
+fn mauchly(data: &WithinSubjects, values: &[f64], reasons: &mut Reasons) -> Mauchly {
+    let (n, k) = (data.n(), data.k());
+    let mut none = |reason: &str| {
+        reasons.note("mauchly", reason);
+        Mauchly {
+            w: None,
+            chi2: None,
+            df: None,
+            p: None,
+            p_anderson: None,
+            p_chi2: None,
+        }
+    };
+    if k == 2 {
+        return none("two conditions have a single difference, so sphericity cannot fail");
+    }
+    let (largest, smallest) = (values[0], values[values.len() - 1]);
+    if largest <= 0.0 {
+        return none("the error sum of squares is zero");
+    }
+    // Squared singular values: relative rounding of the values themselves, squared.
+    let floor = (n.max(k) as f64 * f64::EPSILON).powi(2);
+    if n < k || smallest <= floor * largest {
+        return none(
+            "the error matrix is singular (fewer subjects than conditions, or one condition is determined by the others)",
+        );
+    }
+    let q = k as f64 - 1.0;
+    let freedom = n as f64 - 1.0;
+    let ln_mean = (values.iter().sum::<f64>() / q).ln();
+    let ln_w = values
+        .iter()
+        .map(|v| v.ln() - ln_mean)
+        .sum::<f64>()
+        .min(0.0);
+    let rho = 1.0 - (2.0 * q * q + q + 2.0) / (6.0 * q * freedom);
+    let df = (k - 1) * k / 2 - 1;
+    let chi2 = (-freedom * rho * ln_w).max(0.0);
+    let first = chi2_upper(chi2, df as f64);
+    let second = chi2_upper(chi2, df as f64 + 4.0);
+    let with_term = |third: f64| {
+        let numerator =
+            (q + 2.0) * (q - 1.0) * (q - 2.0) * (2.0 * q.powi(3) + 6.0 * q * q + 3.0 * third + 2.0);
+        let weight = numerator / (288.0 * (freedom * q * rho).powi(2));
+        (first + weight * (second - first)).clamp(0.0, 1.0)
+    };
+    Mauchly {
+        w: Some(ln_w.exp()),
+        chi2: Some(chi2),
+        df: Some(df),
+        p: Some(with_term(k as f64)),
+        p_anderson: Some(with_term(q)),
+        p_chi2: Some(first),
+    }
+}
+
+fn corrections(
+    data: &WithinSubjects,
+    values: &[f64],
+    anova: &RmAnova,
+    reasons: &mut Reasons,
+) -> Sphericity {
+    let n = data.n() as f64;
+    let q = data.k() as f64 - 1.0;
+    let (sum, squares) = values
+        .iter()
+        .fold((0.0, 0.0), |(s, q), v| (s + v, q + v * v));
+    let lower_bound = 1.0 / q;
+    let gg = (squares > 0.0).then(|| (sum * sum / (q * squares)).clamp(lower_bound, 1.0));
+    let (hf_raw, hf) = match gg {
+        Some(gg) => {
+            let denominator = q * (n - 1.0 - q * gg);
+            let raw = (n * q * gg - 2.0) / denominator;
+            let raw = (denominator.abs() > 1e-12 * n)
+                .then_some(raw)
+                .filter(|r| r.is_finite());
+            let cut = raw.filter(|&raw| raw > 0.0).map_or(1.0, |raw| raw.min(1.0));
+            (raw, Some(cut))
+        }
+        None => (None, None),
+    };
+    if gg.is_none() {
+        reasons.note_all(
+            &[
+                "sphericity.gg",
+                "sphericity.hf_raw",
+                "sphericity.hf",
+                "sphericity.p_gg",
+                "sphericity.p_hf",
+                "sphericity.p_lb",
+                "sphericity.df1_gg",
+                "sphericity.df2_gg",
+                "sphericity.df1_hf",
+                "sphericity.df2_hf",
+            ],
+            "the error sum of squares is zero, so the differences have no variances to compare",
+        );
+    } else if hf_raw.is_none() {
+        reasons.note(
+            "sphericity.hf_raw",
+            "the denominator of Huynh and Feldt's formula is zero",
+        );
+    }
+    let (d1, d2) = (anova.df1 as f64, anova.df2 as f64);
+    let corrected = |epsilon: Option<f64>| Some(f_upper(anova.f?, d1 * epsilon?, d2 * epsilon?));
+    Sphericity {
+        gg,
+        hf_raw,
+        hf,
+        lower_bound,
+        p_gg: corrected(gg),
+        p_hf: corrected(hf),
+        p_lb: gg.and_then(|_| corrected(Some(lower_bound))),
+        df1_gg: gg.map(|e| e * d1),
+        df2_gg: gg.map(|e| e * d2),
+        df1_hf: hf.map(|e| e * d1),
+        df2_hf: hf.map(|e| e * d2),
+    }
+}

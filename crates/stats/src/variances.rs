@@ -1,0 +1,182 @@
+//! Whether groups vary alike.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    Reasons, StatsError, complete,
+    normality::quantile,
+    numerics::{
+        distributions::{chi2_upper, f_upper},
+        moments::mean_and_square_sum,
+    },
+    within_subjects::Index,
+};
+
+/// An analysis of variance of distances from the centre of each group.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Levene {
+    /// F of the distances.
+    #[serde(rename = "F")]
+    pub f: Option<f64>,
+    /// P(F' ≥ F).
+    pub p: Option<f64>,
+    /// Groups less 1.
+    pub df1: usize,
+    /// Values less groups.
+    pub df2: usize,
+}
+
+/// Bartlett's test; it mistakes heavy tails for unequal variances.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Bartlett {
+    /// Bartlett's corrected statistic, χ² with `df`.
+    #[serde(rename = "K2")]
+    pub k2: Option<f64>,
+    /// P(χ² ≥ K²).
+    pub p: Option<f64>,
+    /// Groups less 1.
+    pub df: usize,
+}
+
+/// Three tests of equal variances.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VarianceTests {
+    /// Values.
+    pub n: usize,
+    /// Groups.
+    pub k: usize,
+    /// Rows left out because the value is missing.
+    pub missing: usize,
+    /// Levene (1960): distances from the mean.
+    pub levene_mean: Levene,
+    /// Brown and Forsythe (1974): distances from the median.
+    pub levene_median: Levene,
+    /// Bartlett (1937).
+    pub bartlett: Bartlett,
+    /// Why numbers do not exist, by name.
+    pub undefined: Reasons,
+}
+
+/// Tests whether the groups named beside the values (both of shape `(rows,)`) vary alike.
+///
+/// # Errors
+/// [`StatsError::LengthMismatch`]; [`StatsError::NotFinite`]; [`StatsError::TooFew`] below
+/// two groups or if no group has two values.
+///
+/// # Example
+/// ```
+/// let groups = ["a", "a", "a", "b", "b", "b"].map(str::to_owned);
+/// let values = [1.0, 2.0, 3.0, 0.0, 5.0, 10.0].map(Some);
+/// let tests = maveric_stats::levene(&groups, &values)?;
+/// assert_eq!((tests.levene_median.df1, tests.levene_median.df2), (1, 4));
+/// # Ok::<(), maveric_stats::StatsError>(())
+/// ```
+pub fn levene(groups: &[String], values: &[Option<f64>]) -> Result<VarianceTests, StatsError> {
+    if groups.len() != values.len() {
+        return Err(StatsError::LengthMismatch {
+            name: "group".to_owned(),
+            found: groups.len(),
+            expected: values.len(),
+        });
+    }
+    let complete = complete::rows(&[("value", values)], "value", 2)?;
+    let names: Vec<String> = complete
+        .kept
+        .iter()
+        .map(|&row| groups[row].clone())
+        .collect();
+    let index = Index::of(&names);
+    let mut samples = vec![Vec::new(); index.names.len()];
+    for (&group, &value) in index.rows.iter().zip(&complete.columns[0]) {
+        samples[group].push(value);
+    }
+    complete::enough("group", samples.len(), 0, 2)?;
+    let largest = samples.iter().map(Vec::len).max().unwrap_or(0);
+    complete::enough("value in the largest group", largest, complete.missing, 2)?;
+    let mut undefined = Reasons::default();
+    let median = |sample: &[f64]| {
+        let mut sorted = sample.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        quantile(&sorted, 0.5)
+    };
+    let mean = |sample: &[f64]| mean_and_square_sum(sample.iter().copied()).0;
+    let levene_mean = distances(&samples, mean);
+    let levene_median = distances(&samples, median);
+    for (name, test) in [
+        ("levene_mean", &levene_mean),
+        ("levene_median", &levene_median),
+    ] {
+        if test.f.is_none() {
+            undefined.note_all(
+                &[&format!("{name}.F"), &format!("{name}.p")],
+                "the distances do not vary within groups",
+            );
+        }
+    }
+    let bartlett = bartlett(&samples);
+    if bartlett.k2.is_none() {
+        undefined.note_all(&["bartlett.K2", "bartlett.p"], "a group has no variance");
+    }
+    Ok(VarianceTests {
+        n: names.len(),
+        k: samples.len(),
+        missing: complete.missing,
+        levene_mean,
+        levene_median,
+        bartlett,
+        undefined,
+    })
+}
+
+fn distances(samples: &[Vec<f64>], centre: impl Fn(&[f64]) -> f64) -> Levene {
+    let groups: Vec<Vec<f64>> = samples
+        .iter()
+        .map(|sample| {
+            let centre = centre(sample);
+            sample.iter().map(|v| (v - centre).abs()).collect()
+        })
+        .collect();
+    let (df1, df2) = (
+        groups.len() - 1,
+        groups.iter().map(Vec::len).sum::<usize>() - groups.len(),
+    );
+    let all = groups.iter().flatten().copied();
+    let (grand, _) = mean_and_square_sum(all);
+    let (mut between, mut within) = (0.0, 0.0);
+    for group in &groups {
+        let (mean, squares) = mean_and_square_sum(group.iter().copied());
+        between += group.len() as f64 * (mean - grand) * (mean - grand);
+        within += squares;
+    }
+    let f = (within > 0.0).then(|| (between / df1 as f64) / (within / df2 as f64));
+    Levene {
+        f,
+        p: f.map(|f| f_upper(f, df1 as f64, df2 as f64)),
+        df1,
+        df2,
+    }
+}
+
+fn bartlett(samples: &[Vec<f64>]) -> Bartlett {
+    let groups = samples.len() as f64;
+    let (mut pooled, mut logs, mut inverse, mut total) = (0.0, 0.0, 0.0, 0.0);
+    let mut varied = true;
+    for sample in samples {
+        let freedom = sample.len() as f64 - 1.0;
+        let (_, squares) = mean_and_square_sum(sample.iter().copied());
+        varied &= freedom > 0.0 && squares > 0.0;
+        pooled += squares;
+        logs += freedom * (squares / freedom).ln();
+        inverse += 1.0 / freedom;
+        total += freedom;
+    }
+    let k2 = varied.then(|| {
+        let correction = 1.0 + (inverse - 1.0 / total) / (3.0 * (groups - 1.0));
+        (total * (pooled / total).ln() - logs) / correction
+    });
+    Bartlett {
+        k2,
+        p: k2.map(|k2| chi2_upper(k2, groups - 1.0)),
+        df: samples.len() - 1,
+    }
+}

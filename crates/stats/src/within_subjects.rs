@@ -1,0 +1,325 @@
+//! n subjects under each of k conditions, complete cases only.
+
+use crate::{StatsError, complete};
+
+/// A complete table of one value per subject and condition.
+///
+/// Shape `(n, k)`, with n ≥ 2 and k ≥ 2, every value finite. A subject with a missing cell
+/// is left out whole and kept by name in [`dropped`](Self::dropped), so that each test of
+/// one analysis speaks of the same people.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WithinSubjects {
+    conditions: Vec<String>,
+    subjects: Vec<String>,
+    dropped: Vec<String>,
+    /// Row-major: one row a subject.
+    values: Vec<f64>,
+}
+
+impl WithinSubjects {
+    /// Reads a tidy table: one row a cell, an empty value or no row for a missing one.
+    ///
+    /// The three slices have shape `(rows,)`. Conditions and subjects keep the order of
+    /// their first appearance; [`reordered`](Self::reordered) changes that of the conditions.
+    ///
+    /// # Errors
+    /// [`StatsError::LengthMismatch`]; [`StatsError::NotFinite`];
+    /// [`StatsError::TooLarge`]; [`StatsError::DoubleCell`]; [`StatsError::TooFewConditions`];
+    /// [`StatsError::TooFew`] if fewer than two subjects are complete.
+    ///
+    /// # Example
+    /// ```
+    /// use maveric_stats::WithinSubjects;
+    /// let names = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
+    /// let data = WithinSubjects::from_long(
+    ///     &names("ann ann ben ben cem"),
+    ///     &names("a b a b a"),
+    ///     &[Some(1.0), Some(2.0), Some(4.0), Some(3.0), Some(5.0)],
+    /// )?;
+    /// assert_eq!((data.n(), data.k(), data.dropped()), (2, 2, &["cem".to_owned()][..]));
+    /// # Ok::<(), maveric_stats::StatsError>(())
+    /// ```
+    pub fn from_long(
+        subjects: &[String],
+        conditions: &[String],
+        values: &[Option<f64>],
+    ) -> Result<Self, StatsError> {
+        for (name, found) in [("condition", conditions.len()), ("value", values.len())] {
+            if found != subjects.len() {
+                return Err(StatsError::LengthMismatch {
+                    name: name.to_owned(),
+                    found,
+                    expected: subjects.len(),
+                });
+            }
+        }
+        let subject_of = Index::of(subjects);
+        let condition_of = Index::of(conditions);
+        let k = condition_of.names.len();
+        // The outer option says whether the cell had a row at all.
+        let mut cells: Vec<Option<Option<f64>>> = vec![None; subject_of.names.len() * k];
+        for (row, &value) in values.iter().enumerate() {
+            if let Some(value) = value {
+                complete::usable(value, "value", row)?;
+            }
+            let cell = &mut cells[subject_of.rows[row] * k + condition_of.rows[row]];
+            if cell.replace(value).is_some() {
+                return Err(StatsError::DoubleCell {
+                    subject: subjects[row].clone(),
+                    condition: conditions[row].clone(),
+                });
+            }
+        }
+        if k < 2 {
+            return Err(StatsError::TooFewConditions { found: k });
+        }
+        let (mut kept, mut dropped, mut complete) = (Vec::new(), Vec::new(), Vec::new());
+        for (name, row) in subject_of.names.into_iter().zip(cells.chunks(k)) {
+            let row: Option<Vec<f64>> = row.iter().map(|cell| cell.flatten()).collect();
+            match row {
+                Some(row) => {
+                    complete.extend(row);
+                    kept.push(name);
+                }
+                None => dropped.push(name),
+            }
+        }
+        Self::checked(condition_of.names, kept, dropped, complete)
+    }
+
+    /// Takes a complete table: one row a subject, one column a condition.
+    ///
+    /// # Errors
+    /// As [`from_long`](Self::from_long), and [`StatsError::DoubleName`].
+    ///
+    /// # Example
+    /// ```
+    /// use maveric_stats::WithinSubjects;
+    /// let data = WithinSubjects::from_rows(
+    ///     &["a", "b"], &["ann", "ben"], &[vec![1.0, 2.0], vec![4.0, 3.0]],
+    /// )?;
+    /// assert_eq!(data.column(1), [2.0, 3.0]);
+    /// # Ok::<(), maveric_stats::StatsError>(())
+    /// ```
+    pub fn from_rows<S: AsRef<str>>(
+        conditions: &[S],
+        subjects: &[S],
+        rows: &[Vec<f64>],
+    ) -> Result<Self, StatsError> {
+        let owned =
+            |names: &[S]| -> Vec<String> { names.iter().map(|s| s.as_ref().to_owned()).collect() };
+        let (conditions, subjects) = (owned(conditions), owned(subjects));
+        if rows.len() != subjects.len() {
+            return Err(StatsError::LengthMismatch {
+                name: "rows".to_owned(),
+                found: rows.len(),
+                expected: subjects.len(),
+            });
+        }
+        for (what, names) in [("condition", &conditions), ("subject", &subjects)] {
+            if let Some(name) = Index::of(names).repeated {
+                return Err(StatsError::DoubleName {
+                    what: what.to_owned(),
+                    name,
+                });
+            }
+        }
+        for (row, values) in rows.iter().enumerate() {
+            if values.len() != conditions.len() {
+                return Err(StatsError::LengthMismatch {
+                    name: subjects[row].clone(),
+                    found: values.len(),
+                    expected: conditions.len(),
+                });
+            }
+            for (value, name) in values.iter().zip(&conditions) {
+                complete::usable(*value, name, row)?;
+            }
+        }
+        Self::checked(conditions, subjects, Vec::new(), rows.concat())
+    }
+
+    fn checked(
+        conditions: Vec<String>,
+        subjects: Vec<String>,
+        dropped: Vec<String>,
+        values: Vec<f64>,
+    ) -> Result<Self, StatsError> {
+        if conditions.len() < 2 {
+            return Err(StatsError::TooFewConditions {
+                found: conditions.len(),
+            });
+        }
+        if subjects.len() < 2 {
+            return Err(StatsError::TooFew {
+                unit: "subject".to_owned(),
+                found: subjects.len(),
+                dropped: dropped.len(),
+                expected: 2,
+            });
+        }
+        Ok(Self {
+            conditions,
+            subjects,
+            dropped,
+            values,
+        })
+    }
+
+    /// The same data with the conditions in the given order.
+    ///
+    /// # Errors
+    /// [`StatsError::UnknownCondition`] if a condition is missing from `order`;
+    /// [`StatsError::LengthMismatch`] if `order` names others too.
+    pub fn reordered<S: AsRef<str>>(&self, order: &[S]) -> Result<Self, StatsError> {
+        if order.len() != self.k() {
+            return Err(StatsError::LengthMismatch {
+                name: "order of conditions".to_owned(),
+                found: order.len(),
+                expected: self.k(),
+            });
+        }
+        let mut from = Vec::with_capacity(self.k());
+        for condition in &self.conditions {
+            if !order.iter().any(|name| name.as_ref() == condition) {
+                return Err(StatsError::UnknownCondition {
+                    condition: condition.clone(),
+                });
+            }
+        }
+        for name in order {
+            from.extend(self.conditions.iter().position(|c| c == name.as_ref()));
+        }
+        let values = self
+            .rows()
+            .flat_map(|row| from.iter().map(|&j| row[j]))
+            .collect();
+        Ok(Self {
+            conditions: from.iter().map(|&j| self.conditions[j].clone()).collect(),
+            values,
+            ..self.clone()
+        })
+    }
+
+    /// Number of complete subjects, at least 2.
+    pub fn n(&self) -> usize {
+        self.subjects.len()
+    }
+
+    /// Number of conditions, at least 2.
+    pub fn k(&self) -> usize {
+        self.conditions.len()
+    }
+
+    /// Names of the conditions, in order.
+    pub fn conditions(&self) -> &[String] {
+        &self.conditions
+    }
+
+    /// Names of the complete subjects, in order of first appearance.
+    pub fn subjects(&self) -> &[String] {
+        &self.subjects
+    }
+
+    /// Names of the subjects left out because a cell is missing.
+    pub fn dropped(&self) -> &[String] {
+        &self.dropped
+    }
+
+    /// The values of condition `j` (from 0), shape `(n,)`.
+    pub fn column(&self, j: usize) -> Vec<f64> {
+        self.rows().map(|row| row[j]).collect()
+    }
+
+    /// The values of each subject, each of shape `(k,)`.
+    pub fn rows(&self) -> impl ExactSizeIterator<Item = &[f64]> + Clone {
+        self.values.chunks_exact(self.conditions.len())
+    }
+
+    /// All values, row by row, shape `(n * k,)`.
+    pub(crate) fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Positions and the name `A|B` of each pair of conditions, in order.
+    pub(crate) fn pairs(&self) -> Vec<(usize, usize, String)> {
+        let mut pairs = Vec::with_capacity(self.k() * (self.k() - 1) / 2);
+        for (i, a) in self.conditions.iter().enumerate() {
+            for (j, b) in self.conditions.iter().enumerate().skip(i + 1) {
+                pairs.push((i, j, format!("{a}|{b}")));
+            }
+        }
+        pairs
+    }
+}
+
+/// Names in order of first appearance, and for each row which name it carries.
+pub(crate) struct Index {
+    pub(crate) names: Vec<String>,
+    pub(crate) rows: Vec<usize>,
+    pub(crate) repeated: Option<String>,
+}
+
+impl Index {
+    pub(crate) fn of(labels: &[String]) -> Self {
+        let mut positions = std::collections::HashMap::new();
+        let mut index = Self {
+            names: Vec::new(),
+            rows: Vec::with_capacity(labels.len()),
+            repeated: None,
+        };
+        for label in labels {
+            let next = index.names.len();
+            let position = *positions.entry(label.as_str()).or_insert(next);
+            if position == next {
+                index.names.push(label.clone());
+            } else if index.repeated.is_none() {
+                index.repeated = Some(label.clone());
+            }
+            index.rows.push(position);
+        }
+        index
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(text: &str) -> Vec<String> {
+        text.split(' ').map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn a_second_value_in_a_cell_is_refused() {
+        let error =
+            WithinSubjects::from_long(&names("a a a"), &names("x y x"), &[Some(1.0), None, None]);
+        assert!(matches!(error, Err(StatsError::DoubleCell { .. })));
+    }
+
+    #[test]
+    fn one_subject_one_condition_and_infinities_are_refused() {
+        let one = WithinSubjects::from_long(&names("a a"), &names("x y"), &[Some(1.0), Some(2.0)]);
+        assert!(matches!(one, Err(StatsError::TooFew { .. })));
+        let one = WithinSubjects::from_long(&names("a b"), &names("x x"), &[Some(1.0), Some(2.0)]);
+        assert!(matches!(
+            one,
+            Err(StatsError::TooFewConditions { found: 1 })
+        ));
+        let bad = WithinSubjects::from_long(&names("a b"), &names("x y"), &[Some(f64::NAN), None]);
+        assert!(matches!(bad, Err(StatsError::NotFinite { row: 0, .. })));
+        assert!(matches!(
+            WithinSubjects::from_long(&[], &[], &[]),
+            Err(StatsError::TooFewConditions { found: 0 })
+        ));
+    }
+
+    #[test]
+    fn an_order_of_conditions_moves_the_columns() {
+        let data =
+            WithinSubjects::from_rows(&["x", "y"], &["a", "b"], &[vec![1.0, 2.0], vec![3.0, 4.0]])
+                .unwrap();
+        assert_eq!(data.reordered(&["y", "x"]).unwrap().column(0), [2.0, 4.0]);
+        assert!(data.reordered(&["y", "z"]).is_err());
+    }
+}

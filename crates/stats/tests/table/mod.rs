@@ -1,0 +1,102 @@
+//! Reads the CSV of an oracle case: plain commas, no quotes, an empty cell is missing.
+
+use std::{fs, path::Path};
+
+use maveric_stats::{PlannedTest, PowerQuestion, ReportedCorrelation, WithinSubjects};
+use serde_json::Value;
+
+/// Cells as text, by column.
+pub(crate) struct Table {
+    pub(crate) header: Vec<String>,
+    rows: Vec<Vec<String>>,
+    conditions: Vec<String>,
+}
+
+impl Table {
+    pub(crate) fn read(path: &Path, case: &Value) -> Self {
+        let text = fs::read_to_string(path).unwrap();
+        let mut lines = text.lines().map(|line| {
+            line.split(',')
+                .map(|c| c.trim().to_owned())
+                .collect::<Vec<_>>()
+        });
+        let conditions = case["conditions"].as_array().into_iter().flatten();
+        Self {
+            header: lines.next().unwrap(),
+            rows: lines
+                .filter(|row| row.len() > 1 || !row[0].is_empty())
+                .collect(),
+            conditions: conditions.map(|c| c.as_str().unwrap().to_owned()).collect(),
+        }
+    }
+
+    pub(crate) fn text(&self, column: &str) -> Vec<String> {
+        let j = self.header.iter().position(|h| h == column).unwrap();
+        self.rows.iter().map(|row| row[j].clone()).collect()
+    }
+
+    pub(crate) fn numbers(&self, column: &str) -> Vec<Option<f64>> {
+        let cells = self.text(column);
+        cells
+            .iter()
+            .map(|c| (!c.is_empty()).then(|| c.parse().unwrap()))
+            .collect()
+    }
+
+    pub(crate) fn complete(&self, column: &str) -> Vec<f64> {
+        self.numbers(column)
+            .into_iter()
+            .map(Option::unwrap)
+            .collect()
+    }
+
+    pub(crate) fn within(&self) -> WithinSubjects {
+        let data = WithinSubjects::from_long(
+            &self.text("subject"),
+            &self.text("condition"),
+            &self.numbers("value"),
+        );
+        data.unwrap().reordered(&self.conditions).unwrap()
+    }
+
+    pub(crate) fn questions(&self) -> Vec<PowerQuestion> {
+        let column = |name: &str| self.numbers(name);
+        let (n, effect, alpha) = (column("n"), column("effect"), column("alpha"));
+        let (k, corr, epsilon) = (column("k"), column("corr"), column("epsilon"));
+        let test = |i: usize, name: &str| {
+            let effect = effect[i].unwrap();
+            match name {
+                "paired_t" => PlannedTest::PairedT { effect },
+                "pearson" => PlannedTest::Pearson { effect },
+                _ => PlannedTest::RmAnova {
+                    effect,
+                    k: k[i].unwrap() as usize,
+                    corr: corr[i].unwrap(),
+                    epsilon: epsilon[i].unwrap(),
+                },
+            }
+        };
+        let names = self.text("test");
+        let questions = names.iter().enumerate().map(|(i, name)| PowerQuestion {
+            test: test(i, name),
+            n: n[i].unwrap() as usize,
+            alpha: alpha[i].unwrap(),
+        });
+        questions.collect()
+    }
+
+    pub(crate) fn reported(&self) -> Vec<ReportedCorrelation> {
+        let (coefficients, df, p) = (
+            self.text("coefficient"),
+            self.complete("df"),
+            self.text("p"),
+        );
+        let rows = coefficients.into_iter().zip(df).zip(p);
+        rows.map(|((coefficient, df), p)| ReportedCorrelation {
+            coefficient,
+            df: df as usize,
+            p,
+        })
+        .collect()
+    }
+}
