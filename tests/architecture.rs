@@ -33,17 +33,34 @@ fn dependencies() -> BTreeMap<String, Vec<String>> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml");
     let output = Command::new(cargo)
-        .args(["metadata", "--format-version", "1", "--no-deps", "--offline", "--manifest-path", manifest])
+        .args([
+            "metadata",
+            "--format-version",
+            "1",
+            "--no-deps",
+            "--offline",
+            "--manifest-path",
+            manifest,
+        ])
         .output()
         .expect("cargo runs this test, so it can be run");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let metadata: Value = serde_json::from_slice(&output.stdout).expect("cargo metadata prints JSON");
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let metadata: Value =
+        serde_json::from_slice(&output.stdout).expect("cargo metadata prints JSON");
     let text = |v: &Value| v.as_str().unwrap_or_default().to_owned();
     let packages = metadata["packages"].as_array().expect("a list of packages");
     packages
         .iter()
         .map(|p| {
-            let normal = p["dependencies"].as_array().expect("a list").iter().filter(|d| d["kind"].is_null());
+            let normal = p["dependencies"]
+                .as_array()
+                .expect("a list")
+                .iter()
+                .filter(|d| d["kind"].is_null());
             (text(&p["name"]), normal.map(|d| text(&d["name"])).collect())
         })
         .collect()
@@ -52,9 +69,14 @@ fn dependencies() -> BTreeMap<String, Vec<String>> {
 #[test]
 fn dependencies_only_point_down() {
     for (package, used) in dependencies() {
-        let Some(name) = package.strip_prefix("maveric-") else { continue };
+        let Some(name) = package.strip_prefix("maveric-") else {
+            continue;
+        };
         for other in used.iter().filter_map(|d| d.strip_prefix("maveric-")) {
-            assert!(allowed(name).contains(&other), "`{name}` may not use `{other}`: see ARCHITECTURE.md");
+            assert!(
+                allowed(name).contains(&other),
+                "`{name}` may not use `{other}`: see ARCHITECTURE.md"
+            );
         }
     }
 }
@@ -62,15 +84,23 @@ fn dependencies_only_point_down() {
 #[test]
 fn heavy_dependencies_have_one_home() {
     for (package, used) in dependencies() {
-        let Some(name) = package.strip_prefix("maveric-") else { continue };
+        let Some(name) = package.strip_prefix("maveric-") else {
+            continue;
+        };
         for (heavy, homes) in HOMES {
-            assert!(!used.iter().any(|d| d == heavy) || homes.contains(&name), "`{name}` may not name `{heavy}`");
+            assert!(
+                !used.iter().any(|d| d == heavy) || homes.contains(&name),
+                "`{name}` may not name `{heavy}`"
+            );
         }
     }
 }
 
 #[test]
 fn all_eleven_crates_are_there() {
-    let crates = dependencies().into_keys().filter(|n| n.starts_with("maveric-")).count();
+    let crates = dependencies()
+        .into_keys()
+        .filter(|n| n.starts_with("maveric-"))
+        .count();
     assert_eq!(crates, 11);
 }

@@ -9,9 +9,24 @@ fn wrong_usage_is_status_2_and_help_has_an_example() {
     let study = TempStudy::new();
     assert_eq!(study.maveric(&["frobnicate"]).status, Some(2));
     assert_eq!(study.maveric(&["train"]).status, Some(2));
-    for command in
-        ["run", "status", "graph", "generate", "ingest", "inspect", "score", "train", "personalize", "steer", "simulate", "measure", "rate", "evaluate", "stats", "report"]
-    {
+    for command in [
+        "run",
+        "status",
+        "graph",
+        "generate",
+        "ingest",
+        "inspect",
+        "score",
+        "train",
+        "personalize",
+        "steer",
+        "simulate",
+        "measure",
+        "rate",
+        "evaluate",
+        "stats",
+        "report",
+    ] {
         let help = study.maveric(&[command, "--help"]).ok().stdout;
         assert!(help.contains("Example"), "{command}: {help}");
     }
@@ -28,21 +43,56 @@ fn a_missing_file_an_empty_one_and_a_folder_are_named() {
     ingest("nowhere.mcap").failed(1, &["nowhere.mcap"]);
     ingest(empty.to_str().unwrap()).failed(1, &["empty.mcap", "empty"]);
     ingest(text.to_str().unwrap()).failed(1, &["text.mcap"]);
-    assert!(!out.exists() || std::fs::read_dir(&out).unwrap().next().is_none(), "nothing is written");
-    let compare = |data: &str| study.maveric(&["stats", "compare", data, "--subject", "s", "--within", "w", "--value", "v"]);
+    assert!(
+        !out.exists() || std::fs::read_dir(&out).unwrap().next().is_none(),
+        "nothing is written"
+    );
+    let compare = |data: &str| {
+        study.maveric(&[
+            "stats",
+            "compare",
+            data,
+            "--subject",
+            "s",
+            "--within",
+            "w",
+            "--value",
+            "v",
+        ])
+    };
     compare(folder.to_str().unwrap()).failed(1, &["is a folder"]);
     compare("nowhere.csv").failed(1, &["nowhere.csv"]);
-    study.maveric(&["run", "pipelines/nowhere.toml"]).failed(1, &["nowhere.toml"]);
-    let broken = study.write("pipelines/broken.toml", "name = \"x\"\n[[stage]]\nnme = \"a\"\n");
-    study.maveric(&["run", broken.to_str().unwrap()]).failed(1, &["broken.toml:", "nme"]);
+    study
+        .maveric(&["run", "pipelines/nowhere.toml"])
+        .failed(1, &["nowhere.toml"]);
+    let broken = study.write(
+        "pipelines/broken.toml",
+        "name = \"x\"\n[[stage]]\nnme = \"a\"\n",
+    );
+    study
+        .maveric(&["run", broken.to_str().unwrap()])
+        .failed(1, &["broken.toml:", "nme"]);
 }
 
 #[test]
 fn an_unknown_column_gets_the_nearest_name() {
     let study = TempStudy::new();
-    study.write("d.csv", "subject,condition,value\na,x,1\na,y,2\nb,x,2\nb,y,4\n");
+    study.write(
+        "d.csv",
+        "subject,condition,value\na,x,1\na,y,2\nb,x,2\nb,y,4\n",
+    );
     study
-        .maveric(&["stats", "within", "d.csv", "--subject", "subjct", "--within", "condition", "--value", "value"])
+        .maveric(&[
+            "stats",
+            "within",
+            "d.csv",
+            "--subject",
+            "subjct",
+            "--within",
+            "condition",
+            "--value",
+            "value",
+        ])
         .failed(1, &["subjct", "did you mean `subject`"]);
 }
 
@@ -52,7 +102,15 @@ fn a_model_of_something_else_is_refused() {
     study.write("model.maveric", "{\"weights\": []}");
     study.write("conditions.csv", "participant,condition,w1\nP1,mimic,0.1\n");
     study
-        .maveric(&["simulate", "--model", "model.maveric", "--conditions", "conditions.csv", "--out", "av"])
+        .maveric(&[
+            "simulate",
+            "--model",
+            "model.maveric",
+            "--conditions",
+            "conditions.csv",
+            "--out",
+            "av",
+        ])
         .failed(1, &["model.maveric"]);
     assert!(!study.path("av").exists());
 }
@@ -60,8 +118,25 @@ fn a_model_of_something_else_is_refused() {
 #[test]
 fn json_is_one_object_on_stdout() {
     let study = TempStudy::new();
-    study.write("d.csv", "s,w,v\na,x,1\na,y,2\na,z,4\nb,x,2\nb,y,4\nb,z,5\nc,x,1\nc,y,3\nc,z,2\n");
-    let ran = study.maveric(&["stats", "within", "d.csv", "--subject", "s", "--within", "w", "--value", "v", "--format", "json"]).ok();
+    study.write(
+        "d.csv",
+        "s,w,v\na,x,1\na,y,2\na,z,4\nb,x,2\nb,y,4\nb,z,5\nc,x,1\nc,y,3\nc,z,2\n",
+    );
+    let ran = study
+        .maveric(&[
+            "stats",
+            "within",
+            "d.csv",
+            "--subject",
+            "s",
+            "--within",
+            "w",
+            "--value",
+            "v",
+            "--format",
+            "json",
+        ])
+        .ok();
     let value: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
     assert!(value["rm_anova"]["F"].as_f64().unwrap() > 0.0);
     assert!(value["apa"].is_object() || value["apa"].is_string());

@@ -11,23 +11,46 @@ const SMOKE: &str = "pipelines/smoke.toml";
 fn states(report: &str) -> Vec<(String, String)> {
     let report: serde_json::Value = serde_json::from_str(report).unwrap();
     let text = |v: &serde_json::Value| v.as_str().unwrap().to_owned();
-    report["stages"].as_array().unwrap().iter().map(|s| (text(&s["stage"]), text(&s["state"]))).collect()
+    report["stages"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|s| (text(&s["stage"]), text(&s["state"])))
+        .collect()
 }
 
 fn is_page(path: &Path) {
     let page = std::fs::read_to_string(path).unwrap();
-    assert!(page.contains("ynthetic participants"), "the page says who these people are");
+    assert!(
+        page.contains("ynthetic participants"),
+        "the page says who these people are"
+    );
     assert!(!page.contains("NaN"), "no NaN on the page");
-    assert!(!page.contains("src=\"http") && !page.contains("href=\"http"), "the page is self-contained");
+    assert!(
+        !page.contains("src=\"http") && !page.contains("href=\"http"),
+        "the page is self-contained"
+    );
 }
 
 #[test]
 fn the_small_study_runs_once_and_then_only_what_changed() {
     let study = TempStudy::new();
     let ran = study.maveric(&["run", SMOKE, "-j", "2"]).ok();
-    assert!(ran.stdout.contains("index.html"), "it says where the report is: {}", ran.stdout);
+    assert!(
+        ran.stdout.contains("index.html"),
+        "it says where the report is: {}",
+        ran.stdout
+    );
     is_page(&study.path("reports/smoke/index.html"));
-    for figure in ["domain", "architecture", "simulator", "embedding_space", "difference_panels", "perpendicular", "preference"] {
+    for figure in [
+        "domain",
+        "architecture",
+        "simulator",
+        "embedding_space",
+        "difference_panels",
+        "perpendicular",
+        "preference",
+    ] {
         let there = |end: &str| {
             let files = std::fs::read_dir(study.path("reports/smoke/figures")).unwrap();
             files.filter_map(Result::ok).any(|f| {
@@ -39,13 +62,38 @@ fn the_small_study_runs_once_and_then_only_what_changed() {
     }
 
     let again = study.maveric(&["run", SMOKE, "--format", "json"]).ok();
-    assert!(states(&again.stdout).iter().all(|(_, state)| state == "up_to_date"), "{}", again.stdout);
-    assert!(study.maveric(&["run", SMOKE]).ok().stdout.contains("nothing was run"));
+    assert!(
+        states(&again.stdout)
+            .iter()
+            .all(|(_, state)| state == "up_to_date"),
+        "{}",
+        again.stdout
+    );
+    assert!(
+        study
+            .maveric(&["run", SMOKE])
+            .ok()
+            .stdout
+            .contains("nothing was run")
+    );
 
-    let moved = study.maveric(&["run", SMOKE, "--set", "points=10", "--format", "json"]).ok();
-    let upstream = ["generate", "ingest-study1", "ingest-study2", "score", "train", "personalize"];
+    let moved = study
+        .maveric(&["run", SMOKE, "--set", "points=10", "--format", "json"])
+        .ok();
+    let upstream = [
+        "generate",
+        "ingest-study1",
+        "ingest-study2",
+        "score",
+        "train",
+        "personalize",
+    ];
     for (stage, state) in states(&moved.stdout) {
-        let expected = if upstream.contains(&stage.as_str()) { "up_to_date" } else { "done" };
+        let expected = if upstream.contains(&stage.as_str()) {
+            "up_to_date"
+        } else {
+            "done"
+        };
         assert_eq!(state, expected, "{stage}");
     }
 }
@@ -54,12 +102,34 @@ fn the_small_study_runs_once_and_then_only_what_changed() {
 fn the_same_seed_gives_the_same_bytes_on_one_thread_and_on_two() {
     let study = TempStudy::new();
     for (out, jobs) in [("one", "1"), ("two", "2")] {
-        study.maveric(&["generate", "--out", out, "--study1", "2", "--study2", "1", "--duration", "60", "--seed", "7", "-j", jobs]).ok();
+        study
+            .maveric(&[
+                "generate",
+                "--out",
+                out,
+                "--study1",
+                "2",
+                "--study2",
+                "1",
+                "--duration",
+                "60",
+                "--seed",
+                "7",
+                "-j",
+                jobs,
+            ])
+            .ok();
         let logs = format!("{out}/logs/study1");
         let drives = format!("{out}/drives");
-        study.maveric(&["ingest", &logs, "--out", &drives, "-j", jobs]).ok();
+        study
+            .maveric(&["ingest", &logs, "--out", &drives, "-j", jobs])
+            .ok();
         let model = format!("{out}/model.maveric");
-        study.maveric(&["train", "--drives", &drives, "--out", &model, "--epochs", "2", "-j", jobs]).ok();
+        study
+            .maveric(&[
+                "train", "--drives", &drives, "--out", &model, "--epochs", "2", "-j", jobs,
+            ])
+            .ok();
     }
     let files = ["participants.csv", "surveys.csv", "model.maveric"];
     let logs = std::fs::read_dir(study.path("one/logs/study1")).unwrap();
@@ -78,7 +148,11 @@ fn the_same_seed_gives_the_same_bytes_on_one_thread_and_on_two() {
 fn an_interrupted_run_ends_with_130_and_goes_on_where_it_stopped() {
     let study = TempStudy::new();
     let mut command = study.command(&["run", SMOKE]);
-    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let mut child = command
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
     let first = study.path("study_data/generated/smoke/scores.csv");
     for _ in 0..3000 {
         if first.exists() {
@@ -87,12 +161,18 @@ fn an_interrupted_run_ends_with_130_and_goes_on_where_it_stopped() {
         std::thread::sleep(Duration::from_millis(20));
     }
     assert!(first.exists());
-    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let killed = std::process::Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
     assert!(killed.success());
     let ended = child.wait().unwrap();
     assert_eq!(ended.code(), Some(130));
     let next = study.maveric(&["run", SMOKE, "--format", "json"]).ok();
-    let generate = states(&next.stdout).into_iter().find(|(stage, _)| stage == "generate").unwrap();
+    let generate = states(&next.stdout)
+        .into_iter()
+        .find(|(stage, _)| stage == "generate")
+        .unwrap();
     assert_eq!(generate.1, "up_to_date");
     is_page(&study.path("reports/smoke/index.html"));
 }

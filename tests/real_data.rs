@@ -6,30 +6,56 @@ use support::{TempStudy, shared};
 
 #[test]
 fn openacc_goes_from_csv_to_the_table_of_errors() {
-    let Some(data) = shared("openacc_astazero") else { return };
+    let Some(data) = shared("openacc_astazero") else {
+        return;
+    };
     let study = TempStudy::new();
     let data = format!("data={}", std::fs::canonicalize(data).unwrap().display());
-    let ran = study.maveric(&["run", "pipelines/openacc.toml", "--set", &data, "--set", "epochs=5"]).ok();
+    let ran = study
+        .maveric(&[
+            "run",
+            "pipelines/openacc.toml",
+            "--set",
+            &data,
+            "--set",
+            "epochs=5",
+        ])
+        .ok();
     assert!(ran.stdout.contains("IDM"), "{}", ran.stdout);
-    let following = std::fs::read_to_string(study.path("study_data/generated/openacc/following.json")).unwrap();
+    let following =
+        std::fs::read_to_string(study.path("study_data/generated/openacc/following.json")).unwrap();
     assert!(following.contains("Audi_A6"));
     let page = std::fs::read_to_string(study.path("reports/openacc/index.html")).unwrap();
-    assert!(!page.contains("ynthetic participants"), "these people are real");
-    let training = std::fs::read_to_string(study.path("study_data/generated/openacc/model_training.json")).unwrap();
-    assert!(training.contains("left_out"), "the losses without data are named");
+    assert!(
+        !page.contains("ynthetic participants"),
+        "these people are real"
+    );
+    let training =
+        std::fs::read_to_string(study.path("study_data/generated/openacc/model_training.json"))
+            .unwrap();
+    assert!(
+        training.contains("left_out"),
+        "the losses without data are named"
+    );
 }
 
 #[test]
 fn without_the_recordings_the_message_says_how_to_get_them() {
     let study = TempStudy::new();
-    study.maveric(&["run", "pipelines/openacc.toml", "--set", "data=nowhere"]).failed(1, &["nowhere", "CC BY 4.0", "Joint Research Centre"]);
+    study
+        .maveric(&["run", "pipelines/openacc.toml", "--set", "data=nowhere"])
+        .failed(1, &["nowhere", "CC BY 4.0", "Joint Research Centre"]);
 }
 
 #[test]
 fn a_pose_recording_ingests_without_a_lead_vehicle() {
-    let Some(log) = shared("mcap/cub_pose_flight.mcap") else { return };
+    let Some(log) = shared("mcap/cub_pose_flight.mcap") else {
+        return;
+    };
     let study = TempStudy::new();
-    study.maveric(&["ingest", log.to_str().unwrap(), "--out", "drives"]).ok();
+    study
+        .maveric(&["ingest", log.to_str().unwrap(), "--out", "drives"])
+        .ok();
     let list = std::fs::read_to_string(study.path("drives/drives.csv")).unwrap();
     assert_eq!(list.lines().count(), 2, "{list}");
 }

@@ -11,18 +11,28 @@ fn velocities(csv: &str) -> BTreeMap<(String, String), f64> {
     let mut lines = csv.lines();
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
     let column = |name: &str| header.iter().position(|h| *h == name).unwrap();
-    let (who, condition, speed) = (column("participant"), column("condition"), column("mean_velocity_mps"));
+    let (who, condition, speed) = (
+        column("participant"),
+        column("condition"),
+        column("mean_velocity_mps"),
+    );
     lines
         .map(|line| {
             let cells: Vec<&str> = line.split(',').collect();
-            ((cells[who].to_owned(), cells[condition].to_owned()), cells[speed].parse().unwrap())
+            (
+                (cells[who].to_owned(), cells[condition].to_owned()),
+                cells[speed].parse().unwrap(),
+            )
         })
         .collect()
 }
 
 fn correlation(pairs: &[(f64, f64)]) -> f64 {
     let n = pairs.len() as f64;
-    let (mx, my) = (pairs.iter().map(|p| p.0).sum::<f64>() / n, pairs.iter().map(|p| p.1).sum::<f64>() / n);
+    let (mx, my) = (
+        pairs.iter().map(|p| p.0).sum::<f64>() / n,
+        pairs.iter().map(|p| p.1).sum::<f64>() / n,
+    );
     let sum = |f: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(f).sum::<f64>();
     let xy = sum(&|p| (p.0 - mx) * (p.1 - my));
     xy / (sum(&|p| (p.0 - mx).powi(2)) * sum(&|p| (p.1 - my).powi(2))).sqrt()
@@ -31,29 +41,61 @@ fn correlation(pairs: &[(f64, f64)]) -> f64 {
 #[test]
 fn the_car_drives_like_its_owner_and_the_dial_turns_the_right_way() {
     let study = TempStudy::new();
-    let run = |args: &str| study.maveric(&args.split_whitespace().collect::<Vec<_>>()).ok();
+    let run = |args: &str| {
+        study
+            .maveric(&args.split_whitespace().collect::<Vec<_>>())
+            .ok()
+    };
     run("generate --out d --study1 16 --study2 8 --duration 300 --seed 3");
     run("ingest d/logs/study1 --out d/drives/study1");
     run("ingest d/logs/study2 --out d/drives/study2");
     run("score --surveys d/surveys.csv --out d/scores.csv");
     run("train --drives d/drives/study1 --scores d/scores.csv --out d/model.maveric --epochs 30");
-    run("personalize --model d/model.maveric --drives d/drives/study2 --scores d/scores.csv --out d/embeddings.csv");
+    run(
+        "personalize --model d/model.maveric --drives d/drives/study2 --scores d/scores.csv --out d/embeddings.csv",
+    );
     run("steer --model d/model.maveric --embeddings d/embeddings.csv --out d/conditions.csv");
     run("simulate --model d/model.maveric --conditions d/conditions.csv --out d/av --duration 300");
     run("measure --drives d/drives/study2 --drives d/av/drives --out d/measurements.csv");
 
     let found = velocities(&std::fs::read_to_string(study.path("d/measurements.csv")).unwrap());
-    let people: Vec<&String> = found.keys().filter(|k| k.1 == "own").map(|k| &k.0).collect();
+    let people: Vec<&String> = found
+        .keys()
+        .filter(|k| k.1 == "own")
+        .map(|k| &k.0)
+        .collect();
     assert_eq!(people.len(), 8);
     let speed = |who: &String, condition: &str| found[&(who.clone(), condition.to_owned())];
-    let pairs: Vec<(f64, f64)> = people.iter().map(|p| (speed(p, "own"), speed(p, "mimic"))).collect();
-    assert!(correlation(&pairs) > 0.7, "mimic follows its owner: {pairs:?}");
+    let pairs: Vec<(f64, f64)> = people
+        .iter()
+        .map(|p| (speed(p, "own"), speed(p, "mimic")))
+        .collect();
+    assert!(
+        correlation(&pairs) > 0.7,
+        "mimic follows its owner: {pairs:?}"
+    );
     let ordered = people.iter().filter(|p| {
-        speed(p, "aggressive") > speed(p, "mimic") - 0.05 && speed(p, "mimic") > speed(p, "cautious") - 0.05
+        speed(p, "aggressive") > speed(p, "mimic") - 0.05
+            && speed(p, "mimic") > speed(p, "cautious") - 0.05
     });
-    assert!(ordered.count() >= 6, "aggressive, mimic, cautious in that order: {found:?}");
+    assert!(
+        ordered.count() >= 6,
+        "aggressive, mimic, cautious in that order: {found:?}"
+    );
 
     let rollouts = std::fs::read_to_string(study.path("d/av/rollouts.csv")).unwrap();
-    let at = rollouts.lines().next().unwrap().split(',').position(|h| h == "collisions").unwrap();
-    assert!(rollouts.lines().skip(1).all(|l| l.split(',').nth(at) == Some("0")), "{rollouts}");
+    let at = rollouts
+        .lines()
+        .next()
+        .unwrap()
+        .split(',')
+        .position(|h| h == "collisions")
+        .unwrap();
+    assert!(
+        rollouts
+            .lines()
+            .skip(1)
+            .all(|l| l.split(',').nth(at) == Some("0")),
+        "{rollouts}"
+    );
 }

@@ -18,7 +18,10 @@ pub fn shared(path: &str) -> Option<PathBuf> {
     if found.exists() {
         return Some(found);
     }
-    eprintln!("note: {} is not there, so this test has nothing to hold the program against", found.display());
+    eprintln!(
+        "note: {} is not there, so this test has nothing to hold the program against",
+        found.display()
+    );
     None
 }
 
@@ -32,7 +35,8 @@ fn copy(from: &Path, to: &Path) {
     for entry in std::fs::read_dir(from).unwrap() {
         let entry = entry.unwrap();
         let target = to.join(entry.file_name());
-        if entry.file_name() == "generated" || entry.file_name().to_string_lossy().starts_with('.') {
+        if entry.file_name() == "generated" || entry.file_name().to_string_lossy().starts_with('.')
+        {
             continue;
         }
         if entry.file_type().unwrap().is_dir() {
@@ -65,7 +69,10 @@ impl TempStudy {
 
     pub fn command(&self, args: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_maveric"));
-        command.args(args).current_dir(self.folder.path()).env("NO_COLOR", "1");
+        command
+            .args(args)
+            .current_dir(self.folder.path())
+            .env("NO_COLOR", "1");
         command
     }
 
@@ -102,12 +109,26 @@ impl Ran {
     /// It failed with `status`, said every one of `words` on stderr, printed nothing and did not panic.
     #[track_caller]
     pub fn failed(self, status: i32, words: &[&str]) -> Self {
-        assert_eq!(self.status, Some(status), "{}\n{}", self.stdout, self.stderr);
+        assert_eq!(
+            self.status,
+            Some(status),
+            "{}\n{}",
+            self.stdout,
+            self.stderr
+        );
         assert!(self.stdout.is_empty(), "stdout: {}", self.stdout);
         for word in words {
-            assert!(self.stderr.contains(word), "no `{word}` in: {}", self.stderr);
+            assert!(
+                self.stderr.contains(word),
+                "no `{word}` in: {}",
+                self.stderr
+            );
         }
-        assert!(!self.stderr.contains("panicked") && !self.stderr.contains("RUST_BACKTRACE"), "{}", self.stderr);
+        assert!(
+            !self.stderr.contains("panicked") && !self.stderr.contains("RUST_BACKTRACE"),
+            "{}",
+            self.stderr
+        );
         self
     }
 }

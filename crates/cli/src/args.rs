@@ -6,9 +6,14 @@ use clap::{Parser, Subcommand, ValueEnum};
 /// Learn a driver's style, drive as that driver would, and analyse the study: from driving logs to the
 /// printed figure.
 #[derive(Debug, Parser)]
-#[command(name = "maveric", version, arg_required_else_help = true, after_help = "\
+#[command(
+    name = "maveric",
+    version,
+    arg_required_else_help = true,
+    after_help = "\
 Example: maveric run                      the whole synthetic study, into reports/paper
-         maveric run pipelines/smoke.toml a small one, in a minute")]
+         maveric run pipelines/smoke.toml a small one, in a minute"
+)]
 pub(crate) struct Args {
     #[command(subcommand)]
     pub(crate) command: Command,

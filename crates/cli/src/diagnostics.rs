@@ -30,7 +30,9 @@ pub(crate) struct Failed {
 
 impl miette::Diagnostic for Failed {
     fn help<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
-        self.help.as_ref().map(|h| Box::new(h) as Box<dyn std::fmt::Display>)
+        self.help
+            .as_ref()
+            .map(|h| Box::new(h) as Box<dyn std::fmt::Display>)
     }
 }
 
@@ -41,7 +43,11 @@ impl Failure {
             StudyError::Interrupted => Self::Interrupted,
             cause => {
                 let help = cause.suggestion();
-                Self::Failed(Failed { doing: doing.to_owned(), cause: Box::new(cause), help })
+                Self::Failed(Failed {
+                    doing: doing.to_owned(),
+                    cause: Box::new(cause),
+                    help,
+                })
             }
         }
     }
@@ -52,14 +58,22 @@ impl Failure {
             PipelineError::Interrupted => Self::Interrupted,
             cause => {
                 let help = cause.suggestion();
-                Self::Failed(Failed { doing: doing.to_owned(), cause: Box::new(cause), help })
+                Self::Failed(Failed {
+                    doing: doing.to_owned(),
+                    cause: Box::new(cause),
+                    help,
+                })
             }
         }
     }
 
     /// Turns what the system said into a failure of `doing`.
     pub(crate) fn io(doing: &str, cause: std::io::Error) -> Self {
-        Self::Failed(Failed { doing: doing.to_owned(), cause: Box::new(cause), help: None })
+        Self::Failed(Failed {
+            doing: doing.to_owned(),
+            cause: Box::new(cause),
+            help: None,
+        })
     }
 
     /// Turns the failure to print into a failure.
@@ -90,14 +104,25 @@ impl Failure {
 }
 
 fn is_broken_pipe(failed: &Failed) -> bool {
-    failed.cause.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+    failed
+        .cause
+        .downcast_ref::<std::io::Error>()
+        .is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
 }
 
 fn render(failed: Failed) -> String {
     let plain = !std::io::stderr().is_terminal() || std::env::var_os("NO_COLOR").is_some();
-    let theme = if plain { miette::GraphicalTheme::unicode_nocolor() } else { miette::GraphicalTheme::unicode() };
+    let theme = if plain {
+        miette::GraphicalTheme::unicode_nocolor()
+    } else {
+        miette::GraphicalTheme::unicode()
+    };
     // Not wrapped where no person reads: a script greps for whole messages.
-    let handler = miette::GraphicalReportHandler::new_themed(theme).with_width(if plain { 10_000 } else { 100 });
+    let handler = miette::GraphicalReportHandler::new_themed(theme).with_width(if plain {
+        10_000
+    } else {
+        100
+    });
     let mut text = String::new();
     if handler.render_report(&mut text, &failed).is_err() {
         text = format!("{failed}: {}", failed.cause);

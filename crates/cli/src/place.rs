@@ -18,14 +18,21 @@ pub(crate) struct PipelineArgs {
 impl PipelineArgs {
     /// The pipeline file and the targets: the first word is the file if it ends in `.toml`.
     pub(crate) fn split(mut words: Vec<String>) -> (PathBuf, Vec<String>) {
-        let named = words.first().is_some_and(|w| Path::new(w).extension().is_some_and(|e| e == "toml"));
-        let file = if named { words.remove(0) } else { DEFAULT_PIPELINE.to_owned() };
+        let named = words
+            .first()
+            .is_some_and(|w| Path::new(w).extension().is_some_and(|e| e == "toml"));
+        let file = if named {
+            words.remove(0)
+        } else {
+            DEFAULT_PIPELINE.to_owned()
+        };
         (PathBuf::from(file), words)
     }
 
     /// Reads the pipeline with its parameters changed as asked for.
     pub(crate) fn read(&self, file: &Path) -> Result<Pipeline, Failure> {
-        let overrides: Result<Vec<_>, _> = self.set.iter().map(|text| parse_override(text)).collect();
+        let overrides: Result<Vec<_>, _> =
+            self.set.iter().map(|text| parse_override(text)).collect();
         let overrides = overrides.map_err(Failure::pipeline("could not read --set"))?;
         Pipeline::read(file, &overrides).map_err(Failure::pipeline("could not read the pipeline"))
     }
@@ -43,12 +50,18 @@ pub(crate) fn place(file: &Path) -> Result<Place, Failure> {
     } else {
         None
     };
-    let root = root.map_or_else(std::env::current_dir, Ok).map_err(|e| Failure::io(doing, e))?;
+    let root = root
+        .map_or_else(std::env::current_dir, Ok)
+        .map_err(|e| Failure::io(doing, e))?;
     let stem = file.file_stem().unwrap_or_default();
     Ok(Place {
         root,
         ledger: file.with_extension("lock"),
         log_dir: folder.join(".logs").join(stem),
-        program: Some(Program { name: "maveric".to_owned(), path: program, versions: maveric_study::stages::versions() }),
+        program: Some(Program {
+            name: "maveric".to_owned(),
+            path: program,
+            versions: maveric_study::stages::versions(),
+        }),
     })
 }

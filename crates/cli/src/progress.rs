@@ -7,8 +7,14 @@ use std::io::IsTerminal as _;
 pub(crate) fn bar() -> ProgressBar {
     let watched = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
     let bar = ProgressBar::new(0);
-    bar.set_draw_target(if watched { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() });
-    if let Ok(style) = ProgressStyle::with_template("{msg} [{bar:30}] {pos}/{len} {per_sec} {eta} left") {
+    bar.set_draw_target(if watched {
+        ProgressDrawTarget::stderr()
+    } else {
+        ProgressDrawTarget::hidden()
+    });
+    if let Ok(style) =
+        ProgressStyle::with_template("{msg} [{bar:30}] {pos}/{len} {per_sec} {eta} left")
+    {
         bar.set_style(style.progress_chars("=> "));
     }
     bar

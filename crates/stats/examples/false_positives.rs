@@ -1,7 +1,8 @@
 //! How often `compare` finds a difference where there is none: 20,000 null data sets of 24
 //! subjects and 4 conditions with and without sphericity, and 1,000 with skewed errors.
 //!
-//! Run with `cargo run --release -p maveric-stats --example false_positives`.
+//! Run with `cargo run --release -p maveric-stats --example false_positives`; it takes ten minutes
+//! or more, nearly all of them for exact p values of Friedman's test.
 #![expect(
     clippy::print_stdout,
     reason = "an example shows its table on the terminal"

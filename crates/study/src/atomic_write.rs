@@ -16,7 +16,10 @@ pub fn atomic_write(
         _ => Path::new("."),
     };
     if path.is_dir() {
-        return Err(StudyError::file(path, "is a folder, expected the name of a file to write"));
+        return Err(StudyError::file(
+            path,
+            "is a folder, expected the name of a file to write",
+        ));
     }
     fs::create_dir_all(folder).map_err(StudyError::write(folder))?;
     let mut builder = tempfile::Builder::new();
@@ -24,10 +27,13 @@ pub fn atomic_write(
     // Temporary files are private by default; a result should be as readable as any other file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
-    let mut file = builder.tempfile_in(folder).map_err(StudyError::write(folder))?;
+    let mut file = builder
+        .tempfile_in(folder)
+        .map_err(StudyError::write(folder))?;
     write(file.as_file_mut())?;
     file.as_file().sync_all().map_err(StudyError::write(path))?;
-    file.persist(path).map_err(|error| StudyError::write(path)(error.error))?;
+    file.persist(path)
+        .map_err(|error| StudyError::write(path)(error.error))?;
     Ok(())
 }
 
@@ -36,7 +42,9 @@ pub fn atomic_write(
 /// # Errors
 /// [`StudyError::Io`].
 pub fn atomic_write_bytes(path: &Path, bytes: &[u8]) -> Result<(), StudyError> {
-    atomic_write(path, |file| file.write_all(bytes).map_err(StudyError::write(path)))
+    atomic_write(path, |file| {
+        file.write_all(bytes).map_err(StudyError::write(path))
+    })
 }
 
 /// Writes a value as JSON, one field a line, ending in a newline.
@@ -56,7 +64,8 @@ pub fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<(), Stud
 /// [`StudyError::Io`], [`StudyError::BadFile`] with the position of the fault.
 pub fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, StudyError> {
     let text = read_text(path)?;
-    serde_json::from_str(&text).map_err(|e| StudyError::file(path, format!("not the JSON expected here: {e}")))
+    serde_json::from_str(&text)
+        .map_err(|e| StudyError::file(path, format!("not the JSON expected here: {e}")))
 }
 
 /// Reads a text file, refusing folders and empty files by name.
@@ -73,4 +82,3 @@ pub fn read_text(path: &Path) -> Result<String, StudyError> {
     }
     Ok(text)
 }
-

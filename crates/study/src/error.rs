@@ -106,9 +106,9 @@ impl StudyError {
     /// The next step, where one is known.
     pub fn suggestion(&self) -> Option<String> {
         match self {
-            Self::NoColumn { nearest, .. } => {
-                nearest.as_ref().map(|name| format!("did you mean `{name}`?"))
-            }
+            Self::NoColumn { nearest, .. } => nearest
+                .as_ref()
+                .map(|name| format!("did you mean `{name}`?")),
             Self::BadFile { help, .. } | Self::NotPossible { help, .. } => help.clone(),
             Self::Io { source, .. } if source.kind() == std::io::ErrorKind::NotFound => {
                 Some("check the path; relative paths start at the current folder".to_owned())
@@ -120,15 +120,27 @@ impl StudyError {
 
     pub(crate) fn read(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.into();
-        move |source| Self::Io { action: "read", path, source }
+        move |source| Self::Io {
+            action: "read",
+            path,
+            source,
+        }
     }
 
     pub(crate) fn write(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.into();
-        move |source| Self::Io { action: "write", path, source }
+        move |source| Self::Io {
+            action: "write",
+            path,
+            source,
+        }
     }
 
     pub(crate) fn file(path: impl Into<PathBuf>, problem: impl Into<String>) -> Self {
-        Self::BadFile { path: path.into(), problem: problem.into(), help: None }
+        Self::BadFile {
+            path: path.into(),
+            problem: problem.into(),
+            help: None,
+        }
     }
 }

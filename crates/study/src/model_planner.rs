@@ -17,13 +17,19 @@ impl ModelPlanner {
     /// # Errors
     /// [`ModelError::EmbeddingSize`] if the embedding is not of the model's size.
     pub fn new(model: &Model, embedding: &Embedding) -> Result<Self, ModelError> {
-        Ok(Self { predictor: Predictor::new(model, embedding)?, buffer: model.window_buffer() })
+        Ok(Self {
+            predictor: Predictor::new(model, embedding)?,
+            buffer: model.window_buffer(),
+        })
     }
 }
 
 impl Planner for ModelPlanner {
     fn plan(&mut self, situation: &Situation) -> Setpoints {
-        let setpoints = self.buffer.push(situation).and_then(|()| self.predictor.predict(&self.buffer));
+        let setpoints = self
+            .buffer
+            .push(situation)
+            .and_then(|()| self.predictor.predict(&self.buffer));
         // The simulator's situations are finite and ordered in time; should one not be, the car keeps its speed
         // behind whatever is ahead and changes no lane.
         setpoints.unwrap_or(Setpoints {

@@ -29,7 +29,9 @@ pub struct Watch<'a> {
 
 impl std::fmt::Debug for Watch<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Watch").field("cancel", self.cancel).finish_non_exhaustive()
+        f.debug_struct("Watch")
+            .field("cancel", self.cancel)
+            .finish_non_exhaustive()
     }
 }
 
@@ -53,7 +55,11 @@ impl<'a> Watch<'a> {
     /// # Errors
     /// [`StudyError::Interrupted`] if the work should stop.
     pub fn check(&self) -> Result<(), StudyError> {
-        if self.cancel.load(Ordering::Relaxed) { Err(StudyError::Interrupted) } else { Ok(()) }
+        if self.cancel.load(Ordering::Relaxed) {
+            Err(StudyError::Interrupted)
+        } else {
+            Ok(())
+        }
     }
 
     /// The flag that stops the work, for a library that watches it itself.
@@ -83,7 +89,10 @@ pub(crate) fn for_each_on<I: Sync, T: Send>(
         Ok(result)
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
-    let pool = pool.map_err(|e| StudyError::NotPossible { problem: format!("cannot start {jobs} threads: {e}"), help: None })?;
+    let pool = pool.map_err(|e| StudyError::NotPossible {
+        problem: format!("cannot start {jobs} threads: {e}"),
+        help: None,
+    })?;
     let results: Vec<Result<T, StudyError>> = pool.install(|| items.par_iter().map(one).collect());
     results.into_iter().collect()
 }

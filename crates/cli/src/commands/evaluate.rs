@@ -6,7 +6,9 @@ use maveric_study::stages::evaluate::{self, EvaluateOptions};
 
 /// Predict each drive's unseen last third in closed loop, against constant time gap and IDM
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: maveric evaluate --model model.maveric --embeddings embeddings.csv --drives drives --out following.json")]
+#[command(
+    after_help = "Example: maveric evaluate --model model.maveric --embeddings embeddings.csv --drives drives --out following.json"
+)]
 pub(crate) struct Evaluate {
     /// Trained model
     #[arg(long)]
@@ -37,6 +39,8 @@ impl Evaluate {
             out: self.out,
             seed: self.seed,
         };
-        print_outcome(self.format, "could not evaluate", |watch| evaluate::evaluate(&options, watch))
+        print_outcome(self.format, "could not evaluate", |watch| {
+            evaluate::evaluate(&options, watch)
+        })
     }
 }

@@ -53,6 +53,8 @@ impl Generate {
             seed: self.seed,
             jobs: self.jobs,
         };
-        print_outcome(self.format, "could not generate the study", |watch| generate::generate(&options, watch))
+        print_outcome(self.format, "could not generate the study", |watch| {
+            generate::generate(&options, watch)
+        })
     }
 }

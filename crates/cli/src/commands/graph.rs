@@ -39,7 +39,8 @@ enum GraphFormat {
 impl Graph {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let pipeline = self.pipeline.read(&self.file)?;
-        let graph = StageGraph::new(&pipeline).map_err(Failure::pipeline("could not order the stages"))?;
+        let graph =
+            StageGraph::new(&pipeline).map_err(Failure::pipeline("could not order the stages"))?;
         let text = match self.format {
             GraphFormat::Text => graph.text(),
             GraphFormat::Dot => graph.dot(),

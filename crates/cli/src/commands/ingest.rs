@@ -41,6 +41,8 @@ impl Ingest {
             recover: self.recover,
             jobs: self.jobs,
         };
-        print_outcome(self.format, "could not ingest", |watch| ingest::ingest(&options, watch))
+        print_outcome(self.format, "could not ingest", |watch| {
+            ingest::ingest(&options, watch)
+        })
     }
 }

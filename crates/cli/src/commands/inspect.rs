@@ -24,7 +24,13 @@ pub(crate) struct Inspect {
 
 impl Inspect {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        let options = InspectOptions { files: self.files, mapping: self.mapping, plot: self.plot };
-        print_outcome(self.format, "could not inspect", |watch| inspect::inspect(&options, watch))
+        let options = InspectOptions {
+            files: self.files,
+            mapping: self.mapping,
+            plot: self.plot,
+        };
+        print_outcome(self.format, "could not inspect", |watch| {
+            inspect::inspect(&options, watch)
+        })
     }
 }

@@ -6,7 +6,9 @@ use maveric_study::stages::measure::{self, MeasureOptions};
 
 /// Measure drives: the seven objective measures, a row a drive
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: maveric measure --drives drives/study2 --drives av/drives --out measurements.parquet")]
+#[command(
+    after_help = "Example: maveric measure --drives drives/study2 --drives av/drives --out measurements.parquet"
+)]
 pub(crate) struct Measure {
     /// Folder of drives; may be given more than once
     #[arg(long, required = true)]
@@ -25,6 +27,8 @@ impl Measure {
             drives: self.drives,
             out: self.out,
         };
-        print_outcome(self.format, "could not measure", |watch| measure::measure(&options, watch))
+        print_outcome(self.format, "could not measure", |watch| {
+            measure::measure(&options, watch)
+        })
     }
 }

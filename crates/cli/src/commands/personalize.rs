@@ -6,7 +6,9 @@ use maveric_study::stages::personalize::{self, PersonalizeOptions};
 
 /// Fit an embedding to each drive, the networks frozen
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: maveric personalize --model model.maveric --drives drives/study2 --scores scores.csv --out embeddings.csv")]
+#[command(
+    after_help = "Example: maveric personalize --model model.maveric --drives drives/study2 --scores scores.csv --out embeddings.csv"
+)]
 pub(crate) struct Personalize {
     /// Trained model
     #[arg(long)]
@@ -45,6 +47,8 @@ impl Personalize {
             seed: self.seed,
             jobs: self.jobs,
         };
-        print_outcome(self.format, "could not personalize", |watch| personalize::personalize(&options, watch))
+        print_outcome(self.format, "could not personalize", |watch| {
+            personalize::personalize(&options, watch)
+        })
     }
 }

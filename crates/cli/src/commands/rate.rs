@@ -6,7 +6,9 @@ use maveric_study::stages::rate::{self, RateOptions};
 
 /// Let the synthetic participants rate what each condition did
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: maveric rate --measures measurements.parquet --participants participants.csv --out ratings.csv")]
+#[command(
+    after_help = "Example: maveric rate --measures measurements.parquet --participants participants.csv --out ratings.csv"
+)]
 pub(crate) struct Rate {
     /// Measurements of own and AV drives
     #[arg(long)]
@@ -41,6 +43,8 @@ impl Rate {
             out: self.out,
             seed: self.seed,
         };
-        print_outcome(self.format, "could not rate", |watch| rate::rate(&options, watch))
+        print_outcome(self.format, "could not rate", |watch| {
+            rate::rate(&options, watch)
+        })
     }
 }

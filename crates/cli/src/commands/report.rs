@@ -28,6 +28,8 @@ impl Report {
             out: self.out,
             claims: self.claims,
         };
-        print_outcome(self.format, "could not write the report", |watch| report::report(&options, watch))
+        print_outcome(self.format, "could not write the report", |watch| {
+            report::report(&options, watch)
+        })
     }
 }

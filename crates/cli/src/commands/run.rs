@@ -61,11 +61,13 @@ impl Run {
         let pipeline = self.pipeline.read(&file)?;
         let place = place(&file)?;
         if let Some(stage) = &self.why {
-            let statuses = why(&pipeline, &place, stage).map_err(Failure::pipeline("could not explain the stage"))?;
+            let statuses = why(&pipeline, &place, stage)
+                .map_err(Failure::pipeline("could not explain the stage"))?;
             return print_statuses(self.format, &statuses);
         }
         if self.dry_run {
-            let statuses = plan(&pipeline, &place, &targets, self.force).map_err(Failure::pipeline("could not plan the run"))?;
+            let statuses = plan(&pipeline, &place, &targets, self.force)
+                .map_err(Failure::pipeline("could not plan the run"))?;
             return print_statuses(self.format, &statuses);
         }
         let options = RunOptions {
@@ -76,7 +78,8 @@ impl Run {
             cancel: interrupt::flag().clone(),
         };
         interrupt::be_patient();
-        let report = run(&pipeline, &place, &options, &mut say).map_err(Failure::pipeline("could not run the pipeline"))?;
+        let report = run(&pipeline, &place, &options, &mut |event| say(&event))
+            .map_err(Failure::pipeline("could not run the pipeline"))?;
         print_report(self.format, &report)
     }
 }
@@ -85,12 +88,25 @@ fn say(event: &Event<'_>) {
     match event {
         Event::Started { stage, reasons, .. } => {
             let why: Vec<String> = reasons.iter().take(2).map(ToString::to_string).collect();
-            let more = if reasons.len() > 2 { format!("; and {} more", reasons.len() - 2) } else { String::new() };
+            let more = if reasons.len() > 2 {
+                format!("; and {} more", reasons.len() - 2)
+            } else {
+                String::new()
+            };
             eprintln!("{stage}: running ({}{more})", why.join("; "));
         }
         Event::Line { stage, line } => eprintln!("{stage}: {line}"),
-        Event::UpToDate { stage, settled, wanted } => eprintln!("[{settled}/{wanted}] {stage}: up to date"),
-        Event::Finished { stage, seconds, settled, wanted } => eprintln!("[{settled}/{wanted}] {stage}: done in {seconds:.1} s"),
+        Event::UpToDate {
+            stage,
+            settled,
+            wanted,
+        } => eprintln!("[{settled}/{wanted}] {stage}: up to date"),
+        Event::Finished {
+            stage,
+            seconds,
+            settled,
+            wanted,
+        } => eprintln!("[{settled}/{wanted}] {stage}: done in {seconds:.1} s"),
         Event::Failed(failure) => {
             eprintln!("error: {failure}");
             for line in &failure.last_lines {
@@ -109,7 +125,11 @@ fn print_report(format: Format, report: &RunReport) -> Result<(), Failure> {
     if format == Format::Json {
         print_json(report)?;
     } else {
-        let ran = report.stages.iter().filter(|s| s.state == State::Done).count();
+        let ran = report
+            .stages
+            .iter()
+            .filter(|s| s.state == State::Done)
+            .count();
         if report.outcome == Outcome::Done && ran == 0 {
             print_lines(&["everything is up to date; nothing was run".to_owned()])?;
         }

@@ -29,6 +29,8 @@ impl Score {
             scales: self.scales,
             out: self.out,
         };
-        print_outcome(self.format, "could not score the questionnaires", |watch| score::score(&options, watch))
+        print_outcome(self.format, "could not score the questionnaires", |watch| {
+            score::score(&options, watch)
+        })
     }
 }

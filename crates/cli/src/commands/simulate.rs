@@ -6,7 +6,9 @@ use maveric_study::stages::simulate::{self, SimulateOptions};
 
 /// Drive each participant's conditions in the simulator
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: maveric simulate --model model.maveric --conditions conditions.csv --out av")]
+#[command(
+    after_help = "Example: maveric simulate --model model.maveric --conditions conditions.csv --out av"
+)]
 pub(crate) struct Simulate {
     /// Trained model
     #[arg(long)]
@@ -45,6 +47,8 @@ impl Simulate {
             seed: self.seed,
             jobs: self.jobs,
         };
-        print_outcome(self.format, "could not simulate", |watch| simulate::simulate(&options, watch))
+        print_outcome(self.format, "could not simulate", |watch| {
+            simulate::simulate(&options, watch)
+        })
     }
 }

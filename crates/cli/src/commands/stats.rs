@@ -46,7 +46,11 @@ struct Within {
 
 impl Within {
     fn split(self) -> (Input, WithinColumns) {
-        let columns = WithinColumns { subject: self.subject, within: self.within, value: self.value };
+        let columns = WithinColumns {
+            subject: self.subject,
+            within: self.within,
+            value: self.value,
+        };
         (self.input, columns)
     }
 }
@@ -232,34 +236,95 @@ enum TestArgs {
 impl Stats {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let (input, test) = match self.test {
-            TestArgs::Paper { results, out, format } => {
+            TestArgs::Paper {
+                results,
+                out,
+                format,
+            } => {
                 let options = AnalyseOptions { results, out };
-                return print_outcome(format, "could not analyse the study", |watch| analyse::analyse(&options, watch));
+                return print_outcome(format, "could not analyse the study", |watch| {
+                    analyse::analyse(&options, watch)
+                });
             }
             TestArgs::Within(w) => with(w, Test::Within),
             TestArgs::RmAnova(w) => with(w, Test::RmAnova),
             TestArgs::Friedman(w) => with(w, Test::Friedman),
             TestArgs::Compare(w) => with(w, Test::Compare),
-            TestArgs::Posthoc { within, test, adjust } => {
+            TestArgs::Posthoc {
+                within,
+                test,
+                adjust,
+            } => {
                 let (input, columns) = within.split();
-                (input, Test::Posthoc { columns, test: posthoc_test(test), adjust: adjustment(adjust) })
+                (
+                    input,
+                    Test::Posthoc {
+                        columns,
+                        test: posthoc_test(test),
+                        adjust: adjustment(adjust),
+                    },
+                )
             }
-            TestArgs::Correlate { input, x, y, method, subject } => {
-                (input, Test::Correlate { x, y, method: correlation_method(method), subject })
-            }
-            TestArgs::Rmcorr { input, subject, x, y } => (input, Test::Rmcorr { subject, x, y }),
-            TestArgs::Normality { input, value, group } => (input, Test::Normality { value, group }),
-            TestArgs::Levene { input, group, value } => (input, Test::Levene { group, value }),
+            TestArgs::Correlate {
+                input,
+                x,
+                y,
+                method,
+                subject,
+            } => (
+                input,
+                Test::Correlate {
+                    x,
+                    y,
+                    method: correlation_method(method),
+                    subject,
+                },
+            ),
+            TestArgs::Rmcorr {
+                input,
+                subject,
+                x,
+                y,
+            } => (input, Test::Rmcorr { subject, x, y }),
+            TestArgs::Normality {
+                input,
+                value,
+                group,
+            } => (input, Test::Normality { value, group }),
+            TestArgs::Levene {
+                input,
+                group,
+                value,
+            } => (input, Test::Levene { group, value }),
             TestArgs::Alpha { input, items } => (input, Test::Alpha { items }),
             TestArgs::Adjust { input, p } => (input, Test::Adjust { p }),
-            TestArgs::Bootstrap { input, statistic, value, x, y, subject, within, resamples, seed } => {
+            TestArgs::Bootstrap {
+                input,
+                statistic,
+                value,
+                x,
+                y,
+                subject,
+                within,
+                resamples,
+                seed,
+            } => {
                 let statistic = bootstrap_statistic(statistic, value, (x, y), (subject, within))?;
-                (input, Test::Bootstrap { statistic, resamples, seed })
+                (
+                    input,
+                    Test::Bootstrap {
+                        statistic,
+                        resamples,
+                        seed,
+                    },
+                )
             }
             TestArgs::Power { input } => (input, Test::Power),
             TestArgs::Recheck { input } => (input, Test::Recheck),
         };
-        print_outcome(input.format, "could not run the test", |_| stats::stats(&input.data, &test))
+        print_outcome(input.format, "could not run the test", |_| {
+            stats::stats(&input.data, &test)
+        })
     }
 }
 
@@ -308,16 +373,30 @@ fn bootstrap_statistic(
 ) -> Result<Statistic, Failure> {
     let needs = |flags: &str| Failure::Usage(format!("this statistic needs {flags}"));
     match arg {
-        StatisticArg::Mean => Ok(Statistic::Mean { value: value.ok_or_else(|| needs("--value"))? }),
+        StatisticArg::Mean => Ok(Statistic::Mean {
+            value: value.ok_or_else(|| needs("--value"))?,
+        }),
         StatisticArg::Pearson | StatisticArg::Spearman => {
-            let (Some(x), Some(y)) = (x, y) else { return Err(needs("--x and --y")) };
-            Ok(if matches!(arg, StatisticArg::Pearson) { Statistic::Pearson { x, y } } else { Statistic::Spearman { x, y } })
+            let (Some(x), Some(y)) = (x, y) else {
+                return Err(needs("--x and --y"));
+            };
+            Ok(if matches!(arg, StatisticArg::Pearson) {
+                Statistic::Pearson { x, y }
+            } else {
+                Statistic::Spearman { x, y }
+            })
         }
         StatisticArg::Eta2Partial => {
             let (Some(subject), Some(within), Some(value)) = (subject, within, value) else {
                 return Err(needs("--subject, --within and --value"));
             };
-            Ok(Statistic::Eta2Partial { columns: WithinColumns { subject, within, value } })
+            Ok(Statistic::Eta2Partial {
+                columns: WithinColumns {
+                    subject,
+                    within,
+                    value,
+                },
+            })
         }
     }
 }

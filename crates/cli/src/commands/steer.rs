@@ -6,7 +6,9 @@ use maveric_study::stages::steer::{self, SteerOptions};
 
 /// Place the four conditions in style space: mimic, aggressive, cautious, perpendicular
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: maveric steer --model model.maveric --embeddings embeddings.csv --out conditions.csv")]
+#[command(
+    after_help = "Example: maveric steer --model model.maveric --embeddings embeddings.csv --out conditions.csv"
+)]
 pub(crate) struct Steer {
     /// Trained model
     #[arg(long)]
@@ -37,6 +39,8 @@ impl Steer {
             points: self.points,
             seed: self.seed,
         };
-        print_outcome(self.format, "could not steer", |watch| steer::steer(&options, watch))
+        print_outcome(self.format, "could not steer", |watch| {
+            steer::steer(&options, watch)
+        })
     }
 }

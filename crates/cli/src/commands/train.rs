@@ -6,7 +6,9 @@ use maveric_study::stages::train::{self, TrainOptions};
 
 /// Train the networks and the training drivers' embeddings
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: maveric train --drives drives/study1 --scores scores.csv --out model.maveric")]
+#[command(
+    after_help = "Example: maveric train --drives drives/study1 --scores scores.csv --out model.maveric"
+)]
 pub(crate) struct Train {
     /// Folder of drives
     #[arg(long)]
@@ -49,6 +51,8 @@ impl Train {
             seed: self.seed,
             jobs: self.jobs,
         };
-        print_outcome(self.format, "could not train", |watch| train::train(&options, watch))
+        print_outcome(self.format, "could not train", |watch| {
+            train::train(&options, watch)
+        })
     }
 }

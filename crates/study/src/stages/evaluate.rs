@@ -9,7 +9,10 @@ use crate::{
 };
 use maveric_model::{
     Predictor,
-    following::{DistanceLaw, FollowingEvaluation, FollowingRun, FollowingSettings, evaluate as evaluate_following},
+    following::{
+        DistanceLaw, FollowingEvaluation, FollowingRun, FollowingSettings,
+        evaluate as evaluate_following,
+    },
 };
 use std::path::PathBuf;
 
@@ -33,10 +36,16 @@ pub struct EvaluateOptions {
 ///
 /// # Errors
 /// [`StudyError`] if an input cannot be read, a drive has no embedding, or has rows without a lead vehicle.
-pub fn evaluate(options: &EvaluateOptions, watch: Watch<'_>) -> Result<Outcome<FollowingEvaluation>, StudyError> {
+pub fn evaluate(
+    options: &EvaluateOptions,
+    watch: Watch<'_>,
+) -> Result<Outcome<FollowingEvaluation>, StudyError> {
     let model = read_model(&options.model)?;
     if !model.learned().following_distance {
-        return Err(StudyError::file(&options.model, "learned no following distance: its drives had no following rows"));
+        return Err(StudyError::file(
+            &options.model,
+            "learned no following distance: its drives had no following rows",
+        ));
     }
     let embeddings = read_embeddings(&options.embeddings)?;
     let mut runs = Vec::new();
@@ -45,7 +54,10 @@ pub fn evaluate(options: &EvaluateOptions, watch: Watch<'_>) -> Result<Outcome<F
     for drive in read_drives(&options.drives)? {
         let id = drive.meta().drive.clone();
         let Some(row) = embeddings.iter().find(|e| e.drive == id) else {
-            return Err(StudyError::file(&options.embeddings, format!("has no embedding of drive `{id}`")));
+            return Err(StudyError::file(
+                &options.embeddings,
+                format!("has no embedding of drive `{id}`"),
+            ));
         };
         runs.push(FollowingRun::from_drive(&drive)?);
         let of_own = Predictor::new(&model, &row.embedding)?;
@@ -54,11 +66,18 @@ pub fn evaluate(options: &EvaluateOptions, watch: Watch<'_>) -> Result<Outcome<F
         mean.push(Box::new(move |speed| of_mean.following_distance(speed)));
     }
     watch.step(0, 1, "baselines")?;
-    let settings = FollowingSettings { seed: options.seed, ..FollowingSettings::default() };
+    let settings = FollowingSettings {
+        seed: options.seed,
+        ..FollowingSettings::default()
+    };
     let found = evaluate_following(&runs, &own, &mean, &settings)?;
     watch.step(1, 1, "baselines")?;
     write_json(&options.out, &found)?;
-    let mut summary = vec![format!("{} drivers, last third of each drive, closed loop: {}", runs.len(), options.out.display())];
+    let mut summary = vec![format!(
+        "{} drivers, last third of each drive, closed loop: {}",
+        runs.len(),
+        options.out.display()
+    )];
     for row in &found.means {
         summary.push(format!(
             "{:32} gap {:6.2} m   speed {:5.2} m/s   reached 0: {} of {}",
@@ -69,5 +88,9 @@ pub fn evaluate(options: &EvaluateOptions, watch: Watch<'_>) -> Result<Outcome<F
             row.drivers
         ));
     }
-    Ok(Outcome { value: found, summary, warnings: Vec::new() })
+    Ok(Outcome {
+        value: found,
+        summary,
+        warnings: Vec::new(),
+    })
 }

@@ -57,7 +57,8 @@ pub struct Generated {
 pub fn read_scenario(path: Option<&Path>, duration_s: Option<f64>) -> Result<Scenario, StudyError> {
     let scenario = match path {
         None => Scenario::paper(),
-        Some(path) => toml::from_str(&read_text(path)?).map_err(|e| StudyError::file(path, format!("not a scenario: {e}")))?,
+        Some(path) => toml::from_str(&read_text(path)?)
+            .map_err(|e| StudyError::file(path, format!("not a scenario: {e}")))?,
     };
     match duration_s {
         None => Ok(scenario),
@@ -69,13 +70,23 @@ pub fn read_scenario(path: Option<&Path>, duration_s: Option<f64>) -> Result<Sce
 ///
 /// # Errors
 /// [`StudyError`] where scenario, scales or effects are not as they should be, or a file cannot be written.
-pub fn generate(options: &GenerateOptions, watch: Watch<'_>) -> Result<Outcome<Generated>, StudyError> {
+pub fn generate(
+    options: &GenerateOptions,
+    watch: Watch<'_>,
+) -> Result<Outcome<Generated>, StudyError> {
     let scenario = read_scenario(options.scenario.as_deref(), options.duration_s)?;
     let scales = read_scales(&options.scales)?;
     let effects = read_effects(&options.effects)?;
-    let cohort = Cohort::draw(options.study1, options.study2, options.seed, &CohortSettings::default())?;
+    let cohort = Cohort::draw(
+        options.study1,
+        options.study2,
+        options.seed,
+        &CohortSettings::default(),
+    )?;
     let answers = answer_before(&cohort, &scales, &effects, options.seed)?;
-    let collisions = for_each_on(options.jobs, &cohort.drives, watch, "drives", |planned| drive(options, &scenario, planned))?;
+    let collisions = for_each_on(options.jobs, &cohort.drives, watch, "drives", |planned| {
+        drive(options, &scenario, planned)
+    })?;
     write_participants(&options.out.join("participants.csv"), &cohort.participants)?;
     write_answers(&options.out.join("surveys.csv"), &answers)?;
     let value = Generated {
@@ -84,17 +95,33 @@ pub fn generate(options: &GenerateOptions, watch: Watch<'_>) -> Result<Outcome<G
         answers: answers.len(),
         collisions: collisions.iter().sum(),
     };
-    let warnings = (value.collisions > 0).then(|| format!("{} collisions in the synthetic drives", value.collisions));
-    let summary =
-        vec![format!("{} synthetic participants, {} drives: {}", value.participants, value.drives, options.out.display())];
-    Ok(Outcome { value, summary, warnings: warnings.into_iter().collect() })
+    let warnings = (value.collisions > 0)
+        .then(|| format!("{} collisions in the synthetic drives", value.collisions));
+    let summary = vec![format!(
+        "{} synthetic participants, {} drives: {}",
+        value.participants,
+        value.drives,
+        options.out.display()
+    )];
+    Ok(Outcome {
+        value,
+        summary,
+        warnings: warnings.into_iter().collect(),
+    })
 }
 
 /// Drives once and writes the log; gives the number of collisions.
-fn drive(options: &GenerateOptions, scenario: &Scenario, planned: &PlannedDrive) -> Result<usize, StudyError> {
+fn drive(
+    options: &GenerateOptions,
+    scenario: &Scenario,
+    planned: &PlannedDrive,
+) -> Result<usize, StudyError> {
     let person = stream_seed(options.seed, &[planned.participant.as_str(), "person"]);
     let day = stream_seed(options.seed, &[planned.drive.as_str(), "day"]);
-    let params = scenario.settings().drivers.draw(&planned.traits, person, day);
+    let params = scenario
+        .settings()
+        .drivers
+        .draw(&planned.traits, person, day);
     let world = stream_seed(options.seed, &[planned.drive.as_str(), "world"]);
     let driven = rollout(scenario, Driver::Human(&params), world)?;
     let meta = DriveMeta {
@@ -108,7 +135,13 @@ fn drive(options: &GenerateOptions, scenario: &Scenario, planned: &PlannedDrive)
         Study::One => "study1",
         Study::Two => "study2",
     };
-    let path = options.out.join("logs").join(folder).join(format!("{}.mcap", planned.drive));
-    atomic_write(&path, |file| Ok(write_mcap(&driven.recording, &meta, file)?))?;
+    let path = options
+        .out
+        .join("logs")
+        .join(folder)
+        .join(format!("{}.mcap", planned.drive));
+    atomic_write(&path, |file| {
+        Ok(write_mcap(&driven.recording, &meta, file)?)
+    })?;
     Ok(driven.report.collisions as usize)
 }

@@ -1,7 +1,6 @@
 //! `ingest`: raw logs to drives, one Parquet file each.
 
 use crate::{
-    atomic_write::read_text,
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
     tables::{
@@ -12,7 +11,7 @@ use crate::{
 use maveric_domain::{Drive, DriveMeta};
 use maveric_ingest::{IngestSettings, Mapping, log_files, read_log};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What to ingest.
 #[derive(Debug, Clone)]
@@ -40,15 +39,6 @@ pub struct IngestedDrives {
     pub rows: usize,
 }
 
-/// Reads a mapping file.
-///
-/// # Errors
-/// [`StudyError`] if there is none or it does not say what a mapping should.
-pub fn read_mapping(path: &Path) -> Result<Mapping, StudyError> {
-    let text = read_text(path)?;
-    toml::from_str(&text).map_err(|e| StudyError::file(path, format!("not a mapping: {e}")))
-}
-
 /// Reads logs, finds reference vehicle, lane changes and following rows, and writes the drives.
 ///
 /// A drive that cannot be read refuses the whole call before anything is written; what was repaired or left out
@@ -56,15 +46,25 @@ pub fn read_mapping(path: &Path) -> Result<Mapping, StudyError> {
 ///
 /// # Errors
 /// [`StudyError::Ingest`] naming the log; [`StudyError`] if two logs are one drive or a file cannot be written.
-pub fn ingest(options: &IngestOptions, watch: Watch<'_>) -> Result<Outcome<IngestedDrives>, StudyError> {
-    let mapping = options.mapping.as_deref().map(read_mapping).transpose()?;
-    let settings =
-        IngestSettings { mapping, rate_hz: options.rate_hz, recover: options.recover, ..IngestSettings::default() };
+pub fn ingest(
+    options: &IngestOptions,
+    watch: Watch<'_>,
+) -> Result<Outcome<IngestedDrives>, StudyError> {
+    let mapping = options.mapping.as_deref().map(Mapping::read).transpose()?;
+    let settings = IngestSettings {
+        mapping,
+        rate_hz: options.rate_hz,
+        recover: options.recover,
+        ..IngestSettings::default()
+    };
     let mut files = Vec::new();
     for log in &options.logs {
         let found = log_files(log, settings.mapping.as_ref())?;
         if found.is_empty() {
-            return Err(StudyError::file(log, "holds no logs (.mcap, .csv, .tsv, .txt)"));
+            return Err(StudyError::file(
+                log,
+                "holds no logs (.mcap, .csv, .tsv, .txt)",
+            ));
         }
         files.extend(found);
     }
@@ -90,22 +90,57 @@ pub fn ingest(options: &IngestOptions, watch: Watch<'_>) -> Result<Outcome<Inges
         drives.push(drive);
     }
     drives.sort_by(|a, b| a.meta().drive.cmp(&b.meta().drive));
-    for_each_on(options.jobs, &drives, watch, "drives written", |drive| write_drive(&options.out, drive))?;
+    for_each_on(options.jobs, &drives, watch, "drives written", |drive| {
+        write_drive(&options.out, drive)
+    })?;
     let list: Vec<(DriveMeta, usize, f64)> = drives
         .iter()
-        .map(|d| (d.meta().clone(), d.len(), d.rows().time_s.last().copied().unwrap_or(0.0)))
+        .map(|d| {
+            (
+                d.meta().clone(),
+                d.len(),
+                d.rows().time_s.last().copied().unwrap_or(0.0),
+            )
+        })
         .collect();
     write_drive_list(&options.out, &list)?;
     TableBuilder::default()
         .text("drive", rows.iter().map(|r| r.0.as_str()))
-        .text("log", rows.iter().map(|r| r.1.file.file_name().unwrap_or_default().to_string_lossy().into_owned()))
+        .text(
+            "log",
+            rows.iter().map(|r| {
+                r.1.file
+                    .file_name()
+                    .unwrap_or_default()
+                    .to_string_lossy()
+                    .into_owned()
+            }),
+        )
         .text("what", rows.iter().map(|r| r.1.what.as_str()))
         .integers("count", rows.iter().map(|r| i64::try_from(r.1.count).ok()))
         .write(&options.out.join("exclusions.csv"))?;
     let total = drives.iter().map(Drive::len).sum();
-    let no_lead = drives.iter().filter(|d| !d.rows().lead_present.iter().any(|&p| p));
+    let no_lead = drives
+        .iter()
+        .filter(|d| !d.rows().lead_present.iter().any(|&p| p));
     let mut said: Vec<String> = rows.iter().map(|r| r.1.to_string()).collect();
-    said.extend(no_lead.map(|d| format!("drive {}: no lead vehicle in any row; it cannot teach following or lane changes", d.meta().drive)));
-    let summary = vec![format!("{} drives, {total} rows: {}", drives.len(), options.out.display())];
-    Ok(Outcome { value: IngestedDrives { drives: list.into_iter().map(|l| l.0).collect(), rows: total }, summary, warnings: said })
+    said.extend(no_lead.map(|d| {
+        format!(
+            "drive {}: no lead vehicle in any row; it cannot teach following or lane changes",
+            d.meta().drive
+        )
+    }));
+    let summary = vec![format!(
+        "{} drives, {total} rows: {}",
+        drives.len(),
+        options.out.display()
+    )];
+    Ok(Outcome {
+        value: IngestedDrives {
+            drives: list.into_iter().map(|l| l.0).collect(),
+            rows: total,
+        },
+        summary,
+        warnings: said,
+    })
 }

@@ -4,14 +4,14 @@ use crate::{
     atomic_write::atomic_write_bytes,
     error::StudyError,
     outcome::{Outcome, Watch},
-    stages::{ingest::read_mapping, train::read_model},
+    stages::train::read_model,
     tables::drives::read_drive,
 };
 use maveric_domain::{Drive, DriveMeta};
-use maveric_ingest::{IngestSettings, LogSummary, read_log};
+use maveric_ingest::{IngestSettings, LogSummary, Mapping, read_log};
 use maveric_report::{
     Context,
-    figures::{CarFollowing, Follower, FollowingSeries, car_following},
+    figures::car_following::{CarFollowing, Follower, FollowingSeries, car_following},
 };
 use serde::Serialize;
 use std::{
@@ -88,11 +88,16 @@ pub struct InspectedFile {
 
 fn begins_with(path: &Path, magic: &[u8]) -> Result<bool, StudyError> {
     if path.is_dir() {
-        return Err(StudyError::file(path, "is a folder, expected a log, a drive or a model"));
+        return Err(StudyError::file(
+            path,
+            "is a folder, expected a log, a drive or a model",
+        ));
     }
     let mut start = Vec::new();
     let file = File::open(path).map_err(StudyError::read(path))?;
-    file.take(magic.len() as u64).read_to_end(&mut start).map_err(StudyError::read(path))?;
+    file.take(magic.len() as u64)
+        .read_to_end(&mut start)
+        .map_err(StudyError::read(path))?;
     Ok(start == magic)
 }
 
@@ -100,21 +105,31 @@ fn begins_with(path: &Path, magic: &[u8]) -> Result<bool, StudyError> {
 ///
 /// # Errors
 /// [`StudyError`] naming the file that cannot be read as any of the three.
-pub fn inspect(options: &InspectOptions, watch: Watch<'_>) -> Result<Outcome<InspectedFiles>, StudyError> {
+pub fn inspect(
+    options: &InspectOptions,
+    watch: Watch<'_>,
+) -> Result<Outcome<InspectedFiles>, StudyError> {
     let mut files = Vec::new();
     let mut summary = Vec::new();
     for (done, path) in options.files.iter().enumerate() {
         let content = look_into(path)?;
         summary.push(format!("{}", path.display()));
         summary.extend(lines(&content).into_iter().map(|line| format!("  {line}")));
-        files.push(InspectedFile { path: path.clone(), content });
+        files.push(InspectedFile {
+            path: path.clone(),
+            content,
+        });
         watch.step(done + 1, options.files.len(), "files")?;
     }
     if let (Some(out), Some(first)) = (&options.plot, options.files.first()) {
         plot(first, options.mapping.as_deref(), out)?;
         summary.push(format!("picture: {}", out.display()));
     }
-    Ok(Outcome { value: InspectedFiles { files }, summary, warnings: Vec::new() })
+    Ok(Outcome {
+        value: InspectedFiles { files },
+        summary,
+        warnings: Vec::new(),
+    })
 }
 
 fn look_into(path: &Path) -> Result<Inspected, StudyError> {
@@ -139,7 +154,11 @@ fn look_into(path: &Path) -> Result<Inspected, StudyError> {
             embedding_size: model.embedding_size(),
             parameters: model.architecture().parameters(),
             drives: model.training().len(),
-            learned: [learned.following_distance, learned.lane_change, learned.aggression],
+            learned: [
+                learned.following_distance,
+                learned.lane_change,
+                learned.aggression,
+            ],
         });
     }
     Ok(Inspected::Log(Box::new(maveric_ingest::inspect(path)?)))
@@ -152,28 +171,80 @@ fn number(value: Option<f64>, unit: &str) -> String {
 fn lines(content: &Inspected) -> Vec<String> {
     match content {
         Inspected::Log(log) => log_lines(log),
-        Inspected::Drive { meta, rate_hz, rows, duration_s, segments, lead_rows, following_rows, lane_changes } => vec![
-            format!("drive {} of {}, study {}, {}, {}", meta.drive, meta.participant, meta.study.as_str(), meta.condition, meta.driven_by.as_str()),
+        Inspected::Drive {
+            meta,
+            rate_hz,
+            rows,
+            duration_s,
+            segments,
+            lead_rows,
+            following_rows,
+            lane_changes,
+        } => vec![
+            format!(
+                "drive {} of {}, study {}, {}, {}",
+                meta.drive,
+                meta.participant,
+                meta.study.as_str(),
+                meta.condition,
+                meta.driven_by.as_str()
+            ),
             format!("{rows} rows at {rate_hz} Hz, {duration_s:.1} s, {segments} segments"),
-            format!("{lead_rows} rows with a reference vehicle, {following_rows} following, {lane_changes} lane changes"),
+            format!(
+                "{lead_rows} rows with a reference vehicle, {following_rows} following, {lane_changes} lane changes"
+            ),
         ],
-        Inspected::Model { embedding_size, parameters, drives, learned: [following, change, aggression] } => vec![
-            format!("model with embeddings of size {embedding_size}, {parameters} parameters, trained on {drives} drives"),
-            format!("learned: following distance {following}, lane change {change}, aggression {aggression}"),
+        Inspected::Model {
+            embedding_size,
+            parameters,
+            drives,
+            learned: [following, change, aggression],
+        } => vec![
+            format!(
+                "model with embeddings of size {embedding_size}, {parameters} parameters, trained on {drives} drives"
+            ),
+            format!(
+                "learned: following distance {following}, lane change {change}, aggression {aggression}"
+            ),
         ],
     }
 }
 
 fn log_lines(log: &LogSummary) -> Vec<String> {
-    let mut lines = vec![format!("{:?}, {} messages or rows over {}", log.format, log.rows, number(log.duration_s, " s"))];
+    let mut lines = vec![format!(
+        "{:?}, {} messages or rows over {}",
+        log.format,
+        log.rows,
+        number(log.duration_s, " s")
+    )];
     for c in &log.channels {
-        let why = c.reason.as_ref().map(|r| format!("  not decodable: {r}")).unwrap_or_default();
-        lines.push(format!("{:44} {:44} {:6} messages {:>9}{why}", c.topic, c.type_name, c.messages, number(c.rate_hz, " Hz")));
+        let why = c
+            .reason
+            .as_ref()
+            .map(|r| format!("  not decodable: {r}"))
+            .unwrap_or_default();
+        lines.push(format!(
+            "{:44} {:44} {:6} messages {:>9}{why}",
+            c.topic,
+            c.type_name,
+            c.messages,
+            number(c.rate_hz, " Hz")
+        ));
     }
     for c in &log.columns {
-        lines.push(format!("{:24} {} filled, {} to {}", c.name, c.filled, number(c.least, ""), number(c.greatest, "")));
+        lines.push(format!(
+            "{:24} {} filled, {} to {}",
+            c.name,
+            c.filled,
+            number(c.least, ""),
+            number(c.greatest, "")
+        ));
     }
-    lines.extend(log.gaps.iter().map(|g| format!("gap on {}: {:.2} to {:.2} s", g.topic, g.from_s, g.to_s)));
+    lines.extend(
+        log.gaps
+            .iter()
+            .map(|g| format!("gap on {}: {:.2} to {:.2} s", g.topic, g.from_s, g.to_s)),
+    );
     lines.extend(log.damage.iter().map(|d| format!("damage: {}", d.what)));
     lines.push(format!("would ingest: {}", log.would_ingest));
     lines
@@ -183,8 +254,11 @@ fn plot(path: &Path, mapping: Option<&Path>, out: &Path) -> Result<(), StudyErro
     let drive = if begins_with(path, b"PAR1")? {
         read_drive(path)?
     } else {
-        let mapping = mapping.map(read_mapping).transpose()?;
-        let settings = IngestSettings { mapping, ..IngestSettings::default() };
+        let mapping = mapping.map(Mapping::read).transpose()?;
+        let settings = IngestSettings {
+            mapping,
+            ..IngestSettings::default()
+        };
         let Some(log) = read_log(path, &settings)?.into_iter().next() else {
             return Err(StudyError::file(path, "holds no drive to draw"));
         };
@@ -193,7 +267,11 @@ fn plot(path: &Path, mapping: Option<&Path>, out: &Path) -> Result<(), StudyErro
     let rows = drive.rows();
     let input = CarFollowing {
         driver: drive.meta().drive.to_string(),
-        data_set: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        data_set: path
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned(),
         time_s: rows.time_s.clone(),
         series: vec![FollowingSeries {
             follower: Follower::Recorded,

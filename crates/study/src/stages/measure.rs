@@ -35,27 +35,57 @@ pub struct Measured {
 ///
 /// # Errors
 /// [`StudyError`] if a drive cannot be read or the table not written.
-pub fn measure(options: &MeasureOptions, watch: Watch<'_>) -> Result<Outcome<Measured>, StudyError> {
+pub fn measure(
+    options: &MeasureOptions,
+    watch: Watch<'_>,
+) -> Result<Outcome<Measured>, StudyError> {
     let measures = maveric_measures::objective::all();
     let names: Vec<&'static str> = measures.iter().map(|m| m.name).collect();
     let mut rows = Vec::new();
     for (done, folder) in options.drives.iter().enumerate() {
         for drive in read_drives(folder)? {
             watch.check()?;
-            let values = measures.iter().map(|m| (m.name.to_owned(), m.of(&drive))).collect();
-            rows.push(MeasuredDrive { meta: drive.meta().clone(), values });
+            let values = measures
+                .iter()
+                .map(|m| (m.name.to_owned(), m.of(&drive)))
+                .collect();
+            rows.push(MeasuredDrive {
+                meta: drive.meta().clone(),
+                values,
+            });
         }
         watch.step(done + 1, options.drives.len(), "folders measured")?;
     }
     write_measurements(&options.out, &names, &rows)?;
-    let missing: Vec<usize> =
-        names.iter().map(|name| rows.iter().filter(|r| r.values[*name].is_none()).count()).collect();
+    let missing: Vec<usize> = names
+        .iter()
+        .map(|name| rows.iter().filter(|r| r.values[*name].is_none()).count())
+        .collect();
     let warnings = measures
         .iter()
         .zip(&missing)
         .filter(|(_, count)| **count > 0)
-        .map(|(m, count)| format!("{count} of {} drives have no {}: {}", rows.len(), m.title.to_lowercase(), m.why_missing))
+        .map(|(m, count)| {
+            format!(
+                "{count} of {} drives have no {}: {}",
+                rows.len(),
+                m.title.to_lowercase(),
+                m.why_missing
+            )
+        })
         .collect();
-    let summary = vec![format!("{} drives measured: {}", rows.len(), options.out.display())];
-    Ok(Outcome { value: Measured { drives: rows.len(), measures: names, missing }, summary, warnings })
+    let summary = vec![format!(
+        "{} drives measured: {}",
+        rows.len(),
+        options.out.display()
+    )];
+    Ok(Outcome {
+        value: Measured {
+            drives: rows.len(),
+            measures: names,
+            missing,
+        },
+        summary,
+        warnings,
+    })
 }

@@ -49,10 +49,18 @@ pub struct PersonalizedDrives {
 ///
 /// # Errors
 /// [`StudyError`] if model, drives or scores cannot be read, or a drive is shorter than a window.
-pub fn personalize(options: &PersonalizeOptions, watch: Watch<'_>) -> Result<Outcome<PersonalizedDrives>, StudyError> {
+pub fn personalize(
+    options: &PersonalizeOptions,
+    watch: Watch<'_>,
+) -> Result<Outcome<PersonalizedDrives>, StudyError> {
     let model = read_model(&options.model)?;
     let drives = read_drives(&options.drives)?;
-    let scores = options.scores.as_deref().map(read_scores).transpose()?.unwrap_or_default();
+    let scores = options
+        .scores
+        .as_deref()
+        .map(read_scores)
+        .transpose()?
+        .unwrap_or_default();
     let mut fits: Vec<(&Drive, Option<AdbScore>, bool)> = Vec::new();
     for drive in &drives {
         let adb = adb_of(drive, &scores)?;
@@ -61,9 +69,13 @@ pub fn personalize(options: &PersonalizeOptions, watch: Watch<'_>) -> Result<Out
         }
         fits.push((drive, adb, false));
     }
-    let fitted = for_each_on(options.jobs, &fits, watch, "embeddings", |&(drive, adb, use_adb)| {
-        fit(&model, drive, adb, use_adb, options)
-    })?;
+    let fitted = for_each_on(
+        options.jobs,
+        &fits,
+        watch,
+        "embeddings",
+        |&(drive, adb, use_adb)| fit(&model, drive, adb, use_adb, options),
+    )?;
     let mut warnings: Vec<String> = Vec::new();
     let mut rows = Vec::new();
     for (row, said) in fitted {
@@ -75,19 +87,33 @@ pub fn personalize(options: &PersonalizeOptions, watch: Watch<'_>) -> Result<Out
     if options.scores.is_some() {
         for drive in &drives {
             if adb_of(drive, &scores)?.is_none() {
-                warnings.push(format!("drive {}: no ADB score, so fitted without", drive.meta().drive));
+                warnings.push(format!(
+                    "drive {}: no ADB score, so fitted without",
+                    drive.meta().drive
+                ));
             }
         }
     }
     write_embeddings(&options.out, &rows)?;
-    let largest = rows.iter().filter_map(|r| r.start_spread).fold(0.0, f64::max);
+    let largest = rows
+        .iter()
+        .filter_map(|r| r.start_spread)
+        .fold(0.0, f64::max);
     let summary = vec![format!(
         "{} drives personalised, starts agree within {largest:.3} SD: {}",
         drives.len(),
         options.out.display()
     )];
-    let value = PersonalizedDrives { drives: drives.len(), largest_start_spread: largest, embeddings: rows };
-    Ok(Outcome { value, summary, warnings })
+    let value = PersonalizedDrives {
+        drives: drives.len(),
+        largest_start_spread: largest,
+        embeddings: rows,
+    };
+    Ok(Outcome {
+        value,
+        summary,
+        warnings,
+    })
 }
 
 fn fit(
@@ -97,9 +123,18 @@ fn fit(
     use_adb: bool,
     options: &PersonalizeOptions,
 ) -> Result<(EmbeddingRow, Vec<String>), StudyError> {
-    let settings =
-        PersonalizeSettings { use_adb, fit_fraction: options.fit_fraction, ..PersonalizeSettings::default() };
-    let found = maveric_model::personalize(model, drive, adb, &PersonalizeParams::new(settings)?, options.seed)?;
+    let settings = PersonalizeSettings {
+        use_adb,
+        fit_fraction: options.fit_fraction,
+        ..PersonalizeSettings::default()
+    };
+    let found = maveric_model::personalize(
+        model,
+        drive,
+        adb,
+        &PersonalizeParams::new(settings)?,
+        options.seed,
+    )?;
     let axis = AggressionAxis::of(model).ok();
     let meta = drive.meta();
     let row = EmbeddingRow {
@@ -115,5 +150,8 @@ fn fit(
         rows: Some(found.rows),
         embedding: found.embedding,
     };
-    Ok((row, found.warnings.iter().map(ToString::to_string).collect()))
+    Ok((
+        row,
+        found.warnings.iter().map(ToString::to_string).collect(),
+    ))
 }

@@ -47,9 +47,11 @@ pub struct Ratings {
 /// # Errors
 /// [`StudyError`] naming the file and the key.
 pub fn read_effects(path: &Path) -> Result<Effects, StudyError> {
-    let effects: Effects =
-        toml::from_str(&read_text(path)?).map_err(|e| StudyError::file(path, format!("not a file of effects: {e}")))?;
-    effects.check().map_err(|e| StudyError::file(path, e.to_string()))?;
+    let effects: Effects = toml::from_str(&read_text(path)?)
+        .map_err(|e| StudyError::file(path, format!("not a file of effects: {e}")))?;
+    effects
+        .check()
+        .map_err(|e| StudyError::file(path, e.to_string()))?;
     Ok(effects)
 }
 
@@ -70,31 +72,68 @@ pub fn rate(options: &RateOptions, watch: Watch<'_>) -> Result<Outcome<Ratings>,
     let mut raters = 0;
     for person in people.iter().filter(|p| p.study == Study::Two) {
         watch.check()?;
-        let mine: Vec<&MeasuredDrive> =
-            drives.iter().filter(|d| d.meta.study == Study::Two && d.meta.participant == person.id).collect();
+        let mine: Vec<&MeasuredDrive> = drives
+            .iter()
+            .filter(|d| d.meta.study == Study::Two && d.meta.participant == person.id)
+            .collect();
         let Some(own_drive) = mine.iter().copied().find(|d| own(d)) else {
-            warnings.push(format!("participant {}: no own drive, so no ratings", person.id));
+            warnings.push(format!(
+                "participant {}: no own drive, so no ratings",
+                person.id
+            ));
             continue;
         };
-        let trial = |c: &Condition| mine.iter().find(|d| d.meta.condition == *c).map(|d| (*c, d.values.clone()));
-        let trials: Vec<(Condition, MeasureValues)> = person.order.iter().filter_map(trial).collect();
+        let trial = |c: &Condition| {
+            mine.iter()
+                .find(|d| d.meta.condition == *c)
+                .map(|d| (*c, d.values.clone()))
+        };
+        let trials: Vec<(Condition, MeasureValues)> =
+            person.order.iter().filter_map(trial).collect();
         if trials.len() < person.order.len() {
             let missing = person.order.len() - trials.len();
-            warnings.push(format!("participant {}: {missing} conditions were not driven, so not rated", person.id));
+            warnings.push(format!(
+                "participant {}: {missing} conditions were not driven, so not rated",
+                person.id
+            ));
         }
-        let rated =
-            maveric_participants::rate(person, &own_drive.values, &trials, &spread, &scales, &effects, options.seed)?;
+        let rated = maveric_participants::rate(
+            person,
+            &own_drive.values,
+            &trials,
+            &spread,
+            &scales,
+            &effects,
+            options.seed,
+        )?;
         warnings.extend(rated.warnings.iter().map(ToString::to_string));
         answers.extend(rated.answers);
         raters += 1;
     }
     if raters == 0 {
         return Err(StudyError::NotPossible {
-            problem: format!("no participant of {} has an own drive in {}", options.participants.display(), options.measures.display()),
-            help: Some("measure the drives of the same study: --drives drives/study2 --drives av/drives".to_owned()),
+            problem: format!(
+                "no participant of {} has an own drive in {}",
+                options.participants.display(),
+                options.measures.display()
+            ),
+            help: Some(
+                "measure the drives of the same study: --drives drives/study2 --drives av/drives"
+                    .to_owned(),
+            ),
         });
     }
     write_answers(&options.out, &answers)?;
-    let summary = vec![format!("{raters} synthetic participants rated their conditions: {}", options.out.display())];
-    Ok(Outcome { value: Ratings { participants: raters, answers: answers.len() }, summary, warnings })
+    let summary = vec![format!(
+        "{raters} synthetic participants rated their conditions: {}",
+        options.out.display()
+    )];
+    Ok(Outcome {
+        value: Ratings {
+            participants: raters,
+            answers: answers.len(),
+        },
+        summary,
+        warnings,
+    })
 }

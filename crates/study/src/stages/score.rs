@@ -72,9 +72,14 @@ pub fn read_scales(folder: &Path) -> Result<Vec<Scale>, StudyError> {
     }
     paths.sort();
     if paths.is_empty() {
-        return Err(StudyError::file(folder, "holds no questionnaire definitions (*.toml)"));
+        return Err(StudyError::file(
+            folder,
+            "holds no questionnaire definitions (*.toml)",
+        ));
     }
-    let read = |path: &PathBuf| parse_scale(&read_text(path)?).map_err(|e| StudyError::file(path, e.to_string()));
+    let read = |path: &PathBuf| {
+        parse_scale(&read_text(path)?).map_err(|e| StudyError::file(path, e.to_string()))
+    };
     paths.iter().map(read).collect()
 }
 
@@ -87,15 +92,31 @@ pub fn reliabilities_path(out: &Path) -> PathBuf {
 /// Alpha over one sheet a person: those from before the drives where there are any. After the conditions a person
 /// answers once a condition, and all sheets count, as the paper's scales were used.
 fn reliability(matrix: &ItemMatrix) -> Reliability {
-    let names: Vec<String> = matrix.items.iter().map(|item| format!("item {item}")).collect();
-    let before = matrix.respondents.iter().any(|(_, moment)| *moment == Moment::Pre);
+    let names: Vec<String> = matrix
+        .items
+        .iter()
+        .map(|item| format!("item {item}"))
+        .collect();
+    let before = matrix
+        .respondents
+        .iter()
+        .any(|(_, moment)| *moment == Moment::Pre);
     let asked = |moment: Moment| !before || moment == Moment::Pre;
-    let sheets: Vec<&Vec<Option<f64>>> =
-        matrix.respondents.iter().zip(&matrix.answers).filter(|((_, m), _)| asked(*m)).map(|(_, row)| row).collect();
-    let columns: Vec<Vec<Option<f64>>> =
-        (0..names.len()).map(|i| sheets.iter().map(|row| row[i]).collect()).collect();
-    let items: Vec<(&str, &[Option<f64>])> =
-        names.iter().zip(&columns).map(|(name, column)| (name.as_str(), column.as_slice())).collect();
+    let sheets: Vec<&Vec<Option<f64>>> = matrix
+        .respondents
+        .iter()
+        .zip(&matrix.answers)
+        .filter(|((_, m), _)| asked(*m))
+        .map(|(_, row)| row)
+        .collect();
+    let columns: Vec<Vec<Option<f64>>> = (0..names.len())
+        .map(|i| sheets.iter().map(|row| row[i]).collect())
+        .collect();
+    let items: Vec<(&str, &[Option<f64>])> = names
+        .iter()
+        .zip(&columns)
+        .map(|(name, column)| (name.as_str(), column.as_slice()))
+        .collect();
     let found = maveric_stats::alpha(&items).ok();
     let alpha = found.as_ref().map(|a| &a.alpha);
     Reliability {
@@ -114,7 +135,10 @@ fn reliability(matrix: &ItemMatrix) -> Reliability {
 ///
 /// # Errors
 /// [`StudyError`] naming file and row, or participant, scale and item.
-pub fn score(options: &ScoreOptions, watch: Watch<'_>) -> Result<Outcome<ScoredSurveys>, StudyError> {
+pub fn score(
+    options: &ScoreOptions,
+    watch: Watch<'_>,
+) -> Result<Outcome<ScoredSurveys>, StudyError> {
     let scales = read_scales(&options.scales)?;
     let mut answers: Vec<Answer> = Vec::new();
     for path in &options.surveys {
@@ -122,23 +146,47 @@ pub fn score(options: &ScoreOptions, watch: Watch<'_>) -> Result<Outcome<ScoredS
     }
     watch.check()?;
     if answers.is_empty() {
-        return Err(StudyError::NotPossible { problem: "the surveys hold no answers".to_owned(), help: None });
+        return Err(StudyError::NotPossible {
+            problem: "the surveys hold no answers".to_owned(),
+            help: None,
+        });
     }
     let scored = maveric_measures::score(&scales, &answers, None)?;
     let reliabilities: Vec<Reliability> = scored.matrices.iter().map(reliability).collect();
     write_scores(&options.out, &scored.scores)?;
     TableBuilder::default()
         .text("scale", reliabilities.iter().map(|r| r.scale.as_str()))
-        .text("subscale", reliabilities.iter().map(|r| r.subscale.as_str()))
-        .integers("items", reliabilities.iter().map(|r| i64::try_from(r.items).ok()))
+        .text(
+            "subscale",
+            reliabilities.iter().map(|r| r.subscale.as_str()),
+        )
+        .integers(
+            "items",
+            reliabilities.iter().map(|r| i64::try_from(r.items).ok()),
+        )
         .integers("n", reliabilities.iter().map(|r| i64::try_from(r.n).ok()))
-        .integers("dropped", reliabilities.iter().map(|r| i64::try_from(r.dropped).ok()))
+        .integers(
+            "dropped",
+            reliabilities.iter().map(|r| i64::try_from(r.dropped).ok()),
+        )
         .numbers("alpha", reliabilities.iter().map(|r| r.alpha))
         .numbers("ci_low", reliabilities.iter().map(|r| r.ci_low))
         .numbers("ci_high", reliabilities.iter().map(|r| r.ci_high))
         .write(&reliabilities_path(&options.out))?;
     let missing = scored.scores.iter().filter(|s| s.value.is_none()).count();
-    let summary = vec![format!("{} scores ({missing} missing): {}", scored.scores.len(), options.out.display())];
+    let summary = vec![format!(
+        "{} scores ({missing} missing): {}",
+        scored.scores.len(),
+        options.out.display()
+    )];
     let warnings = scored.warnings.iter().map(ToString::to_string).collect();
-    Ok(Outcome { value: ScoredSurveys { scores: scored.scores.len(), missing, reliabilities }, summary, warnings })
+    Ok(Outcome {
+        value: ScoredSurveys {
+            scores: scored.scores.len(),
+            missing,
+            reliabilities,
+        },
+        summary,
+        warnings,
+    })
 }

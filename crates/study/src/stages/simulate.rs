@@ -55,14 +55,21 @@ pub struct Simulated {
 ///
 /// # Errors
 /// [`StudyError`] if model, conditions or scenario cannot be read, or an embedding does not fit the model.
-pub fn simulate(options: &SimulateOptions, watch: Watch<'_>) -> Result<Outcome<Simulated>, StudyError> {
+pub fn simulate(
+    options: &SimulateOptions,
+    watch: Watch<'_>,
+) -> Result<Outcome<Simulated>, StudyError> {
     let model = read_model(&options.model)?;
     let conditions = read_conditions(&options.conditions)?;
     let scenario = read_scenario(options.scenario.as_deref(), options.duration_s)?;
-    let driven = for_each_on(options.jobs, &conditions, watch, "drives", |row| drive(options, &model, &scenario, row))?;
-    let list: Vec<(DriveMeta, usize, f64)> = driven.iter().map(|d| (d.0.clone(), d.1, d.2)).collect();
+    let driven = for_each_on(options.jobs, &conditions, watch, "drives", |row| {
+        drive(options, &model, &scenario, row)
+    })?;
+    let list: Vec<(DriveMeta, usize, f64)> =
+        driven.iter().map(|d| (d.0.clone(), d.1, d.2)).collect();
     write_drive_list(&options.out.join("drives"), &list)?;
-    let counts = |of: fn(&RolloutReport) -> u32| driven.iter().map(move |d| Some(i64::from(of(&d.3))));
+    let counts =
+        |of: fn(&RolloutReport) -> u32| driven.iter().map(move |d| Some(i64::from(of(&d.3))));
     TableBuilder::default()
         .text("drive", driven.iter().map(|d| d.0.drive.as_str()))
         .integers("collisions", counts(|r| r.collisions))
@@ -73,14 +80,16 @@ pub fn simulate(options: &SimulateOptions, watch: Watch<'_>) -> Result<Outcome<S
         .integers("started_changes", counts(|r| r.started_changes))
         .integers("leads", counts(|r| r.leads))
         .write(&options.out.join("rollouts.csv"))?;
-    let total = |of: fn(&RolloutReport) -> u32| driven.iter().map(|d| of(&d.3) as usize).sum::<usize>();
+    let total =
+        |of: fn(&RolloutReport) -> u32| driven.iter().map(|d| of(&d.3) as usize).sum::<usize>();
     let value = Simulated {
         drives: driven.len(),
         collisions: total(|r| r.collisions),
         rule_violations: total(|r| r.rule_violations),
         interventions: total(|r| r.interventions),
     };
-    let warnings = (value.collisions > 0).then(|| format!("{} collisions: see rollouts.csv", value.collisions));
+    let warnings = (value.collisions > 0)
+        .then(|| format!("{} collisions: see rollouts.csv", value.collisions));
     let summary = vec![format!(
         "{} AV drives, {} collisions, {} safety interventions: {}",
         value.drives,
@@ -88,16 +97,29 @@ pub fn simulate(options: &SimulateOptions, watch: Watch<'_>) -> Result<Outcome<S
         value.interventions,
         options.out.display()
     )];
-    Ok(Outcome { value, summary, warnings: warnings.into_iter().collect() })
+    Ok(Outcome {
+        value,
+        summary,
+        warnings: warnings.into_iter().collect(),
+    })
 }
 
 type Driven = (DriveMeta, usize, f64, RolloutReport);
 
-fn drive(options: &SimulateOptions, model: &Model, scenario: &Scenario, row: &ConditionRow) -> Result<Driven, StudyError> {
+fn drive(
+    options: &SimulateOptions,
+    model: &Model,
+    scenario: &Scenario,
+    row: &ConditionRow,
+) -> Result<Driven, StudyError> {
     let mut planner = ModelPlanner::new(model, &row.embedding)?;
     let id = format!("{}-{}", row.participant, row.condition);
     let seed = stream_seed(options.seed, &[&id, "world"]);
-    let driven = rollout(scenario, Driver::Automated(&mut planner, &scenario.settings().controllers), seed)?;
+    let driven = rollout(
+        scenario,
+        Driver::Automated(&mut planner, &scenario.settings().controllers),
+        seed,
+    )?;
     let meta = DriveMeta {
         drive: DriveId::new(id)?,
         participant: row.participant.clone(),
@@ -105,7 +127,10 @@ fn drive(options: &SimulateOptions, model: &Model, scenario: &Scenario, row: &Co
         condition: row.condition,
         driven_by: DrivenBy::Automated,
     };
-    let log = options.out.join("logs").join(format!("{}.mcap", meta.drive));
+    let log = options
+        .out
+        .join("logs")
+        .join(format!("{}.mcap", meta.drive));
     atomic_write(&log, |file| Ok(write_mcap(&driven.recording, &meta, file)?))?;
     let made = Drive::from_recording(meta.clone(), &driven.recording)?;
     write_drive(&options.out.join("drives"), &made)?;

@@ -57,7 +57,10 @@ pub fn steer(options: &SteerOptions, watch: Watch<'_>) -> Result<Outcome<Steered
     let rows = read_embeddings(&options.embeddings)?;
     let axis = AggressionAxis::of(&model)?;
     let ellipse = PerpendicularEllipse::of(&model)?;
-    let has_adb_fit = |p| rows.iter().any(|r| r.participant == p && r.adb_used && r.condition == Condition::Own);
+    let has_adb_fit = |p| {
+        rows.iter()
+            .any(|r| r.participant == p && r.adb_used && r.condition == Condition::Own)
+    };
     let mut conditions = Vec::new();
     let mut clamped = 0;
     let mut participants = 0;
@@ -67,38 +70,78 @@ pub fn steer(options: &SteerOptions, watch: Watch<'_>) -> Result<Outcome<Steered
         }
         watch.check()?;
         participants += 1;
-        let mut place = |condition, embedding: Embedding, moved_points, angle_rad| -> Result<(), StudyError> {
-            conditions.push(ConditionRow {
-                participant: row.participant.clone(),
-                condition,
-                adb_hat: axis.aggression_hat(&embedding)?,
-                moved_points,
-                angle_rad,
-                beyond_training: is_beyond(&model, &embedding)?,
-                embedding,
-            });
-            Ok(())
-        };
+        let mut place =
+            |condition, embedding: Embedding, moved_points, angle_rad| -> Result<(), StudyError> {
+                conditions.push(ConditionRow {
+                    participant: row.participant.clone(),
+                    condition,
+                    adb_hat: axis.aggression_hat(&embedding)?,
+                    moved_points,
+                    angle_rad,
+                    beyond_training: is_beyond(&model, &embedding)?,
+                    embedding,
+                });
+                Ok(())
+            };
         let up = shift(&axis, &row.embedding, options.points)?;
         let down = shift(&axis, &row.embedding, -options.points)?;
         clamped += usize::from(up.clamped) + usize::from(down.clamped);
-        let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(options.seed, &[row.participant.as_str(), "perpendicular"]));
+        let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(
+            options.seed,
+            &[row.participant.as_str(), "perpendicular"],
+        ));
         let across = ellipse.sample(&row.embedding, &mut rng)?;
         place(Condition::Mimic, row.embedding.clone(), 0.0, None)?;
-        place(Condition::Aggressive, up.embedding, up.effective_points, None)?;
-        place(Condition::Cautious, down.embedding, down.effective_points, None)?;
-        place(Condition::Perpendicular, across.embedding, 0.0, Some(across.angle_rad))?;
+        place(
+            Condition::Aggressive,
+            up.embedding,
+            up.effective_points,
+            None,
+        )?;
+        place(
+            Condition::Cautious,
+            down.embedding,
+            down.effective_points,
+            None,
+        )?;
+        place(
+            Condition::Perpendicular,
+            across.embedding,
+            0.0,
+            Some(across.angle_rad),
+        )?;
     }
     if participants == 0 {
-        return Err(StudyError::file(&options.embeddings, "holds no own drive to steer from"));
+        return Err(StudyError::file(
+            &options.embeddings,
+            "holds no own drive to steer from",
+        ));
     }
     write_conditions(&options.out, &conditions)?;
-    let warnings = (clamped > 0)
-        .then(|| format!("{clamped} of {} shifts were cut short by the ends of the ADB scale", 2 * participants));
-    let summary = vec![format!("{participants} participants × 4 conditions: {}", options.out.display())];
-    Ok(Outcome { value: Steered { participants, clamped, conditions }, summary, warnings: warnings.into_iter().collect() })
+    let warnings = (clamped > 0).then(|| {
+        format!(
+            "{clamped} of {} shifts were cut short by the ends of the ADB scale",
+            2 * participants
+        )
+    });
+    let summary = vec![format!(
+        "{participants} participants × 4 conditions: {}",
+        options.out.display()
+    )];
+    Ok(Outcome {
+        value: Steered {
+            participants,
+            clamped,
+            conditions,
+        },
+        summary,
+        warnings: warnings.into_iter().collect(),
+    })
 }
 
 fn is_beyond(model: &Model, embedding: &Embedding) -> Result<bool, StudyError> {
-    Ok(share_outside_training(model, std::slice::from_ref(embedding))?.is_some_and(|share| share > 0.5))
+    Ok(
+        share_outside_training(model, std::slice::from_ref(embedding))?
+            .is_some_and(|share| share > 0.5),
+    )
 }

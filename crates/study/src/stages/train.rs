@@ -99,17 +99,29 @@ pub fn read_model(path: &Path) -> Result<Model, StudyError> {
     checkpoint::from_bytes(&bytes).map_err(|e| StudyError::BadFile {
         path: path.to_owned(),
         problem: e.to_string(),
-        help: e.suggestion().map(str::to_owned).or_else(|| Some("train a model with `maveric train`".to_owned())),
+        help: e
+            .suggestion()
+            .map(str::to_owned)
+            .or_else(|| Some("train a model with `maveric train`".to_owned())),
     })
 }
 
 /// The ADB score that belongs to a drive: the one answered before the drives, or in a professional's role.
 pub(crate) fn adb_of(drive: &Drive, scores: &[Score]) -> Result<Option<AdbScore>, StudyError> {
     let meta = drive.meta();
-    let moment = if meta.condition == Condition::Own { Moment::Pre } else { Moment::After(meta.condition) };
+    let moment = if meta.condition == Condition::Own {
+        Moment::Pre
+    } else {
+        Moment::After(meta.condition)
+    };
     let points = scores
         .iter()
-        .find(|s| s.participant == meta.participant && s.moment == moment && s.scale == "adb" && s.subscale == "total")
+        .find(|s| {
+            s.participant == meta.participant
+                && s.moment == moment
+                && s.scale == "adb"
+                && s.subscale == "total"
+        })
         .and_then(|s| s.value);
     Ok(points.map(AdbScore::new).transpose()?)
 }
@@ -118,9 +130,17 @@ pub(crate) fn adb_of(drive: &Drive, scores: &[Score]) -> Result<Option<AdbScore>
 ///
 /// # Errors
 /// [`StudyError`] if drives or scores cannot be read or settings are out of range; [`StudyError::Interrupted`].
-pub fn train(options: &TrainOptions, watch: Watch<'_>) -> Result<Outcome<TrainingSummary>, StudyError> {
+pub fn train(
+    options: &TrainOptions,
+    watch: Watch<'_>,
+) -> Result<Outcome<TrainingSummary>, StudyError> {
     let drives = read_drives(&options.drives)?;
-    let scores = options.scores.as_deref().map(read_scores).transpose()?.unwrap_or_default();
+    let scores = options
+        .scores
+        .as_deref()
+        .map(read_scores)
+        .transpose()?
+        .unwrap_or_default();
     let settings = TrainSettings {
         embedding_size: options.embedding_size,
         epochs: options.epochs,
@@ -133,17 +153,27 @@ pub fn train(options: &TrainOptions, watch: Watch<'_>) -> Result<Outcome<Trainin
     for drive in &drives {
         let adb = adb_of(drive, &scores)?;
         if adb.is_none() && options.scores.is_some() {
-            warnings.push(format!("drive {}: no ADB score, so it does not teach the style head", drive.meta().drive));
+            warnings.push(format!(
+                "drive {}: no ADB score, so it does not teach the style head",
+                drive.meta().drive
+            ));
         }
         training.push(TrainingDrive { drive, adb });
     }
-    let mut observe = |report: &EpochReport| match watch.step(report.epoch, report.epochs, "epochs") {
+    let mut observe = |report: &EpochReport| match watch.step(report.epoch, report.epochs, "epochs")
+    {
         Ok(()) => ControlFlow::Continue(()),
         Err(_) => ControlFlow::Break(()),
     };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.jobs).build();
-    let pool = pool.map_err(|e| StudyError::NotPossible { problem: format!("cannot start {} threads: {e}", options.jobs), help: None })?;
-    let trained = pool.install(|| maveric_model::train(&training, &params, options.seed, &mut observe));
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.jobs)
+        .build();
+    let pool = pool.map_err(|e| StudyError::NotPossible {
+        problem: format!("cannot start {} threads: {e}", options.jobs),
+        help: None,
+    })?;
+    let trained =
+        pool.install(|| maveric_model::train(&training, &params, options.seed, &mut observe));
     let trained = match trained {
         Err(ModelError::Cancelled { .. }) => return Err(StudyError::Interrupted),
         other => other?,
@@ -157,7 +187,11 @@ pub fn train(options: &TrainOptions, watch: Watch<'_>) -> Result<Outcome<Trainin
         following_rows: report.following_rows,
         lane_change_rows: report.lane_change_rows,
         parameters: report.parameters,
-        left_out: report.left_out.iter().map(|(loss, why)| format!("{loss}: {why}")).collect(),
+        left_out: report
+            .left_out
+            .iter()
+            .map(|(loss, why)| format!("{loss}: {why}"))
+            .collect(),
         warnings: report.warnings.iter().map(ToString::to_string).collect(),
         seed: options.seed,
         settings,
@@ -167,7 +201,9 @@ pub fn train(options: &TrainOptions, watch: Watch<'_>) -> Result<Outcome<Trainin
     let axis = AggressionAxis::of(&trained.model).ok();
     let mut rows = Vec::new();
     for (id, embedding) in trained.embeddings {
-        let Some(drive) = drives.iter().find(|d| d.meta().drive == id) else { continue };
+        let Some(drive) = drives.iter().find(|d| d.meta().drive == id) else {
+            continue;
+        };
         let meta = drive.meta();
         rows.push(EmbeddingRow {
             drive: id,
@@ -176,7 +212,10 @@ pub fn train(options: &TrainOptions, watch: Watch<'_>) -> Result<Outcome<Trainin
             condition: meta.condition,
             adb_used: adb_of(drive, &scores)?.is_some(),
             adb: adb_of(drive, &scores)?.map(AdbScore::points),
-            adb_hat: axis.as_ref().map(|a| a.aggression_hat(&embedding)).transpose()?,
+            adb_hat: axis
+                .as_ref()
+                .map(|a| a.aggression_hat(&embedding))
+                .transpose()?,
             line_position: axis.as_ref().map(|a| a.position(&embedding)).transpose()?,
             start_spread: None,
             rows: None,
@@ -193,5 +232,9 @@ pub fn train(options: &TrainOptions, watch: Watch<'_>) -> Result<Outcome<Trainin
         summary.rows,
         options.out.display()
     )];
-    Ok(Outcome { value: summary, summary: lines, warnings })
+    Ok(Outcome {
+        value: summary,
+        summary: lines,
+        warnings,
+    })
 }

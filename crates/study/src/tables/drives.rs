@@ -32,7 +32,10 @@ pub fn write_drive(folder: &Path, drive: &Drive) -> Result<PathBuf, StudyError> 
         ("maveric.rate_hz", drive.rate_hz().to_string()),
         ("maveric.lanes", road.lanes.to_string()),
         ("maveric.lane_width_m", road.lane_width_m.to_string()),
-        ("maveric.posted_speed_mps", road.posted_speed_mps.to_string()),
+        (
+            "maveric.posted_speed_mps",
+            road.posted_speed_mps.to_string(),
+        ),
     ];
     TableBuilder::default()
         .numbers("time_s", some(&r.time_s))
@@ -50,7 +53,13 @@ pub fn write_drive(folder: &Path, drive: &Drive) -> Result<PathBuf, StudyError> 
         .integers("changing", r.changing.iter().map(|&c| Some(i64::from(c))))
         .flags("change_completes", r.change_completes.iter().copied())
         .flags("following", r.following.iter().copied())
-        .numbers("following_distance_m", r.following.iter().zip(&r.lead_dx_m).map(|(&f, &d)| f.then_some(d)))
+        .numbers(
+            "following_distance_m",
+            r.following
+                .iter()
+                .zip(&r.lead_dx_m)
+                .map(|(&f, &d)| f.then_some(d)),
+        )
         .numbers("gap_behind_left_m", r.gap_behind_left_m.iter().copied())
         .numbers("gap_behind_right_m", r.gap_behind_right_m.iter().copied())
         .write_with(&path, metadata.map(|(k, v)| (k.to_owned(), v)).to_vec())?;
@@ -64,23 +73,42 @@ pub fn write_drive(folder: &Path, drive: &Drive) -> Result<PathBuf, StudyError> 
 pub fn read_drive(path: &Path) -> Result<Drive, StudyError> {
     let table = Table::read(path)?;
     let file = File::open(path).map_err(StudyError::read(path))?;
-    let bad = |e: PolarsError| StudyError::BadTable { path: path.to_owned(), format: "Parquet", problem: e.to_string() };
+    let bad = |e: PolarsError| StudyError::BadTable {
+        path: path.to_owned(),
+        format: "Parquet",
+        problem: e.to_string(),
+    };
     let mut reader = ParquetReader::new(file);
-    let metadata = reader.get_metadata().map_err(bad)?.key_value_metadata().clone().unwrap_or_default();
+    let metadata = reader
+        .get_metadata()
+        .map_err(bad)?
+        .key_value_metadata()
+        .clone()
+        .unwrap_or_default();
     let entry = |key: &str| {
-        metadata.iter().find(|kv| kv.key == key).and_then(|kv| kv.value.clone()).ok_or_else(|| StudyError::BadFile {
-            path: path.to_owned(),
-            problem: format!("has no `{key}` in its metadata, so it is not a drive of this program"),
-            help: Some("make drives from logs with `maveric ingest`".to_owned()),
-        })
+        metadata
+            .iter()
+            .find(|kv| kv.key == key)
+            .and_then(|kv| kv.value.clone())
+            .ok_or_else(|| StudyError::BadFile {
+                path: path.to_owned(),
+                problem: format!(
+                    "has no `{key}` in its metadata, so it is not a drive of this program"
+                ),
+                help: Some("make drives from logs with `maveric ingest`".to_owned()),
+            })
     };
     let number = |key: &str| -> Result<f64, StudyError> {
         let text = entry(key)?;
-        text.parse().map_err(|_| StudyError::file(path, format!("`{key}` is `{text}`, expected a number")))
+        text.parse()
+            .map_err(|_| StudyError::file(path, format!("`{key}` is `{text}`, expected a number")))
     };
     let version = entry("maveric.version")?;
     if version != VERSION {
-        return Err(StudyError::file(path, format!("is a drive of format {version}, expected {VERSION}")));
+        return Err(StudyError::file(
+            path,
+            format!("is a drive of format {version}, expected {VERSION}"),
+        ));
     }
     let meta = DriveMeta {
         drive: entry("maveric.drive")?.try_into()?,
@@ -99,7 +127,11 @@ pub fn read_drive(path: &Path) -> Result<Drive, StudyError> {
         Ok(cells.iter().map(|c| c.as_deref() == Some("true")).collect())
     };
     let whole = |column: &str| -> Result<Vec<i64>, StudyError> {
-        Ok(table.all_numbers(column)?.iter().map(|&v| v as i64).collect())
+        Ok(table
+            .all_numbers(column)?
+            .iter()
+            .map(|&v| v as i64)
+            .collect())
     };
     let rows = Rows {
         time_s: table.all_numbers("time_s")?,
@@ -109,7 +141,11 @@ pub fn read_drive(path: &Path) -> Result<Drive, StudyError> {
         ego_speed_mps: table.all_numbers("ego_speed_mps")?,
         lane: whole("lane")?.iter().map(|&v| v as u8).collect(),
         lead_present: flags("lead_present")?,
-        lead_id: table.numbers("lead_id")?.iter().map(|v| v.map(|id| id as u32)).collect(),
+        lead_id: table
+            .numbers("lead_id")?
+            .iter()
+            .map(|v| v.map(|id| id as u32))
+            .collect(),
         lead_dx_m: table.all_numbers("lead_dx_m")?,
         lead_dy_m: table.all_numbers("lead_dy_m")?,
         lead_speed_mps: table.all_numbers("lead_speed_mps")?,
@@ -120,7 +156,12 @@ pub fn read_drive(path: &Path) -> Result<Drive, StudyError> {
         gap_behind_left_m: table.numbers("gap_behind_left_m")?,
         gap_behind_right_m: table.numbers("gap_behind_right_m")?,
     };
-    Ok(Drive::from_rows(meta, road, number("maveric.rate_hz")?, rows)?)
+    Ok(Drive::from_rows(
+        meta,
+        road,
+        number("maveric.rate_hz")?,
+        rows,
+    )?)
 }
 
 /// Reads every drive of a folder, ordered by file name.
@@ -132,7 +173,9 @@ pub fn read_drives(folder: &Path) -> Result<Vec<Drive>, StudyError> {
     let mut paths = Vec::new();
     for entry in entries {
         let path = entry.map_err(StudyError::read(folder))?.path();
-        let hidden = path.file_name().is_some_and(|n| n.to_string_lossy().starts_with('.'));
+        let hidden = path
+            .file_name()
+            .is_some_and(|n| n.to_string_lossy().starts_with('.'));
         if !hidden && path.extension().is_some_and(|e| e == "parquet") {
             paths.push(path);
         }
@@ -152,10 +195,16 @@ pub fn read_drives(folder: &Path) -> Result<Vec<Drive>, StudyError> {
 ///
 /// # Errors
 /// [`StudyError::Io`], [`StudyError::BadTable`].
-pub fn write_drive_list(folder: &Path, drives: &[(DriveMeta, usize, f64)]) -> Result<(), StudyError> {
+pub fn write_drive_list(
+    folder: &Path,
+    drives: &[(DriveMeta, usize, f64)],
+) -> Result<(), StudyError> {
     TableBuilder::default()
         .text("drive", drives.iter().map(|d| d.0.drive.as_str()))
-        .text("participant", drives.iter().map(|d| d.0.participant.as_str()))
+        .text(
+            "participant",
+            drives.iter().map(|d| d.0.participant.as_str()),
+        )
         .text("study", drives.iter().map(|d| d.0.study.as_str()))
         .text("condition", drives.iter().map(|d| d.0.condition.as_str()))
         .text("driven_by", drives.iter().map(|d| d.0.driven_by.as_str()))

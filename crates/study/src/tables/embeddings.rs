@@ -34,7 +34,12 @@ pub struct EmbeddingRow {
 
 pub(super) fn with_coordinates(builder: TableBuilder, embeddings: &[&Embedding]) -> TableBuilder {
     let size = embeddings.first().map_or(0, |e| e.size());
-    (0..size).fold(builder, |b, i| b.numbers(&format!("w{}", i + 1), embeddings.iter().map(|e| Some(e.coordinates()[i]))))
+    (0..size).fold(builder, |b, i| {
+        b.numbers(
+            &format!("w{}", i + 1),
+            embeddings.iter().map(|e| Some(e.coordinates()[i])),
+        )
+    })
 }
 
 pub(super) fn read_coordinates(table: &Table) -> Result<Vec<Embedding>, StudyError> {
@@ -45,7 +50,9 @@ pub(super) fn read_coordinates(table: &Table) -> Result<Vec<Embedding>, StudyErr
     if columns.is_empty() {
         table.all_numbers("w1")?; // says which columns there are
     }
-    (0..table.rows()).map(|row| Ok(Embedding::new(columns.iter().map(|c| c[row]).collect())?)).collect()
+    (0..table.rows())
+        .map(|row| Ok(Embedding::new(columns.iter().map(|c| c[row]).collect())?))
+        .collect()
 }
 
 /// Writes embeddings, one row each; `w1`, `w2`, … are the coordinates.
@@ -63,7 +70,11 @@ pub fn write_embeddings(path: &Path, rows: &[EmbeddingRow]) -> Result<(), StudyE
         .numbers("adb_hat", rows.iter().map(|r| r.adb_hat))
         .numbers("line_position", rows.iter().map(|r| r.line_position))
         .numbers("start_spread", rows.iter().map(|r| r.start_spread))
-        .integers("rows", rows.iter().map(|r| r.rows.and_then(|n| i64::try_from(n).ok())));
+        .integers(
+            "rows",
+            rows.iter()
+                .map(|r| r.rows.and_then(|n| i64::try_from(n).ok())),
+        );
     let embeddings: Vec<&Embedding> = rows.iter().map(|r| &r.embedding).collect();
     with_coordinates(builder, &embeddings).write(path)
 }

@@ -18,15 +18,33 @@ pub struct MeasuredDrive {
 ///
 /// # Errors
 /// [`StudyError::Io`], [`StudyError::BadTable`].
-pub fn write_measurements(path: &Path, measures: &[&str], drives: &[MeasuredDrive]) -> Result<(), StudyError> {
+pub fn write_measurements(
+    path: &Path,
+    measures: &[&str],
+    drives: &[MeasuredDrive],
+) -> Result<(), StudyError> {
     let mut builder = TableBuilder::default()
         .text("drive", drives.iter().map(|d| d.meta.drive.as_str()))
-        .text("participant", drives.iter().map(|d| d.meta.participant.as_str()))
+        .text(
+            "participant",
+            drives.iter().map(|d| d.meta.participant.as_str()),
+        )
         .text("study", drives.iter().map(|d| d.meta.study.as_str()))
-        .text("condition", drives.iter().map(|d| d.meta.condition.as_str()))
-        .text("driven_by", drives.iter().map(|d| d.meta.driven_by.as_str()));
+        .text(
+            "condition",
+            drives.iter().map(|d| d.meta.condition.as_str()),
+        )
+        .text(
+            "driven_by",
+            drives.iter().map(|d| d.meta.driven_by.as_str()),
+        );
     for measure in measures {
-        builder = builder.numbers(measure, drives.iter().map(|d| d.values.get(*measure).copied().flatten()));
+        builder = builder.numbers(
+            measure,
+            drives
+                .iter()
+                .map(|d| d.values.get(*measure).copied().flatten()),
+        );
     }
     builder.write(path)
 }
@@ -55,7 +73,11 @@ pub fn read_measurements(path: &Path) -> Result<Vec<MeasuredDrive>, StudyError> 
             values: BTreeMap::new(),
         })
         .collect();
-    for measure in table.columns().iter().filter(|c| !about.contains(&c.as_str())) {
+    for measure in table
+        .columns()
+        .iter()
+        .filter(|c| !about.contains(&c.as_str()))
+    {
         for (drive, value) in drives.iter_mut().zip(table.numbers(measure)?) {
             drive.values.insert(measure.clone(), value);
         }

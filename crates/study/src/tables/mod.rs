@@ -23,11 +23,19 @@ pub struct Table {
 }
 
 fn is_parquet(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("parquet"))
+    path.extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("parquet"))
 }
 
 fn separator(path: &Path) -> u8 {
-    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tsv")) { b'\t' } else { b',' }
+    if path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("tsv"))
+    {
+        b'\t'
+    } else {
+        b','
+    }
 }
 
 impl Table {
@@ -37,11 +45,17 @@ impl Table {
     /// [`StudyError::Io`], [`StudyError::BadFile`] for a folder or an empty file, [`StudyError::BadTable`].
     pub fn read(path: &Path) -> Result<Self, StudyError> {
         if path.is_dir() {
-            return Err(StudyError::file(path, "is a folder, expected a CSV or Parquet file"));
+            return Err(StudyError::file(
+                path,
+                "is a folder, expected a CSV or Parquet file",
+            ));
         }
         let mut bytes = Vec::new();
         if path == Path::new("-") {
-            std::io::stdin().lock().read_to_end(&mut bytes).map_err(StudyError::read(path))?;
+            std::io::stdin()
+                .lock()
+                .read_to_end(&mut bytes)
+                .map_err(StudyError::read(path))?;
         } else {
             bytes = std::fs::read(path).map_err(StudyError::read(path))?;
         }
@@ -50,18 +64,30 @@ impl Table {
 
     fn parse(path: &Path, bytes: Vec<u8>) -> Result<Self, StudyError> {
         if bytes.iter().all(u8::is_ascii_whitespace) {
-            return Err(StudyError::file(path, "is empty, expected a table with a header line"));
+            return Err(StudyError::file(
+                path,
+                "is empty, expected a table with a header line",
+            ));
         }
         let bad = |format: &'static str| {
-            move |e: PolarsError| StudyError::BadTable { path: path.to_owned(), format, problem: e.to_string() }
+            move |e: PolarsError| StudyError::BadTable {
+                path: path.to_owned(),
+                format,
+                problem: e.to_string(),
+            }
         };
         let frame = if bytes.starts_with(b"PAR1") {
-            ParquetReader::new(Cursor::new(bytes)).finish().map_err(bad("Parquet"))?
+            ParquetReader::new(Cursor::new(bytes))
+                .finish()
+                .map_err(bad("Parquet"))?
         } else if is_parquet(path) {
             return Err(StudyError::file(path, "does not start like Parquet (PAR1)"));
         } else {
             if bytes.contains(&0) {
-                return Err(StudyError::file(path, "is not text: found a zero byte, expected CSV"));
+                return Err(StudyError::file(
+                    path,
+                    "is not text: found a zero byte, expected CSV",
+                ));
             }
             // Everything as text: this module converts, and can then name the row.
             CsvReadOptions::default()
@@ -71,7 +97,10 @@ impl Table {
                 .finish()
                 .map_err(bad("CSV"))?
         };
-        Ok(Self { path: path.to_owned(), frame })
+        Ok(Self {
+            path: path.to_owned(),
+            frame,
+        })
     }
 
     /// Number of data rows.
@@ -81,7 +110,11 @@ impl Table {
 
     /// Names of the columns, in order.
     pub fn columns(&self) -> Vec<String> {
-        self.frame.get_column_names().iter().map(ToString::to_string).collect()
+        self.frame
+            .get_column_names()
+            .iter()
+            .map(ToString::to_string)
+            .collect()
     }
 
     /// Whether there is a column of this name.
@@ -99,11 +132,21 @@ impl Table {
             let found = self.columns();
             let nearest = found
                 .iter()
-                .map(|name| (strsim::jaro_winkler(&name.to_lowercase(), &wanted.to_lowercase()), name))
+                .map(|name| {
+                    (
+                        strsim::jaro_winkler(&name.to_lowercase(), &wanted.to_lowercase()),
+                        name,
+                    )
+                })
                 .filter(|(likeness, _)| *likeness > 0.7)
                 .max_by(|a, b| a.0.total_cmp(&b.0))
                 .map(|(_, name)| name.clone());
-            StudyError::NoColumn { path: self.path.clone(), wanted: wanted.to_owned(), found, nearest }
+            StudyError::NoColumn {
+                path: self.path.clone(),
+                wanted: wanted.to_owned(),
+                found,
+                nearest,
+            }
         })
     }
 
@@ -113,17 +156,31 @@ impl Table {
     /// [`StudyError::NoColumn`].
     pub fn text(&self, column: &str) -> Result<Vec<Option<String>>, StudyError> {
         let series = self.column(column)?;
-        let text = series.cast(&DataType::String).map_err(|e| self.bad_column(column, &e))?;
+        let text = series
+            .cast(&DataType::String)
+            .map_err(|e| self.bad_column(column, &e))?;
         let text = text.str().map_err(|e| self.bad_column(column, &e))?;
-        Ok(text.iter().map(|cell| cell.filter(|t| !t.is_empty()).map(str::to_owned)).collect())
+        Ok(text
+            .iter()
+            .map(|cell| cell.filter(|t| !t.is_empty()).map(str::to_owned))
+            .collect())
     }
 
     fn bad_column(&self, column: &str, error: &PolarsError) -> StudyError {
-        StudyError::file(&self.path, format!("column `{column}` cannot be read: {error}"))
+        StudyError::file(
+            &self.path,
+            format!("column `{column}` cannot be read: {error}"),
+        )
     }
 
     /// A fault in a cell; `row` counts from 0 here and from 1 in the message.
-    pub(crate) fn bad_cell(&self, row: usize, column: &str, found: impl Into<String>, expected: impl Into<String>) -> StudyError {
+    pub(crate) fn bad_cell(
+        &self,
+        row: usize,
+        column: &str,
+        found: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> StudyError {
         StudyError::BadCell {
             path: self.path.clone(),
             row: row + 1,
@@ -141,7 +198,8 @@ impl Table {
         let series = self.column(column)?;
         if !series.dtype().is_primitive_numeric() {
             let cells = self.text(column)?;
-            let number = |(row, cell): (usize, Option<String>)| match cell.as_deref().map(str::trim) {
+            let number = |(row, cell): (usize, Option<String>)| match cell.as_deref().map(str::trim)
+            {
                 None | Some("" | "NA" | "null") => Ok(None),
                 Some(text) => match text.parse::<f64>() {
                     Ok(value) if value.is_finite() => Ok(Some(value)),
@@ -150,10 +208,14 @@ impl Table {
             };
             return cells.into_iter().enumerate().map(number).collect();
         }
-        let floats = series.cast(&DataType::Float64).map_err(|e| self.bad_column(column, &e))?;
+        let floats = series
+            .cast(&DataType::Float64)
+            .map_err(|e| self.bad_column(column, &e))?;
         let floats = floats.f64().map_err(|e| self.bad_column(column, &e))?;
         let number = |(row, cell): (usize, Option<f64>)| match cell {
-            Some(value) if !value.is_finite() => Err(self.bad_cell(row, column, value.to_string(), "a finite number")),
+            Some(value) if !value.is_finite() => {
+                Err(self.bad_cell(row, column, value.to_string(), "a finite number"))
+            }
             other => Ok(other),
         };
         floats.iter().enumerate().map(number).collect()
@@ -165,7 +227,9 @@ impl Table {
     /// As [`Table::numbers`], and [`StudyError::BadCell`] for a missing cell.
     pub fn all_numbers(&self, column: &str) -> Result<Vec<f64>, StudyError> {
         let cells = self.numbers(column)?;
-        let filled = |(row, cell): (usize, Option<f64>)| cell.ok_or_else(|| self.bad_cell(row, column, "", "a number"));
+        let filled = |(row, cell): (usize, Option<f64>)| {
+            cell.ok_or_else(|| self.bad_cell(row, column, "", "a number"))
+        };
         cells.into_iter().enumerate().map(filled).collect()
     }
 
@@ -180,7 +244,8 @@ impl Table {
         let cells = self.text(column)?;
         let parse = |(row, cell): (usize, Option<String>)| {
             let text = cell.unwrap_or_default();
-            text.parse::<T>().map_err(|e| self.bad_cell(row, column, &text, e.to_string()))
+            text.parse::<T>()
+                .map_err(|e| self.bad_cell(row, column, &text, e.to_string()))
         };
         cells.into_iter().enumerate().map(parse).collect()
     }
@@ -250,9 +315,17 @@ impl TableBuilder {
     }
 
     /// As [`TableBuilder::write`], with named texts in the file's own metadata (Parquet only).
-    pub(crate) fn write_with(self, path: &Path, metadata: Vec<(String, String)>) -> Result<(), StudyError> {
+    pub(crate) fn write_with(
+        self,
+        path: &Path,
+        metadata: Vec<(String, String)>,
+    ) -> Result<(), StudyError> {
         let format = if is_parquet(path) { "Parquet" } else { "CSV" };
-        let bad = |e: PolarsError| StudyError::BadTable { path: path.to_owned(), format, problem: e.to_string() };
+        let bad = |e: PolarsError| StudyError::BadTable {
+            path: path.to_owned(),
+            format,
+            problem: e.to_string(),
+        };
         let height = self.columns.first().map_or(0, Column::len);
         let mut frame = DataFrame::new(height, self.columns).map_err(bad)?;
         atomic_write(path, |file| {
@@ -264,7 +337,9 @@ impl TableBuilder {
                     .finish(&mut frame)
                     .map(|_| ())
             } else {
-                CsvWriter::new(file).with_separator(separator(path)).finish(&mut frame)
+                CsvWriter::new(file)
+                    .with_separator(separator(path))
+                    .finish(&mut frame)
             };
             done.map_err(bad)
         })
@@ -281,25 +356,43 @@ mod tests {
 
     #[test]
     fn a_bad_cell_is_named_by_row_and_column() {
-        let error = table("a,b\n1,2\n3,x\n").unwrap().numbers("b").unwrap_err().to_string();
-        assert_eq!(error, "t.csv: row 2, column `b`: found `x`, expected a finite number");
+        let error = table("a,b\n1,2\n3,x\n")
+            .unwrap()
+            .numbers("b")
+            .unwrap_err()
+            .to_string();
+        assert_eq!(
+            error,
+            "t.csv: row 2, column `b`: found `x`, expected a finite number"
+        );
     }
 
     #[test]
     fn infinities_are_refused_and_missing_cells_are_not() {
         assert!(table("a\ninf\n").unwrap().numbers("a").is_err());
-        assert_eq!(table("a,b\n,1\nNA,2\n3,4\n").unwrap().numbers("a").unwrap(), [None, None, Some(3.0)]);
+        assert_eq!(
+            table("a,b\n,1\nNA,2\n3,4\n").unwrap().numbers("a").unwrap(),
+            [None, None, Some(3.0)]
+        );
     }
 
     #[test]
     fn an_unknown_column_gets_the_nearest_name() {
-        let error = table("subject,value\n1,2\n").unwrap().numbers("vlaue").unwrap_err();
+        let error = table("subject,value\n1,2\n")
+            .unwrap()
+            .numbers("vlaue")
+            .unwrap_err();
         assert_eq!(error.suggestion().unwrap(), "did you mean `value`?");
     }
 
     #[test]
     fn an_empty_file_and_a_binary_one_say_so() {
         assert!(table(" \n").unwrap_err().to_string().contains("is empty"));
-        assert!(table("a\u{0}b").unwrap_err().to_string().contains("not text"));
+        assert!(
+            table("a\u{0}b")
+                .unwrap_err()
+                .to_string()
+                .contains("not text")
+        );
     }
 }

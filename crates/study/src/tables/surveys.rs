@@ -11,7 +11,10 @@ use std::path::Path;
 /// [`StudyError::Io`], [`StudyError::BadTable`].
 pub fn write_answers(path: &Path, answers: &[Answer]) -> Result<(), StudyError> {
     TableBuilder::default()
-        .text("participant", answers.iter().map(|a| a.participant.as_str()))
+        .text(
+            "participant",
+            answers.iter().map(|a| a.participant.as_str()),
+        )
         .text("moment", answers.iter().map(|a| a.moment.to_string()))
         .text("scale", answers.iter().map(|a| a.scale.as_str()))
         .integers("item", answers.iter().map(|a| Some(i64::from(a.item))))
@@ -32,9 +35,14 @@ pub fn read_answers(path: &Path) -> Result<Vec<Answer>, StudyError> {
     let answer = table.text("answer")?;
     let whole = |row: usize| match answer[row].as_deref().map(str::trim) {
         None | Some("" | "NA") => Ok(None),
-        Some(text) => {
-            text.parse::<i32>().map(Some).map_err(|_| table.bad_cell(row, "answer", text, "a whole number, or empty where it was left out"))
-        }
+        Some(text) => text.parse::<i32>().map(Some).map_err(|_| {
+            table.bad_cell(
+                row,
+                "answer",
+                text,
+                "a whole number, or empty where it was left out",
+            )
+        }),
     };
     (0..table.rows())
         .map(|row| {
@@ -60,7 +68,10 @@ pub fn write_scores(path: &Path, scores: &[Score]) -> Result<(), StudyError> {
         .text("scale", scores.iter().map(|s| s.scale.as_str()))
         .text("subscale", scores.iter().map(|s| s.subscale.as_str()))
         .numbers("value", scores.iter().map(|s| s.value))
-        .integers("answered", scores.iter().map(|s| Some(i64::from(s.answered))))
+        .integers(
+            "answered",
+            scores.iter().map(|s| Some(i64::from(s.answered))),
+        )
         .integers("items", scores.iter().map(|s| Some(i64::from(s.items))))
         .write(path)
 }

@@ -5,26 +5,46 @@ use crate::error::StudyError;
 use maveric_stats::{CorrelationMethod, StatsError, circular_linear, rm_correlation};
 
 fn none(method: &str, n: usize) -> Correlation {
-    Correlation { method: method.to_owned(), n, df: n.saturating_sub(2), r: None, p: None, ci_low: None, ci_high: None }
+    Correlation {
+        method: method.to_owned(),
+        n,
+        df: n.saturating_sub(2),
+        r: None,
+        p: None,
+        ci_low: None,
+        ci_high: None,
+    }
 }
 
 fn complete(x: &[Option<f64>], y: &[Option<f64>]) -> usize {
-    x.iter().zip(y).filter(|(x, y)| x.is_some() && y.is_some()).count()
+    x.iter()
+        .zip(y)
+        .filter(|(x, y)| x.is_some() && y.is_some())
+        .count()
 }
 
 /// Pearson's or Spearman's correlation of two columns, pairs with a missing member left out.
-pub(super) fn correlate(x: &[Option<f64>], y: &[Option<f64>], method: CorrelationMethod) -> Result<Correlation, StudyError> {
+pub(super) fn correlate(
+    x: &[Option<f64>],
+    y: &[Option<f64>],
+    method: CorrelationMethod,
+) -> Result<Correlation, StudyError> {
     let found = match maveric_stats::correlate(x, y, method, None) {
         Ok(found) => found,
         Err(StatsError::TooFew { .. }) => return Ok(none("pearson", complete(x, y))),
         Err(error) => return Err(error.into()),
     };
-    let spearman = found.chosen.map_or(method == CorrelationMethod::Spearman, |c| c == CorrelationMethod::Spearman);
+    let spearman = found
+        .chosen
+        .map_or(method == CorrelationMethod::Spearman, |c| {
+            c == CorrelationMethod::Spearman
+        });
     let name = if spearman { "spearman" } else { "pearson" };
     let mut result = none(name, found.n);
     if spearman {
         if let Some(s) = found.spearman {
-            (result.r, result.p, result.ci_low, result.ci_high) = (s.rho, s.p, s.ci_bw_low, s.ci_bw_high);
+            (result.r, result.p, result.ci_low, result.ci_high) =
+                (s.rho, s.p, s.ci_bw_low, s.ci_bw_high);
         }
     } else if let Some(p) = found.pearson {
         (result.r, result.p, result.ci_low, result.ci_high) = (p.r, p.p, p.ci_low, p.ci_high);
@@ -43,7 +63,15 @@ pub(super) fn correlate_within(
             let r = found.rm_corr;
             let df = r.df.unwrap_or(0);
             let method = "rm_corr".to_owned();
-            Ok(Correlation { method, n: found.n, df, r: r.r, p: r.p, ci_low: r.ci_low, ci_high: r.ci_high })
+            Ok(Correlation {
+                method,
+                n: found.n,
+                df,
+                r: r.r,
+                p: r.p,
+                ci_low: r.ci_low,
+                ci_high: r.ci_high,
+            })
         }
         Err(StatsError::TooFew { .. }) => Ok(none("rm_corr", complete(x, y))),
         Err(error) => Err(error.into()),
@@ -51,7 +79,10 @@ pub(super) fn correlate_within(
 }
 
 /// Multiple R of a change on cosine and sine of an angle, and its p.
-pub(super) fn circular(angle: &[Option<f64>], change: &[Option<f64>]) -> Result<(Option<f64>, Option<f64>), StudyError> {
+pub(super) fn circular(
+    angle: &[Option<f64>],
+    change: &[Option<f64>],
+) -> Result<(Option<f64>, Option<f64>), StudyError> {
     match circular_linear(angle, change) {
         Ok(found) => Ok((found.r, found.p)),
         Err(StatsError::TooFew { .. }) => Ok((None, None)),

@@ -36,7 +36,11 @@ impl StudyData {
         participants.dedup();
         if participants.len() < 3 {
             return Err(StudyError::NotPossible {
-                problem: format!("{}: {} participants of Study 2 have an own drive, expected at least 3", folder.display(), participants.len()),
+                problem: format!(
+                    "{}: {} participants of Study 2 have an own drive, expected at least 3",
+                    folder.display(),
+                    participants.len()
+                ),
                 help: Some("run the pipeline with more participants: --set study2=6".to_owned()),
             });
         }
@@ -52,32 +56,62 @@ impl StudyData {
 
     /// Whether any drive was a driver model's.
     pub(crate) fn is_synthetic(&self) -> bool {
-        self.measurements.iter().any(|d| d.meta.driven_by == DrivenBy::Synthetic)
+        self.measurements
+            .iter()
+            .any(|d| d.meta.driven_by == DrivenBy::Synthetic)
     }
 
     /// A measure of a Study 2 participant's drive in a condition.
-    pub(crate) fn measured(&self, participant: &ParticipantId, condition: Condition, measure: &str) -> Option<f64> {
+    pub(crate) fn measured(
+        &self,
+        participant: &ParticipantId,
+        condition: Condition,
+        measure: &str,
+    ) -> Option<f64> {
         let drive = self.measurements.iter().find(|d| {
-            d.meta.study == Study::Two && d.meta.participant == *participant && d.meta.condition == condition
+            d.meta.study == Study::Two
+                && d.meta.participant == *participant
+                && d.meta.condition == condition
         })?;
         drive.values.get(measure).copied().flatten()
     }
 
     /// The own-drive embedding of a participant, fitted with or without the ADB score.
-    pub(crate) fn embedding(&self, participant: &ParticipantId, adb_used: bool) -> Option<&EmbeddingRow> {
-        self.embeddings
-            .iter()
-            .find(|e| e.participant == *participant && e.condition == Condition::Own && e.adb_used == adb_used)
+    pub(crate) fn embedding(
+        &self,
+        participant: &ParticipantId,
+        adb_used: bool,
+    ) -> Option<&EmbeddingRow> {
+        self.embeddings.iter().find(|e| {
+            e.participant == *participant && e.condition == Condition::Own && e.adb_used == adb_used
+        })
     }
 
     /// A questionnaire score from before the drives.
-    pub(crate) fn pre(&self, participant: &ParticipantId, scale: &str, subscale: &str) -> Option<f64> {
+    pub(crate) fn pre(
+        &self,
+        participant: &ParticipantId,
+        scale: &str,
+        subscale: &str,
+    ) -> Option<f64> {
         find(&self.pre, participant, Moment::Pre, scale, subscale)
     }
 
     /// A questionnaire score about a condition.
-    pub(crate) fn post(&self, participant: &ParticipantId, condition: Condition, scale: &str, subscale: &str) -> Option<f64> {
-        find(&self.post, participant, Moment::After(condition), scale, subscale)
+    pub(crate) fn post(
+        &self,
+        participant: &ParticipantId,
+        condition: Condition,
+        scale: &str,
+        subscale: &str,
+    ) -> Option<f64> {
+        find(
+            &self.post,
+            participant,
+            Moment::After(condition),
+            scale,
+            subscale,
+        )
     }
 
     /// Subscales of a pre-study scale, in the order in which they were scored.
@@ -92,9 +126,20 @@ impl StudyData {
     }
 }
 
-fn find(scores: &[Score], participant: &ParticipantId, moment: Moment, scale: &str, subscale: &str) -> Option<f64> {
+fn find(
+    scores: &[Score],
+    participant: &ParticipantId,
+    moment: Moment,
+    scale: &str,
+    subscale: &str,
+) -> Option<f64> {
     scores
         .iter()
-        .find(|s| s.participant == *participant && s.moment == moment && s.scale == scale && s.subscale == subscale)?
+        .find(|s| {
+            s.participant == *participant
+                && s.moment == moment
+                && s.scale == scale
+                && s.subscale == subscale
+        })?
         .value
 }

@@ -1,9 +1,9 @@
 //! 9.5: who prefers what, and what goes with it.
 
 use super::{
+    adapt::{correlate, correlate_within},
     data::StudyData,
     result::{HomophilyRow, Preference, SimilarityRow},
-    adapt::{correlate, correlate_within},
 };
 use crate::error::StudyError;
 use maveric_domain::{Condition, ParticipantId};
@@ -12,7 +12,12 @@ use maveric_stats::{CorrelationMethod, adjust};
 /// The ratings of a condition: code name, scale, subscale, and whether more of it is better.
 const RATINGS: [(&str, &str, &str, bool); 4] = [
     ("competence", "rosas", "competence", true),
-    ("intelligence", "godspeed_intelligence", "intelligence", true),
+    (
+        "intelligence",
+        "godspeed_intelligence",
+        "intelligence",
+        true,
+    ),
     ("discomfort", "rosas", "discomfort", false),
     ("trust", "jian_trust", "overall", true),
 ];
@@ -27,11 +32,19 @@ pub(super) fn homophily(data: &StudyData) -> Result<Vec<HomophilyRow>, StudyErro
     let mut rows = Vec::new();
     for scale in ["mini_ipip", "mdsi"] {
         for factor in data.pre_subscales(scale) {
-            let x: Vec<Option<f64>> = data.participants.iter().map(|p| data.pre(p, scale, &factor)).collect();
+            let x: Vec<Option<f64>> = data
+                .participants
+                .iter()
+                .map(|p| data.pre(p, scale, &factor))
+                .collect();
             for versus in [Condition::Cautious, Condition::Aggressive] {
                 for (name, ..) in RATINGS {
-                    let difference =
-                        |p| Some(rating(data, p, Condition::Mimic, name)? - rating(data, p, versus, name)?);
+                    let difference = |p| {
+                        Some(
+                            rating(data, p, Condition::Mimic, name)?
+                                - rating(data, p, versus, name)?,
+                        )
+                    };
                     let y: Vec<Option<f64>> = data.participants.iter().map(difference).collect();
                     rows.push(HomophilyRow {
                         factor: factor.clone(),
@@ -45,8 +58,13 @@ pub(super) fn homophily(data: &StudyData) -> Result<Vec<HomophilyRow>, StudyErro
             }
         }
     }
-    let tested: Vec<usize> = (0..rows.len()).filter(|&i| rows[i].correlation.p.is_some()).collect();
-    let p: Vec<f64> = tested.iter().filter_map(|&i| rows[i].correlation.p).collect();
+    let tested: Vec<usize> = (0..rows.len())
+        .filter(|&i| rows[i].correlation.p.is_some())
+        .collect();
+    let p: Vec<f64> = tested
+        .iter()
+        .filter_map(|&i| rows[i].correlation.p)
+        .collect();
     if !p.is_empty() {
         let adjusted = adjust(&p)?;
         for (k, &i) in tested.iter().enumerate() {
@@ -59,19 +77,31 @@ pub(super) fn homophily(data: &StudyData) -> Result<Vec<HomophilyRow>, StudyErro
 
 /// Perceived similarity against the ratings, over participants × conditions.
 pub(super) fn similarity(data: &StudyData) -> Result<Vec<SimilarityRow>, StudyError> {
-    let cells: Vec<(&ParticipantId, Condition)> =
-        data.participants.iter().flat_map(|p| Condition::AV.map(|c| (p, c))).collect();
+    let cells: Vec<(&ParticipantId, Condition)> = data
+        .participants
+        .iter()
+        .flat_map(|p| Condition::AV.map(|c| (p, c)))
+        .collect();
     let subjects: Vec<String> = cells.iter().map(|(p, _)| p.to_string()).collect();
-    let x: Vec<Option<f64>> = cells.iter().map(|(p, c)| data.post(p, *c, "similarity", "similarity")).collect();
+    let x: Vec<Option<f64>> = cells
+        .iter()
+        .map(|(p, c)| data.post(p, *c, "similarity", "similarity"))
+        .collect();
     let one = |name: &str| {
-        let y: Vec<Option<f64>> = cells.iter().map(|(p, c)| rating(data, p, *c, name)).collect();
+        let y: Vec<Option<f64>> = cells
+            .iter()
+            .map(|(p, c)| rating(data, p, *c, name))
+            .collect();
         Ok(SimilarityRow {
             rating: name.to_owned(),
             pooled: correlate(&x, &y, CorrelationMethod::Spearman)?,
             within: correlate_within(&subjects, &x, &y)?,
         })
     };
-    ["trust", "intelligence", "competence"].into_iter().map(one).collect()
+    ["trust", "intelligence", "competence"]
+        .into_iter()
+        .map(one)
+        .collect()
 }
 
 /// Who rated Aggressive and Cautious above Mimic.
@@ -87,9 +117,11 @@ pub(super) fn preferences(data: &StudyData) -> Vec<Preference> {
         let sign = if more_is_better { 1.0 } else { -1.0 };
         for p in &data.participants {
             let score = |c| rating(data, p, c, name).map(|v| v * sign);
-            let (Some(mimic), Some(aggressive), Some(cautious)) =
-                (score(Condition::Mimic), score(Condition::Aggressive), score(Condition::Cautious))
-            else {
+            let (Some(mimic), Some(aggressive), Some(cautious)) = (
+                score(Condition::Mimic),
+                score(Condition::Aggressive),
+                score(Condition::Cautious),
+            ) else {
                 continue;
             };
             found.n += 1;

@@ -1,9 +1,9 @@
 //! 9.1: the aggression line against the measures and the score; 9.4: what should not follow it.
 
 use super::{
+    adapt::{circular, correlate},
     data::StudyData,
     result::{AggressionLine, Correlation, Kept, LineRow},
-    adapt::{circular, correlate},
 };
 use crate::error::StudyError;
 use maveric_domain::{Condition, MetresPerSecond};
@@ -11,8 +11,13 @@ use maveric_measures::objective;
 use maveric_stats::CorrelationMethod;
 
 /// The measures that the paper found to follow the line, in its order.
-pub(super) const FOLLOWS: [&str; 5] =
-    ["mean_velocity_mps", "mean_headway_time_s", "headway_merge_back_m", "lane_changes", "headway_merge_back_s"];
+pub(super) const FOLLOWS: [&str; 5] = [
+    "mean_velocity_mps",
+    "mean_headway_time_s",
+    "headway_merge_back_m",
+    "lane_changes",
+    "headway_merge_back_s",
+];
 /// Those that it found not to.
 const DOES_NOT: [&str; 2] = ["min_headway_distance_m", "left_lane_fraction"];
 
@@ -23,49 +28,82 @@ pub(super) fn title(measure: &str) -> String {
 
 /// Unit of a measure, empty for counts and shares.
 pub(super) fn unit(measure: &str) -> String {
-    objective::find(measure).map_or("", |m| if m.unit == "1" { "" } else { m.unit }).to_owned()
+    objective::find(measure)
+        .map_or("", |m| if m.unit == "1" { "" } else { m.unit })
+        .to_owned()
 }
 
 fn position(data: &StudyData, adb_used: bool) -> Vec<Option<f64>> {
-    data.participants.iter().map(|p| data.embedding(p, adb_used).and_then(|e| e.line_position)).collect()
+    data.participants
+        .iter()
+        .map(|p| data.embedding(p, adb_used).and_then(|e| e.line_position))
+        .collect()
 }
 
 fn own(data: &StudyData, measure: &str) -> Vec<Option<f64>> {
-    data.participants.iter().map(|p| data.measured(p, Condition::Own, measure)).collect()
+    data.participants
+        .iter()
+        .map(|p| data.measured(p, Condition::Own, measure))
+        .collect()
 }
 
 fn pairs(x: &[Option<f64>], y: &[Option<f64>]) -> Vec<(f64, f64)> {
-    x.iter().zip(y).filter_map(|(x, y)| Some(((*x)?, (*y)?))).collect()
+    x.iter()
+        .zip(y)
+        .filter_map(|(x, y)| Some(((*x)?, (*y)?)))
+        .collect()
 }
 
 /// Positions against the own drive's measures, and against ADB.
 pub(super) fn line(data: &StudyData, adb_used: bool) -> Result<AggressionLine, StudyError> {
     let positions = position(data, adb_used);
-    let row = |measure: &str, title: String, values: Vec<Option<f64>>| -> Result<LineRow, StudyError> {
-        let correlation = correlate(&positions, &values, CorrelationMethod::Pearson)?;
-        Ok(LineRow { measure: measure.to_owned(), title, correlation, points: pairs(&positions, &values) })
-    };
+    let row =
+        |measure: &str, title: String, values: Vec<Option<f64>>| -> Result<LineRow, StudyError> {
+            let correlation = correlate(&positions, &values, CorrelationMethod::Pearson)?;
+            Ok(LineRow {
+                measure: measure.to_owned(),
+                title,
+                correlation,
+                points: pairs(&positions, &values),
+            })
+        };
     let mut rows = Vec::new();
     for measure in FOLLOWS {
         rows.push(row(measure, title(measure), own(data, measure))?);
     }
-    let adb = data.participants.iter().map(|p| data.pre(p, "adb", "total")).collect();
+    let adb = data
+        .participants
+        .iter()
+        .map(|p| data.pre(p, "adb", "total"))
+        .collect();
     rows.push(row("adb", "ADB score".to_owned(), adb)?);
     let mut ends = rows[0].points.clone();
     ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let velocity_ends_mph =
-        ends.first().zip(ends.last()).map(|(low, high)| (MetresPerSecond(low.1).mph(), MetresPerSecond(high.1).mph()));
-    Ok(AggressionLine { adb_used, rows, velocity_ends_mph })
+    let velocity_ends_mph = ends
+        .first()
+        .zip(ends.last())
+        .map(|(low, high)| (MetresPerSecond(low.1).mph(), MetresPerSecond(high.1).mph()));
+    Ok(AggressionLine {
+        adb_used,
+        rows,
+        velocity_ends_mph,
+    })
 }
 
 /// Habits along the line and round the ellipse.
 pub(super) fn kept(data: &StudyData) -> Result<Vec<Kept>, StudyError> {
     let positions = position(data, true);
     let angle = |p: &_| {
-        data.conditions.iter().find(|c| c.participant == *p && c.condition == Condition::Perpendicular)?.angle_rad
+        data.conditions
+            .iter()
+            .find(|c| c.participant == *p && c.condition == Condition::Perpendicular)?
+            .angle_rad
     };
-    let angles: Vec<Option<f64>> =
-        data.participants.iter().map(|p| angle(p).map(|a| a.rem_euclid(std::f64::consts::TAU))).collect();
+    let angles: Vec<Option<f64>> = data
+        .participants
+        .iter()
+        .map(|p| angle(p).map(|a| a.rem_euclid(std::f64::consts::TAU)))
+        .collect();
     let one = |measure: &str| -> Result<Kept, StudyError> {
         let change = |p| {
             let mimic = data.measured(p, Condition::Mimic, measure)?;
@@ -73,7 +111,8 @@ pub(super) fn kept(data: &StudyData) -> Result<Vec<Kept>, StudyError> {
         };
         let changes: Vec<Option<f64>> = data.participants.iter().map(change).collect();
         let round = circular(&angles, &changes)?;
-        let line: Correlation = correlate(&positions, &own(data, measure), CorrelationMethod::Pearson)?;
+        let line: Correlation =
+            correlate(&positions, &own(data, measure), CorrelationMethod::Pearson)?;
         Ok(Kept {
             measure: measure.to_owned(),
             title: title(measure),

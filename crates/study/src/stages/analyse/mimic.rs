@@ -13,17 +13,28 @@ use maveric_stats::{WithinSubjects, adjust, within};
 /// Mimic accuracy of each measure, beside what the mean of the other drivers would have reached.
 pub(super) fn accuracy(data: &StudyData) -> Vec<MimicAccuracy> {
     let one = |measure: &str| {
-        let own: Vec<Option<f64>> =
-            data.participants.iter().map(|p| data.measured(p, Condition::Own, measure)).collect();
+        let own: Vec<Option<f64>> = data
+            .participants
+            .iter()
+            .map(|p| data.measured(p, Condition::Own, measure))
+            .collect();
         let pair = |(i, p)| (data.measured(p, Condition::Mimic, measure), own[i]);
         let pairs: Vec<_> = data.participants.iter().enumerate().map(pair).collect();
         let found = mean_accuracy(&pairs);
         let others = |i: usize| {
-            let values: Vec<f64> =
-                own.iter().enumerate().filter(|(j, _)| *j != i).filter_map(|(_, v)| *v).collect();
+            let values: Vec<f64> = own
+                .iter()
+                .enumerate()
+                .filter(|(j, _)| *j != i)
+                .filter_map(|(_, v)| *v)
+                .collect();
             (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
         };
-        let guesses: Vec<_> = own.iter().enumerate().map(|(i, v)| (others(i), *v)).collect();
+        let guesses: Vec<_> = own
+            .iter()
+            .enumerate()
+            .map(|(i, v)| (others(i), *v))
+            .collect();
         MimicAccuracy {
             measure: measure.to_owned(),
             title: title(measure),
@@ -45,7 +56,9 @@ pub(super) fn nearer(data: &StudyData) -> Result<Vec<Nearer>, StudyError> {
             let mut subjects = Vec::new();
             let mut distances: Vec<Vec<f64>> = Vec::new();
             for p in &data.participants {
-                let Some(own) = data.measured(p, Condition::Own, measure) else { continue };
+                let Some(own) = data.measured(p, Condition::Own, measure) else {
+                    continue;
+                };
                 let distance = |c| data.measured(p, c, measure).map(|v| (v - own).abs());
                 if let (Some(mimic), Some(other)) = (distance(Condition::Mimic), distance(than)) {
                     subjects.push(p.to_string());
@@ -54,7 +67,12 @@ pub(super) fn nearer(data: &StudyData) -> Result<Vec<Nearer>, StudyError> {
             }
             let n = subjects.len();
             let wins = distances.iter().filter(|d| d[0] < d[1]).count();
-            let tested = WithinSubjects::from_rows(&["mimic", "other"], &subjects, &distances).ok();
+            let tested = WithinSubjects::from_rows(
+                &["mimic".to_owned(), "other".to_owned()],
+                &subjects,
+                &distances,
+            )
+            .ok();
             let p = tested.and_then(|t| within(&t).wilcoxon.get("mimic|other").and_then(|w| w.p));
             rows.push(Nearer {
                 measure: measure.to_owned(),

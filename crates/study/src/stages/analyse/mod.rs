@@ -9,8 +9,8 @@ mod panels;
 mod result;
 
 pub use result::{
-    AggressionLine, Analysis, Correlation, Exclusion, HomophilyRow, Kept, LineRow, MimicAccuracy, Nearer, Panel, PanelPair,
-    Preference, SimilarityRow,
+    AggressionLine, Analysis, Correlation, Exclusion, HomophilyRow, Kept, LineRow, MimicAccuracy,
+    Nearer, Panel, PanelPair, Preference, SimilarityRow,
 };
 
 use crate::{
@@ -38,7 +38,10 @@ pub struct AnalyseOptions {
 ///
 /// # Source
 /// Method section 9.
-pub fn analyse(options: &AnalyseOptions, watch: Watch<'_>) -> Result<Outcome<Analysis>, StudyError> {
+pub fn analyse(
+    options: &AnalyseOptions,
+    watch: Watch<'_>,
+) -> Result<Outcome<Analysis>, StudyError> {
     let data = StudyData::read(&options.results)?;
     let steps = 6;
     watch.step(1, steps, "aggression line")?;
@@ -77,9 +80,21 @@ pub fn analyse(options: &AnalyseOptions, watch: Watch<'_>) -> Result<Outcome<Ana
     };
     watch.step(steps, steps, "analyses")?;
     write_json(&options.out, &analysis)?;
-    let warnings = analysis.exclusions.iter().map(|e| format!("{}: left out of {}: {}", e.who, e.what, e.why)).collect();
-    let summary = vec![format!("{} participants analysed: {}", analysis.participants, options.out.display())];
-    Ok(Outcome { value: analysis, summary, warnings })
+    let warnings = analysis
+        .exclusions
+        .iter()
+        .map(|e| format!("{}: left out of {}: {}", e.who, e.what, e.why))
+        .collect();
+    let summary = vec![format!(
+        "{} participants analysed: {}",
+        analysis.participants,
+        options.out.display()
+    )];
+    Ok(Outcome {
+        value: analysis,
+        summary,
+        warnings,
+    })
 }
 
 fn exclusions(panels: &[Panel], accuracy: &[MimicAccuracy]) -> Vec<Exclusion> {

@@ -19,20 +19,40 @@ const SAME_AGGRESSIVENESS: f64 = 4.0;
 pub(super) fn panels(data: &StudyData) -> Result<Vec<Panel>, StudyError> {
     let mut panels = Vec::new();
     for measure in FOLLOWS {
-        let value = |p: &_, c| difference_from_own(data.measured(p, c, measure), data.measured(p, Condition::Own, measure));
+        let value = |p: &_, c| {
+            difference_from_own(
+                data.measured(p, c, measure),
+                data.measured(p, Condition::Own, measure),
+            )
+        };
         // People read speeds in mph.
         let (scale, unit) = match measure {
             "mean_velocity_mps" => (MetresPerSecond(1.0).mph(), "mph".to_owned()),
             _ => (1.0, unit(measure)),
         };
-        let row = |p| Condition::AV.map(|c| value(p, c).map(|v| v * scale)).to_vec();
+        let row = |p| {
+            Condition::AV
+                .map(|c| value(p, c).map(|v| v * scale))
+                .to_vec()
+        };
         let rows = data.participants.iter().map(row).collect();
         panels.push(panel(data, measure, title(measure), unit, 0.0, rows)?);
     }
-    let rated = |p| Condition::AV.map(|c| data.post(p, c, "aggressiveness", "aggressiveness")).to_vec();
+    let rated = |p| {
+        Condition::AV
+            .map(|c| data.post(p, c, "aggressiveness", "aggressiveness"))
+            .to_vec()
+    };
     let rows = data.participants.iter().map(rated).collect();
     let name = "Subjective aggressiveness".to_owned();
-    panels.push(panel(data, "aggressiveness", name, "rating, 1 to 7".to_owned(), SAME_AGGRESSIVENESS, rows)?);
+    panels.push(panel(
+        data,
+        "aggressiveness",
+        name,
+        "rating, 1 to 7".to_owned(),
+        SAME_AGGRESSIVENESS,
+        rows,
+    )?);
     Ok(panels)
 }
 
@@ -78,10 +98,12 @@ fn panel(
     if n < 2 {
         return Ok(panel);
     }
-    let names = Condition::AV.map(Condition::as_str);
+    let names = Condition::AV.map(|c| c.to_string());
     let tested = WithinSubjects::from_rows(&names, &subjects, &values)?;
     let found = compare(&tested, ALPHA)?;
-    panel.chosen = serde_json::to_value(found.chosen).ok().and_then(|v| v.as_str().map(str::to_owned));
+    panel.chosen = serde_json::to_value(found.chosen)
+        .ok()
+        .and_then(|v| v.as_str().map(str::to_owned));
     panel.reasons.clone_from(&found.reasons);
     panel.omnibus_p = found.omnibus.p;
     panel.omnibus = apa_omnibus(&found.omnibus, found.n).map_or_else(
@@ -89,7 +111,9 @@ fn panel(
         |statement| statement.markup().to_owned(),
     );
     for (name, pair) in found.posthoc.pairs.iter() {
-        let Some((first, second)) = name.split_once('|') else { continue };
+        let Some((first, second)) = name.split_once('|') else {
+            continue;
+        };
         panel.pairs.push(PanelPair {
             first: first.parse()?,
             second: second.parse()?,

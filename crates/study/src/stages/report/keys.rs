@@ -37,7 +37,11 @@ fn percent(part: usize, whole: usize) -> Option<f64> {
 }
 
 /// Every result that a claim may ask for.
-pub(super) fn results(analysis: &Analysis, people: &People, setup: &[(&str, f64)]) -> BTreeMap<String, f64> {
+pub(super) fn results(
+    analysis: &Analysis,
+    people: &People,
+    setup: &[(&str, f64)],
+) -> BTreeMap<String, f64> {
     let mut found = Results(BTreeMap::new());
     for (key, value) in setup {
         found.set(*key, Some(*value));
@@ -53,7 +57,10 @@ pub(super) fn results(analysis: &Analysis, people: &People, setup: &[(&str, f64)
         found.set("line.mean_velocity.high_mph", Some(high));
     }
     for row in &analysis.accuracy {
-        found.set(format!("mimic_accuracy.{}", short(&row.measure)), row.mean.map(|m| 100.0 * m));
+        found.set(
+            format!("mimic_accuracy.{}", short(&row.measure)),
+            row.mean.map(|m| 100.0 * m),
+        );
     }
     for row in &analysis.nearer {
         let key = format!("nearer.{}.{}", short(&row.measure), row.than);
@@ -61,13 +68,24 @@ pub(super) fn results(analysis: &Analysis, people: &People, setup: &[(&str, f64)
         // Above 0: for more people than not, Mimic is the nearer one.
         found.set(format!("{key}.direction"), row.share.map(|s| s - 0.5));
     }
-    let rated = analysis.panels.iter().filter(|p| p.measure == "aggressiveness").flat_map(|p| &p.pairs);
+    let rated = analysis
+        .panels
+        .iter()
+        .filter(|p| p.measure == "aggressiveness")
+        .flat_map(|p| &p.pairs);
     for pair in rated.filter(|p| p.first == Condition::Mimic) {
         let key = format!("rated_aggressiveness.{}", pair.second);
         found.set(format!("{key}.p"), pair.p_holm);
         // The claims: Cautious is rated below Mimic, Aggressive above it.
-        let sign = if pair.second == Condition::Cautious { 1.0 } else { -1.0 };
-        found.set(format!("{key}.direction"), pair.mean_difference.map(|d| sign * d));
+        let sign = if pair.second == Condition::Cautious {
+            1.0
+        } else {
+            -1.0
+        };
+        found.set(
+            format!("{key}.direction"),
+            pair.mean_difference.map(|d| sign * d),
+        );
     }
     for row in &analysis.kept {
         let name = short(&row.measure);
@@ -75,17 +93,30 @@ pub(super) fn results(analysis: &Analysis, people: &People, setup: &[(&str, f64)
         found.correlation(&format!("perpendicular.{name}"), &row.angle);
     }
     for row in &analysis.homophily {
-        let versus = if row.versus == Condition::Cautious { "mc" } else { "ma" };
-        found.correlation(&format!("correlation.{}.{versus}_{}", row.factor, row.rating), &row.correlation);
+        let versus = if row.versus == Condition::Cautious {
+            "mc"
+        } else {
+            "ma"
+        };
+        found.correlation(
+            &format!("correlation.{}.{versus}_{}", row.factor, row.rating),
+            &row.correlation,
+        );
     }
     for row in &analysis.similarity {
-        found.correlation(&format!("correlation.similarity.{}", row.rating), &row.pooled);
+        found.correlation(
+            &format!("correlation.similarity.{}", row.rating),
+            &row.pooled,
+        );
     }
     let over = |of: fn(&crate::stages::analyse::Preference) -> usize| {
         let n: usize = analysis.preferences.iter().map(|p| p.n).sum();
         percent(analysis.preferences.iter().map(of).sum(), n)
     };
-    found.set("preference.aggressive.percent", over(|p| p.aggressive_above));
+    found.set(
+        "preference.aggressive.percent",
+        over(|p| p.aggressive_above),
+    );
     found.set("preference.cautious.percent", over(|p| p.cautious_above));
     for row in &analysis.preferences {
         match row.rating.as_str() {
@@ -94,7 +125,10 @@ pub(super) fn results(analysis: &Analysis, people: &People, setup: &[(&str, f64)
                 percent(row.mimic_not_above_cautious, row.n),
             ),
             "discomfort" => {
-                found.set("preference.discomfort.aggressive_percent", percent(row.aggressive_above, row.n));
+                found.set(
+                    "preference.discomfort.aggressive_percent",
+                    percent(row.aggressive_above, row.n),
+                );
             }
             _ => {}
         }

@@ -53,8 +53,12 @@ pub fn report(options: &ReportOptions, watch: Watch<'_>) -> Result<Outcome<Repor
     } else {
         return Err(StudyError::BadFile {
             path: folder.clone(),
-            problem: "holds neither analysis.json nor following.json, so there is nothing to report".to_owned(),
-            help: Some("run a pipeline first, or `maveric stats paper` over a study's results".to_owned()),
+            problem:
+                "holds neither analysis.json nor following.json, so there is nothing to report"
+                    .to_owned(),
+            help: Some(
+                "run a pipeline first, or `maveric stats paper` over a study's results".to_owned(),
+            ),
         });
     };
     watch.step(1, 2, "report")?;
@@ -64,13 +68,22 @@ pub fn report(options: &ReportOptions, watch: Watch<'_>) -> Result<Outcome<Repor
     let index = options.out.join("index.html");
     let mut summary = findings.clone();
     summary.push(format!("report: {}", index.display()));
-    let value = Reported { page: index, files: files.len(), findings };
-    Ok(Outcome { value, summary, warnings: page.warnings })
+    let value = Reported {
+        page: index,
+        files: files.len(),
+        findings,
+    };
+    Ok(Outcome {
+        value,
+        summary,
+        warnings: page.warnings,
+    })
 }
 
 fn write_all(out: &Path, files: &[RenderedFile]) -> Result<(), StudyError> {
     // The page last: when it is there, everything that it links to is there too.
-    let (page, others): (Vec<&RenderedFile>, Vec<&RenderedFile>) = files.iter().partition(|f| f.path == "index.html");
+    let (page, others): (Vec<&RenderedFile>, Vec<&RenderedFile>) =
+        files.iter().partition(|f| f.path == "index.html");
     for file in others.into_iter().chain(page) {
         atomic_write_bytes(&out.join(&file.path), &file.bytes)?;
     }

@@ -31,7 +31,11 @@ impl People {
     pub(super) fn read(folder: &Path, drives: &[MeasuredDrive]) -> Result<Self, StudyError> {
         let by_hand = |study| {
             let hand = |d: &&MeasuredDrive| d.meta.driven_by != maveric_domain::DrivenBy::Automated;
-            drives.iter().filter(|d| d.meta.study == study).filter(hand).count()
+            drives
+                .iter()
+                .filter(|d| d.meta.study == study)
+                .filter(hand)
+                .count()
         };
         Ok(Self {
             people: read_participants(&folder.join("participants.csv"))?,
@@ -41,14 +45,18 @@ impl People {
     }
 
     fn of(&self, study: Study, population: Option<Population>) -> Vec<&Participant> {
-        let fits = |p: &&Participant| p.study == study && population.is_none_or(|g| p.population == g);
+        let fits =
+            |p: &&Participant| p.study == study && population.is_none_or(|g| p.population == g);
         self.people.iter().filter(fits).collect()
     }
 
     fn adb(&self, people: &[&Participant]) -> Vec<f64> {
         let score = |p: &&Participant| {
             let mine = |s: &&Score| {
-                s.participant == p.id && s.moment == Moment::Pre && s.scale == "adb" && s.subscale == "total"
+                s.participant == p.id
+                    && s.moment == Moment::Pre
+                    && s.scale == "adb"
+                    && s.subscale == "total"
             };
             self.scores.iter().find(mine)?.value
         };
@@ -81,8 +89,16 @@ impl People {
     pub(super) fn groups(&self) -> Vec<ParticipantGroup> {
         vec![
             self.group("Study 1 (model training)", Study::One, None),
-            self.group("Study 2 (model testing), internal", Study::Two, Some(Population::Internal)),
-            self.group("Study 2 (model testing), external", Study::Two, Some(Population::External)),
+            self.group(
+                "Study 2 (model testing), internal",
+                Study::Two,
+                Some(Population::Internal),
+            ),
+            self.group(
+                "Study 2 (model testing), external",
+                Study::Two,
+                Some(Population::External),
+            ),
         ]
     }
 
@@ -98,12 +114,25 @@ impl People {
             let group = self.group(key, study, population);
             found.push((format!("participants.{key}.n"), Some(group.n as f64)));
             found.push((format!("participants.{key}.mean_age"), group.mean_age));
-            found.push((format!("participants.{key}.female_percent"), group.female.map(|f| 100.0 * f)));
+            found.push((
+                format!("participants.{key}.female_percent"),
+                group.female.map(|f| 100.0 * f),
+            ));
         }
         found.push(("participants.n".to_owned(), Some(self.people.len() as f64)));
-        let professionals = self.of(Study::One, None).iter().filter(|p| p.professional).count();
-        found.push(("participants.study1.professionals".to_owned(), Some(professionals as f64)));
-        found.push(("participants.study1.drives".to_owned(), Some(self.drives[0] as f64)));
+        let professionals = self
+            .of(Study::One, None)
+            .iter()
+            .filter(|p| p.professional)
+            .count();
+        found.push((
+            "participants.study1.professionals".to_owned(),
+            Some(professionals as f64),
+        ));
+        found.push((
+            "participants.study1.drives".to_owned(),
+            Some(self.drives[0] as f64),
+        ));
         found
     }
 }

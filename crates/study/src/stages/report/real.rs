@@ -9,7 +9,8 @@ use maveric_model::following::{FollowingEvaluation, FollowingMethod};
 use maveric_report::{
     Context, Report,
     figures::{
-        CarFollowing, Follower, FollowingErrors, FollowingSeries, ModelErrors, car_following, following_errors,
+        car_following::{CarFollowing, Follower, FollowingSeries, car_following},
+        following_errors::{FollowingErrors, ModelErrors, following_errors},
     },
     html::{Provenance, Section},
     tables::{self, FollowingRow},
@@ -18,17 +19,27 @@ use std::path::Path;
 
 /// The methods that the figures show.
 const SHOWN: [(FollowingMethod, Follower); 4] = [
-    (FollowingMethod::NetworkOwn, Follower::Model),
-    (FollowingMethod::NetworkMean, Follower::MeanEmbedding),
+    (FollowingMethod::FollowingDistanceOwn, Follower::Model),
+    (
+        FollowingMethod::FollowingDistanceMean,
+        Follower::MeanEmbedding,
+    ),
     (FollowingMethod::IdmOwn, Follower::Idm),
-    (FollowingMethod::ConstantTimeGapOwn, Follower::ConstantTimeGap),
+    (
+        FollowingMethod::ConstantTimeGapOwn,
+        Follower::ConstantTimeGap,
+    ),
 ];
 
 pub(super) fn page(folder: &Path) -> Result<(Report, Vec<String>), StudyError> {
     let found: FollowingEvaluation = read_json(&folder.join("following.json"))?;
     let training: TrainingSummary = read_json(&training_path(&folder.join(MODEL_FILE)))?;
     let context = Context::real();
-    let data_set = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let data_set = folder
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
     let rows: Vec<FollowingRow> = found
         .means
         .iter()
@@ -43,14 +54,22 @@ pub(super) fn page(folder: &Path) -> Result<(Report, Vec<String>), StudyError> {
     let drivers: Vec<String> = found.drivers.iter().map(|d| d.driver.clone()).collect();
     let errors_of = |method| -> Vec<f64> {
         let of = |d: &maveric_model::following::DriverEvaluation| {
-            d.methods.iter().find(|m| m.method == method).map(|m| m.errors.gap_rmse_m)
+            d.methods
+                .iter()
+                .find(|m| m.method == method)
+                .map(|m| m.errors.gap_rmse_m)
         };
         found.drivers.iter().filter_map(of).collect()
     };
     let errors = FollowingErrors {
         data_set: data_set.clone(),
         drivers: drivers.clone(),
-        models: SHOWN.map(|(method, model)| ModelErrors { model, gap_rmse_m: errors_of(method) }).to_vec(),
+        models: SHOWN
+            .map(|(method, model)| ModelErrors {
+                model,
+                gap_rmse_m: errors_of(method),
+            })
+            .to_vec(),
     };
     let mut figures = vec![following_errors(&errors, &context)?];
     for driver in &found.drivers {
@@ -62,7 +81,11 @@ pub(super) fn page(folder: &Path) -> Result<(Report, Vec<String>), StudyError> {
         };
         let simulated = SHOWN.iter().filter_map(|(method, follower)| {
             let s = series.simulated.iter().find(|s| s.method == *method)?;
-            Some(FollowingSeries { follower: *follower, gap_m: s.gap_m.clone(), speed_mps: s.speed_mps.clone() })
+            Some(FollowingSeries {
+                follower: *follower,
+                gap_m: s.gap_m.clone(),
+                speed_mps: s.speed_mps.clone(),
+            })
         });
         let input = CarFollowing {
             driver: driver.driver.clone(),
@@ -90,7 +113,12 @@ pub(super) fn page(folder: &Path) -> Result<(Report, Vec<String>), StudyError> {
         }
     }
     let findings = summary.clone();
-    summary.extend(training.left_out.iter().map(|l| format!("Left out of the training: {l}.")));
+    summary.extend(
+        training
+            .left_out
+            .iter()
+            .map(|l| format!("Left out of the training: {l}.")),
+    );
     let sections = vec![Section {
         title: "Car-following on the unseen last third".to_owned(),
         intro: vec![

@@ -3,7 +3,7 @@
 use crate::error::StudyError;
 use maveric_domain::{Condition, Drive, DrivenBy};
 use maveric_ingest::{IngestSettings, read_log};
-use maveric_report::figures::{SimulatorView, VehicleView};
+use maveric_report::figures::simulator_view::{SimulatorView, VehicleView};
 use std::path::Path;
 
 /// Width of every simulated vehicle, in m: the road frame knows lengths only.
@@ -16,23 +16,48 @@ const PATH_S: f64 = 4.0;
 /// The first moment of a Mimic drive at which the car is half-way through a change to the left; without a change, the
 /// drive's middle. `None` if there are no logs.
 pub(super) fn view(logs: &Path) -> Result<Option<SimulatorView>, StudyError> {
-    let Ok(entries) = std::fs::read_dir(logs) else { return Ok(None) };
+    let Ok(entries) = std::fs::read_dir(logs) else {
+        return Ok(None);
+    };
     let mut paths: Vec<_> = entries.filter_map(Result::ok).map(|e| e.path()).collect();
     paths.sort();
-    let Some(path) = paths.into_iter().find(|p| p.to_string_lossy().ends_with("-mimic.mcap")) else { return Ok(None) };
-    let Some(log) = read_log(&path, &IngestSettings::default())?.into_iter().next() else { return Ok(None) };
+    let Some(path) = paths
+        .into_iter()
+        .find(|p| p.to_string_lossy().ends_with("-mimic.mcap"))
+    else {
+        return Ok(None);
+    };
+    let Some(log) = read_log(&path, &IngestSettings::default())?
+        .into_iter()
+        .next()
+    else {
+        return Ok(None);
+    };
     let drive = Drive::from_recording(log.meta.clone(), &log.recording)?;
     debug_assert_eq!(log.meta.driven_by, DrivenBy::Automated);
-    let row = drive.lane_changes().first().map_or(drive.len() / 2, |c| usize::midpoint(c.start, c.end));
-    let Some(scene) = log.recording.scene(row) else { return Ok(None) };
+    let row = drive
+        .lane_changes()
+        .first()
+        .map_or(drive.len() / 2, |c| usize::midpoint(c.start, c.end));
+    let Some(scene) = log.recording.scene(row) else {
+        return Ok(None);
+    };
     let (x, y) = (&drive.rows().ego_x_m, &drive.rows().ego_y_m);
     let steps = (PATH_S * drive.rate_hz()) as usize;
-    let path_between = |from: usize, to: usize| (from..to.min(drive.len())).map(|i| (x[i], y[i])).collect::<Vec<_>>();
+    let path_between = |from: usize, to: usize| {
+        (from..to.min(drive.len()))
+            .map(|i| (x[i], y[i]))
+            .collect::<Vec<_>>()
+    };
     let heading = |i: usize| {
         let (a, b) = (i.saturating_sub(2), (i + 2).min(drive.len() - 1));
         (y[b] - y[a]).atan2(x[b] - x[a])
     };
-    let near: Vec<_> = scene.vehicles.iter().filter(|v| (v.x_m - scene.ego.x_m).abs() < SIGHT_M).collect();
+    let near: Vec<_> = scene
+        .vehicles
+        .iter()
+        .filter(|v| (v.x_m - scene.ego.x_m).abs() < SIGHT_M)
+        .collect();
     let reference = drive.rows().lead_id[row].and_then(|id| near.iter().position(|v| v.id.0 == id));
     let road = drive.road();
     Ok(Some(SimulatorView {

@@ -29,13 +29,21 @@ use maveric_report::{
     Context, Figure, Report, apa,
     claims::{self, LedgerRow},
     figures::{
-        AggressionLine, AngleChange, Architecture, DifferencePanel, DifferencePanels, EmbeddingPoint, EmbeddingSpace,
-        ExampleConditions, LinePanel, LossTerm, PairTest, PerpendicularChanges, PerpendicularPanel, Preferences,
-        ScalePreference, TrainingCurves, aggression_line, architecture, difference_panels, domain, embedding_space,
-        perpendicular, preference, simulator_view, training_curves,
+        aggression_line::{AggressionLine, LinePanel, aggression_line},
+        architecture::{Architecture, architecture},
+        difference_panels::{DifferencePanel, DifferencePanels, PairTest, difference_panels},
+        domain,
+        embedding_space::{EmbeddingPoint, EmbeddingSpace, ExampleConditions, embedding_space},
+        perpendicular::{AngleChange, PerpendicularChanges, PerpendicularPanel, perpendicular},
+        preference::{Preferences, ScalePreference, preference},
+        simulator_view,
+        training_curves::{LossTerm, TrainingCurves, training_curves},
     },
     html::{Provenance, Section},
-    tables::{self, AccuracyRow, Coefficient, Correlation, CorrelationRow, Exclusion, LineCorrelation, Reliability},
+    tables::{
+        self, AccuracyRow, Coefficient, Correlation, CorrelationRow, Exclusion, LineCorrelation,
+        Reliability,
+    },
 };
 use std::{collections::BTreeMap, path::Path};
 
@@ -51,11 +59,19 @@ struct Run {
     context: Context,
 }
 
-pub(super) fn page(folder: &Path, claims: &str, watch: Watch<'_>) -> Result<(Report, Vec<String>), StudyError> {
+pub(super) fn page(
+    folder: &Path,
+    claims: &str,
+    watch: Watch<'_>,
+) -> Result<(Report, Vec<String>), StudyError> {
     let analysis: Analysis = read_json(&folder.join("analysis.json"))?;
     let training: TrainingSummary = read_json(&training_path(&folder.join(MODEL_FILE)))?;
     let measured = read_measurements(&folder.join("measurements.parquet"))?;
-    let context = if analysis.synthetic { Context::synthetic(training.seed) } else { Context::real() };
+    let context = if analysis.synthetic {
+        Context::synthetic(training.seed)
+    } else {
+        Context::real()
+    };
     let run = Run {
         model: read_model(&folder.join(MODEL_FILE))?,
         conditions: read_conditions(&folder.join("conditions.csv"))?,
@@ -66,13 +82,21 @@ pub(super) fn page(folder: &Path, claims: &str, watch: Watch<'_>) -> Result<(Rep
     };
     let people = People::read(folder, &run.measured)?;
     let minutes = {
-        let list = File::read(&folder.join("drives/study2/drives.csv"))?.all_numbers("duration_s")?;
+        let list =
+            File::read(&folder.join("drives/study2/drives.csv"))?.all_numbers("duration_s")?;
         list.iter().sum::<f64>() / list.len() as f64 / 60.0
     };
-    let moved = run.conditions.iter().map(|c| c.moved_points.abs()).fold(0.0, f64::max);
+    let moved = run
+        .conditions
+        .iter()
+        .map(|c| c.moved_points.abs())
+        .fold(0.0, f64::max);
     let setup = [
         ("scenario.drive_minutes", minutes.round()),
-        ("scenario.posted_speed_mph", MetresPerSecond(maveric_domain::Road::PAPER.posted_speed_mps).mph()),
+        (
+            "scenario.posted_speed_mph",
+            MetresPerSecond(maveric_domain::Road::PAPER.posted_speed_mps).mph(),
+        ),
         ("steer.adb_shift_points", moved),
         ("model.embedding_size", run.model.embedding_size() as f64),
     ];
@@ -92,7 +116,11 @@ pub(super) fn page(folder: &Path, claims: &str, watch: Watch<'_>) -> Result<(Rep
         .analysis
         .exclusions
         .iter()
-        .map(|e| Exclusion { who: e.who.clone(), what: e.what.clone(), why: e.why.clone() })
+        .map(|e| Exclusion {
+            who: e.who.clone(),
+            what: e.what.clone(),
+            why: e.why.clone(),
+        })
         .chain(ingest_exclusions(folder)?)
         .collect();
     let mut warnings = run.training.left_out.clone();
@@ -103,7 +131,11 @@ pub(super) fn page(folder: &Path, claims: &str, watch: Watch<'_>) -> Result<(Rep
             100.0 * share
         ));
     }
-    let made_up = if run.analysis.synthetic { "Synthetic participants: " } else { "" };
+    let made_up = if run.analysis.synthetic {
+        "Synthetic participants: "
+    } else {
+        ""
+    };
     let report = Report {
         title: "MAVERIC: personalised driving style".to_owned(),
         subtitle: format!(
@@ -119,7 +151,10 @@ pub(super) fn page(folder: &Path, claims: &str, watch: Watch<'_>) -> Result<(Rep
         provenance: Provenance {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             seed: Some(run.training.seed),
-            command: format!("maveric run pipelines/{}.toml", folder.file_name().unwrap_or_default().to_string_lossy()),
+            command: format!(
+                "maveric run pipelines/{}.toml",
+                folder.file_name().unwrap_or_default().to_string_lossy()
+            ),
             parameters: parameters(&run.training),
             inputs: Vec::new(),
         },
@@ -131,7 +166,10 @@ pub(super) fn page(folder: &Path, claims: &str, watch: Watch<'_>) -> Result<(Rep
 pub(super) fn parameters(training: &TrainingSummary) -> Vec<(String, String)> {
     let settings = serde_json::to_value(&training.settings).unwrap_or_default();
     let fields = settings.as_object().cloned().unwrap_or_default();
-    fields.into_iter().map(|(name, value)| (format!("training: {name}"), value.to_string())).collect()
+    fields
+        .into_iter()
+        .map(|(name, value)| (format!("training: {name}"), value.to_string()))
+        .collect()
 }
 
 fn percent(value: Option<f64>) -> String {
@@ -151,7 +189,12 @@ fn statement(c: &Found) -> Option<Correlation> {
         "rm_corr" => Coefficient::RepeatedMeasures,
         _ => Coefficient::Pearson,
     };
-    Some(Correlation { coefficient, value: c.r?, df: c.df, p: c.p? })
+    Some(Correlation {
+        coefficient,
+        value: c.r?,
+        df: c.df,
+        p: c.p?,
+    })
 }
 
 /// The ten lines that a run ends with.
@@ -164,32 +207,58 @@ fn findings(run: &Run) -> Vec<String> {
             run.training.drives, a.participants, run.training.seed
         ));
     }
-    let accuracy: Vec<String> =
-        a.accuracy.iter().map(|r| format!("{} {}", r.title.to_lowercase(), percent(r.mean))).collect();
+    let accuracy: Vec<String> = a
+        .accuracy
+        .iter()
+        .map(|r| format!("{} {}", r.title.to_lowercase(), percent(r.mean)))
+        .collect();
     lines.push(format!("Mimic accuracy: {}", accuracy.join(", ")));
-    let adb = |line: &Line| line.rows.iter().find(|r| r.measure == "adb").map(|r| said(&r.correlation));
+    let adb = |line: &Line| {
+        line.rows
+            .iter()
+            .find(|r| r.measure == "adb")
+            .map(|r| said(&r.correlation))
+    };
     lines.push(format!(
         "Aggression line against ADB: {} (embedding fitted with the score), {} (without)",
         adb(&a.line).unwrap_or_default(),
         adb(&a.line_without_adb).unwrap_or_default()
     ));
     for panel in &a.panels {
-        lines.push(format!("{} over the conditions: {}", panel.title, panel.omnibus));
+        lines.push(format!(
+            "{} over the conditions: {}",
+            panel.title, panel.omnibus
+        ));
     }
     lines
 }
 
 fn reliabilities(folder: &Path) -> Result<Vec<Reliability>, StudyError> {
     let mut rows = Vec::new();
-    for file in ["scores_reliabilities.csv", "rating_scores_reliabilities.csv"] {
+    for file in [
+        "scores_reliabilities.csv",
+        "rating_scores_reliabilities.csv",
+    ] {
         let table = File::read(&folder.join(file))?;
         let (scale, subscale) = (table.text("scale")?, table.text("subscale")?);
         let (items, n) = (table.all_numbers("items")?, table.all_numbers("n")?);
-        let (alpha, low, high) = (table.numbers("alpha")?, table.numbers("ci_low")?, table.numbers("ci_high")?);
+        let (alpha, low, high) = (
+            table.numbers("alpha")?,
+            table.numbers("ci_low")?,
+            table.numbers("ci_high")?,
+        );
         for i in 0..table.rows() {
-            let when = if file.starts_with("rating") { " (after a condition)" } else { "" };
+            let when = if file.starts_with("rating") {
+                " (after a condition)"
+            } else {
+                ""
+            };
             rows.push(Reliability {
-                scale: format!("{}: {}{when}", scale[i].clone().unwrap_or_default(), subscale[i].clone().unwrap_or_default()),
+                scale: format!(
+                    "{}: {}{when}",
+                    scale[i].clone().unwrap_or_default(),
+                    subscale[i].clone().unwrap_or_default()
+                ),
                 items: items[i] as usize,
                 n: n[i] as usize,
                 alpha: alpha[i],
@@ -221,7 +290,12 @@ fn ingest_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyError> {
     Ok(found)
 }
 
-fn section_setting(folder: &Path, run: &Run, people: &People, reliabilities: Vec<Reliability>) -> Result<Section, StudyError> {
+fn section_setting(
+    folder: &Path,
+    run: &Run,
+    people: &People,
+    reliabilities: Vec<Reliability>,
+) -> Result<Section, StudyError> {
     let mut figures = vec![domain(&run.context)?, architecture_of(run)?];
     if let Some(view) = scene::view(&folder.join("av/logs"))? {
         figures.push(simulator_view(&view, &run.context)?);
@@ -231,7 +305,10 @@ fn section_setting(folder: &Path, run: &Run, people: &People, reliabilities: Vec
         title: "Setting, people, model".to_owned(),
         intro: Vec::new(),
         figures,
-        tables: vec![tables::participants(&people.groups(), run.analysis.synthetic), tables::reliabilities(&reliabilities)],
+        tables: vec![
+            tables::participants(&people.groups(), run.analysis.synthetic),
+            tables::reliabilities(&reliabilities),
+        ],
     })
 }
 
@@ -270,24 +347,49 @@ fn training_of(run: &Run) -> Result<Figure, StudyError> {
     ];
     let term = |(title, of): (&str, Of)| {
         let train: Option<Vec<f64>> = run.training.epochs.iter().map(|e| of(&e.losses)).collect();
-        Some(LossTerm { title: title.to_owned(), train: train?, validation: Vec::new() })
+        Some(LossTerm {
+            title: title.to_owned(),
+            train: train?,
+            validation: Vec::new(),
+        })
     };
     let terms = terms.into_iter().filter_map(term).collect();
-    Ok(training_curves(&TrainingCurves { terms, drives: run.training.drives }, &run.context)?)
+    Ok(training_curves(
+        &TrainingCurves {
+            terms,
+            drives: run.training.drives,
+        },
+        &run.context,
+    )?)
 }
 
-fn section_embedding(folder: &Path, run: &Run, ledger: &[LedgerRow]) -> Result<Section, StudyError> {
+fn section_embedding(
+    folder: &Path,
+    run: &Run,
+    ledger: &[LedgerRow],
+) -> Result<Section, StudyError> {
     let axis = AggressionAxis::of(&run.model)?;
     let speed_of = |drive: &DriveId| {
-        run.measured.iter().find(|d| d.meta.drive == *drive).and_then(|d| d.values.get("mean_velocity_mps").copied().flatten())
+        run.measured
+            .iter()
+            .find(|d| d.meta.drive == *drive)
+            .and_then(|d| d.values.get("mean_velocity_mps").copied().flatten())
     };
     let mut points = Vec::new();
     for row in read_embeddings(&embeddings_path(&folder.join(MODEL_FILE)))? {
         if let (Some(adb_points), Some(mean_velocity_mps)) = (row.adb, speed_of(&row.drive)) {
-            points.push(EmbeddingPoint { embedding: row.embedding.coordinates().to_vec(), adb_points, mean_velocity_mps });
+            points.push(EmbeddingPoint {
+                embedding: row.embedding.coordinates().to_vec(),
+                adb_points,
+                mean_velocity_mps,
+            });
         }
     }
-    let space = EmbeddingSpace { points, gradient: axis.gradient().to_vec(), example: example(run)? };
+    let space = EmbeddingSpace {
+        points,
+        gradient: axis.gradient().to_vec(),
+        example: example(run)?,
+    };
     let lines = line_panels(&run.analysis.line);
     let rows: Vec<LineCorrelation> = run
         .analysis
@@ -317,19 +419,36 @@ fn section_embedding(folder: &Path, run: &Run, ledger: &[LedgerRow]) -> Result<S
 fn example(run: &Run) -> Result<Option<ExampleConditions>, StudyError> {
     // The participant nearest to the middle of the line shows both directions best.
     let middle = (maveric_domain::AdbScore::MIN + maveric_domain::AdbScore::MAX) / 2.0;
-    let mimic = run.conditions.iter().filter(|c| c.condition == Condition::Mimic);
-    let Some(own) = mimic.min_by(|a, b| (a.adb_hat - middle).abs().total_cmp(&(b.adb_hat - middle).abs())) else {
+    let mimic = run
+        .conditions
+        .iter()
+        .filter(|c| c.condition == Condition::Mimic);
+    let Some(own) = mimic.min_by(|a, b| {
+        (a.adb_hat - middle)
+            .abs()
+            .total_cmp(&(b.adb_hat - middle).abs())
+    }) else {
         return Ok(None);
     };
     let of = |condition| {
         let mine = |c: &&ConditionRow| c.participant == own.participant && c.condition == condition;
-        run.conditions.iter().find(mine).map(|c| c.embedding.coordinates().to_vec())
+        run.conditions
+            .iter()
+            .find(mine)
+            .map(|c| c.embedding.coordinates().to_vec())
     };
-    let (Some(aggressive), Some(cautious)) = (of(Condition::Aggressive), of(Condition::Cautious)) else { return Ok(None) };
+    let (Some(aggressive), Some(cautious)) = (of(Condition::Aggressive), of(Condition::Cautious))
+    else {
+        return Ok(None);
+    };
     let round = PerpendicularEllipse::of(&run.model)?;
     let at = |i: usize| -> Result<Vec<f64>, StudyError> {
         let angle = std::f64::consts::TAU * i as f64 / ELLIPSE_POINTS as f64;
-        Ok(round.at_angle(&own.embedding, angle)?.embedding.coordinates().to_vec())
+        Ok(round
+            .at_angle(&own.embedding, angle)?
+            .embedding
+            .coordinates()
+            .to_vec())
     };
     Ok(Some(ExampleConditions {
         participant: own.participant.to_string(),
@@ -357,21 +476,40 @@ fn line_panels(line: &Line) -> AggressionLine {
             statistic: said(&row.correlation),
         }
     };
-    AggressionLine { panels: line.rows.iter().filter(|r| !r.points.is_empty()).map(panel).collect() }
+    AggressionLine {
+        panels: line
+            .rows
+            .iter()
+            .filter(|r| !r.points.is_empty())
+            .map(panel)
+            .collect(),
+    }
 }
 
 fn printed(ledger: &[LedgerRow], key: &str) -> Option<Correlation> {
     let claim = &ledger.iter().find(|row| row.claim.key == key)?.claim;
-    let coefficient =
-        if claim.quantity == claims::Quantity::Rho { Coefficient::Spearman } else { Coefficient::Pearson };
+    let coefficient = if claim.quantity == claims::Quantity::Rho {
+        Coefficient::Spearman
+    } else {
+        Coefficient::Pearson
+    };
     let p = claim.printed_p.as_ref()?.value;
-    Some(Correlation { coefficient, value: claim.printed.value, df: claim.df? as usize, p })
+    Some(Correlation {
+        coefficient,
+        value: claim.printed.value,
+        df: claim.df? as usize,
+        p,
+    })
 }
 
 fn section_conditions(run: &Run, ledger: &[LedgerRow]) -> Result<Section, StudyError> {
-    let panels = DifferencePanels { panels: run.analysis.panels.iter().map(panel).collect() };
-    let reported: BTreeMap<&str, f64> =
-        ledger.iter().map(|row| (row.claim.key.as_str(), row.claim.printed.value)).collect();
+    let panels = DifferencePanels {
+        panels: run.analysis.panels.iter().map(panel).collect(),
+    };
+    let reported: BTreeMap<&str, f64> = ledger
+        .iter()
+        .map(|row| (row.claim.key.as_str(), row.claim.printed.value))
+        .collect();
     let rows: Vec<AccuracyRow> = run
         .analysis
         .accuracy
@@ -380,7 +518,9 @@ fn section_conditions(run: &Run, ledger: &[LedgerRow]) -> Result<Section, StudyE
             measure: r.title.clone(),
             n: r.n,
             ours: r.mean,
-            paper: reported.get(format!("mimic_accuracy.{}", short(&r.measure)).as_str()).map(|v| v / 100.0),
+            paper: reported
+                .get(format!("mimic_accuracy.{}", short(&r.measure)).as_str())
+                .map(|v| v / 100.0),
             population_mean: r.population_mean,
             test_retest: None,
         })
@@ -404,7 +544,9 @@ fn section_conditions(run: &Run, ledger: &[LedgerRow]) -> Result<Section, StudyE
 fn nearer_table(run: &Run) -> tables::Table {
     use tables::{Cell, Column};
     let row = |r: &crate::stages::analyse::Nearer| {
-        let p = r.p_holm.map_or_else(|| "n/a".to_owned(), |p| apa::p_holm(p).markup().to_owned());
+        let p = r
+            .p_holm
+            .map_or_else(|| "n/a".to_owned(), |p| apa::p_holm(p).markup().to_owned());
         vec![
             Cell::text(r.title.clone()),
             Cell::text(r.than.to_string()),
@@ -437,7 +579,11 @@ fn panel(panel: &Panel) -> DifferencePanel {
         (_, unit) => format!("Difference from own drive ({unit})"),
     };
     let pair = |p: &crate::stages::analyse::PanelPair| {
-        Some(PairTest { first: p.first, second: p.second, p_holm: p.p_holm? })
+        Some(PairTest {
+            first: p.first,
+            second: p.second,
+            p_holm: p.p_holm?,
+        })
     };
     DifferencePanel {
         title: panel.title.clone(),
@@ -445,7 +591,12 @@ fn panel(panel: &Panel) -> DifferencePanel {
         conditions: Condition::AV.to_vec(),
         rows: panel.rows.clone(),
         omnibus: panel.omnibus.clone(),
-        pairs: panel.pairs.iter().filter_map(pair).filter(|p| p.first == Condition::Mimic).collect(),
+        pairs: panel
+            .pairs
+            .iter()
+            .filter_map(pair)
+            .filter(|p| p.first == Condition::Mimic)
+            .collect(),
         reference: Some(panel.same),
     }
 }
@@ -458,19 +609,38 @@ fn section_kept(run: &Run) -> Result<Section, StudyError> {
         .filter(|k| !k.points.is_empty())
         .map(|k| {
             let round = match (k.circular_r, k.circular_p) {
-                (Some(r), Some(p)) => format!("*R* = {}, {}", apa::bounded(r, 2), apa::p(p).markup()),
+                (Some(r), Some(p)) => {
+                    format!("*R* = {}, {}", apa::bounded(r, 2), apa::p(p).markup())
+                }
                 _ => format!("not computed from {} participants", k.points.len()),
             };
             PerpendicularPanel {
                 title: k.title.clone(),
-                axis: if k.unit.is_empty() { "Change from Mimic".to_owned() } else { format!("Change from Mimic ({})", k.unit) },
-                points: k.points.iter().map(|(angle_rad, change)| AngleChange { angle_rad: *angle_rad, change: *change }).collect(),
+                axis: if k.unit.is_empty() {
+                    "Change from Mimic".to_owned()
+                } else {
+                    format!("Change from Mimic ({})", k.unit)
+                },
+                points: k
+                    .points
+                    .iter()
+                    .map(|(angle_rad, change)| AngleChange {
+                        angle_rad: *angle_rad,
+                        change: *change,
+                    })
+                    .collect(),
                 statistic: round,
             }
         })
         .collect::<Vec<_>>();
-    let figures =
-        if panels.is_empty() { Vec::new() } else { vec![perpendicular(&PerpendicularChanges { panels }, &run.context)?] };
+    let figures = if panels.is_empty() {
+        Vec::new()
+    } else {
+        vec![perpendicular(
+            &PerpendicularChanges { panels },
+            &run.context,
+        )?]
+    };
     let intro = run.analysis.kept.iter().map(|k| {
         format!(
             "{}: along the aggression line {}; against the angle, as the paper does it, {}. An angle has no natural zero, so the \
@@ -480,7 +650,12 @@ fn section_kept(run: &Run) -> Result<Section, StudyError> {
             said(&k.angle)
         )
     });
-    Ok(Section { title: "Other habits".to_owned(), intro: intro.collect(), figures, tables: Vec::new() })
+    Ok(Section {
+        title: "Other habits".to_owned(),
+        intro: intro.collect(),
+        figures,
+        tables: Vec::new(),
+    })
 }
 
 fn section_homophily(run: &Run, ledger: &[LedgerRow]) -> Result<Section, StudyError> {
@@ -515,18 +690,46 @@ fn section_homophily(run: &Run, ledger: &[LedgerRow]) -> Result<Section, StudyEr
             .iter()
             .filter(|p| p.n > 0)
             .map(|p| ScalePreference {
-                scale: if p.rating == "discomfort" { "Comfort".to_owned() } else { capital(&p.rating) },
+                scale: if p.rating == "discomfort" {
+                    "Comfort".to_owned()
+                } else {
+                    capital(&p.rating)
+                },
                 n: p.n,
                 aggressive_above: p.aggressive_above,
                 cautious_above: p.cautious_above,
             })
             .collect(),
     };
-    let tested = run.analysis.homophily.iter().filter(|r| r.correlation.p.is_some()).count();
-    let low = run.analysis.homophily.iter().filter(|r| r.correlation.p.is_some_and(|p| p < 0.05)).count();
-    let holm = run.analysis.homophily.iter().filter(|r| r.p_holm.is_some_and(|p| p < 0.05)).count();
-    let bh = run.analysis.homophily.iter().filter(|r| r.p_bh.is_some_and(|p| p < 0.05)).count();
-    let figures = if bars.scales.is_empty() { Vec::new() } else { vec![preference(&bars, &run.context)?] };
+    let tested = run
+        .analysis
+        .homophily
+        .iter()
+        .filter(|r| r.correlation.p.is_some())
+        .count();
+    let low = run
+        .analysis
+        .homophily
+        .iter()
+        .filter(|r| r.correlation.p.is_some_and(|p| p < 0.05))
+        .count();
+    let holm = run
+        .analysis
+        .homophily
+        .iter()
+        .filter(|r| r.p_holm.is_some_and(|p| p < 0.05))
+        .count();
+    let bh = run
+        .analysis
+        .homophily
+        .iter()
+        .filter(|r| r.p_bh.is_some_and(|p| p < 0.05))
+        .count();
+    let figures = if bars.scales.is_empty() {
+        Vec::new()
+    } else {
+        vec![preference(&bars, &run.context)?]
+    };
     Ok(Section {
         title: "Homophily".to_owned(),
         intro: vec![format!(
@@ -541,12 +744,18 @@ fn section_homophily(run: &Run, ledger: &[LedgerRow]) -> Result<Section, StudyEr
 }
 
 fn homophily_key(row: &HomophilyRow) -> String {
-    let versus = if row.versus == Condition::Cautious { "mc" } else { "ma" };
+    let versus = if row.versus == Condition::Cautious {
+        "mc"
+    } else {
+        "ma"
+    };
     format!("correlation.{}.{versus}_{}.r", row.factor, row.rating)
 }
 
 fn capital(word: &str) -> String {
     let words = word.replace('_', "-");
     let mut letters = words.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
 }

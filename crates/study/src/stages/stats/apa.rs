@@ -2,8 +2,8 @@
 
 use maveric_report::apa::{self, F, Interval, Statement};
 use maveric_stats::{
-    Correlation, Friedman, Mauchly, Omnibus, OmnibusTest, Posthoc, PosthocTest, RmAnova, RmCorrelation, Sphericity,
-    SphericityCorrection, WithinAnalysis,
+    Correlation, Friedman, Mauchly, Omnibus, OmnibusTest, Posthoc, PosthocTest, RmAnova,
+    RmCorrelation, Sphericity, SphericityCorrection, WithinAnalysis,
 };
 use serde_json::{Map, Value};
 
@@ -16,14 +16,24 @@ fn insert(said: &mut Said, name: &str, statement: Option<Statement>) {
 }
 
 fn interval(level: f64, low: Option<f64>, high: Option<f64>) -> Option<Interval> {
-    Some(Interval { level, low: low?, high: high? })
+    Some(Interval {
+        level,
+        low: low?,
+        high: high?,
+    })
 }
 
 /// The omnibus test that [`maveric_stats::compare`] chose.
 pub(crate) fn omnibus(found: &Omnibus, n: usize) -> Option<Statement> {
     let (statistic, df1, p) = (found.statistic?, found.df1?, found.p?);
     if found.test == OmnibusTest::Friedman {
-        return Some(apa::chi2(statistic, df1.round() as usize, n, p, found.effect.value));
+        return Some(apa::chi2(
+            statistic,
+            df1.round() as usize,
+            n,
+            p,
+            found.effect.value,
+        ));
     }
     Some(apa::f(&F {
         f: statistic,
@@ -31,8 +41,14 @@ pub(crate) fn omnibus(found: &Omnibus, n: usize) -> Option<Statement> {
         df_error: found.df2?,
         p,
         eta2_partial: found.effect.value,
-        interval: interval(found.effect.confidence, found.effect.ci_low, found.effect.ci_high),
-        epsilon: found.epsilon.filter(|_| found.correction != SphericityCorrection::None),
+        interval: interval(
+            found.effect.confidence,
+            found.effect.ci_low,
+            found.effect.ci_high,
+        ),
+        epsilon: found
+            .epsilon
+            .filter(|_| found.correction != SphericityCorrection::None),
     }))
 }
 
@@ -45,9 +61,17 @@ pub(super) fn rm_anova(found: &RmAnova, mauchly: &Mauchly, sphericity: &Spherici
             f: found.f?,
             df_effect: found.df1 as f64 * epsilon.unwrap_or(1.0),
             df_error: found.df2 as f64 * epsilon.unwrap_or(1.0),
-            p: if epsilon.is_some() { sphericity.p_gg? } else { found.p? },
+            p: if epsilon.is_some() {
+                sphericity.p_gg?
+            } else {
+                found.p?
+            },
             eta2_partial: found.eta2_partial,
-            interval: interval(0.9, found.eta2_partial_ci90_low, found.eta2_partial_ci90_high),
+            interval: interval(
+                0.9,
+                found.eta2_partial_ci90_low,
+                found.eta2_partial_ci90_high,
+            ),
             epsilon,
         }))
     };
@@ -58,7 +82,15 @@ pub(super) fn rm_anova(found: &RmAnova, mauchly: &Mauchly, sphericity: &Spherici
 
 /// Friedman's chi-squared.
 pub(super) fn friedman(found: &Friedman, n: usize) -> Said {
-    let statement = || Some(apa::chi2(found.chi2?, found.df?, n, found.p?, found.kendall_w));
+    let statement = || {
+        Some(apa::chi2(
+            found.chi2?,
+            found.df?,
+            n,
+            found.p?,
+            found.kendall_w,
+        ))
+    };
     let mut said = Said::new();
     insert(&mut said, "friedman", statement());
     said
@@ -92,7 +124,12 @@ pub(super) fn within(found: &WithinAnalysis) -> Said {
     for (name, pair) in found.paired.iter() {
         let statement = || {
             let ci = interval(0.95, pair.dz_ci_low, pair.dz_ci_high);
-            Some(apa::t(pair.t?, pair.df, pair.p_holm?, pair.dz.map(|dz| (dz, ci))))
+            Some(apa::t(
+                pair.t?,
+                pair.df,
+                pair.p_holm?,
+                pair.dz.map(|dz| (dz, ci)),
+            ))
         };
         insert(&mut said, name, statement());
     }
@@ -103,10 +140,18 @@ pub(super) fn within(found: &WithinAnalysis) -> Said {
 pub(super) fn correlation(found: &Correlation) -> Said {
     let mut said = Said::new();
     if let Some(pearson) = &found.pearson {
-        insert(&mut said, "pearson", (|| Some(apa::r(pearson.r?, pearson.df?, pearson.p?)))());
+        insert(
+            &mut said,
+            "pearson",
+            (|| Some(apa::r(pearson.r?, pearson.df?, pearson.p?)))(),
+        );
     }
     if let Some(spearman) = &found.spearman {
-        insert(&mut said, "spearman", (|| Some(apa::rho(spearman.rho?, spearman.df?, spearman.p?)))());
+        insert(
+            &mut said,
+            "spearman",
+            (|| Some(apa::rho(spearman.rho?, spearman.df?, spearman.p?)))(),
+        );
     }
     said
 }
@@ -114,6 +159,10 @@ pub(super) fn correlation(found: &Correlation) -> Said {
 /// The correlation within subjects.
 pub(super) fn rm_correlation(found: &RmCorrelation) -> Said {
     let mut said = Said::new();
-    insert(&mut said, "rm_corr", (|| Some(apa::r_rm(found.r?, found.df?, found.p?)))());
+    insert(
+        &mut said,
+        "rm_corr",
+        (|| Some(apa::r_rm(found.r?, found.df?, found.p?)))(),
+    );
     said
 }

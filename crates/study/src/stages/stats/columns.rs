@@ -7,18 +7,28 @@ use maveric_stats::{PlannedTest, PowerQuestion, ReportedCorrelation, WithinSubje
 /// A column of labels without a missing one.
 pub(super) fn labels(table: &Table, column: &str) -> Result<Vec<String>, StudyError> {
     let cells = table.text(column)?;
-    let filled = |(row, cell): (usize, Option<String>)| cell.ok_or_else(|| table.bad_cell(row, column, "", "a label"));
+    let filled = |(row, cell): (usize, Option<String>)| {
+        cell.ok_or_else(|| table.bad_cell(row, column, "", "a label"))
+    };
     cells.into_iter().enumerate().map(filled).collect()
 }
 
 pub(super) fn within(table: &Table, columns: &WithinColumns) -> Result<WithinSubjects, StudyError> {
     let subjects = labels(table, &columns.subject)?;
     let conditions = labels(table, &columns.within)?;
-    Ok(WithinSubjects::from_long(&subjects, &conditions, &table.numbers(&columns.value)?)?)
+    Ok(WithinSubjects::from_long(
+        &subjects,
+        &conditions,
+        &table.numbers(&columns.value)?,
+    )?)
 }
 
 /// Values by group, in the order in which the groups first appear.
-pub(super) fn grouped(table: &Table, group: &str, value: &str) -> Result<Vec<(String, Vec<Option<f64>>)>, StudyError> {
+pub(super) fn grouped(
+    table: &Table,
+    group: &str,
+    value: &str,
+) -> Result<Vec<(String, Vec<Option<f64>>)>, StudyError> {
     let mut found: Vec<(String, Vec<Option<f64>>)> = Vec::new();
     for (name, value) in labels(table, group)?.into_iter().zip(table.numbers(value)?) {
         match found.iter_mut().find(|(known, _)| *known == name) {
@@ -35,7 +45,13 @@ pub(super) fn power_questions(table: &Table) -> Result<Vec<PowerQuestion>, Study
     let n = table.all_numbers("n")?;
     let effect = table.all_numbers("effect")?;
     let alpha = table.all_numbers("alpha")?;
-    let optional = |name: &str| if table.has(name) { table.numbers(name) } else { Ok(vec![None; table.rows()]) };
+    let optional = |name: &str| {
+        if table.has(name) {
+            table.numbers(name)
+        } else {
+            Ok(vec![None; table.rows()])
+        }
+    };
     let (k, corr, epsilon) = (optional("k")?, optional("corr")?, optional("epsilon")?);
     let need = |cells: &[Option<f64>], row: usize, name: &str| {
         cells[row].ok_or_else(|| table.bad_cell(row, name, "", "a number, for an ANOVA"))
@@ -52,9 +68,15 @@ pub(super) fn power_questions(table: &Table) -> Result<Vec<PowerQuestion>, Study
                     corr: need(&corr, row, "corr")?,
                     epsilon: need(&epsilon, row, "epsilon")?,
                 },
-                other => return Err(table.bad_cell(row, "test", other, "paired_t, pearson or rm_anova")),
+                other => {
+                    return Err(table.bad_cell(row, "test", other, "paired_t, pearson or rm_anova"));
+                }
             };
-            Ok(PowerQuestion { test: planned, n: n[row] as usize, alpha: alpha[row] })
+            Ok(PowerQuestion {
+                test: planned,
+                n: n[row] as usize,
+                alpha: alpha[row],
+            })
         })
         .collect()
 }
@@ -65,6 +87,10 @@ pub(super) fn reported(table: &Table) -> Result<Vec<ReportedCorrelation>, StudyE
     let df = table.all_numbers("df")?;
     let p = labels(table, "p")?;
     Ok((0..table.rows())
-        .map(|row| ReportedCorrelation { coefficient: coefficient[row].clone(), df: df[row] as usize, p: p[row].clone() })
+        .map(|row| ReportedCorrelation {
+            coefficient: coefficient[row].clone(),
+            df: df[row] as usize,
+            p: p[row].clone(),
+        })
         .collect())
 }

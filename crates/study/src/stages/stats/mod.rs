@@ -150,7 +150,10 @@ pub fn stats(data: &Path, test: &Test) -> Result<Outcome<Value>, StudyError> {
         }
         Test::RmAnova(c) => {
             let found = tests::rm_anova(&columns::within(&table, c)?);
-            with_apa(&found, apa::rm_anova(&found.rm_anova, &found.mauchly, &found.sphericity))
+            with_apa(
+                &found,
+                apa::rm_anova(&found.rm_anova, &found.mauchly, &found.sphericity),
+            )
         }
         Test::Friedman(c) => {
             let found = tests::friedman(&columns::within(&table, c)?);
@@ -164,13 +167,30 @@ pub fn stats(data: &Path, test: &Test) -> Result<Outcome<Value>, StudyError> {
             }
             with_apa(&found, said)
         }
-        Test::Posthoc { columns: c, test, adjust } => {
+        Test::Posthoc {
+            columns: c,
+            test,
+            adjust,
+        } => {
             let found = tests::posthoc(&columns::within(&table, c)?, *test, *adjust, ALPHA)?;
             with_apa(&found, apa::pairs(&found))
         }
-        Test::Correlate { x, y, method, subject } => {
-            let subjects = subject.as_ref().map(|s| columns::labels(&table, s)).transpose()?;
-            let found = tests::correlate(&table.numbers(x)?, &table.numbers(y)?, *method, subjects.as_deref())?;
+        Test::Correlate {
+            x,
+            y,
+            method,
+            subject,
+        } => {
+            let subjects = subject
+                .as_ref()
+                .map(|s| columns::labels(&table, s))
+                .transpose()?;
+            let found = tests::correlate(
+                &table.numbers(x)?,
+                &table.numbers(y)?,
+                *method,
+                subjects.as_deref(),
+            )?;
             with_apa(&found, apa::correlation(&found))
         }
         Test::Rmcorr { subject, x, y } => {
@@ -179,23 +199,36 @@ pub fn stats(data: &Path, test: &Test) -> Result<Outcome<Value>, StudyError> {
             with_apa(&found, apa::rm_correlation(&found.rm_corr))
         }
         Test::Normality { value, group: None } => plain(&tests::normality(&table.numbers(value)?)?),
-        Test::Normality { value, group: Some(group) } => {
+        Test::Normality {
+            value,
+            group: Some(group),
+        } => {
             let mut groups = Map::new();
             for (name, values) in columns::grouped(&table, group, value)? {
                 groups.insert(name, plain(&tests::normality(&values)?));
             }
             json!({ "group": groups })
         }
-        Test::Levene { group, value } => plain(&tests::levene(&columns::labels(&table, group)?, &table.numbers(value)?)?),
+        Test::Levene { group, value } => plain(&tests::levene(
+            &columns::labels(&table, group)?,
+            &table.numbers(value)?,
+        )?),
         Test::Alpha { items } => {
-            let found: Result<Vec<_>, StudyError> =
-                items.iter().map(|item| Ok((item.as_str(), table.numbers(item)?))).collect();
+            let found: Result<Vec<_>, StudyError> = items
+                .iter()
+                .map(|item| Ok((item.as_str(), table.numbers(item)?)))
+                .collect();
             let found = found?;
-            let items: Vec<(&str, &[Option<f64>])> = found.iter().map(|(n, c)| (*n, c.as_slice())).collect();
+            let items: Vec<(&str, &[Option<f64>])> =
+                found.iter().map(|(n, c)| (*n, c.as_slice())).collect();
             plain(&tests::alpha(&items)?)
         }
         Test::Adjust { p } => plain(&tests::adjust(&table.all_numbers(p)?)?),
-        Test::Bootstrap { statistic, resamples, seed } => bootstrap(&table, statistic, *resamples, *seed)?,
+        Test::Bootstrap {
+            statistic,
+            resamples,
+            seed,
+        } => bootstrap(&table, statistic, *resamples, *seed)?,
         Test::Power => plain(&tests::power(&columns::power_questions(&table)?)?),
         Test::Recheck => plain(&tests::recheck(&columns::reported(&table)?)?),
     };
@@ -205,7 +238,11 @@ pub fn stats(data: &Path, test: &Test) -> Result<Outcome<Value>, StudyError> {
         // The outcome carries them; one place is enough.
         object.remove("warnings");
     }
-    Ok(Outcome { value, summary, warnings })
+    Ok(Outcome {
+        value,
+        summary,
+        warnings,
+    })
 }
 
 fn plain(found: &impl serde::Serialize) -> Value {
@@ -220,23 +257,46 @@ fn with_apa(found: &impl serde::Serialize, said: Map<String, Value>) -> Value {
     value
 }
 
-fn bootstrap(table: &Table, statistic: &Statistic, resamples: usize, seed: u64) -> Result<Value, StudyError> {
-    let settings = BootstrapSettings { resamples, seed, confidence: 1.0 - ALPHA };
+fn bootstrap(
+    table: &Table,
+    statistic: &Statistic,
+    resamples: usize,
+    seed: u64,
+) -> Result<Value, StudyError> {
+    let settings = BootstrapSettings {
+        resamples,
+        seed,
+        confidence: 1.0 - ALPHA,
+    };
     let found = match statistic {
-        Statistic::Mean { value } => {
-            tests::bootstrap(tests::Statistic::Mean, BootstrapData::Values(&table.numbers(value)?), &settings)
-        }
+        Statistic::Mean { value } => tests::bootstrap(
+            tests::Statistic::Mean,
+            BootstrapData::Values(&table.numbers(value)?),
+            &settings,
+        ),
         Statistic::Pearson { x, y } => {
             let (x, y) = (table.numbers(x)?, table.numbers(y)?);
-            tests::bootstrap(tests::Statistic::Pearson, BootstrapData::Pairs(&x, &y), &settings)
+            tests::bootstrap(
+                tests::Statistic::Pearson,
+                BootstrapData::Pairs(&x, &y),
+                &settings,
+            )
         }
         Statistic::Spearman { x, y } => {
             let (x, y) = (table.numbers(x)?, table.numbers(y)?);
-            tests::bootstrap(tests::Statistic::Spearman, BootstrapData::Pairs(&x, &y), &settings)
+            tests::bootstrap(
+                tests::Statistic::Spearman,
+                BootstrapData::Pairs(&x, &y),
+                &settings,
+            )
         }
         Statistic::Eta2Partial { columns } => {
             let data = columns::within(table, columns)?;
-            tests::bootstrap(tests::Statistic::Eta2Partial, BootstrapData::Within(&data), &settings)
+            tests::bootstrap(
+                tests::Statistic::Eta2Partial,
+                BootstrapData::Within(&data),
+                &settings,
+            )
         }
     };
     Ok(plain(&found?))
@@ -249,11 +309,17 @@ fn take_warnings(value: &Value, rows: usize) -> Vec<String> {
         warnings.extend(list.iter().filter_map(|w| w.as_str().map(str::to_owned)));
     }
     if let Some(missing) = value["missing"].as_u64().filter(|m| *m > 0) {
-        warnings.push(format!("{missing} of {rows} rows left out for a missing value"));
+        warnings.push(format!(
+            "{missing} of {rows} rows left out for a missing value"
+        ));
     }
     if let Some(dropped) = value["dropped"].as_array().filter(|d| !d.is_empty()) {
         let names: Vec<&str> = dropped.iter().filter_map(Value::as_str).collect();
-        warnings.push(format!("{} subjects left out for a missing cell: {}", names.len(), names.join(", ")));
+        warnings.push(format!(
+            "{} subjects left out for a missing cell: {}",
+            names.len(),
+            names.join(", ")
+        ));
     }
     warnings
 }
@@ -262,7 +328,10 @@ fn take_warnings(value: &Value, rows: usize) -> Vec<String> {
 fn lines(value: &Value) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(said) = value["apa"].as_object() {
-        lines.extend(said.iter().map(|(name, text)| format!("{name}: {}", text.as_str().unwrap_or_default())));
+        lines.extend(
+            said.iter()
+                .map(|(name, text)| format!("{name}: {}", text.as_str().unwrap_or_default())),
+        );
         lines.push(String::new());
     }
     flatten("", value, &mut lines);
@@ -270,10 +339,19 @@ fn lines(value: &Value) -> Vec<String> {
 }
 
 fn flatten(path: &str, value: &Value, lines: &mut Vec<String>) {
-    let join = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+    let join = |key: &str| {
+        if path.is_empty() {
+            key.to_owned()
+        } else {
+            format!("{path}.{key}")
+        }
+    };
     match value {
         Value::Object(object) => {
-            for (key, inner) in object.iter().filter(|(key, _)| !(path.is_empty() && (*key == "apa" || *key == "warnings"))) {
+            for (key, inner) in object
+                .iter()
+                .filter(|(key, _)| !(path.is_empty() && (*key == "apa" || *key == "warnings")))
+            {
                 flatten(&join(key), inner, lines);
             }
         }
