@@ -1,5 +1,11 @@
 //! The program as a process: exit statuses, streams, broken files. What a command computes is tested where it lives.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test stops at the first surprise"
+)]
+
 mod support;
 
 use support::{TempStudy, shared};

@@ -1,5 +1,11 @@
 //! Real recordings, where they stand beside the checkout.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test stops at the first surprise"
+)]
+
 mod support;
 
 use support::{TempStudy, shared};

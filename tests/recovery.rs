@@ -1,6 +1,12 @@
 //! Styles go in and come out in order: synthetic drivers of known style are learned, and the car drives like them,
 //! faster when told to be more aggressive than they are and slower when told to be more cautious.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test stops at the first surprise"
+)]
+
 mod support;
 
 use std::collections::BTreeMap;

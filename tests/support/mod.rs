@@ -1,6 +1,13 @@
 //! A study in a temporary folder, and the program as a process.
 
-#![allow(dead_code, reason = "each test file uses its own part of this")]
+#![allow(
+    dead_code,
+    unreachable_pub,
+    missing_docs,
+    clippy::unwrap_used,
+    clippy::missing_panics_doc,
+    reason = "each test file uses its own part of this, and a test stops at the first surprise"
+)]
 
 use std::{
     path::{Path, PathBuf},

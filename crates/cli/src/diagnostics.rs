@@ -96,7 +96,7 @@ impl Failure {
             // A reader that closed the pipe early (`maveric … | head`) wanted no more.
             Self::Failed(failed) if is_broken_pipe(&failed) => ExitCode::SUCCESS,
             Self::Failed(failed) => {
-                eprintln!("{}", render(failed));
+                eprintln!("{}", render(&failed));
                 ExitCode::FAILURE
             }
         }
@@ -110,7 +110,7 @@ fn is_broken_pipe(failed: &Failed) -> bool {
         .is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
 }
 
-fn render(failed: Failed) -> String {
+fn render(failed: &Failed) -> String {
     let plain = !std::io::stderr().is_terminal() || std::env::var_os("NO_COLOR").is_some();
     let theme = if plain {
         miette::GraphicalTheme::unicode_nocolor()
@@ -124,7 +124,7 @@ fn render(failed: Failed) -> String {
         100
     });
     let mut text = String::new();
-    if handler.render_report(&mut text, &failed).is_err() {
+    if handler.render_report(&mut text, failed).is_err() {
         text = format!("{failed}: {}", failed.cause);
     }
     text.trim_end().to_owned()

@@ -17,6 +17,10 @@ Examples: maveric run                                    the default study
           maveric run pipelines/smoke.toml -j 2          two stages at once
           maveric run pipelines/paper.toml train --force only the model, anew
           maveric run --why train                        why a stage would run")]
+#[expect(
+    clippy::struct_field_names,
+    reason = "the fields are named as their flags"
+)]
 pub(crate) struct Run {
     /// Pipeline file; then stages or files to bring up to date, all when none are named
     #[arg(value_name = "PIPELINE] [STAGE")]

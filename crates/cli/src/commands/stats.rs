@@ -30,6 +30,10 @@ struct Input {
 }
 
 #[derive(Debug, Args)]
+#[expect(
+    clippy::struct_field_names,
+    reason = "the fields are named as their flags"
+)]
 struct Within {
     #[command(flatten)]
     input: Input,

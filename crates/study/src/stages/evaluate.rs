@@ -61,7 +61,7 @@ pub fn evaluate(
         };
         runs.push(FollowingRun::from_drive(&drive)?);
         let of_own = Predictor::new(&model, &row.embedding)?;
-        let of_mean = Predictor::new(&model, &model.mean_embedding())?;
+        let of_mean = Predictor::new(&model, model.mean_embedding())?;
         own.push(Box::new(move |speed| of_own.following_distance(speed)));
         mean.push(Box::new(move |speed| of_mean.following_distance(speed)));
     }

@@ -223,7 +223,6 @@ pub fn train(
         });
     }
     write_embeddings(&embeddings_path(&options.out), &rows)?;
-    warnings.extend(summary.left_out.iter().map(|l| format!("left out: {l}")));
     warnings.extend(summary.warnings.iter().cloned());
     let lines = vec![format!(
         "{} parameters trained on {} drives, {} rows: {}",

@@ -91,6 +91,7 @@ fn panel(
         chosen: None,
         reasons: Vec::new(),
         omnibus: format!("not tested: {n} participants with a value in every condition"),
+        omnibus_short: format!("not tested: *n* = {n}"),
         omnibus_p: None,
         pairs: Vec::new(),
         comparison: serde_json::Value::Null,
@@ -106,10 +107,12 @@ fn panel(
         .and_then(|v| v.as_str().map(str::to_owned));
     panel.reasons.clone_from(&found.reasons);
     panel.omnibus_p = found.omnibus.p;
-    panel.omnibus = apa_omnibus(&found.omnibus, found.n).map_or_else(
-        || "no test statistic: see the reasons in the analysis".to_owned(),
-        |statement| statement.markup().to_owned(),
-    );
+    let none = || "no test statistic: see the reasons in the analysis".to_owned();
+    let said = |short: bool| {
+        apa_omnibus(&found.omnibus, found.n, short).map_or_else(none, |s| s.markup().to_owned())
+    };
+    panel.omnibus = said(false);
+    panel.omnibus_short = said(true);
     for (name, pair) in found.posthoc.pairs.iter() {
         let Some((first, second)) = name.split_once('|') else {
             continue;

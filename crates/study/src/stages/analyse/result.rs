@@ -121,6 +121,8 @@ pub struct Panel {
     pub reasons: Vec<String>,
     /// The omnibus test in words, with marks.
     pub omnibus: String,
+    /// The same without interval and ε, for a panel's width.
+    pub omnibus_short: String,
     /// Its p value.
     pub omnibus_p: Option<f64>,
     /// The pairs, Holm-adjusted over this panel's six.

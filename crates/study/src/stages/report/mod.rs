@@ -11,7 +11,7 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch},
 };
-use maveric_report::html::RenderedFile;
+use maveric_report::{html::RenderedFile, markup};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -66,7 +66,7 @@ pub fn report(options: &ReportOptions, watch: Watch<'_>) -> Result<Outcome<Repor
     write_all(&options.out, &files)?;
     watch.step(2, 2, "report")?;
     let index = options.out.join("index.html");
-    let mut summary = findings.clone();
+    let mut summary: Vec<String> = findings.iter().map(|line| markup::plain(line)).collect();
     summary.push(format!("report: {}", index.display()));
     let value = Reported {
         page: index,

@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// The participants of both studies.
 pub(super) struct People {
-    people: Vec<Participant>,
+    participants: Vec<Participant>,
     scores: Vec<Score>,
     /// Drives by hand of each study.
     drives: [usize; 2],
@@ -38,7 +38,7 @@ impl People {
                 .count()
         };
         Ok(Self {
-            people: read_participants(&folder.join("participants.csv"))?,
+            participants: read_participants(&folder.join("participants.csv"))?,
             scores: read_scores(&folder.join("scores.csv"))?,
             drives: [by_hand(Study::One), by_hand(Study::Two)],
         })
@@ -47,7 +47,7 @@ impl People {
     fn of(&self, study: Study, population: Option<Population>) -> Vec<&Participant> {
         let fits =
             |p: &&Participant| p.study == study && population.is_none_or(|g| p.population == g);
-        self.people.iter().filter(fits).collect()
+        self.participants.iter().filter(fits).collect()
     }
 
     fn adb(&self, people: &[&Participant]) -> Vec<f64> {
@@ -119,7 +119,10 @@ impl People {
                 group.female.map(|f| 100.0 * f),
             ));
         }
-        found.push(("participants.n".to_owned(), Some(self.people.len() as f64)));
+        found.push((
+            "participants.n".to_owned(),
+            Some(self.participants.len() as f64),
+        ));
         let professionals = self
             .of(Study::One, None)
             .iter()

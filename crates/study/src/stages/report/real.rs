@@ -139,7 +139,7 @@ pub(super) fn page(folder: &Path) -> Result<(Report, Vec<String>), StudyError> {
         sections,
         ledger: None,
         exclusions: Vec::new(),
-        warnings: training.left_out.iter().chain(&training.warnings).cloned().collect(),
+        warnings: training.warnings.clone(),
         provenance: Provenance {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             seed: Some(training.seed),

@@ -106,7 +106,7 @@ pub(super) fn page(
     let reliabilities = reliabilities(folder)?;
     let findings = findings(&run);
     let sections = vec![
-        section_setting(folder, &run, &people, reliabilities)?,
+        section_setting(folder, &run, &people, &reliabilities)?,
         section_embedding(folder, &run, &ledger)?,
         section_conditions(&run, &ledger)?,
         section_kept(&run)?,
@@ -123,8 +123,7 @@ pub(super) fn page(
         })
         .chain(ingest_exclusions(folder)?)
         .collect();
-    let mut warnings = run.training.left_out.clone();
-    warnings.extend(run.training.warnings.iter().cloned());
+    let mut warnings = run.training.warnings.clone();
     if let Some(share) = run.analysis.beyond_training.filter(|s| *s > 0.0) {
         warnings.push(format!(
             "{:.0}% of the Aggressive and Cautious embeddings lie further out than any training driver's: the networks extrapolate there",
@@ -294,7 +293,7 @@ fn section_setting(
     folder: &Path,
     run: &Run,
     people: &People,
-    reliabilities: Vec<Reliability>,
+    reliabilities: &[Reliability],
 ) -> Result<Section, StudyError> {
     let mut figures = vec![domain(&run.context)?, architecture_of(run)?];
     if let Some(view) = scene::view(&folder.join("av/logs"))? {
@@ -307,7 +306,7 @@ fn section_setting(
         figures,
         tables: vec![
             tables::participants(&people.groups(), run.analysis.synthetic),
-            tables::reliabilities(&reliabilities),
+            tables::reliabilities(reliabilities),
         ],
     })
 }
@@ -418,7 +417,7 @@ fn section_embedding(
 
 fn example(run: &Run) -> Result<Option<ExampleConditions>, StudyError> {
     // The participant nearest to the middle of the line shows both directions best.
-    let middle = (maveric_domain::AdbScore::MIN + maveric_domain::AdbScore::MAX) / 2.0;
+    let middle = f64::midpoint(maveric_domain::AdbScore::MIN, maveric_domain::AdbScore::MAX);
     let mimic = run
         .conditions
         .iter()
@@ -504,7 +503,14 @@ fn printed(ledger: &[LedgerRow], key: &str) -> Option<Correlation> {
 
 fn section_conditions(run: &Run, ledger: &[LedgerRow]) -> Result<Section, StudyError> {
     let panels = DifferencePanels {
-        panels: run.analysis.panels.iter().map(panel).collect(),
+        // A panel without a single value has nothing to show: the exclusions say who is missing and why.
+        panels: run
+            .analysis
+            .panels
+            .iter()
+            .filter(|p| p.rows.iter().flatten().any(Option::is_some))
+            .map(panel)
+            .collect(),
     };
     let reported: BTreeMap<&str, f64> = ledger
         .iter()
@@ -531,7 +537,12 @@ fn section_conditions(run: &Run, ledger: &[LedgerRow]) -> Result<Section, StudyE
             .to_owned(),
     ];
     for panel in run.analysis.panels.iter().filter(|p| !p.reasons.is_empty()) {
-        intro.push(format!("{}: {}", panel.title, panel.reasons.join(" ")));
+        intro.push(format!(
+            "{}: {}. {}",
+            panel.title,
+            panel.omnibus,
+            panel.reasons.join(" ")
+        ));
     }
     Ok(Section {
         title: "Mimicking and modulating aggression".to_owned(),
@@ -590,7 +601,7 @@ fn panel(panel: &Panel) -> DifferencePanel {
         axis,
         conditions: Condition::AV.to_vec(),
         rows: panel.rows.clone(),
-        omnibus: panel.omnibus.clone(),
+        omnibus: panel.omnibus_short.clone(),
         pairs: panel
             .pairs
             .iter()

@@ -23,8 +23,8 @@ fn interval(level: f64, low: Option<f64>, high: Option<f64>) -> Option<Interval>
     })
 }
 
-/// The omnibus test that [`maveric_stats::compare`] chose.
-pub(crate) fn omnibus(found: &Omnibus, n: usize) -> Option<Statement> {
+/// The omnibus test that [`maveric_stats::compare`] chose; `short` leaves out interval and ε.
+pub(crate) fn omnibus(found: &Omnibus, n: usize, short: bool) -> Option<Statement> {
     let (statistic, df1, p) = (found.statistic?, found.df1?, found.p?);
     if found.test == OmnibusTest::Friedman {
         return Some(apa::chi2(
@@ -45,10 +45,11 @@ pub(crate) fn omnibus(found: &Omnibus, n: usize) -> Option<Statement> {
             found.effect.confidence,
             found.effect.ci_low,
             found.effect.ci_high,
-        ),
+        )
+        .filter(|_| !short),
         epsilon: found
             .epsilon
-            .filter(|_| found.correction != SphericityCorrection::None),
+            .filter(|_| !short && found.correction != SphericityCorrection::None),
     }))
 }
 

@@ -23,13 +23,12 @@ pub(super) fn within(table: &Table, columns: &WithinColumns) -> Result<WithinSub
     )?)
 }
 
+/// A group's name and its values.
+pub(super) type Group = (String, Vec<Option<f64>>);
+
 /// Values by group, in the order in which the groups first appear.
-pub(super) fn grouped(
-    table: &Table,
-    group: &str,
-    value: &str,
-) -> Result<Vec<(String, Vec<Option<f64>>)>, StudyError> {
-    let mut found: Vec<(String, Vec<Option<f64>>)> = Vec::new();
+pub(super) fn grouped(table: &Table, group: &str, value: &str) -> Result<Vec<Group>, StudyError> {
+    let mut found: Vec<Group> = Vec::new();
     for (name, value) in labels(table, group)?.into_iter().zip(table.numbers(value)?) {
         match found.iter_mut().find(|(known, _)| *known == name) {
             Some((_, values)) => values.push(value),
@@ -69,7 +68,12 @@ pub(super) fn power_questions(table: &Table) -> Result<Vec<PowerQuestion>, Study
                     epsilon: need(&epsilon, row, "epsilon")?,
                 },
                 other => {
-                    return Err(table.bad_cell(row, "test", other, "paired_t, pearson or rm_anova"));
+                    return Err(table.bad_cell(
+                        row,
+                        "test",
+                        other,
+                        "paired_t, pearson or rm_anova",
+                    ));
                 }
             };
             Ok(PowerQuestion {

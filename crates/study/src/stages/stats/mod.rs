@@ -162,7 +162,7 @@ pub fn stats(data: &Path, test: &Test) -> Result<Outcome<Value>, StudyError> {
         Test::Compare(c) => {
             let found = tests::compare(&columns::within(&table, c)?, ALPHA)?;
             let mut said = apa::pairs(&found.posthoc);
-            if let Some(omnibus) = apa::omnibus(&found.omnibus, found.n) {
+            if let Some(omnibus) = apa::omnibus(&found.omnibus, found.n, false) {
                 said.insert("omnibus".to_owned(), omnibus.to_string().into());
             }
             with_apa(&found, said)
