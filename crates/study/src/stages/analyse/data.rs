@@ -76,6 +76,17 @@ impl StudyData {
         drive.values.get(measure).copied().flatten()
     }
 
+    /// A measure of every own drive of Study 1 that has it.
+    pub(crate) fn training_drives(&self, measure: &str) -> Vec<f64> {
+        let own =
+            |d: &&MeasuredDrive| d.meta.study == Study::One && d.meta.condition == Condition::Own;
+        self.measurements
+            .iter()
+            .filter(own)
+            .filter_map(|d| d.values.get(measure).copied().flatten())
+            .collect()
+    }
+
     /// The own-drive embedding of a participant, fitted with or without the ADB score.
     pub(crate) fn embedding(
         &self,

@@ -10,7 +10,7 @@ use maveric_domain::Condition;
 use maveric_measures::mean_accuracy;
 use maveric_stats::{WithinSubjects, adjust, within};
 
-/// Mimic accuracy of each measure, beside what the mean of the other drivers would have reached.
+/// Mimic accuracy of each measure, beside what the mean of the training drivers would have reached.
 pub(super) fn accuracy(data: &StudyData) -> Vec<MimicAccuracy> {
     let one = |measure: &str| {
         let own: Vec<Option<f64>> = data
@@ -21,20 +21,10 @@ pub(super) fn accuracy(data: &StudyData) -> Vec<MimicAccuracy> {
         let pair = |(i, p)| (data.measured(p, Condition::Mimic, measure), own[i]);
         let pairs: Vec<_> = data.participants.iter().enumerate().map(pair).collect();
         let found = mean_accuracy(&pairs);
-        let others = |i: usize| {
-            let values: Vec<f64> = own
-                .iter()
-                .enumerate()
-                .filter(|(j, _)| *j != i)
-                .filter_map(|(_, v)| *v)
-                .collect();
-            (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-        };
-        let guesses: Vec<_> = own
-            .iter()
-            .enumerate()
-            .map(|(i, v)| (others(i), *v))
-            .collect();
+        let trained: Vec<f64> = data.training_drives(measure);
+        let guess =
+            (!trained.is_empty()).then(|| trained.iter().sum::<f64>() / trained.len() as f64);
+        let guesses: Vec<_> = own.iter().map(|v| (guess, *v)).collect();
         MimicAccuracy {
             measure: measure.to_owned(),
             title: title(measure),

@@ -92,7 +92,7 @@ pub struct MimicAccuracy {
     pub n: usize,
     /// Drivers left out.
     pub dropped: usize,
-    /// The same if the mean of the *other* drivers stood in for the AV: what no personalising gives.
+    /// The same if the mean of the training drivers stood in for the AV: what no personalising gives.
     pub population_mean: Option<f64>,
 }
 

@@ -16,6 +16,7 @@ use crate::{
     tables::{
         Table as File,
         conditions::{ConditionRow, read_conditions},
+        drives::read_drive,
         embeddings::read_embeddings,
         measurements::{MeasuredDrive, read_measurements},
     },
@@ -81,10 +82,13 @@ pub(super) fn page(
         context,
     };
     let people = People::read(folder, &run.measured)?;
-    let minutes = {
-        let list =
-            File::read(&folder.join("drives/study2/drives.csv"))?.all_numbers("duration_s")?;
-        list.iter().sum::<f64>() / list.len() as f64 / 60.0
+    let list = File::read(&folder.join("drives/study2/drives.csv"))?;
+    let durations = list.all_numbers("duration_s")?;
+    let minutes = durations.iter().sum::<f64>() / durations.len() as f64 / 60.0;
+    let first = list.ids::<DriveId>("drive")?.into_iter().next();
+    let road = match first {
+        Some(id) => *read_drive(&folder.join(format!("drives/study2/{id}.parquet")))?.road(),
+        None => return Err(StudyError::file(list.path(), "lists no drive")),
     };
     let moved = run
         .conditions
@@ -95,7 +99,7 @@ pub(super) fn page(
         ("scenario.drive_minutes", minutes.round()),
         (
             "scenario.posted_speed_mph",
-            MetresPerSecond(maveric_domain::Road::PAPER.posted_speed_mps).mph(),
+            MetresPerSecond(road.posted_speed_mps).mph(),
         ),
         ("steer.adb_shift_points", moved),
         ("model.embedding_size", run.model.embedding_size() as f64),
@@ -492,7 +496,13 @@ fn printed(ledger: &[LedgerRow], key: &str) -> Option<Correlation> {
     } else {
         Coefficient::Pearson
     };
-    let p = claim.printed_p.as_ref()?.value;
+    let printed = claim.printed_p.as_ref()?;
+    // "< .001" is printed again as such, not as ".001".
+    let p = if printed.bound == Some('<') {
+        printed.value * 0.999
+    } else {
+        printed.value
+    };
     Some(Correlation {
         coefficient,
         value: claim.printed.value,
@@ -538,10 +548,10 @@ fn section_conditions(run: &Run, ledger: &[LedgerRow]) -> Result<Section, StudyE
     ];
     for panel in run.analysis.panels.iter().filter(|p| !p.reasons.is_empty()) {
         intro.push(format!(
-            "{}: {}. {}",
+            "{}: {}. {}.",
             panel.title,
             panel.omnibus,
-            panel.reasons.join(" ")
+            capital(&panel.reasons.join("; "))
         ));
     }
     Ok(Section {
@@ -563,7 +573,7 @@ fn nearer_table(run: &Run) -> tables::Table {
             Cell::text(r.than.to_string()),
             Cell::count(r.n),
             Cell::number(r.share.map(|s| 100.0 * s), 0),
-            Cell::text(p),
+            Cell::Marked(p),
         ]
     };
     tables::Table {
@@ -572,7 +582,7 @@ fn nearer_table(run: &Run) -> tables::Table {
         columns: vec![
             Column::left("Measure"),
             Column::left("Than"),
-            Column::right("n"),
+            Column::right("*n*"),
             Column::right("Mimic nearer (%)"),
             Column::left("Wilcoxon"),
         ],
