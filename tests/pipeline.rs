@@ -51,9 +51,9 @@ fn the_small_study_runs_once_and_then_only_what_changed() {
     for figure in [
         "domain",
         "architecture",
-        "simulator",
-        "embedding_space",
-        "difference_panels",
+        "simulator-view",
+        "embedding-space",
+        "difference-panels",
         "perpendicular",
         "preference",
     ] {

@@ -30,7 +30,7 @@ fn openacc_goes_from_csv_to_the_table_of_errors() {
     assert!(ran.stdout.contains("IDM"), "{}", ran.stdout);
     let following =
         std::fs::read_to_string(study.path("study_data/generated/openacc/following.json")).unwrap();
-    assert!(following.contains("Audi_A6"));
+    assert!(following.contains("platoon10-f2"), "each driver is there");
     let page = std::fs::read_to_string(study.path("reports/openacc/index.html")).unwrap();
     assert!(
         !page.contains("ynthetic participants"),
