@@ -14,7 +14,7 @@ pub(crate) struct Score {
     /// Folder of questionnaire definitions
     #[arg(long, default_value = "study_data/scales")]
     scales: std::path::PathBuf,
-    /// Scores to write; reliabilities go beside them as <name>_reliabilities.csv
+    /// Scores to write; reliabilities go beside them as NAME_reliabilities.csv
     #[arg(long)]
     out: std::path::PathBuf,
     /// How to print the result
