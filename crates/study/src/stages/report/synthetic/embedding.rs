@@ -1,0 +1,150 @@
+//! The second section: the embedding space and the aggression line.
+
+use super::{Run, printed, said, statement};
+use crate::{
+    error::StudyError,
+    stages::{
+        analyse::{AggressionLine as Line, LineRow},
+        report::keys::short,
+        train::{MODEL_FILE, embeddings_path},
+    },
+    tables::{conditions::ConditionRow, embeddings::read_embeddings},
+};
+use maveric_domain::{Condition, DriveId, MetresPerSecond};
+use maveric_model::style_space::{AggressionAxis, PerpendicularEllipse};
+use maveric_report::{
+    claims::LedgerRow,
+    figures::{
+        aggression_line::{AggressionLine, LinePanel, aggression_line},
+        embedding_space::{EmbeddingPoint, EmbeddingSpace, ExampleConditions, embedding_space},
+    },
+    html::Section,
+    tables::{self, LineCorrelation},
+};
+use std::path::Path;
+
+/// Number of points in which an ellipse is drawn.
+const ELLIPSE_POINTS: usize = 72;
+
+pub(super) fn section_embedding(
+    folder: &Path,
+    run: &Run,
+    ledger: &[LedgerRow],
+) -> Result<Section, StudyError> {
+    let axis = AggressionAxis::of(&run.model)?;
+    let speed_of = |drive: &DriveId| {
+        run.measured
+            .iter()
+            .find(|d| d.meta.drive == *drive)
+            .and_then(|d| d.values.get("mean_velocity_mps").copied().flatten())
+    };
+    let mut points = Vec::new();
+    for row in read_embeddings(&embeddings_path(&folder.join(MODEL_FILE)))? {
+        if let (Some(adb_points), Some(mean_velocity_mps)) = (row.adb, speed_of(&row.drive)) {
+            points.push(EmbeddingPoint {
+                embedding: row.embedding.coordinates().to_vec(),
+                adb_points,
+                mean_velocity_mps,
+            });
+        }
+    }
+    let space = EmbeddingSpace {
+        points,
+        gradient: axis.gradient().to_vec(),
+        example: example(run)?,
+    };
+    let lines = line_panels(&run.analysis.line);
+    let rows: Vec<LineCorrelation> = run
+        .analysis
+        .line
+        .rows
+        .iter()
+        .zip(&run.analysis.line_without_adb.rows)
+        .map(|(with, without)| LineCorrelation {
+            measure: with.title.clone(),
+            ours: statement(&with.correlation),
+            without_style_loss: statement(&without.correlation),
+            paper: printed(ledger, &format!("line.{}.r", short(&with.measure))),
+        })
+        .collect();
+    Ok(Section {
+        title: "Embedding space and the aggression line".to_owned(),
+        intro: vec![
+            "The embeddings of the test participants were fitted with their ADB score, as the paper does; the line's correlation with \
+             ADB is then partly built in, so the table shows the fit without the score beside it."
+                .to_owned(),
+        ],
+        figures: vec![embedding_space(&space, &run.context)?, aggression_line(&lines, &run.context)?],
+        tables: vec![tables::embedding_line(&rows, run.analysis.participants)],
+    })
+}
+
+fn example(run: &Run) -> Result<Option<ExampleConditions>, StudyError> {
+    // The participant nearest to the middle of the line shows both directions best.
+    let middle = f64::midpoint(maveric_domain::AdbScore::MIN, maveric_domain::AdbScore::MAX);
+    let mimic = run
+        .conditions
+        .iter()
+        .filter(|c| c.condition == Condition::Mimic);
+    let Some(own) = mimic.min_by(|a, b| {
+        (a.adb_hat - middle)
+            .abs()
+            .total_cmp(&(b.adb_hat - middle).abs())
+    }) else {
+        return Ok(None);
+    };
+    let of = |condition| {
+        let mine = |c: &&ConditionRow| c.participant == own.participant && c.condition == condition;
+        run.conditions
+            .iter()
+            .find(mine)
+            .map(|c| c.embedding.coordinates().to_vec())
+    };
+    let (Some(aggressive), Some(cautious)) = (of(Condition::Aggressive), of(Condition::Cautious))
+    else {
+        return Ok(None);
+    };
+    let round = PerpendicularEllipse::of(&run.model)?;
+    let at = |i: usize| -> Result<Vec<f64>, StudyError> {
+        let angle = std::f64::consts::TAU * i as f64 / ELLIPSE_POINTS as f64;
+        Ok(round
+            .at_angle(&own.embedding, angle)?
+            .embedding
+            .coordinates()
+            .to_vec())
+    };
+    Ok(Some(ExampleConditions {
+        participant: own.participant.to_string(),
+        mimic: own.embedding.coordinates().to_vec(),
+        aggressive,
+        cautious,
+        perpendicular: of(Condition::Perpendicular),
+        ellipse: (0..ELLIPSE_POINTS).map(at).collect::<Result<_, _>>()?,
+    }))
+}
+
+fn line_panels(line: &Line) -> AggressionLine {
+    let panel = |row: &LineRow| {
+        let (axis, scale) = match row.measure.as_str() {
+            "mean_velocity_mps" => ("Mean velocity (mph)".to_owned(), MetresPerSecond(1.0).mph()),
+            "adb" => ("ADB score (points)".to_owned(), 1.0),
+            "lane_changes" => ("Lane changes".to_owned(), 1.0),
+            measure if measure.ends_with("_m") => (format!("{} (m)", row.title), 1.0),
+            _ => (format!("{} (s)", row.title), 1.0),
+        };
+        LinePanel {
+            title: row.title.clone(),
+            axis,
+            points: row.points.iter().map(|(x, y)| (*x, y * scale)).collect(),
+            statistic: said(&row.correlation),
+        }
+    };
+    AggressionLine {
+        panels: line
+            .rows
+            .iter()
+            .filter(|r| !r.points.is_empty())
+            .map(panel)
+            .collect(),
+    }
+}

@@ -1,0 +1,251 @@
+//! The page of a study.
+
+mod conditions;
+mod embedding;
+mod homophily;
+mod setting;
+
+use super::{keys::results, people::People};
+use crate::{
+    atomic_write::read_json,
+    error::StudyError,
+    outcome::Watch,
+    stages::{
+        analyse::{AggressionLine as Line, Analysis, Correlation as Found},
+        train::{MODEL_FILE, TrainingSummary, read_model, training_path},
+    },
+    tables::{
+        Table as File,
+        conditions::{ConditionRow, read_conditions},
+        drives::read_drive,
+        measurements::{MeasuredDrive, read_measurements},
+    },
+};
+use conditions::{section_conditions, section_kept};
+use embedding::section_embedding;
+use homophily::section_homophily;
+use maveric_domain::{DriveId, MetresPerSecond};
+use maveric_model::Model;
+use maveric_report::{
+    Context, Report,
+    claims::{self, LedgerRow},
+    html::Provenance,
+    tables::{Coefficient, Correlation, Exclusion},
+};
+use setting::{ingest_exclusions, reliabilities, section_setting};
+use std::path::Path;
+
+struct Run {
+    analysis: Analysis,
+    training: TrainingSummary,
+    model: Model,
+    measured: Vec<MeasuredDrive>,
+    conditions: Vec<ConditionRow>,
+    context: Context,
+}
+
+pub(super) fn page(
+    folder: &Path,
+    claims: &str,
+    watch: Watch<'_>,
+) -> Result<(Report, Vec<String>), StudyError> {
+    let analysis: Analysis = read_json(&folder.join("analysis.json"))?;
+    let training: TrainingSummary = read_json(&training_path(&folder.join(MODEL_FILE)))?;
+    let measured = read_measurements(&folder.join("measurements.parquet"))?;
+    let context = if analysis.synthetic {
+        Context::synthetic(training.seed)
+    } else {
+        Context::real()
+    };
+    let run = Run {
+        model: read_model(&folder.join(MODEL_FILE))?,
+        conditions: read_conditions(&folder.join("conditions.csv"))?,
+        analysis,
+        training,
+        measured,
+        context,
+    };
+    let people = People::read(folder, &run.measured)?;
+    let list = File::read(&folder.join("drives/study2/drives.csv"))?;
+    let durations = list.all_numbers("duration_s")?;
+    let minutes = durations.iter().sum::<f64>() / durations.len() as f64 / 60.0;
+    let first = list.ids::<DriveId>("drive")?.into_iter().next();
+    let road = match first {
+        Some(id) => *read_drive(&folder.join(format!("drives/study2/{id}.parquet")))?.road(),
+        None => return Err(StudyError::file(list.path(), "lists no drive")),
+    };
+    let moved = run
+        .conditions
+        .iter()
+        .map(|c| c.moved_points.abs())
+        .fold(0.0, f64::max);
+    let setup = [
+        ("scenario.drive_minutes", minutes.round()),
+        (
+            "scenario.posted_speed_mph",
+            MetresPerSecond(road.posted_speed_mps).mph(),
+        ),
+        ("steer.adb_shift_points", moved),
+        ("model.embedding_size", run.model.embedding_size() as f64),
+    ];
+    let paper = claims::load(claims)?;
+    let ledger = claims::join(&paper, &results(&run.analysis, &people, &setup))?;
+    watch.check()?;
+    let reliabilities = reliabilities(folder)?;
+    let findings = findings(&run);
+    let sections = vec![
+        section_setting(folder, &run, &people, &reliabilities)?,
+        section_embedding(folder, &run, &ledger)?,
+        section_conditions(&run, &ledger)?,
+        section_kept(&run)?,
+        section_homophily(&run, &ledger)?,
+    ];
+    let exclusions: Vec<Exclusion> = run
+        .analysis
+        .exclusions
+        .iter()
+        .map(|e| Exclusion {
+            who: e.who.clone(),
+            what: e.what.clone(),
+            why: e.why.clone(),
+        })
+        .chain(ingest_exclusions(folder)?)
+        .collect();
+    let mut warnings = run.training.warnings.clone();
+    if let Some(share) = run.analysis.beyond_training.filter(|s| *s > 0.0) {
+        warnings.push(format!(
+            "{:.0}% of the Aggressive and Cautious embeddings lie further out than any training driver's: the networks extrapolate there",
+            100.0 * share
+        ));
+    }
+    let made_up = if run.analysis.synthetic {
+        "Synthetic participants: "
+    } else {
+        ""
+    };
+    let report = Report {
+        title: "MAVERIC: personalised driving style".to_owned(),
+        subtitle: format!(
+            "{made_up}{} drives to learn from, {} participants who then sat through four AV conditions",
+            run.training.drives, run.analysis.participants
+        ),
+        context: run.context.clone(),
+        summary: findings.clone(),
+        sections,
+        ledger: Some(ledger),
+        exclusions,
+        warnings,
+        provenance: Provenance {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            seed: Some(run.training.seed),
+            command: format!(
+                "maveric run pipelines/{}.toml",
+                folder.file_name().unwrap_or_default().to_string_lossy()
+            ),
+            parameters: parameters(&run.training),
+            inputs: Vec::new(),
+        },
+    };
+    Ok((report, findings))
+}
+
+/// The settings of the training, as the page lists them.
+pub(super) fn parameters(training: &TrainingSummary) -> Vec<(String, String)> {
+    let settings = serde_json::to_value(&training.settings).unwrap_or_default();
+    let fields = settings.as_object().cloned().unwrap_or_default();
+    fields
+        .into_iter()
+        .map(|(name, value)| (format!("training: {name}"), value.to_string()))
+        .collect()
+}
+
+fn percent(value: Option<f64>) -> String {
+    value.map_or_else(|| "no value".to_owned(), |v| format!("{:.1}%", 100.0 * v))
+}
+
+fn said(c: &Found) -> String {
+    match statement(c) {
+        Some(s) => s.statement().markup().to_owned(),
+        None => format!("not computed from {} pairs", c.n),
+    }
+}
+
+fn statement(c: &Found) -> Option<Correlation> {
+    let coefficient = match c.method.as_str() {
+        "spearman" => Coefficient::Spearman,
+        "rm_corr" => Coefficient::RepeatedMeasures,
+        _ => Coefficient::Pearson,
+    };
+    Some(Correlation {
+        coefficient,
+        value: c.r?,
+        df: c.df,
+        p: c.p?,
+    })
+}
+
+/// The ten lines that a run ends with.
+fn findings(run: &Run) -> Vec<String> {
+    let a = &run.analysis;
+    let mut lines = Vec::new();
+    if a.synthetic {
+        lines.push(format!(
+            "Synthetic participants: {} training drives, {} test participants, seed {}",
+            run.training.drives, a.participants, run.training.seed
+        ));
+    }
+    let accuracy: Vec<String> = a
+        .accuracy
+        .iter()
+        .map(|r| format!("{} {}", r.title.to_lowercase(), percent(r.mean)))
+        .collect();
+    lines.push(format!("Mimic accuracy: {}", accuracy.join(", ")));
+    let adb = |line: &Line| {
+        line.rows
+            .iter()
+            .find(|r| r.measure == "adb")
+            .map(|r| said(&r.correlation))
+    };
+    lines.push(format!(
+        "Aggression line against ADB: {} (embedding fitted with the score), {} (without)",
+        adb(&a.line).unwrap_or_default(),
+        adb(&a.line_without_adb).unwrap_or_default()
+    ));
+    for panel in &a.panels {
+        lines.push(format!(
+            "{} over the conditions: {}",
+            panel.title, panel.omnibus
+        ));
+    }
+    lines
+}
+
+fn printed(ledger: &[LedgerRow], key: &str) -> Option<Correlation> {
+    let claim = &ledger.iter().find(|row| row.claim.key == key)?.claim;
+    let coefficient = if claim.quantity == claims::Quantity::Rho {
+        Coefficient::Spearman
+    } else {
+        Coefficient::Pearson
+    };
+    let printed = claim.printed_p.as_ref()?;
+    // "< .001" is printed again as such, not as ".001".
+    let p = if printed.bound == Some('<') {
+        printed.value * 0.999
+    } else {
+        printed.value
+    };
+    Some(Correlation {
+        coefficient,
+        value: claim.printed.value,
+        df: claim.df? as usize,
+        p,
+    })
+}
+
+fn capital(word: &str) -> String {
+    let words = word.replace('_', "-");
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
+}
