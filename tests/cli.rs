@@ -163,3 +163,36 @@ fn every_shipped_recording_can_be_inspected() {
     }
     assert!(files >= 11);
 }
+
+#[test]
+fn who_did_not_answer_is_said_and_listed() {
+    let study = TempStudy::new();
+    let answers: Vec<String> = (1..=11)
+        .map(|item| format!("P1,pre,adb,{item},3"))
+        .collect();
+    let surveys = format!(
+        "participant,moment,scale,item,answer\n{}\n",
+        answers.join("\n")
+    );
+    study.write("surveys.csv", &surveys);
+    study.write("participants.csv", "participant\nP1\nP2\n");
+    let score = |surveys: &str| {
+        study.maveric(&[
+            "score",
+            "--surveys",
+            surveys,
+            "--participants",
+            "participants.csv",
+            "--out",
+            "scores.csv",
+        ])
+    };
+    let ran = score("surveys.csv").ok();
+    assert!(ran.stderr.contains("P2"), "{}", ran.stderr);
+    let listed = std::fs::read_to_string(study.path("scores_exclusions.csv")).unwrap();
+    assert!(listed.contains("P2,questionnaires,"), "{listed}");
+    let scores = std::fs::read_to_string(study.path("scores.csv")).unwrap();
+    assert!(scores.contains("P1,pre,adb,total,33.0,11,11"), "{scores}");
+    study.write("wrong.csv", surveys.replace(",11,3", ",11,9"));
+    score("wrong.csv").failed(1, &["P1", "adb", "item 11", "9"]);
+}

@@ -153,7 +153,8 @@ fn the_same_seed_gives_the_same_bytes_on_one_thread_and_on_two() {
 #[test]
 fn an_interrupted_run_ends_with_130_and_goes_on_where_it_stopped() {
     let study = TempStudy::new();
-    let mut command = study.command(&["run", SMOKE]);
+    // Many epochs: the run must not be over before it is interrupted.
+    let mut command = study.command(&["run", SMOKE, "--set", "epochs=2000"]);
     let mut child = command
         .stdout(Stdio::null())
         .stderr(Stdio::null())

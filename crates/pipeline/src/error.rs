@@ -183,8 +183,10 @@ impl PipelineError {
                 Some("name the files or subdirectories that the stage reads or makes".to_owned())
             }
             Self::Busy { .. } => Some("wait for it to end, or stop it".to_owned()),
-            Self::Unreadable { .. }
-            | Self::OverrideType { .. }
+            Self::Unreadable { .. } => {
+                Some("check the path; relative paths start at the current folder".to_owned())
+            }
+            Self::OverrideType { .. }
             | Self::Cycle { .. }
             | Self::Io { .. }
             | Self::Interrupted => None,

@@ -11,10 +11,13 @@ pub(crate) struct Score {
     /// Answers: participant, moment, scale, item, answer; may be given more than once
     #[arg(long, required = true)]
     surveys: Vec<std::path::PathBuf>,
+    /// Table of who should have answered: whoever of them did not is listed
+    #[arg(long)]
+    participants: Option<std::path::PathBuf>,
     /// Folder of questionnaire definitions
     #[arg(long, default_value = "study_data/scales")]
     scales: std::path::PathBuf,
-    /// Scores to write; reliabilities go beside them as NAME_reliabilities.csv
+    /// Scores to write; NAME_reliabilities.csv and NAME_exclusions.csv go beside them
     #[arg(long)]
     out: std::path::PathBuf,
     /// How to print the result
@@ -26,6 +29,7 @@ impl Score {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let options = ScoreOptions {
             surveys: self.surveys,
+            participants: self.participants,
             scales: self.scales,
             out: self.out,
         };

@@ -5,12 +5,12 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch},
     tables::{
-        TableBuilder,
+        Table, TableBuilder,
         surveys::{read_answers, write_scores},
     },
 };
-use maveric_domain::{Answer, Moment, Scale};
-use maveric_measures::{ItemMatrix, parse_scale};
+use maveric_domain::{Answer, Moment, ParticipantId, Scale};
+use maveric_measures::{ItemMatrix, ScoreWarning, parse_scale};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -19,6 +19,8 @@ use std::path::{Path, PathBuf};
 pub struct ScoreOptions {
     /// Files of answers.
     pub surveys: Vec<PathBuf>,
+    /// Who should have answered: whoever of them did not is listed, and strangers are left out.
+    pub participants: Option<PathBuf>,
     /// Folder of questionnaire definitions.
     pub scales: PathBuf,
     /// Scores to write.
@@ -85,8 +87,28 @@ pub fn read_scales(folder: &Path) -> Result<Vec<Scale>, StudyError> {
 
 /// The file beside `out` that holds the reliabilities.
 pub fn reliabilities_path(out: &Path) -> PathBuf {
+    beside(out, "_reliabilities.csv")
+}
+
+/// The file beside `out` that lists what was left out: who, what, why.
+pub fn exclusions_path(out: &Path) -> PathBuf {
+    beside(out, "_exclusions.csv")
+}
+
+fn beside(out: &Path, suffix: &str) -> PathBuf {
     let stem = out.file_stem().unwrap_or_default().to_string_lossy();
-    out.with_file_name(format!("{stem}_reliabilities.csv"))
+    out.with_file_name(format!("{stem}{suffix}"))
+}
+
+/// Whom a warning is about.
+fn who(warning: &ScoreWarning) -> String {
+    match warning {
+        ScoreWarning::NoAnswers { participant }
+        | ScoreWarning::Unanswered { participant, .. }
+        | ScoreWarning::TooFewAnswers { participant, .. }
+        | ScoreWarning::UnknownParticipant { participant, .. } => participant.to_string(),
+        _ => String::new(),
+    }
 }
 
 /// Alpha over one sheet a person: those from before the drives where there are any. After the conditions a person
@@ -151,7 +173,12 @@ pub fn score(
             help: None,
         });
     }
-    let scored = maveric_measures::score(&scales, &answers, None)?;
+    let participants: Option<Vec<ParticipantId>> = options
+        .participants
+        .as_deref()
+        .map(|path| Table::read(path)?.ids("participant"))
+        .transpose()?;
+    let scored = maveric_measures::score(&scales, &answers, participants.as_deref())?;
     let reliabilities: Vec<Reliability> = scored.matrices.iter().map(reliability).collect();
     write_scores(&options.out, &scored.scores)?;
     TableBuilder::default()
@@ -173,6 +200,11 @@ pub fn score(
         .numbers("ci_low", reliabilities.iter().map(|r| r.ci_low))
         .numbers("ci_high", reliabilities.iter().map(|r| r.ci_high))
         .write(&reliabilities_path(&options.out))?;
+    TableBuilder::default()
+        .text("who", scored.warnings.iter().map(who))
+        .text("what", scored.warnings.iter().map(|_| "questionnaires"))
+        .text("why", scored.warnings.iter().map(ToString::to_string))
+        .write(&exclusions_path(&options.out))?;
     let missing = scored.scores.iter().filter(|s| s.value.is_none()).count();
     let summary = vec![format!(
         "{} scores ({missing} missing): {}",

@@ -148,12 +148,12 @@ pub fn train(
         ..TrainSettings::default()
     };
     let params = TrainParams::new(settings.clone())?;
-    let mut warnings = Vec::new();
+    let mut unscored = Vec::new();
     let mut training = Vec::new();
     for drive in &drives {
         let adb = adb_of(drive, &scores)?;
         if adb.is_none() && options.scores.is_some() {
-            warnings.push(format!(
+            unscored.push(format!(
                 "drive {}: no ADB score, so it does not teach the style head",
                 drive.meta().drive
             ));
@@ -192,7 +192,10 @@ pub fn train(
             .iter()
             .map(|(loss, why)| format!("{loss}: {why}"))
             .collect(),
-        warnings: report.warnings.iter().map(ToString::to_string).collect(),
+        warnings: unscored
+            .into_iter()
+            .chain(report.warnings.iter().map(ToString::to_string))
+            .collect(),
         seed: options.seed,
         settings,
         epochs: report.epochs,
@@ -223,7 +226,7 @@ pub fn train(
         });
     }
     write_embeddings(&embeddings_path(&options.out), &rows)?;
-    warnings.extend(summary.warnings.iter().cloned());
+    let warnings = summary.warnings.clone();
     let lines = vec![format!(
         "{} parameters trained on {} drives, {} rows: {}",
         summary.parameters,

@@ -32,7 +32,7 @@ use maveric_report::{
     html::Provenance,
     tables::{Coefficient, Correlation, Exclusion},
 };
-use setting::{ingest_exclusions, reliabilities, section_setting};
+use setting::{listed_exclusions, reliabilities, section_setting};
 use std::path::Path;
 
 struct Run {
@@ -109,7 +109,7 @@ pub(super) fn page(
             what: e.what.clone(),
             why: e.why.clone(),
         })
-        .chain(ingest_exclusions(folder)?)
+        .chain(listed_exclusions(folder)?)
         .collect();
     let mut warnings = run.training.warnings.clone();
     if let Some(share) = run.analysis.beyond_training.filter(|s| *s > 0.0) {

@@ -77,7 +77,7 @@ pub(super) fn reliabilities(folder: &Path) -> Result<Vec<Reliability>, StudyErro
     Ok(rows)
 }
 
-pub(super) fn ingest_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyError> {
+pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyError> {
     let mut found = Vec::new();
     for study in ["study1", "study2"] {
         let path = folder.join("drives").join(study).join("exclusions.csv");
@@ -91,6 +91,17 @@ pub(super) fn ingest_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
                 who: drive[i].clone().unwrap_or_default(),
                 what: "ingest".to_owned(),
                 why: what[i].clone().unwrap_or_default(),
+            });
+        }
+    }
+    for file in ["scores_exclusions.csv", "rating_scores_exclusions.csv"] {
+        let table = File::read(&folder.join(file))?;
+        let (who, what, why) = (table.text("who")?, table.text("what")?, table.text("why")?);
+        for i in 0..table.rows() {
+            found.push(Exclusion {
+                who: who[i].clone().unwrap_or_default(),
+                what: what[i].clone().unwrap_or_default(),
+                why: why[i].clone().unwrap_or_default(),
             });
         }
     }
