@@ -48,7 +48,7 @@ fn a_missing_file_an_empty_one_and_a_folder_are_named() {
     let ingest = |log: &str| study.maveric(&["ingest", log, "--out", out.to_str().unwrap()]);
     ingest("nowhere.mcap").failed(1, &["nowhere.mcap"]);
     ingest(empty.to_str().unwrap()).failed(1, &["empty.mcap", "empty"]);
-    ingest(text.to_str().unwrap()).failed(1, &["text.mcap"]);
+    ingest(text.to_str().unwrap()).failed(1, &["text.mcap", "neither an MCAP recording"]);
     assert!(
         !out.exists() || std::fs::read_dir(&out).unwrap().next().is_none(),
         "nothing is written"

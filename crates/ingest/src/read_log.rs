@@ -156,7 +156,11 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, IngestError> {
         // A character may be cut by the end of what was read.
         Err(e) => e.error_len().is_none() && e.valid_up_to() > 0,
     };
-    if text && !head.contains(&0) {
+    // A file that calls itself MCAP and is text is a mistake, not a table.
+    let named_mcap = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("mcap"));
+    if text && !named_mcap && !head.contains(&0) {
         return Ok(Format::Text);
     }
     let first = head.iter().take(8).map(|b| format!("{b:02x}"));
