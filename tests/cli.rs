@@ -196,3 +196,12 @@ fn who_did_not_answer_is_said_and_listed() {
     study.write("wrong.csv", surveys.replace(",11,3", ",11,9"));
     score("wrong.csv").failed(1, &["P1", "adb", "item 11", "9"]);
 }
+
+#[test]
+fn a_sample_of_two_and_a_half_people_is_refused() {
+    let study = TempStudy::new();
+    study.write("power.csv", "test,n,effect,alpha\npaired_t,2.5,0.5,0.05\n");
+    study
+        .maveric(&["stats", "power", "power.csv"])
+        .failed(1, &["row 1", "`n`", "2.5", "whole number"]);
+}

@@ -9,6 +9,7 @@ use maveric_simulator::Planner;
 pub struct ModelPlanner {
     predictor: Predictor,
     buffer: WindowBuffer,
+    failure: Option<ModelError>,
 }
 
 impl ModelPlanner {
@@ -20,7 +21,14 @@ impl ModelPlanner {
         Ok(Self {
             predictor: Predictor::new(model, embedding)?,
             buffer: model.window_buffer(),
+            failure: None,
         })
+    }
+
+    /// The first situation that the model could not answer, if there was one: the drive then says nothing about
+    /// the model and should not be kept.
+    pub fn failure(self) -> Option<ModelError> {
+        self.failure
     }
 }
 
@@ -30,12 +38,14 @@ impl Planner for ModelPlanner {
             .buffer
             .push(situation)
             .and_then(|()| self.predictor.predict(&self.buffer));
-        // The simulator's situations are finite and ordered in time; should one not be, the car keeps its speed
-        // behind whatever is ahead and changes no lane.
-        setpoints.unwrap_or(Setpoints {
-            speed_mps: situation.ego_speed_mps,
-            following_distance_m: situation.reference.dx_m.max(0.0),
-            change_probability: 0.0,
+        // A planner has to answer; what it answers after a failure only brings the drive to its end.
+        setpoints.unwrap_or_else(|error| {
+            self.failure.get_or_insert(error);
+            Setpoints {
+                speed_mps: situation.ego_speed_mps,
+                following_distance_m: situation.reference.dx_m.max(0.0),
+                change_probability: 0.0,
+            }
         })
     }
 }

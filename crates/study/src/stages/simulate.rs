@@ -120,6 +120,9 @@ fn drive(
         Driver::Automated(&mut planner, &scenario.settings().controllers),
         seed,
     )?;
+    if let Some(error) = planner.failure() {
+        return Err(error.into());
+    }
     let meta = DriveMeta {
         drive: DriveId::new(id)?,
         participant: row.participant.clone(),

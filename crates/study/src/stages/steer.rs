@@ -9,7 +9,7 @@ use crate::{
         embeddings::read_embeddings,
     },
 };
-use maveric_domain::{Condition, Embedding, stream_seed};
+use maveric_domain::{Condition, Embedding, ParticipantId, stream_seed};
 use maveric_model::{
     Model,
     style_space::{AggressionAxis, PerpendicularEllipse, share_outside_training, shift},
@@ -57,15 +57,15 @@ pub fn steer(options: &SteerOptions, watch: Watch<'_>) -> Result<Outcome<Steered
     let rows = read_embeddings(&options.embeddings)?;
     let axis = AggressionAxis::of(&model)?;
     let ellipse = PerpendicularEllipse::of(&model)?;
-    let has_adb_fit = |p| {
+    let has_adb_fit = |p: &ParticipantId| {
         rows.iter()
-            .any(|r| r.participant == p && r.adb_used && r.condition == Condition::Own)
+            .any(|r| r.participant == *p && r.adb_used && r.condition == Condition::Own)
     };
     let mut conditions = Vec::new();
     let mut clamped = 0;
     let mut participants = 0;
     for row in rows.iter().filter(|r| r.condition == Condition::Own) {
-        if row.adb_used != has_adb_fit(row.participant.clone()) {
+        if row.adb_used != has_adb_fit(&row.participant) {
             continue;
         }
         watch.check()?;

@@ -38,6 +38,14 @@ pub(super) fn grouped(table: &Table, group: &str, value: &str) -> Result<Vec<Gro
     Ok(found)
 }
 
+/// A number that counts something: whole and not negative.
+fn count(table: &Table, row: usize, column: &str, value: f64) -> Result<usize, StudyError> {
+    if value >= 0.0 && value.fract() == 0.0 {
+        return Ok(value as usize);
+    }
+    Err(table.bad_cell(row, column, value.to_string(), "a whole number, 0 or more"))
+}
+
 /// One question a row: `test`, `n`, `effect`, `alpha`, and for an ANOVA `k`, `corr`, `epsilon`.
 pub(super) fn power_questions(table: &Table) -> Result<Vec<PowerQuestion>, StudyError> {
     let test = labels(table, "test")?;
@@ -63,7 +71,7 @@ pub(super) fn power_questions(table: &Table) -> Result<Vec<PowerQuestion>, Study
                 "pearson" => PlannedTest::Pearson { effect },
                 "rm_anova" => PlannedTest::RmAnova {
                     effect,
-                    k: need(&k, row, "k")? as usize,
+                    k: count(table, row, "k", need(&k, row, "k")?)?,
                     corr: need(&corr, row, "corr")?,
                     epsilon: need(&epsilon, row, "epsilon")?,
                 },
@@ -78,7 +86,7 @@ pub(super) fn power_questions(table: &Table) -> Result<Vec<PowerQuestion>, Study
             };
             Ok(PowerQuestion {
                 test: planned,
-                n: n[row] as usize,
+                n: count(table, row, "n", n[row])?,
                 alpha: alpha[row],
             })
         })
@@ -90,11 +98,13 @@ pub(super) fn reported(table: &Table) -> Result<Vec<ReportedCorrelation>, StudyE
     let coefficient = labels(table, "coefficient")?;
     let df = table.all_numbers("df")?;
     let p = labels(table, "p")?;
-    Ok((0..table.rows())
-        .map(|row| ReportedCorrelation {
-            coefficient: coefficient[row].clone(),
-            df: df[row] as usize,
-            p: p[row].clone(),
+    (0..table.rows())
+        .map(|row| {
+            Ok(ReportedCorrelation {
+                coefficient: coefficient[row].clone(),
+                df: count(table, row, "df", df[row])?,
+                p: p[row].clone(),
+            })
         })
-        .collect())
+        .collect()
 }
