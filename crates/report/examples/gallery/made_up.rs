@@ -3,8 +3,9 @@
 use maveric_domain::condition::Condition;
 use maveric_report::claims::{join, load};
 use maveric_report::figures::{
-    Context, Figure, aggression_line, architecture, car_following, difference_panels, domain,
-    embedding_space, following_errors, perpendicular, preference, simulator_view, training_curves,
+    Context, Figure, ablation, aggression_line, architecture, calibration, car_following,
+    dial_sweep, difference_panels, domain, embedding_space, fidelity, following_errors,
+    learning_curve, perpendicular, preference, residuals, simulator_view, training_curves,
 };
 use maveric_report::html::{Input, Provenance, Section};
 use maveric_report::tables::{
@@ -34,6 +35,12 @@ pub(crate) fn figures(context: &Context) -> Result<Vec<Figure>, ReportError> {
         perpendicular(&round_the_ellipse(), context)?,
         preference(&preferences(), context)?,
         training_curves(&training(), context)?,
+        calibration(&probabilities(), context)?,
+        residuals(&left_over(), context)?,
+        learning_curve(&minutes(), context)?,
+        ablation(&variants(), context)?,
+        fidelity(&accuracies(), context)?,
+        dial_sweep(&sweep(), context)?,
         car_following(&following(), context)?,
         following_errors(&errors(), context)?,
     ])
@@ -351,6 +358,170 @@ fn training() -> training_curves::TrainingCurves {
             term(4, "*L*_{5}  mutual information", 1.3, 0.2),
         ],
         drives: 38,
+    }
+}
+
+fn probabilities() -> calibration::Calibration {
+    let bins = (0..8).map(|k| {
+        let predicted = 0.004 * 1.9_f64.powi(k);
+        let rows = 6000 / (1 + 3 * k as usize);
+        calibration::CalibrationBin {
+            predicted,
+            events: (rows as f64 * predicted * (1.0 + 0.2 * wobble(k as usize, 3))) as usize,
+            rows,
+        }
+    });
+    calibration::Calibration {
+        bins: bins.collect(),
+        expected_error: 0.0042,
+        drives: 38,
+        held_out: true,
+    }
+}
+
+fn left_over() -> residuals::Residuals {
+    let panel = |title: &str, unit: &str, width: f64| residuals::ResidualPanel {
+        title: title.into(),
+        axis: format!("Recorded − predicted ({unit})"),
+        unit: unit.into(),
+        edges: (0..=30)
+            .map(|k| width * (f64::from(k) - 15.0) / 5.0)
+            .collect(),
+        counts: (0..30)
+            .map(|k| (900.0 * (-((f64::from(k) - 15.5) / 5.0).powi(2) / 2.0).exp()) as usize)
+            .collect(),
+        mean: 0.1 * width,
+        rms: width,
+    };
+    residuals::Residuals {
+        panels: vec![
+            panel("Following distance (F)", "m", 5.0),
+            panel("Ego speed (V)", "m/s", 1.1),
+        ],
+        drives: 38,
+    }
+}
+
+fn minutes() -> learning_curve::LearningCurve {
+    let panel = |title: &str, axis: &str, from: f64, to: f64| learning_curve::LearningPanel {
+        title: title.into(),
+        axis: axis.into(),
+        points: [1.0, 2.0, 5.0, 10.0]
+            .map(|minutes: f64| {
+                let mean = to + (from - to) / (1.0 + minutes);
+                learning_curve::LearningPoint {
+                    minutes,
+                    mean,
+                    low: 0.93 * mean,
+                    high: 1.07 * mean,
+                }
+            })
+            .to_vec(),
+        before: Some(from),
+    };
+    learning_curve::LearningCurve {
+        panels: vec![
+            panel("*L*_{1} following", "loss", 0.9, 0.35),
+            panel("*L*_{2} lane change", "loss", 0.42, 0.33),
+            panel("*L*_{3} speed", "loss", 0.5, 0.21),
+            panel("To the whole drive’s", "SD", 1.6, 0.0),
+        ],
+        drivers: PARTICIPANTS,
+        judged_on: "Losses on the last third of each drive.".into(),
+    }
+}
+
+fn variants() -> ablation::Ablation {
+    let names = [
+        "size 3",
+        "size 1",
+        "size 2",
+        "size 5",
+        "size 8",
+        "without M",
+        "without S",
+        "Gaussian L5",
+    ];
+    let variants = names
+        .iter()
+        .enumerate()
+        .map(|(v, name)| ablation::AblationVariant {
+            name: (*name).to_owned(),
+            losses: (0..3)
+                .map(|loss| {
+                    let of = |i: usize| {
+                        0.4 + 0.05 * wobble(i, 7) + 0.01 * v as f64 * (1.0 + wobble(i + v, loss))
+                    };
+                    (0..38).map(|i| (i % 9 != loss).then(|| of(i))).collect()
+                })
+                .collect(),
+        });
+    ablation::Ablation {
+        losses: ["following", "lane change", "speed"]
+            .iter()
+            .enumerate()
+            .map(|(k, name)| format!("*L*_{{{}}} {name}", k + 1))
+            .collect(),
+        variants: variants.collect(),
+        folds: 5,
+    }
+}
+
+fn accuracies() -> fidelity::Fidelity {
+    let names = [
+        "Mean velocity",
+        "Mean headway time",
+        "Distance headway merge back",
+        "Number of lane changes",
+        "Time headway merge back",
+    ];
+    let around = |mean: f64| fidelity::Accuracy {
+        mean,
+        low: mean - 0.012,
+        high: mean + 0.01,
+    };
+    fidelity::Fidelity {
+        measures: names
+            .iter()
+            .enumerate()
+            .map(|(k, name)| fidelity::FidelityRow {
+                measure: (*name).to_owned(),
+                mimic: around(0.98 - 0.04 * k as f64),
+                test_retest: Some(around(0.985 - 0.03 * k as f64)),
+                population: Some(around(0.92 - 0.07 * k as f64)),
+                paper: (k != 3).then_some(0.9 - 0.02 * k as f64),
+            })
+            .collect(),
+        drivers: PARTICIPANTS,
+        seeds: 5,
+    }
+}
+
+fn sweep() -> dial_sweep::DialSweep {
+    let points: Vec<f64> = (-4..=4).map(|k| 5.0 * f64::from(k)).collect();
+    let panel = |title: &str, axis: &str, mean: f64, slope: f64| dial_sweep::DialPanel {
+        title: title.into(),
+        axis: axis.into(),
+        drivers: (0..PARTICIPANTS)
+            .map(|i| {
+                let own = mean * (1.0 + 0.1 * wobble(i, 31));
+                let value = |k: usize| own + slope * points[k] + 0.01 * mean * wobble(i, k);
+                (0..points.len())
+                    .map(|k| ((i + k) % 37 != 0).then(|| value(k)))
+                    .collect()
+            })
+            .collect(),
+        statistic: "right way: 92% at +15, 88% at −15".into(),
+    };
+    dial_sweep::DialSweep {
+        panels: vec![
+            panel("Mean velocity", "mph", 65.0, 0.3),
+            panel("Mean headway time", "s", 1.8, -0.012),
+            panel("Distance headway merge back", "m", 46.0, -0.7),
+            panel("Number of lane changes", "count", 9.0, 0.1),
+            panel("Time headway merge back", "s", 1.5, -0.02),
+        ],
+        points,
     }
 }
 
