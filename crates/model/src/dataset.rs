@@ -34,6 +34,7 @@ pub(crate) struct Data {
     pub(crate) learned: Learned,
     pub(crate) warnings: Vec<ModelWarning>,
     pub(crate) left_out: Vec<(Loss, &'static str)>,
+    pub(crate) embedding_size: usize,
     pub(crate) following_rows: usize,
     pub(crate) lane_change_rows: usize,
 }
@@ -74,6 +75,7 @@ impl Data {
             });
         }
         let mut data = Self::standardized(&used);
+        data.embedding_size = settings.embedding_size;
         data.warnings = warnings;
         data.note_losses_without_data(&settings.loss_weights);
         Ok(data)
@@ -147,6 +149,7 @@ impl Data {
             row_weights,
             warnings: Vec::new(),
             left_out: Vec::new(),
+            embedding_size: 0,
         }
     }
 
@@ -186,6 +189,11 @@ impl Data {
         let warnings = self.left_out.iter();
         self.warnings
             .extend(warnings.map(|&(loss, reason)| ModelWarning::LossLeftOut { loss, reason }));
+    }
+
+    /// Numbers in a window, 4 × steps.
+    pub(crate) fn window_numbers(&self) -> usize {
+        self.windows.len() / self.rows().max(1)
     }
 
     pub(crate) fn rows(&self) -> usize {

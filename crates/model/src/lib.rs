@@ -12,6 +12,7 @@ pub mod cross_validate;
 mod dataset;
 pub mod error;
 pub mod following;
+mod fused;
 mod kernel;
 mod linear_algebra;
 pub mod losses;

@@ -182,6 +182,7 @@ impl<T: Real> Objective<'_, T> {
     }
 
     /// Takes the codes' gradients that [`Self::evaluate`] left back through the encoders.
+    #[cfg(test)]
     pub(crate) fn encoders_backward(&self, pass: &mut Pass<T>, gradient: &mut [T]) {
         let n = self.networks;
         let p = self.parameters;

@@ -106,7 +106,7 @@ pub fn train(
             return Err(ModelError::Cancelled { epoch });
         }
     }
-    let (parameters, embeddings) = (trainer.parameters, trainer.embeddings);
+    let (parameters, embeddings) = (trainer.parameters(), trainer.embeddings);
     let model = finish(&data, settings, &networks, parameters, &embeddings)?;
     let trained = model.training().iter();
     let embeddings = trained.map(|t| (t.drive.clone(), t.embedding.clone()));
