@@ -9,9 +9,9 @@ const EPSILON: f32 = 1e-8;
 /// Moments of a gradient.
 #[derive(Debug, Clone)]
 pub(crate) struct Adam {
-    first: Vec<f32>,
-    second: Vec<f32>,
-    steps: i32,
+    pub(crate) first: Vec<f32>,
+    pub(crate) second: Vec<f32>,
+    pub(crate) steps: i32,
 }
 
 impl Adam {

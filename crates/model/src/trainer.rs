@@ -2,18 +2,20 @@
 
 use crate::{
     adam::{Adam, cosine, decay_and_norm},
-    dataset::Data,
+    dataset::{Data, RowSet},
+    error::ModelError,
     fused::{
         batch::{At, Batches},
         matrix::Aligned,
-        tile::{Known, Tile},
+        tile::{Known, Predicted, Tile},
     },
-    losses::{LossWeights, MutualInformationLoss, Reading, Sums},
+    losses::{LossTerms, LossWeights, MutualInformationLoss, Reading, Sums},
     model::active_weights,
     network::{Networks, style::Style},
     objective::aggression,
     params::TrainSettings,
     train::EpochReport,
+    training_state::{Moments, Weights},
     windows::SIGNALS,
 };
 use maveric_domain::stream_seed;
@@ -24,7 +26,7 @@ use rand_pcg::Pcg64Mcg;
 use std::ops::Range;
 
 /// Brings rows into a tile, with noise on their windows.
-fn gather(data: &Data, rows: &[u32], noise: f32, seed: u64, tile: &mut Tile) {
+fn gather(data: &RowSet, rows: &[u32], noise: f32, seed: u64, tile: &mut Tile) {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let numbers = data.window_numbers();
     let steps = numbers / SIGNALS;
@@ -42,9 +44,22 @@ fn gather(data: &Data, rows: &[u32], noise: f32, seed: u64, tile: &mut Tile) {
                 *to = from + (first + unit * step as f32);
             }
         }
-        for epsilon in &mut tile.noise.row_mut(at)[..data.embedding_size] {
+        for epsilon in tile.noise.row_mut(at) {
             *epsilon = StandardNormal.sample(&mut rng);
         }
+        tile.known[at] = Known {
+            values: data.values[row],
+            weights: data.weights[row],
+        };
+    }
+}
+
+/// Brings rows into a tile as they are.
+fn copy(data: &RowSet, rows: Range<usize>, tile: &mut Tile) {
+    let numbers = data.window_numbers();
+    for (at, row) in rows.enumerate() {
+        let window = &data.windows[row * numbers..][..numbers];
+        tile.windows.row_mut(at)[..numbers].copy_from_slice(window);
         tile.known[at] = Known {
             values: data.values[row],
             weights: data.weights[row],
@@ -68,14 +83,17 @@ pub(crate) struct Trainer<'a> {
     kernel: Batches,
     order: Vec<u32>,
     batches: usize,
+    epochs: usize,
 }
 
 impl<'a> Trainer<'a> {
+    /// A training of so many epochs, before the first.
     pub(crate) fn new(
         data: &'a Data,
         settings: &'a TrainSettings,
         networks: &Networks,
         seed: u64,
+        epochs: usize,
     ) -> Self {
         let d = settings.embedding_size;
         let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(seed, &["train", "weights"]));
@@ -91,7 +109,7 @@ impl<'a> Trainer<'a> {
                 draw
             })
             .collect();
-        let rows = data.rows();
+        let rows = data.training.len();
         let batches = ((rows as f64 / settings.batch_size as f64).round() as usize).max(1);
         let most = rows.div_ceil(batches);
         let kernel = Batches::new(Arch::new(), networks, data.drives.len(), most);
@@ -109,7 +127,12 @@ impl<'a> Trainer<'a> {
             packed,
             embeddings,
             batches,
+            epochs,
         }
+    }
+
+    pub(crate) fn epochs(&self) -> usize {
+        self.epochs
     }
 
     /// The networks' parameters.
@@ -120,7 +143,7 @@ impl<'a> Trainer<'a> {
     pub(crate) fn epoch(&mut self, epoch: usize) -> EpochReport {
         let label = epoch.to_string();
         let shuffle = stream_seed(self.seed, &["train", "order", &label]);
-        let rows = self.data.rows();
+        let rows = self.data.training.len();
         // From the rows' own order each time, so that an epoch knows nothing of those before.
         self.order.clear();
         self.order.extend(0..rows as u32);
@@ -130,7 +153,7 @@ impl<'a> Trainer<'a> {
         let mut rate = 0.0;
         for batch in 0..self.batches {
             let step = (epoch - 1) * self.batches + batch;
-            rate = cosine(step, self.settings.epochs * self.batches);
+            rate = cosine(step, self.epochs * self.batches);
             let range = batch * rows / self.batches..(batch + 1) * rows / self.batches;
             let (batch_sums, l4, norm) = self.step(range, step, rate);
             sums.merge(&batch_sums);
@@ -138,15 +161,80 @@ impl<'a> Trainer<'a> {
             norms += norm / self.batches as f64;
         }
         let l4 = self.data.learned.aggression.then_some(aggression);
-        let losses = sums.terms(l4, self.settings.embedding_size);
+        let losses = self.terms(&sums, l4);
         EpochReport {
             epoch,
-            epochs: self.settings.epochs,
+            epochs: self.epochs,
             total: losses.total(&self.weights),
             losses,
+            validation: None,
+            validation_total: None,
             learning_rate: self.settings.learning_rate * rate,
             gradient_norm: norms,
         }
+    }
+
+    fn terms(&self, sums: &Sums, l4: Option<f64>) -> LossTerms {
+        let d = self.settings.embedding_size;
+        LossTerms {
+            mutual_information_bound: sums.bound(d),
+            ..sums.terms(l4, d)
+        }
+    }
+
+    /// The losses over rows as they are, their weighted sum, and the predictions.
+    ///
+    /// L5 of a sample is taken in expectation; L4 has nothing to do with rows and is left out.
+    pub(crate) fn predict(&mut self, rows: &RowSet) -> (LossTerms, f64, Vec<Predicted>) {
+        let at = At {
+            packed: &self.packed,
+            embeddings: &self.embeddings,
+            weights: self.weights,
+            reading: match self.settings.mutual_information_loss {
+                MutualInformationLoss::MeanSquared => Reading::Expected,
+                MutualInformationLoss::GaussianLikelihood => Reading::Likelihood,
+            },
+        };
+        let (sums, predicted) = self.kernel.predict(
+            &at,
+            rows.len(),
+            |row| rows.drive_of[row],
+            |tile, range| copy(rows, range, tile),
+        );
+        let losses = self.terms(&sums, None);
+        (losses, losses.total(&self.weights), predicted)
+    }
+
+    pub(crate) fn weights(&self) -> Weights {
+        Weights {
+            packed: (&*self.packed).into(),
+            embeddings: self.embeddings.as_slice().into(),
+        }
+    }
+
+    pub(crate) fn set_weights(&mut self, weights: &Weights) -> Result<(), ModelError> {
+        weights.packed.write(&mut self.packed)?;
+        weights.embeddings.write(&mut self.embeddings)
+    }
+
+    pub(crate) fn moments(&self) -> [Moments; 2] {
+        [&self.adam, &self.embedding_adam].map(|adam| Moments {
+            first: adam.first.as_slice().into(),
+            second: adam.second.as_slice().into(),
+            steps: adam.steps,
+        })
+    }
+
+    pub(crate) fn set_moments(&mut self, moments: &[Moments; 2]) -> Result<(), ModelError> {
+        for (adam, moments) in [&mut self.adam, &mut self.embedding_adam]
+            .into_iter()
+            .zip(moments)
+        {
+            moments.first.write(&mut adam.first)?;
+            moments.second.write(&mut adam.second)?;
+            adam.steps = moments.steps;
+        }
+        Ok(())
     }
 
     /// One batch: losses, L4 before the step, and the gradient's norm.
@@ -163,7 +251,7 @@ impl<'a> Trainer<'a> {
             },
         };
         let noise_seed = stream_seed(self.seed, &["train", "noise", &step.to_string()]);
-        let data = self.data;
+        let data = &self.data.training;
         let noise = settings.window_noise as f32;
         let sums = self.kernel.evaluate(
             &at,

@@ -4,7 +4,7 @@ use super::{
     layout::Layout,
     matrix::{Aligned, Matrix},
     roster::Roster,
-    tile::{self, Gradients, Shared, Tile},
+    tile::{self, Gradients, Predicted, Shared, Tile},
 };
 use crate::{
     losses::{LossWeights, Reading, Sums},
@@ -27,6 +27,7 @@ struct Lane {
     gradient: Aligned,
     lines: Matrix,
     sums: Sums,
+    predicted: Vec<Predicted>,
 }
 
 /// The gradient of the losses over batches of rows.
@@ -37,6 +38,8 @@ pub(crate) struct Batches {
     roster: Roster,
     lanes: Vec<Lane>,
     derived: Aligned,
+    /// Most rows of a batch.
+    most: usize,
     /// By the packed parameters, of the last batch.
     pub(crate) gradient: Aligned,
     /// By the embeddings, shape `(drivers, d)`.
@@ -73,6 +76,7 @@ impl Batches {
             gradient: Aligned::zeros(layout.packed),
             lines: Matrix::zeros(drivers.min(most), roster.columns.all),
             sums: Sums::default(),
+            predicted: Vec::new(),
         };
         Self {
             arch,
@@ -82,6 +86,7 @@ impl Batches {
             embedding_gradient: vec![0.0; drivers * d],
             roster,
             layout,
+            most: most.max(1),
         }
     }
 
@@ -95,9 +100,51 @@ impl Batches {
         driver_of: impl Fn(usize) -> u32 + Sync,
         fill: impl Fn(&mut Tile, Range<usize>) + Sync,
     ) -> Sums {
+        self.layout.derive(at.packed, &mut self.derived);
+        let lanes = self.each_tile(at, rows, driver_of, fill, |tile, shared, to, _| {
+            tile.backward(shared, to);
+        });
+        self.reduce(lanes)
+    }
+
+    /// The losses of any number of rows and the predictions for them; as [`Self::evaluate`] without gradients.
+    pub(crate) fn predict(
+        &mut self,
+        at: &At<'_>,
+        rows: usize,
+        driver_of: impl Fn(usize) -> u32 + Sync,
+        fill: impl Fn(&mut Tile, Range<usize>) + Sync,
+    ) -> (Sums, Vec<Predicted>) {
+        let mut sums = Sums::default();
+        let mut predicted = Vec::with_capacity(rows);
+        for first in (0..rows).step_by(self.most) {
+            let count = self.most.min(rows - first);
+            let lanes = self.each_tile(
+                at,
+                count,
+                |row| driver_of(first + row),
+                |tile, rows| fill(tile, first + rows.start..first + rows.end),
+                |tile, shared, _, predicted| predicted.extend(tile.predicted(shared.layout)),
+            );
+            for lane in &mut self.lanes[..lanes] {
+                sums.merge(&lane.sums);
+                predicted.append(&mut lane.predicted);
+            }
+        }
+        (sums, predicted)
+    }
+
+    /// Takes every tile of a batch forward and gives it to `then`; the lanes used.
+    fn each_tile(
+        &mut self,
+        at: &At<'_>,
+        rows: usize,
+        driver_of: impl Fn(usize) -> u32 + Sync,
+        fill: impl Fn(&mut Tile, Range<usize>) + Sync,
+        then: impl Fn(&mut Tile, &Shared<'_>, &mut Gradients<'_>, &mut Vec<Predicted>) + Sync,
+    ) -> usize {
         let arch = self.arch;
         let (layout, roster) = (&self.layout, &mut self.roster);
-        layout.derive(at.packed, &mut self.derived);
         let drivers = (0..rows).map(&driver_of);
         roster.gather(arch, layout, at.packed, drivers, at.embeddings);
         let shared = Shared {
@@ -132,10 +179,10 @@ impl Batches {
                     packed: &mut lane.gradient,
                     lines: &mut lane.lines,
                 };
-                lane.tile.backward(&shared, &mut to);
+                then(&mut lane.tile, &shared, &mut to, &mut lane.predicted);
             }
         });
-        self.reduce(lanes)
+        lanes
     }
 
     /// Sums over the lanes, in their order.

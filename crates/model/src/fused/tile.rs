@@ -219,14 +219,17 @@ impl Tile {
         sums
     }
 
-    /// Predictions of a row after [`Self::forward`].
-    pub(crate) fn predicted(&self, layout: &Layout, row: usize) -> Predicted {
-        let reads = self.reads.row(row);
-        Predicted {
-            following_distance: reads[layout.reads.following_distance],
-            probability: reads[layout.reads.probability],
-            speed: reads[layout.reads.speed],
-        }
+    /// Predictions of every row after [`Self::forward`].
+    pub(crate) fn predicted(&self, layout: &Layout) -> impl Iterator<Item = Predicted> {
+        let at = layout.reads;
+        (0..self.rows).map(move |row| {
+            let reads = self.reads.row(row);
+            Predicted {
+                following_distance: reads[at.following_distance],
+                probability: reads[at.probability],
+                speed: reads[at.speed],
+            }
+        })
     }
 
     /// Adds the gradients of what [`Self::forward`] computed.
@@ -373,19 +376,21 @@ impl Tile {
             let by_out = self.mutual_information.by_output.row_mut(row);
             let by_w = self.by_target.row_mut(row);
             let noise = self.noise.row(row);
-            let (mut loss, mut likelihood) = (0.0, 0.0);
+            let (mut loss, mut likelihood, mut error) = (0.0, 0.0, 0.0);
             for i in 0..d {
                 let (mean, log_sd) = (out[i], out[d + i]);
                 let at = [mean, log_sd, noise[i], w[i]];
                 let (one, slope) = normal(shared.reading, at, (c * share) as f32);
                 loss += one;
                 likelihood += log_likelihood(mean, log_sd, w[i]);
+                error += f64::from(mean - w[i]).powi(2);
                 by_out[i] = slope.mean;
                 by_out[d + i] = slope.log_sd;
                 by_w[i] = slope.embedding;
             }
             sums.mutual_information.add(loss / d as f64, c);
             sums.log_likelihood.add(likelihood, c);
+            sums.reading.add(error / d as f64, c);
         }
     }
 }
