@@ -9,9 +9,9 @@ const EPSILON: f32 = 1e-8;
 /// Moments of a gradient.
 #[derive(Debug, Clone)]
 pub(crate) struct Adam {
-    first: Vec<f32>,
-    second: Vec<f32>,
-    steps: i32,
+    pub(crate) first: Vec<f32>,
+    pub(crate) second: Vec<f32>,
+    pub(crate) steps: i32,
 }
 
 impl Adam {
@@ -40,6 +40,31 @@ impl Adam {
             }
         });
     }
+}
+
+/// Adds `decay · value` to the gradient where `is_weight` is 1; the sum of the gradient's squares then.
+pub(crate) fn decay_and_norm(
+    gradient: &mut [f32],
+    values: &[f32],
+    is_weight: &[f32],
+    decay: f32,
+) -> f64 {
+    const LANES: usize = crate::fused::matrix::LANES;
+    let mut sums = [0.0_f32; LANES];
+    let all = gradient
+        .chunks_exact_mut(LANES)
+        .zip(values.chunks_exact(LANES))
+        .zip(is_weight.chunks_exact(LANES));
+    Arch::new().dispatch(|| {
+        for ((gradient, values), mask) in all {
+            for lane in 0..LANES {
+                let g = gradient[lane] + decay * mask[lane] * values[lane];
+                gradient[lane] = g;
+                sums[lane] += g * g;
+            }
+        }
+    });
+    sums.iter().map(|&s| f64::from(s)).sum()
 }
 
 /// From 1 at `step` 0 to 0 at `steps`, along half a cosine.

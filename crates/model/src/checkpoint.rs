@@ -4,16 +4,17 @@
 //! number written so that it reads back to the same bits. Reading and writing files is the caller's.
 
 use crate::{error::ModelError, model::Model};
+use serde::{Serialize, de::DeserializeOwned};
 
 /// Version of the format; a file of another one is refused.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 const MAGIC: &str = "maveric-model";
 /// The header is shorter than this.
 const HEADER_LIMIT: usize = 128;
 
 /// FNV-1a: one changed byte always changes it, since every step is a bijection.
-fn checksum(bytes: &[u8]) -> u64 {
+pub(crate) fn checksum(bytes: &[u8]) -> u64 {
     let step = |hash: u64, &byte: &u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, step)
 }
@@ -23,15 +24,7 @@ fn checksum(bytes: &[u8]) -> u64 {
 /// # Errors
 /// [`ModelError::BadModelFile`] if the model cannot be written, which no model that exists should cause.
 pub fn to_bytes(model: &Model) -> Result<Vec<u8>, ModelError> {
-    let body = serde_json::to_vec(model).map_err(|e| ModelError::BadModelFile {
-        problem: e.to_string(),
-    })?;
-    let header = format!(
-        "{MAGIC} {VERSION} {} {:016x}\n",
-        body.len(),
-        checksum(&body)
-    );
-    Ok([header.as_bytes(), &body].concat())
+    frame(MAGIC, VERSION, model)
 }
 
 /// The model that [`to_bytes`] wrote.
@@ -40,18 +33,47 @@ pub fn to_bytes(model: &Model) -> Result<Vec<u8>, ModelError> {
 /// [`ModelError::NotAModelFile`], [`ModelError::OtherVersion`], [`ModelError::WrongLength`],
 /// [`ModelError::Damaged`] or [`ModelError::BadModelFile`].
 pub fn from_bytes(bytes: &[u8]) -> Result<Model, ModelError> {
+    unframe(MAGIC, VERSION, bytes)
+}
+
+/// A header line and `value` as JSON.
+pub(crate) fn frame(
+    magic: &str,
+    version: u32,
+    value: &impl Serialize,
+) -> Result<Vec<u8>, ModelError> {
+    let body = serde_json::to_vec(value).map_err(|e| ModelError::BadModelFile {
+        problem: e.to_string(),
+    })?;
+    let header = format!(
+        "{magic} {version} {} {:016x}\n",
+        body.len(),
+        checksum(&body)
+    );
+    Ok([header.as_bytes(), &body].concat())
+}
+
+/// What [`frame`] wrote.
+pub(crate) fn unframe<T: DeserializeOwned>(
+    magic: &str,
+    version: u32,
+    bytes: &[u8],
+) -> Result<T, ModelError> {
     let newline = bytes.iter().take(HEADER_LIMIT).position(|&b| b == b'\n');
     let end = newline.ok_or(ModelError::NotAModelFile)?;
     let header = std::str::from_utf8(&bytes[..end]).map_err(|_| ModelError::NotAModelFile)?;
     let words: Vec<&str> = header.split(' ').collect();
-    let [MAGIC, version, rest @ ..] = words.as_slice() else {
+    let [first, found, rest @ ..] = words.as_slice() else {
         return Err(ModelError::NotAModelFile);
     };
-    let found: u32 = version.parse().map_err(|_| ModelError::NotAModelFile)?;
-    if found != VERSION {
+    let found: u32 = match found.parse() {
+        Ok(found) if *first == magic => found,
+        _ => return Err(ModelError::NotAModelFile),
+    };
+    if found != version {
         return Err(ModelError::OtherVersion {
             found,
-            expected: VERSION,
+            expected: version,
         });
     }
     let [length, sum] = rest else {
@@ -123,10 +145,10 @@ mod tests {
             assert!(from_bytes(&bytes[..at]).is_err(), "cut at {at}");
         }
         let text = String::from_utf8(bytes.clone()).unwrap();
-        let other = text.replacen("maveric-model 1 ", "maveric-model 2 ", 1);
+        let other = text.replacen("maveric-model 2 ", "maveric-model 1 ", 1);
         assert!(matches!(
             from_bytes(other.as_bytes()),
-            Err(ModelError::OtherVersion { found: 2, .. })
+            Err(ModelError::OtherVersion { found: 1, .. })
         ));
         let end = bytes.len() - 1;
         assert!(matches!(

@@ -70,6 +70,11 @@ pub fn cross_validate(
     for &embedding_size in sizes {
         let settings = TrainSettings {
             embedding_size,
+            // A run that only measures would change nothing here.
+            validation_fraction: match params.settings() {
+                s if s.patience == 0 && s.refit => 0.0,
+                s => s.validation_fraction,
+            },
             ..params.settings().clone()
         };
         let params = TrainParams::new(settings)?;

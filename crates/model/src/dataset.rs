@@ -1,33 +1,76 @@
 //! The rows of all training drives, standardised and weighted.
 
 use crate::{
+    checkpoint::checksum,
     error::{ModelError, ModelWarning},
     losses::{Loss, LossWeights},
     model::Learned,
     params::TrainSettings,
+    quality::Quality,
     rows::{Row, RowSettings, RowWeights, left_out, now, rows_of},
     scaling::{Scaling, Standardization},
-    train::{EpochReport, TrainingDrive, TrainingReport},
+    train::{Run, TrainingDrive, TrainingReport},
+    training_state::Selection,
     windows::SIGNALS,
 };
 use maveric_domain::{AdbScore, DriveId};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
-/// The training rows, standardised, and what is known of each drive.
-pub(crate) struct Data {
-    pub(crate) drives: Vec<DriveId>,
-    /// Standardised ADB.
-    pub(crate) adb: Vec<Option<f32>>,
-    pub(crate) mean_speed_mps: Vec<f64>,
+/// Rows of all drives, standardised.
+#[derive(Debug, Default)]
+pub(crate) struct RowSet {
     /// Drive of each row, shape `(n,)`.
     pub(crate) drive_of: Vec<u32>,
     /// Shape `(n, 4 × steps)`.
     pub(crate) windows: Vec<f32>,
     /// v_lead, then the targets of F, C and V; shape `(n, 4)`.
     pub(crate) values: Vec<[f32; 4]>,
-    /// Weights in L1, L2, L3 and L5, mean 1 over rows in L3; shape `(n, 4)`.
+    /// Weights in L1, L2, L3 and L5; over the training rows those in L3 have mean 1. Shape `(n, 4)`.
     pub(crate) weights: Vec<[f32; 4]>,
+    /// Time each row stands for in L2, in s; 0 where nobody asks whether a change is being started.
+    pub(crate) seconds: Vec<f32>,
+}
+
+impl RowSet {
+    fn push(&mut self, drive: usize, row: &Row, scaling: &Scaling, weights: [f64; 4]) {
+        let [ego, lead, ..] = scaling.signals;
+        let steps = row.window.len() / SIGNALS;
+        let signals = row.window.chunks_exact(steps).zip(&scaling.signals);
+        let values = signals.flat_map(|(v, s)| v.iter().map(|&v| s.apply(v) as f32));
+        self.drive_of.push(drive as u32);
+        self.windows.extend(values);
+        let distance = row.following_distance_m;
+        self.values.push([
+            lead.apply(row.lead_speed_mps) as f32,
+            distance.map_or(0.0, |d| scaling.following_distance.apply(d)) as f32,
+            f32::from(u8::from(row.lane_change == Some(true))),
+            ego.apply(row.ego_speed_mps) as f32,
+        ]);
+        self.weights.push(weights.map(|w| w as f32));
+        let seconds = row.lane_change.map_or(0.0, |_| row.stands_for_s);
+        self.seconds.push(seconds as f32);
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.drive_of.len()
+    }
+
+    /// Numbers in a window, 4 × steps.
+    pub(crate) fn window_numbers(&self) -> usize {
+        self.windows.len() / self.len().max(1)
+    }
+}
+
+/// The training rows, those kept back, and what is known of each drive.
+pub(crate) struct Data {
+    pub(crate) drives: Vec<DriveId>,
+    /// Standardised ADB.
+    pub(crate) adb: Vec<Option<f32>>,
+    pub(crate) mean_speed_mps: Vec<f64>,
+    pub(crate) training: RowSet,
+    /// The last rows of every drive, where some are kept back; means and SDs know nothing of them.
+    pub(crate) validation: RowSet,
     pub(crate) scaling: Scaling,
     pub(crate) row_weights: RowWeights,
     pub(crate) speed_range_mps: [f64; 2],
@@ -39,9 +82,11 @@ pub(crate) struct Data {
 }
 
 impl Data {
+    /// The rows of the drives; the last `kept_back` of each are for validation.
     pub(crate) fn new(
         given: &[TrainingDrive<'_>],
         settings: &TrainSettings,
+        kept_back: f64,
     ) -> Result<Self, ModelError> {
         let mut seen = BTreeSet::new();
         for drive in given.iter().map(|d| &d.drive.meta().drive) {
@@ -73,14 +118,27 @@ impl Data {
                 excluded: warnings.len(),
             });
         }
-        let mut data = Self::standardized(&used);
+        let mut data = Self::standardized(&used, kept_back);
         data.warnings = warnings;
+        let participants = || used.iter().map(|(d, _)| &d.drive.meta().participant);
+        if let Some(participant) = participants().next()
+            && participants().all(|p| p == participant)
+        {
+            data.warnings.push(ModelWarning::OneDriver {
+                participant: participant.clone(),
+            });
+        }
         data.note_losses_without_data(&settings.loss_weights);
         Ok(data)
     }
 
-    fn standardized(used: &[(&TrainingDrive<'_>, Vec<Row>)]) -> Self {
-        let all = || used.iter().flat_map(|(_, rows)| rows);
+    fn standardized(used: &[(&TrainingDrive<'_>, Vec<Row>)], kept_back: f64) -> Self {
+        // At least one row of every drive is learned from.
+        let learned = |rows: &[Row]| {
+            let kept = (kept_back * rows.len() as f64).round() as usize;
+            rows.len() - kept.min(rows.len().saturating_sub(1))
+        };
+        let all = || used.iter().flat_map(|(_, rows)| &rows[..learned(rows)]);
         let grid = || all().filter(|row| row.on_grid);
         let scores = || used.iter().filter_map(|(d, _)| d.adb.map(AdbScore::points));
         let scaling = Scaling {
@@ -91,33 +149,29 @@ impl Data {
             aggression: Standardization::of(scores()),
         };
         let row_weights = RowWeights::of(all());
-        let [ego, lead, ..] = scaling.signals;
         // Over all rows, grid or not, the mean weight in L3 is 1: a batch is drawn from them all.
         let level = all().count() as f64 / grid().count().max(1) as f64;
-        let mut windows = Vec::new();
-        for row in all() {
-            let steps = row.window.len() / SIGNALS;
-            let signals = row.window.chunks_exact(steps).zip(&scaling.signals);
-            windows.extend(signals.flat_map(|(v, s)| v.iter().map(|&v| s.apply(v) as f32)));
+        let mut training = RowSet::default();
+        let mut validation = RowSet::default();
+        for (index, (_, rows)) in used.iter().enumerate() {
+            let first_kept = learned(rows);
+            for (at, row) in rows.iter().enumerate() {
+                let to = if at < first_kept {
+                    &mut training
+                } else {
+                    &mut validation
+                };
+                let weights = row_weights.of_row(row).map(|w| w * level);
+                to.push(index, row, &scaling, weights);
+            }
         }
-        let values = all().map(|row| {
-            let distance = row.following_distance_m;
-            [
-                lead.apply(row.lead_speed_mps) as f32,
-                distance.map_or(0.0, |d| scaling.following_distance.apply(d)) as f32,
-                f32::from(u8::from(row.lane_change == Some(true))),
-                ego.apply(row.ego_speed_mps) as f32,
-            ]
-        });
-        let weights = all().map(|row| row_weights.of_row(row).map(|w| (w * level) as f32));
         let speeds = || grid().map(|row| row.ego_speed_mps);
         let mean_speed = |rows: &[Row]| {
             Standardization::of(rows.iter().filter(|r| r.on_grid).map(|r| r.ego_speed_mps)).mean
         };
-        let drive_of = used
-            .iter()
-            .enumerate()
-            .flat_map(|(index, (_, rows))| std::iter::repeat_n(index as u32, rows.len()));
+        let mut first_score = None;
+        let scores_differ =
+            scores().any(|s| (s - *first_score.get_or_insert(s)).abs() > f64::EPSILON);
         Self {
             drives: used
                 .iter()
@@ -128,10 +182,6 @@ impl Data {
                 .map(|(d, _)| Some(scaling.aggression.apply(d.adb?.points()) as f32))
                 .collect(),
             mean_speed_mps: used.iter().map(|(_, rows)| mean_speed(rows)).collect(),
-            drive_of: drive_of.collect(),
-            windows,
-            values: values.collect(),
-            weights: weights.collect(),
             speed_range_mps: [
                 speeds().fold(f64::INFINITY, f64::min),
                 speeds().fold(f64::NEG_INFINITY, f64::max),
@@ -139,10 +189,12 @@ impl Data {
             learned: Learned {
                 following_distance: row_weights.following > 0.0,
                 lane_change: row_weights.changing > 0.0,
-                aggression: scores().next().is_some(),
+                aggression: scores_differ,
             },
             following_rows: all().filter(|r| r.following_distance_m.is_some()).count(),
             lane_change_rows: all().filter(|r| r.lane_change == Some(true)).count(),
+            training,
+            validation,
             scaling,
             row_weights,
             warnings: Vec::new(),
@@ -165,7 +217,7 @@ impl Data {
             (
                 Loss::Aggression,
                 self.learned.aggression,
-                "no drive has an ADB score",
+                "no two drives have different ADB scores",
             ),
         ];
         let without_data = reasons.into_iter().filter(|(_, learned, _)| !learned);
@@ -188,14 +240,34 @@ impl Data {
             .extend(warnings.map(|&(loss, reason)| ModelWarning::LossLeftOut { loss, reason }));
     }
 
-    pub(crate) fn rows(&self) -> usize {
-        self.drive_of.len()
+    /// Of what was learned from: another training has another number, but for accidents.
+    pub(crate) fn fingerprint(&self, settings: &TrainSettings, seed: u64) -> u64 {
+        let mut text = format!("{settings:?} {seed} {:?} {:?}", self.drives, self.adb);
+        for rows in [&self.training, &self.validation] {
+            let bits = |values: &[f32]| {
+                let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+                checksum(&bytes)
+            };
+            let [windows, values, weights] = [
+                bits(&rows.windows),
+                bits(rows.values.as_flattened()),
+                bits(rows.weights.as_flattened()),
+            ];
+            text += &format!(" {} {windows} {values} {weights}", rows.len());
+        }
+        checksum(text.as_bytes())
     }
 
-    pub(crate) fn report(self, epochs: Vec<EpochReport>, parameters: usize) -> TrainingReport {
+    pub(crate) fn report(
+        self,
+        run: Run,
+        selection: Option<Selection>,
+        quality: Quality,
+        parameters: usize,
+    ) -> TrainingReport {
         TrainingReport {
-            epochs,
-            rows: self.rows(),
+            epochs: run.epochs,
+            rows: self.training.len(),
             left_out: self.left_out,
             warnings: self.warnings,
             drives: self.drives.len(),
@@ -203,6 +275,8 @@ impl Data {
             following_rows: self.following_rows,
             lane_change_rows: self.lane_change_rows,
             parameters,
+            selection,
+            quality,
         }
     }
 }

@@ -137,6 +137,12 @@ pub enum ModelError {
         /// What is wrong.
         problem: String,
     },
+    /// A training's checkpoint that cannot be gone on from.
+    #[error("not a checkpoint that this training can go on from: {problem}")]
+    BadCheckpoint {
+        /// What is wrong.
+        problem: String,
+    },
     /// A value that the domain refuses.
     #[error(transparent)]
     Domain(#[from] DomainError),
@@ -151,6 +157,9 @@ impl ModelError {
             }
             Self::NoAggressionAxis => Some("score the ADB questionnaire and train with its scores"),
             Self::Diverged { .. } => Some("lower `learning_rate` or `gradient_clip`"),
+            Self::BadCheckpoint { .. } => {
+                Some("train without `--resume`, which starts from the beginning")
+            }
             Self::NotAModelFile
             | Self::OtherVersion { .. }
             | Self::WrongLength { .. }
@@ -175,6 +184,15 @@ pub enum ModelWarning {
         found_s: f64,
         /// The window's duration, in s.
         expected_s: f64,
+    },
+    /// Nobody to tell apart.
+    #[error(
+        "all drives are of participant {participant}: what is style and what is the road cannot be told apart; \
+         train on several drivers"
+    )]
+    OneDriver {
+        /// Who drove.
+        participant: maveric_domain::ParticipantId,
     },
     /// A loss without data.
     #[error("{loss} left out: {reason}")]

@@ -12,6 +12,7 @@ pub mod cross_validate;
 mod dataset;
 pub mod error;
 pub mod following;
+mod fused;
 mod kernel;
 mod linear_algebra;
 pub mod losses;
@@ -21,6 +22,7 @@ mod objective;
 pub mod params;
 pub mod personalize;
 pub mod predict;
+pub mod quality;
 mod rows;
 pub mod scaling;
 pub mod style_space;
@@ -29,6 +31,7 @@ pub mod style_space;
 mod test_drives;
 pub mod train;
 mod trainer;
+pub mod training_state;
 pub mod whitening;
 pub mod windows;
 
@@ -40,5 +43,9 @@ pub use network::Architecture;
 pub use params::{PersonalizeParams, PersonalizeSettings, TrainParams, TrainSettings};
 pub use personalize::{Personalized, Start, personalize};
 pub use predict::Predictor;
-pub use train::{EpochReport, Trained, TrainingDrive, TrainingReport, train};
+pub use quality::{Calibration, CalibrationBin, Quality, Quantile, Residuals, RowsOf};
+pub use train::{
+    Checkpoints, EpochReport, Trained, TrainingDrive, TrainingReport, train, train_resumable,
+};
+pub use training_state::{Selection, TrainingState};
 pub use windows::{Window, WindowBuffer, WindowSettings};

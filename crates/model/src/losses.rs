@@ -162,6 +162,8 @@ pub(crate) struct Sums {
     pub(crate) velocity: Sum,
     pub(crate) mutual_information: Sum,
     pub(crate) log_likelihood: Sum,
+    /// `(μ − w)²`, mean over the coordinates.
+    pub(crate) reading: Sum,
 }
 
 impl Sums {
@@ -171,6 +173,7 @@ impl Sums {
         self.velocity.merge(&other.velocity);
         self.mutual_information.merge(&other.mutual_information);
         self.log_likelihood.merge(&other.log_likelihood);
+        self.reading.merge(&other.reading);
     }
 
     /// The weighted sum of L1, L2, L3 and L5, before dividing by the number of rows.
@@ -179,6 +182,16 @@ impl Sums {
             + weights.lane_change * self.lane_change.loss
             + weights.velocity * self.velocity.loss
             + weights.mutual_information * self.mutual_information.loss
+    }
+
+    /// [`LossTerms::mutual_information_bound`] over the rows of many drivers.
+    ///
+    /// Any normal gives a lower bound. M's own SD is none under the mean squared error, which drives it to zero; one
+    /// SD for all rows, the root of the mean squared error itself, is as good a normal: the higher bound counts.
+    pub(crate) fn bound(&self, embedding_size: usize) -> Option<f64> {
+        let own = self.log_likelihood.mean()? + prior_entropy(embedding_size);
+        let error = self.reading.mean()?.max(f64::MIN_POSITIVE);
+        Some(own.max(-0.5 * embedding_size as f64 * error.ln()))
     }
 
     pub(crate) fn terms(&self, aggression: Option<f64>, embedding_size: usize) -> LossTerms {
@@ -337,6 +350,21 @@ mod tests {
             assert!((gradient.log_sd - vary(1)).abs() < 1e-5, "{reading:?}");
             assert!((gradient.embedding - vary(3)).abs() < 1e-5, "{reading:?}");
         }
+    }
+
+    #[test]
+    fn the_bound_of_a_reading_without_sd_is_that_of_its_error() {
+        // M knows w but for a tenth, and says it knew it exactly.
+        let mut sums = Sums::default();
+        for (w, error) in [(0.5, 0.1), (-1.0, -0.1)] {
+            sums.log_likelihood
+                .add(log_likelihood(w + error, -6.0, w), 1.0);
+            sums.reading.add(error * error, 1.0);
+        }
+        let found = sums.bound(1).unwrap();
+        assert!((found - 10.0_f64.ln()).abs() < 1e-9, "{found}");
+        assert!(sums.log_likelihood.mean().unwrap() < -100.0);
+        assert_eq!(Sums::default().bound(1), None);
     }
 
     #[test]

@@ -182,6 +182,7 @@ impl<T: Real> Objective<'_, T> {
     }
 
     /// Takes the codes' gradients that [`Self::evaluate`] left back through the encoders.
+    #[cfg(test)]
     pub(crate) fn encoders_backward(&self, pass: &mut Pass<T>, gradient: &mut [T]) {
         let n = self.networks;
         let p = self.parameters;
@@ -273,7 +274,7 @@ impl<T: Real> Objective<'_, T> {
         let share = self.weights.mutual_information * scale / d as f64;
         for (row, &c) in weights.iter().enumerate() {
             let c = c.f64();
-            let (mut loss, mut likelihood) = (0.0, 0.0);
+            let (mut loss, mut likelihood, mut error) = (0.0, 0.0, 0.0);
             for i in 0..d {
                 let out = pass.mutual_information.output();
                 let (mean, log_sd) = (out.feature(i)[row], out.feature(d + i)[row]);
@@ -285,6 +286,7 @@ impl<T: Real> Objective<'_, T> {
                 );
                 loss += one;
                 likelihood += log_likelihood(mean, log_sd, target);
+                error += (mean - target).f64().powi(2);
                 let gradient = pass.mutual_information.output_gradient();
                 gradient.feature_mut(i)[row] = slope.mean;
                 gradient.feature_mut(d + i)[row] = slope.log_sd;
@@ -292,6 +294,7 @@ impl<T: Real> Objective<'_, T> {
             }
             sums.mutual_information.add(loss / d as f64, c);
             sums.log_likelihood.add(likelihood, c);
+            sums.reading.add(error / d as f64, c);
         }
 
         m.backward(p, gradient.as_deref_mut(), &mut pass.mutual_information);

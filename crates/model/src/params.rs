@@ -55,6 +55,14 @@ pub struct TrainSettings {
     pub mutual_information_loss: MutualInformationLoss,
     /// Whether embeddings are whitened over the training drives afterwards.
     pub whiten: bool,
+    /// This last share of every drive's rows is kept back by a run of its own that measures how good the losses,
+    /// C's probabilities and the predictions are on rows not learned from; 0: no such run.
+    pub validation_fraction: f64,
+    /// That run stops when its validation loss has not improved for this many epochs, and its best epoch counts;
+    /// 0: it goes to the last one.
+    pub patience: usize,
+    /// Whether the model is then trained on all rows, for the epochs that counted; else it is that run's.
+    pub refit: bool,
 }
 
 impl Default for TrainSettings {
@@ -81,6 +89,9 @@ impl Default for TrainSettings {
             loss_weights: LossWeights::default(),
             mutual_information_loss: MutualInformationLoss::default(),
             whiten: true,
+            validation_fraction: 0.15,
+            patience: 0,
+            refit: true,
         }
     }
 }
@@ -195,6 +206,18 @@ impl TrainParams {
         not_below_zero("weight_decay", s.weight_decay)?;
         above_zero("gradient_clip", s.gradient_clip)?;
         not_below_zero("window_noise", s.window_noise)?;
+        check(
+            "validation_fraction",
+            s.validation_fraction,
+            (0.0..=0.5).contains(&s.validation_fraction),
+            "0 to 0.5",
+        )?;
+        check(
+            "patience",
+            s.patience as f64,
+            s.patience == 0 || s.validation_fraction > 0.0,
+            "0 where `validation_fraction` is 0: there is no loss to stop by",
+        )?;
         for (name, weight) in s.loss_weights.named() {
             not_below_zero(name, weight)?;
         }

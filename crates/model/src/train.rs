@@ -1,13 +1,15 @@
 //! Training: all weights and one embedding per drive, together.
 
 use crate::{
-    dataset::Data,
+    dataset::{Data, RowSet},
     error::{ModelError, ModelWarning},
     losses::{Loss, LossTerms},
     model::{Model, ModelParts, TrainingEmbedding},
     network::Networks,
     params::{TrainParams, TrainSettings},
+    quality::{Quality, RowsOf},
     trainer::Trainer,
+    training_state::{Best, Selection, TrainingState, bad},
     whitening::Whitening,
 };
 use maveric_domain::{AdbScore, Drive, DriveId, Embedding};
@@ -45,6 +47,12 @@ pub struct EpochReport {
     pub losses: LossTerms,
     /// Their weighted sum.
     pub total: f64,
+    /// The losses on rows kept back, at its end, L4 left out; only in the run that keeps some back.
+    #[serde(default)]
+    pub validation: Option<LossTerms>,
+    /// Their weighted sum.
+    #[serde(default)]
+    pub validation_total: Option<f64>,
     /// Rate of the weights at its end.
     pub learning_rate: f64,
     /// Mean norm of the gradient before clipping.
@@ -54,8 +62,12 @@ pub struct EpochReport {
 /// How training went.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TrainingReport {
-    /// Every epoch, in order.
+    /// Every epoch of the run that made the model, in order.
     pub epochs: Vec<EpochReport>,
+    /// The run that kept the last rows of every drive back, unless there was none.
+    pub selection: Option<Selection>,
+    /// How good the model's predictions are: for the rows kept back if they were not learned from afterwards.
+    pub quality: Quality,
     /// Losses without data, and why.
     pub left_out: Vec<(Loss, &'static str)>,
     /// Drives and losses left out.
@@ -74,10 +86,31 @@ pub struct TrainingReport {
     pub parameters: usize,
 }
 
+/// Where a training goes on from, and who keeps its states.
+pub struct Checkpoints<'a> {
+    /// The state to go on from; `None` starts from the beginning.
+    pub resume: Option<TrainingState>,
+    /// A state is given to `save` after every so many epochs, and when `observe` stops the training; 0: only then.
+    pub every: usize,
+    /// Keeps a state; may stop the training.
+    pub save: &'a mut dyn FnMut(&TrainingState) -> ControlFlow<()>,
+}
+
+impl std::fmt::Debug for Checkpoints<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Checkpoints")
+            .field("every", &self.every)
+            .finish_non_exhaustive()
+    }
+}
+
 /// Learns networks and embeddings from `drives`.
 ///
 /// `seed` fixes every draw; the result does not depend on the number of threads. After each epoch `observe`
 /// is told how it went, and may stop the training.
+///
+/// With [`TrainSettings::validation_fraction`] a run of its own keeps the last rows of every drive back and measures
+/// the losses on them; with [`TrainSettings::refit`] the model is then trained on all rows.
 ///
 /// # Errors
 /// [`ModelError::NoDrives`], [`ModelError::DuplicateDrive`], [`ModelError::Diverged`], or
@@ -91,30 +124,182 @@ pub fn train(
     seed: u64,
     observe: &mut dyn FnMut(&EpochReport) -> ControlFlow<()>,
 ) -> Result<Trained, ModelError> {
+    let checkpoints = Checkpoints {
+        resume: None,
+        every: 0,
+        save: &mut |_| ControlFlow::Continue(()),
+    };
+    train_resumable(drives, params, seed, checkpoints, observe)
+}
+
+/// As [`train()`], with states kept on the way: going on from one gives the bytes of a training never stopped.
+///
+/// # Errors
+/// As [`train()`]; [`ModelError::BadCheckpoint`] if the state is of other drives, settings or another seed.
+pub fn train_resumable(
+    drives: &[TrainingDrive<'_>],
+    params: &TrainParams,
+    seed: u64,
+    checkpoints: Checkpoints<'_>,
+    observe: &mut dyn FnMut(&EpochReport) -> ControlFlow<()>,
+) -> Result<Trained, ModelError> {
     let settings = params.settings();
-    let data = Data::new(drives, settings)?;
     let networks = Networks::new(settings.architecture());
-    let mut trainer = Trainer::new(&data, settings, &networks, seed);
-    let mut epochs = Vec::with_capacity(settings.epochs);
-    for epoch in 1..=settings.epochs {
-        let report = trainer.epoch(epoch);
-        if !report.total.is_finite() || !report.gradient_norm.is_finite() {
-            return Err(ModelError::Diverged { epoch });
-        }
-        epochs.push(report);
-        if observe(&report).is_break() {
-            return Err(ModelError::Cancelled { epoch });
-        }
+    let kept_back = settings.validation_fraction;
+    let mut data = Data::new(drives, settings, kept_back)?;
+    let mut session = Session {
+        fingerprint: data.fingerprint(settings, seed),
+        resume: None,
+        every: checkpoints.every,
+        save: checkpoints.save,
+        observe,
+        selection: None,
+    };
+    if let Some(state) = checkpoints.resume {
+        session.resume(state)?;
     }
-    let (parameters, embeddings) = (trainer.parameters, trainer.embeddings);
+    let mut made = None;
+    if kept_back > 0.0 && session.selection.is_none() {
+        let mut trainer = Trainer::new(&data, settings, &networks, seed, settings.epochs);
+        let run = session.run(&mut trainer, Some(&data.validation), settings.patience)?;
+        let (kept_epoch, total_epochs) = match &run.best {
+            Some(best) => {
+                trainer.set_weights(&best.weights)?;
+                (best.epoch, run.epochs.len())
+            }
+            None => (run.epochs.len(), run.epochs.len()),
+        };
+        session.selection = Some(Selection {
+            kept_epoch,
+            stopped_early: total_epochs < settings.epochs,
+            training_rows: data.training.len(),
+            validation_rows: data.validation.len(),
+            quality: quality(&mut trainer, &data, &data.validation, RowsOf::Validation),
+            epochs: run.epochs.clone(),
+        });
+        made = Some((run, trainer.parameters(), trainer.embeddings));
+    }
+    let refit = kept_back <= 0.0 || settings.refit;
+    let (run, parameters, embeddings, quality) = match made {
+        Some((run, parameters, embeddings)) if !refit => {
+            let quality = session.selection.as_ref().map(|s| s.quality.clone());
+            let quality = quality.ok_or(ModelError::Cancelled { epoch: 0 })?;
+            (run, parameters, embeddings, quality)
+        }
+        _ => {
+            if kept_back > 0.0 {
+                data = Data::new(drives, settings, 0.0)?;
+            }
+            let epochs = session.selection.as_ref().map(|s| s.kept_epoch);
+            let epochs = epochs.unwrap_or(settings.epochs);
+            let mut trainer = Trainer::new(&data, settings, &networks, seed, epochs);
+            let run = session.run(&mut trainer, None, 0)?;
+            let quality = quality(&mut trainer, &data, &data.training, RowsOf::Training);
+            (run, trainer.parameters(), trainer.embeddings, quality)
+        }
+    };
     let model = finish(&data, settings, &networks, parameters, &embeddings)?;
     let trained = model.training().iter();
     let embeddings = trained.map(|t| (t.drive.clone(), t.embedding.clone()));
     Ok(Trained {
         embeddings: embeddings.collect(),
-        report: data.report(epochs, networks.parameters),
+        report: data.report(run, session.selection, quality, networks.parameters),
         model,
     })
+}
+
+fn quality(trainer: &mut Trainer<'_>, data: &Data, rows: &RowSet, on: RowsOf) -> Quality {
+    let (_, _, predicted) = trainer.predict(rows);
+    Quality::of(on, rows, &predicted, &data.scaling, &data.row_weights)
+}
+
+/// Epochs one after the other.
+pub(crate) struct Run {
+    pub(crate) epochs: Vec<EpochReport>,
+    /// Where stopping early was asked for.
+    best: Option<Best>,
+}
+
+/// What a training keeps from run to run.
+struct Session<'a> {
+    fingerprint: u64,
+    resume: Option<TrainingState>,
+    every: usize,
+    save: &'a mut dyn FnMut(&TrainingState) -> ControlFlow<()>,
+    observe: &'a mut dyn FnMut(&EpochReport) -> ControlFlow<()>,
+    selection: Option<Selection>,
+}
+
+impl Session<'_> {
+    fn resume(&mut self, state: TrainingState) -> Result<(), ModelError> {
+        if state.fingerprint != self.fingerprint {
+            return Err(bad(
+                "it was made from other drives, scores, settings or another seed".to_owned(),
+            ));
+        }
+        self.selection.clone_from(&state.selection);
+        self.resume = Some(state);
+        Ok(())
+    }
+
+    /// All epochs of `trainer`, or fewer if the loss on rows kept back does not fall for `patience` epochs.
+    fn run(
+        &mut self,
+        trainer: &mut Trainer<'_>,
+        validation: Option<&RowSet>,
+        patience: usize,
+    ) -> Result<Run, ModelError> {
+        let mut run = Run {
+            epochs: Vec::new(),
+            best: None,
+        };
+        if let Some(state) = self.resume.take() {
+            trainer.set_weights(&state.weights)?;
+            trainer.set_moments(&state.moments)?;
+            run.epochs = state.epochs;
+            run.best = state.best;
+        }
+        while run.epochs.len() < trainer.epochs() {
+            let epoch = run.epochs.len() + 1;
+            let waited = run.best.as_ref().map_or(0, |best| epoch - 1 - best.epoch);
+            if patience > 0 && waited >= patience {
+                break;
+            }
+            let mut report = trainer.epoch(epoch);
+            if !report.total.is_finite() || !report.gradient_norm.is_finite() {
+                return Err(ModelError::Diverged { epoch });
+            }
+            if let Some(rows) = validation {
+                let (losses, total, _) = trainer.predict(rows);
+                report.validation = Some(losses);
+                report.validation_total = Some(total);
+                if patience > 0 && run.best.as_ref().is_none_or(|best| total < best.total) {
+                    run.best = Some(Best {
+                        epoch,
+                        total,
+                        weights: trainer.weights(),
+                    });
+                }
+            }
+            run.epochs.push(report);
+            let stop = (self.observe)(&report).is_break();
+            let due = self.every > 0 && epoch % self.every == 0;
+            if stop || due {
+                let state = TrainingState {
+                    fingerprint: self.fingerprint,
+                    selection: self.selection.clone(),
+                    weights: trainer.weights(),
+                    moments: trainer.moments(),
+                    epochs: run.epochs.clone(),
+                    best: run.best.clone(),
+                };
+                if (self.save)(&state).is_break() || stop {
+                    return Err(ModelError::Cancelled { epoch });
+                }
+            }
+        }
+        Ok(run)
+    }
 }
 
 /// Whitens, folds and packs.
@@ -164,6 +349,7 @@ mod tests {
     use super::*;
     use crate::{
         checkpoint,
+        losses::MutualInformationLoss,
         params::PersonalizeParams,
         personalize::{Fit, personalize},
         rows::rows_of,
@@ -183,6 +369,7 @@ mod tests {
         let mut settings = TrainSettings {
             epochs: 25,
             batch_size: 128,
+            validation_fraction: 0.0,
             ..TrainSettings::default()
         };
         change(&mut settings);
@@ -333,11 +520,190 @@ mod tests {
         let trained = run(&given, &quick(|s| s.epochs = 2)).unwrap();
         let left_out: Vec<Loss> = trained.report.left_out.iter().map(|(l, _)| *l).collect();
         assert_eq!(left_out, [Loss::LaneChange, Loss::Aggression]);
-        assert_eq!(trained.report.warnings.len(), 2);
+        assert_eq!(trained.report.warnings.len(), 3);
         assert!(matches!(
             AggressionAxis::of(&trained.model),
             Err(ModelError::NoAggressionAxis)
         ));
+    }
+
+    #[test]
+    fn a_drive_that_never_meets_anyone_teaches_speed_alone() {
+        let habits = Habits {
+            speed_mps: 30.0,
+            time_gap_s: 1.5,
+            passes: true,
+        };
+        // The first lead comes after ten seconds.
+        let alone = drive("P1", &habits, 9.0);
+        let given = [TrainingDrive {
+            drive: &alone,
+            adb: Some(AdbScore::new(30.0).unwrap()),
+        }];
+        let report = run(&given, &quick(|s| s.epochs = 2)).unwrap().report;
+        let left_out: Vec<Loss> = report.left_out.iter().map(|(l, _)| *l).collect();
+        // One score orders nobody.
+        let expected = [Loss::FollowingDistance, Loss::LaneChange, Loss::Aggression];
+        assert_eq!(left_out, expected);
+        assert!(matches!(report.warnings[0], ModelWarning::OneDriver { .. }));
+        assert_eq!(report.quality.lane_change, None);
+        assert_eq!(report.quality.following_distance_m, None);
+        assert!(report.quality.speed_mps.unwrap().rmse.is_finite());
+    }
+
+    #[test]
+    fn rows_kept_back_are_measured_and_then_learned_from() {
+        let drives = drivers(4, 120.0);
+        let with = |change: &dyn Fn(&mut TrainSettings)| {
+            run(
+                &training(&drives),
+                &quick(|s| {
+                    s.epochs = 8;
+                    s.validation_fraction = 0.2;
+                    change(s);
+                }),
+            )
+            .unwrap()
+        };
+        let refitted = with(&|_| {});
+        let selection = refitted.report.selection.clone().unwrap();
+        assert_eq!(selection.kept_epoch, 8);
+        assert!(!selection.stopped_early);
+        let rows = selection.training_rows + selection.validation_rows;
+        assert_eq!(rows, refitted.report.rows);
+        let share = selection.validation_rows as f64 / rows as f64;
+        assert!((share - 0.2).abs() < 0.01, "{share}");
+        assert!(selection.epochs.iter().all(|e| e.validation.is_some()));
+        assert_eq!(selection.quality.on, RowsOf::Validation);
+        assert_eq!(selection.quality.rows, selection.validation_rows);
+        assert_eq!(refitted.report.quality.on, RowsOf::Training);
+        let calibration = refitted.report.quality.lane_change.as_ref().unwrap();
+        assert!((0.0..0.2).contains(&calibration.expected_calibration_error));
+
+        // Measuring does not change the model.
+        let plain = with(&|s| s.validation_fraction = 0.0);
+        let numbers = |t: &Trained| t.embeddings.clone();
+        assert_eq!(numbers(&plain), numbers(&refitted));
+        // The model of the run itself is another one, and is judged by the rows it has not seen.
+        let kept = with(&|s| s.refit = false);
+        assert_eq!(kept.report.quality.on, RowsOf::Validation);
+        assert_eq!(kept.report.rows, selection.training_rows);
+        assert_ne!(numbers(&kept), numbers(&refitted));
+    }
+
+    #[test]
+    fn a_loss_that_rises_stops_the_run_and_the_best_epoch_counts() {
+        let drives = drivers(3, 90.0);
+        // A rate so high that the loss on new rows soon rises.
+        let params = quick(|s| {
+            s.epochs = 60;
+            s.validation_fraction = 0.3;
+            s.patience = 2;
+            s.learning_rate = 0.02;
+            s.refit = false;
+        });
+        let report = run(&training(&drives), &params).unwrap().report;
+        let selection = report.selection.unwrap();
+        assert!(selection.stopped_early);
+        let totals = selection.epochs.iter().map(|e| e.validation_total.unwrap());
+        let totals: Vec<f64> = totals.collect();
+        let best = (0..totals.len()).min_by(|&a, &b| totals[a].total_cmp(&totals[b]));
+        assert_eq!(best.unwrap() + 1, selection.kept_epoch);
+        assert_eq!(totals.len(), selection.kept_epoch + 2);
+    }
+
+    #[test]
+    fn a_training_that_goes_on_gives_the_bytes_of_one_never_stopped() {
+        let drives = drivers(3, 60.0);
+        let params = quick(|s| {
+            s.epochs = 5;
+            s.validation_fraction = 0.2;
+            s.patience = 3;
+        });
+        let given = training(&drives);
+        let whole = run(&given, &params).unwrap();
+        // Stopped in the run with validation, and in the one after it.
+        for stop_after in [2, 7] {
+            let mut seen = 0;
+            let mut kept = Vec::new();
+            let checkpoints = Checkpoints {
+                resume: None,
+                every: 2,
+                save: &mut |state| {
+                    kept.push(state.to_bytes().unwrap());
+                    ControlFlow::Continue(())
+                },
+            };
+            let stopped = train_resumable(&given, &params, 1, checkpoints, &mut |_| {
+                seen += 1;
+                if seen == stop_after {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
+            });
+            assert!(matches!(stopped, Err(ModelError::Cancelled { .. })));
+            for bytes in &kept {
+                let mut saved = 0;
+                let checkpoints = Checkpoints {
+                    resume: Some(TrainingState::from_bytes(bytes).unwrap()),
+                    every: 1,
+                    save: &mut |_| {
+                        saved += 1;
+                        ControlFlow::Continue(())
+                    },
+                };
+                let go_on = &mut |_: &_| ControlFlow::Continue(());
+                let resumed = train_resumable(&given, &params, 1, checkpoints, go_on).unwrap();
+                assert!(saved > 0);
+                assert_eq!(resumed.report, whole.report);
+                assert!(
+                    checkpoint::to_bytes(&resumed.model).unwrap()
+                        == checkpoint::to_bytes(&whole.model).unwrap()
+                );
+            }
+            // Another seed is another training; damage of any kind is noticed.
+            let last = kept.last().unwrap();
+            let checkpoints = Checkpoints {
+                resume: Some(TrainingState::from_bytes(last).unwrap()),
+                every: 0,
+                save: &mut |_| ControlFlow::Continue(()),
+            };
+            let other = train_resumable(&given, &params, 2, checkpoints, &mut |_| {
+                ControlFlow::Continue(())
+            });
+            assert!(matches!(other, Err(ModelError::BadCheckpoint { .. })));
+            for at in (0..last.len()).step_by(last.len() / 40).chain(0..20) {
+                let mut bad = last.clone();
+                bad[at] ^= 0x04;
+                let error = TrainingState::from_bytes(&bad).unwrap_err();
+                assert!(error.suggestion().unwrap().contains("--resume"), "{at}");
+                assert!(TrainingState::from_bytes(&last[..at]).is_err());
+            }
+        }
+    }
+
+    #[test]
+    fn the_bound_says_something_under_both_readings_of_m() {
+        let drives = drivers(6, 120.0);
+        let bound = |loss| {
+            let params = quick(|s| {
+                s.mutual_information_loss = loss;
+                s.batch_size = 64;
+            });
+            let epochs = run(&training(&drives), &params).unwrap().report.epochs;
+            let of = |e: &EpochReport| e.losses.mutual_information_bound.unwrap();
+            (of(&epochs[0]), of(&epochs[epochs.len() - 1]))
+        };
+        for loss in [
+            MutualInformationLoss::MeanSquared,
+            MutualInformationLoss::GaussianLikelihood,
+        ] {
+            let (first, last) = bound(loss);
+            // It grows from about nothing to what tells drivers apart.
+            assert!(first < last && last > 0.3, "{loss:?}: {first} {last}");
+            assert!(last < 12.0, "{loss:?}: {last}");
+        }
     }
 
     #[test]

@@ -1,85 +1,69 @@
-//! The training loop: batches in tiles, tiles in parallel, sums in a fixed order.
+//! The training loop: batches through [`crate::fused`], weight decay, clipping and Adam.
 
 use crate::{
-    adam::{Adam, cosine},
-    dataset::Data,
-    kernel::{ROWS, Tile, add_assign},
-    losses::{LossWeights, MutualInformationLoss, Reading, Sums},
+    adam::{Adam, cosine, decay_and_norm},
+    dataset::{Data, RowSet},
+    error::ModelError,
+    fused::{
+        batch::{At, Batches},
+        matrix::Aligned,
+        tile::{Known, Predicted, Tile},
+    },
+    losses::{LossTerms, LossWeights, MutualInformationLoss, Reading, Sums},
     model::active_weights,
-    network::Networks,
-    objective::{Inputs, Objective, Pass, aggression},
+    network::{Networks, style::Style},
+    objective::aggression,
     params::TrainSettings,
     train::EpochReport,
+    training_state::{Moments, Weights},
     windows::SIGNALS,
 };
 use maveric_domain::stream_seed;
+use pulp::Arch;
 use rand::{SeedableRng, seq::SliceRandom};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
-use rayon::prelude::*;
+use std::ops::Range;
 
-/// A tile of a batch with room for all it needs, kept from batch to batch.
-struct Worker {
-    windows: Tile<f32>,
-    embedding: Tile<f32>,
-    inputs: Inputs<f32>,
-    pass: Pass<f32>,
-    gradient: Vec<f32>,
-    sums: Sums,
+/// Brings rows into a tile, with noise on their windows.
+fn gather(data: &RowSet, rows: &[u32], noise: f32, seed: u64, tile: &mut Tile) {
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let numbers = data.window_numbers();
+    let steps = numbers / SIGNALS;
+    let middle = (steps - 1) as f32 / 2.0;
+    for (at, &row) in rows.iter().enumerate() {
+        let row = row as usize;
+        let window = &data.windows[row * numbers..][..numbers];
+        let to = &mut tile.windows.row_mut(at)[..numbers];
+        for (from, to) in window.chunks_exact(steps).zip(to.chunks_exact_mut(steps)) {
+            let offset: f32 = StandardNormal.sample(&mut rng);
+            let slope: f32 = StandardNormal.sample(&mut rng);
+            let unit = noise * slope / middle.max(1.0);
+            let first = noise * offset - unit * middle;
+            for (step, (to, from)) in to.iter_mut().zip(from).enumerate() {
+                *to = from + (first + unit * step as f32);
+            }
+        }
+        for epsilon in tile.noise.row_mut(at) {
+            *epsilon = StandardNormal.sample(&mut rng);
+        }
+        tile.known[at] = Known {
+            values: data.values[row],
+            weights: data.weights[row],
+        };
+    }
 }
 
-impl Worker {
-    fn new(networks: &Networks) -> Self {
-        let a = networks.architecture;
-        Self {
-            windows: Tile::zeros(SIGNALS * a.window_steps),
-            embedding: Tile::zeros(a.embedding_size),
-            inputs: Inputs::new(a.embedding_size),
-            pass: Pass::new(networks),
-            gradient: vec![0.0; networks.parameters],
-            sums: Sums::default(),
-        }
-    }
-
-    /// Brings rows into the tile, with noise on their windows.
-    fn gather(&mut self, data: &Data, rows: &[u32], embeddings: &[f32], noise: f32, seed: u64) {
-        let mut rng = Pcg64Mcg::seed_from_u64(seed);
-        let features = self.windows.features();
-        let steps = features / SIGNALS;
-        let d = self.embedding.features();
-        self.inputs.weights.all_mut().fill(0.0);
-        let windows = self.windows.all_mut();
-        for (column, &row) in rows.iter().enumerate() {
-            let row = row as usize;
-            let window = &data.windows[row * features..(row + 1) * features];
-            for (signal, values) in window.chunks_exact(steps).enumerate() {
-                let draw: [f32; 2] = [
-                    StandardNormal.sample(&mut rng),
-                    StandardNormal.sample(&mut rng),
-                ];
-                let [offset, slope] = draw.map(|n| n * noise);
-                let middle = (steps - 1) as f32 / 2.0;
-                let unit = slope / middle.max(1.0);
-                for (step, &value) in values.iter().enumerate() {
-                    windows[(signal * steps + step) * ROWS + column] =
-                        value + offset + unit * (step as f32 - middle);
-                }
-            }
-            let drive = data.drive_of[row] as usize;
-            for i in 0..d {
-                self.embedding.feature_mut(i)[column] = embeddings[drive * d + i];
-                self.inputs.noise.feature_mut(i)[column] = StandardNormal.sample(&mut rng);
-            }
-            let [lead, targets @ ..] = data.values[row];
-            self.inputs.lead_speed.all_mut()[column] = lead;
-            for (i, target) in targets.into_iter().enumerate() {
-                self.inputs.targets.feature_mut(i)[column] = target;
-            }
-            for (i, &weight) in data.weights[row].iter().enumerate() {
-                self.inputs.weights.feature_mut(i)[column] = weight;
-            }
-        }
-        self.pass.set_windows(&self.windows);
+/// Brings rows into a tile as they are.
+fn copy(data: &RowSet, rows: Range<usize>, tile: &mut Tile) {
+    let numbers = data.window_numbers();
+    for (at, row) in rows.enumerate() {
+        let window = &data.windows[row * numbers..][..numbers];
+        tile.windows.row_mut(at)[..numbers].copy_from_slice(window);
+        tile.known[at] = Known {
+            values: data.values[row],
+            weights: data.weights[row],
+        };
     }
 }
 
@@ -87,27 +71,29 @@ impl Worker {
 pub(crate) struct Trainer<'a> {
     data: &'a Data,
     settings: &'a TrainSettings,
-    networks: &'a Networks,
     weights: LossWeights,
     seed: u64,
-    pub(crate) parameters: Vec<f32>,
+    /// As [`crate::fused::layout`] has them.
+    packed: Aligned,
+    is_weight: Aligned,
     /// Shape `(drives, d)`.
     pub(crate) embeddings: Vec<f32>,
     adam: Adam,
     embedding_adam: Adam,
-    gradient: Vec<f32>,
-    embedding_gradient: Vec<f32>,
-    workers: Vec<Worker>,
+    kernel: Batches,
     order: Vec<u32>,
     batches: usize,
+    epochs: usize,
 }
 
 impl<'a> Trainer<'a> {
+    /// A training of so many epochs, before the first.
     pub(crate) fn new(
         data: &'a Data,
         settings: &'a TrainSettings,
-        networks: &'a Networks,
+        networks: &Networks,
         seed: u64,
+        epochs: usize,
     ) -> Self {
         let d = settings.embedding_size;
         let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(seed, &["train", "weights"]));
@@ -123,38 +109,51 @@ impl<'a> Trainer<'a> {
                 draw
             })
             .collect();
-        let rows = data.rows();
+        let rows = data.training.len();
         let batches = ((rows as f64 / settings.batch_size as f64).round() as usize).max(1);
-        let workers = rows.div_ceil(batches).div_ceil(ROWS);
+        let most = rows.div_ceil(batches);
+        let kernel = Batches::new(Arch::new(), networks, data.drives.len(), most);
+        let packed = kernel.layout.pack(&parameters);
         Self {
             weights: active_weights(&settings.loss_weights, data.learned),
-            adam: Adam::new(parameters.len()),
+            adam: Adam::new(packed.len()),
             embedding_adam: Adam::new(embeddings.len()),
-            gradient: vec![0.0; parameters.len()],
-            embedding_gradient: vec![0.0; embeddings.len()],
-            workers: (0..workers).map(|_| Worker::new(networks)).collect(),
-            order: (0..rows as u32).collect(),
+            is_weight: kernel.layout.is_weight(),
+            kernel,
+            order: Vec::with_capacity(rows),
             data,
             settings,
-            networks,
             seed,
-            parameters,
+            packed,
             embeddings,
             batches,
+            epochs,
         }
+    }
+
+    pub(crate) fn epochs(&self) -> usize {
+        self.epochs
+    }
+
+    /// The networks' parameters.
+    pub(crate) fn parameters(&self) -> Vec<f32> {
+        self.kernel.layout.unpack(&self.packed)
     }
 
     pub(crate) fn epoch(&mut self, epoch: usize) -> EpochReport {
         let label = epoch.to_string();
         let shuffle = stream_seed(self.seed, &["train", "order", &label]);
+        let rows = self.data.training.len();
+        // From the rows' own order each time, so that an epoch knows nothing of those before.
+        self.order.clear();
+        self.order.extend(0..rows as u32);
         self.order.shuffle(&mut Pcg64Mcg::seed_from_u64(shuffle));
-        let rows = self.order.len();
         let mut sums = Sums::default();
         let (mut aggression, mut norms) = (0.0, 0.0);
         let mut rate = 0.0;
         for batch in 0..self.batches {
             let step = (epoch - 1) * self.batches + batch;
-            rate = cosine(step, self.settings.epochs * self.batches);
+            rate = cosine(step, self.epochs * self.batches);
             let range = batch * rows / self.batches..(batch + 1) * rows / self.batches;
             let (batch_sums, l4, norm) = self.step(range, step, rate);
             sums.merge(&batch_sums);
@@ -162,100 +161,145 @@ impl<'a> Trainer<'a> {
             norms += norm / self.batches as f64;
         }
         let l4 = self.data.learned.aggression.then_some(aggression);
-        let losses = sums.terms(l4, self.settings.embedding_size);
+        let losses = self.terms(&sums, l4);
         EpochReport {
             epoch,
-            epochs: self.settings.epochs,
+            epochs: self.epochs,
             total: losses.total(&self.weights),
             losses,
+            validation: None,
+            validation_total: None,
             learning_rate: self.settings.learning_rate * rate,
             gradient_norm: norms,
         }
     }
 
+    fn terms(&self, sums: &Sums, l4: Option<f64>) -> LossTerms {
+        let d = self.settings.embedding_size;
+        LossTerms {
+            mutual_information_bound: sums.bound(d),
+            ..sums.terms(l4, d)
+        }
+    }
+
+    /// The losses over rows as they are, their weighted sum, and the predictions.
+    ///
+    /// L5 of a sample is taken in expectation; L4 has nothing to do with rows and is left out.
+    pub(crate) fn predict(&mut self, rows: &RowSet) -> (LossTerms, f64, Vec<Predicted>) {
+        let at = At {
+            packed: &self.packed,
+            embeddings: &self.embeddings,
+            weights: self.weights,
+            reading: match self.settings.mutual_information_loss {
+                MutualInformationLoss::MeanSquared => Reading::Expected,
+                MutualInformationLoss::GaussianLikelihood => Reading::Likelihood,
+            },
+        };
+        let (sums, predicted) = self.kernel.predict(
+            &at,
+            rows.len(),
+            |row| rows.drive_of[row],
+            |tile, range| copy(rows, range, tile),
+        );
+        let losses = self.terms(&sums, None);
+        (losses, losses.total(&self.weights), predicted)
+    }
+
+    pub(crate) fn weights(&self) -> Weights {
+        Weights {
+            packed: (&*self.packed).into(),
+            embeddings: self.embeddings.as_slice().into(),
+        }
+    }
+
+    pub(crate) fn set_weights(&mut self, weights: &Weights) -> Result<(), ModelError> {
+        weights.packed.write(&mut self.packed)?;
+        weights.embeddings.write(&mut self.embeddings)
+    }
+
+    pub(crate) fn moments(&self) -> [Moments; 2] {
+        [&self.adam, &self.embedding_adam].map(|adam| Moments {
+            first: adam.first.as_slice().into(),
+            second: adam.second.as_slice().into(),
+            steps: adam.steps,
+        })
+    }
+
+    pub(crate) fn set_moments(&mut self, moments: &[Moments; 2]) -> Result<(), ModelError> {
+        for (adam, moments) in [&mut self.adam, &mut self.embedding_adam]
+            .into_iter()
+            .zip(moments)
+        {
+            moments.first.write(&mut adam.first)?;
+            moments.second.write(&mut adam.second)?;
+            adam.steps = moments.steps;
+        }
+        Ok(())
+    }
+
     /// One batch: losses, L4 before the step, and the gradient's norm.
-    fn step(
-        &mut self,
-        range: std::ops::Range<usize>,
-        step: usize,
-        rate: f64,
-    ) -> (Sums, Option<f64>, f64) {
+    fn step(&mut self, range: Range<usize>, step: usize, rate: f64) -> (Sums, Option<f64>, f64) {
         let settings = self.settings;
         let rows = &self.order[range];
-        let objective = Objective {
-            networks: self.networks,
-            parameters: &self.parameters,
+        let at = At {
+            packed: &self.packed,
+            embeddings: &self.embeddings,
             weights: self.weights,
             reading: match settings.mutual_information_loss {
                 MutualInformationLoss::MeanSquared => Reading::Sample,
                 MutualInformationLoss::GaussianLikelihood => Reading::Likelihood,
             },
-            raw: None,
         };
-        let scale = 1.0 / rows.len() as f64;
         let noise_seed = stream_seed(self.seed, &["train", "noise", &step.to_string()]);
-        let (data, embeddings) = (self.data, &self.embeddings);
-        let work = self.workers.par_iter_mut().zip(rows.par_chunks(ROWS));
-        work.enumerate().for_each(|(index, (worker, rows))| {
-            let noise = settings.window_noise as f32;
-            let seed = noise_seed.wrapping_add(index as u64);
-            worker.gather(data, rows, embeddings, noise, seed);
-            worker.gradient.fill(0.0);
-            objective.encode(&mut worker.pass);
-            worker.sums = objective.evaluate(
-                &worker.embedding,
-                &worker.inputs,
-                &mut worker.pass,
-                scale,
-                Some(&mut worker.gradient),
-            );
-            objective.encoders_backward(&mut worker.pass, &mut worker.gradient);
-        });
+        let data = &self.data.training;
+        let noise = settings.window_noise as f32;
+        let sums = self.kernel.evaluate(
+            &at,
+            rows.len(),
+            |row| data.drive_of[rows[row] as usize],
+            |tile, range| {
+                let seed = noise_seed.wrapping_add(range.start as u64);
+                gather(data, &rows[range], noise, seed, tile);
+            },
+        );
+        let l4 = self.aggression();
+        let gradient = &mut self.kernel.gradient;
+        let by_embedding = &self.kernel.embedding_gradient;
+        let decay = settings.weight_decay as f32;
+        let squares = decay_and_norm(gradient, &self.packed, &self.is_weight, decay);
+        let own = by_embedding.iter().map(|&g| f64::from(g * g)).sum::<f64>();
+        let norm = (squares + own).sqrt();
+        let clip = (settings.gradient_clip / norm.max(settings.gradient_clip)) as f32;
+        let rates = [settings.learning_rate, settings.embedding_learning_rate];
+        let [by_weight, by_w] = rates.map(|r| r * rate);
+        self.adam.step(&mut self.packed, gradient, clip, by_weight);
+        self.embedding_adam
+            .step(&mut self.embeddings, by_embedding, clip, by_w);
+        (sums, l4, norm)
+    }
 
-        // Sums over tiles are taken here, in the tiles' order, whoever computed them.
-        let d = settings.embedding_size;
-        let mut sums = Sums::default();
-        self.gradient.fill(0.0);
-        self.embedding_gradient.fill(0.0);
-        for (worker, rows) in self.workers.iter().zip(rows.chunks(ROWS)) {
-            sums.merge(&worker.sums);
-            add_assign(&mut self.gradient, &worker.gradient);
-            for (column, &row) in rows.iter().enumerate() {
-                let drive = data.drive_of[row as usize] as usize;
-                for i in 0..d {
-                    self.embedding_gradient[drive * d + i] +=
-                        worker.pass.embedding_gradient.feature(i)[column];
-                }
-            }
-        }
-        let aggression = aggression(
-            &self.networks.style,
-            (&self.parameters, &self.embeddings),
+    /// L4, whose gradients are added to those of the batch.
+    fn aggression(&mut self) -> Option<f64> {
+        let layer = &self.kernel.layout.style[0];
+        let d = self.settings.embedding_size;
+        let style = Style::of_size(d);
+        let own = layer.embedding_weights(&self.packed);
+        let mut parameters: Vec<f32> = own.chunks_exact(layer.width).map(|l| l[0]).collect();
+        parameters.push(layer.biases(&self.packed)[0]);
+        let mut gradient = vec![0.0; d + 1];
+        let l4 = aggression(
+            &style,
+            (&parameters, &self.embeddings),
             &self.data.adb,
             self.weights.aggression,
-            &mut self.gradient,
-            &mut self.embedding_gradient,
+            &mut gradient,
+            &mut self.kernel.embedding_gradient,
         );
-        for layer in self.networks.all().iter().flat_map(|mlp| mlp.layers()) {
-            for i in layer.offset..layer.biases_at() {
-                self.gradient[i] += settings.weight_decay as f32 * self.parameters[i];
-            }
+        let to = layer.embedding_weights_mut(&mut self.kernel.gradient);
+        for (line, g) in to.chunks_exact_mut(layer.width).zip(&gradient) {
+            line[0] += g;
         }
-        let squares = |values: &[f32]| -> f64 { values.iter().map(|&g| f64::from(g * g)).sum() };
-        let norm = (squares(&self.gradient) + squares(&self.embedding_gradient)).sqrt();
-        let clip = (settings.gradient_clip / norm.max(settings.gradient_clip)) as f32;
-        self.adam.step(
-            &mut self.parameters,
-            &self.gradient,
-            clip,
-            settings.learning_rate * rate,
-        );
-        self.embedding_adam.step(
-            &mut self.embeddings,
-            &self.embedding_gradient,
-            clip,
-            settings.embedding_learning_rate * rate,
-        );
-        (sums, aggression, norm)
+        layer.biases_mut(&mut self.kernel.gradient)[0] += gradient[d];
+        l4
     }
 }

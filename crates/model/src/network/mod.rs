@@ -50,6 +50,22 @@ impl Architecture {
             .collect()
     }
 
+    /// Floating-point operations that a row needs, forward and back: two for each weight forward, two for its
+    /// gradient, and two for the gradient of its input where that goes on (not before the windows).
+    pub fn operations_per_row(&self) -> f64 {
+        let networks = Networks::new(*self);
+        let count = |mlps: &[&Mlp]| -> usize {
+            let layers = mlps.iter().flat_map(|mlp| mlp.layers());
+            layers.map(|layer| layer.inputs * layer.outputs).sum()
+        };
+        let windows = [
+            networks.lane_change.encoded.encoder.first(),
+            networks.velocity.encoded.encoder.first(),
+        ];
+        let free: usize = windows.iter().map(|l| l.inputs * l.outputs).sum();
+        (6 * count(&networks.all()) - 2 * free) as f64
+    }
+
     /// Number of weights and biases of all five sub-networks.
     pub fn parameters(&self) -> usize {
         Networks::new(*self).parameters

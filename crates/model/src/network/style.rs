@@ -21,6 +21,13 @@ impl Style {
         }
     }
 
+    /// S alone, its parameters from 0 on.
+    pub(crate) fn of_size(embedding_size: usize) -> Self {
+        Self {
+            layer: Mlp::new(&mut 0, &[embedding_size, 1]),
+        }
+    }
+
     /// The one layer.
     pub(crate) fn dense(&self) -> Dense {
         self.layer.first()
