@@ -238,7 +238,7 @@ pub enum FileProblem {
         /// The most similar key, if one is similar.
         nearest: Option<String>,
         /// The keys that the table may have.
-        known: &'static [&'static str],
+        known: Vec<&'static str>,
     },
     /// A key that must be there and is not.
     #[error("{table} lacks `{key}`")]
@@ -295,6 +295,38 @@ pub enum FileProblem {
         /// The stage.
         stage: String,
     },
+    /// A stage that fans out twice.
+    #[error("the stage has both `foreach` and `matrix`")]
+    TwoFanOuts,
+    /// A table for `foreach` that cannot be read.
+    #[error("cannot read the table `{path}`: {message}")]
+    Table {
+        /// The table, relative to the root.
+        path: String,
+        /// What is wrong with it.
+        message: String,
+    },
+    /// A `foreach` whose stages would all be the same.
+    #[error("the stage uses no column of its table: {}", listing(columns))]
+    NoColumnUsed {
+        /// The columns that it could use.
+        columns: Vec<String>,
+    },
+    /// A name that would mean two things.
+    #[error("`{name}` is also a parameter")]
+    AlsoParameter {
+        /// The name of a column, of a list of the matrix, or of the shards' own.
+        name: String,
+    },
+    /// Files to be dealt out that cannot be named so.
+    #[error("`{path}` cannot be dealt out: it is no directory, nor a directory and names with one `*`")]
+    BadOver {
+        /// The path as written.
+        path: String,
+    },
+    /// `{{files}}` beside other text.
+    #[error("`{{files}}` must be a word of its own: it stands for several arguments")]
+    FilesInsideWord,
     /// An input or output that would take in everything.
     #[error("`{path}` cannot be an input or output: it names no file or directory below the root")]
     BadPath {
@@ -310,6 +342,12 @@ impl FileProblem {
                 .or_else(|| Some(format!("known keys: {}", known.join(", ")))),
             Self::UnknownParameter { nearest, name } => did_you_mean(nearest.as_ref())
                 .or_else(|| Some(format!("for the braces themselves, write `{{{{{name}}}}}`"))),
+            Self::Table { .. } => Some(
+                "a fan-out needs its table before the run; if a stage makes it, put the stages \
+                 before it into a pipeline of their own"
+                    .to_owned(),
+            ),
+            Self::TwoFanOuts => Some("write the combinations into the table".to_owned()),
             _ => None,
         }
     }
