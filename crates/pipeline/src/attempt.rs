@@ -155,9 +155,24 @@ impl Workshop<'_> {
         }
     }
 
+    /// Whether a stage is seen to be up to date without reading any file.
+    pub(crate) fn is_known_up_to_date(&self, stage: &Stage) -> bool {
+        let examined = self.examine_with(stage, false, &self.hasher.remembering());
+        matches!(examined, Ok(Examined::UpToDate))
+    }
+
     /// Holds a stage against the ledger and the files as they are.
     pub(crate) fn examine(&self, stage: &Stage, forced: bool) -> Result<Examined, PipelineError> {
-        let now = Present::of(stage, self.place, &self.hasher)?;
+        self.examine_with(stage, forced, &self.hasher)
+    }
+
+    fn examine_with(
+        &self,
+        stage: &Stage,
+        forced: bool,
+        hasher: &Hasher<'_>,
+    ) -> Result<Examined, PipelineError> {
+        let now = Present::of(stage, self.place, hasher)?;
         if !now.missing.is_empty() {
             let paths = now.missing.clone();
             let cause = FailureCause::InputsMissing { paths };
@@ -165,7 +180,7 @@ impl Workshop<'_> {
             return Ok(Examined::Cannot(failure));
         }
         let past = Past::of(stage, self.ledger().get());
-        let mut reasons = past.reasons(stage, &now.made_from, &self.hasher)?;
+        let mut reasons = past.reasons(stage, &now.made_from, hasher)?;
         if forced {
             reasons.insert(0, Reason::Forced);
         }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs::{self, File, Metadata};
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -39,8 +39,8 @@ struct Cache(BTreeMap<String, (Look, String)>);
 pub(crate) struct Hasher<'a> {
     root: &'a Path,
     cache_file: PathBuf,
-    /// What is remembered, and whether anything is new in it; `None` if all is to be read.
-    cache: Option<Mutex<(Cache, bool)>>,
+    /// What is remembered, and whether anything is new in it.
+    cache: Arc<Mutex<(Cache, bool)>>,
     cancel: &'a AtomicBool,
 }
 
@@ -54,18 +54,29 @@ impl<'a> Hasher<'a> {
         Self {
             root,
             cache_file,
-            cache: Some(Mutex::new((cache, false))),
+            cache: Arc::new(Mutex::new((cache, false))),
             cancel,
         }
     }
 
-    /// Believes no look: reads every file.
+    /// Believes nothing that was remembered before: reads every file, once.
     pub(crate) fn reading_all(root: &'a Path, cancel: &'a AtomicBool) -> Self {
         Self {
             root,
             cache_file: PathBuf::new(),
-            cache: None,
+            cache: Arc::default(),
             cancel,
+        }
+    }
+
+    /// The same without reading: what is not remembered counts as interrupted.
+    pub(crate) fn remembering(&self) -> Hasher<'a> {
+        static STOPPED: AtomicBool = AtomicBool::new(true);
+        Hasher {
+            root: self.root,
+            cache_file: self.cache_file.clone(),
+            cache: self.cache.clone(),
+            cancel: &STOPPED,
         }
     }
 
@@ -118,7 +129,7 @@ impl<'a> Hasher<'a> {
 
     /// Writes the cache back if anything is new. Not being able to only costs time later.
     pub(crate) fn save(&self) {
-        let Some(Ok(mut guard)) = self.cache.as_ref().map(Mutex::lock) else {
+        let Ok(mut guard) = self.cache.lock() else {
             return;
         };
         let (cache, dirty) = &mut *guard;
@@ -162,7 +173,7 @@ impl<'a> Hasher<'a> {
         if !metadata.is_file() {
             return Some("no regular file".to_owned()); // a pipe or a device has no content
         }
-        let guard = self.cache.as_ref()?.lock().ok()?;
+        let guard = self.cache.lock().ok()?;
         let (seen, hash) = guard.0.0.get(self.key(full)?)?;
         (*seen == Look::of(metadata)).then(|| hash.clone())
     }
@@ -174,9 +185,7 @@ impl<'a> Hasher<'a> {
         let look = Look::of(metadata);
         let settled = look.is_settled_at(SystemTime::now());
         let hash = self.read(full, look.size)?;
-        if let (true, Some(key), Some(cache)) = (settled, self.key(full), &self.cache)
-            && let Ok(mut guard) = cache.lock()
-        {
+        if let (true, Some(key), Ok(mut guard)) = (settled, self.key(full), self.cache.lock()) {
             guard.0.0.insert(key.to_owned(), (look, hash.clone()));
             guard.1 = true;
         }
@@ -189,6 +198,9 @@ impl<'a> Hasher<'a> {
 
     /// Hashes a block on all cores while the next one is read.
     fn read(&self, full: &Path, size: u64) -> Result<String, PipelineError> {
+        if self.cancel.load(Ordering::Relaxed) {
+            return Err(PipelineError::Interrupted);
+        }
         let failed = || PipelineError::io("read", full);
         let mut file = File::open(full).map_err(failed())?;
         let mut hasher = blake3::Hasher::new();

@@ -115,6 +115,34 @@ pub enum PipelineError {
         /// The most similar stage or output.
         nearest: Option<String>,
     },
+    /// A file that no stage of a ledger made.
+    #[error("no stage recorded in {} made `{path}`", ledger.display())]
+    NotMade {
+        /// The file.
+        path: String,
+        /// The ledger.
+        ledger: PathBuf,
+        /// A recorded output with a similar name.
+        nearest: Option<String>,
+    },
+    /// Stages that an earlier run handed to a cluster have not ended.
+    #[error("{} of this pipeline are still on the cluster ({engine}), as jobs {}", counted(*stages), jobs.join(", "))]
+    OnCluster {
+        /// How many stages.
+        stages: usize,
+        /// The cluster's program.
+        engine: &'static str,
+        /// Its jobs.
+        jobs: Vec<String>,
+    },
+    /// The cluster's program did not do what was asked for.
+    #[error("`{command}` failed: {message}")]
+    Engine {
+        /// The command.
+        command: String,
+        /// What it or the system said.
+        message: String,
+    },
     /// The ledger is no ledger.
     #[error("the ledger {} is damaged: {message}", path.display())]
     LedgerDamaged {
@@ -186,6 +214,15 @@ impl PipelineError {
             Self::Unreadable { .. } => {
                 Some("check the path; relative paths start at the current folder".to_owned())
             }
+            Self::NotMade { nearest, .. } => did_you_mean(nearest.as_ref()).or_else(|| {
+                Some("name a file that a stage makes, or a file in a directory that one makes".to_owned())
+            }),
+            Self::OnCluster { engine, .. } => Some(format!(
+                "follow them with `--executor {engine}`, or cancel the jobs first"
+            )),
+            Self::Engine { .. } => Some(
+                "check that the cluster's programs are on the PATH and answer".to_owned(),
+            ),
             Self::OverrideType { .. }
             | Self::Cycle { .. }
             | Self::Io { .. }
@@ -375,6 +412,13 @@ fn listing(names: &[String]) -> String {
         "none".to_owned()
     } else {
         names.join(", ")
+    }
+}
+
+fn counted(count: usize) -> String {
+    match count {
+        1 => "one stage".to_owned(),
+        count => format!("{count} stages"),
     }
 }
 

@@ -100,15 +100,18 @@ impl Ledger {
             let line = line.map_or(1, |before| before.matches('\n').count() + 1);
             damaged(format!("line {line}: {}", error.message()))
         };
-        let AnyVersion { version } = toml::from_str(&text).map_err(at)?;
-        if version > LEDGER_VERSION {
-            return Err(PipelineError::LedgerNewer {
-                path: path.to_owned(),
-                found: version,
-                supported: LEDGER_VERSION,
-            });
+        let ledger = toml::from_str::<Self>(&text);
+        if !matches!(&ledger, Ok(ledger) if ledger.version <= LEDGER_VERSION) {
+            let AnyVersion { version } = toml::from_str(&text).map_err(at)?;
+            if version > LEDGER_VERSION {
+                return Err(PipelineError::LedgerNewer {
+                    path: path.to_owned(),
+                    found: version,
+                    supported: LEDGER_VERSION,
+                });
+            }
         }
-        let ledger: Self = toml::from_str(&text).map_err(at)?;
+        let ledger = ledger.map_err(at)?;
         if let Some(pipeline) = pipeline
             && ledger.pipeline != pipeline
         {

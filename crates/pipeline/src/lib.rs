@@ -4,8 +4,10 @@ mod atomic_write;
 mod attempt;
 mod cache;
 mod check;
+mod clean;
 mod cluster;
 mod content;
+mod diff;
 mod draw;
 mod error;
 mod executor;
@@ -28,7 +30,11 @@ mod status;
 mod surroundings;
 #[cfg(test)]
 mod testing;
+mod trace;
+mod verify;
 
+pub use clean::{Cleaned, clean};
+pub use diff::{FileDifference, NumberDifference, RunAt, RunDifference, StageDifference, diff};
 pub use error::{CycleStep, FileProblem, PipelineError};
 pub use file::{Pipeline, schema};
 pub use graph::Graph;
@@ -43,3 +49,5 @@ pub use report::{
 pub use run::{Event, Executor, RunOptions, run};
 pub use stage::{Resources, Row, Share, Stage};
 pub use status::{StageStatus, plan, status, why};
+pub use trace::{Source, Trace, TracedFile, TracedStage, below_root, trace};
+pub use verify::{Finding, FileState, Role, Verification, verify};

@@ -81,6 +81,15 @@ impl Manifest {
         Ok(())
     }
 
+    /// The same with other names for the inputs.
+    pub(crate) fn with_inputs_renamed(mut self, rename: impl Fn(&str) -> String) -> Self {
+        if let Some(inputs) = self.0.get_mut(&FactKind::Input) {
+            let renamed = std::mem::take(inputs).into_iter();
+            *inputs = renamed.map(|(path, content)| (rename(&path), content)).collect();
+        }
+        self
+    }
+
     /// The same without the inputs that `is_open` picks.
     pub(crate) fn without_inputs(mut self, is_open: impl Fn(&str) -> bool) -> Self {
         if let Some(inputs) = self.0.get_mut(&FactKind::Input) {

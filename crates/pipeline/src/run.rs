@@ -242,7 +242,12 @@ fn work(
                 let Some(index) = schedule.begin_next() else {
                     break;
                 };
-                running += usize::from(to_workers.send(index).is_ok());
+                // Most stages are up to date in most runs: not worth a worker.
+                if !forced.contains(&index) && workshop.is_known_up_to_date(graph.stage(index)) {
+                    schedule.settle(index, Attempt::UpToDate, observe);
+                } else {
+                    running += usize::from(to_workers.send(index).is_ok());
+                }
             }
             if running == 0 {
                 break;

@@ -99,6 +99,14 @@ impl<'g> Schedule<'g> {
         }
     }
 
+    /// Notes that a stage was handed to a cluster.
+    pub(crate) fn submitted(&mut self, index: usize, reasons: Vec<crate::Reason>) {
+        self.results[index].state = State::Running;
+        if !reasons.is_empty() {
+            self.results[index].reasons = reasons;
+        }
+    }
+
     pub(crate) fn warn(&mut self, warning: Warning, observe: &mut dyn FnMut(Event<'_>)) {
         observe(Event::Warning(&warning));
         self.warnings.push(warning);
