@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn bring_up_to_date(place: &Place, set: &[(String, String)]) -> Result<(), PipelineError> {
-    let pipeline = Pipeline::parse(PIPELINE, "greeting.toml".as_ref(), set)?;
+    let pipeline = Pipeline::parse(PIPELINE, "greeting.toml".as_ref(), &place.root, set)?;
     let report = run(
         &pipeline,
         place,

@@ -23,14 +23,12 @@ pub(crate) fn write(
     content: &[u8],
     durability: Durability,
 ) -> Result<(), PipelineError> {
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
+    let folder = folder_of(path);
     std::fs::create_dir_all(folder).map_err(PipelineError::io("create", folder))?;
     let failed = || PipelineError::io("write", path);
+    let prefix = unfinished(path);
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".writing-");
+    builder.prefix(&prefix);
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666)); // less the umask
     let mut file = builder.tempfile_in(folder).map_err(failed())?;
@@ -41,4 +39,33 @@ pub(crate) fn write(
     file.persist(path)
         .map_err(|error| failed()(error.error))
         .map(drop)
+}
+
+/// Removes what killed writers of `path` and of files named after it left beside it.
+pub(crate) fn remove_unfinished(path: &Path) {
+    let mut prefix = unfinished(path);
+    prefix.truncate(prefix.len() - SUFFIX.len());
+    let Ok(entries) = std::fs::read_dir(folder_of(path)) else {
+        return;
+    };
+    for entry in entries.flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name.starts_with(&prefix) && name.contains(SUFFIX) {
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
+const SUFFIX: &str = ".writing-";
+
+fn unfinished(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    format!(".{name}{SUFFIX}")
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
 }

@@ -1,20 +1,24 @@
 //! One stage from its check to its record in the ledger.
 
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitStatus;
 use std::sync::atomic::AtomicBool;
-use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::{Instant, SystemTime};
 
-use crate::check::Past;
+use crate::cache::{Cache, Ran};
+use crate::check::{Past, Present};
 use crate::content::Hasher;
 use crate::executor::{Ended, Job, local};
 use crate::ledger::OpenLedger;
 use crate::lock::RunLock;
+use crate::surroundings::{Surroundings, is_between};
 use crate::{
-    Failure, FailureCause, Manifest, Pipeline, PipelineError, Place, Reason, Record, Stage,
+    Failure, FailureCause, Graph, Manifest, Pipeline, PipelineError, Place, Reason, Record, Stage,
+    Warning,
 };
 
 /// What all stages of a run share.
@@ -23,6 +27,11 @@ pub(crate) struct Workshop<'a> {
     pub(crate) place: &'a Place,
     pub(crate) hasher: Hasher<'a>,
     pub(crate) ledger: Mutex<OpenLedger>,
+    pub(crate) cache: Option<Cache>,
+    /// As they were before the first stage ran.
+    pub(crate) surroundings: OnceLock<Surroundings>,
+    /// When each stage ran.
+    pub(crate) times: Mutex<Vec<(String, SystemTime, SystemTime)>>,
     pub(crate) lock: RunLock,
     pub(crate) stop: &'a AtomicBool,
 }
@@ -30,7 +39,11 @@ pub(crate) struct Workshop<'a> {
 /// How an attempt at a stage ended.
 pub(crate) enum Attempt {
     UpToDate,
-    Done { seconds: f64 },
+    Restored,
+    Done {
+        seconds: f64,
+        peak_memory: Option<u64>,
+    },
     Failed(Failure),
     Interrupted,
 }
@@ -39,6 +52,26 @@ pub(crate) enum Attempt {
 pub(crate) enum News {
     Started { reasons: Vec<Reason> },
     Line(String),
+    Warning(Warning),
+}
+
+/// Whether a stage must run.
+pub(crate) enum Examined {
+    Cannot(Failure),
+    UpToDate,
+    Stale {
+        now: Present,
+        past: Past,
+        reasons: Vec<Reason>,
+    },
+}
+
+/// A run of a stage that ended well, to be entered into the ledger.
+pub(crate) struct Run<'a> {
+    pub(crate) made_from: Manifest,
+    pub(crate) seconds: f64,
+    pub(crate) peak_memory: Option<u64>,
+    pub(crate) stdout: &'a str,
 }
 
 impl Workshop<'_> {
@@ -48,11 +81,12 @@ impl Workshop<'_> {
     /// If files of ours cannot be read or written; a stage that fails is no error here.
     pub(crate) fn attempt(
         &self,
+        graph: &Graph<'_>,
         stage: &Stage,
         forced: bool,
         tell: &mut dyn FnMut(News),
     ) -> Result<Attempt, PipelineError> {
-        match self.attempt_or_stop(stage, forced, tell) {
+        match self.attempt_or_stop(graph, stage, forced, tell) {
             Err(PipelineError::Interrupted) => Ok(Attempt::Interrupted),
             other => other,
         }
@@ -60,85 +94,142 @@ impl Workshop<'_> {
 
     fn attempt_or_stop(
         &self,
+        graph: &Graph<'_>,
         stage: &Stage,
         forced: bool,
         tell: &mut dyn FnMut(News),
     ) -> Result<Attempt, PipelineError> {
-        let made_from = Manifest::of(stage, self.place.program.as_ref(), &self.hasher)?;
-        let found: Vec<&str> = made_from
-            .facts(crate::FactKind::Input)
-            .map(|(path, _)| path)
-            .collect();
-        let not_made = stage
-            .inputs
-            .iter()
-            .filter(|path| !found.contains(&path.as_str()));
-        let paths: Vec<String> = not_made.cloned().collect();
-        if !paths.is_empty() {
-            let cause = FailureCause::InputsMissing { paths };
-            return Ok(Attempt::Failed(self.failure(
-                stage,
-                cause,
-                Vec::new(),
-                None,
-            )));
+        let (now, past, reasons) = match self.examine(stage, forced)? {
+            Examined::Cannot(failure) => return Ok(Attempt::Failed(failure)),
+            Examined::UpToDate => return Ok(Attempt::UpToDate),
+            Examined::Stale { now, past, reasons } => (now, past, reasons),
+        };
+        if !forced && self.restore(stage, &now, &past, tell)? {
+            return Ok(Attempt::Restored);
         }
-        let past = Past::of(stage, self.ledger().get());
-        let mut reasons = past.reasons(stage, &made_from, &self.hasher)?;
-        if forced {
-            reasons.insert(0, Reason::Forced);
-        }
-        if reasons.is_empty() {
-            return Ok(Attempt::UpToDate);
-        }
+        self.surroundings
+            .get_or_init(|| Surroundings::of(graph, self.place));
         tell(News::Started { reasons });
         self.ledger().begin(&stage.name, &stage.outputs)?;
         self.clear(stage, &past)?;
-        let started = Instant::now();
-        let ended = self.execute(stage, tell)?;
+        let (started, began) = (Instant::now(), SystemTime::now());
+        let ended = self.execute(stage, &now.files, tell)?;
         let seconds = started.elapsed().as_secs_f64();
+        self.note_time(stage, began);
+        let failed = |cause, last_lines| {
+            let failure = self.failure(stage, &now.files, cause, last_lines, Some(seconds));
+            Ok(Attempt::Failed(failure))
+        };
         match ended {
             Ended::Interrupted => Ok(Attempt::Interrupted),
             Ended::NotStarted(error) => {
                 let cause = FailureCause::NotStarted {
-                    program: self.program(stage).display().to_string(),
+                    program: self.place.program_of(stage).display().to_string(),
                     message: error.to_string(),
                 };
-                Ok(Attempt::Failed(self.failure(
-                    stage,
-                    cause,
-                    Vec::new(),
-                    Some(seconds),
-                )))
+                failed(cause, Vec::new())
             }
             Ended::Exited {
                 status,
+                peak_memory,
                 stdout,
                 last_lines,
             } => {
-                let cause = match exit_cause(status) {
-                    Some(cause) => Some(cause),
-                    None => self.record(stage, made_from, seconds, &stdout)?,
+                if let Some(cause) = exit_cause(status) {
+                    return failed(cause, last_lines);
+                }
+                let run = Run {
+                    made_from: now.made_from.clone(),
+                    seconds,
+                    peak_memory,
+                    stdout: &stdout,
                 };
-                Ok(match cause {
-                    None => Attempt::Done { seconds },
-                    Some(cause) => {
-                        Attempt::Failed(self.failure(stage, cause, last_lines, Some(seconds)))
-                    }
-                })
+                match self.record(stage, run, tell)? {
+                    None => Ok(Attempt::Done {
+                        seconds,
+                        peak_memory,
+                    }),
+                    Some(cause) => failed(cause, last_lines),
+                }
             }
         }
     }
 
-    /// Enters a good run into the ledger, or says which outputs it did not make.
-    fn record(
+    /// Whether a stage is seen to be up to date without reading any file.
+    pub(crate) fn is_known_up_to_date(&self, stage: &Stage) -> bool {
+        let examined = self.examine_with(stage, false, &self.hasher.remembering());
+        matches!(examined, Ok(Examined::UpToDate))
+    }
+
+    /// Holds a stage against the ledger and the files as they are.
+    pub(crate) fn examine(&self, stage: &Stage, forced: bool) -> Result<Examined, PipelineError> {
+        self.examine_with(stage, forced, &self.hasher)
+    }
+
+    fn examine_with(
         &self,
         stage: &Stage,
-        made_from: Manifest,
-        seconds: f64,
-        stdout: &str,
+        forced: bool,
+        hasher: &Hasher<'_>,
+    ) -> Result<Examined, PipelineError> {
+        let now = Present::of(stage, self.place, hasher)?;
+        if !now.missing.is_empty() {
+            let paths = now.missing.clone();
+            let cause = FailureCause::InputsMissing { paths };
+            let failure = self.failure(stage, &now.files, cause, Vec::new(), None);
+            return Ok(Examined::Cannot(failure));
+        }
+        let past = Past::of(stage, self.ledger().get());
+        let mut reasons = past.reasons(stage, &now.made_from, hasher)?;
+        if forced {
+            reasons.insert(0, Reason::Forced);
+        }
+        Ok(if reasons.is_empty() {
+            Examined::UpToDate
+        } else {
+            Examined::Stale { now, past, reasons }
+        })
+    }
+
+    /// Takes the outputs of a stage from the cache, if they are in it.
+    pub(crate) fn restore(
+        &self,
+        stage: &Stage,
+        now: &Present,
+        past: &Past,
+        tell: &mut dyn FnMut(News),
+    ) -> Result<bool, PipelineError> {
+        let Some(cache) = &self.cache else {
+            return Ok(false);
+        };
+        let digest = now.made_from.digest();
+        let Some(made) = cache.find(stage, &digest) else {
+            return Ok(false);
+        };
+        self.ledger().begin(&stage.name, &stage.outputs)?;
+        self.clear(stage, past)?;
+        if !cache.restore(stage, &digest, &made, &self.place.root, &self.hasher)? {
+            let stage = stage.name.clone();
+            tell(News::Warning(Warning::CacheDamaged { stage }));
+            return Ok(false);
+        }
+        if let Some(summary) = &made.summary {
+            self.keep_summary(stage, summary)?;
+        }
+        let made_from = now.made_from.clone();
+        let record = self.record_of(stage, made_from, made.seconds, made.peak_memory, made.outputs);
+        self.ledger().finish(&stage.name, record)?;
+        Ok(true)
+    }
+
+    /// Enters a good run into the ledger, or says which outputs it did not make.
+    pub(crate) fn record(
+        &self,
+        stage: &Stage,
+        run: Run<'_>,
+        tell: &mut dyn FnMut(News),
     ) -> Result<Option<FailureCause>, PipelineError> {
-        let mut outputs = std::collections::BTreeMap::new();
+        let mut outputs = BTreeMap::new();
         let mut paths = Vec::new();
         for output in &stage.outputs {
             match self.hasher.content(output)? {
@@ -150,27 +241,83 @@ impl Workshop<'_> {
             return Ok(Some(FailureCause::OutputsMissing { paths }));
         }
         if stage.summary {
-            let path = self.place.stdout_of(&stage.name);
-            fs::write(&path, stdout).map_err(PipelineError::io("write", path))?;
+            self.keep_summary(stage, run.stdout)?;
         }
+        let (seconds, peak) = ((run.seconds * 1e3).round() / 1e3, run.peak_memory);
+        let record = self.record_of(stage, run.made_from, seconds, peak, outputs);
+        if let Some(cache) = &self.cache {
+            let ran = Ran {
+                seconds,
+                peak_memory: peak,
+                summary: stage.summary.then_some(run.stdout),
+            };
+            let (root, hasher) = (&self.place.root, &self.hasher);
+            let kept = cache.keep(stage, &record.digest, &record.outputs, &ran, root, hasher);
+            match kept {
+                Err(PipelineError::Interrupted) | Ok(()) => {}
+                Err(error) => tell(News::Warning(Warning::NotCached {
+                    stage: stage.name.clone(),
+                    message: error.to_string(),
+                })),
+            }
+        }
+        self.ledger().finish(&stage.name, record)?;
+        Ok(None)
+    }
+
+    fn record_of(
+        &self,
+        stage: &Stage,
+        made_from: Manifest,
+        seconds: f64,
+        peak_memory: Option<u64>,
+        outputs: BTreeMap<String, String>,
+    ) -> Record {
         let overrides = self.pipeline.overrides().iter();
-        let record = Record {
+        Record {
             digest: made_from.digest(),
-            seconds: (seconds * 1e3).round() / 1e3,
+            seconds,
+            peak_memory,
+            row: stage.row.clone(),
             set: overrides
                 .filter(|(name, _)| stage.params.contains_key(*name))
                 .map(|(name, value)| (name.clone(), value.clone()))
                 .collect(),
             made_from,
             outputs,
+        }
+    }
+
+    fn keep_summary(&self, stage: &Stage, stdout: &str) -> Result<(), PipelineError> {
+        let path = self.place.stdout_of(&stage.name);
+        fs::write(&path, stdout).map_err(PipelineError::io("write", path))
+    }
+
+    fn note_time(&self, stage: &Stage, began: SystemTime) {
+        let mut times = self.times.lock().unwrap_or_else(PoisonError::into_inner);
+        times.push((stage.name.clone(), began, SystemTime::now()));
+    }
+
+    /// What was written beside the outputs while stages ran.
+    pub(crate) fn written_outside(&self) -> Vec<Warning> {
+        let Some(surroundings) = self.surroundings.get() else {
+            return Vec::new();
         };
-        self.ledger().finish(&stage.name, record)?;
-        Ok(None)
+        let times = self.times.lock().unwrap_or_else(PoisonError::into_inner);
+        let warning = |(path, time): (PathBuf, Option<SystemTime>)| {
+            let ran = |(_, start, end): &&(String, SystemTime, SystemTime)| {
+                time.is_none_or(|time| is_between(time, *start, *end))
+            };
+            let stages: Vec<String> = times.iter().filter(ran).map(|t| t.0.clone()).collect();
+            (!stages.is_empty()).then_some(Warning::WroteOutside { path, stages })
+        };
+        let changes = surroundings.changes(self.place).into_iter();
+        changes.filter_map(warning).collect()
     }
 
     /// Makes room for the outputs: what the last run made goes, so that a stage that makes
     /// fewer files leaves no old ones among the new; what is not ours stays.
-    fn clear(&self, stage: &Stage, past: &Past) -> Result<(), PipelineError> {
+    pub(crate) fn clear(&self, stage: &Stage, past: &Past) -> Result<(), PipelineError> {
         for output in &stage.outputs {
             let full = self.place.root.join(output);
             if past.made(output) {
@@ -184,15 +331,20 @@ impl Workshop<'_> {
             .map_err(PipelineError::io("remove the old", &self.place.log_dir))
     }
 
-    fn execute(&self, stage: &Stage, tell: &mut dyn FnMut(News)) -> Result<Ended, PipelineError> {
+    fn execute(
+        &self,
+        stage: &Stage,
+        files: &[String],
+        tell: &mut dyn FnMut(News),
+    ) -> Result<Ended, PipelineError> {
         let path = self.place.log_of(&stage.name);
         let failed = || PipelineError::io("write the log", &path);
         let mut log = File::create(&path).map_err(failed())?;
-        writeln!(log, "$ {}", self.command_line(stage)).map_err(failed())?;
-        let program = self.program(stage);
+        writeln!(log, "$ {}", self.command_line(stage, files)).map_err(failed())?;
+        let program = self.place.program_of(stage);
         let job = Job {
             program: &program,
-            arguments: &stage.command[1..],
+            arguments: &stage.arguments(files),
             root: &self.place.root,
             stdin: self.lock.as_stdin()?,
             log,
@@ -200,25 +352,20 @@ impl Workshop<'_> {
         local::run(job, self.stop, &mut |line| tell(News::Line(line))).map_err(failed())
     }
 
-    fn program(&self, stage: &Stage) -> PathBuf {
-        match &self.place.program {
-            Some(program) if program.name == stage.command[0] => program.path.clone(),
-            _ => PathBuf::from(&stage.command[0]),
-        }
-    }
-
     /// The command that repeats the stage alone, from anywhere.
-    fn command_line(&self, stage: &Stage) -> String {
-        let program = self.program(stage).to_string_lossy().into_owned();
-        let words = std::iter::once(&program).chain(&stage.command[1..]);
+    fn command_line(&self, stage: &Stage, files: &[String]) -> String {
+        let program = self.place.program_of(stage).to_string_lossy().into_owned();
+        let arguments = stage.arguments(files);
+        let words = std::iter::once(&program).chain(&arguments);
         let root = fs::canonicalize(&self.place.root).unwrap_or_else(|_| self.place.root.clone());
         let root = crate::shell::quoted([root.to_string_lossy()]);
         format!("cd {root} && {}", crate::shell::quoted(words))
     }
 
-    fn failure(
+    pub(crate) fn failure(
         &self,
         stage: &Stage,
+        files: &[String],
         cause: FailureCause,
         last_lines: Vec<String>,
         seconds: Option<f64>,
@@ -227,20 +374,20 @@ impl Workshop<'_> {
             stage: stage.name.clone(),
             cause,
             last_lines,
-            repeat: self.command_line(stage),
+            repeat: self.command_line(stage, files),
             log: seconds.map(|_| self.place.log_of(&stage.name)),
             seconds,
         }
     }
 
-    fn ledger(&self) -> MutexGuard<'_, OpenLedger> {
+    pub(crate) fn ledger(&self) -> MutexGuard<'_, OpenLedger> {
         // A panic elsewhere leaves the ledger as its last whole state.
         self.ledger.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 /// Removes a file, a link or a whole directory; nothing there is fine.
-fn remove(path: &Path) -> std::io::Result<()> {
+pub(crate) fn remove(path: &Path) -> std::io::Result<()> {
     let result = match fs::symlink_metadata(path) {
         Ok(metadata) if metadata.is_dir() => fs::remove_dir_all(path),
         Ok(_) => fs::remove_file(path),

@@ -1,7 +1,51 @@
 //! Whether a stage must run, against the ledger and the files as they are.
 
+use std::collections::BTreeSet;
+
 use crate::content::Hasher;
-use crate::{Ledger, Manifest, PipelineError, Reason, Record, Stage};
+use crate::{FactKind, Ledger, Manifest, PipelineError, Place, Reason, Record, Stage};
+
+/// A stage as it is now.
+pub(crate) struct Present {
+    /// What it would be made from.
+    pub(crate) made_from: Manifest,
+    /// Its share of a directory's files; empty if it is no shard.
+    pub(crate) files: Vec<String>,
+    /// What it reads and is not there.
+    pub(crate) missing: Vec<String>,
+}
+
+impl Present {
+    pub(crate) fn of(
+        stage: &Stage,
+        place: &Place,
+        hasher: &Hasher<'_>,
+    ) -> Result<Self, PipelineError> {
+        let mut missing = Vec::new();
+        let mut files = Vec::new();
+        if let Some(share) = &stage.share {
+            let folder = place.root.join(&share.folder);
+            if !folder.is_dir() {
+                missing.push(share.folder.clone());
+            }
+            files = share
+                .files(&place.root)
+                .map_err(PipelineError::io("read the directory", folder))?;
+        }
+        let made_from = Manifest::of(stage, &files, place.program.as_ref(), hasher)?;
+        let found: BTreeSet<&str> = made_from
+            .facts(FactKind::Input)
+            .map(|(path, _)| path)
+            .collect();
+        let not_found = |path: &&String| !found.contains(path.as_str());
+        missing.extend(stage.inputs.iter().filter(not_found).cloned());
+        Ok(Self {
+            made_from,
+            files,
+            missing,
+        })
+    }
+}
 
 /// What the ledger says about one stage.
 pub(crate) struct Past {

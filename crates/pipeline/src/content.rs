@@ -4,9 +4,11 @@ use std::collections::BTreeMap;
 use std::fs::{self, File, Metadata};
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
+
+use rayon::prelude::*;
 
 use crate::PipelineError;
 use crate::atomic_write::{self, Durability};
@@ -14,6 +16,10 @@ use crate::atomic_write::{self, Durability};
 /// File systems stamp times in ticks of up to 10 ms: a file changed this lately could
 /// change again without looking changed, so its hash is not remembered.
 const SETTLED_AFTER_NS: i64 = 25_000_000;
+/// How much of a file is read at a time.
+const BLOCK: u64 = 4 << 20;
+/// From this size on, a file is hashed on several threads.
+const WORTH_THREADS: usize = 256 << 10;
 
 /// What tells an untouched file: if all of it is the same, the content is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -33,7 +39,8 @@ struct Cache(BTreeMap<String, (Look, String)>);
 pub(crate) struct Hasher<'a> {
     root: &'a Path,
     cache_file: PathBuf,
-    cache: Mutex<(Cache, bool)>,
+    /// What is remembered, and whether anything is new in it.
+    cache: Arc<Mutex<(Cache, bool)>>,
     cancel: &'a AtomicBool,
 }
 
@@ -47,8 +54,29 @@ impl<'a> Hasher<'a> {
         Self {
             root,
             cache_file,
-            cache: Mutex::new((cache, false)),
+            cache: Arc::new(Mutex::new((cache, false))),
             cancel,
+        }
+    }
+
+    /// Believes nothing that was remembered before: reads every file, once.
+    pub(crate) fn reading_all(root: &'a Path, cancel: &'a AtomicBool) -> Self {
+        Self {
+            root,
+            cache_file: PathBuf::new(),
+            cache: Arc::default(),
+            cancel,
+        }
+    }
+
+    /// The same without reading: what is not remembered counts as interrupted.
+    pub(crate) fn remembering(&self) -> Hasher<'a> {
+        static STOPPED: AtomicBool = AtomicBool::new(true);
+        Hasher {
+            root: self.root,
+            cache_file: self.cache_file.clone(),
+            cache: self.cache.clone(),
+            cancel: &STOPPED,
         }
     }
 
@@ -71,6 +99,34 @@ impl<'a> Hasher<'a> {
         }
     }
 
+    /// The files of an output, each below it (empty for a file by itself) and with its
+    /// hash; `None` if there is anything else among them, such as a link.
+    pub(crate) fn files(&self, path: &str) -> Result<Option<Vec<(String, String)>>, PipelineError> {
+        let full = self.root.join(path);
+        let metadata = fs::symlink_metadata(&full).map_err(PipelineError::io("read", &full))?;
+        if metadata.is_file() {
+            return Ok(Some(vec![(String::new(), self.file(&full, &metadata)?)]));
+        }
+        let mut found = Vec::new();
+        if metadata.is_dir() {
+            list(&full, "", &mut found)?;
+        } else {
+            return Ok(None);
+        }
+        let mut files = Vec::new();
+        for entry in found {
+            match entry.kind {
+                FoundKind::File(full, metadata)
+                    if metadata.is_file() && !full.is_symlink() && full.to_str().is_some() =>
+                {
+                    files.push((entry.within, self.file(&full, &metadata)?));
+                }
+                _ => return Ok(None),
+            }
+        }
+        Ok(Some(files))
+    }
+
     /// Writes the cache back if anything is new. Not being able to only costs time later.
     pub(crate) fn save(&self) {
         let Ok(mut guard) = self.cache.lock() else {
@@ -83,93 +139,155 @@ impl<'a> Hasher<'a> {
     }
 
     fn directory(&self, full: &Path) -> Result<String, PipelineError> {
+        let mut found = Vec::new();
+        list(full, "", &mut found)?;
+        let remembered = |entry: &Found| match &entry.kind {
+            FoundKind::Link(target) => Some(target.clone()),
+            FoundKind::File(full, metadata) => self.remembered(full, metadata),
+        };
+        let mut contents: Vec<Option<String>> = found.iter().map(remembered).collect();
+        // Only what must be read is worth several threads.
+        contents
+            .par_iter_mut()
+            .zip(&found)
+            .filter(|(content, _)| content.is_none())
+            .try_for_each(|(content, entry)| {
+                if let FoundKind::File(full, metadata) = &entry.kind {
+                    *content = Some(self.file(full, metadata)?);
+                }
+                Ok(())
+            })?;
         let mut listing = blake3::Hasher::new();
-        let files = self.list(full, "", &mut listing)?;
+        for (entry, content) in found.iter().zip(contents.iter().flatten()) {
+            for part in [&entry.within, content] {
+                listing.update(&(part.len() as u64).to_le_bytes());
+                listing.update(part.as_bytes());
+            }
+        }
+        let files = found.len();
         let noun = if files == 1 { "file" } else { "files" };
         Ok(format!("{} in {files} {noun}", listing.finalize().to_hex()))
     }
 
-    /// Adds all files below `folder` to the listing in the order of their names.
-    fn list(
-        &self,
-        folder: &Path,
-        prefix: &str,
-        listing: &mut blake3::Hasher,
-    ) -> Result<usize, PipelineError> {
-        let failed = || PipelineError::io("read the directory", folder);
-        let entries = fs::read_dir(folder).map_err(failed())?;
-        let mut names = Vec::new();
-        for entry in entries {
-            names.push(entry.map_err(failed())?.file_name());
+    fn remembered(&self, full: &Path, metadata: &Metadata) -> Option<String> {
+        if !metadata.is_file() {
+            return Some("no regular file".to_owned()); // a pipe or a device has no content
         }
-        names.sort();
-        let mut files = 0;
-        for name in names {
-            let full = folder.join(&name);
-            let within = format!("{prefix}/{}", name.to_string_lossy());
-            let reading = || PipelineError::io("read", &full);
-            let link = fs::symlink_metadata(&full).map_err(reading())?;
-            let target = fs::metadata(&full);
-            let content = if link.is_dir() {
-                files += self.list(&full, &within, listing)?;
-                continue;
-            } else if let Ok(metadata) = &target
-                && !metadata.is_dir()
-            {
-                self.file(&full, metadata)?
-            } else {
-                // A link to a directory or to nothing: where it points, not what is there,
-                // so that a link to a directory above it has an end.
-                let target = fs::read_link(&full).map_err(reading())?;
-                target.to_string_lossy().into_owned()
-            };
-            for part in [&within, &content] {
-                listing.update(&(part.len() as u64).to_le_bytes());
-                listing.update(part.as_bytes());
-            }
-            files += 1;
-        }
-        Ok(files)
+        let guard = self.cache.lock().ok()?;
+        let (seen, hash) = guard.0.0.get(self.key(full)?)?;
+        (*seen == Look::of(metadata)).then(|| hash.clone())
     }
 
     fn file(&self, full: &Path, metadata: &Metadata) -> Result<String, PipelineError> {
-        if !metadata.is_file() {
-            return Ok("no regular file".to_owned()); // a pipe or a device has no content
+        if let Some(hash) = self.remembered(full, metadata) {
+            return Ok(hash);
         }
         let look = Look::of(metadata);
-        let key = full.strip_prefix(self.root).unwrap_or(full).to_str();
-        if let (Some(key), Ok(guard)) = (key, self.cache.lock())
-            && let Some((seen, hash)) = guard.0.0.get(key)
-            && *seen == look
-        {
-            return Ok(hash.clone());
-        }
         let settled = look.is_settled_at(SystemTime::now());
-        let hash = self.read(full)?;
-        if let (true, Some(key), Ok(mut guard)) = (settled, key, self.cache.lock()) {
+        let hash = self.read(full, look.size)?;
+        if let (true, Some(key), Ok(mut guard)) = (settled, self.key(full), self.cache.lock()) {
             guard.0.0.insert(key.to_owned(), (look, hash.clone()));
             guard.1 = true;
         }
         Ok(hash)
     }
 
-    fn read(&self, full: &Path) -> Result<String, PipelineError> {
+    fn key<'p>(&self, full: &'p Path) -> Option<&'p str> {
+        full.strip_prefix(self.root).unwrap_or(full).to_str()
+    }
+
+    /// Hashes a block on all cores while the next one is read.
+    fn read(&self, full: &Path, size: u64) -> Result<String, PipelineError> {
+        if self.cancel.load(Ordering::Relaxed) {
+            return Err(PipelineError::Interrupted);
+        }
         let failed = || PipelineError::io("read", full);
         let mut file = File::open(full).map_err(failed())?;
         let mut hasher = blake3::Hasher::new();
-        let mut buffer = vec![0; 256 * 1024];
-        loop {
+        let block = size.clamp(1, BLOCK) as usize + 1; // one more, so that a small file ends in one read
+        let mut ahead = vec![0; block];
+        let mut filled = fill(&mut file, &mut ahead).map_err(failed())?;
+        let mut current = Vec::new();
+        while filled > 0 {
             if self.cancel.load(Ordering::Relaxed) {
                 return Err(PipelineError::Interrupted);
             }
-            match file.read(&mut buffer) {
-                Ok(0) => return Ok(hasher.finalize().to_hex().to_string()),
-                Ok(n) => hasher.update(&buffer[..n]),
-                Err(error) if error.kind() == std::io::ErrorKind::Interrupted => continue,
-                Err(error) => return Err(failed()(error)),
-            };
+            std::mem::swap(&mut current, &mut ahead);
+            let hashed = &current[..filled];
+            if filled < block {
+                if filled < WORTH_THREADS {
+                    hasher.update(hashed);
+                } else {
+                    hasher.update_rayon(hashed);
+                }
+                break;
+            }
+            ahead.resize(block, 0);
+            let (_, read) = rayon::join(
+                || hasher.update_rayon(hashed).count(),
+                || fill(&mut file, &mut ahead),
+            );
+            filled = read.map_err(failed())?;
+        }
+        Ok(hasher.finalize().to_hex().to_string())
+    }
+}
+
+/// One entry of a directory, with its name below the directory.
+struct Found {
+    within: String,
+    kind: FoundKind,
+}
+
+enum FoundKind {
+    File(PathBuf, Metadata),
+    /// A link to a directory or to nothing: where it points, not what is there, so that a
+    /// link to a directory above it has an end.
+    Link(String),
+}
+
+/// Adds all files below `folder` in the order of their names.
+fn list(folder: &Path, prefix: &str, found: &mut Vec<Found>) -> Result<(), PipelineError> {
+    let failed = || PipelineError::io("read the directory", folder);
+    let entries = fs::read_dir(folder).map_err(failed())?;
+    let mut names = Vec::new();
+    for entry in entries {
+        let entry = entry.map_err(failed())?;
+        names.push((entry.file_name(), entry.file_type().map_err(failed())?));
+    }
+    names.sort_by(|a, b| a.0.cmp(&b.0));
+    for (name, kind) in names {
+        let full = folder.join(&name);
+        let within = format!("{prefix}/{}", name.to_string_lossy());
+        let reading = || PipelineError::io("read", &full);
+        if kind.is_dir() {
+            list(&full, &within, found)?;
+            continue;
+        }
+        let kind = match fs::metadata(&full) {
+            Ok(metadata) if !metadata.is_dir() => FoundKind::File(full, metadata),
+            _ => {
+                let target = fs::read_link(&full).map_err(reading())?;
+                FoundKind::Link(target.to_string_lossy().into_owned())
+            }
+        };
+        found.push(Found { within, kind });
+    }
+    Ok(())
+}
+
+/// Reads until the buffer is full or the file ends.
+fn fill(file: &mut File, buffer: &mut [u8]) -> std::io::Result<usize> {
+    let mut filled = 0;
+    while filled < buffer.len() {
+        match file.read(&mut buffer[filled..]) {
+            Ok(0) => break,
+            Ok(n) => filled += n,
+            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
         }
     }
+    Ok(filled)
 }
 
 impl Look {
@@ -261,6 +379,19 @@ mod tests {
         fs::write(root.join("f"), "one").unwrap();
         fs::write(root.join(".hashes"), "{ not json").unwrap();
         assert_eq!(content(root, "f").unwrap().len(), 64);
+    }
+
+    #[test]
+    fn a_hash_does_not_depend_on_the_blocks_in_which_a_file_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path();
+        let block = BLOCK as usize;
+        for size in [0, 1, WORTH_THREADS, block - 1, block, block + 1, 2 * block + 3] {
+            let bytes: Vec<u8> = (0..size).map(|i| (i * i / 7) as u8).collect();
+            fs::write(root.join("f"), &bytes).unwrap();
+            let expected = blake3::hash(&bytes).to_hex().to_string();
+            assert_eq!(content(root, "f"), Some(expected), "{size} bytes");
+        }
     }
 
     #[cfg(unix)]

@@ -115,6 +115,34 @@ pub enum PipelineError {
         /// The most similar stage or output.
         nearest: Option<String>,
     },
+    /// A file that no stage of a ledger made.
+    #[error("no stage recorded in {} made `{path}`", ledger.display())]
+    NotMade {
+        /// The file.
+        path: String,
+        /// The ledger.
+        ledger: PathBuf,
+        /// A recorded output with a similar name.
+        nearest: Option<String>,
+    },
+    /// Stages that an earlier run handed to a cluster have not ended.
+    #[error("{} of this pipeline are still on the cluster ({engine}), as jobs {}", counted(*stages), jobs.join(", "))]
+    OnCluster {
+        /// How many stages.
+        stages: usize,
+        /// The cluster's program.
+        engine: &'static str,
+        /// Its jobs.
+        jobs: Vec<String>,
+    },
+    /// The cluster's program did not do what was asked for.
+    #[error("`{command}` failed: {message}")]
+    Engine {
+        /// The command.
+        command: String,
+        /// What it or the system said.
+        message: String,
+    },
     /// The ledger is no ledger.
     #[error("the ledger {} is damaged: {message}", path.display())]
     LedgerDamaged {
@@ -186,6 +214,15 @@ impl PipelineError {
             Self::Unreadable { .. } => {
                 Some("check the path; relative paths start at the current folder".to_owned())
             }
+            Self::NotMade { nearest, .. } => did_you_mean(nearest.as_ref()).or_else(|| {
+                Some("name a file that a stage makes, or a file in a directory that one makes".to_owned())
+            }),
+            Self::OnCluster { engine, .. } => Some(format!(
+                "follow them with `--executor {engine}`, or cancel the jobs first"
+            )),
+            Self::Engine { .. } => Some(
+                "check that the cluster's programs are on the PATH and answer".to_owned(),
+            ),
             Self::OverrideType { .. }
             | Self::Cycle { .. }
             | Self::Io { .. }
@@ -238,7 +275,7 @@ pub enum FileProblem {
         /// The most similar key, if one is similar.
         nearest: Option<String>,
         /// The keys that the table may have.
-        known: &'static [&'static str],
+        known: Vec<&'static str>,
     },
     /// A key that must be there and is not.
     #[error("{table} lacks `{key}`")]
@@ -295,6 +332,38 @@ pub enum FileProblem {
         /// The stage.
         stage: String,
     },
+    /// A stage that fans out twice.
+    #[error("the stage has both `foreach` and `matrix`")]
+    TwoFanOuts,
+    /// A table for `foreach` that cannot be read.
+    #[error("cannot read the table `{path}`: {message}")]
+    Table {
+        /// The table, relative to the root.
+        path: String,
+        /// What is wrong with it.
+        message: String,
+    },
+    /// A `foreach` whose stages would all be the same.
+    #[error("the stage uses no column of its table: {}", listing(columns))]
+    NoColumnUsed {
+        /// The columns that it could use.
+        columns: Vec<String>,
+    },
+    /// A name that would mean two things.
+    #[error("`{name}` is also a parameter")]
+    AlsoParameter {
+        /// The name of a column, of a list of the matrix, or of the shards' own.
+        name: String,
+    },
+    /// Files to be dealt out that cannot be named so.
+    #[error("`{path}` cannot be dealt out: it is no directory, nor a directory and names with one `*`")]
+    BadOver {
+        /// The path as written.
+        path: String,
+    },
+    /// `{{files}}` beside other text.
+    #[error("`{{files}}` must be a word of its own: it stands for several arguments")]
+    FilesInsideWord,
     /// An input or output that would take in everything.
     #[error("`{path}` cannot be an input or output: it names no file or directory below the root")]
     BadPath {
@@ -310,6 +379,12 @@ impl FileProblem {
                 .or_else(|| Some(format!("known keys: {}", known.join(", ")))),
             Self::UnknownParameter { nearest, name } => did_you_mean(nearest.as_ref())
                 .or_else(|| Some(format!("for the braces themselves, write `{{{{{name}}}}}`"))),
+            Self::Table { .. } => Some(
+                "a fan-out needs its table before the run; if a stage makes it, put the stages \
+                 before it into a pipeline of their own"
+                    .to_owned(),
+            ),
+            Self::TwoFanOuts => Some("write the combinations into the table".to_owned()),
             _ => None,
         }
     }
@@ -337,6 +412,13 @@ fn listing(names: &[String]) -> String {
         "none".to_owned()
     } else {
         names.join(", ")
+    }
+}
+
+fn counted(count: usize) -> String {
+    match count {
+        1 => "one stage".to_owned(),
+        count => format!("{count} stages"),
     }
 }
 

@@ -16,23 +16,32 @@
 //! inputs_help = "where to get the drives, said when they are missing"
 //! ```
 //!
+//! A stage may be one of many: `foreach = "table.csv"` makes one for each row, with the
+//! columns in braces, `matrix = { seed = [1, 2], method = ["a", "b"] }` one for each
+//! combination, and `shards = 4` cuts it in four.
+//!
 //! `{{name}}` stands for the text `{name}`; braces around anything that is no name stay.
 //! Unknown keys are errors.
 
+mod fan;
+pub(crate) mod keys;
+mod schema;
 mod tables;
 mod value;
+
+pub use schema::schema;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use toml::de::DeTable;
 
-use crate::PipelineError;
 use crate::error::FileProblem;
+use crate::{PipelineError, Stage};
+use keys::TOP_KEYS;
 use tables::{read_params, read_stages};
 use value::{Located, check_keys, check_name, required, string};
 
-const TOP_KEYS: &[&str] = &["name", "params", "stage"];
 const TOP: &str = "the pipeline";
 
 /// A pipeline as its file describes it, with every `{parameter}` replaced.
@@ -47,37 +56,23 @@ pub struct Pipeline {
     stages: Vec<Stage>,
 }
 
-/// One step: a command line, what it reads and what it makes.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
-pub struct Stage {
-    /// Its name, fit for a file name.
-    pub name: String,
-    /// Program and arguments; never empty.
-    pub command: Vec<String>,
-    /// Files or whole directories that it reads, relative to the root.
-    pub inputs: Vec<String>,
-    /// Files or whole directories that it makes, relative to the root.
-    pub outputs: Vec<String>,
-    /// The parameters that stand in its command or paths, with their values.
-    pub params: BTreeMap<String, String>,
-    /// Whether its standard output belongs to the summary at the end of a run.
-    pub summary: bool,
-    /// How to get its inputs, said when one is missing.
-    pub inputs_help: Option<String>,
-}
-
 impl Pipeline {
-    /// Reads a pipeline file; `overrides` are `--set` pairs, of which the last one wins.
+    /// Reads a pipeline file; `overrides` are `--set` pairs, of which the last one wins, and
+    /// tables for `foreach` are looked for below `root`.
     ///
     /// # Errors
     /// [`PipelineError::Unreadable`] if there is no such text file, otherwise as
     /// [`Pipeline::parse`].
-    pub fn read(path: &Path, overrides: &[(String, String)]) -> Result<Self, PipelineError> {
+    pub fn read(
+        path: &Path,
+        root: &Path,
+        overrides: &[(String, String)],
+    ) -> Result<Self, PipelineError> {
         let text = std::fs::read_to_string(path).map_err(|source| PipelineError::Unreadable {
             path: path.to_owned(),
             source,
         })?;
-        Self::parse(&text, path, overrides)
+        Self::parse(&text, path, root, overrides)
     }
 
     /// Reads a pipeline from text; `path` is only named in messages.
@@ -97,13 +92,14 @@ impl Pipeline {
     /// cmd = ["sh", "-c", "echo {who} > hello.txt"]
     /// outputs = ["hello.txt"]
     /// "#;
-    /// let pipeline = Pipeline::parse(text, "greeting.toml".as_ref(), &[])?;
+    /// let pipeline = Pipeline::parse(text, "greeting.toml".as_ref(), ".".as_ref(), &[])?;
     /// assert_eq!(pipeline.stages()[0].command[2], "echo world > hello.txt");
     /// # Ok::<(), maveric_pipeline::PipelineError>(())
     /// ```
     pub fn parse(
         text: &str,
         path: &Path,
+        root: &Path,
         overrides: &[(String, String)],
     ) -> Result<Self, PipelineError> {
         let located = |at: Located| at.into_error(text, path);
@@ -124,7 +120,7 @@ impl Pipeline {
         for (key, value) in overrides {
             params.set(key, value)?;
         }
-        let stages = read_stages(table, &params, text).map_err(located)?;
+        let stages = read_stages(table, &params, root, text).map_err(located)?;
         Ok(Self {
             name: name_text,
             path: path.to_owned(),
@@ -159,7 +155,7 @@ mod tests {
     use super::*;
 
     fn parsed(text: &str) -> Result<Pipeline, PipelineError> {
-        Pipeline::parse(text, Path::new("p.toml"), &[])
+        Pipeline::parse(text, Path::new("p.toml"), Path::new("."), &[])
     }
 
     fn message(text: &str) -> String {
@@ -185,7 +181,7 @@ mod tests {
     fn an_override_replaces_a_value_and_is_kept() {
         let text = format!("{STAGE_A}cmd = ['x', '{{seed}}']");
         let overrides = [("seed".to_owned(), "7".to_owned())];
-        let pipeline = Pipeline::parse(&text, Path::new("p.toml"), &overrides).unwrap();
+        let pipeline = Pipeline::parse(&text, Path::new("p.toml"), Path::new("."), &overrides).unwrap();
         assert_eq!(pipeline.stages()[0].command, ["x", "7"]);
         assert_eq!(pipeline.overrides()["seed"], "7");
     }
@@ -205,6 +201,68 @@ mod tests {
             "p.toml:7:13: `{sed}` stands for a parameter, and [params] has no `sed` \
              (did you mean `seed`?)"
         );
+    }
+
+    fn in_folder(table: &str, stage: &str) -> Result<Pipeline, PipelineError> {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("t.csv"), table).unwrap();
+        let text = format!("name = 'p'\n[params]\nseed = 1\n[[stage]]\nname = 'fit'\n{stage}");
+        Pipeline::parse(&text, Path::new("p.toml"), folder.path(), &[])
+    }
+
+    fn names(pipeline: &Pipeline) -> Vec<&str> {
+        pipeline.stages().iter().map(|s| s.name.as_str()).collect()
+    }
+
+    #[test]
+    fn a_table_gives_a_stage_for_each_distinct_use_of_its_columns() {
+        let table = "who,day,note\nann,1,x y\nann,2,{odd}\nbob b,1,\n";
+        let stage = "foreach = 't.csv'\ncmd = ['x', '{who}', '{seed}']\noutputs = ['{who}.txt']";
+        let pipeline = in_folder(table, stage).unwrap();
+        assert_eq!(names(&pipeline), ["fit.ann", "fit.bob_b"]);
+        let bob = &pipeline.stages()[1];
+        assert_eq!((bob.family.as_str(), bob.command[1].as_str()), ("fit", "bob b"));
+        assert_eq!(bob.row.as_ref().map(|row| row.line), Some(4));
+        assert_eq!(bob.params["who"], "bob b");
+        let stage = "foreach = 't.csv'\ncmd = ['x', '{who}', '{note}']";
+        let pipeline = in_folder(table, stage).unwrap();
+        assert_eq!(names(&pipeline), ["fit.ann.x_y", "fit.ann._odd_", "fit.bob_b."]);
+        assert_eq!(pipeline.stages()[1].command[2], "{odd}");
+    }
+
+    #[test]
+    fn a_matrix_gives_all_combinations_and_shards_cut_each() {
+        let stage = "matrix = { z = [1, 2.5], a = ['k'] }\nshards = 2\nover = 'd/*.csv'\n\
+                     cmd = ['x', '{z}', '{a}', '{shard}/{shards}', '{files}']";
+        let pipeline = in_folder("", stage).unwrap();
+        assert_eq!(names(&pipeline), ["fit.1.k.0", "fit.1.k.1", "fit.2.5.k.0", "fit.2.5.k.1"]);
+        let last = &pipeline.stages()[3];
+        assert_eq!(last.command[1..], ["2.5", "k", "1/2", "{files}"]);
+        assert_eq!(last.arguments(&["d/1.csv".to_owned()])[3..], ["d/1.csv"]);
+        assert_eq!(last.reads().collect::<Vec<_>>(), ["d"]);
+    }
+
+    #[test]
+    fn a_fan_out_that_cannot_be_is_refused_where_it_stands() {
+        let cases = [
+            ("foreach = 'u.csv'\ncmd = ['x']", "p.toml:6:11: cannot read the table `u.csv`"),
+            ("foreach = 't.csv'\ncmd = ['x']", "uses no column of its table"),
+            ("foreach = 't.csv'\ncmd = ['{wo}']", "did you mean `who`"),
+            ("matrix = { seed = [1] }\ncmd = ['{seed}']", "`seed` is also a parameter"),
+            ("matrix = { a = [] }\ncmd = ['{a}']", "p.toml:6:16: `a` is an array"),
+            ("shards = 0\ncmd = ['x']", "`shards` is an integer, expected a whole number"),
+            ("over = 'd'\ncmd = ['x']", "[[stage]] with `over` lacks `shards`"),
+            ("shards = 2\nover = '*/d'\ncmd = ['x']", "`*/d` cannot be dealt out"),
+            ("shards = 2\nover = 'd'\ncmd = ['a{files}']", "`{files}` must be a word of its own"),
+            ("shards = 2\nmatrix = {a=['é','ü']}\ncmd = ['{a}{shard}']", "a second stage"),
+            ("foreach = 't.csv'\nmatrix = {a=[1]}\ncmd = ['x']", "both `foreach` and `matrix`"),
+        ];
+        for (stage, expected) in cases {
+            let error = in_folder("who\nann\n", stage).unwrap_err();
+            let help = error.suggestion().unwrap_or_default();
+            let message = format!("{error} ({help})");
+            assert!(message.contains(expected), "{message}");
+        }
     }
 
     #[test]

@@ -101,13 +101,13 @@ impl<'p> Graph<'p> {
 
     /// The stages that the targets name, without what is upstream; none for no targets.
     ///
-    /// A target is a stage, a file that a stage makes, or a directory in which stages make
+    /// A target is a stage, all stages of a fan-out, a file that a stage makes, or a directory in which stages make
     /// files.
     pub(crate) fn named(&self, targets: &[String]) -> Result<BTreeSet<usize>, PipelineError> {
         let mut named = BTreeSet::new();
         for target in targets {
             let mut found: BTreeSet<usize> = (0..self.users.len())
-                .filter(|&i| self.stage(i).name == *target)
+                .filter(|&i| self.stage(i).name == *target || self.stage(i).family == *target)
                 .collect();
             if let (true, Some(path)) = (found.is_empty(), normalise(target)) {
                 found.extend(with_ancestors(&path).find_map(|above| self.makers.get(above)));
@@ -170,13 +170,11 @@ impl<'p> Graph<'p> {
         for &index in wanted {
             let stage = self.stage(index);
             let made: BTreeSet<&str> = self.needs[index].iter().map(|n| n.input.as_str()).collect();
-            let missing = |input: &&String| {
-                !made.contains(input.as_str()) && !place.root.join(input).exists()
-            };
-            if let Some(input) = stage.inputs.iter().find(missing) {
+            let missing = |input: &&str| !made.contains(input) && !place.root.join(input).exists();
+            if let Some(input) = stage.reads().find(missing) {
                 return Err(PipelineError::MissingInput {
                     stage: stage.name.clone(),
-                    input: input.clone(),
+                    input: input.to_owned(),
                     nearest: nearest(input, self.makers.keys().map(String::as_str)),
                     help: stage.inputs_help.clone(),
                 });
@@ -214,12 +212,12 @@ fn makers(stages: &[Stage]) -> Result<BTreeMap<String, usize>, PipelineError> {
 
 fn needs(stage: &Stage, makers: &BTreeMap<String, usize>) -> Vec<Need> {
     let mut needs = Vec::new();
-    for input in &stage.inputs {
+    for input in stage.reads() {
         let above = with_ancestors(input).find_map(|path| makers.get(path));
         let inside = below(makers, input).map(|(_, maker)| maker);
         let found: BTreeSet<usize> = above.into_iter().chain(inside).copied().collect();
         needs.extend(found.into_iter().map(|maker| Need {
-            input: input.clone(),
+            input: input.to_owned(),
             maker,
         }));
     }
@@ -363,7 +361,7 @@ mod tests {
         };
         let tables: String = (0..10_000).map(table).collect();
         let text = format!("name = 'p'\n{tables}");
-        let p = Pipeline::parse(&text, "p.toml".as_ref(), &[]).unwrap();
+        let p = Pipeline::parse(&text, "p.toml".as_ref(), ".".as_ref(), &[]).unwrap();
         assert_eq!(Graph::new(&p).unwrap().order().len(), 10_000);
     }
 }

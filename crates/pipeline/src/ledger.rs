@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::atomic_write::{self, Durability};
-use crate::{Manifest, PipelineError};
+use crate::journal::{self, Entry, Journal};
+use crate::{Manifest, PipelineError, Row};
 
 /// The format that this version writes, and the newest that it reads.
-pub const LEDGER_VERSION: u32 = 1;
+pub const LEDGER_VERSION: u32 = 2;
 
-const HEADING: &str = "# What each stage's outputs were made from. Written after each stage; \
+const HEADING: &str = "# What each stage's outputs were made from. Written at the end of a run; \
                        not meant to be edited.\n\n";
 
 /// The record of finished stages.
@@ -37,6 +38,12 @@ pub struct Record {
     pub digest: String,
     /// How long the stage ran, in seconds.
     pub seconds: f64,
+    /// The most memory that one of its processes held, in bytes, where it is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub peak_memory: Option<u64>,
+    /// The row of a table that this stage is for, if it is one of a `foreach`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub row: Option<Row>,
     /// Parameters that `--set` had replaced, those that this stage uses.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub set: BTreeMap<String, String>,
@@ -71,13 +78,18 @@ impl Ledger {
     /// [`PipelineError::LedgerDamaged`] for anything that is no ledger of `pipeline`, or in
     /// which a digest is not that of its own list, [`PipelineError::Io`].
     pub fn read(path: &Path, pipeline: &str) -> Result<Self, PipelineError> {
-        let bytes = match std::fs::read(path) {
-            Ok(bytes) => bytes,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-                return Ok(Self::empty(pipeline));
-            }
-            Err(error) => return Err(PipelineError::io("read the ledger", path)(error)),
-        };
+        load(path, Some(pipeline)).map(|loaded| loaded.ledger)
+    }
+
+    /// Reads the ledger of whatever pipeline it belongs to.
+    ///
+    /// # Errors
+    /// As [`Ledger::read`], and [`PipelineError::Io`] if there is no file.
+    pub fn read_any(path: &Path) -> Result<Self, PipelineError> {
+        load(path, None).map(|loaded| loaded.ledger)
+    }
+
+    fn parse(path: &Path, bytes: Vec<u8>, pipeline: Option<&str>) -> Result<Self, PipelineError> {
         let damaged = |message: String| PipelineError::LedgerDamaged {
             path: path.to_owned(),
             message,
@@ -88,16 +100,21 @@ impl Ledger {
             let line = line.map_or(1, |before| before.matches('\n').count() + 1);
             damaged(format!("line {line}: {}", error.message()))
         };
-        let AnyVersion { version } = toml::from_str(&text).map_err(at)?;
-        if version > LEDGER_VERSION {
-            return Err(PipelineError::LedgerNewer {
-                path: path.to_owned(),
-                found: version,
-                supported: LEDGER_VERSION,
-            });
+        let ledger = toml::from_str::<Self>(&text);
+        if !matches!(&ledger, Ok(ledger) if ledger.version <= LEDGER_VERSION) {
+            let AnyVersion { version } = toml::from_str(&text).map_err(at)?;
+            if version > LEDGER_VERSION {
+                return Err(PipelineError::LedgerNewer {
+                    path: path.to_owned(),
+                    found: version,
+                    supported: LEDGER_VERSION,
+                });
+            }
         }
-        let ledger: Self = toml::from_str(&text).map_err(at)?;
-        if ledger.pipeline != pipeline {
+        let ledger = ledger.map_err(at)?;
+        if let Some(pipeline) = pipeline
+            && ledger.pipeline != pipeline
+        {
             return Err(damaged(format!(
                 "it belongs to pipeline `{}`, not to `{pipeline}`",
                 ledger.pipeline
@@ -112,41 +129,146 @@ impl Ledger {
         }
     }
 
-    fn write(&self, path: &Path, durability: Durability) -> Result<(), PipelineError> {
-        let body = toml::to_string(self)
+    fn write(&self, path: &Path) -> Result<(), PipelineError> {
+        let written = Self {
+            version: LEDGER_VERSION,
+            ..self.clone()
+        };
+        let body = toml::to_string(&written)
             .map_err(|error| PipelineError::io("write", path)(std::io::Error::other(error)))?;
-        atomic_write::write(path, format!("{HEADING}{body}").as_bytes(), durability)
+        atomic_write::write(
+            path,
+            format!("{HEADING}{body}").as_bytes(),
+            Durability::Synced,
+        )
     }
 }
 
-/// A ledger that is on disk what it is in memory, held by one run at a time.
+/// A ledger with its journal, and what is needed to go on with them.
+pub(crate) struct Loaded {
+    pub(crate) ledger: Ledger,
+    /// The hash of the ledger's bytes; `None` if there is no file.
+    hash: Option<String>,
+    /// Whether the journal added anything.
+    replayed: bool,
+}
+
+/// Reads the ledger of `pipeline` (of any, if `None`) and what a run noted that was killed.
+pub(crate) fn load(path: &Path, pipeline: Option<&str>) -> Result<Loaded, PipelineError> {
+    let (mut ledger, hash) = match std::fs::read(path) {
+        Ok(bytes) => {
+            let hash = blake3::hash(&bytes).to_hex().to_string();
+            (Ledger::parse(path, bytes, pipeline)?, Some(hash))
+        }
+        Err(error) => match pipeline {
+            Some(pipeline) if error.kind() == std::io::ErrorKind::NotFound => {
+                (Ledger::empty(pipeline), None)
+            }
+            _ => return Err(PipelineError::io("read the ledger", path)(error)),
+        },
+    };
+    let replayed = journal::replay(&journal_of(path), hash.as_ref(), &mut ledger)?;
+    Ok(Loaded {
+        ledger,
+        hash,
+        replayed,
+    })
+}
+
+fn journal_of(ledger: &Path) -> PathBuf {
+    let mut name = ledger.as_os_str().to_owned();
+    name.push(".journal");
+    PathBuf::from(name)
+}
+
+/// A ledger held by one run: what happens goes to the journal at once and to the ledger's
+/// own file at the end.
 pub(crate) struct OpenLedger {
     path: PathBuf,
     ledger: Ledger,
+    hash: Option<String>,
+    replayed: bool,
+    journal: Option<Journal>,
 }
 
 impl OpenLedger {
-    pub(crate) fn new(path: PathBuf, ledger: Ledger) -> Self {
-        Self { path, ledger }
+    /// To be called by the holder of the lock only.
+    ///
+    /// # Errors
+    /// If what a killed run had noted cannot be written into the ledger.
+    pub(crate) fn new(path: PathBuf, loaded: Loaded) -> Result<Self, PipelineError> {
+        atomic_write::remove_unfinished(&path);
+        let mut open = Self {
+            path,
+            ledger: loaded.ledger,
+            hash: loaded.hash,
+            replayed: loaded.replayed,
+            journal: None,
+        };
+        if open.replayed {
+            open.fold()?;
+        }
+        Ok(open)
     }
 
     pub(crate) fn get(&self) -> &Ledger {
         &self.ledger
     }
 
+    /// Forgets stages that the pipeline no longer has.
+    pub(crate) fn retain(&mut self, is_named: impl Fn(&str) -> bool) {
+        self.ledger.stage.retain(|stage, _| is_named(stage));
+        self.ledger.unfinished.retain(|stage, _| is_named(stage));
+    }
+
     /// Forgets the last run of a stage before it runs again.
     pub(crate) fn begin(&mut self, stage: &str, outputs: &[String]) -> Result<(), PipelineError> {
-        self.ledger.stage.remove(stage);
-        let unfinished = outputs.to_vec();
-        self.ledger.unfinished.insert(stage.to_owned(), unfinished);
-        // Were this lost in a power cut, the old record's output hashes would not fit.
-        self.ledger.write(&self.path, Durability::Written)
+        self.enter(Entry::Begun {
+            stage: stage.to_owned(),
+            outputs: outputs.to_vec(),
+        })
     }
 
     pub(crate) fn finish(&mut self, stage: &str, record: Record) -> Result<(), PipelineError> {
-        self.ledger.unfinished.remove(stage);
-        self.ledger.stage.insert(stage.to_owned(), record);
-        self.ledger.write(&self.path, Durability::Synced)
+        self.enter(Entry::Finished {
+            stage: stage.to_owned(),
+            record: Box::new(record),
+        })
+    }
+
+    pub(crate) fn forget(&mut self, stage: &str) -> Result<(), PipelineError> {
+        self.enter(Entry::Forgotten {
+            stage: stage.to_owned(),
+        })
+    }
+
+    fn enter(&mut self, entry: Entry) -> Result<(), PipelineError> {
+        let journal = match &mut self.journal {
+            Some(journal) => journal,
+            None => self.journal.insert(Journal::create(
+                &journal_of(&self.path),
+                &self.ledger.pipeline,
+                self.hash.clone(),
+            )?),
+        };
+        journal.append(&entry)?;
+        entry.apply(&mut self.ledger);
+        Ok(())
+    }
+
+    /// Writes the ledger, if anything happened, and then drops the journal.
+    pub(crate) fn fold(&mut self) -> Result<(), PipelineError> {
+        if self.journal.is_none() && !self.replayed {
+            return Ok(());
+        }
+        self.ledger.write(&self.path)?;
+        let bytes = std::fs::read(&self.path).map_err(PipelineError::io("read", &self.path))?;
+        self.hash = Some(blake3::hash(&bytes).to_hex().to_string());
+        self.journal = None;
+        self.replayed = false;
+        // A journal that stays belongs to the old ledger and counts for nothing.
+        let _ = std::fs::remove_file(journal_of(&self.path));
+        Ok(())
     }
 }
 
@@ -171,15 +293,26 @@ mod tests {
         let record = Record {
             digest: made_from.digest(),
             seconds: 1.25,
+            peak_memory: Some(1 << 20),
+            row: None,
             set: BTreeMap::from([("seed".to_owned(), "7".to_owned())]),
             made_from,
             outputs: BTreeMap::from([("o".to_owned(), "11".to_owned())]),
         };
-        let mut open = OpenLedger::new(path.clone(), Ledger::empty("p"));
+        let load = || load(&path, Some("p")).unwrap();
+        let mut open = OpenLedger::new(path.clone(), load()).unwrap();
         open.begin("a", &["o".to_owned()]).unwrap();
-        assert_eq!(&Ledger::read(&path, "p").unwrap(), open.get());
+        assert_eq!(&load().ledger, open.get());
         open.finish("a", record).unwrap();
-        assert_eq!(&Ledger::read(&path, "p").unwrap(), open.get());
+        assert_eq!(&load().ledger, open.get());
+        assert!(!path.exists() && journal_of(&path).exists());
+        open.fold().unwrap();
+        assert_eq!(&load().ledger, open.get());
+        assert!(path.exists() && !journal_of(&path).exists());
+        open.forget("a").unwrap();
+        let mut next = OpenLedger::new(path.clone(), load()).unwrap();
+        assert!(next.get().stage.is_empty() && !journal_of(&path).exists());
+        next.fold().unwrap();
     }
 
     #[test]
@@ -204,9 +337,9 @@ mod tests {
 
     #[test]
     fn a_newer_ledger_is_refused_whatever_else_it_says() {
-        let error = read("version = 2\nnovelty = true\n").unwrap_err();
+        let error = read("version = 3\nnovelty = true\n").unwrap_err();
         assert!(
-            matches!(error, PipelineError::LedgerNewer { found: 2, .. }),
+            matches!(error, PipelineError::LedgerNewer { found: 3, .. }),
             "{error}"
         );
     }

@@ -2,13 +2,18 @@
 
 mod atomic_write;
 mod attempt;
+mod cache;
 mod check;
+mod clean;
+mod cluster;
 mod content;
+mod diff;
 mod draw;
 mod error;
 mod executor;
 mod file;
 mod graph;
+mod journal;
 mod ledger;
 mod lock;
 mod manifest;
@@ -20,18 +25,29 @@ mod report;
 mod run;
 mod schedule;
 mod shell;
+mod stage;
 mod status;
+mod surroundings;
 #[cfg(test)]
 mod testing;
+mod trace;
+mod verify;
 
+pub use clean::{Cleaned, clean};
+pub use diff::{FileDifference, NumberDifference, RunAt, RunDifference, StageDifference, diff};
 pub use error::{CycleStep, FileProblem, PipelineError};
-pub use file::{Pipeline, Stage};
+pub use file::{Pipeline, schema};
 pub use graph::Graph;
 pub use ledger::{LEDGER_VERSION, Ledger, Record};
 pub use manifest::{FactKind, Manifest};
 pub use params::parse_override;
 pub use place::{Place, Program};
 pub use reason::Reason;
-pub use report::{Failure, FailureCause, Outcome, RunReport, StageResult, State, Summary};
-pub use run::{Event, RunOptions, run};
+pub use report::{
+    Failure, FailureCause, Outcome, RunReport, StageResult, State, Summary, Warning,
+};
+pub use run::{Event, Executor, RunOptions, run};
+pub use stage::{Resources, Row, Share, Stage};
 pub use status::{StageStatus, plan, status, why};
+pub use trace::{Source, Trace, TracedFile, TracedStage, below_root, trace};
+pub use verify::{Finding, FileState, Role, Verification, verify};

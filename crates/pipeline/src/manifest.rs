@@ -33,12 +33,21 @@ pub enum FactKind {
 const COMMAND_LINE: &str = "line";
 
 impl Manifest {
-    /// Lists what `stage` would be made from now. An input that is not there has no entry.
+    /// Lists what `stage` would be made from now, `files` being its share of a directory.
+    /// An input that is not there has no entry.
     pub(crate) fn of(
         stage: &Stage,
+        files: &[String],
         program: Option<&Program>,
         hasher: &Hasher<'_>,
     ) -> Result<Self, PipelineError> {
+        let mut manifest = Self::without_any_input(stage, program);
+        manifest.add_inputs(&stage.inputs, hasher)?;
+        manifest.add_inputs(files, hasher)?;
+        Ok(manifest)
+    }
+
+    fn without_any_input(stage: &Stage, program: Option<&Program>) -> Self {
         let mut manifest = Self::default();
         let command = crate::shell::quoted(&stage.command);
         manifest.add(FactKind::Command, COMMAND_LINE, command);
@@ -49,15 +58,54 @@ impl Manifest {
                 manifest.add(FactKind::Version, &name, version.clone());
             }
         }
+        if let Some(version) = &stage.version {
+            manifest.add(FactKind::Version, &stage.family, version.clone());
+        }
         for (name, value) in &stage.params {
             manifest.add(FactKind::Parameter, name, value.clone());
         }
-        for input in &stage.inputs {
-            if let Some(content) = hasher.content(input)? {
-                manifest.add(FactKind::Input, input, content);
+        manifest
+    }
+
+    /// Adds the content of each input; one that is not there has no entry.
+    fn add_inputs(
+        &mut self,
+        inputs: impl IntoIterator<Item = impl AsRef<str>>,
+        hasher: &Hasher<'_>,
+    ) -> Result<(), PipelineError> {
+        for input in inputs {
+            if let Some(content) = hasher.content(input.as_ref())? {
+                self.add(FactKind::Input, input.as_ref(), content);
             }
         }
-        Ok(manifest)
+        Ok(())
+    }
+
+    /// The same with other names for the inputs.
+    pub(crate) fn with_inputs_renamed(mut self, rename: impl Fn(&str) -> String) -> Self {
+        if let Some(inputs) = self.0.get_mut(&FactKind::Input) {
+            let renamed = std::mem::take(inputs).into_iter();
+            *inputs = renamed.map(|(path, content)| (rename(&path), content)).collect();
+        }
+        self
+    }
+
+    /// The same without the inputs that `is_open` picks.
+    pub(crate) fn without_inputs(mut self, is_open: impl Fn(&str) -> bool) -> Self {
+        if let Some(inputs) = self.0.get_mut(&FactKind::Input) {
+            inputs.retain(|path, _| !is_open(path));
+        }
+        self
+    }
+
+    /// Takes over the inputs of `now` that `is_open` picks.
+    pub(crate) fn with_inputs(mut self, now: &Self, is_open: impl Fn(&str) -> bool) -> Self {
+        for (path, content) in now.facts(FactKind::Input) {
+            if is_open(path) {
+                self.add(FactKind::Input, path, content.to_owned());
+            }
+        }
+        self
     }
 
     /// The facts of one kind, by name.

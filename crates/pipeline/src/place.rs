@@ -11,8 +11,9 @@ use crate::{Pipeline, PipelineError, Stage};
 pub struct Place {
     /// Relative paths of the pipeline file start here, and stages run here.
     pub root: PathBuf,
-    /// What each output was made from; `<ledger>.hashes` (a cache that may be deleted)
-    /// and `<ledger>.running` (the lock) stand beside it.
+    /// What each output was made from; `<ledger>.journal` (what a run has done that is
+    /// not over), `<ledger>.hashes` (a cache that may be deleted), `<ledger>.running` (the
+    /// lock) and `<ledger>.jobs` (what a cluster has to do) stand beside it.
     pub ledger: PathBuf,
     /// Holds `<stage>.log`, everything the stage's last run printed. A relative path
     /// starts at the current directory, as does the ledger's.
@@ -44,6 +45,30 @@ impl Place {
         self.beside_ledger(".running")
     }
 
+    /// What was handed to a cluster and is not settled.
+    pub(crate) fn jobs(&self) -> PathBuf {
+        self.beside_ledger(".jobs")
+    }
+
+    /// The executable that a stage's command means.
+    pub(crate) fn program_of(&self, stage: &Stage) -> PathBuf {
+        match &self.program {
+            Some(program) if program.name == stage.command[0] => program.path.clone(),
+            _ => PathBuf::from(&stage.command[0]),
+        }
+    }
+
+    /// Whether `path` is one of the run's own files.
+    pub(crate) fn is_ours(&self, path: &Path) -> bool {
+        let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let ledger = name(&self.ledger);
+        let same_folder = path.parent() == Some(self.ledger.parent().unwrap_or(Path::new("")));
+        let named = name(path);
+        path.starts_with(&self.log_dir)
+            || self.log_dir.starts_with(path)
+            || (same_folder && (named.starts_with(&ledger) || named.starts_with(&format!(".{ledger}"))))
+    }
+
     pub(crate) fn log_of(&self, stage: &str) -> PathBuf {
         self.log_dir.join(format!("{stage}.log"))
     }
@@ -60,7 +85,7 @@ impl Place {
             for output in &stage.outputs {
                 self.refuse_inside(stage, output, kept.iter().chain(&fixed))?;
             }
-            for input in &stage.inputs {
+            for input in stage.reads() {
                 self.refuse_inside(stage, input, kept.iter())?;
             }
         }

@@ -18,6 +18,8 @@ pub enum State {
     Running,
     /// It ran, and its outputs are there.
     Done,
+    /// Its outputs were taken from the cache.
+    Restored,
     /// It ran and did not end well.
     Failed,
     /// It had nothing to do.
@@ -73,6 +75,14 @@ pub enum FailureCause {
         /// The outputs that are not there.
         paths: Vec<String>,
     },
+    /// A cluster ended its job, or forgot it, before the stage ended by itself.
+    #[error("its job {job} on the cluster ended without it: {state}")]
+    JobLost {
+        /// The job, as the cluster calls it.
+        job: String,
+        /// What the cluster says of it.
+        state: String,
+    },
     /// The stages upstream ran but an input is not there.
     #[error("the stages before it did not make {}", paths.join(", "))]
     InputsMissing {
@@ -102,6 +112,8 @@ pub struct RunReport {
     pub stages: Vec<StageResult>,
     /// The failures, in the order in which they happened.
     pub failures: Vec<Failure>,
+    /// What is not right and did not stop the run.
+    pub warnings: Vec<Warning>,
     /// What the stages with `summary = true` that are up to date printed, in the same order
     /// as `stages`, also if they had nothing to do this time.
     pub summaries: Vec<Summary>,
@@ -118,6 +130,49 @@ pub struct StageResult {
     pub reasons: Vec<Reason>,
     /// How long it ran, in seconds, if it did.
     pub seconds: Option<f64>,
+    /// The most memory that one of its processes held, in bytes, if it ran and the system
+    /// tells; never less than what this program itself held when it started the stage.
+    pub peak_memory: Option<u64>,
+}
+
+/// Something that is not right and does not stop a run.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, thiserror::Error)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Warning {
+    /// A file that no stage lists among its outputs was written while stages ran.
+    #[error("`{}` was written while {} ran, and no stage lists it among its outputs", path.display(), names(stages))]
+    WroteOutside {
+        /// The file.
+        path: PathBuf,
+        /// The stages that ran at its time.
+        stages: Vec<String>,
+    },
+    /// The cache held something else for a stage than what it had made.
+    #[error("the cache is damaged for stage `{stage}`, which runs instead")]
+    CacheDamaged {
+        /// The stage.
+        stage: String,
+    },
+    /// What a stage made could not be put into the cache.
+    #[error("what stage `{stage}` made was not put into the cache: {message}")]
+    NotCached {
+        /// The stage.
+        stage: String,
+        /// What the system said.
+        message: String,
+    },
+}
+
+fn names(stages: &[String]) -> String {
+    let shown: Vec<String> = stages.iter().take(3).map(|s| format!("`{s}`")).collect();
+    let more = stages.len() - shown.len();
+    let shown = shown.join(", ");
+    if more > 0 {
+        format!("{shown} and {more} more")
+    } else {
+        shown
+    }
 }
 
 /// The standard output of a stage.

@@ -2,16 +2,19 @@
 
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
 use std::time::Duration;
 
 use crate::attempt::{Attempt, News, Workshop};
+use crate::cache::Cache;
+use crate::cluster;
 use crate::content::Hasher;
-use crate::ledger::OpenLedger;
+use crate::ledger::{self, OpenLedger};
 use crate::lock::RunLock;
 use crate::schedule::Schedule;
-use crate::{Failure, Graph, Ledger, Pipeline, PipelineError, Place, Reason, RunReport};
+use crate::{Failure, Graph, Pipeline, PipelineError, Place, Reason, RunReport, Warning};
 
 /// How often the cancel flag is looked at.
 const TICK: Duration = Duration::from_millis(20);
@@ -21,23 +24,44 @@ const TICK: Duration = Duration::from_millis(20);
 pub struct RunOptions {
     /// Stages or files; each comes with everything upstream. Empty: all stages.
     pub targets: Vec<String>,
-    /// How many stages may run at once.
-    pub jobs: NonZeroUsize,
+    /// How many stages may run at once; on a cluster, how many of each fan-out. `None`: one
+    /// on this machine, no limit on a cluster.
+    pub jobs: Option<NonZeroUsize>,
     /// Run the targets (all stages if there are none) even if they are up to date.
     pub force: bool,
     /// After a failure, go on with what does not need the failed stage.
     pub keep_going: bool,
+    /// A directory from which outputs are taken that were made before from the same, and to
+    /// which they go.
+    pub cache: Option<PathBuf>,
+    /// Where the stages run.
+    pub executor: Executor,
     /// Set it to interrupt the run: running stages are ended within about 0.2 s.
     pub cancel: Arc<AtomicBool>,
+}
+
+/// Where stages run.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Executor {
+    /// As processes on this machine.
+    #[default]
+    Local,
+    /// As jobs of Slurm (`sbatch`).
+    Slurm,
+    /// As tasks of HyperQueue (`hq`).
+    HyperQueue,
 }
 
 impl Default for RunOptions {
     fn default() -> Self {
         Self {
             targets: Vec::new(),
-            jobs: NonZeroUsize::MIN,
+            jobs: None,
             force: false,
             keep_going: false,
+            cache: None,
+            executor: Executor::Local,
             cancel: Arc::default(),
         }
     }
@@ -78,20 +102,47 @@ pub enum Event<'a> {
         stage: &'a str,
         /// How long it ran, in seconds.
         seconds: f64,
+        /// The most memory that one of its processes held, in bytes, where it is known.
+        peak_memory: Option<u64>,
         /// How many of the wanted stages are settled, this one included.
         settled: usize,
         /// How many stages are wanted.
         wanted: usize,
     },
+    /// A stage's outputs were taken from the cache.
+    Restored {
+        /// The stage.
+        stage: &'a str,
+        /// How many of the wanted stages are settled, this one included.
+        settled: usize,
+        /// How many stages are wanted.
+        wanted: usize,
+    },
+    /// Stages were handed to a cluster.
+    Submitted {
+        /// The job, as the cluster calls it.
+        job: &'a str,
+        /// The stages, or what stages of one fan-out are called together.
+        stage: &'a str,
+        /// How many of them.
+        tasks: usize,
+    },
+    /// Jobs that an earlier run had handed to a cluster are followed again.
+    Resumed {
+        /// How many stages.
+        stages: usize,
+    },
     /// A stage failed.
     Failed(&'a Failure),
+    /// Something is not right and does not stop the run.
+    Warning(&'a Warning),
 }
 
 /// Brings the targets and everything upstream up to date.
 ///
 /// A stage runs if its command line, parameters, program version or inputs are not those of
-/// its last good run, or if its outputs are not what that run left. The ledger is written
-/// after each stage, so that an interrupted run goes on where it stopped.
+/// its last good run, or if its outputs are not what that run left. What happens is
+/// noted at once, so that an interrupted run goes on where it stopped.
 ///
 /// # Errors
 /// As [`plan`](crate::plan), [`PipelineError::Busy`] if another run is at work on the
@@ -110,24 +161,37 @@ pub fn run(
     graph.check_sources(&wanted, place)?;
     let forced = crate::status::forced(&graph, &options.targets, options.force)?;
     let lock = RunLock::acquire(place.lock())?;
-    let mut ledger = Ledger::read(&place.ledger, pipeline.name())?;
-    let named = |stage: &String| pipeline.stages().iter().any(|s| s.name == *stage);
-    ledger.stage.retain(|stage, _| named(stage));
-    ledger.unfinished.retain(|stage, _| named(stage));
+    let loaded = ledger::load(&place.ledger, Some(pipeline.name()))?;
+    let mut ledger = OpenLedger::new(place.ledger.clone(), loaded)?;
+    let named: BTreeSet<&str> = pipeline.stages().iter().map(|s| s.name.as_str()).collect();
+    ledger.retain(|stage| named.contains(stage));
     std::fs::create_dir_all(&place.log_dir).map_err(PipelineError::io("create", &place.log_dir))?;
     let stop = AtomicBool::new(false);
     let workshop = Workshop {
         pipeline,
         place,
         hasher: Hasher::new(&place.root, place.hash_cache(), &stop),
-        ledger: Mutex::new(OpenLedger::new(place.ledger.clone(), ledger)),
+        ledger: Mutex::new(ledger),
+        cache: options.cache.as_deref().map(Cache::new),
+        surroundings: OnceLock::new(),
+        times: Mutex::default(),
         lock,
         stop: &stop,
     };
     let mut schedule = Schedule::new(&graph, wanted);
-    let result = work(&workshop, &mut schedule, &forced, options, observe);
+    let result = match options.executor {
+        Executor::Local => cluster::refuse_while_jobs_run(place)
+            .and_then(|()| work(&workshop, &mut schedule, &forced, options, observe)),
+        engine => cluster::run(engine, &workshop, &mut schedule, &forced, options, observe),
+    };
+    for warning in workshop.written_outside() {
+        schedule.warn(warning, observe);
+    }
+    // Also after an error: what is done is done.
+    let folded = workshop.ledger().fold();
     workshop.hasher.save();
     result?;
+    folded?;
     Ok(schedule.report(place))
 }
 
@@ -145,7 +209,8 @@ fn work(
     observe: &mut dyn FnMut(Event<'_>),
 ) -> Result<(), PipelineError> {
     let graph = schedule.graph;
-    let jobs = options.jobs.get().min(schedule.wanted.len());
+    let jobs = options.jobs.map_or(1, NonZeroUsize::get);
+    let jobs = jobs.min(schedule.wanted.len());
     let (to_workers, orders) = mpsc::channel::<usize>();
     let orders = Mutex::new(orders);
     let (to_us, messages) = mpsc::channel();
@@ -154,7 +219,7 @@ fn work(
         while let Ok(index) = next() {
             // The receiver outlives the workers, so nothing told is lost.
             let mut tell = |news| drop(to_us.send(Message::News(index, news)));
-            let result = workshop.attempt(graph.stage(index), forced.contains(&index), &mut tell);
+            let result = workshop.attempt(graph, graph.stage(index), forced.contains(&index), &mut tell);
             let _ = to_us.send(Message::Ended(index, result));
         }
     };
@@ -177,7 +242,12 @@ fn work(
                 let Some(index) = schedule.begin_next() else {
                     break;
                 };
-                running += usize::from(to_workers.send(index).is_ok());
+                // Most stages are up to date in most runs: not worth a worker.
+                if !forced.contains(&index) && workshop.is_known_up_to_date(graph.stage(index)) {
+                    schedule.settle(index, Attempt::UpToDate, observe);
+                } else {
+                    running += usize::from(to_workers.send(index).is_ok());
+                }
             }
             if running == 0 {
                 break;

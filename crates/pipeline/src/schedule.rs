@@ -3,7 +3,9 @@
 use std::collections::BTreeSet;
 
 use crate::attempt::{Attempt, News};
-use crate::{Event, Failure, Graph, Outcome, Place, RunReport, StageResult, State, Summary};
+use crate::{
+    Event, Failure, Graph, Outcome, Place, RunReport, StageResult, State, Summary, Warning,
+};
 
 /// Where each stage stands.
 pub(crate) struct Schedule<'g> {
@@ -17,6 +19,7 @@ pub(crate) struct Schedule<'g> {
     /// For each stage, how many stages upstream are not settled.
     waiting: Vec<usize>,
     pub(crate) failures: Vec<Failure>,
+    pub(crate) warnings: Vec<Warning>,
     pub(crate) interrupted: bool,
     settled: usize,
 }
@@ -34,6 +37,7 @@ impl<'g> Schedule<'g> {
             state: State::Unknown,
             reasons: Vec::new(),
             seconds: None,
+            peak_memory: None,
         };
         let makers = |i: usize| {
             graph
@@ -50,6 +54,7 @@ impl<'g> Schedule<'g> {
             rank,
             wanted,
             failures: Vec::new(),
+            warnings: Vec::new(),
             interrupted: false,
             settled: 0,
         };
@@ -82,6 +87,7 @@ impl<'g> Schedule<'g> {
                 stage: &stage.name,
                 line: &line,
             }),
+            News::Warning(warning) => self.warn(warning, observe),
             News::Started { reasons } => {
                 observe(Event::Started {
                     stage: &stage.name,
@@ -91,6 +97,19 @@ impl<'g> Schedule<'g> {
                 self.results[index].reasons = reasons;
             }
         }
+    }
+
+    /// Notes that a stage was handed to a cluster.
+    pub(crate) fn submitted(&mut self, index: usize, reasons: Vec<crate::Reason>) {
+        self.results[index].state = State::Running;
+        if !reasons.is_empty() {
+            self.results[index].reasons = reasons;
+        }
+    }
+
+    pub(crate) fn warn(&mut self, warning: Warning, observe: &mut dyn FnMut(Event<'_>)) {
+        observe(Event::Warning(&warning));
+        self.warnings.push(warning);
     }
 
     /// Notes how a stage ended, and what that makes ready.
@@ -113,12 +132,25 @@ impl<'g> Schedule<'g> {
                     wanted,
                 });
             }
-            Attempt::Done { seconds } => {
+            Attempt::Restored => {
+                result.state = State::Restored;
+                observe(Event::Restored {
+                    stage,
+                    settled,
+                    wanted,
+                });
+            }
+            Attempt::Done {
+                seconds,
+                peak_memory,
+            } => {
                 result.state = State::Done;
                 result.seconds = Some(seconds);
+                result.peak_memory = peak_memory;
                 observe(Event::Finished {
                     stage,
                     seconds,
+                    peak_memory,
                     settled,
                     wanted,
                 });
@@ -146,7 +178,7 @@ impl<'g> Schedule<'g> {
         let wanted: Vec<usize> = order.copied().filter(|i| self.wanted.contains(i)).collect();
         let printed = |&index: &usize| {
             let stage = self.graph.stage(index);
-            let good = matches!(self.results[index].state, State::Done | State::UpToDate);
+            let good = is_settled(self.results[index].state);
             let text = std::fs::read_to_string(place.stdout_of(&stage.name)).ok();
             let stage_name = stage.name.clone();
             text.filter(|_| good && stage.summary).map(|text| Summary {
@@ -154,7 +186,7 @@ impl<'g> Schedule<'g> {
                 text,
             })
         };
-        let settled = |&i: &usize| matches!(self.results[i].state, State::Done | State::UpToDate);
+        let settled = |&i: &usize| is_settled(self.results[i].state);
         RunReport {
             outcome: if wanted.iter().all(settled) {
                 Outcome::Done
@@ -166,6 +198,11 @@ impl<'g> Schedule<'g> {
             summaries: wanted.iter().filter_map(printed).collect(),
             stages: wanted.iter().map(|&i| self.results[i].clone()).collect(),
             failures: self.failures,
+            warnings: self.warnings,
         }
     }
+}
+
+fn is_settled(state: State) -> bool {
+    matches!(state, State::Done | State::Restored | State::UpToDate)
 }

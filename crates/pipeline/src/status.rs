@@ -1,11 +1,12 @@
 //! Which stages are stale and why, without running any.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::sync::atomic::AtomicBool;
 
-use crate::check::Past;
+use crate::check::{Past, Present};
 use crate::content::Hasher;
-use crate::{Graph, Ledger, Manifest, Pipeline, PipelineError, Place, Reason, Stage};
+use crate::paths::with_ancestors;
+use crate::{Graph, Ledger, Pipeline, PipelineError, Place, Reason};
 
 /// Whether one stage is up to date, and if not, why.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -23,6 +24,8 @@ pub struct StageStatus {
     pub outputs: Vec<String>,
     /// How long its last good run took, in seconds.
     pub last_seconds: Option<f64>,
+    /// The most memory that a process of that run held, in bytes, where it is known.
+    pub last_peak_memory: Option<u64>,
 }
 
 /// The state of every stage, in the order in which they run.
@@ -72,8 +75,8 @@ pub fn why(
     let target = [target.to_owned()];
     let named = graph.named(&target)?;
     let wanted = graph.wanted(&target)?;
-    let is_named =
-        |status: &StageStatus| named.iter().any(|&i| graph.stage(i).name == status.stage);
+    let named: BTreeSet<&str> = named.iter().map(|&i| graph.stage(i).name.as_str()).collect();
+    let is_named = |status: &StageStatus| named.contains(status.stage.as_str());
     let mut statuses = examine(&graph, place, &wanted, &BTreeSet::new())?;
     statuses.retain(is_named);
     Ok(statuses)
@@ -102,19 +105,19 @@ fn examine(
     let never = AtomicBool::new(false);
     let hasher = Hasher::new(&place.root, place.hash_cache(), &never);
     let mut statuses: Vec<StageStatus> = Vec::new();
-    let mut stale: BTreeMap<usize, &str> = BTreeMap::new();
+    let mut stale = BTreeSet::new();
     for &index in graph.order().iter().filter(|index| wanted.contains(index)) {
         let stage = graph.stage(index);
-        let now = Manifest::of(stage, place.program.as_ref(), &hasher)?;
+        let now = Present::of(stage, place, &hasher)?;
         let past = Past::of(stage, &ledger);
         let mut reasons = Vec::new();
         if forced.contains(&index) {
             reasons.push(Reason::Forced);
         }
-        reasons.extend(past.reasons(stage, &now, &hasher)?);
-        refine(&mut reasons, graph, index, &stale, stage, &now);
+        reasons.extend(past.reasons(stage, &now.made_from, &hasher)?);
+        refine(&mut reasons, graph, index, &stale, &now.missing);
         if !reasons.is_empty() {
-            stale.insert(index, &stage.name);
+            stale.insert(index);
         }
         statuses.push(StageStatus {
             stage: stage.name.clone(),
@@ -122,7 +125,8 @@ fn examine(
             reasons,
             command: crate::shell::quoted(&stage.command),
             outputs: stage.outputs.clone(),
-            last_seconds: past.record.map(|record| record.seconds),
+            last_seconds: past.record.as_ref().map(|record| record.seconds),
+            last_peak_memory: past.record.and_then(|record| record.peak_memory),
         });
     }
     hasher.save();
@@ -135,34 +139,34 @@ fn refine(
     reasons: &mut Vec<Reason>,
     graph: &Graph<'_>,
     index: usize,
-    stale: &BTreeMap<usize, &str>,
-    stage: &Stage,
-    now: &Manifest,
+    stale: &BTreeSet<usize>,
+    missing: &[String],
 ) {
     let needs = graph.needs(index);
     let made: BTreeSet<&str> = needs.iter().map(|need| need.input.as_str()).collect();
-    let found: BTreeSet<&str> = now
-        .facts(crate::FactKind::Input)
-        .map(|(path, _)| path)
-        .collect();
-    let missing = |path: &str| !found.contains(path) && !made.contains(path);
+    let never_made =
+        |path: &str| !made.contains(path) && missing.iter().any(|missing| missing == path);
     let to_come: BTreeSet<&str> = needs
         .iter()
-        .filter(|need| stale.contains_key(&need.maker))
+        .filter(|need| stale.contains(&need.maker))
         .map(|need| need.input.as_str())
         .collect();
+    let comes = |path: &str| with_ancestors(path).any(|above| to_come.contains(above));
     reasons.retain(|reason| match reason {
         Reason::InputChanged { path, .. } | Reason::InputRemoved { path } => {
-            !to_come.contains(path.as_str()) && !missing(path)
+            !comes(path) && !never_made(path)
         }
         _ => true,
     });
     let makers: BTreeSet<usize> = needs.iter().map(|need| need.maker).collect();
-    for stage in makers.iter().filter_map(|maker| stale.get(maker)) {
-        let stage = (*stage).to_owned();
-        reasons.push(Reason::Upstream { stage });
+    let mut told = BTreeSet::new();
+    for maker in makers.iter().filter(|maker| stale.contains(maker)) {
+        let stage = graph.stage(*maker).family.clone();
+        if told.insert(stage.clone()) {
+            reasons.push(Reason::Upstream { stage });
+        }
     }
-    for path in stage.inputs.iter().filter(|path| missing(path)) {
+    for path in missing.iter().filter(|path| never_made(path)) {
         let path = path.clone();
         reasons.push(Reason::InputMissing { path });
     }

@@ -41,7 +41,7 @@ impl Project {
     }
 
     fn pipeline(&self) -> Pipeline {
-        Pipeline::parse(&self.text, Path::new("test.toml"), &self.overrides).unwrap()
+        Pipeline::parse(&self.text, Path::new("test.toml"), self.root(), &self.overrides).unwrap()
     }
 
     fn run(&self) -> RunReport {
@@ -344,11 +344,11 @@ fn parallel_stages_overlap_and_make_what_one_at_a_time_makes() {
         stage("b", "a")
     );
     let mut project = Project::new(&text);
-    project.options.jobs = 2.try_into().unwrap();
+    project.options.jobs = Some(2.try_into().unwrap());
     assert_eq!(project.ran(), ["a", "b", "join"]);
     assert_eq!(project.read("c.txt"), "a\nb\n");
     let parallel = Ledger::read(&project.place().ledger, "test").unwrap();
-    project.options.jobs = 1.try_into().unwrap();
+    project.options.jobs = Some(1.try_into().unwrap());
     project.options.force = true;
     assert_eq!(project.ran(), ["a", "b", "join"]);
     let serial = Ledger::read(&project.place().ledger, "test").unwrap();

@@ -2,17 +2,21 @@
 
 use std::collections::VecDeque;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender};
 use std::time::{Duration, Instant};
 
+use wait4::{ResUse, Wait4 as _};
+
 use super::{Ended, Job};
 
-/// How often a running child and the flag are looked at.
+/// How often the flag is looked at.
 const TICK: Duration = Duration::from_millis(25);
 /// How long an interrupted child has to clear up before it is killed.
 const GRACE: Duration = Duration::from_millis(75);
+/// How long a killed child may take to die: only one that waits for a device takes longer.
+const AFTER_KILL: Duration = Duration::from_secs(5);
 /// How long a dead child's pipes, held open by children of its own, are still read.
 const PIPES_AFTER_DEATH: Duration = Duration::from_millis(200);
 const LONGEST_LINE: u64 = 64 * 1024;
@@ -25,8 +29,15 @@ enum Stream {
     Stderr,
 }
 
-/// A line with its end, or the end of a stream.
-type Message = Option<(Stream, Vec<u8>)>;
+/// What is heard of a running child.
+enum Message {
+    /// A line with its end.
+    Line(Stream, Vec<u8>),
+    /// One of its two streams has ended.
+    StreamEnd,
+    /// It is dead.
+    Dead(std::io::Result<ResUse>),
+}
 
 /// Runs the job to its end, or until `stop` is set; `on_stderr` gets each line of standard
 /// error as it comes.
@@ -53,15 +64,19 @@ pub(crate) fn run(
         Err(error) => return Ok(Ended::NotStarted(error)),
     };
     drop(command); // and with it our copy of the child's standard input
-    let (sender, lines) = mpsc::sync_channel(256);
+    let (sender, messages) = mpsc::sync_channel(256);
     if let Some(stdout) = child.stdout.take() {
         read_lines(stdout, Stream::Stdout, sender.clone());
     }
     if let Some(stderr) = child.stderr.take() {
-        read_lines(stderr, Stream::Stderr, sender);
+        read_lines(stderr, Stream::Stderr, sender.clone());
     }
+    let pid = child.id();
+    std::thread::spawn(move || {
+        let _ = sender.send(Message::Dead(child.wait4()));
+    });
     let mut kept = Kept::default();
-    let followed = follow(&mut child, &lines, stop, &mut |stream, line| {
+    let followed = follow(&messages, stop, &mut |stream, line| {
         job.log.write_all(&line)?;
         let text = String::from_utf8_lossy(&line).into_owned();
         kept.add(stream, &text);
@@ -71,14 +86,18 @@ pub(crate) fn run(
         Ok(())
     });
     match followed {
-        Ok(Some(status)) => Ok(Ended::Exited {
-            status,
+        Ok(Some(used)) => Ok(Ended::Exited {
+            status: used.status,
+            peak_memory: Some(used.rusage.maxrss).filter(|&bytes| bytes > 0),
             stdout: kept.stdout,
             last_lines: kept.last_lines.into(),
         }),
-        Ok(None) => end(&mut child).map(|()| Ended::Interrupted),
+        Ok(None) => {
+            end(pid, &messages);
+            Ok(Ended::Interrupted)
+        }
         Err(error) => {
-            end(&mut child)?;
+            end(pid, &messages);
             Err(error)
         }
     }
@@ -86,41 +105,26 @@ pub(crate) fn run(
 
 /// Passes lines on until the child is dead and its pipes are read; `None` if stopped.
 fn follow(
-    child: &mut Child,
-    lines: &Receiver<Message>,
+    messages: &Receiver<Message>,
     stop: &AtomicBool,
     on_line: &mut dyn FnMut(Stream, Vec<u8>) -> std::io::Result<()>,
-) -> std::io::Result<Option<ExitStatus>> {
+) -> std::io::Result<Option<ResUse>> {
     let mut open = 2;
-    let mut looked = Instant::now();
-    let mut dead: Option<(ExitStatus, Instant)> = None;
-    let mut pause = Duration::from_micros(200);
+    let mut dead: Option<(ResUse, Instant)> = None;
     loop {
         if stop.load(Ordering::Relaxed) {
             return Ok(None);
         }
-        if open == 0 {
-            // Most programs are gone right after their pipes; a few close them and go on.
-            if let Some(status) = child.try_wait()? {
-                return Ok(Some(status));
-            }
-            std::thread::sleep(pause);
-            pause = pause.mul_f64(1.2).min(TICK);
-            continue;
+        match messages.recv_timeout(TICK) {
+            Ok(Message::Line(stream, line)) => on_line(stream, line)?,
+            Ok(Message::StreamEnd) => open -= 1,
+            Ok(Message::Dead(used)) => dead = Some((used?, Instant::now())),
+            Err(RecvTimeoutError::Disconnected | RecvTimeoutError::Timeout) => {}
         }
-        match lines.recv_timeout(TICK) {
-            Ok(Some((stream, line))) => on_line(stream, line)?,
-            Ok(None) => open -= 1,
-            Err(RecvTimeoutError::Disconnected) => open = 0,
-            Err(RecvTimeoutError::Timeout) => {}
-        }
-        if let Some((status, since)) = dead {
-            if since.elapsed() > PIPES_AFTER_DEATH {
-                return Ok(Some(status));
-            }
-        } else if open > 0 && looked.elapsed() > TICK {
-            dead = child.try_wait()?.map(|status| (status, Instant::now()));
-            looked = Instant::now();
+        if let Some((used, since)) = dead
+            && (open == 0 || since.elapsed() > PIPES_AFTER_DEATH)
+        {
+            return Ok(Some(used));
         }
     }
 }
@@ -139,7 +143,7 @@ fn read_lines(stream: impl Read + Send + 'static, name: Stream, sender: SyncSend
                     if line.last() != Some(&b'\n') {
                         line.push(b'\n');
                     }
-                    if sender.send(Some((name, line))).is_err() {
+                    if sender.send(Message::Line(name, line)).is_err() {
                         return; // nobody follows any more
                     }
                 }
@@ -147,31 +151,39 @@ fn read_lines(stream: impl Read + Send + 'static, name: Stream, sender: SyncSend
                 _ => break,
             }
         }
-        let _ = sender.send(None);
+        let _ = sender.send(Message::StreamEnd);
     });
 }
 
 /// Asks the child and all its children to end, kills what has not, and waits.
-fn end(child: &mut Child) -> std::io::Result<()> {
-    signal_group(child, "TERM");
-    let asked = Instant::now();
-    while asked.elapsed() < GRACE && child.try_wait()?.is_none() {
-        std::thread::sleep(Duration::from_millis(2));
+fn end(pid: u32, messages: &Receiver<Message>) {
+    signal_group(pid, "TERM");
+    let died = has_died(messages, GRACE);
+    signal_group(pid, "KILL"); // of a dead child, its children may live
+    if !died {
+        has_died(messages, AFTER_KILL);
     }
-    signal_group(child, "KILL");
-    if child.try_wait()?.is_none() {
-        child.kill()?;
-        child.wait()?;
+}
+
+/// Drops what is still printed, so that nobody waits to be read.
+fn has_died(messages: &Receiver<Message>, within: Duration) -> bool {
+    let until = Instant::now() + within;
+    loop {
+        let left = until.saturating_duration_since(Instant::now());
+        match messages.recv_timeout(left) {
+            Ok(Message::Dead(_)) | Err(RecvTimeoutError::Disconnected) => return true,
+            Err(RecvTimeoutError::Timeout) => return false,
+            Ok(_) => {}
+        }
     }
-    Ok(())
 }
 
 /// The standard library signals one process only; a group takes the shell's `kill`.
-fn signal_group(child: &Child, signal: &str) {
+fn signal_group(pid: u32, signal: &str) {
     if cfg!(unix) {
         let _ = Command::new("sh")
             .args(["-c", r#"kill -s "$0" -- "-$1""#, signal])
-            .arg(child.id().to_string())
+            .arg(pid.to_string())
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::null())
@@ -232,12 +244,15 @@ mod tests {
         let (ended, log, stderr) = shell(script, &AtomicBool::new(false));
         let Ended::Exited {
             status,
+            peak_memory,
             stdout,
             last_lines,
         } = ended
         else {
             panic!("it ends by itself");
         };
+        #[cfg(target_os = "linux")]
+        assert!(peak_memory.is_some_and(|bytes| bytes > 100_000));
         assert_eq!(status.code(), Some(3));
         assert_eq!(stdout, "out\nunended\n");
         assert_eq!(stderr, ["err"]);

@@ -25,6 +25,8 @@ pub(crate) enum Ended {
     /// By itself.
     Exited {
         status: ExitStatus,
+        /// The most memory that one of its processes held, in bytes, where the system tells.
+        peak_memory: Option<u64>,
         /// Its standard output; of a long one the last part, in whole lines.
         stdout: String,
         /// The last lines of both streams.

@@ -1,18 +1,20 @@
 //! The tables of a pipeline file: `[params]` and each `[[stage]]`.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 use toml::de::{DeTable, DeValue};
 
-use super::Stage;
+use super::fan::{self, Branch};
+use super::keys::{RESOURCE_KEYS, STAGE_KEYS};
 use super::value::{
     Located, Value, check_keys, check_name, position, required, string, strings, wrong_type,
 };
 use crate::error::FileProblem;
 use crate::params::{Param, ParamKind, Params};
 use crate::paths::normalise;
+use crate::stage::{FILES, Resources, Stage};
 
-const STAGE_KEYS: &[&str] = &["name", "cmd", "inputs", "outputs", "summary", "inputs_help"];
 const STAGE: &str = "[[stage]]";
 
 pub(super) fn read_params(table: &DeTable<'_>) -> Result<Params, Located> {
@@ -31,7 +33,7 @@ pub(super) fn read_params(table: &DeTable<'_>) -> Result<Params, Located> {
     Ok(params)
 }
 
-fn read_param(name: &str, value: &Value<'_>) -> Result<Param, Located> {
+pub(super) fn read_param(name: &str, value: &Value<'_>) -> Result<Param, Located> {
     let (kind, text) = match value.get_ref() {
         DeValue::String(text) => (ParamKind::Text, text.to_string()),
         DeValue::Integer(number) if number.radix() == 10 => {
@@ -53,6 +55,7 @@ fn read_param(name: &str, value: &Value<'_>) -> Result<Param, Located> {
 pub(super) fn read_stages(
     table: &DeTable<'_>,
     params: &Params,
+    root: &Path,
     text: &str,
 ) -> Result<Vec<Stage>, Located> {
     let no_stages = |at| Located {
@@ -71,40 +74,85 @@ pub(super) fn read_stages(
         return Err(no_stages(value.span().start));
     }
     let mut stages = Vec::new();
-    let mut firsts: BTreeMap<String, usize> = BTreeMap::new();
+    let mut firsts: BTreeMap<String, (usize, usize)> = BTreeMap::new();
     for entry in entries {
-        let DeValue::Table(stage) = entry.get_ref() else {
+        let DeValue::Table(table) = entry.get_ref() else {
             return Err(wrong_type("stage", entry, "a table"));
         };
-        let (stage, at) = read_stage(stage, params, entry.span().start)?;
-        if let Some(first) = firsts.insert(stage.name.clone(), at) {
-            let first_line = position(text, first).0;
-            let name = stage.name;
-            let problem = FileProblem::DuplicateStage { name, first_line };
-            return Err(Located { at, problem });
+        let at = entry.span().start;
+        check_keys(table, STAGE, STAGE_KEYS)?;
+        let mut substitute = |text: &str, at| {
+            let value = params.substitute(text, &mut BTreeSet::new());
+            value.map_err(|problem| Located { at, problem })
+        };
+        for branch in fan::branches(table, root, at, &mut substitute)? {
+            let clash = |(name, _): &&(String, Param)| params.0.contains_key(name);
+            let clash = branch.values.iter().find(clash).map(|(name, _)| name.clone());
+            let (stage, at) = read_stage(table, params, branch, at)?;
+            if let Some(name) = clash.filter(|name| stage.params.contains_key(name)) {
+                let problem = FileProblem::AlsoParameter { name };
+                return Err(Located { at, problem });
+            }
+            let (first, first_at) = *firsts
+                .entry(stage.name.clone())
+                .or_insert((stages.len(), at));
+            match stages.get(first) {
+                None => stages.push(stage),
+                Some(same) if is_same_branch(same, &stage) => {}
+                Some(_) => {
+                    let first_line = position(text, first_at).0;
+                    let name = stage.name;
+                    let problem = FileProblem::DuplicateStage { name, first_line };
+                    return Err(Located { at, problem });
+                }
+            }
         }
-        stages.push(stage);
     }
     Ok(stages)
 }
 
-/// The stage, and the byte where its name stands.
-fn read_stage(table: &DeTable<'_>, params: &Params, at: usize) -> Result<(Stage, usize), Located> {
-    check_keys(table, STAGE, STAGE_KEYS)?;
+/// Whether two rows of one table differ only in columns that the stage does not use.
+fn is_same_branch(first: &Stage, other: &Stage) -> bool {
+    first.row.is_some()
+        && first.family == other.family
+        && first.params == other.params
+        && first.command == other.command
+        && first.share == other.share
+}
+
+/// One stage, and the byte where its name stands.
+fn read_stage(
+    table: &DeTable<'_>,
+    params: &Params,
+    branch: Branch,
+    at: usize,
+) -> Result<(Stage, usize), Located> {
     let name_value = required(table, "name", STAGE, at)?;
-    let name = string("name", name_value)?;
+    let family = string("name", name_value)?;
     let name_at = name_value.span().start;
-    check_name(&name, name_at)?;
+    check_name(&family, name_at)?;
+    let with_branch;
+    let params = if branch.values.is_empty() {
+        params
+    } else {
+        with_branch = with_values(params, &branch);
+        &with_branch
+    };
     let mut used = BTreeSet::new();
-    let command = strings("cmd", required(table, "cmd", STAGE, at)?, params, &mut used)?
-        .into_iter()
-        .map(|(word, _)| word)
-        .collect::<Vec<_>>();
+    let cmd = required(table, "cmd", STAGE, at)?;
+    let words = strings("cmd", cmd, params, &mut used)?;
+    if let Some((_, at)) = words
+        .iter()
+        .find(|(word, _)| branch.share.is_some() && word.contains(FILES) && word != FILES)
+    {
+        let problem = FileProblem::FilesInsideWord;
+        return Err(Located { at: *at, problem });
+    }
+    used.remove("files");
+    let command: Vec<String> = words.into_iter().map(|(word, _)| word).collect();
     if command.first().is_none_or(String::is_empty) {
-        return Err(Located {
-            at,
-            problem: FileProblem::EmptyCommand { stage: name },
-        });
+        let problem = FileProblem::EmptyCommand { stage: family };
+        return Err(Located { at, problem });
     }
     let mut paths = |key| match table.get(key) {
         Some(value) => read_paths(key, value, params, &mut used),
@@ -118,24 +166,86 @@ fn read_stage(table: &DeTable<'_>, params: &Params, at: usize) -> Result<(Stage,
             .as_bool()
             .ok_or_else(|| wrong_type("summary", value, "true or false"))?,
     };
-    let inputs_help = table
-        .get("inputs_help")
-        .map(|value| string("inputs_help", value));
-    let value_of = |name: String| {
+    let text = |key| table.get(key).map(|value| string(key, value)).transpose();
+    let value_of = |name: &String| {
         let value = params.substitute(&format!("{{{name}}}"), &mut BTreeSet::new());
-        value.map(|value| (name, value))
+        value.map(|value| (name.clone(), value))
     };
-    let params = used.into_iter().map(value_of).collect::<Result<_, _>>();
+    let values = used.iter().map(value_of).collect::<Result<_, _>>();
+    let values: BTreeMap<String, String> = values.map_err(|problem| Located { at, problem })?;
     let stage = Stage {
-        name,
+        name: name_of(&family, &branch, &used, &values, at)?,
+        family,
         command,
         inputs,
         outputs,
-        params: params.map_err(|problem| Located { at, problem })?,
+        params: values,
+        version: text("version")?,
         summary,
-        inputs_help: inputs_help.transpose()?,
+        inputs_help: text("inputs_help")?,
+        share: branch.share,
+        row: branch.row,
+        resources: read_resources(table)?,
     };
     Ok((stage, name_at))
+}
+
+fn with_values(params: &Params, branch: &Branch) -> Params {
+    let mut params = params.clone();
+    for (name, value) in &branch.values {
+        // A parameter of the same name is refused where it is used.
+        params.0.insert(name.clone(), value.clone());
+    }
+    if branch.share.is_some() {
+        let kind = ParamKind::Text;
+        let text = format!("{{{FILES}}}");
+        params.0.insert("files".to_owned(), Param { kind, text });
+    }
+    params
+}
+
+/// The name of one branch: that of the stage and the values that set it apart.
+fn name_of(
+    family: &str,
+    branch: &Branch,
+    used: &BTreeSet<String>,
+    values: &BTreeMap<String, String>,
+    at: usize,
+) -> Result<String, Located> {
+    if branch.distinct && !branch.values.iter().any(|(name, _)| used.contains(name)) {
+        let problem = FileProblem::NoColumnUsed {
+            columns: branch.values.iter().map(|(name, _)| name.clone()).collect(),
+        };
+        return Err(Located { at, problem });
+    }
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
+    let mut name = family.to_owned();
+    for (key, value) in &branch.values {
+        let told_apart = key == "shard" || !branch.distinct || used.contains(key);
+        if key == "shards" || !told_apart {
+            continue;
+        }
+        let value = values.get(key).unwrap_or(&value.text);
+        name.push('.');
+        name.extend(value.chars().map(|c| if plain(c) { c } else { '_' }));
+    }
+    Ok(name)
+}
+
+fn read_resources(table: &DeTable<'_>) -> Result<Resources, Located> {
+    let Some(value) = table.get("resources") else {
+        return Ok(Resources::default());
+    };
+    let DeValue::Table(asked) = value.get_ref() else {
+        return Err(wrong_type("resources", value, "a table"));
+    };
+    check_keys(asked, "resources", RESOURCE_KEYS)?;
+    let count = |key| asked.get(key).map(|value| fan::count(key, value)).transpose();
+    Ok(Resources {
+        cpus: count("cpus")?,
+        memory_mb: count("memory_mb")?,
+        minutes: count("minutes")?,
+    })
 }
 
 fn read_paths(

@@ -6,6 +6,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::keys::Key;
 use crate::PipelineError;
 use crate::error::{FileProblem, nearest};
 use crate::params::{Params, is_name};
@@ -41,8 +42,9 @@ pub(super) fn position(text: &str, byte: usize) -> (usize, usize) {
 pub(super) fn check_keys(
     table: &DeTable<'_>,
     described: &'static str,
-    known: &'static [&'static str],
+    keys: &'static [Key],
 ) -> Result<(), Located> {
+    let known: Vec<&'static str> = keys.iter().map(|key| key.name).collect();
     let unknown = table
         .keys()
         .filter(|key| !known.contains(&key.get_ref().as_ref()))

@@ -1,0 +1,426 @@
+//! Following what was handed in, and handing in what has become possible.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+use super::engine;
+use super::jobs::{Jobs, Task};
+use super::script;
+use super::submit::{Candidate, submit};
+use crate::attempt::{Attempt, Examined, Run, Workshop};
+use crate::check::Present;
+use crate::schedule::Schedule;
+use crate::{
+    Event, Executor, FactKind, FailureCause, Graph, PipelineError, Reason, RunOptions, Stage,
+};
+
+/// Between two looks: the first, and the longest.
+const LOOKS: [Duration; 2] = [Duration::from_millis(100), Duration::from_secs(3)];
+/// How long a task may be gone from the cluster before its word reaches us over a network.
+const WORD_AFTER_END: Duration = Duration::from_secs(4);
+/// How long the cluster may not answer.
+const SILENCE: Duration = Duration::from_secs(120);
+/// Last lines of a failed stage that are told.
+const TOLD_LINES: usize = 20;
+
+/// Where a stage stands.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Standing {
+    /// Not decided.
+    Open,
+    OnCluster,
+    Settled,
+    /// It failed, or needs one that did.
+    Dead,
+}
+
+pub(super) struct Follower<'a> {
+    workshop: &'a Workshop<'a>,
+    graph: &'a Graph<'a>,
+    forced: &'a BTreeSet<usize>,
+    options: &'a RunOptions,
+    jobs: Jobs,
+    standing: Vec<Standing>,
+    depth: Vec<usize>,
+    /// Since when a task is gone without a word.
+    gone: BTreeMap<String, Instant>,
+    heard: Instant,
+}
+
+impl<'a> Follower<'a> {
+    pub(super) fn new(
+        engine: Executor,
+        workshop: &'a Workshop<'a>,
+        graph: &'a Graph<'a>,
+        forced: &'a BTreeSet<usize>,
+        options: &'a RunOptions,
+    ) -> Result<Self, PipelineError> {
+        let file = workshop.place.jobs();
+        let jobs = match Jobs::read(&file)? {
+            Some(jobs) if jobs.engine == engine => jobs,
+            _ => {
+                super::refuse_while_jobs_run(workshop.place)?;
+                Jobs::new(engine)
+            }
+        };
+        let mut depth = vec![0; graph.order().len()];
+        for &index in graph.order() {
+            let makers = graph.needs(index).iter().map(|need| depth[need.maker] + 1);
+            depth[index] = makers.max().unwrap_or(0);
+        }
+        Ok(Self {
+            workshop,
+            graph,
+            forced,
+            options,
+            jobs,
+            standing: vec![Standing::Open; depth.len()],
+            depth,
+            gone: BTreeMap::new(),
+            heard: Instant::now(),
+        })
+    }
+
+    pub(super) fn follow(
+        mut self,
+        schedule: &mut Schedule<'_>,
+        observe: &mut dyn FnMut(Event<'_>),
+    ) -> Result<(), PipelineError> {
+        let resumed = self.resume(schedule)?;
+        if resumed > 0 {
+            observe(Event::Resumed { stages: resumed });
+        }
+        let mut pause = LOOKS[0];
+        loop {
+            let moved = self.look(schedule, observe)?;
+            if schedule.interrupted || !self.standing.contains(&Standing::OnCluster) {
+                return self.tidy_up();
+            }
+            pause = if moved { LOOKS[0] } else { pause.mul_f64(1.3).min(LOOKS[1]) };
+            let until = Instant::now() + pause;
+            while Instant::now() < until {
+                if self.options.cancel.load(Ordering::Relaxed) {
+                    schedule.interrupted = true;
+                    return Ok(()); // what was handed in goes on
+                }
+                std::thread::sleep(LOOKS[0].min(until.saturating_duration_since(Instant::now())));
+            }
+        }
+    }
+
+    /// Without its script, a copy of a task that still runs somewhere leaves no trace.
+    fn tidy_up(&self) -> Result<(), PipelineError> {
+        let place = self.workshop.place;
+        self.jobs.write(&place.jobs())?;
+        if self.jobs.tasks.is_empty() {
+            let _ = fs::remove_dir_all(super::spools(place));
+        }
+        Ok(())
+    }
+
+    /// Takes over what an earlier run handed in; what is no longer wanted so is taken back.
+    fn resume(&mut self, schedule: &mut Schedule<'_>) -> Result<usize, PipelineError> {
+        let indices: BTreeMap<&str, usize> = self
+            .graph
+            .order()
+            .iter()
+            .map(|&index| (self.graph.stage(index).name.as_str(), index))
+            .collect();
+        let mut dropped = BTreeSet::new();
+        let mut resumed = 0;
+        for (name, task) in std::mem::take(&mut self.jobs.tasks) {
+            let wanted = indices.get(name.as_str()).copied();
+            let wanted = wanted.filter(|index| schedule.wanted.contains(index));
+            let same = wanted.filter(|&index| !task.job.is_empty() && self.is_same(index, &task));
+            if let Some(index) = same {
+                self.standing[index] = Standing::OnCluster;
+                schedule.submitted(index, Vec::new());
+                self.jobs.tasks.insert(name, task);
+                resumed += 1;
+            } else {
+                task.give_up();
+                dropped.insert(task.job.clone());
+            }
+        }
+        let kept = self.jobs.jobs();
+        dropped.retain(|job| !job.is_empty() && !kept.contains(job));
+        engine::cancel(self.jobs.engine, &dropped);
+        self.jobs.write(&self.workshop.place.jobs())?;
+        Ok(resumed)
+    }
+
+    /// Whether a stage would be handed in again just as it was.
+    fn is_same(&self, index: usize, task: &Task) -> bool {
+        let now = Present::of(self.graph.stage(index), self.workshop.place, &self.workshop.hasher);
+        let recorded: BTreeSet<&str> = task
+            .made_from
+            .facts(FactKind::Input)
+            .map(|(path, _)| path)
+            .collect();
+        now.is_ok_and(|now| {
+            now.made_from.without_inputs(|path| !recorded.contains(path)) == task.made_from
+        })
+    }
+
+    /// Settles what has ended and hands in what can be; whether anything happened.
+    fn look(
+        &mut self,
+        schedule: &mut Schedule<'_>,
+        observe: &mut dyn FnMut(Event<'_>),
+    ) -> Result<bool, PipelineError> {
+        // Asked before the endings are read: a task that ends in between is not missed.
+        let alive = self.alive()?;
+        let mut moved = false;
+        let mut candidates = Vec::new();
+        let mut going: BTreeSet<usize> = BTreeSet::new();
+        let graph = self.graph;
+        for &index in graph.order() {
+            if !schedule.wanted.contains(&index) {
+                continue;
+            }
+            match self.standing[index] {
+                Standing::OnCluster => {
+                    moved |= self.settle(index, alive.as_ref(), schedule, observe)?;
+                }
+                Standing::Open => {
+                    let halted = !schedule.failures.is_empty() && !self.options.keep_going;
+                    let candidate = self.decide(index, &going, halted, schedule, observe)?;
+                    if let Some(candidate) = candidate {
+                        going.insert(index);
+                        candidates.push(candidate);
+                    }
+                    moved |= self.standing[index] != Standing::Open;
+                }
+                Standing::Settled | Standing::Dead => {}
+            }
+        }
+        if candidates.is_empty() {
+            return Ok(moved);
+        }
+        for candidate in &mut candidates {
+            self.standing[candidate.index] = Standing::OnCluster;
+            schedule.submitted(candidate.index, std::mem::take(&mut candidate.reasons));
+        }
+        let at_once = self.options.jobs.map(std::num::NonZeroUsize::get);
+        submit(self.workshop, self.graph, &mut self.jobs, candidates, at_once, observe)?;
+        Ok(true)
+    }
+
+    /// What to do with a stage that is not on the cluster.
+    fn decide(
+        &mut self,
+        index: usize,
+        going: &BTreeSet<usize>,
+        halted: bool,
+        schedule: &mut Schedule<'_>,
+        observe: &mut dyn FnMut(Event<'_>),
+    ) -> Result<Option<Candidate>, PipelineError> {
+        let stage = self.graph.stage(index);
+        let makers: BTreeSet<usize> = self.graph.needs(index).iter().map(|n| n.maker).collect();
+        let stands = |maker: &usize| match self.standing[*maker] {
+            Standing::Open if going.contains(maker) => Standing::OnCluster,
+            standing => standing,
+        };
+        if halted || makers.iter().any(|maker| stands(maker) == Standing::Dead) {
+            self.standing[index] = Standing::Dead;
+            return Ok(None);
+        }
+        let depth = self.depth[index];
+        if makers.iter().all(|maker| stands(maker) == Standing::Settled) {
+            let forced = self.forced.contains(&index);
+            let attempt = match self.workshop.examine(stage, forced)? {
+                Examined::Cannot(failure) => Attempt::Failed(failure),
+                Examined::UpToDate => Attempt::UpToDate,
+                Examined::Stale { now, past, reasons } => {
+                    let mut tell = |news| schedule.hear(index, news, observe);
+                    if forced || !self.workshop.restore(stage, &now, &past, &mut tell)? {
+                        return Ok(Some(Candidate {
+                            index,
+                            now,
+                            reasons,
+                            depth,
+                        }));
+                    }
+                    Attempt::Restored
+                }
+            };
+            self.close(index, attempt, schedule, observe);
+            return Ok(None);
+        }
+        if makers.iter().any(|maker| stands(maker) == Standing::Open) {
+            return Ok(None);
+        }
+        // HyperQueue orders tasks within a job only; and which files a shard gets is known
+        // when they are there.
+        let in_this_job = |maker: &usize| stands(maker) == Standing::Settled || going.contains(maker);
+        let across = self.jobs.engine == Executor::Slurm || makers.iter().all(in_this_job);
+        if stage.share.is_some() || !across {
+            return Ok(None);
+        }
+        let now = Present::of(stage, self.workshop.place, &self.workshop.hasher)?;
+        let waits = |maker: &&usize| stands(maker) == Standing::OnCluster;
+        let families: BTreeSet<&String> = makers
+            .iter()
+            .filter(waits)
+            .map(|&maker| &self.graph.stage(maker).family)
+            .collect();
+        let reason = |stage: &String| Reason::Upstream {
+            stage: stage.clone(),
+        };
+        Ok(Some(Candidate {
+            index,
+            now,
+            reasons: families.into_iter().map(reason).collect(),
+            depth,
+        }))
+    }
+
+    /// The tasks that wait or run; `None` while the cluster does not answer.
+    fn alive(&mut self) -> Result<Option<BTreeSet<String>>, PipelineError> {
+        let jobs = self.jobs.jobs();
+        if jobs.is_empty() {
+            self.heard = Instant::now();
+            return Ok(Some(BTreeSet::new()));
+        }
+        match engine::alive(self.jobs.engine, &jobs) {
+            Ok(alive) => {
+                self.heard = Instant::now();
+                Ok(Some(alive))
+            }
+            Err(error) if self.heard.elapsed() > SILENCE => Err(error),
+            Err(_) => Ok(None),
+        }
+    }
+
+    /// Looks whether a stage on the cluster has ended.
+    fn settle(
+        &mut self,
+        index: usize,
+        alive: Option<&BTreeSet<String>>,
+        schedule: &mut Schedule<'_>,
+        observe: &mut dyn FnMut(Event<'_>),
+    ) -> Result<bool, PipelineError> {
+        let stage = self.graph.stage(index);
+        let Some(task) = self.jobs.tasks.get(&stage.name).cloned() else {
+            return Ok(false);
+        };
+        let makers = self.graph.needs(index).iter().map(|need| need.maker);
+        let standings: Vec<Standing> = makers.map(|maker| self.standing[maker]).collect();
+        let ended = read_ending(&task).filter(|_| !standings.contains(&Standing::OnCluster));
+        let attempt = if let Some((code, seconds)) = ended {
+            self.ended(stage, &task, code, seconds, schedule, index, observe)?
+        } else {
+            if alive.is_none_or(|alive| alive.contains(&task.id())) {
+                self.gone.remove(&stage.name);
+                return Ok(false);
+            }
+            if standings.contains(&Standing::Dead) {
+                // The cluster took it back with what it waited for.
+                task.give_up();
+                self.jobs.tasks.remove(&stage.name);
+                self.standing[index] = Standing::Dead;
+                schedule.settle(index, Attempt::Interrupted, observe);
+                return Ok(true);
+            }
+            let since = *self.gone.entry(stage.name.clone()).or_insert_with(Instant::now);
+            if since.elapsed() < WORD_AFTER_END || standings.contains(&Standing::OnCluster) {
+                return Ok(false);
+            }
+            task.give_up();
+            let cause = FailureCause::JobLost {
+                job: task.id(),
+                state: engine::last_state(self.jobs.engine, &task.id()),
+            };
+            let said = self.keep_log(stage, &task)?;
+            Attempt::Failed(self.workshop.failure(stage, &[], cause, said, Some(0.0)))
+        };
+        self.jobs.tasks.remove(&stage.name);
+        self.close(index, attempt, schedule, observe);
+        self.jobs.write(&self.workshop.place.jobs())?;
+        Ok(true)
+    }
+
+    fn close(
+        &mut self,
+        index: usize,
+        attempt: Attempt,
+        schedule: &mut Schedule<'_>,
+        observe: &mut dyn FnMut(Event<'_>),
+    ) {
+        let good = !matches!(attempt, Attempt::Failed(_) | Attempt::Interrupted);
+        self.standing[index] = if good { Standing::Settled } else { Standing::Dead };
+        schedule.settle(index, attempt, observe);
+    }
+
+    /// Enters a stage that has ended by itself.
+    #[expect(clippy::too_many_arguments, reason = "one caller, which has them all at hand")]
+    fn ended(
+        &self,
+        stage: &Stage,
+        task: &Task,
+        code: i32,
+        seconds: f64,
+        schedule: &mut Schedule<'_>,
+        index: usize,
+        observe: &mut dyn FnMut(Event<'_>),
+    ) -> Result<Attempt, PipelineError> {
+        let said = self.keep_log(stage, task)?;
+        let failed = |cause| {
+            let failure = self.workshop.failure(stage, &[], cause, said.clone(), Some(seconds));
+            Ok(Attempt::Failed(failure))
+        };
+        if code != 0 {
+            return failed(FailureCause::Exit { code });
+        }
+        let stdout = read_text(&script::printed(&task.spool, task.index, "out"));
+        let now = Present::of(stage, self.workshop.place, &self.workshop.hasher)?;
+        let known: BTreeSet<&str> = task
+            .made_from
+            .facts(FactKind::Input)
+            .map(|(path, _)| path)
+            .collect();
+        let is_open = |path: &str| !known.contains(path);
+        let run = Run {
+            made_from: task.made_from.clone().with_inputs(&now.made_from, is_open),
+            seconds,
+            peak_memory: None,
+            stdout: &stdout,
+        };
+        let mut tell = |news| schedule.hear(index, news, observe);
+        match self.workshop.record(stage, run, &mut tell)? {
+            None => Ok(Attempt::Done {
+                seconds,
+                peak_memory: None,
+            }),
+            Some(cause) => failed(cause),
+        }
+    }
+
+    /// Puts what a task printed where a local run would have, and returns its last lines.
+    fn keep_log(&self, stage: &Stage, task: &Task) -> Result<Vec<String>, PipelineError> {
+        let printed = |stream| read_text(&script::printed(&task.spool, task.index, stream));
+        let command = crate::shell::quoted(&stage.command);
+        let text = format!("$ {command}\n{}{}", printed("out"), printed("err"));
+        let path = self.workshop.place.log_of(&stage.name);
+        fs::write(&path, &text).map_err(PipelineError::io("write the log", &path))?;
+        let lines: Vec<&str> = text.lines().skip(1).collect();
+        let last = lines.len().saturating_sub(TOLD_LINES);
+        Ok(lines[last..].iter().map(|line| (*line).to_owned()).collect())
+    }
+}
+
+/// Exit status and seconds, if the task has told them.
+fn read_ending(task: &Task) -> Option<(i32, f64)> {
+    let text = fs::read_to_string(script::ending(&task.spool, task.index)).ok()?;
+    let (code, seconds) = text.trim().split_once(' ')?;
+    Some((code.parse().ok()?, seconds.parse().ok()?))
+}
+
+fn read_text(path: &std::path::Path) -> String {
+    fs::read(path).map_or_else(
+        |_| String::new(),
+        |bytes| String::from_utf8_lossy(&bytes).into_owned(),
+    )
+}

@@ -1,0 +1,126 @@
+//! Handing stages in: scripts first, then our own note, then the cluster.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::PathBuf;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use super::engine::{self, Group, LARGEST_GROUP};
+use super::jobs::{Jobs, Task};
+use super::script;
+use crate::attempt::Workshop;
+use crate::check::Present;
+use crate::{Event, Graph, PipelineError, Reason};
+
+/// A stage that can go to the cluster.
+pub(super) struct Candidate {
+    pub(super) index: usize,
+    pub(super) now: Present,
+    pub(super) reasons: Vec<Reason>,
+    /// Longest way from a stage without makers: whatever it waits for has a smaller one.
+    pub(super) depth: usize,
+}
+
+/// Hands all candidates in.
+pub(super) fn submit(
+    workshop: &Workshop<'_>,
+    graph: &Graph<'_>,
+    jobs: &mut Jobs,
+    mut candidates: Vec<Candidate>,
+    at_once: Option<usize>,
+    observe: &mut dyn FnMut(Event<'_>),
+) -> Result<(), PipelineError> {
+    let place = workshop.place;
+    let absolute = |path: &PathBuf| {
+        let failed = PipelineError::io("find", path);
+        std::path::absolute(path).map_err(failed)
+    };
+    let root = absolute(&place.root)?;
+    let spool = absolute(&super::spools(place))?.join(name_of_now());
+    fs::create_dir_all(&spool).map_err(PipelineError::io("create", &spool))?;
+    let family = |c: &Candidate| graph.stage(c.index).family.clone();
+    candidates.sort_by_key(|c| (c.depth, family(c), c.index));
+    let mut groups: Vec<Group> = Vec::new();
+    let mut number_of: BTreeMap<usize, u32> = BTreeMap::new();
+    let mut of_group = None;
+    for (number, candidate) in candidates.iter().enumerate() {
+        let index = u32::try_from(number).unwrap_or(u32::MAX);
+        let stage = graph.stage(candidate.index);
+        let text = script::text(stage, &candidate.now.files, place, &root, &spool, index);
+        let path = script::script(&spool, index);
+        fs::write(&path, text).map_err(PipelineError::io("write", &path))?;
+        let kind = Some((candidate.depth, stage.family.as_str()));
+        if of_group != kind || groups.last().is_none_or(|g| g.tasks.len() >= LARGEST_GROUP) {
+            of_group = kind;
+            groups.push(Group {
+                name: stage.family.clone(),
+                tasks: index..index,
+                resources: stage.resources,
+                after_jobs: BTreeSet::new(),
+                after_tasks: BTreeSet::new(),
+            });
+        }
+        let open = |maker: usize| {
+            let name = &graph.stage(maker).name;
+            jobs.tasks.contains_key(name) || number_of.contains_key(&maker)
+        };
+        let opens: BTreeSet<&str> = graph
+            .needs(candidate.index)
+            .iter()
+            .filter(|need| open(need.maker))
+            .map(|need| need.input.as_str())
+            .collect();
+        let made_from = candidate.now.made_from.clone();
+        let made_from = made_from.without_inputs(|path| opens.contains(path));
+        if let Some(group) = groups.last_mut() {
+            group.tasks.end = index + 1;
+            for need in graph.needs(candidate.index) {
+                if let Some(number) = number_of.get(&need.maker) {
+                    group.after_tasks.insert(*number);
+                } else if let Some(task) = jobs.tasks.get(&graph.stage(need.maker).name) {
+                    group.after_jobs.insert(task.job.clone());
+                }
+            }
+            let task = Task {
+                job: String::new(),
+                index,
+                number: index - group.tasks.start,
+                spool: spool.clone(),
+                made_from,
+            };
+            number_of.insert(candidate.index, index);
+            jobs.tasks.insert(stage.name.clone(), task);
+        }
+        // What its makers are about to make is not known yet, so neither is what it makes.
+        let past = crate::check::Past::of(stage, workshop.ledger().get());
+        workshop.ledger().begin(&stage.name, &stage.outputs)?;
+        workshop.clear(stage, &past)?;
+    }
+    let file = place.jobs();
+    jobs.write(&file)?;
+    let (engine, pipeline) = (jobs.engine, graph.pipeline().name());
+    let mut accepted = |group: &Group, job: &str| {
+        for task in jobs.tasks.values_mut() {
+            if task.spool == spool && group.tasks.contains(&task.index) {
+                job.clone_into(&mut task.job);
+                if engine == crate::Executor::HyperQueue {
+                    task.number = task.index;
+                }
+            }
+        }
+        observe(Event::Submitted {
+            job,
+            stage: &group.name,
+            tasks: group.tasks.len(),
+        });
+        jobs.write(&file)
+    };
+    engine::submit(engine, pipeline, &groups, at_once, &root, &spool, &mut accepted)
+}
+
+/// A name that no other submission has.
+fn name_of_now() -> String {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH);
+    let nanos = now.map_or(0, |since| since.as_nanos());
+    format!("{nanos:x}-{}", std::process::id())
+}

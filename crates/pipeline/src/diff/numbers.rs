@@ -1,0 +1,152 @@
+//! Tables and JSON files as cells, and what two of them differ in.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+use super::{FileDifference, NumberDifference};
+
+/// How many of each kind of difference are told.
+const TOLD: usize = 10;
+
+/// A cell's text by its place.
+pub(super) type Cells = BTreeMap<String, String>;
+
+/// The leaves of a JSON document by their pointers; `None` if it is none.
+pub(super) fn json_cells(bytes: &[u8]) -> Option<Cells> {
+    fn add(value: &Value, at: &mut String, cells: &mut Cells) {
+        let mut below = |name: &str, value: &Value| {
+            let length = at.len();
+            at.push('/');
+            at.push_str(name);
+            add(value, at, cells);
+            at.truncate(length);
+        };
+        match value {
+            Value::Array(values) => {
+                for (i, value) in values.iter().enumerate() {
+                    below(&i.to_string(), value);
+                }
+            }
+            Value::Object(values) => values.iter().for_each(|(name, value)| below(name, value)),
+            Value::String(text) => drop(cells.insert(at.clone(), text.clone())),
+            leaf => drop(cells.insert(at.clone(), leaf.to_string())),
+        }
+    }
+    let value: Value = serde_json::from_slice(bytes).ok()?;
+    let mut cells = Cells::new();
+    add(&value, &mut String::new(), &mut cells);
+    Some(cells)
+}
+
+/// The cells of a table with a heading. A row is named by its first cells, as many as it
+/// takes to tell all rows apart, at most three; else by its number.
+pub(super) fn csv_cells(bytes: &[u8], delimiter: u8) -> Option<Cells> {
+    let mut reader = csv::ReaderBuilder::new()
+        .delimiter(delimiter)
+        .from_reader(bytes);
+    let headers = reader.headers().ok()?.clone();
+    let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().ok()?;
+    let name = |row: &csv::StringRecord, cells: usize| {
+        row.iter().take(cells).collect::<Vec<_>>().join(" ")
+    };
+    let unique = |cells: &usize| {
+        let names: std::collections::BTreeSet<_> = rows.iter().map(|r| name(r, *cells)).collect();
+        names.len() == rows.len()
+    };
+    let key = (1..=headers.len().min(3)).find(unique);
+    let mut cells = Cells::new();
+    for (i, row) in rows.iter().enumerate() {
+        let row_name = key.map_or_else(|| format!("row {}", i + 1), |key| name(row, key));
+        for (column, cell) in headers.iter().zip(row).skip(key.unwrap_or(0)) {
+            cells.insert(format!("{row_name}, {column}"), cell.to_owned());
+        }
+    }
+    Some(cells)
+}
+
+/// What two files differ in, given the cells of each.
+pub(super) fn difference(path: String, a: &Cells, b: &Cells) -> FileDifference {
+    let mut numbers = Vec::new();
+    let mut texts = Vec::new();
+    let mut compared = 0;
+    for (at, first) in a {
+        let Some(second) = b.get(at) else {
+            continue;
+        };
+        match (number(first), number(second)) {
+            (Some(first), Some(second)) => {
+                compared += 1;
+                if first.to_bits() != second.to_bits() {
+                    let at = at.clone();
+                    numbers.push(NumberDifference { at, first, second });
+                }
+            }
+            _ if first != second => texts.push(format!("{at}: {first} -> {second}")),
+            _ => {}
+        }
+    }
+    let differing = numbers.len();
+    numbers.sort_by(|x, y| relative(y).total_cmp(&relative(x)));
+    numbers.truncate(TOLD);
+    let only = |these: &Cells, others: &Cells, run: &str| -> Vec<String> {
+        let alone = these.keys().filter(|at| !others.contains_key(*at));
+        alone.take(TOLD).map(|at| format!("{at}: only in the {run} run")).collect()
+    };
+    let mut unpaired = only(a, b, "first");
+    unpaired.extend(only(b, a, "second"));
+    unpaired.truncate(TOLD);
+    texts.truncate(TOLD);
+    FileDifference::Numbers {
+        path,
+        compared,
+        differing,
+        largest: numbers,
+        unpaired,
+        texts,
+    }
+}
+
+fn number(text: &str) -> Option<f64> {
+    text.trim().parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+/// The distance as a part of the larger of both.
+fn relative(difference: &NumberDifference) -> f64 {
+    let (a, b) = (difference.first, difference.second);
+    (a - b).abs() / a.abs().max(b.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_paired_by_as_many_first_cells_as_it_takes() {
+        let a = csv_cells(b"who,day,x,note\nann,1,1.0,a\nann,2,2,b\n", b',').unwrap();
+        let b = csv_cells(b"who,day,x,note\nann,2,2.5,c\nann,1,1,a\nbob,1,7,d\n", b',').unwrap();
+        let FileDifference::Numbers {
+            compared,
+            differing,
+            largest,
+            unpaired,
+            texts,
+            ..
+        } = difference("t.csv".to_owned(), &a, &b)
+        else {
+            panic!("these are tables");
+        };
+        assert_eq!((compared, differing), (2, 1));
+        assert_eq!((largest[0].at.as_str(), largest[0].second), ("ann 2, x", 2.5));
+        assert_eq!(texts, ["ann 2, note: b -> c"]);
+        assert_eq!(unpaired.len(), 2);
+    }
+
+    #[test]
+    fn a_json_number_is_found_where_it_stands() {
+        let a = json_cells(br#"{"a": [1, {"b": 2}], "t": "x", "n": null}"#).unwrap();
+        assert_eq!(a["/a/1/b"], "2");
+        assert_eq!(a.len(), 4);
+        assert!(json_cells(b"{").is_none());
+    }
+}

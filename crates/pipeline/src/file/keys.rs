@@ -1,0 +1,133 @@
+//! The keys of a pipeline file: what the reader accepts and editors complete.
+
+/// What a key's value may be.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Kind {
+    Name,
+    Text,
+    Texts,
+    Flag,
+    /// A whole number from 1 on.
+    Count,
+    /// Values by name: strings, decimal numbers, booleans.
+    Values,
+    /// Arrays of values by name.
+    Lists,
+    /// A table with keys of its own.
+    Table(&'static [Key]),
+    /// Several of them.
+    Tables(&'static [Key]),
+}
+
+/// One key.
+#[derive(Debug)]
+pub(crate) struct Key {
+    pub(crate) name: &'static str,
+    pub(crate) kind: Kind,
+    pub(crate) required: bool,
+    pub(crate) about: &'static str,
+}
+
+const fn key(name: &'static str, kind: Kind, about: &'static str) -> Key {
+    Key {
+        name,
+        kind,
+        required: false,
+        about,
+    }
+}
+
+const fn required(name: &'static str, kind: Kind, about: &'static str) -> Key {
+    Key {
+        name,
+        kind,
+        required: true,
+        about,
+    }
+}
+
+/// The keys at the top.
+pub(crate) const TOP_KEYS: &[Key] = &[
+    required("name", Kind::Name, "Names the pipeline in its ledger."),
+    key(
+        "params",
+        Kind::Values,
+        "Parameters: `{name}` in a stage, or in another parameter, stands for the value; \
+         `--set name=VALUE` replaces it for a run.",
+    ),
+    required("stage", Kind::Tables(STAGE_KEYS), "The steps, in any order."),
+];
+
+/// The keys of a stage.
+pub(crate) const STAGE_KEYS: &[Key] = &[
+    required(
+        "name",
+        Kind::Name,
+        "Its name: letters, digits, `_` and `-`. Of a fan-out, the name of all its stages together.",
+    ),
+    required(
+        "cmd",
+        Kind::Texts,
+        "Program and arguments, a string each. No shell is between: for one, write \
+         [\"sh\", \"-c\", \"...\"].",
+    ),
+    key(
+        "inputs",
+        Kind::Texts,
+        "Files or whole directories that it reads, relative to the root.",
+    ),
+    key(
+        "outputs",
+        Kind::Texts,
+        "Files or whole directories that it makes, and no other stage.",
+    ),
+    key(
+        "version",
+        Kind::Text,
+        "The version of what its command computes: another one makes the stage run again.",
+    ),
+    key(
+        "summary",
+        Kind::Flag,
+        "Whether its standard output is shown at the end of a run.",
+    ),
+    key(
+        "inputs_help",
+        Kind::Text,
+        "How to get its inputs, said when one is missing.",
+    ),
+    key(
+        "foreach",
+        Kind::Text,
+        "A CSV table, relative to the root: a stage for each distinct combination of the columns \
+         that stand in braces in its command and paths.",
+    ),
+    key(
+        "matrix",
+        Kind::Lists,
+        "Lists of values by name: a stage for each combination, with the names in braces.",
+    ),
+    key(
+        "shards",
+        Kind::Count,
+        "Cuts the stage into so many; `{shard}` is the number from 0, `{shards}` how many.",
+    ),
+    key(
+        "over",
+        Kind::Text,
+        "The files that are dealt out over the shards: a directory, or a directory and names \
+         with one `*`. The word `{files}` of cmd stands for a shard's files.",
+    ),
+    key(
+        "resources",
+        Kind::Table(RESOURCE_KEYS),
+        "What it asks of a cluster; no part of what its outputs are made from.",
+    ),
+];
+
+/// The keys of `resources`.
+pub(crate) const RESOURCE_KEYS: &[Key] = &[
+    key("cpus", Kind::Count, "Processor cores."),
+    key("memory_mb", Kind::Count, "Memory in MiB."),
+    key("minutes", Kind::Count, "The longest that it may run."),
+];

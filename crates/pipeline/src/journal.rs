@@ -1,0 +1,214 @@
+//! What happened since the ledger was last written, a line an event.
+//!
+//! Writing the whole ledger after each stage would cost more than a short stage. Appending
+//! a line does not, and a line that a killed run left half-written is known by its hash.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use crate::ledger::{Ledger, Record};
+use crate::{LEDGER_VERSION, PipelineError};
+
+/// Digits of a line's hash.
+const HASH_DIGITS: usize = 16;
+
+/// One event.
+#[derive(Debug, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Entry {
+    /// The first line: what the rest adds to.
+    Onto {
+        version: u32,
+        pipeline: String,
+        /// The hash of the ledger's bytes; `None` if there was no ledger.
+        ledger: Option<String>,
+    },
+    /// A stage is about to run, so what its outputs are is not known.
+    Begun { stage: String, outputs: Vec<String> },
+    /// A stage has run well.
+    Finished { stage: String, record: Box<Record> },
+    /// The outputs of a stage were removed.
+    Forgotten { stage: String },
+}
+
+impl Entry {
+    /// Does to the ledger what happened.
+    pub(crate) fn apply(self, ledger: &mut Ledger) {
+        match self {
+            Self::Onto { .. } => {}
+            Self::Begun { stage, outputs } => {
+                ledger.stage.remove(&stage);
+                ledger.unfinished.insert(stage, outputs);
+            }
+            Self::Finished { stage, record } => {
+                ledger.unfinished.remove(&stage);
+                ledger.stage.insert(stage, *record);
+            }
+            Self::Forgotten { stage } => {
+                ledger.unfinished.remove(&stage);
+                ledger.stage.remove(&stage);
+            }
+        }
+    }
+}
+
+/// The journal of the run that holds the lock.
+#[derive(Debug)]
+pub(crate) struct Journal {
+    path: PathBuf,
+    file: File,
+    /// A write failed: what would follow a half line could not be read.
+    broken: bool,
+}
+
+impl Journal {
+    /// Starts a journal in the place of any that is there.
+    pub(crate) fn create(
+        path: &Path,
+        pipeline: &str,
+        ledger: Option<String>,
+    ) -> Result<Self, PipelineError> {
+        let failed = || PipelineError::io("write", path);
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder).map_err(failed())?;
+        }
+        let mut options = OpenOptions::new();
+        let file = options.create(true).write(true).truncate(true).open(path);
+        let mut journal = Self {
+            path: path.to_owned(),
+            file: file.map_err(failed())?,
+            broken: false,
+        };
+        journal.append(&Entry::Onto {
+            version: LEDGER_VERSION,
+            pipeline: pipeline.to_owned(),
+            ledger,
+        })?;
+        Ok(journal)
+    }
+
+    /// Adds a line, which outlives the death of this process from then on.
+    pub(crate) fn append(&mut self, entry: &Entry) -> Result<(), PipelineError> {
+        let failed = || PipelineError::io("write", &self.path);
+        if self.broken {
+            return Err(failed()(std::io::Error::other(
+                "an earlier line could not be written",
+            )));
+        }
+        let json = serde_json::to_string(entry).map_err(|e| failed()(e.into()))?;
+        let line = format!("{} {json}\n", line_hash(&json));
+        self.file.write_all(line.as_bytes()).map_err(|error| {
+            self.broken = true;
+            PipelineError::io("write", &self.path)(error)
+        })
+    }
+}
+
+/// Adds to `ledger`, whose bytes have the hash `hash`, what a run noted that did not come
+/// to write the ledger itself; says whether there was anything.
+///
+/// A journal of another ledger counts for nothing: whoever deleted or restored the ledger
+/// meant all of it. So does everything from the first damaged line on: those stages run
+/// again.
+pub(crate) fn replay(
+    path: &Path,
+    hash: Option<&String>,
+    ledger: &mut Ledger,
+) -> Result<bool, PipelineError> {
+    if !fs::metadata(path).is_ok_and(|metadata| metadata.is_file()) {
+        return Ok(false);
+    }
+    let bytes = fs::read(path).map_err(PipelineError::io("read", path))?;
+    let text = String::from_utf8_lossy(&bytes);
+    let mut entries = text.split_inclusive('\n').map_while(entry_in);
+    match entries.next() {
+        Some(Entry::Onto {
+            version,
+            pipeline,
+            ledger: onto,
+        }) if version == LEDGER_VERSION
+            && pipeline == ledger.pipeline
+            && onto.as_ref() == hash => {}
+        _ => return Ok(false),
+    }
+    let mut any = false;
+    for entry in entries {
+        entry.apply(ledger);
+        any = true;
+    }
+    Ok(any)
+}
+
+fn entry_in(line: &str) -> Option<Entry> {
+    let (hash, json) = line.strip_suffix('\n')?.split_once(' ')?;
+    (hash == line_hash(json)).then(|| serde_json::from_str(json).ok())?
+}
+
+fn line_hash(json: &str) -> String {
+    let mut hash = blake3::hash(json.as_bytes()).to_hex().to_string();
+    hash.truncate(HASH_DIGITS);
+    hash
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn begun(stage: &str) -> Entry {
+        Entry::Begun {
+            stage: stage.to_owned(),
+            outputs: vec!["é.txt".to_owned()],
+        }
+    }
+
+    fn replayed(path: &Path, hash: Option<&str>) -> Vec<String> {
+        let mut ledger = Ledger::empty("p");
+        replay(path, hash.map(str::to_owned).as_ref(), &mut ledger).unwrap();
+        ledger.unfinished.into_keys().collect()
+    }
+
+    proptest! {
+        #[test]
+        fn of_a_journal_cut_anywhere_the_whole_lines_count(cut in 0_usize..400) {
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("j");
+            let mut journal = Journal::create(&path, "p", None).unwrap();
+            let mut ends = vec![fs::metadata(&path).unwrap().len()];
+            for stage in ["a", "b", "c"] {
+                journal.append(&begun(stage)).unwrap();
+                ends.push(fs::metadata(&path).unwrap().len());
+            }
+            let bytes = fs::read(&path).unwrap();
+            let cut = cut.min(bytes.len());
+            fs::write(&path, &bytes[..cut]).unwrap();
+            let whole = ends.iter().filter(|&&end| end <= cut as u64).count();
+            prop_assert_eq!(replayed(&path, None).len(), whole.saturating_sub(1));
+        }
+    }
+
+    #[test]
+    fn a_journal_of_another_ledger_counts_for_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("j");
+        let mut journal = Journal::create(&path, "p", Some("00".to_owned())).unwrap();
+        journal.append(&begun("a")).unwrap();
+        assert_eq!(replayed(&path, Some("00")), ["a"]);
+        assert_eq!(replayed(&path, None), [""; 0]);
+        assert_eq!(replayed(&path, Some("11")), [""; 0]);
+    }
+
+    #[test]
+    fn nothing_after_a_damaged_line_counts() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("j");
+        let mut journal = Journal::create(&path, "p", None).unwrap();
+        for stage in ["a", "b", "c"] {
+            journal.append(&begun(stage)).unwrap();
+        }
+        let text = fs::read_to_string(&path).unwrap();
+        fs::write(&path, text.replace("\"b\"", "\"x\"")).unwrap();
+        assert_eq!(replayed(&path, None), ["a"]);
+    }
+}
