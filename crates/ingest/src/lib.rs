@@ -20,8 +20,8 @@ mod synchronise;
 pub use error::IngestError;
 pub use inspect::{ChannelSummary, ColumnSummary, Gap, LogFormat, LogSummary, inspect};
 pub use mapping::{
-    Columns, FrameKind, GapKind, Layout, LengthUnit, Mapping, McapMapping, Names, RoadMapping,
-    SpeedUnit, TableMapping, TimeUnit, Units,
+    Columns, FrameKind, GapKind, Layout, LengthUnit, Mapping, McapMapping, MessageMapping, Names,
+    RigSigns, RoadMapping, SpeedUnit, TableMapping, Tells, TimeUnit, Topics, TwistFrame, Units,
 };
 pub use quality::{Warning, WarningKind};
 pub use raw::mcap::write::write_mcap;

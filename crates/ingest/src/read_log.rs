@@ -5,12 +5,15 @@ use crate::{
     error::IngestError,
     mapping::{FrameKind, Mapping, RoadMapping, names::meta_of},
     quality::{Warning, WarningKind},
-    raw,
+    raw::{
+        self,
+        mcap::parts::{is_split, parts_of},
+    },
     settings::{IngestSettings, Ingested},
 };
 use std::{
     fs::File,
-    io::Read,
+    io::{Read, Seek, SeekFrom},
     path::{Path, PathBuf},
 };
 
@@ -22,6 +25,8 @@ pub(crate) enum Format {
 }
 
 /// Reads the drives of one log: an MCAP recording, or a table with its mapping. The content decides, not the name.
+///
+/// A folder that rosbag2 wrote is one recording, however many files it was split over.
 ///
 /// A file that the mapping skips gives no drives. A recording by [`crate::write_mcap`] says whose it is and on which
 /// road; others are named by the mapping's pattern or by their file, and their road is the mapping's, else one
@@ -47,7 +52,8 @@ pub fn read_log(path: &Path, settings: &IngestSettings) -> Result<Vec<Ingested>,
     let (drive, meta, target, mut warnings) = match format {
         Format::Mcap => {
             let topics = mapping.and_then(|m| m.mcap.as_ref());
-            let (drive, record, warnings) = raw::mcap::read::read(path, topics, settings.recover)?;
+            let (drive, record, warnings) =
+                raw::mcap::read::read(path, &parts_of(path)?, topics, settings.recover)?;
             match record {
                 Some(record) => {
                     let target = Target {
@@ -103,14 +109,15 @@ fn named(
     Ok(meta)
 }
 
-/// The logs at `path`: itself if it is a file, else the files of the folder that end in `.mcap`, `.csv`, `.tsv`
-/// or `.txt`, sorted by name. Files that the mapping skips are not among them.
+/// The logs at `path`: itself if it is a file or one recording split over a folder, else the files of the folder that end
+/// in `.mcap`, `.csv`, `.tsv` or `.txt` and the split recordings in it, sorted by name. Those that the mapping skips
+/// are not among them.
 ///
 /// # Errors
 /// [`IngestError::NotFound`] or [`IngestError::Io`].
 pub fn log_files(path: &Path, mapping: Option<&Mapping>) -> Result<Vec<PathBuf>, IngestError> {
     let wrong = |e| IngestError::io(path, e);
-    if !std::fs::metadata(path).map_err(wrong)?.is_dir() {
+    if !std::fs::metadata(path).map_err(wrong)?.is_dir() || is_split(path) {
         return Ok(vec![path.to_owned()]);
     }
     let mut files = Vec::new();
@@ -120,7 +127,8 @@ pub fn log_files(path: &Path, mapping: Option<&Mapping>) -> Result<Vec<PathBuf>,
         let known = ["mcap", "csv", "tsv", "txt"]
             .iter()
             .any(|e| extension == *e);
-        if known && file.is_file() && !mapping.is_some_and(|m| m.skips(&file)) {
+        if (known && file.is_file() || is_split(&file)) && !mapping.is_some_and(|m| m.skips(&file))
+        {
             files.push(file);
         }
     }
@@ -130,18 +138,27 @@ pub fn log_files(path: &Path, mapping: Option<&Mapping>) -> Result<Vec<PathBuf>,
 
 /// Tells a recording from a text by the first bytes.
 ///
+/// A recording whose first bytes are damaged is still one: by most of them, or by the last ones.
+///
 /// # Errors
 /// As [`read_log`] for what is no log.
 pub(crate) fn format_of(path: &Path) -> Result<Format, IngestError> {
     let wrong = |e| IngestError::io(path, e);
-    let file = File::open(path).map_err(wrong)?;
+    let mut file = File::open(path).map_err(wrong)?;
     if file.metadata().map_err(wrong)?.is_dir() {
-        return Err(IngestError::IsDirectory {
-            path: path.to_owned(),
-        });
+        return if is_split(path) {
+            Ok(Format::Mcap)
+        } else {
+            Err(IngestError::IsDirectory {
+                path: path.to_owned(),
+            })
+        };
     }
     let mut head = Vec::new();
-    file.take(4096).read_to_end(&mut head).map_err(wrong)?;
+    Read::by_ref(&mut file)
+        .take(4096)
+        .read_to_end(&mut head)
+        .map_err(wrong)?;
     if head.is_empty() {
         return Err(IngestError::Empty {
             path: path.to_owned(),
@@ -162,6 +179,17 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, IngestError> {
         .is_some_and(|e| e.eq_ignore_ascii_case("mcap"));
     if text && !named_mcap && !head.contains(&0) {
         return Ok(Format::Text);
+    }
+    let same = head.iter().zip(magic).filter(|(a, b)| a == b).count();
+    let mut tail = Vec::new();
+    let to_tail = file.seek(SeekFrom::End(-(magic.len() as i64)));
+    if to_tail.is_ok() {
+        file.read_to_end(&mut tail).map_err(wrong)?;
+    }
+    // Half of it is more than chance gives, and zeros are what a lost first sector holds.
+    let lost = named_mcap && head.len() > magic.len() && head[..magic.len()] == [0; 8];
+    if 2 * same >= magic.len() || tail == magic || lost {
+        return Ok(Format::Mcap);
     }
     let first = head.iter().take(8).map(|b| format!("{b:02x}"));
     Err(IngestError::NotALog {

@@ -8,10 +8,10 @@ use crate::{
     raw::{
         csv,
         mcap::{
-            channels::Role,
             choice::{Choice, Found, choose},
             container::walk,
             read::damage_warnings,
+            roles::Role,
         },
     },
     read_log::{Format, format_of, read_log},

@@ -1,15 +1,12 @@
 //! The channels of a recording: when their messages came and whether they can be decoded.
 
 use super::{ChannelSummary, Gap};
-use crate::raw::{
-    mcap::{
-        channels::{Decoder, OwnedSchema, decoder, definitions},
-        choice::Found,
-        container::Visitor,
-        metadata,
-        record::{Channel, Message, Record},
-    },
-    ros2::plan::Plan,
+use crate::raw::mcap::{
+    channels::{Codec, Decoder, OwnedSchema, decoder},
+    choice::Found,
+    container::Visitor,
+    metadata,
+    record::{Channel, Message, Record},
 };
 use std::collections::BTreeMap;
 
@@ -17,8 +14,6 @@ use std::collections::BTreeMap;
 const GAP_INTERVALS: f64 = 5.0;
 /// Holes shorter than this are bridged anyway, in s.
 const GAP_S: f64 = 0.5;
-/// Bytes that a message may have behind its last field: padding to the next multiple of eight.
-const MOST_PADDING: usize = 7;
 
 #[derive(Debug)]
 pub(super) struct Surveyed {
@@ -26,7 +21,7 @@ pub(super) struct Surveyed {
     schema: Option<(String, String)>,
     decoder: Result<Decoder, String>,
     /// Walks a whole message, to see whether the definition fits it.
-    whole: Result<Plan, String>,
+    whole: Result<Codec, String>,
     pub(super) log_ns: Vec<u64>,
     mark: usize,
 }
@@ -35,8 +30,8 @@ impl Surveyed {
     fn new(channel: Channel, schema: Option<&OwnedSchema>) -> Self {
         Self {
             schema: schema.map(|s| (s.name.clone(), s.encoding.clone())),
-            decoder: decoder(&channel, schema),
-            whole: definitions(&channel, schema).and_then(|d| Plan::compile(&d, &[])),
+            decoder: decoder(&channel, schema, &[]),
+            whole: Codec::compile(&channel, schema, &[]),
             channel,
             log_ns: Vec::new(),
             mark: 0,
@@ -45,16 +40,10 @@ impl Surveyed {
 
     fn take(&mut self, message: Message<'_>) {
         if self.log_ns.is_empty()
-            && let Ok(plan) = &self.whole
+            && let Ok(codec) = &self.whole
+            && let Err(why) = codec.fits(message.data)
         {
-            let why = match plan.run(message.data, &mut Vec::new(), &mut |_| {}) {
-                Ok(left) if left <= MOST_PADDING => None,
-                Ok(left) => Some(format!("its schema leaves {left} bytes of a message over")),
-                Err(e) => Some(format!("its schema does not fit a message: {e}")),
-            };
-            if let Some(why) = why {
-                self.whole = Err(why);
-            }
+            self.whole = Err(why);
         }
         self.log_ns.push(message.log_ns);
     }
@@ -71,7 +60,7 @@ impl Surveyed {
             role: self
                 .decoder
                 .as_ref()
-                .map(|d| d.role)
+                .map(|d| d.reading.as_ref().map(|r| r.role))
                 .map_err(String::as_str),
         }
     }

@@ -1,10 +1,12 @@
 //! Mappings: what the columns of a table, the topics of a recording and the names of files mean.
 
+mod mcap;
 pub(crate) mod names;
 mod table;
 
 use crate::error::IngestError;
 use maveric_domain::Road;
+pub use mcap::{McapMapping, MessageMapping, RigSigns, Tells, Topics, TwistFrame};
 pub use names::Names;
 use serde::Deserialize;
 use std::path::Path;
@@ -80,16 +82,6 @@ pub enum FrameKind {
     Auto,
 }
 
-/// Topics of a recording; those that are not named are chosen by type.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct McapMapping {
-    /// Topic of ego's `Odometry` or `PoseStamped`.
-    pub ego_topic: Option<String>,
-    /// Topic of the others' `ObjectArray`.
-    pub objects_topic: Option<String>,
-}
-
 impl Mapping {
     /// Reads a mapping file.
     ///
@@ -143,6 +135,9 @@ impl Mapping {
             if !road.right_lane_centre_y_m.is_finite() {
                 return Err("`road.right_lane_centre_y_m` is not finite".to_owned());
             }
+        }
+        if let Some(mcap) = &self.mcap {
+            mcap.check()?;
         }
         if let Some(table) = &self.table {
             positive("table.ego_length_m", table.ego_length_m)?;

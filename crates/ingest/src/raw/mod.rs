@@ -1,8 +1,11 @@
 //! What readers of raw formats give: samples as recorded, before they share a time base.
 
 pub(crate) mod csv;
+pub(crate) mod json;
 pub(crate) mod mcap;
+pub(crate) mod protobuf;
 pub(crate) mod ros2;
+pub(crate) mod wanted;
 
 /// Where ego was at one time, as recorded.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,97 +1,55 @@
 //! Channels: what each carries, how it is decoded, or why it is not.
 
-use super::record::{Channel, Schema};
-use crate::raw::ros2::{
-    definition::{self, Definitions},
-    plan::Plan,
+use super::{
+    record::{Channel, Schema},
+    roles::{Reading, plain_name},
 };
-
-/// What a channel can tell about a drive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Role {
-    /// Ego's pose and speed: `nav_msgs/Odometry`.
-    Odometry,
-    /// Ego's pose alone: `geometry_msgs/PoseStamped`.
-    Pose,
-    /// The other vehicles: `derived_object_msgs/ObjectArray`.
-    Objects,
-}
-
-impl Role {
-    /// The role of a message type, `pkg/Type`.
-    fn of(type_name: &str) -> Option<Self> {
-        match type_name {
-            "nav_msgs/Odometry" => Some(Self::Odometry),
-            "geometry_msgs/PoseStamped" => Some(Self::Pose),
-            "derived_object_msgs/ObjectArray" => Some(Self::Objects),
-            _ => None,
-        }
-    }
-
-    /// Paths of the numbers that this role needs, in the order of the slots.
-    fn wanted(self) -> &'static [&'static str] {
-        match self {
-            Self::Odometry => &[
-                "header.stamp.sec",
-                "header.stamp.nanosec",
-                "pose.pose.position.x",
-                "pose.pose.position.y",
-                "pose.pose.orientation.x",
-                "pose.pose.orientation.y",
-                "pose.pose.orientation.z",
-                "pose.pose.orientation.w",
-                "twist.twist.linear.x",
-                "twist.twist.linear.y",
-            ],
-            Self::Pose => &[
-                "header.stamp.sec",
-                "header.stamp.nanosec",
-                "pose.position.x",
-                "pose.position.y",
-                "pose.orientation.x",
-                "pose.orientation.y",
-                "pose.orientation.z",
-                "pose.orientation.w",
-            ],
-            Self::Objects => &[
-                "header.stamp.sec",
-                "header.stamp.nanosec",
-                "objects[].pose.position.x",
-                "objects[].pose.position.y",
-                "objects[].pose.orientation.x",
-                "objects[].pose.orientation.y",
-                "objects[].pose.orientation.z",
-                "objects[].pose.orientation.w",
-                "objects[].twist.linear.x",
-                "objects[].twist.linear.y",
-                "objects[].id",
-                "objects[].shape.type?",
-                "objects[].shape.dimensions[0]?",
-                "objects[].shape.dimensions[1]?",
-                "objects[].classification?",
-            ],
-        }
-    }
-}
+use crate::{
+    mapping::MessageMapping,
+    raw::{
+        json, protobuf,
+        ros2::{
+            definition::{self, Dialect},
+            plan::{self, MOST_PADDING},
+        },
+    },
+};
 
 /// How a channel is decoded.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Decoder {
     /// What it tells, if anything that we use.
-    pub(crate) role: Option<Role>,
+    pub(crate) reading: Option<Reading>,
     /// Takes what the role needs; passes over whole messages where there is no role.
-    pub(crate) plan: Plan,
+    pub(crate) codec: Codec,
 }
 
-/// Compiles the decoder of a channel.
+/// How messages are encoded, and which numbers of them are wanted.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Codec {
+    /// ROS 1 or ROS 2.
+    Ros(plan::Plan),
+    /// JSON.
+    Json(json::Plan),
+    /// Protobuf.
+    Protobuf(protobuf::Plan),
+}
+
+/// Compiles the decoder of a channel; `mapped` says what types mean that are not known.
 ///
 /// # Errors
 /// A sentence that says why this channel cannot be decoded.
-pub(crate) fn decoder(channel: &Channel, schema: Option<&OwnedSchema>) -> Result<Decoder, String> {
-    let definitions = definitions(channel, schema)?;
-    let role = Role::of(&definitions.root);
-    let plan = Plan::compile(&definitions, role.map_or(&[], Role::wanted))?;
-    Ok(Decoder { role, plan })
+pub(crate) fn decoder(
+    channel: &Channel,
+    schema: Option<&OwnedSchema>,
+    mapped: &[MessageMapping],
+) -> Result<Decoder, String> {
+    let name = schema.map_or_else(String::new, |s| s.name.clone());
+    let reading = Reading::of(&name, mapped);
+    let paths = reading.as_ref().map_or(&[][..], |r| &r.paths);
+    let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
+    let codec = Codec::compile(channel, schema, &paths)?;
+    Ok(Decoder { reading, codec })
 }
 
 /// A schema that outlives the record it came in.
@@ -112,29 +70,100 @@ impl From<Schema<'_>> for OwnedSchema {
     }
 }
 
-/// The message definitions of a channel.
-///
-/// # Errors
-/// A sentence that says why there are none that can be used.
-pub(crate) fn definitions(
-    channel: &Channel,
-    schema: Option<&OwnedSchema>,
-) -> Result<Definitions, String> {
-    if channel.encoding != "cdr" {
-        return Err(format!(
-            "message encoding is `{}`, expected `cdr`",
-            channel.encoding
-        ));
+impl OwnedSchema {
+    /// Whether another schema has the same text.
+    pub(crate) fn has_data(&self, other: &Self) -> bool {
+        self.data == other.data
     }
-    let Some(schema) = schema else {
-        return Err(format!("its schema {} is missing", channel.schema_id));
-    };
-    if schema.encoding != "ros2msg" {
-        return Err(format!(
-            "schema encoding is `{}`, expected `ros2msg`",
-            schema.encoding
-        ));
+}
+
+impl Codec {
+    /// Compiles the decoding of a channel for the numbers at some paths.
+    ///
+    /// # Errors
+    /// A sentence that says why this channel cannot be decoded.
+    pub(crate) fn compile(
+        channel: &Channel,
+        schema: Option<&OwnedSchema>,
+        wanted: &[&str],
+    ) -> Result<Self, String> {
+        let encoding = channel.encoding.as_str();
+        let expected = match encoding {
+            "cdr" => "ros2msg",
+            "ros1" => "ros1msg",
+            "protobuf" => "protobuf",
+            "json" => return Ok(Self::Json(json::Plan::compile(wanted))),
+            _ => {
+                return Err(format!(
+                    "message encoding is `{encoding}`, expected cdr, ros1, json or protobuf"
+                ));
+            }
+        };
+        let Some(schema) = schema else {
+            return Err(format!("its schema {} is missing", channel.schema_id));
+        };
+        if schema.encoding != expected {
+            return Err(format!(
+                "schema encoding is `{}`, expected `{expected}`",
+                schema.encoding
+            ));
+        }
+        if encoding == "protobuf" {
+            let plan = protobuf::Plan::compile(&schema.name, &schema.data, wanted)?;
+            return Ok(Self::Protobuf(plan));
+        }
+        let dialect = if encoding == "ros1" {
+            Dialect::Ros1
+        } else {
+            Dialect::Ros2
+        };
+        let text = std::str::from_utf8(&schema.data).map_err(|_| "its schema is not text")?;
+        let definitions = definition::parse(&schema.name, text, dialect)?;
+        plan::Plan::compile(&definitions, wanted, dialect).map(Self::Ros)
     }
-    let text = std::str::from_utf8(&schema.data).map_err(|_| "its schema is not text")?;
-    definition::parse(&schema.name, text)
+
+    /// Reads a message: `row` is filled, and given to `each` for every element of the wanted sequence.
+    ///
+    /// Slots of fields that are missing hold NaN.
+    ///
+    /// # Errors
+    /// A sentence that says why the message does not fit.
+    pub(crate) fn run(
+        &self,
+        message: &[u8],
+        row: &mut Vec<f64>,
+        each: &mut dyn FnMut(&[f64]),
+    ) -> Result<(), String> {
+        match self {
+            Self::Ros(plan) => match plan.run(message, row, each) {
+                Ok(_) => Ok(()),
+                Err(e) => Err(e.to_string()),
+            },
+            Self::Json(plan) => plan.run(message, row, each),
+            Self::Protobuf(plan) => plan.run(message, row, each),
+        }
+    }
+
+    /// Whether a message fits as a whole; for a codec that wants nothing.
+    ///
+    /// # Errors
+    /// A sentence that says why not.
+    pub(crate) fn fits(&self, message: &[u8]) -> Result<(), String> {
+        let misfit = |why: String| format!("its schema does not fit a message: {why}");
+        match self {
+            Self::Ros(plan) => match plan.run(message, &mut Vec::new(), &mut |_| {}) {
+                Ok(left) if left <= MOST_PADDING => Ok(()),
+                Ok(left) => Err(format!("its schema leaves {left} bytes of a message over")),
+                Err(e) => Err(misfit(e.to_string())),
+            },
+            other => other
+                .run(message, &mut Vec::new(), &mut |_| {})
+                .map_err(misfit),
+        }
+    }
+}
+
+/// Whether two type names mean the same type.
+pub(crate) fn same_type(a: &str, b: &str) -> bool {
+    plain_name(a) == plain_name(b)
 }

@@ -1,9 +1,9 @@
 //! Which channels make the drive.
 
-use super::channels::Role;
+use super::{rigs, roles::Role};
 use crate::{
     error::{IngestError, nearest},
-    mapping::McapMapping,
+    mapping::{McapMapping, Topics, names::matches},
 };
 use std::path::Path;
 
@@ -19,10 +19,19 @@ pub(crate) struct Found<'a> {
 /// Which channels make the drive: indices into what was found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Choice {
+    /// Ego's pose; the others' channel where ego is told from it.
     pub(crate) ego: usize,
     pub(crate) objects: Option<usize>,
+    /// Ego's speed, where its pose comes without one.
+    pub(crate) speed: Option<usize>,
+    /// Says which object is ego.
+    pub(crate) identity: Option<usize>,
     /// Said where there was more than one candidate.
     pub(crate) others: Option<String>,
+    /// The rig that the channels show.
+    pub(crate) rig: Option<&'static str>,
+    /// What applies: the mapping over the rig's.
+    pub(crate) mapping: McapMapping,
 }
 
 /// The topic without its last part.
@@ -36,50 +45,51 @@ pub(crate) fn parent(topic: &str) -> &str {
 /// [`IngestError::NoEgo`], [`IngestError::UnknownTopic`].
 pub(crate) fn choose(
     path: &Path,
-    mapping: Option<&McapMapping>,
+    given: Option<&McapMapping>,
     found: &[Found<'_>],
 ) -> Result<Choice, IngestError> {
-    let with_role = |role: Role| {
-        let indices = (0..found.len()).filter(move |&i| found[i].role == Ok(Some(role)));
-        indices.filter(|&i| found[i].messages > 0)
+    let chooser = Chooser { path, found };
+    let (mapping, rig) = rigs::applied(given, found);
+    let named = |topics: fn(&McapMapping) -> &Topics, roles: &[Role]| {
+        let must = given.is_some_and(|g| !topics(g).0.is_empty());
+        chooser.named(topics(&mapping), roles, must)
     };
-    let named = |topic: &str, roles: &[Role]| {
-        let candidates = || roles.iter().flat_map(|&role| with_role(role));
-        let exact = candidates().find(|&i| found[i].topic == topic);
-        exact.ok_or_else(|| IngestError::UnknownTopic {
-            path: path.to_owned(),
-            topic: topic.to_owned(),
-            nearest: nearest(topic, candidates().map(|i| found[i].topic)),
-        })
-    };
-    let best = |role: Role, prefer: &dyn Fn(&str) -> bool| {
-        with_role(role).max_by_key(|&i| {
-            let f = &found[i];
-            (prefer(f.topic), f.messages, std::cmp::Reverse(f.topic))
-        })
-    };
+    let identity = chooser.best(Role::Identity, &|_| false);
+    let objects_named = named(|m| &m.objects_topic, &[Role::Objects])?;
+    let by_name = named(|m| &m.ego_topic, &[Role::Odometry, Role::Pose, Role::Fix])?;
     let names_ego = |topic: &str| {
         let topic = topic.to_ascii_lowercase();
         topic.contains("ego") || topic.contains("hero")
     };
-    let ego = match mapping.and_then(|m| m.ego_topic.as_deref()) {
-        Some(topic) => named(topic, &[Role::Odometry, Role::Pose])?,
-        None => best(Role::Odometry, &names_ego)
-            .or_else(|| best(Role::Pose, &names_ego))
-            .ok_or_else(|| IngestError::NoEgo {
-                path: path.to_owned(),
-                found: describe(found),
-            })?,
+    let by_type = || {
+        let roles = [Role::Odometry, Role::Pose, Role::Fix];
+        roles
+            .into_iter()
+            .find_map(|role| chooser.best(role, &names_ego))
     };
+    let among_objects = || {
+        let known = mapping.ego_object.is_some() || identity.is_some();
+        let list = objects_named.or_else(|| chooser.best(Role::Objects, &|_| false));
+        list.filter(|_| known)
+    };
+    let told = given.is_some_and(|g| g.ego_object.is_some() && g.ego_topic.0.is_empty());
+    let ego = if told { among_objects() } else { None };
+    let ego = ego.or(by_name).or_else(by_type).or_else(among_objects);
+    let ego = ego.ok_or_else(|| IngestError::NoEgo {
+        path: path.to_owned(),
+        found: describe(found),
+    })?;
     let beside_ego = |topic: &str| parent(topic) == parent(found[ego].topic);
-    let objects = match mapping.and_then(|m| m.objects_topic.as_deref()) {
-        Some(topic) => Some(named(topic, &[Role::Objects])?),
-        None => best(Role::Objects, &beside_ego),
-    };
+    let objects = objects_named.or_else(|| chooser.best(Role::Objects, &beside_ego));
     let role = found[ego].role;
+    let speed = match role {
+        Ok(Some(Role::Pose | Role::Fix)) => named(|m| &m.speed_topic, &[Role::Speed])?
+            .or_else(|| chooser.best(Role::Speed, &beside_ego)),
+        _ => None,
+    };
     let rivals = (0..found.len()).filter(|&i| i != ego && found[i].role == role);
     let rivals: Vec<&str> = rivals.map(|i| found[i].topic).collect();
-    let others = (!rivals.is_empty()).then(|| {
+    let others = (!rivals.is_empty() && role != Ok(Some(Role::Objects))).then(|| {
         let chosen = found[ego].topic;
         format!(
             "ego is taken from `{chosen}`, not from {}",
@@ -89,8 +99,63 @@ pub(crate) fn choose(
     Ok(Choice {
         ego,
         objects,
+        speed,
+        identity,
         others,
+        rig,
+        mapping,
     })
+}
+
+struct Chooser<'a> {
+    path: &'a Path,
+    found: &'a [Found<'a>],
+}
+
+impl Chooser<'_> {
+    fn with_role(&self, role: Role) -> impl Iterator<Item = usize> {
+        let indices = 0..self.found.len();
+        indices.filter(move |&i| self.found[i].role == Ok(Some(role)) && self.found[i].messages > 0)
+    }
+
+    /// The first channel that a pattern names, by pattern, then role, then number of messages.
+    fn named(
+        &self,
+        topics: &Topics,
+        roles: &[Role],
+        must: bool,
+    ) -> Result<Option<usize>, IngestError> {
+        let candidates = || roles.iter().flat_map(|&role| self.with_role(role));
+        for pattern in &topics.0 {
+            for &role in roles {
+                let fits = self
+                    .with_role(role)
+                    .filter(|&i| matches(pattern, self.found[i].topic));
+                let most = fits.max_by_key(|&i| {
+                    let f = &self.found[i];
+                    (f.messages, std::cmp::Reverse(f.topic))
+                });
+                if most.is_some() {
+                    return Ok(most);
+                }
+            }
+        }
+        match topics.0.first().filter(|_| must) {
+            None => Ok(None),
+            Some(topic) => Err(IngestError::UnknownTopic {
+                path: self.path.to_owned(),
+                topic: topic.clone(),
+                nearest: nearest(topic, candidates().map(|i| self.found[i].topic)),
+            }),
+        }
+    }
+
+    fn best(&self, role: Role, prefer: &dyn Fn(&str) -> bool) -> Option<usize> {
+        self.with_role(role).max_by_key(|&i| {
+            let f = &self.found[i];
+            (prefer(f.topic), f.messages, std::cmp::Reverse(f.topic))
+        })
+    }
 }
 
 fn describe(found: &[Found<'_>]) -> String {

@@ -1,125 +1,348 @@
-//! Chunks: the records within, as far as they can be read.
+//! Chunks: the records within, unpacked piece by piece and as far as they can be read.
 
-use super::record::{Fields, HEAD, op};
-use mcap::{
-    McapError,
-    sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions},
-};
+use super::record::{Fields, HEAD};
+use std::io::Read;
+use zstd::stream::raw::{DParameter, Decoder, InBuffer, Operation, OutBuffer};
 
-/// Longest record that is read; a longer one can be no message that we want.
+/// Longest record that is read; a longer one can be no message that we want, and is passed over.
 pub(crate) const MOST_RECORD: usize = 32 << 20;
 /// Longest chunk that is read, compressed.
 pub(crate) const MOST_CHUNK: u64 = 512 << 20;
+/// Most bytes that one chunk may unpack to.
+const MOST_UNPACKED: u64 = 4 << 30;
+/// How far a chunk may unpack beyond what its header says before it is given up.
+const MOST_OVERRUN: u64 = 64 << 20;
+/// Longest window of a zstd stream (a power of two), which the stream itself claims.
+const MOST_WINDOW_LOG: u32 = 25;
+/// Room for unpacked bytes at first; it grows where one record needs more.
+const ROOM: usize = 1 << 20;
+/// Most room that is given at first for what a header claims.
+const MOST_ROOM: u64 = 4 << 20;
+/// Bytes of a chunk's content before the name of its compression.
+const FIXED: usize = 8 + 8 + 8 + 4;
+
+/// How a chunk is packed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Packing {
+    None,
+    Zstd,
+    Lz4,
+}
 
 /// A chunk's own account of itself.
 #[derive(Debug, Clone, PartialEq, Eq)]
-struct Head {
+pub(crate) struct Head {
     uncompressed_size: u64,
     crc: u32,
     compression: String,
     compressed_size: u64,
+    /// Length of this account, in bytes.
+    length: usize,
 }
 
-/// Gives every record of a chunk to `each`, in order.
-///
-/// `content` is what there is of the chunk: all of it, or what stands before the end of a cut file.
-/// Uncompressed chunks are walked here first, because the container crate trusts their lengths.
-///
-/// # Errors
-/// A sentence that says why the chunk cannot be read to its end; records before that were given.
-pub(crate) fn records(content: &[u8], mut each: impl FnMut(u8, &[u8])) -> Result<(), String> {
-    let mut fields = Fields(content);
-    let head = head(&mut fields).ok_or("its chunk header cannot be read")?;
-    let claimed = usize::try_from(head.compressed_size).unwrap_or(usize::MAX);
-    let data = &fields.0[..claimed.min(fields.0.len())];
-    let cut = data.len() < claimed;
-    if head.compression.is_empty() && (cut || !frames_fit(data)) {
-        let mut rest = data;
-        while let Some((opcode, record, after)) = split_record(rest) {
-            each(opcode, record);
-            rest = after;
+impl Head {
+    /// Bytes of the content that this reads at most.
+    pub(crate) const MOST: usize = FIXED + 4 + 16 + 8;
+
+    /// Reads the account at the start of a chunk's content; none where there is none, or its compression has a name
+    /// that is no word.
+    pub(crate) fn read(content: &[u8]) -> Option<Self> {
+        let mut fields = Fields(content);
+        fields.u64()?;
+        fields.u64()?;
+        let uncompressed_size = fields.u64()?;
+        let crc = fields.u32()?;
+        let compression = fields.text()?;
+        if compression.len() > 16 {
+            return None;
         }
-        return Err(if cut {
-            "its end is missing"
-        } else {
-            "its records do not fit together"
+        Some(Self {
+            uncompressed_size,
+            crc,
+            length: FIXED + 4 + compression.len() + 8,
+            compression,
+            compressed_size: fields.u64()?,
+        })
+    }
+
+    /// Length of the whole content by this account; none past 2⁶⁴.
+    pub(crate) fn content_length(&self) -> Option<u64> {
+        self.compressed_size.checked_add(self.length as u64)
+    }
+
+    /// Length of the account itself.
+    pub(crate) fn length(&self) -> u64 {
+        self.length as u64
+    }
+
+    /// Whether a record of another kind whose content starts like this is a chunk by accident of one byte.
+    pub(crate) fn is_telling(&self) -> bool {
+        match self.compression.as_str() {
+            "zstd" | "lz4" => self.uncompressed_size > 0,
+            "" => self.uncompressed_size > 0 && self.uncompressed_size == self.compressed_size,
+            _ => false,
         }
-        .to_owned());
     }
-    decompressed(&head, data, &mut each).map_err(|e| match e {
-        _ if cut => "its end is missing".to_owned(),
-        McapError::BadChunkCrc { .. } => "its checksum does not match".to_owned(),
-        e => format!("it cannot be unpacked ({e})"),
-    })
-}
 
-fn head(fields: &mut Fields<'_>) -> Option<Head> {
-    fields.u64()?;
-    fields.u64()?;
-    Some(Head {
-        uncompressed_size: fields.u64()?,
-        crc: fields.u32()?,
-        compression: fields.text()?,
-        compressed_size: fields.u64()?,
-    })
-}
-
-/// The first record of `bytes`: opcode, content, what follows.
-fn split_record(bytes: &[u8]) -> Option<(u8, &[u8], &[u8])> {
-    let (&opcode, rest) = bytes.split_first()?;
-    let length = Fields(rest).u64()?;
-    let length = usize::try_from(length).ok()?;
-    let (content, after) = rest[HEAD - 1..].split_at_checked(length)?;
-    Some((opcode, content, after))
-}
-
-fn frames_fit(mut bytes: &[u8]) -> bool {
-    while let Some((_, _, after)) = split_record(bytes) {
-        bytes = after;
+    /// The packing: by name, else by the first bytes.
+    fn packing(&self, data: &[u8]) -> Option<Packing> {
+        match self.compression.as_str() {
+            "" => Some(Packing::None),
+            "zstd" => Some(Packing::Zstd),
+            "lz4" => Some(Packing::Lz4),
+            _ if data.starts_with(&[0x28, 0xb5, 0x2f, 0xfd]) => Some(Packing::Zstd),
+            _ if data.starts_with(&[0x04, 0x22, 0x4d, 0x18]) => Some(Packing::Lz4),
+            _ => None,
+        }
     }
-    bytes.is_empty()
 }
 
-/// Reads a chunk through the container crate, which unpacks it and checks its checksum.
-fn decompressed(
-    head: &Head,
-    data: &[u8],
-    each: &mut impl FnMut(u8, &[u8]),
-) -> Result<(), McapError> {
-    let compression = head.compression.as_bytes();
-    let length = 8 + 8 + 8 + 4 + 4 + compression.len() + 8 + data.len();
-    let mut start = vec![op::CHUNK];
-    start.extend((length as u64).to_le_bytes());
-    start.extend([0; 16]);
-    start.extend(head.uncompressed_size.to_le_bytes());
-    start.extend(head.crc.to_le_bytes());
-    start.extend((compression.len() as u32).to_le_bytes());
-    start.extend(compression);
-    start.extend((data.len() as u64).to_le_bytes());
+/// What became of a chunk.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// Every byte is as it was written, as far as can be told.
+    Whole,
+    /// Something about it is wrong, but its messages are proven: by its checksum, or by all its sizes where it has none.
+    Proven(String),
+    /// It cannot be trusted.
+    Lost(String),
+}
 
-    // A record within cannot be longer than all of them together claim to be.
-    let most = usize::try_from(head.uncompressed_size).unwrap_or(MOST_RECORD);
-    let options = LinearReaderOptions::default()
-        .with_skip_start_magic(true)
-        .with_skip_end_magic(true)
-        .with_validate_chunk_crcs(true)
-        .with_record_length_limit(most.clamp(1 << 16, MOST_RECORD));
-    let mut reader = LinearReader::new_with_options(options);
-    let mut input = [start.as_slice(), data].into_iter();
-    let mut current: &[u8] = input.next().unwrap_or_default();
-    while let Some(event) = reader.next_event() {
-        match event? {
-            LinearReadEvent::Record { data, opcode } => each(opcode, data),
-            LinearReadEvent::ReadRequest(wanted) => {
-                if current.is_empty() {
-                    current = input.next().unwrap_or_default();
-                }
-                let n = wanted.clamp(1, 1 << 20).min(current.len());
-                reader.insert(n).copy_from_slice(&current[..n]);
-                reader.notify_read(n);
-                current = &current[n..];
+/// Unpacks chunks, one after another, in the same memory.
+#[derive(Default)]
+pub(crate) struct Unpacker {
+    zstd: Option<Decoder<'static>>,
+    room: Vec<u8>,
+}
+
+impl Unpacker {
+    /// Gives every record of a chunk to `each`, in order, and then says whether to believe them.
+    ///
+    /// `content` is what there is of the chunk: all of it, or what stands before the end of a cut file. Nothing is
+    /// allocated by a length that the chunk claims beyond a few MiB.
+    pub(crate) fn records(&mut self, content: &[u8], each: impl FnMut(u8, &[u8])) -> Verdict {
+        let lost = |why: &str| Verdict::Lost(why.to_owned());
+        let Some(head) = Head::read(content) else {
+            return lost("its chunk header cannot be read");
+        };
+        let rest = &content[head.length..];
+        let Some(packing) = head.packing(rest) else {
+            let name = head.compression.escape_default();
+            return Verdict::Lost(format!(
+                "its compression `{name}` is unknown, expected zstd, lz4 or none"
+            ));
+        };
+        let claimed = usize::try_from(head.compressed_size).unwrap_or(usize::MAX);
+        let cut = rest.len() < claimed;
+        // A packed stream knows its own end, so a wrong size does no harm.
+        let data = match packing {
+            Packing::None if head.uncompressed_size != rest.len() as u64 => {
+                &rest[..claimed.min(rest.len())]
             }
+            _ => rest,
+        };
+        let mut splitter = Splitter {
+            each,
+            crc: crc32fast::Hasher::new(),
+            pass_over: 0,
+            total: 0,
+        };
+        let unpacked = match packing {
+            Packing::None => splitter.take(data).map(|left| left == data.len()),
+            Packing::Zstd => self.zstd(&head, data, &mut splitter),
+            Packing::Lz4 => self.lz4(&head, data, &mut splitter),
+        };
+        let fits = match unpacked {
+            Err(_) if cut => return lost("its end is missing"),
+            Err(why) => return Verdict::Lost(why),
+            Ok(fits) => fits && splitter.pass_over == 0,
+        };
+        let sized = splitter.total == head.uncompressed_size;
+        let checked = head.crc != 0;
+        if checked && splitter.crc.finalize() != head.crc {
+            return lost(if cut {
+                "its end is missing"
+            } else {
+                "its checksum does not match"
+            });
+        }
+        if !fits {
+            return lost(if cut {
+                "its end is missing"
+            } else {
+                "its records do not fit together"
+            });
+        }
+        if !checked && !sized {
+            return lost("it does not unpack to the size that it claims");
+        }
+        let named = matches!(head.compression.as_str(), "" | "zstd" | "lz4");
+        if sized && named && claimed == rest.len() {
+            Verdict::Whole
+        } else {
+            Verdict::Proven(
+                "a size or name in its header is wrong; its messages are kept".to_owned(),
+            )
         }
     }
-    Ok(())
+
+    fn room_for(&mut self, head: &Head) {
+        let wanted = head.uncompressed_size.min(MOST_ROOM) as usize;
+        if self.room.len() < wanted.max(ROOM) {
+            self.room.resize(wanted.max(ROOM), 0);
+        }
+    }
+
+    fn zstd(
+        &mut self,
+        head: &Head,
+        data: &[u8],
+        splitter: &mut Splitter<impl FnMut(u8, &[u8])>,
+    ) -> Result<bool, String> {
+        let cannot = |e: std::io::Error| format!("it cannot be unpacked ({e})");
+        self.room_for(head);
+        let decoder = match &mut self.zstd {
+            Some(decoder) => {
+                decoder.reinit().map_err(cannot)?;
+                decoder
+            }
+            none => {
+                let mut decoder = Decoder::new().map_err(cannot)?;
+                decoder
+                    .set_parameter(DParameter::WindowLogMax(MOST_WINDOW_LOG))
+                    .map_err(cannot)?;
+                none.insert(decoder)
+            }
+        };
+        let mut input = InBuffer::around(data);
+        let mut ended = false;
+        roll(&mut self.room, head, splitter, |free| {
+            if ended {
+                return Ok(0);
+            }
+            let mut output = OutBuffer::around(free);
+            while output.pos() < output.capacity() {
+                let (from, to) = (input.pos(), output.pos());
+                let hint = decoder.run(&mut input, &mut output).map_err(cannot)?;
+                if hint == 0 {
+                    ended = true;
+                    break;
+                }
+                if input.pos() == from && output.pos() == to {
+                    if output.pos() == 0 {
+                        return Err("its packed bytes end early".to_owned());
+                    }
+                    break;
+                }
+            }
+            Ok(output.pos())
+        })
+    }
+
+    fn lz4(
+        &mut self,
+        head: &Head,
+        data: &[u8],
+        splitter: &mut Splitter<impl FnMut(u8, &[u8])>,
+    ) -> Result<bool, String> {
+        let cannot = |e: std::io::Error| format!("it cannot be unpacked ({e})");
+        self.room_for(head);
+        let mut decoder = lz4::Decoder::new(data).map_err(cannot)?;
+        roll(&mut self.room, head, splitter, |free| {
+            decoder.read(free).map_err(cannot)
+        })
+    }
+}
+
+/// Unpacks through `room`: what `fill` gives is split into records, and a record that is not whole yet moves to the front.
+///
+/// Returns whether nothing was left over.
+fn roll(
+    room: &mut Vec<u8>,
+    head: &Head,
+    splitter: &mut Splitter<impl FnMut(u8, &[u8])>,
+    mut fill: impl FnMut(&mut [u8]) -> Result<usize, String>,
+) -> Result<bool, String> {
+    let most = head
+        .uncompressed_size
+        .saturating_add(MOST_OVERRUN)
+        .min(MOST_UNPACKED);
+    let mut filled = 0;
+    loop {
+        if filled == room.len() {
+            // One record is longer than the room: it is there byte by byte, so its length is no mere claim.
+            if room.len() > MOST_RECORD {
+                return Err("a record in it is too long".to_owned());
+            }
+            room.resize(room.len() * 2, 0);
+        }
+        let new = fill(&mut room[filled..])?;
+        if new == 0 {
+            return Ok(filled == 0);
+        }
+        splitter.count(&room[filled..filled + new]);
+        if splitter.total > most {
+            return Err("it unpacks to more than it claims".to_owned());
+        }
+        filled += new;
+        let used = splitter.split(&room[..filled]);
+        room.copy_within(used..filled, 0);
+        filled -= used;
+    }
+}
+
+/// Splits unpacked bytes into records.
+struct Splitter<F> {
+    each: F,
+    crc: crc32fast::Hasher,
+    /// Bytes still to come of a record that is passed over.
+    pass_over: u64,
+    total: u64,
+}
+
+impl<F: FnMut(u8, &[u8])> Splitter<F> {
+    fn count(&mut self, bytes: &[u8]) {
+        self.crc.update(bytes);
+        self.total += bytes.len() as u64;
+    }
+
+    /// All of an unpacked chunk; gives how many bytes belong to whole records.
+    fn take(&mut self, bytes: &[u8]) -> Result<usize, String> {
+        self.count(bytes);
+        Ok(self.split(bytes))
+    }
+
+    /// Gives the whole records at the start of `bytes` and returns their length.
+    fn split(&mut self, bytes: &[u8]) -> usize {
+        let mut at = 0;
+        loop {
+            let rest = &bytes[at..];
+            if self.pass_over > 0 {
+                let n = self.pass_over.min(rest.len() as u64);
+                self.pass_over -= n;
+                at += n as usize;
+                if self.pass_over > 0 {
+                    return at;
+                }
+                continue;
+            }
+            let Some((&opcode, after)) = rest.split_first() else {
+                return at;
+            };
+            let Some(length) = Fields(after).u64() else {
+                return at;
+            };
+            if length > MOST_RECORD as u64 {
+                self.pass_over = length;
+                at += HEAD;
+                continue;
+            }
+            let length = length as usize;
+            let Some(content) = rest.get(HEAD..HEAD + length) else {
+                return at;
+            };
+            (self.each)(opcode, content);
+            at += HEAD + length;
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! The container: record after record, over damage where that is wanted.
 
 use super::{
-    chunk,
+    chunk::{self, Unpacker, Verdict},
     record::{self, HEAD, Record, op},
 };
 use crate::error::IngestError;
@@ -34,9 +34,10 @@ pub(crate) trait Visitor {
 
 /// Walks a file from start to end and gives its records to `visitor`.
 ///
-/// With `recover`, damage is stepped over and returned: messages of a chunk whose checksum fails are rolled
-/// back, those of a chunk that the file's end cuts are kept, and behind a senseless length the next
-/// records that fit together are looked for.
+/// With `recover`, damage is stepped over and returned: messages of a chunk that cannot be trusted are rolled back, those
+/// of a chunk that the file's end cuts are kept, and behind a senseless record the next ones that fit together are
+/// looked for. Besides what cannot be read, damage is what the file's own accounts deny: the checksums of chunks, of
+/// the data and of the summary, and the number of messages.
 ///
 /// # Errors
 /// [`IngestError::Damaged`] at the first damage without `recover`; [`IngestError::Io`].
@@ -45,16 +46,23 @@ pub(crate) fn walk(
     recover: bool,
     visitor: &mut impl Visitor,
 ) -> Result<Vec<Damage>, IngestError> {
-    let file = File::open(path).map_err(|e| IngestError::io(path, e))?;
+    let open = || File::open(path).map_err(|e| IngestError::io(path, e));
+    let file = open()?;
     let length = file.metadata().map_err(|e| IngestError::io(path, e))?.len();
     let mut walker = Walker {
         path,
-        file: BufReader::with_capacity(1 << 18, file),
+        file: BufReader::with_capacity(1 << 16, file),
+        probe: open()?,
         length,
         recover,
         buffer: Vec::new(),
+        unpacker: Unpacker::default(),
         damage: Vec::new(),
         last_ns: None,
+        messages: 0,
+        claimed_messages: None,
+        crc: Some(crc32fast::Hasher::new()),
+        resume: 0,
     };
     walker.run(visitor)?;
     Ok(walker.damage)
@@ -63,16 +71,27 @@ pub(crate) fn walk(
 struct Walker<'a> {
     path: &'a Path,
     file: BufReader<File>,
+    /// A second look at the file, for heads far from where it is being read.
+    probe: File,
     length: u64,
     recover: bool,
     buffer: Vec<u8>,
+    unpacker: Unpacker,
     damage: Vec<Damage>,
     last_ns: Option<u64>,
+    messages: u64,
+    claimed_messages: Option<u64>,
+    /// Checksum of everything so far; none once something was stepped over, or behind the data.
+    crc: Option<crc32fast::Hasher>,
+    /// Behind what is certain: where to look for records when the next one makes no sense.
+    resume: u64,
 }
 
 impl Walker<'_> {
     fn run(&mut self, visitor: &mut impl Visitor) -> Result<(), IngestError> {
         let mut at = mcap::MAGIC.len() as u64;
+        self.start_magic()?;
+        self.resume = at;
         loop {
             let Some((opcode, length)) = self.head(at)? else {
                 return self.hurt(
@@ -81,51 +100,190 @@ impl Walker<'_> {
                 );
             };
             let body = at + HEAD as u64;
-            let senseless = opcode == 0 || length > self.length - body;
-            if senseless {
-                let what = if opcode == 0 {
-                    "no record starts here".to_owned()
-                } else if length > self.length - body && length < self.length {
-                    format!(
-                        "record {opcode:#04x} is cut off: {length} bytes claimed, {} left",
-                        self.length - body
-                    )
-                } else {
-                    format!(
-                        "record {opcode:#04x} claims {length} bytes, {} left",
-                        self.length - body
-                    )
-                };
-                self.hurt(at, &what)?;
-                let next = self.resynchronise(at + 1)?;
-                if opcode == op::CHUNK {
-                    let end = next.unwrap_or(self.length);
-                    self.chunk(at, end - body, next.is_none(), visitor)?;
-                }
-                match next {
+            let left = self.length - body;
+            let start = self.peek(body)?;
+            if self.is_chunk(opcode, length, left, &start) {
+                match self.chunk_at(at, opcode, length, &start, visitor)? {
                     Some(next) => at = next,
                     None => return Ok(()),
                 }
                 continue;
             }
-            match opcode {
-                op::FOOTER => return Ok(()),
-                op::CHUNK => self.chunk(at, length, false, visitor)?,
-                op::HEADER | op::SCHEMA | op::CHANNEL | op::MESSAGE | op::METADATA
-                    if length <= chunk::MOST_RECORD as u64 =>
-                {
-                    self.load(body, length)?;
-                    let buffer = std::mem::take(&mut self.buffer);
-                    match record::parse(opcode, &buffer) {
-                        Some(record) => self.give(record, visitor),
-                        None => self.hurt(at, &format!("record {opcode:#04x} cannot be read"))?,
-                    }
-                    self.buffer = buffer;
+            let whole =
+                opcode != 0 && length <= left && record::is_plausible(opcode, &start, length);
+            if !whole {
+                let what = senseless(opcode, length, left, self.length);
+                self.hurt(at, &what)?;
+                match self.resynchronise(self.resume.max(mcap::MAGIC.len() as u64), at)? {
+                    Some(next) => at = next,
+                    None => return Ok(()),
                 }
-                _ => {}
+                self.resume = at;
+                continue;
             }
+            self.resume = at + 1;
+            if opcode == op::FOOTER {
+                return self.footer(at, length);
+            }
+            self.plain(at, opcode, length, visitor)?;
             at = body + length;
         }
+    }
+
+    fn start_magic(&mut self) -> Result<(), IngestError> {
+        let n = self.length.min(mcap::MAGIC.len() as u64);
+        self.load(0, n)?;
+        if self.buffer == mcap::MAGIC {
+            self.hash_buffer();
+            return Ok(());
+        }
+        self.hurt(0, "its first eight bytes are not those of an MCAP file")
+    }
+
+    /// Reads a record that is no chunk.
+    fn plain(
+        &mut self,
+        at: u64,
+        opcode: u8,
+        length: u64,
+        visitor: &mut impl Visitor,
+    ) -> Result<(), IngestError> {
+        let body = at + HEAD as u64;
+        let wanted = matches!(
+            opcode,
+            op::HEADER
+                | op::SCHEMA
+                | op::CHANNEL
+                | op::MESSAGE
+                | op::METADATA
+                | op::STATISTICS
+                | op::DATA_END
+        );
+        if opcode == op::DATA_END {
+            self.load(body, length.min(4))?;
+            let claimed = record::data_end(&self.buffer).unwrap_or(0);
+            let found = self.crc.take().map(crc32fast::Hasher::finalize);
+            if claimed != 0 && found.is_some_and(|found| found != claimed) {
+                return self.hurt(at, "the checksum of the data does not match: something outside the chunks has changed");
+            }
+            return Ok(());
+        }
+        self.hash(at, body)?;
+        if !wanted || length > chunk::MOST_RECORD as u64 {
+            return self.hash(body, body + length);
+        }
+        self.load(body, length)?;
+        self.hash_buffer();
+        let buffer = std::mem::take(&mut self.buffer);
+        if opcode == op::STATISTICS {
+            self.claimed_messages = record::statistics(&buffer);
+        } else {
+            match record::parse(opcode, &buffer) {
+                Some(record) => self.give(record, visitor),
+                None => self.hurt(at, &format!("record {opcode:#04x} cannot be read"))?,
+            }
+        }
+        self.buffer = buffer;
+        Ok(())
+    }
+
+    /// Checks what the end of the file says of the whole.
+    fn footer(&mut self, at: u64, length: u64) -> Result<(), IngestError> {
+        let body = at + HEAD as u64;
+        self.load(body, length.min(20))?;
+        let (summary_start, crc) = record::footer(&self.buffer).unwrap_or((0, 0));
+        if summary_start > at {
+            return self.hurt(at, "the footer points behind the end of the file");
+        }
+        if crc != 0 && summary_start != 0 {
+            self.crc = Some(crc32fast::Hasher::new());
+            self.hash(summary_start, body + 16)?;
+            let found = self.crc.take().map(crc32fast::Hasher::finalize);
+            if found != Some(crc) {
+                self.hurt(at, "the checksum of the summary does not match")?;
+            }
+        }
+        let end = body + length;
+        let magic = mcap::MAGIC.len() as u64;
+        let n = magic.min(self.length - end);
+        self.load(end, n)?;
+        if self.buffer != mcap::MAGIC {
+            self.hurt(end, "the file does not end as an MCAP file does")?;
+        }
+        let (found, claimed) = (self.messages, self.claimed_messages);
+        match claimed {
+            // With damage the difference is no news.
+            Some(claimed) if self.damage.is_empty() && claimed != found => self.hurt(
+                at,
+                &format!("{found} messages were read, {claimed} were written by its statistics"),
+            ),
+            _ => Ok(()),
+        }
+    }
+
+    fn is_chunk(&self, opcode: u8, length: u64, left: u64, start: &[u8]) -> bool {
+        opcode == op::CHUNK
+            || chunk::Head::read(start).is_some_and(|head| {
+                // Another opcode over the content of a chunk: one byte has changed.
+                let inner = head.content_length().unwrap_or(u64::MAX);
+                head.is_telling() && inner == length && inner <= left
+            })
+    }
+
+    /// Reads the chunk at `at` and gives where to go on; none at the end of the file.
+    fn chunk_at(
+        &mut self,
+        at: u64,
+        opcode: u8,
+        length: u64,
+        start: &[u8],
+        visitor: &mut impl Visitor,
+    ) -> Result<Option<u64>, IngestError> {
+        let body = at + HEAD as u64;
+        let left = self.length - body;
+        let head = chunk::Head::read(start);
+        let inner = head.as_ref().and_then(chunk::Head::content_length);
+        let outer = Some(length);
+        let certain = body + head.as_ref().map_or(0, chunk::Head::length);
+        self.resume = certain;
+        if opcode != op::CHUNK {
+            self.hurt(
+                at,
+                &format!("record {opcode:#04x} is a chunk by its content"),
+            )?;
+        }
+        if outer == inner && length <= left {
+            let whole = self.chunk(at, length, false, visitor)?;
+            let next = body + length;
+            if whole {
+                self.resume = next;
+            }
+            return Ok(Some(next));
+        }
+        // The two lengths disagree, or reach past the end: believe the one behind which records go on.
+        let mut end = None;
+        for n in [inner, outer].into_iter().flatten() {
+            if end.is_none() && n <= left && self.records_fit(body + n)? {
+                end = Some(body + n);
+            }
+        }
+        let cut = inner == outer && end.is_none();
+        let what = if cut && length < self.length {
+            format!("a chunk is cut off: {length} bytes claimed, {left} left")
+        } else if length > left {
+            format!("a chunk claims {length} bytes, {left} left")
+        } else {
+            "the lengths in a chunk's header contradict each other".to_owned()
+        };
+        self.hurt(at, &what)?;
+        let end = match end {
+            Some(end) => Some(end),
+            None => self.resynchronise(certain, certain)?,
+        };
+        let until = end.unwrap_or(self.length);
+        self.chunk(at, until - body, end.is_none(), visitor)?;
+        self.resume = end.unwrap_or(self.length);
+        Ok(end)
     }
 
     /// Opcode and length at `at`; none where the file ends.
@@ -137,8 +295,14 @@ impl Walker<'_> {
         let mut head = [0; HEAD];
         let read = self.file.read_exact(&mut head);
         read.map_err(|e| IngestError::io(self.path, e))?;
-        let [opcode, length @ ..] = head;
-        Ok(Some((opcode, u64::from_le_bytes(length))))
+        Ok(Some(head_of(head)))
+    }
+
+    /// The first bytes of a record's content, as many as there are of those that tell what it is.
+    fn peek(&mut self, body: u64) -> Result<Vec<u8>, IngestError> {
+        let n = (chunk::Head::MOST as u64).min(self.length.saturating_sub(body));
+        self.load(body, n)?;
+        Ok(self.buffer.clone())
     }
 
     fn seek(&mut self, at: u64) -> Result<(), IngestError> {
@@ -159,44 +323,88 @@ impl Walker<'_> {
         read.map_err(|e| IngestError::io(self.path, e))
     }
 
+    fn hash_buffer(&mut self) {
+        if let Some(crc) = &mut self.crc {
+            crc.update(&self.buffer);
+        }
+    }
+
+    /// Adds the bytes from `from` to `to` to the checksum, if one is still kept.
+    fn hash(&mut self, mut from: u64, to: u64) -> Result<(), IngestError> {
+        while from < to && self.crc.is_some() {
+            let n = (to - from).min(1 << 16);
+            self.load(from, n)?;
+            self.hash_buffer();
+            from += n;
+        }
+        Ok(())
+    }
+
+    /// Reads a chunk; gives whether it was whole.
     fn chunk(
         &mut self,
         at: u64,
         length: u64,
         cut: bool,
         visitor: &mut impl Visitor,
-    ) -> Result<(), IngestError> {
+    ) -> Result<bool, IngestError> {
         if length > chunk::MOST_CHUNK {
-            return self.hurt(at, &format!("a chunk of {length} bytes is too large"));
+            self.hurt(at, &format!("a chunk of {length} bytes is too large"))?;
+            return Ok(false);
         }
+        self.hash(at, at + HEAD as u64)?;
         self.load(at + HEAD as u64, length)?;
+        self.hash_buffer();
         let buffer = std::mem::take(&mut self.buffer);
-        let before = self.last_ns;
+        let mut unpacker = std::mem::take(&mut self.unpacker);
+        let before = (self.last_ns, self.messages, self.damage.len());
         visitor.mark();
         let mut unreadable = 0;
-        let read = chunk::records(&buffer, |opcode, content| {
+        let verdict = unpacker.records(&buffer, |opcode, content| {
             match record::parse(opcode, content) {
                 Some(record) => self.give(record, visitor),
                 None => unreadable += 1,
             }
         });
         self.buffer = buffer;
-        let read = match read {
-            Ok(()) if unreadable > 0 => Err(format!("{unreadable} records cannot be read")),
-            read => read,
+        self.unpacker = unpacker;
+        let verdict = match verdict {
+            Verdict::Whole if unreadable > 0 => {
+                Verdict::Proven(format!("{unreadable} records in a chunk cannot be read"))
+            }
+            verdict => verdict,
         };
-        let Err(why) = read else { return Ok(()) };
-        if cut {
+        match verdict {
+            Verdict::Whole => Ok(true),
+            Verdict::Proven(why) => {
+                self.hurt(at, &why)?;
+                Ok(true)
+            }
             // What stands before the cut is whole; the cut itself has been reported.
-            return Ok(());
+            Verdict::Lost(_) if cut => Ok(false),
+            Verdict::Lost(why) => {
+                visitor.roll_back();
+                self.open_again(before.0);
+                (self.last_ns, self.messages) = (before.0, before.1);
+                self.hurt(at, &format!("a chunk is left out: {why}"))?;
+                Ok(false)
+            }
         }
-        visitor.roll_back();
-        self.last_ns = before;
-        self.hurt(at, &format!("a chunk is left out: {why}"))
+    }
+
+    /// Forgets that messages which were rolled back ended a hole.
+    fn open_again(&mut self, last_ns: Option<u64>) {
+        for damage in self.damage.iter_mut().rev() {
+            if damage.between_ns.0 != last_ns {
+                break;
+            }
+            damage.between_ns.1 = None;
+        }
     }
 
     fn give(&mut self, record: Record<'_>, visitor: &mut impl Visitor) {
         if let Record::Message(message) = &record {
+            self.messages += 1;
             self.last_ns = Some(message.log_ns);
             for damage in self.damage.iter_mut().rev() {
                 if damage.between_ns.1.is_some() {
@@ -216,6 +424,7 @@ impl Walker<'_> {
                 what: what.to_owned(),
             });
         }
+        self.crc = None;
         self.damage.push(Damage {
             at_byte,
             what: what.to_owned(),
@@ -224,8 +433,8 @@ impl Walker<'_> {
         Ok(())
     }
 
-    /// The next place from `at` on where records fit together; none up to the end of the file.
-    fn resynchronise(&mut self, mut at: u64) -> Result<Option<u64>, IngestError> {
+    /// The next place from `at` on, other than `not`, where records fit together; none up to the end of the file.
+    fn resynchronise(&mut self, mut at: u64, not: u64) -> Result<Option<u64>, IngestError> {
         const WINDOW: u64 = 1 << 18;
         while at + (HEAD as u64) <= self.length {
             let n = WINDOW.min(self.length - at);
@@ -235,8 +444,9 @@ impl Walker<'_> {
             for (i, head) in window.windows(HEAD).enumerate() {
                 // The cheap test first: a known opcode and a length below 1 TiB.
                 let likely = (1..=op::LAST_KNOWN).contains(&head[0]) && head[6..] == [0; 3];
-                if likely && self.records_fit(at + i as u64)? {
-                    found = Some(at + i as u64);
+                let place = at + i as u64;
+                if likely && place != not && self.records_fit(place)? {
+                    found = Some(place);
                     break;
                 }
             }
@@ -252,9 +462,15 @@ impl Walker<'_> {
     /// Whether three records in a row, or all up to the file's end, have known opcodes and lengths that fit.
     fn records_fit(&mut self, mut at: u64) -> Result<bool, IngestError> {
         for hop in 0..3 {
-            let Some((opcode, length)) = self.head(at)? else {
-                return Ok(hop > 0);
-            };
+            let left = self.length.saturating_sub(at);
+            if left < HEAD as u64 {
+                return Ok(hop > 0 && left == 0);
+            }
+            let mut head = [0; HEAD];
+            let read = self.probe.seek(SeekFrom::Start(at));
+            let read = read.and_then(|_| self.probe.read_exact(&mut head));
+            read.map_err(|e| IngestError::io(self.path, e))?;
+            let (opcode, length) = head_of(head);
             let least = match opcode {
                 op::FOOTER => 20,
                 op::CHUNK => 40,
@@ -263,15 +479,33 @@ impl Walker<'_> {
                 1..=op::LAST_KNOWN => 4,
                 _ => return Ok(false),
             };
-            let fits = length >= least && length <= self.length - at - HEAD as u64;
+            let fits = length >= least && length <= left - HEAD as u64;
             if !fits {
-                return Ok(false);
+                // A chunk that the end of the file cuts may be the last of its kind.
+                return Ok(hop > 1 && opcode == op::CHUNK);
             }
             if opcode == op::FOOTER {
-                return Ok(true);
+                return Ok(length == 20);
             }
             at += HEAD as u64 + length;
         }
         Ok(true)
+    }
+}
+
+fn head_of([opcode, length @ ..]: [u8; HEAD]) -> (u8, u64) {
+    (opcode, u64::from_le_bytes(length))
+}
+
+/// Says what is wrong with a record that cannot be one.
+fn senseless(opcode: u8, length: u64, left: u64, file: u64) -> String {
+    if opcode == 0 {
+        "no record starts here".to_owned()
+    } else if length <= left {
+        format!("record {opcode:#04x} contradicts itself")
+    } else if length < file {
+        format!("record {opcode:#04x} is cut off: {length} bytes claimed, {left} left")
+    } else {
+        format!("record {opcode:#04x} claims {length} bytes, {left} left")
     }
 }

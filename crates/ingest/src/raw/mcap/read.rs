@@ -1,99 +1,206 @@
-//! Reads the drive of an MCAP recording.
+//! Reads the drive of an MCAP recording, in one file or split over several.
 
 use super::{
-    channels::{Decoder, OwnedSchema, Role, decoder},
-    choice::{Found, choose, parent},
+    channels::{Decoder, OwnedSchema, decoder, same_type},
+    choice::{Choice, Found, choose, parent},
     container::{Damage, Visitor, walk},
     metadata::{self, DriveRecord},
     record::{Channel, Message, Record},
-    signals::{ego_sample, object_sample},
+    roles::{Convention, Role},
+    signals::{EgoRow, Objects, ego_row, flatten, join_speeds, settle_speeds, turn},
 };
 use crate::{
     error::IngestError,
-    mapping::McapMapping,
+    mapping::{McapMapping, TwistFrame},
     quality::{Warning, WarningKind},
     raw::{EgoSample, ObjectSample, RawDrive},
 };
-use std::{collections::BTreeMap, path::Path};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
-/// Reads the samples of ego and the others, and whose drive it is where the file says so.
+/// Longest time between speeds of a channel of their own that is bridged, in s.
+const SPEED_GAP_S: f64 = 0.5;
+/// How far a clock must go back to count as set anew, in ns.
+const SET_BACK_NS: i64 = 1_000_000_000;
+
+/// Reads the samples of ego and the others, and whose drive it is where the recording says so.
 ///
-/// Ego is the `Odometry` channel (one whose topic names ego, else the one with most messages), without one the
-/// `PoseStamped` channel; the others come from the `ObjectArray` channel beside ego's topic, else any.
+/// Ego is the `Odometry` channel (one whose topic names ego, else the one with most messages), without one a pose or a
+/// fix with the speed of another channel, or the object that is known to be ego; the others come from the objects'
+/// channel beside ego's topic, else any. Mapping and rig come before these rules. `parts` are the files, `path` is
+/// what they are called by together.
 ///
 /// # Errors
 /// As [`crate::read_log`].
 pub(crate) fn read(
     path: &Path,
+    parts: &[PathBuf],
     mapping: Option<&McapMapping>,
     recover: bool,
 ) -> Result<(RawDrive, Option<DriveRecord>, Vec<Warning>), IngestError> {
-    let mut collector = Collector::default();
-    let mut damage = walk(path, recover, &mut collector)?;
-    if collector.undeclared > 0 && !collector.streams.is_empty() {
+    let mut collector = Collector::new(mapping);
+    let mut damage = collector.walk_all(parts, recover)?;
+    if collector.undeclared > 0 && collector.knows_more() {
         // The chunk that declared a channel is lost, but the summary repeats declarations: go again, knowing them.
         collector = collector.knowing();
-        damage = walk(path, recover, &mut collector)?;
+        damage = collector.walk_all(parts, recover)?;
     }
-    let mut warnings = damage_warnings(path, &damage, collector.first_ns);
-    let record = match &collector.drive {
-        Some(values) => Some(metadata::parse(path, values)?),
+    let mut warnings = Vec::new();
+    for (part, damage) in parts.iter().zip(&damage) {
+        warnings.extend(damage_warnings(part, damage, collector.first_ns));
+    }
+    let record = match collector.drive.as_ref().map(|v| metadata::parse(path, v)) {
         None => None,
+        Some(Ok(record)) => Some(record),
+        Some(Err(e)) if recover => {
+            let what = format!("whose drive it is cannot be read: {e}");
+            warnings.push(Warning::new(path, WarningKind::Damage, 1, what));
+            None
+        }
+        Some(Err(e)) => return Err(e),
     };
-    if collector.undeclared > 0 {
-        let what = "messages belong to no channel that the file declares";
-        warnings.push(Warning::new(
-            path,
-            WarningKind::BadMessage,
-            collector.undeclared,
-            what,
-        ));
-    }
-    let streams: Vec<Stream> = collector.streams.into_values().collect();
+    let undeclared = collector.undeclared;
+    let mut warn = |kind, count: usize, what: String| {
+        if count > 0 {
+            warnings.push(Warning::new(path, kind, count, what));
+        }
+    };
+    let what = "messages belong to no channel that the file declares".to_owned();
+    warn(WarningKind::BadMessage, undeclared, what);
+    let streams = collector.streams;
     let found: Vec<Found<'_>> = streams.iter().map(Stream::found).collect();
     let choice = choose(path, mapping, &found)?;
     for stream in &streams {
         let topic = &stream.channel.topic;
         if let Err(why) = &stream.decoder {
             let what = format!("channel `{topic}` is refused: {why}");
-            warnings.push(Warning::new(
-                path,
-                WarningKind::RefusedChannel,
-                stream.messages,
-                what,
-            ));
+            // A channel without a message is refused as well.
+            warn(WarningKind::RefusedChannel, stream.messages.max(1), what);
         }
-        if stream.bad > 0 {
-            let what = format!("messages of `{topic}` do not fit their definition");
-            warnings.push(Warning::new(
-                path,
-                WarningKind::BadMessage,
-                stream.bad,
-                what,
-            ));
-        }
+        let what = format!("messages of `{topic}` do not fit their definition");
+        warn(WarningKind::BadMessage, stream.bad, what);
     }
     if let Some(what) = &choice.others {
-        warnings.push(Warning::new(path, WarningKind::Choice, 1, what.clone()));
+        warn(WarningKind::Choice, 1, what.clone());
     }
-    let ego_among_objects = choice.objects.is_some_and(|i| {
-        // `/carla/objects` holds ego too, `/carla/<role>/objects` does not.
-        parent(&streams[i].channel.topic) != parent(&streams[choice.ego].channel.topic)
-    });
-    let mut streams: Vec<Option<Stream>> = streams.into_iter().map(Some).collect();
-    let mut take = |i: usize| {
-        streams
-            .get_mut(i)
-            .and_then(Option::take)
-            .unwrap_or_default()
-    };
-    let drive = RawDrive {
-        ego: take(choice.ego).ego,
-        objects: choice.objects.map(&mut take).unwrap_or_default().objects,
-        ego_length_m: record.as_ref().map(|r| r.ego_length_m),
-        ego_among_objects,
-    };
+    let drive = drive_of(path, streams, &choice, record.as_ref(), &mut warnings);
     Ok((drive, record, warnings))
+}
+
+/// The drive that chosen channels make.
+fn drive_of(
+    path: &Path,
+    streams: Vec<Stream>,
+    choice: &Choice,
+    record: Option<&DriveRecord>,
+    warnings: &mut Vec<Warning>,
+) -> RawDrive {
+    let topic = |i: usize| streams[i].channel.topic.as_str();
+    // `/carla/objects` holds ego too, `/carla/<role>/objects` does not.
+    let ego_among_objects = choice
+        .objects
+        .is_some_and(|i| parent(topic(i)) != parent(topic(choice.ego)));
+    let told_from_objects = streams[choice.ego].role() == Some(Role::Objects);
+    let is_fix = streams[choice.ego].role() == Some(Role::Fix);
+    let identity = choice.identity.and_then(|i| streams[i].identity);
+    let ego_id = choice.mapping.ego_object.or(identity);
+    let mut streams: Vec<Option<Stream>> = streams.into_iter().map(Some).collect();
+    let mut take = |i: Option<usize>| i.and_then(|i| streams.get_mut(i)?.take());
+    let mut warn = |kind, count: usize, what: &str| {
+        warnings.push(Warning::new(path, kind, count, what));
+    };
+
+    let speeds = take(choice.speed).map(|s| s.ego).unwrap_or_default();
+    let ego_stream = take(Some(choice.ego));
+    let (mut ego, mut objects) = match ego_stream {
+        Some(stream) if told_from_objects => (Vec::new(), stream.objects),
+        Some(stream) => (
+            stream.ego,
+            take(choice.objects).map(|s| s.objects).unwrap_or_default(),
+        ),
+        None => (Vec::new(), Vec::new()),
+    };
+    if choice.mapping.left_handed == Some(true) {
+        turn(&mut ego, &mut objects);
+    }
+    let mut ego_length_m = record.map(|r| r.ego_length_m);
+    if let Some(id) = ego_id
+        .filter(|_| told_from_objects || ego_among_objects || choice.mapping.ego_object.is_some())
+    {
+        let is_ego = |o: &&ObjectSample| o.id == id;
+        ego_length_m = ego_length_m.or(objects.iter().find(is_ego).and_then(|o| o.length_m));
+        if told_from_objects {
+            ego = objects
+                .iter()
+                .filter(is_ego)
+                .map(EgoRow::of_object)
+                .collect();
+            warn(
+                WarningKind::Choice,
+                ego.len(),
+                &format!("ego is object {id} of the others' channel"),
+            );
+        }
+        objects.retain(|o| o.id != id);
+    }
+    if let Some(what) = settle_speeds(&mut ego) {
+        warn(WarningKind::Choice, ego.len(), what);
+    }
+    let mut ego: Vec<EgoSample> = ego.into_iter().map(|r| r.sample).collect();
+    if is_fix {
+        flatten(&mut ego);
+    }
+    if let Some(what) = one_clock(&mut ego, &mut objects) {
+        warn(WarningKind::ReceiveTime, ego.len() + objects.len(), what);
+    }
+    let speeds: Vec<EgoSample> = speeds.into_iter().map(|r| r.sample).collect();
+    if !speeds.is_empty() {
+        join_speeds(&mut ego, &speeds, SPEED_GAP_S);
+    }
+    RawDrive {
+        ego,
+        objects,
+        ego_length_m,
+        ego_among_objects: ego_among_objects && ego_id.is_none(),
+    }
+}
+
+/// Goes by times of receipt where header stamps cannot be compared: the clock of one channel was set back, or ego and the
+/// others are on two clocks.
+fn one_clock(ego: &mut [EgoSample], objects: &mut [ObjectSample]) -> Option<&'static str> {
+    let stamps = |stamped: &mut dyn Iterator<Item = (i64, i64)>| {
+        let (mut back, mut log_back, mut last, mut log_last) = (false, false, i64::MIN, i64::MIN);
+        let (mut span, mut log_span) = ((i64::MAX, i64::MIN), (i64::MAX, i64::MIN));
+        for (stamp, log) in stamped {
+            back |= stamp < last.saturating_sub(SET_BACK_NS);
+            log_back |= log < log_last.saturating_sub(SET_BACK_NS);
+            (last, log_last) = (last.max(stamp), log_last.max(log));
+            span = (span.0.min(stamp), span.1.max(stamp));
+            log_span = (log_span.0.min(log), log_span.1.max(log));
+        }
+        (back, log_back, span, log_span)
+    };
+    let of_ego = stamps(&mut ego.iter().map(|s| (s.stamp_ns, s.log_ns)));
+    let of_objects = stamps(&mut objects.iter().map(|s| (s.stamp_ns, s.log_ns)));
+    if of_ego.1 || of_objects.1 || ego.is_empty() {
+        // Receipt goes back as well: nothing is gained.
+        return None;
+    }
+    let apart = |a: (i64, i64), b: (i64, i64)| a.1 < b.0 || b.1 < a.0;
+    let two =
+        !objects.is_empty() && apart(of_ego.2, of_objects.2) && !apart(of_ego.3, of_objects.3);
+    let why = if of_ego.0 {
+        "the clock of ego's header stamps was set back: times of receipt are used"
+    } else if two {
+        "ego and the others are on two clocks: times of receipt are used"
+    } else {
+        return None;
+    };
+    ego.iter_mut().for_each(|s| s.stamp_ns = s.log_ns);
+    objects.iter_mut().for_each(|s| s.stamp_ns = s.log_ns);
+    Some(why)
 }
 
 /// Damage as warnings, with times since the first message.
@@ -115,154 +222,286 @@ pub(crate) fn damage_warnings(
     damage.iter().map(warning).collect()
 }
 
-#[derive(Debug)]
-struct Stream {
-    channel: Channel,
-    type_name: String,
-    decoder: Result<Decoder, String>,
-    messages: usize,
-    bad: usize,
-    ego: Vec<EgoSample>,
-    objects: Vec<ObjectSample>,
-    /// Lengths of the four counters above when the chunk began.
-    mark: [usize; 4],
-}
-
-impl Default for Stream {
-    fn default() -> Self {
+impl EgoRow {
+    fn of_object(object: &ObjectSample) -> Self {
         Self {
-            channel: Channel {
-                id: 0,
-                schema_id: 0,
-                topic: String::new(),
-                encoding: String::new(),
+            sample: EgoSample {
+                stamp_ns: object.stamp_ns,
+                log_ns: object.log_ns,
+                x_m: object.x_m,
+                y_m: object.y_m,
+                yaw_rad: None,
+                speed_mps: Some(object.speed_mps),
             },
-            type_name: String::new(),
-            decoder: Err(String::new()),
-            messages: 0,
-            bad: 0,
-            ego: Vec::new(),
-            objects: Vec::new(),
-            mark: [0; 4],
+            twist: None,
         }
     }
 }
 
+#[derive(Debug)]
+struct Stream {
+    channel: Channel,
+    schema: Option<OwnedSchema>,
+    decoder: Result<Decoder, String>,
+    messages: usize,
+    bad: usize,
+    ego: Vec<EgoRow>,
+    objects: Vec<ObjectSample>,
+    making: Objects,
+    identity: Option<u32>,
+    twist: Option<TwistFrame>,
+    /// Lengths of the four counters above when the chunk began.
+    mark: [usize; 4],
+}
+
 impl Stream {
-    fn new(channel: Channel, schema: Option<&OwnedSchema>) -> Self {
+    fn new(channel: Channel, schema: Option<&OwnedSchema>, mapping: Option<&McapMapping>) -> Self {
+        let mapped = mapping.map_or(&[][..], |m| &m.messages);
         Self {
-            type_name: schema.map_or_else(String::new, |s| s.name.clone()),
-            decoder: decoder(&channel, schema),
+            decoder: decoder(&channel, schema, mapped),
+            schema: schema.cloned(),
             channel,
-            ..Self::default()
+            messages: 0,
+            bad: 0,
+            ego: Vec::new(),
+            objects: Vec::new(),
+            making: Objects::default(),
+            identity: None,
+            twist: mapping.and_then(|m| m.objects_twist),
+            mark: [0; 4],
         }
+    }
+
+    /// Whether this is the channel of another file of the same recording.
+    fn goes_on_as(&self, channel: &Channel, schema: Option<&OwnedSchema>) -> bool {
+        self.channel.topic == channel.topic
+            && self.channel.encoding == channel.encoding
+            && match (&self.schema, schema) {
+                (Some(a), Some(b)) => a == b || same_type(&a.name, &b.name) && a.has_data(b),
+                (None, None) => true,
+                _ => false,
+            }
+    }
+
+    fn role(&self) -> Option<Role> {
+        let decoder = self.decoder.as_ref().ok()?;
+        decoder.reading.as_ref().map(|r| r.role)
     }
 
     fn found(&self) -> Found<'_> {
         Found {
             topic: &self.channel.topic,
-            type_name: &self.type_name,
+            type_name: self.schema.as_ref().map_or("", |s| s.name.as_str()),
             messages: self.messages,
-            role: self
-                .decoder
-                .as_ref()
-                .map(|d| d.role)
-                .map_err(String::as_str),
+            role: match &self.decoder {
+                Ok(_) => Ok(self.role()),
+                Err(why) => Err(why),
+            },
         }
     }
 
     fn take(&mut self, message: Message<'_>, row: &mut Vec<f64>) {
         self.messages += 1;
-        let Ok(Decoder {
-            role: Some(role),
-            plan,
-        }) = &self.decoder
-        else {
+        let Ok(decoder) = &self.decoder else { return };
+        let Some(reading) = &decoder.reading else {
             return;
         };
         let log_ns = i64::try_from(message.log_ns).unwrap_or(i64::MAX);
-        let objects = &mut self.objects;
-        let before = objects.len();
-        let walked = plan.run(message.data, row, &mut |row| {
-            objects.extend(object_sample(row, log_ns));
+        let before = self.objects.len();
+        let (objects, making, twist) = (&mut self.objects, &mut self.making, self.twist);
+        let (role, convention): (Role, Convention) = (reading.role, reading.convention);
+        let walked = decoder.codec.run(message.data, row, &mut |row| {
+            if role == Role::Objects {
+                objects.extend(making.sample(row, log_ns, convention, twist));
+            }
         });
         if walked.is_err() {
             // Half a message is none.
-            objects.truncate(before);
+            self.objects.truncate(before);
             self.bad += 1;
-        } else if *role != Role::Objects {
-            self.ego.push(ego_sample(row, log_ns));
+            return;
+        }
+        match role {
+            Role::Objects => {}
+            Role::Identity => self.identity = row.first().map(|&id| id as u32),
+            Role::Odometry | Role::Pose | Role::Fix | Role::Speed => {
+                self.ego.push(ego_row(row, log_ns));
+            }
         }
     }
 }
 
 #[derive(Debug, Default)]
-struct Collector {
+struct Collector<'a> {
+    mapping: Option<&'a McapMapping>,
+    /// Declarations of the file that is being read.
     schemas: BTreeMap<u16, OwnedSchema>,
-    streams: BTreeMap<u16, Stream>,
+    ids: BTreeMap<u16, usize>,
+    /// Declarations of each file that its messages may need before they come.
+    known: Vec<Declarations>,
+    part: usize,
+    streams: Vec<Stream>,
     drive: Option<BTreeMap<String, String>>,
     first_ns: Option<u64>,
     /// Messages whose channel was not known when they came.
     undeclared: usize,
     row: Vec<f64>,
+    /// Declarations of the chunk that is being read.
+    fresh: (Vec<u16>, Vec<u16>),
+    mark: (Option<u64>, usize, usize),
 }
 
-impl Collector {
+/// What a file declares; declarations of damaged chunks are kept apart.
+#[derive(Debug, Clone, Default)]
+struct Declarations {
+    schemas: BTreeMap<u16, OwnedSchema>,
+    channels: BTreeMap<u16, Channel>,
+    doubtful_schemas: BTreeMap<u16, OwnedSchema>,
+    doubtful_channels: BTreeMap<u16, Channel>,
+}
+
+impl<'a> Collector<'a> {
+    fn new(mapping: Option<&'a McapMapping>) -> Self {
+        Self {
+            mapping,
+            ..Self::default()
+        }
+    }
+
+    fn walk_all(
+        &mut self,
+        parts: &[PathBuf],
+        recover: bool,
+    ) -> Result<Vec<Vec<Damage>>, IngestError> {
+        let mut damage = Vec::with_capacity(parts.len());
+        for (i, part) in parts.iter().enumerate() {
+            self.begin(i);
+            damage.push(walk(part, recover, self)?);
+        }
+        Ok(damage)
+    }
+
+    /// Starts a file: its channel numbers are its own.
+    fn begin(&mut self, part: usize) {
+        self.part = part;
+        self.schemas.clear();
+        self.ids.clear();
+        if self.known.len() <= part {
+            self.known.resize(part + 1, Declarations::default());
+            return;
+        }
+        let mut known = self.known[part].clone();
+        for (id, schema) in std::mem::take(&mut known.doubtful_schemas) {
+            known.schemas.entry(id).or_insert(schema);
+        }
+        for (id, channel) in std::mem::take(&mut known.doubtful_channels) {
+            known.channels.entry(id).or_insert(channel);
+        }
+        self.schemas = known.schemas;
+        for channel in known.channels.into_values() {
+            self.declare(channel);
+        }
+    }
+
+    fn declare(&mut self, channel: Channel) {
+        let schema = self.schemas.get(&channel.schema_id);
+        let id = channel.id;
+        let same = self
+            .streams
+            .iter()
+            .position(|s| s.goes_on_as(&channel, schema));
+        // Within one file two channels of one topic stay two.
+        let same = same.filter(|i| !self.ids.values().any(|j| j == i));
+        let index = same.unwrap_or_else(|| {
+            self.streams
+                .push(Stream::new(channel, schema, self.mapping));
+            self.streams.len() - 1
+        });
+        self.ids.insert(id, index);
+    }
+
+    fn knows_more(&self) -> bool {
+        let any = |d: &Declarations| !d.channels.is_empty() || !d.doubtful_channels.is_empty();
+        self.known.iter().any(any)
+    }
+
     /// A new collector that knows the declarations that this one met.
     fn knowing(self) -> Self {
-        let streams = self.streams.into_iter().map(|(id, stream)| {
-            let schema = self.schemas.get(&stream.channel.schema_id);
-            (id, Stream::new(stream.channel, schema))
-        });
         Self {
-            streams: streams.collect(),
-            schemas: self.schemas,
-            ..Self::default()
+            known: self.known,
+            ..Self::new(self.mapping)
         }
     }
 }
 
-impl Visitor for Collector {
+impl Visitor for Collector<'_> {
     fn record(&mut self, record: Record<'_>) {
         match record {
             Record::Header(..) | Record::Other => {}
             Record::Schema(schema) => {
-                self.schemas
-                    .entry(schema.id)
-                    .or_insert_with(|| schema.into());
+                if !self.schemas.contains_key(&schema.id) {
+                    let (id, schema) = (schema.id, OwnedSchema::from(schema));
+                    self.known[self.part].schemas.insert(id, schema.clone());
+                    self.schemas.insert(id, schema);
+                    self.fresh.0.push(id);
+                }
             }
             Record::Channel(channel) => {
-                let schema = self.schemas.get(&channel.schema_id);
-                self.streams
-                    .entry(channel.id)
-                    .or_insert_with(|| Stream::new(channel, schema));
+                if !self.ids.contains_key(&channel.id) {
+                    self.fresh.1.push(channel.id);
+                    self.known[self.part]
+                        .channels
+                        .insert(channel.id, channel.clone());
+                    self.declare(channel);
+                }
             }
             Record::Message(message) => {
                 self.first_ns = Some(self.first_ns.unwrap_or(message.log_ns).min(message.log_ns));
-                match self.streams.get_mut(&message.channel) {
+                let index = self.ids.get(&message.channel);
+                match index.and_then(|&i| self.streams.get_mut(i)) {
                     Some(stream) => stream.take(message, &mut self.row),
                     None => self.undeclared += 1,
                 }
             }
             Record::Metadata(metadata) => {
                 if metadata.name == metadata::NAME {
-                    self.drive = Some(metadata.values);
+                    self.drive.get_or_insert(metadata.values);
                 }
             }
         }
     }
 
     fn mark(&mut self) {
-        for s in self.streams.values_mut() {
+        self.fresh = Default::default();
+        self.mark = (self.first_ns, self.undeclared, self.streams.len());
+        for s in &mut self.streams {
             s.mark = [s.messages, s.bad, s.ego.len(), s.objects.len()];
         }
     }
 
     fn roll_back(&mut self) {
-        for s in self.streams.values_mut() {
+        let (first_ns, undeclared, streams) = self.mark;
+        (self.first_ns, self.undeclared) = (first_ns, undeclared);
+        self.streams.truncate(streams);
+        for s in &mut self.streams {
             [s.messages, s.bad, ..] = s.mark;
             s.ego.truncate(s.mark[2]);
             s.objects.truncate(s.mark[3]);
+        }
+        // What a damaged chunk declares is believed only if nothing else does.
+        let known = &mut self.known[self.part];
+        let (schemas, channels) = std::mem::take(&mut self.fresh);
+        for id in channels {
+            self.ids.remove(&id);
+            known
+                .doubtful_channels
+                .extend(known.channels.remove_entry(&id));
+        }
+        for id in schemas {
+            self.schemas.remove(&id);
+            known
+                .doubtful_schemas
+                .extend(known.schemas.remove_entry(&id));
         }
     }
 }

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 /// Opcodes of the container.
 pub(crate) mod op {
     pub(crate) use mcap::records::op::{
-        CHANNEL, CHUNK, DATA_END, FOOTER, HEADER, MESSAGE, METADATA, SCHEMA,
+        CHANNEL, CHUNK, DATA_END, FOOTER, HEADER, MESSAGE, MESSAGE_INDEX, METADATA, SCHEMA,
+        STATISTICS,
     };
     /// The highest opcode that the format has given out.
     pub(crate) const LAST_KNOWN: u8 = DATA_END;
@@ -137,6 +138,37 @@ pub(crate) fn parse(opcode: u8, content: &[u8]) -> Option<Record<'_>> {
         }
         _ => Record::Other,
     })
+}
+
+/// Whether a record that is not read could be what its opcode says, by the start of its content.
+pub(crate) fn is_plausible(opcode: u8, start: &[u8], length: u64) -> bool {
+    match opcode {
+        op::MESSAGE_INDEX => {
+            let mut fields = Fields(start);
+            let array = fields.u16().and_then(|_| fields.u32());
+            array.is_some_and(|a| a % 16 == 0 && length >= 6 + u64::from(a))
+        }
+        op::FOOTER => length >= 20,
+        _ => length >= 4,
+    }
+}
+
+/// The end of a file by its footer: where the summary starts (0 without one) and the summary's checksum.
+pub(crate) fn footer(content: &[u8]) -> Option<(u64, u32)> {
+    let mut fields = Fields(content);
+    let start = fields.u64()?;
+    fields.u64()?;
+    Some((start, fields.u32()?))
+}
+
+/// Number of messages by a statistics record.
+pub(crate) fn statistics(content: &[u8]) -> Option<u64> {
+    Fields(content).u64()
+}
+
+/// Checksum of all bytes before a data end record; 0 means none.
+pub(crate) fn data_end(content: &[u8]) -> Option<u32> {
+    Fields(content).u32()
 }
 
 #[cfg(test)]

@@ -1,34 +1,66 @@
 //! From the numbers that a plan took to samples.
 
-use crate::raw::{EgoSample, ObjectSample};
+use super::roles::{Convention, OBJECT_SLOTS};
+use crate::{
+    mapping::TwistFrame,
+    raw::{EgoSample, ObjectSample},
+};
+use std::collections::BTreeMap;
 
-/// A stamp from its two slots; those of ROS 2 fit, and others saturate.
+/// A stamp from its two slots; those of ROS 2 fit, others saturate, and a missing one is 0.
 fn stamp_ns(row: &[f64]) -> i64 {
-    (row[0] as i64)
+    let part = |value: f64| if value.is_nan() { 0.0 } else { value };
+    let (sec, nanosec) = (part(row[0]), part(row[1]));
+    (sec.trunc() as i64)
         .saturating_mul(1_000_000_000)
-        .saturating_add(row[1] as i64)
+        .saturating_add((sec.fract() * 1e9).round() as i64)
+        .saturating_add(nanosec as i64)
 }
 
 /// Heading from a quaternion; none where it is all zeros, as in a message nobody filled in.
-fn yaw_rad(q: &[f64]) -> Option<f64> {
+fn heading(q: &[f64]) -> Option<f64> {
     let &[x, y, z, w] = q else { return None };
     let norm2 = x * x + y * y + z * z + w * w;
     (norm2 > 0.5).then(|| (2.0 * (w * z + x * y)).atan2(w * w + x * x - y * y - z * z))
 }
 
-/// Odometry's slots (a pose has no twist): the twist is in ego's own frame.
-pub(crate) fn ego_sample(row: &[f64], log_ns: i64) -> EgoSample {
-    let speed_mps = match row {
-        [.., vx, vy] if row.len() > 8 => Some(vx.hypot(*vy).copysign(*vx)),
-        _ => None,
-    };
-    EgoSample {
-        stamp_ns: stamp_ns(row),
-        log_ns,
-        x_m: row[2],
-        y_m: row[3],
-        yaw_rad: yaw_rad(&row[4..8]),
-        speed_mps,
+/// An object's heading as a vector, of any length; east where it is not known.
+fn direction(row: &[f64]) -> (f64, f64) {
+    let (yaw, x, y, z, w) = (row[10], row[4], row[5], row[6], row[7]);
+    if !yaw.is_nan() {
+        (yaw.cos(), yaw.sin())
+    } else if x * x + y * y + z * z + w * w > 0.5 {
+        (w * w + x * x - y * y - z * z, 2.0 * (w * z + x * y))
+    } else {
+        (1.0, 0.0)
+    }
+}
+
+fn known(value: f64) -> Option<f64> {
+    (!value.is_nan()).then_some(value)
+}
+
+/// Ego's sample with its twist, whose frame is settled once all are there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct EgoRow {
+    pub(crate) sample: EgoSample,
+    pub(crate) twist: Option<(f64, f64)>,
+}
+
+/// Ego's slots.
+pub(crate) fn ego_row(row: &[f64], log_ns: i64) -> EgoRow {
+    let twist = known(row[8]).zip(known(row[9]));
+    let of_twist = twist.map(|(vx, vy)| vx.hypot(vy).copysign(vx));
+    EgoRow {
+        sample: EgoSample {
+            stamp_ns: stamp_ns(row),
+            log_ns,
+            x_m: row[2],
+            y_m: row[3],
+            yaw_rad: known(row[10]).or_else(|| heading(&row[4..8])),
+            speed_mps: known(row[11]).or(of_twist),
+        },
+        twist,
     }
 }
 
@@ -37,33 +69,276 @@ const SPHERE: f64 = 2.0;
 const CYLINDER: f64 = 3.0;
 /// Pedestrians, barriers and signs: no vehicles.
 const NO_VEHICLE: [f64; 3] = [4.0, 10.0, 11.0];
+/// Autoware's shape without a length of its own.
+const POLYGON: f64 = 2.0;
+/// Autoware's first label that is no vehicle: pedestrians, then animals and hazards.
+const PEDESTRIAN: f64 = 7.0;
 
-/// An object's slots: the twist is in the frame of the map, the pose is of the centre.
-pub(crate) fn object_sample(row: &[f64], log_ns: i64) -> Option<ObjectSample> {
-    let &[.., vx, vy, id, shape, first, second, class] = row else {
-        return None;
-    };
-    let is = |value: f64, code: f64| (value - code).abs() < 0.5;
-    if NO_VEHICLE.iter().any(|&code| is(class, code)) {
+/// Makes samples of objects.
+#[derive(Debug, Default)]
+pub(crate) struct Objects {
+    /// Numbers given to UUIDs, in the order of their first appearance.
+    numbers: BTreeMap<u128, u32>,
+}
+
+impl Objects {
+    /// An object's slots: the pose is of its centre. None for what is no vehicle.
+    pub(crate) fn sample(
+        &mut self,
+        row: &[f64],
+        log_ns: i64,
+        convention: Convention,
+        twist: Option<TwistFrame>,
+    ) -> Option<ObjectSample> {
+        let is = |value: f64, code: f64| (value - code).abs() < 0.5;
+        let [shape, first, second, class] = *row.get(14..18)?.first_chunk()?;
+        let uuid = &row[OBJECT_SLOTS.len()..];
+        let (vehicle, length_m) = match convention {
+            Convention::Mapped => (true, known(row[13])),
+            Convention::Autoware => {
+                let length = (!is(shape, POLYGON)).then_some(first);
+                (class.is_nan() || class < PEDESTRIAN, length)
+            }
+            Convention::Derived => {
+                let length = if is(shape, BOX) {
+                    Some(first)
+                } else if is(shape, SPHERE) {
+                    Some(2.0 * first)
+                } else if is(shape, CYLINDER) {
+                    Some(2.0 * second)
+                } else {
+                    None
+                };
+                (!NO_VEHICLE.iter().any(|&code| is(class, code)), length)
+            }
+        };
+        if !vehicle {
+            return None;
+        }
+        let id = if uuid.is_empty() {
+            row[12] as u32
+        } else {
+            let key = uuid
+                .iter()
+                .fold(0, |key, &byte| key << 8 | u128::from(byte as u8));
+            let next = u32::try_from(self.numbers.len()).unwrap_or(u32::MAX);
+            *self.numbers.entry(key).or_insert(next)
+        };
+        let (vx, vy) = (row[8], row[9]);
+        let frame = twist.unwrap_or(match convention {
+            Convention::Autoware => TwistFrame::Object,
+            Convention::Derived | Convention::Mapped => TwistFrame::Map,
+        });
+        let forward = match frame {
+            TwistFrame::Object => vx,
+            TwistFrame::Map => {
+                let (x, y) = direction(row);
+                vx * x + vy * y
+            }
+        };
+        Some(ObjectSample {
+            stamp_ns: stamp_ns(row),
+            log_ns,
+            id,
+            x_m: row[2],
+            y_m: row[3],
+            speed_mps: known(row[11]).unwrap_or(vx.hypot(vy).copysign(forward)),
+            length_m: length_m.filter(|l| l.is_finite() && *l > 0.0),
+        })
+    }
+}
+
+/// Speed below which a twist has no direction worth comparing, in m/s.
+const MOVING_MPS: f64 = 2.0;
+/// Samples that it takes to tell a twist's frame.
+const TELLING: usize = 20;
+
+/// Takes ego's speeds for what they are, and says what was found where that is not what the type promises.
+///
+/// A twist in the frame of the map instead of ego's own is told from the way ego moves: its speed is then the part along
+/// ego's heading. Speeds that are all zero while ego moves are none.
+pub(crate) fn settle_speeds(rows: &mut [EgoRow]) -> Option<&'static str> {
+    let moved = |a: &EgoRow, b: &EgoRow| (b.sample.x_m - a.sample.x_m, b.sample.y_m - a.sample.y_m);
+    let still = |r: &EgoRow| r.sample.speed_mps.is_some_and(|v| v == 0.0);
+    if rows.iter().all(still) {
+        let way: f64 = rows
+            .windows(2)
+            .map(|w| moved(&w[0], &w[1]))
+            .map(|(x, y)| x.hypot(y))
+            .sum();
+        if way > 10.0 {
+            rows.iter_mut().for_each(|r| r.sample.speed_mps = None);
+            return Some("ego moves but its recorded speeds are all 0: they are not used");
+        }
         return None;
     }
-    let length_m = if is(shape, BOX) {
-        Some(first)
-    } else if is(shape, SPHERE) {
-        Some(2.0 * first)
-    } else if is(shape, CYLINDER) {
-        Some(2.0 * second)
-    } else {
-        None
+    let (mut own, mut map, mut n) = (0.0, 0.0, 0);
+    for w in rows.windows(2) {
+        let (Some((vx, vy)), Some(yaw)) = (w[0].twist, w[0].sample.yaw_rad) else {
+            continue;
+        };
+        let (dx, dy) = moved(&w[0], &w[1]);
+        let (speed, way) = (vx.hypot(vy), dx.hypot(dy));
+        if speed < MOVING_MPS || way < 1e-3 || !speed.is_finite() || !way.is_finite() {
+            continue;
+        }
+        let (sin, cos) = yaw.sin_cos();
+        own += ((vx * cos - vy * sin) * dx + (vx * sin + vy * cos) * dy) / (speed * way);
+        map += (vx * dx + vy * dy) / (speed * way);
+        n += 1;
+    }
+    let (own, map) = (own / n as f64, map / n as f64);
+    if n < TELLING || map < 0.9 || own > 0.7 {
+        return None;
+    }
+    for row in rows {
+        if let (Some((vx, vy)), Some(yaw)) = (row.twist, row.sample.yaw_rad) {
+            let along = vx * yaw.cos() + vy * yaw.sin();
+            row.sample.speed_mps = Some(vx.hypot(vy).copysign(along));
+        }
+    }
+    Some(
+        "ego's twist is in the frame of the map, not in its own: its speed is the part along its heading",
+    )
+}
+
+/// Ego's speeds from a channel of their own, between its samples no more than `max_gap_s` apart.
+pub(crate) fn join_speeds(ego: &mut [EgoSample], speeds: &[EgoSample], max_gap_s: f64) {
+    let mut sorted: Vec<&EgoSample> = speeds.iter().filter(|s| s.speed_mps.is_some()).collect();
+    sorted.sort_by_key(|s| s.stamp_ns);
+    let most_ns = (max_gap_s * 1e9) as i64;
+    for sample in ego.iter_mut().filter(|s| s.speed_mps.is_none()) {
+        let next = sorted.partition_point(|s| s.stamp_ns <= sample.stamp_ns);
+        let before = next.checked_sub(1).map(|i| sorted[i]);
+        let after = sorted.get(next).copied();
+        sample.speed_mps = match (before, after) {
+            (Some(a), _) if a.stamp_ns == sample.stamp_ns => a.speed_mps,
+            (Some(a), Some(b)) if b.stamp_ns.saturating_sub(a.stamp_ns) <= most_ns => {
+                let w = (sample.stamp_ns - a.stamp_ns) as f64 / (b.stamp_ns - a.stamp_ns) as f64;
+                a.speed_mps.zip(b.speed_mps).map(|(a, b)| a + w * (b - a))
+            }
+            _ => None,
+        };
+    }
+}
+
+/// Places fixes on a plane that touches the Earth at the first of them: x to the east, y to the north, in m.
+///
+/// # Source
+/// Radii of curvature of the WGS 84 ellipsoid; within 10 km of the first fix the plane is true to some centimetres a km.
+pub(crate) fn flatten(ego: &mut [EgoSample]) {
+    const RADIUS_M: f64 = 6_378_137.0;
+    const ECCENTRICITY2: f64 = 6.694_379_990_141e-3;
+    let on_earth =
+        |s: &EgoSample| s.x_m.abs() <= 180.0 && s.y_m.abs() < 90.0 && (s.x_m, s.y_m) != (0.0, 0.0);
+    let Some(first) = ego.iter().find(|s| on_earth(s)).copied() else {
+        return;
     };
-    let forward = yaw_rad(&row[4..8]).map_or(1.0, |yaw| vx * yaw.cos() + vy * yaw.sin());
-    Some(ObjectSample {
-        stamp_ns: stamp_ns(row),
-        log_ns,
-        id: id as u32,
-        x_m: row[2],
-        y_m: row[3],
-        speed_mps: vx.hypot(vy).copysign(forward),
-        length_m: length_m.filter(|l| l.is_finite() && *l > 0.0),
-    })
+    let (sin, cos) = first.y_m.to_radians().sin_cos();
+    let w2 = 1.0 - ECCENTRICITY2 * sin * sin;
+    let east = RADIUS_M / w2.sqrt() * cos;
+    let north = RADIUS_M * (1.0 - ECCENTRICITY2) / (w2 * w2.sqrt());
+    for s in ego {
+        let there = on_earth(s);
+        let across = (s.x_m - first.x_m + 540.0).rem_euclid(360.0) - 180.0;
+        s.x_m = if there {
+            across.to_radians() * east
+        } else {
+            f64::NAN
+        };
+        s.y_m = (s.y_m - first.y_m).to_radians() * north;
+    }
+}
+
+/// Turns a left-handed frame into a right-handed one: y to the left.
+pub(crate) fn turn(ego: &mut [EgoRow], objects: &mut [ObjectSample]) {
+    for row in ego {
+        row.sample.y_m = -row.sample.y_m;
+        row.sample.yaw_rad = row.sample.yaw_rad.map(|yaw| -yaw);
+        row.twist = row.twist.map(|(vx, vy)| (vx, -vy));
+    }
+    for object in objects {
+        object.y_m = -object.y_m;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(i: i64, x_m: f64, y_m: f64, yaw: f64, twist: (f64, f64)) -> EgoRow {
+        EgoRow {
+            sample: EgoSample {
+                stamp_ns: i * 100_000_000,
+                log_ns: 0,
+                x_m,
+                y_m,
+                yaw_rad: Some(yaw),
+                speed_mps: Some(twist.0.hypot(twist.1).copysign(twist.0)),
+            },
+            twist: Some(twist),
+        }
+    }
+
+    #[test]
+    fn a_twist_in_the_frame_of_the_map_is_told_from_the_way_ego_moves() {
+        let west = std::f64::consts::PI;
+        let drive = |twist| -> Vec<EgoRow> {
+            (0..100)
+                .map(|i| row(i, -(i as f64), 0.0, west, twist))
+                .collect()
+        };
+        let mut own = drive((10.0, 0.0));
+        assert_eq!(settle_speeds(&mut own), None);
+        assert_eq!(own[5].sample.speed_mps, Some(10.0));
+        let mut map = drive((-10.0, 0.0));
+        assert!(
+            settle_speeds(&mut map)
+                .unwrap()
+                .contains("frame of the map")
+        );
+        assert_eq!(map[5].sample.speed_mps, Some(10.0));
+        // Backwards in its own frame: it moves against its heading.
+        let mut back: Vec<EgoRow> = (0..100)
+            .map(|i| row(i, i as f64, 0.0, west, (-10.0, 0.0)))
+            .collect();
+        assert_eq!(settle_speeds(&mut back), None);
+        assert_eq!(back[5].sample.speed_mps, Some(-10.0));
+        let mut zero: Vec<EgoRow> = (0..100)
+            .map(|i| row(i, i as f64, 0.0, 0.0, (0.0, 0.0)))
+            .collect();
+        assert!(settle_speeds(&mut zero).unwrap().contains("all 0"));
+        assert_eq!(zero[5].sample.speed_mps, None);
+    }
+
+    #[test]
+    fn a_degree_on_earth_is_as_long_as_it_is() {
+        let mut ego = [(8.0, 50.0), (8.001, 50.0), (8.0, 50.001)]
+            .map(|(x, y)| row(0, x, y, 0.0, (0.0, 0.0)).sample);
+        flatten(&mut ego);
+        // Geodesic distances on the WGS 84 ellipsoid.
+        assert!((ego[1].x_m - 71.696).abs() < 0.01, "{}", ego[1].x_m);
+        assert!((ego[2].y_m - 111.229).abs() < 0.01, "{}", ego[2].y_m);
+    }
+
+    #[test]
+    fn speeds_of_another_channel_are_joined_but_not_over_a_hole() {
+        let mut ego: Vec<EgoSample> = (0..4)
+            .map(|i| row(i, 0.0, 0.0, 0.0, (0.0, 0.0)).sample)
+            .collect();
+        ego.iter_mut().for_each(|s| s.speed_mps = None);
+        let at = |ns, v| EgoSample {
+            stamp_ns: ns,
+            speed_mps: Some(v),
+            ..ego[0]
+        };
+        let speeds = [
+            at(50_000_000, 2.0),
+            at(150_000_000, 4.0),
+            at(900_000_000, 9.0),
+        ];
+        join_speeds(&mut ego, &speeds, 0.5);
+        let found: Vec<Option<f64>> = ego.iter().map(|s| s.speed_mps).collect();
+        assert_eq!(found, [None, Some(3.0), None, None]);
+    }
 }

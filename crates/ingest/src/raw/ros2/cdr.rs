@@ -1,4 +1,4 @@
-//! The bytes of a message (CDR): alignment, byte order, strings, and a writer for our own.
+//! The bytes of a message (CDR, and ROS 1's): alignment, byte order, sizes, and a writer for our own.
 
 use super::definition::Primitive;
 
@@ -8,9 +8,55 @@ pub(crate) enum CdrError {
     /// Fewer bytes than the definition asks for.
     #[error("its bytes end early")]
     End,
-    /// An encapsulation that is not plain CDR.
-    #[error("its encapsulation {0:02x} {1:02x} is not plain CDR")]
+    /// A parameter list, or an encapsulation that is unknown.
+    #[error("its encapsulation {0:02x} {1:02x} is neither plain nor delimited CDR")]
     Encapsulation(u8, u8),
+}
+
+/// How the bytes of a message are laid out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Layout {
+    pub(crate) big_endian: bool,
+    /// Largest alignment: 8 (XCDR1), 4 (XCDR2) or 1 (ROS 1).
+    pub(crate) most_align: usize,
+    /// Whether every structure starts with its size (delimited XCDR2).
+    pub(crate) delimited_structures: bool,
+    /// Whether collections of anything but numbers start with their size (XCDR2).
+    pub(crate) delimited_collections: bool,
+    /// Bytes of a character of a wide string.
+    pub(crate) wide: u8,
+}
+
+impl Layout {
+    /// ROS 1: little-endian, nothing is aligned.
+    pub(crate) const ROS1: Self = Self {
+        big_endian: false,
+        most_align: 1,
+        delimited_structures: false,
+        delimited_collections: false,
+        wide: 4,
+    };
+
+    /// The layout that four bytes of encapsulation declare.
+    ///
+    /// # Errors
+    /// [`CdrError::Encapsulation`] for parameter lists and what is unknown.
+    pub(crate) fn declared(head: [u8; 4]) -> Result<Self, CdrError> {
+        let (xcdr2, delimited) = match head[..2] {
+            [0, 0 | 1] => (false, false),
+            // As registered for RTPS, and as XTypes first numbered them.
+            [0, 6 | 7 | 0x10 | 0x11] => (true, false),
+            [0, 8 | 9 | 0x14 | 0x15] => (true, true),
+            _ => return Err(CdrError::Encapsulation(head[0], head[1])),
+        };
+        Ok(Self {
+            big_endian: head[1].is_multiple_of(2),
+            most_align: if xcdr2 { 4 } else { 8 },
+            delimited_structures: delimited,
+            delimited_collections: xcdr2,
+            wide: 4,
+        })
+    }
 }
 
 /// Reads along a message; positions and alignment count from behind the encapsulation.
@@ -18,28 +64,17 @@ pub(crate) enum CdrError {
 pub(crate) struct Reader<'a> {
     bytes: &'a [u8],
     at: usize,
-    big_endian: bool,
-    most_align: usize,
+    pub(crate) layout: Layout,
 }
 
 impl<'a> Reader<'a> {
-    /// Takes a message with its four bytes of encapsulation: XCDR1 or plain XCDR2, either byte order.
-    ///
-    /// # Errors
-    /// [`CdrError`] for other encapsulations.
-    pub(crate) fn new(message: &'a [u8]) -> Result<Self, CdrError> {
-        let (head, bytes) = message.split_at_checked(4).ok_or(CdrError::End)?;
-        let most_align = match (head[0], head[1]) {
-            (0, 0 | 1) => 8,
-            (0, 6 | 7) => 4,
-            (a, b) => return Err(CdrError::Encapsulation(a, b)),
-        };
-        Ok(Self {
+    /// Takes the bytes behind the encapsulation.
+    pub(crate) fn new(bytes: &'a [u8], layout: Layout) -> Self {
+        Self {
             bytes,
             at: 0,
-            big_endian: head[1].is_multiple_of(2),
-            most_align,
-        })
+            layout,
+        }
     }
 
     /// Bytes not read yet.
@@ -47,39 +82,61 @@ impl<'a> Reader<'a> {
         self.bytes.len() - self.at
     }
 
+    /// Bytes read.
+    pub(crate) fn at(&self) -> usize {
+        self.at
+    }
+
+    /// Goes on at `at`, which lies within the message.
+    ///
+    /// # Errors
+    /// [`CdrError::End`] past the end.
+    pub(crate) fn go_to(&mut self, at: usize) -> Result<(), CdrError> {
+        if at > self.bytes.len() {
+            return Err(CdrError::End);
+        }
+        self.at = at;
+        Ok(())
+    }
+
+    /// The next `length` bytes.
+    ///
+    /// # Errors
+    /// [`CdrError::End`] past the end.
+    pub(crate) fn block(&mut self, length: u64) -> Result<&'a [u8], CdrError> {
+        if length > self.remaining() as u64 {
+            return Err(CdrError::End);
+        }
+        let start = self.at;
+        self.at += length as usize;
+        Ok(&self.bytes[start..self.at])
+    }
+
     fn take<const N: usize>(&mut self) -> Result<[u8; N], CdrError> {
         self.align(N);
         let rest = self.bytes.get(self.at..).ok_or(CdrError::End)?;
         let mut value = *rest.first_chunk::<N>().ok_or(CdrError::End)?;
         self.at += N;
-        if self.big_endian {
+        if self.layout.big_endian {
             value.reverse();
         }
         Ok(value)
     }
 
     fn align(&mut self, size: usize) {
-        let align = size.min(self.most_align);
+        let align = size.min(self.layout.most_align);
         self.at = self.at.next_multiple_of(align).min(self.bytes.len());
     }
 
-    /// Reads a number.
+    /// Reads a number, aligned.
     ///
     /// # Errors
     /// [`CdrError::End`] past the end.
     pub(crate) fn number(&mut self, primitive: Primitive) -> Result<f64, CdrError> {
-        Ok(match primitive {
-            Primitive::U8 => f64::from(u8::from_le_bytes(self.take()?)),
-            Primitive::I8 => f64::from(i8::from_le_bytes(self.take()?)),
-            Primitive::U16 => f64::from(u16::from_le_bytes(self.take()?)),
-            Primitive::I16 => f64::from(i16::from_le_bytes(self.take()?)),
-            Primitive::U32 => f64::from(u32::from_le_bytes(self.take()?)),
-            Primitive::I32 => f64::from(i32::from_le_bytes(self.take()?)),
-            Primitive::U64 => u64::from_le_bytes(self.take()?) as f64,
-            Primitive::I64 => i64::from_le_bytes(self.take()?) as f64,
-            Primitive::F32 => f64::from(f32::from_le_bytes(self.take()?)),
-            Primitive::F64 => f64::from_le_bytes(self.take()?),
-        })
+        let size = usize::from(primitive.size());
+        self.align(size);
+        let bytes = self.block(size as u64)?;
+        number(bytes, primitive, self.layout.big_endian).ok_or(CdrError::End)
     }
 
     /// Reads a length or count.
@@ -88,6 +145,18 @@ impl<'a> Reader<'a> {
     /// [`CdrError::End`] past the end.
     pub(crate) fn count(&mut self) -> Result<u64, CdrError> {
         Ok(u64::from(u32::from_le_bytes(self.take()?)))
+    }
+
+    /// Reads a size that stands before a structure or collection and gives where that ends.
+    ///
+    /// # Errors
+    /// [`CdrError::End`] past the end.
+    pub(crate) fn delimiter(&mut self) -> Result<usize, CdrError> {
+        let size = self.count()?;
+        if size > self.remaining() as u64 {
+            return Err(CdrError::End);
+        }
+        Ok(self.at + size as usize)
     }
 
     /// Passes over `count` numbers of `size` bytes; none of them needs no padding either.
@@ -106,6 +175,30 @@ impl<'a> Reader<'a> {
         self.at += bytes as usize;
         Ok(())
     }
+}
+
+/// The number at the start of `bytes`; none where they end early.
+pub(crate) fn number(bytes: &[u8], primitive: Primitive, big_endian: bool) -> Option<f64> {
+    fn of<const N: usize>(bytes: &[u8], big_endian: bool) -> Option<[u8; N]> {
+        let mut value = *bytes.first_chunk::<N>()?;
+        if big_endian {
+            value.reverse();
+        }
+        Some(value)
+    }
+    let big = big_endian;
+    Some(match primitive {
+        Primitive::U8 => f64::from(u8::from_le_bytes(of(bytes, big)?)),
+        Primitive::I8 => f64::from(i8::from_le_bytes(of(bytes, big)?)),
+        Primitive::U16 => f64::from(u16::from_le_bytes(of(bytes, big)?)),
+        Primitive::I16 => f64::from(i16::from_le_bytes(of(bytes, big)?)),
+        Primitive::U32 => f64::from(u32::from_le_bytes(of(bytes, big)?)),
+        Primitive::I32 => f64::from(i32::from_le_bytes(of(bytes, big)?)),
+        Primitive::U64 => u64::from_le_bytes(of(bytes, big)?) as f64,
+        Primitive::I64 => i64::from_le_bytes(of(bytes, big)?) as f64,
+        Primitive::F32 => f64::from(f32::from_le_bytes(of(bytes, big)?)),
+        Primitive::F64 => f64::from_le_bytes(of(bytes, big)?),
+    })
 }
 
 /// Writes a message as plain little-endian XCDR1.
@@ -170,38 +263,47 @@ impl Writer {
 mod tests {
     use super::*;
 
+    fn reader(message: &[u8]) -> Reader<'_> {
+        let layout = Layout::declared(*message.first_chunk().unwrap()).unwrap();
+        Reader::new(&message[4..], layout)
+    }
+
     #[test]
     fn eight_byte_numbers_align_to_eight_and_in_xcdr2_to_four() {
         let mut writer = Writer::new();
         writer.u8(7);
         writer.f64(1.5);
         assert_eq!(writer.bytes().len(), 4 + 16);
-        let mut reader = Reader::new(writer.bytes()).unwrap();
-        assert_eq!(reader.number(Primitive::U8), Ok(7.0));
-        assert_eq!(reader.number(Primitive::F64), Ok(1.5));
+        let mut xcdr1 = reader(writer.bytes());
+        assert_eq!(xcdr1.number(Primitive::U8), Ok(7.0));
+        assert_eq!(xcdr1.number(Primitive::F64), Ok(1.5));
 
-        let mut xcdr2 = vec![0, 7, 0, 0, 7, 0, 0, 0];
-        xcdr2.extend(1.5_f64.to_le_bytes());
-        let mut reader = Reader::new(&xcdr2).unwrap();
-        assert_eq!(reader.number(Primitive::U8), Ok(7.0));
-        assert_eq!(reader.number(Primitive::F64), Ok(1.5));
+        let mut bytes = vec![0, 7, 0, 0, 7, 0, 0, 0];
+        bytes.extend(1.5_f64.to_le_bytes());
+        let mut xcdr2 = reader(&bytes);
+        assert_eq!(xcdr2.number(Primitive::U8), Ok(7.0));
+        assert_eq!(xcdr2.number(Primitive::F64), Ok(1.5));
     }
 
     #[test]
-    fn big_endian_is_read_and_other_encapsulations_are_refused() {
-        let mut reader = Reader::new(&[0, 0, 0, 0, 0, 0, 1, 2]).unwrap();
-        assert_eq!(reader.number(Primitive::U32), Ok(258.0));
-        assert_eq!(
-            Reader::new(&[0, 3, 0, 0]).unwrap_err(),
-            CdrError::Encapsulation(0, 3)
-        );
+    fn big_endian_is_read_and_parameter_lists_are_refused() {
+        let mut big = reader(&[0, 0, 0, 0, 0, 0, 1, 2]);
+        assert_eq!(big.number(Primitive::U32), Ok(258.0));
+        for head in [[0, 2, 0, 0], [0, 3, 0, 0], [0, 10, 0, 0], [1, 1, 0, 0]] {
+            let expected = CdrError::Encapsulation(head[0], head[1]);
+            assert_eq!(Layout::declared(head), Err(expected));
+        }
     }
 
     #[test]
     fn a_claimed_length_past_the_end_is_an_error() {
-        let mut reader = Reader::new(&[0, 1, 0, 0, 255, 255, 255, 255]).unwrap();
-        let claimed = reader.count().unwrap();
-        assert_eq!(reader.skip(8, claimed), Err(CdrError::End));
-        assert_eq!(reader.skip(8, u64::MAX), Err(CdrError::End));
+        let mut short = reader(&[0, 1, 0, 0, 255, 255, 255, 255]);
+        let claimed = short.count().unwrap();
+        assert_eq!(short.skip(8, claimed), Err(CdrError::End));
+        assert_eq!(short.skip(8, u64::MAX), Err(CdrError::End));
+        assert_eq!(
+            reader(&[0, 9, 0, 0, 9, 0, 0, 0]).delimiter(),
+            Err(CdrError::End)
+        );
     }
 }

@@ -1,6 +1,6 @@
 //! `.msg` definitions: the text of a schema to types and their fields.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A number as the bytes hold it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,24 +79,37 @@ pub(crate) struct Definitions {
     pub(crate) types: BTreeMap<String, Vec<Field>>,
 }
 
+/// The two dialects of message definitions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Dialect {
+    /// `ros1msg`: `time` and `duration` are built in, and `byte` has a sign.
+    Ros1,
+    /// `ros2msg`.
+    Ros2,
+}
+
+/// Fields at which a schema is refused.
+const MOST_FIELDS: usize = 1 << 16;
+
 /// `pkg/Type` of a type name with or without `/msg/`.
 pub(crate) fn short_name(name: &str) -> String {
     name.replace("/msg/", "/")
 }
 
-/// Parses the text of a `ros2msg` schema.
+/// Parses the text of a `ros2msg` or `ros1msg` schema.
 ///
 /// Constants, defaults and bounds are read over: none changes where the wanted bytes are.
 ///
 /// # Errors
 /// A sentence that says which line cannot be read.
-pub(crate) fn parse(root: &str, text: &str) -> Result<Definitions, String> {
+pub(crate) fn parse(root: &str, text: &str, dialect: Dialect) -> Result<Definitions, String> {
     let root = short_name(root);
     if text.trim().is_empty() && !root.ends_with("/Empty") {
         return Err("its schema is empty".to_owned());
     }
     let mut types: BTreeMap<String, Vec<Field>> = BTreeMap::new();
     let mut current = root.clone();
+    let mut fields = 0;
     types.insert(current.clone(), Vec::new());
     for line in text.lines().map(str::trim) {
         if line.len() >= 40 && line.bytes().all(|b| b == b'=') {
@@ -106,48 +119,72 @@ pub(crate) fn parse(root: &str, text: &str) -> Result<Definitions, String> {
             current = short_name(name.trim());
             types.insert(current.clone(), Vec::new());
         } else if line.starts_with("IDL:") {
-            return Err("its schema is IDL, which is not read yet".to_owned());
-        } else if let Some(field) = parse_line(line, &current)?
-            && let Some(fields) = types.get_mut(&current)
+            return Err("its schema is IDL, expected message definitions".to_owned());
+        } else if let Some(field) = parse_line(line, &current, dialect)?
+            && let Some(of_type) = types.get_mut(&current)
         {
-            fields.push(field);
+            fields += 1;
+            if fields > MOST_FIELDS {
+                return Err("its schema is too large".to_owned());
+            }
+            of_type.push(field);
         }
     }
-    types
-        .entry("builtin_interfaces/Time".to_owned())
-        .or_insert_with(|| time_fields(Primitive::I32));
-    types
-        .entry("builtin_interfaces/Duration".to_owned())
-        .or_insert_with(|| time_fields(Primitive::I32));
+    add_well_known(&mut types);
     resolve_names(&mut types)?;
     Ok(Definitions { root, types })
 }
 
-fn time_fields(sec: Primitive) -> Vec<Field> {
-    let field = |name: &str, primitive| Field {
+/// Types that some writers take for granted.
+fn add_well_known(types: &mut BTreeMap<String, Vec<Field>>) {
+    let field = |name: &str, base: Base| Field {
         name: name.to_owned(),
-        base: Base::Primitive(primitive),
+        base,
         count: Count::One,
     };
-    vec![field("sec", sec), field("nanosec", Primitive::U32)]
+    let time = || {
+        vec![
+            field("sec", Base::Primitive(Primitive::I32)),
+            field("nanosec", Base::Primitive(Primitive::U32)),
+        ]
+    };
+    let mut add = |name: &str, fields: Vec<Field>| {
+        types.entry(name.to_owned()).or_insert(fields);
+    };
+    add(TIME, time());
+    add(DURATION, time());
+    let stamp = field("stamp", Base::Message(TIME.to_owned()));
+    add(HEADER, vec![stamp, field("frame_id", Base::String)]);
 }
 
+const TIME: &str = "builtin_interfaces/Time";
+const DURATION: &str = "builtin_interfaces/Duration";
+const HEADER: &str = "std_msgs/Header";
+
 /// One line: a field, or nothing where it is blank, a comment or a constant.
-fn parse_line(line: &str, inside: &str) -> Result<Option<Field>, String> {
+fn parse_line(line: &str, inside: &str, dialect: Dialect) -> Result<Option<Field>, String> {
     let mut tokens = line.split_whitespace();
     let Some(ty) = tokens.next().filter(|t| !t.starts_with('#')) else {
         return Ok(None);
     };
-    let unreadable = || format!("line `{line}` of `{inside}` in its schema cannot be read");
+    let unreadable = || {
+        let line: String = line.chars().take(80).collect();
+        format!("line `{line}` of `{inside}` in its schema cannot be read")
+    };
     let name = tokens
         .next()
         .filter(|n| !n.starts_with('#'))
         .ok_or_else(unreadable)?;
-    if name.contains('=') || tokens.next().is_some_and(|t| t.starts_with('=')) {
+    // A comment may follow a name without a blank between them.
+    let (name, comment) = name
+        .split_once('#')
+        .map_or((name, false), |(n, _)| (n, true));
+    if name.contains('=') || !comment && tokens.next().is_some_and(|t| t.starts_with('=')) {
         return Ok(None);
     }
-    // A comment may follow a name without a blank between them.
-    let name = name.split('#').next().unwrap_or_default();
+    if name.is_empty() || !name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_') {
+        return Err(unreadable());
+    }
     let (element, count) = match ty.strip_suffix(']').and_then(|t| t.rsplit_once('[')) {
         None => (ty, Count::One),
         Some((element, "")) => (element, Count::Any),
@@ -157,15 +194,16 @@ fn parse_line(line: &str, inside: &str) -> Result<Option<Field>, String> {
             (element, Count::Fixed(n))
         }
     };
-    let element = element.split("<=").next().unwrap_or_default();
+    let (element, bounded) = element
+        .split_once("<=")
+        .map_or((element, false), |(e, _)| (e, true));
     let base = match element {
         "string" => Base::String,
         "wstring" => Base::WideString,
         "" => return Err(unreadable()),
-        _ => match Primitive::named(element) {
-            Some(primitive) => Base::Primitive(primitive),
-            None => Base::Message(short_name(element)),
-        },
+        // Only strings have a bound of their own.
+        _ if bounded || element.contains(['[', ']', '<', '>']) => return Err(unreadable()),
+        _ => named(element, dialect),
     };
     Ok(Some(Field {
         name: name.to_owned(),
@@ -174,18 +212,38 @@ fn parse_line(line: &str, inside: &str) -> Result<Option<Field>, String> {
     }))
 }
 
-/// Makes every reference to a type a full name: relative names mean the package that they stand in.
+fn named(element: &str, dialect: Dialect) -> Base {
+    match (dialect, element) {
+        (Dialect::Ros1, "byte") => Base::Primitive(Primitive::I8),
+        (Dialect::Ros1, "time") => Base::Message(TIME.to_owned()),
+        (Dialect::Ros1, "duration") => Base::Message(DURATION.to_owned()),
+        _ => Primitive::named(element)
+            .map_or_else(|| Base::Message(short_name(element)), Base::Primitive),
+    }
+}
+
+/// Makes every reference to a type a full name.
+///
+/// A relative name means the package that it stands in, then `std_msgs` (`Header`), then the only type of that name.
 fn resolve_names(types: &mut BTreeMap<String, Vec<Field>>) -> Result<(), String> {
-    let known: Vec<String> = types.keys().cloned().collect();
+    let known: BTreeSet<String> = types.keys().cloned().collect();
+    let mut by_last: BTreeMap<&str, Option<&String>> = BTreeMap::new();
+    for full in &known {
+        let last = full.rsplit('/').next().unwrap_or_default();
+        by_last
+            .entry(last)
+            .and_modify(|only| *only = None)
+            .or_insert(Some(full));
+    }
     let resolve = |name: &str, inside: &str| -> Option<String> {
-        let exact = |full: &str| known.iter().find(|k| *k == full).cloned();
+        let exact = |full: &str| known.get(full).cloned();
         if name.contains('/') {
             return exact(name);
         }
-        let package = inside.rsplit_once('/').map_or("", |(package, _)| package);
+        let package = inside.split_once('/').map_or("", |(package, _)| package);
         exact(&format!("{package}/{name}"))
             .or_else(|| exact(&format!("std_msgs/{name}")))
-            .or_else(|| exact(name))
+            .or_else(|| by_last.get(name).copied().flatten().cloned())
     };
     for (inside, fields) in types.iter_mut() {
         for field in fields {
@@ -207,7 +265,7 @@ mod tests {
         let text = "uint8 A=1\nstring<=8 s \"x # y\"\nfloat64[<=3] d # three\nB[2] b\nint32[] n [1, 2]\n\
             ================================================================================\n\
             MSG: p/msg/B\nfloat32 x 1.5 # default";
-        let found = parse("p/msg/A", text).unwrap();
+        let found = parse("p/msg/A", text, Dialect::Ros2).unwrap();
         assert_eq!(found.root, "p/A");
         let fields = &found.types["p/A"];
         let counts: Vec<Count> = fields.iter().map(|f| f.count).collect();
@@ -221,13 +279,65 @@ mod tests {
 
     #[test]
     fn an_unknown_type_an_empty_schema_and_idl_are_refused_with_a_reason() {
-        assert!(parse("p/A", "q/B b").unwrap_err().contains("q/B"));
-        assert!(parse("p/A", " \n").unwrap_err().contains("empty"));
-        assert!(parse("p/A", "IDL: p/msg/A").unwrap_err().contains("IDL"));
         assert!(
-            parse("p/A", "float64[x] y")
+            parse("p/A", "q/B b", Dialect::Ros2)
+                .unwrap_err()
+                .contains("q/B")
+        );
+        assert!(
+            parse("p/A", " \n", Dialect::Ros2)
+                .unwrap_err()
+                .contains("empty")
+        );
+        assert!(
+            parse("p/A", "IDL: p/msg/A", Dialect::Ros2)
+                .unwrap_err()
+                .contains("IDL")
+        );
+        assert!(
+            parse("p/A", "float64[x] y", Dialect::Ros2)
                 .unwrap_err()
                 .contains("float64[x]")
         );
+    }
+
+    #[test]
+    fn every_primitive_has_its_size_and_names_are_found_in_any_package() {
+        let text = "bool a\nbyte b\nchar c\nfloat32 d\nfloat64 e\nint8 f\nuint8 g\nint16 h\nuint16 i\nint32 j\n\
+            uint32 k\nint64 l\nuint64 m\nstring n\nwstring o\nwstring<=5[<=2] p\nTime t\nHeader u\nOther v";
+        let text = format!("{text}\n{}\nMSG: q/msg/Other\nint8 x", "=".repeat(80));
+        let found = parse("p/A", &text, Dialect::Ros2).unwrap();
+        let sizes: Vec<u8> = found.types["p/A"]
+            .iter()
+            .filter_map(|f| match f.base {
+                Base::Primitive(p) => Some(p.size()),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(sizes, [1, 1, 1, 4, 8, 1, 1, 2, 2, 4, 4, 8, 8]);
+        let named: Vec<&Base> = found.types["p/A"][16..].iter().map(|f| &f.base).collect();
+        let of = |name: &str| Base::Message(name.to_owned());
+        assert_eq!(named, [&of(TIME), &of(HEADER), &of("q/Other")]);
+    }
+
+    #[test]
+    fn constants_are_no_fields_however_they_are_written() {
+        let text =
+            "int32 A=1\nint32 B = 2\nstring C=\"x\" # why\nuint8 d#comment = 3\nstring e \"a = b\"";
+        let found = parse("p/A", text, Dialect::Ros2).unwrap();
+        let names: Vec<&str> = found.types["p/A"].iter().map(|f| f.name.as_str()).collect();
+        assert_eq!(names, ["d", "e"]);
+    }
+
+    #[test]
+    fn ros_1_has_time_built_in_and_a_header_with_a_number() {
+        let text = format!(
+            "Header header\ntime t\nbyte b\n{}\nMSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id",
+            "=".repeat(80)
+        );
+        let found = parse("p/A", &text, Dialect::Ros1).unwrap();
+        assert_eq!(found.types[HEADER].len(), 3);
+        assert_eq!(found.types["p/A"][1].base, Base::Message(TIME.to_owned()));
+        assert_eq!(found.types["p/A"][2].base, Base::Primitive(Primitive::I8));
     }
 }

@@ -1,6 +1,7 @@
-//! ROS 2 messages without ROS: definitions, plans compiled from them, and the bytes that they describe.
+//! ROS messages without ROS: definitions, plans compiled from them, and the bytes that they describe.
 
 pub(crate) mod cdr;
 pub(crate) mod definition;
 pub(crate) mod plan;
 pub(crate) mod schemas;
+mod walk;

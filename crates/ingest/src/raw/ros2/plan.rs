@@ -1,21 +1,24 @@
 //! A plan: which bytes of a message are wanted, compiled once per channel from its definition.
 
 use super::{
-    cdr::{CdrError, Reader},
-    definition::{Base, Count, Definitions, Field, Primitive},
+    cdr::{CdrError, Layout, Reader},
+    definition::{Base, Count, Definitions, Dialect, Field, Primitive},
+    walk::walk,
 };
+use crate::raw::wanted;
 
 /// Depth at which a definition that contains itself is refused.
 const MOST_DEPTH: usize = 32;
 /// Steps at which a definition that grows without bound is refused.
 const MOST_STEPS: usize = 1 << 16;
+/// Bytes that a message may have behind its last field: padding to the next multiple of eight.
+pub(crate) const MOST_PADDING: usize = 7;
 
+/// One step along a message.
 #[derive(Debug, Clone, PartialEq, Eq)]
-enum Step {
-    /// Pass over `count` numbers of `size` bytes.
-    Skip { size: u8, count: u64 },
-    /// Put a number into a slot.
-    Take { primitive: Primitive, slot: usize },
+pub(super) enum Step {
+    /// Numbers one after another, of known places.
+    Block(Block),
     /// Put some numbers of an array or a sequence into slots: `(index, slot)`.
     TakeSome {
         primitive: Primitive,
@@ -24,19 +27,98 @@ enum Step {
     },
     /// Pass over a string.
     SkipString,
+    /// Pass over a string of wide characters.
+    SkipWide,
     /// Pass over a sequence of numbers of `size` bytes.
     SkipSequence { size: u8 },
-    /// Pass over an array (`fixed`) or a sequence of what `body` describes.
-    Repeat { fixed: Option<u64>, body: Vec<Self> },
+    /// Pass over an array (`fixed`) or a sequence of what `body` describes; with `first`, the first element's numbers
+    /// are taken.
+    Repeat {
+        fixed: Option<u64>,
+        body: Vec<Self>,
+        first: Option<Vec<Self>>,
+    },
     /// A sequence each of whose elements gives a row; `slots` are emptied before each.
     Rows { body: Vec<Self>, slots: Vec<usize> },
+    /// A structure that may start with its size.
+    Structure(Vec<Self>),
+}
+
+/// Numbers one after another: where each wanted one lies depends on where the block starts alone.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(super) struct Block {
+    /// Size and count of each run of numbers, and the slot of a wanted one.
+    runs: Vec<(Primitive, u64, Option<usize>)>,
+    /// By start modulo 8, for XCDR1.
+    by_eight: Vec<Places>,
+    /// By start modulo 4, for XCDR2.
+    by_four: Vec<Places>,
+    /// Without alignment, for ROS 1.
+    packed: Vec<Places>,
+}
+
+/// Where the wanted numbers of a block lie.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Places {
+    pub(super) length: u64,
+    /// Offset from the block's start, what it is, and its slot.
+    pub(super) takes: Vec<(u32, Primitive, u32)>,
+}
+
+impl Block {
+    /// The places for a block that starts at `at`.
+    pub(super) fn places(&self, at: usize, most_align: usize) -> Option<&Places> {
+        match most_align {
+            8 => self.by_eight.get(at % 8),
+            4 => self.by_four.get(at % 4),
+            _ => self.packed.first(),
+        }
+    }
+
+    fn settle(&mut self) -> Result<(), String> {
+        let all = |most_align: usize| -> Result<Vec<Places>, String> {
+            (0..most_align)
+                .map(|start| self.lay_out(start, most_align))
+                .collect()
+        };
+        (self.by_eight, self.by_four, self.packed) = (all(8)?, all(4)?, all(1)?);
+        self.runs = Vec::new();
+        Ok(())
+    }
+
+    fn lay_out(&self, start: usize, most_align: usize) -> Result<Places, String> {
+        let start = start as u64;
+        let mut at = start;
+        let mut takes = Vec::new();
+        for &(primitive, count, slot) in &self.runs {
+            let size = u64::from(primitive.size());
+            at = at.next_multiple_of(size.min(most_align as u64));
+            if let Some(slot) = slot {
+                takes.push(((at - start) as u32, primitive, slot as u32));
+            }
+            at = at.saturating_add(size.saturating_mul(count));
+            if at > u64::from(u32::MAX) {
+                return Err("an array in its schema is too large".to_owned());
+            }
+        }
+        Ok(Places {
+            length: at - start,
+            takes,
+        })
+    }
 }
 
 /// Which bytes of a channel's messages are wanted.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Plan {
-    steps: Vec<Step>,
+    /// For layouts without sizes before structures.
+    plain: Vec<Step>,
+    /// For layouts with them.
+    delimited: Vec<Step>,
     slots: usize,
+    /// Whether wide strings, whose width is not declared, stand on the way.
+    wide: bool,
+    dialect: Dialect,
 }
 
 struct Compiler<'a> {
@@ -44,40 +126,60 @@ struct Compiler<'a> {
     wanted: &'a [&'a str],
     found: Vec<bool>,
     steps: usize,
+    structures: bool,
+    dialect: Dialect,
 }
 
 impl Plan {
     /// Compiles a plan that fills slot i with the number at path `wanted[i]`.
     ///
-    /// A path names fields down from the root: `header.stamp.sec`, `objects[].id` (a row for each element)
-    /// or `shape.dimensions[0]` (one number of a sequence). One that ends in `?` may be missing.
+    /// A path names fields down from the root: `header.stamp.sec`, `objects[].id` (a row for each element),
+    /// `shape.dimensions[0]` (one number of a sequence) or `classes[0].label` (of the first element of a sequence).
+    /// Alternatives are separated by `|`; one that ends in `?`, and an empty one, may be missing.
     ///
     /// # Errors
     /// A sentence that says what is missing or cannot be followed.
-    pub(crate) fn compile(definitions: &Definitions, wanted: &[&str]) -> Result<Self, String> {
-        let mut compiler = Compiler {
-            definitions,
-            wanted,
-            found: vec![false; wanted.len()],
-            steps: 0,
+    pub(crate) fn compile(
+        definitions: &Definitions,
+        wanted: &[&str],
+        dialect: Dialect,
+    ) -> Result<Self, String> {
+        let compile = |structures: bool| -> Result<Vec<Step>, String> {
+            let mut compiler = Compiler {
+                definitions,
+                wanted,
+                found: vec![false; wanted.len()],
+                steps: 0,
+                structures,
+                dialect,
+            };
+            let mut steps = compiler.message(&definitions.root, "", 0)?;
+            let missing =
+                |(path, found): &(&&str, &bool)| !**found && !wanted::may_be_missing(path);
+            if let Some((path, _)) = wanted.iter().zip(&compiler.found).find(missing) {
+                let root = &definitions.root;
+                let path = path.replace('|', "` or `");
+                return Err(format!("`{root}` in its schema has no number `{path}`"));
+            }
+            if !wanted.is_empty() && !structures {
+                // Nothing behind the last wanted field needs to be walked.
+                let last = steps.iter().rposition(takes);
+                steps.truncate(last.map_or(0, |last| last + 1));
+            }
+            settle(&mut steps)?;
+            Ok(steps)
         };
-        let mut steps = compiler.message(&definitions.root, "", 0)?;
-        let missing = |(path, found): &(&&str, &bool)| !**found && !path.ends_with('?');
-        if let Some((path, _)) = wanted.iter().zip(&compiler.found).find(missing) {
-            let root = &definitions.root;
-            return Err(format!("`{root}` in its schema has no number `{path}`"));
-        }
-        if !wanted.is_empty() {
-            // Nothing behind the last wanted field needs to be walked.
-            let last = steps.iter().rposition(takes);
-            steps.truncate(last.map_or(0, |last| last + 1));
-        }
-        if steps.iter().any(wide) {
-            return Err("a wstring stands before the wanted fields: its width varies".to_owned());
-        }
+        let plain = compile(false)?;
+        let delimited = match dialect {
+            Dialect::Ros1 => Vec::new(),
+            Dialect::Ros2 => compile(true)?,
+        };
         Ok(Self {
-            steps,
+            wide: plain.iter().any(wide),
+            plain,
+            delimited,
             slots: wanted.len(),
+            dialect,
         })
     }
 
@@ -93,31 +195,111 @@ impl Plan {
         row: &mut Vec<f64>,
         each: &mut dyn FnMut(&[f64]),
     ) -> Result<usize, CdrError> {
+        let (bytes, layout) = match self.dialect {
+            Dialect::Ros1 => (message, Layout::ROS1),
+            Dialect::Ros2 => {
+                let (head, bytes) = message.split_first_chunk::<4>().ok_or(CdrError::End)?;
+                (bytes, Layout::declared(*head)?)
+            }
+        };
+        let layout = if self.wide || layout.delimited_collections {
+            self.fitting(bytes, layout, row)
+        } else {
+            layout
+        };
+        self.run_as(bytes, layout, row, each)
+    }
+
+    fn run_as(
+        &self,
+        bytes: &[u8],
+        layout: Layout,
+        row: &mut Vec<f64>,
+        each: &mut dyn FnMut(&[f64]),
+    ) -> Result<usize, CdrError> {
         row.clear();
         row.resize(self.slots, f64::NAN);
-        let mut reader = Reader::new(message)?;
-        walk(&self.steps, &mut reader, row, each)?;
+        let mut reader = Reader::new(bytes, layout);
+        let steps = if layout.delimited_structures {
+            &self.delimited
+        } else {
+            &self.plain
+        };
+        walk(steps, &mut reader, row, each)?;
         Ok(reader.remaining())
+    }
+
+    /// The layout under which a message fits, among those that its encapsulation leaves open: the width of wide
+    /// characters, and whether collections carry their size (some writers of XCDR2 leave it out).
+    fn fitting(&self, bytes: &[u8], declared: Layout, row: &mut Vec<f64>) -> Layout {
+        let mut candidates = vec![declared];
+        if declared.delimited_collections && !declared.delimited_structures {
+            candidates.push(Layout {
+                delimited_collections: false,
+                ..declared
+            });
+        }
+        if self.wide {
+            let narrow: Vec<Layout> = candidates
+                .iter()
+                .map(|&layout| Layout { wide: 2, ..layout })
+                .collect();
+            candidates.extend(narrow);
+        }
+        let mut fits = |layout: Layout, most_left: usize| {
+            let left = self.run_as(bytes, layout, row, &mut |_| {});
+            left.is_ok_and(|left| left <= most_left)
+        };
+        let whole = candidates.iter().find(|&&c| fits(c, MOST_PADDING)).copied();
+        let whole = whole.or_else(|| candidates.iter().find(|&&c| fits(c, usize::MAX)).copied());
+        whole.unwrap_or(declared)
     }
 }
 
 fn takes(step: &Step) -> bool {
     match step {
-        Step::Take { .. } | Step::TakeSome { .. } | Step::Rows { .. } => true,
-        Step::Repeat { body, .. } => body.iter().any(takes),
+        Step::Block(block) => block.runs.iter().any(|run| run.2.is_some()),
+        Step::TakeSome { .. } | Step::Rows { .. } => true,
+        Step::Repeat { first, .. } => first.is_some(),
+        Step::Structure(body) => body.iter().any(takes),
+        Step::SkipString | Step::SkipWide | Step::SkipSequence { .. } => false,
+    }
+}
+
+fn wide(step: &Step) -> bool {
+    match step {
+        Step::SkipWide => true,
+        Step::Repeat { body, .. } | Step::Rows { body, .. } | Step::Structure(body) => {
+            body.iter().any(wide)
+        }
         _ => false,
     }
 }
 
-/// Marks a wide string: its characters have 2 or 4 bytes, depending on who wrote them.
-const WIDE: u8 = 0;
-
-fn wide(step: &Step) -> bool {
-    match step {
-        Step::SkipSequence { size } => *size == WIDE,
-        Step::Repeat { body, .. } | Step::Rows { body, .. } => body.iter().any(wide),
-        _ => false,
+/// Works out where the numbers of every block lie.
+fn settle(steps: &mut [Step]) -> Result<(), String> {
+    for step in steps {
+        match step {
+            Step::Block(block) => block.settle()?,
+            Step::Repeat { body, first, .. } => {
+                settle(body)?;
+                settle(first.as_deref_mut().unwrap_or_default())?;
+            }
+            Step::Rows { body, .. } | Step::Structure(body) => settle(body)?,
+            _ => {}
+        }
     }
+    Ok(())
+}
+
+/// Whether a body takes no byte of a message, so that any number of them fits anywhere.
+fn is_nothing(body: &[Step]) -> bool {
+    body.iter().all(|step| match step {
+        Step::Block(block) => block.runs.iter().all(|run| run.1 == 0),
+        Step::Repeat { fixed, body, .. } => fixed.is_some() && is_nothing(body),
+        Step::Structure(body) => is_nothing(body),
+        _ => false,
+    })
 }
 
 impl Compiler<'_> {
@@ -126,12 +308,13 @@ impl Compiler<'_> {
             return Err(format!("type `{name}` in its schema contains itself"));
         }
         // `definition::parse` made sure that every name is there.
-        let fields: &[Field] = self.definitions.types.get(name).map_or(&[], Vec::as_slice);
-        if fields.is_empty() {
-            // ROS 2 gives a message without fields one byte.
-            return Ok(vec![Step::Skip { size: 1, count: 1 }]);
-        }
+        let definitions = self.definitions;
+        let fields: &[Field] = definitions.types.get(name).map_or(&[], Vec::as_slice);
         let mut steps: Vec<Step> = Vec::new();
+        if fields.is_empty() && self.dialect == Dialect::Ros2 {
+            // ROS 2 gives a message without fields one byte.
+            push(&mut steps, Primitive::U8, 1, None);
+        }
         for field in fields {
             self.steps += 1;
             if self.steps > MOST_STEPS {
@@ -144,7 +327,11 @@ impl Compiler<'_> {
             };
             self.field(field, &path, depth, &mut steps)?;
         }
-        Ok(steps)
+        Ok(if self.structures {
+            vec![Step::Structure(steps)]
+        } else {
+            steps
+        })
     }
 
     fn field(
@@ -160,13 +347,10 @@ impl Compiler<'_> {
             Count::One | Count::Any => None,
         };
         match (&field.base, field.count) {
-            (Base::Primitive(p), Count::One) => match self.slot(path) {
-                Some(slot) => steps.push(Step::Take {
-                    primitive: *p,
-                    slot,
-                }),
-                None => skip(steps, p.size(), 1),
-            },
+            (Base::Primitive(p), Count::One) => {
+                let slot = self.slot(path);
+                push(steps, *p, 1, slot);
+            }
             (Base::Primitive(p), count) => {
                 let wanted = self.elements(path);
                 match (wanted.is_empty(), count) {
@@ -175,7 +359,7 @@ impl Compiler<'_> {
                         fixed,
                         wanted,
                     }),
-                    (true, Count::Fixed(n)) => skip(steps, p.size(), n),
+                    (true, Count::Fixed(n)) => push(steps, *p, n, None),
                     (true, _) => steps.push(Step::SkipSequence { size: p.size() }),
                 }
             }
@@ -183,20 +367,25 @@ impl Compiler<'_> {
                 let step = if field.base == Base::String {
                     Step::SkipString
                 } else {
-                    Step::SkipSequence { size: WIDE }
+                    Step::SkipWide
                 };
                 steps.push(match count {
                     Count::One => step,
                     Count::Fixed(_) | Count::Any => Step::Repeat {
                         fixed,
                         body: vec![step],
+                        first: None,
                     },
                 });
             }
             (Base::Message(name), Count::One) => {
                 for step in self.message(name, path, depth + 1)? {
                     match step {
-                        Step::Skip { size, count } => skip(steps, size, count),
+                        Step::Block(block) => {
+                            for (primitive, count, slot) in block.runs {
+                                push(steps, primitive, count, slot);
+                            }
+                        }
                         step => steps.push(step),
                     }
                 }
@@ -209,8 +398,16 @@ impl Compiler<'_> {
                     .collect();
                 if count == Count::Any && !slots.is_empty() {
                     steps.push(Step::Rows { body, slots });
-                } else if fixed.is_none() || !body.is_empty() {
-                    steps.push(Step::Repeat { fixed, body });
+                    return Ok(());
+                }
+                let at_first = format!("{path}[0]");
+                let first = if self.wants_within(&at_first) {
+                    Some(self.message(name, &at_first, depth + 1)?)
+                } else {
+                    None
+                };
+                if fixed.is_none() || !is_nothing(&body) {
+                    steps.push(Step::Repeat { fixed, body, first });
                 }
             }
         }
@@ -218,155 +415,53 @@ impl Compiler<'_> {
     }
 
     fn slot(&mut self, path: &str) -> Option<usize> {
-        let slot = self
-            .wanted
-            .iter()
-            .position(|w| w.trim_end_matches('?') == path)?;
+        let is_it = |want: &&str| wanted::alternatives(want).any(|w| w == path);
+        let slot = self.wanted.iter().position(is_it)?;
         self.found[slot] = true;
         Some(slot)
     }
 
+    fn wants_within(&self, path: &str) -> bool {
+        let mut all = self.wanted.iter().flat_map(|w| wanted::alternatives(w));
+        all.any(|w| {
+            w.strip_prefix(path)
+                .is_some_and(|rest| rest.starts_with('.'))
+        })
+    }
+
     /// The wanted elements of a sequence of numbers.
     fn elements(&mut self, path: &str) -> Vec<(u64, usize)> {
-        let mut wanted = Vec::new();
+        let mut found = Vec::new();
         for (slot, want) in self.wanted.iter().enumerate() {
-            let index = want
-                .trim_end_matches('?')
-                .strip_prefix(path)
-                .and_then(|rest| rest.strip_prefix('[')?.strip_suffix(']')?.parse().ok());
+            let index = wanted::alternatives(want).find_map(|w| {
+                let rest = w.strip_prefix(path)?;
+                rest.strip_prefix('[')?.strip_suffix(']')?.parse().ok()
+            });
             if let Some(index) = index {
                 self.found[slot] = true;
-                wanted.push((index, slot));
+                found.push((index, slot));
             }
         }
-        wanted
+        found
     }
 }
 
-/// Adds a skip, joined to the one before where the numbers have the same size.
-fn skip(steps: &mut Vec<Step>, size: u8, count: u64) {
-    if let Some(Step::Skip {
-        size: last,
-        count: so_far,
-    }) = steps.last_mut()
-        && *last == size
-    {
-        *so_far = so_far.saturating_add(count);
-    } else {
-        steps.push(Step::Skip { size, count });
+/// Adds numbers, to the block before where there is one.
+fn push(steps: &mut Vec<Step>, primitive: Primitive, count: u64, slot: Option<usize>) {
+    let run = (primitive, count, slot);
+    match steps.last_mut() {
+        Some(Step::Block(block)) => match block.runs.last_mut() {
+            Some((last, so_far, None)) if *last == primitive && slot.is_none() => {
+                *so_far = so_far.saturating_add(count);
+            }
+            _ => block.runs.push(run),
+        },
+        _ => steps.push(Step::Block(Block {
+            runs: vec![run],
+            ..Block::default()
+        })),
     }
-}
-
-fn walk(
-    steps: &[Step],
-    reader: &mut Reader<'_>,
-    row: &mut [f64],
-    each: &mut dyn FnMut(&[f64]),
-) -> Result<(), CdrError> {
-    for step in steps {
-        match step {
-            Step::Skip { size, count } => reader.skip(*size, *count)?,
-            Step::Take { primitive, slot } => row[*slot] = reader.number(*primitive)?,
-            Step::TakeSome {
-                primitive,
-                fixed,
-                wanted,
-            } => {
-                let count = fixed.map_or_else(|| reader.count(), Ok)?;
-                let last = wanted.iter().map(|w| w.0).max().unwrap_or(0);
-                for index in 0..count.min(last + 1) {
-                    let value = reader.number(*primitive)?;
-                    for (_, slot) in wanted.iter().filter(|w| w.0 == index) {
-                        row[*slot] = value;
-                    }
-                }
-                reader.skip(primitive.size(), count.saturating_sub(last + 1))?;
-            }
-            Step::SkipString => {
-                let length = reader.count()?;
-                reader.skip(1, length)?;
-            }
-            Step::SkipSequence { size } => {
-                let count = reader.count()?;
-                reader.skip(*size, count)?;
-            }
-            Step::Repeat { fixed, body } => {
-                let count = fixed.map_or_else(|| reader.count(), Ok)?;
-                // A body that is not empty takes at least a byte, so a claimed count cannot run for long.
-                for _ in 0..if body.is_empty() { 0 } else { count } {
-                    walk(body, reader, row, each)?;
-                }
-            }
-            Step::Rows { body, slots } => {
-                for _ in 0..reader.count()? {
-                    for &slot in slots {
-                        row[slot] = f64::NAN;
-                    }
-                    // Nothing within a row gives rows of its own to this caller.
-                    walk(body, reader, row, &mut |_| {})?;
-                    each(row);
-                }
-            }
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::raw::ros2::{cdr::Writer, definition::parse};
-
-    #[test]
-    fn wanted_numbers_are_taken_and_the_rest_is_passed_over() {
-        let text = "string name\nuint8 a\nfloat64[3] skipped\nP[] rows\nint32 last\n\
-            ================================================================================\n\
-            MSG: p/P\nuint8 id\nfloat64[<=3] size";
-        let definitions = parse("p/M", text).unwrap();
-        let plan = Plan::compile(
-            &definitions,
-            &["a", "rows[].id", "rows[].size[1]", "rows[].colour?"],
-        )
-        .unwrap();
-        let mut writer = Writer::new();
-        writer.string("hello");
-        writer.u8(9);
-        writer.f64s(&[0.0; 3]);
-        writer.u32(2);
-        for (id, size) in [(1, &[4.0, 2.0][..]), (2, &[4.0][..])] {
-            writer.u8(id);
-            writer.u32(size.len() as u32);
-            writer.f64s(size);
-        }
-        writer.u32(5);
-        let mut seen = Vec::new();
-        let mut row = Vec::new();
-        let left = plan
-            .run(writer.bytes(), &mut row, &mut |r| seen.push(r.to_vec()))
-            .unwrap();
-        assert_eq!(left, 4, "the last field is not walked");
-        assert_eq!(seen[0][..3], [9.0, 1.0, 2.0]);
-        assert_eq!(seen[1][..2], [9.0, 2.0]);
-        assert!(seen[1][2].is_nan() && seen[1][3].is_nan());
-    }
-
-    #[test]
-    fn a_type_that_contains_itself_and_a_missing_field_are_refused() {
-        let itself = parse("p/A", "p/A[] a\nint32 x").unwrap();
-        assert!(Plan::compile(&itself, &[]).unwrap_err().contains("itself"));
-        let plain = parse("p/A", "int32 x").unwrap();
-        assert!(Plan::compile(&plain, &["y"]).unwrap_err().contains("`y`"));
-    }
-
-    #[test]
-    fn a_huge_claimed_count_ends_with_the_bytes() {
-        let definitions = parse("p/A", "string[] s").unwrap();
-        let plan = Plan::compile(&definitions, &[]).unwrap();
-        let found = plan.run(
-            &[0, 1, 0, 0, 255, 255, 255, 255],
-            &mut Vec::new(),
-            &mut |_| {},
-        );
-        assert_eq!(found, Err(CdrError::End));
-    }
-}
+mod tests;

@@ -1,0 +1,229 @@
+//! Message types that tell something about a drive, and where in them it stands.
+
+use crate::{mapping::MessageMapping, raw::ros2::definition::short_name};
+
+/// What a channel can tell about a drive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Role {
+    /// Ego's pose and speed: `nav_msgs/Odometry`.
+    Odometry,
+    /// Ego's pose alone: `geometry_msgs/PoseStamped`.
+    Pose,
+    /// Ego's place on Earth: `sensor_msgs/NavSatFix`.
+    Fix,
+    /// The other vehicles: `derived_object_msgs/ObjectArray`.
+    Objects,
+    /// Ego's speed alone: `geometry_msgs/TwistStamped`.
+    Speed,
+    /// Which of the objects is ego: `carla_msgs/CarlaEgoVehicleInfo`.
+    Identity,
+}
+
+/// How the numbers of an object are meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Convention {
+    /// Twist in the frame of the map, shapes of `shape_msgs/SolidPrimitive`, classes of `derived_object_msgs`.
+    Derived,
+    /// Twist in the object's own frame, shapes and labels of `autoware_perception_msgs`.
+    Autoware,
+    /// As a mapping says: twist in the frame of the map, every object a vehicle.
+    Mapped,
+}
+
+/// What a channel tells, and the paths of the numbers for it, in the order of the role's slots.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Reading {
+    pub(crate) role: Role,
+    pub(crate) paths: Vec<String>,
+    pub(crate) convention: Convention,
+}
+
+/// Slots of ego's pose, speed or fix (`x`, `y` are longitude and latitude there).
+pub(crate) const EGO_SLOTS: [&str; 12] = [
+    "sec", "nanosec", "x", "y", "qx", "qy", "qz", "qw", "vx", "vy", "yaw", "speed",
+];
+
+/// Slots of an object; behind them stand the 16 bytes of its UUID where it has one.
+pub(crate) const OBJECT_SLOTS: [&str; 18] = [
+    "sec", "nanosec", "x", "y", "qx", "qy", "qz", "qw", "vx", "vy", "yaw", "speed", "id", "length",
+    "shape", "size0", "size1", "class",
+];
+
+const HEADER: [(&str, &str); 2] = [
+    ("sec", "header.stamp.sec|header.stamp.secs"),
+    ("nanosec", "header.stamp.nanosec|header.stamp.nsecs"),
+];
+const TIMESTAMP: [(&str, &str); 2] = [
+    ("sec", "timestamp.sec|timestamp.seconds"),
+    (
+        "nanosec",
+        "timestamp.nsec|timestamp.nanosec|timestamp.nanos",
+    ),
+];
+
+impl Reading {
+    /// What messages of a type tell, by the mapping or by what is known; none where nothing is.
+    pub(crate) fn of(type_name: &str, mapped: &[MessageMapping]) -> Option<Self> {
+        let wanted = plain_name(type_name);
+        if let Some(mapped) = mapped.iter().find(|m| plain_name(&m.message) == wanted) {
+            return Some(Self::mapped(mapped));
+        }
+        let ego = |role, stamp: &[_], pose: &str, twist: &str| Self {
+            role,
+            paths: place(&EGO_SLOTS, stamp, pose, twist),
+            convention: Convention::Mapped,
+        };
+        Some(match wanted.as_str() {
+            "nav_msgs/Odometry" => ego(Role::Odometry, &HEADER, "pose.pose", "twist.twist"),
+            "geometry_msgs/PoseStamped" => ego(Role::Pose, &HEADER, "pose", ""),
+            "geometry_msgs/PoseWithCovarianceStamped" => ego(Role::Pose, &HEADER, "pose.pose", ""),
+            "foxglove/PoseInFrame" | "foxglove_msgs/PoseInFrame" => {
+                ego(Role::Pose, &TIMESTAMP, "pose", "")
+            }
+            "sensor_msgs/NavSatFix" => Self::fix(&HEADER),
+            "foxglove/LocationFix" | "foxglove_msgs/LocationFix" => Self::fix(&TIMESTAMP),
+            "geometry_msgs/TwistStamped" => ego(Role::Speed, &HEADER, "", "twist"),
+            "geometry_msgs/TwistWithCovarianceStamped" => {
+                ego(Role::Speed, &HEADER, "", "twist.twist")
+            }
+            "autoware_vehicle_msgs/VelocityReport"
+            | "autoware_auto_vehicle_msgs/VelocityReport" => Self::speed("longitudinal_velocity"),
+            "carla_msgs/CarlaEgoVehicleStatus" => Self::speed("velocity"),
+            "carla_msgs/CarlaEgoVehicleInfo" => Self {
+                role: Role::Identity,
+                paths: vec!["id".to_owned()],
+                convention: Convention::Mapped,
+            },
+            "derived_object_msgs/ObjectArray" => Self::derived(),
+            "autoware_perception_msgs/TrackedObjects"
+            | "autoware_auto_perception_msgs/TrackedObjects" => Self::autoware(""),
+            "autoware_perception_msgs/PredictedObjects"
+            | "autoware_auto_perception_msgs/PredictedObjects" => Self::autoware("initial_"),
+            _ => return None,
+        })
+    }
+
+    fn mapped(mapped: &MessageMapping) -> Self {
+        let role = mapped.tells.role();
+        let slots = role.slots();
+        Self {
+            role,
+            paths: slots
+                .iter()
+                .map(|slot| mapped.fields.get(*slot).cloned().unwrap_or_default())
+                .collect(),
+            convention: Convention::Mapped,
+        }
+    }
+
+    fn fix(stamp: &[(&str, &str)]) -> Self {
+        let place = [("x", "longitude"), ("y", "latitude")];
+        Self {
+            role: Role::Fix,
+            paths: filled(&EGO_SLOTS, &[stamp, &place].concat()),
+            convention: Convention::Mapped,
+        }
+    }
+
+    fn speed(path: &str) -> Self {
+        Self {
+            role: Role::Speed,
+            paths: filled(&EGO_SLOTS, &[&HEADER[..], &[("speed", path)]].concat()),
+            convention: Convention::Mapped,
+        }
+    }
+
+    fn derived() -> Self {
+        let mut paths = place(&OBJECT_SLOTS, &HEADER, "objects[].pose", "objects[].twist");
+        fill(
+            &mut paths,
+            &OBJECT_SLOTS,
+            &[
+                ("id", "objects[].id"),
+                ("shape", "objects[].shape.type?"),
+                ("size0", "objects[].shape.dimensions[0]?"),
+                ("size1", "objects[].shape.dimensions[1]?"),
+                ("class", "objects[].classification?"),
+            ],
+        );
+        Self {
+            role: Role::Objects,
+            paths,
+            convention: Convention::Derived,
+        }
+    }
+
+    fn autoware(prefix: &str) -> Self {
+        let of = |what: &str| format!("objects[].kinematics.{prefix}{what}_with_covariance.{what}");
+        let mut paths = place(&OBJECT_SLOTS, &HEADER, &of("pose"), &of("twist"));
+        fill(
+            &mut paths,
+            &OBJECT_SLOTS,
+            &[
+                ("shape", "objects[].shape.type?"),
+                ("size0", "objects[].shape.dimensions.x?"),
+                ("class", "objects[].classification[0].label?"),
+            ],
+        );
+        paths.extend((0..16).map(|i| format!("objects[].object_id.uuid[{i}]")));
+        Self {
+            role: Role::Objects,
+            paths,
+            convention: Convention::Autoware,
+        }
+    }
+}
+
+impl Role {
+    /// Names of the slots that a mapping may fill.
+    pub(crate) fn slots(self) -> &'static [&'static str] {
+        match self {
+            Self::Objects => &OBJECT_SLOTS,
+            Self::Identity => &["id"],
+            _ => &EGO_SLOTS,
+        }
+    }
+}
+
+/// `pkg/Type`, whether a name is written with `/msg/`, with a point or plain.
+pub(crate) fn plain_name(name: &str) -> String {
+    short_name(name).replace('.', "/")
+}
+
+/// Paths of a pose and a twist of `geometry_msgs`, where they are given.
+fn place(slots: &[&str], stamp: &[(&str, &str)], pose: &str, twist: &str) -> Vec<String> {
+    let mut paths = filled(slots, stamp);
+    let at = |prefix: &str, rest: &str| format!("{prefix}.{rest}");
+    let mut set = |slot: &str, path: String| {
+        fill(&mut paths, slots, &[(slot, path.as_str())]);
+    };
+    if !pose.is_empty() {
+        set("x", at(pose, "position.x"));
+        set("y", at(pose, "position.y"));
+        for axis in ["x", "y", "z", "w"] {
+            set(
+                &format!("q{axis}"),
+                at(pose, &format!("orientation.{axis}")),
+            );
+        }
+    }
+    if !twist.is_empty() {
+        set("vx", at(twist, "linear.x"));
+        set("vy", at(twist, "linear.y"));
+    }
+    paths
+}
+
+fn filled(slots: &[&str], known: &[(&str, &str)]) -> Vec<String> {
+    let mut paths = vec![String::new(); slots.len()];
+    fill(&mut paths, slots, known);
+    paths
+}
+
+fn fill(paths: &mut [String], slots: &[&str], known: &[(&str, &str)]) {
+    for (path, slot) in paths.iter_mut().zip(slots) {
+        if let Some((_, known)) = known.iter().find(|k| k.0 == *slot) {
+            (*known).clone_into(path);
+        }
+    }
+}

@@ -1,0 +1,368 @@
+//! Protobuf messages: field numbers from the schema's descriptors, wanted numbers along the bytes, the rest passed over.
+
+use super::wanted::{Slots, Taken, Tree};
+use prost_reflect::{DescriptorPool, FieldDescriptor, Kind, MessageDescriptor};
+use std::collections::BTreeMap;
+
+/// Largest set of descriptors that is read, in bytes: unpacked they take some hundred times as much.
+const MOST_SCHEMA: usize = 256 << 10;
+
+/// Which numbers of a channel's messages are wanted.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Plan {
+    root: Node,
+    slots: Slots,
+}
+
+/// What is wanted of a message, by field number.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+struct Node {
+    fields: BTreeMap<u64, Field>,
+    /// Slots of its own numbers, which are 0 where they are left out.
+    own: Vec<usize>,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Field {
+    value: Value,
+    /// Every element gives a row.
+    each: bool,
+    /// Slots by the element's place; place 0 alone where the field is not repeated.
+    items: BTreeMap<usize, Vec<usize>>,
+    repeated: bool,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Value {
+    Number(Kind),
+    /// What is wanted of an element, by its place; the last node serves all others.
+    Messages(BTreeMap<usize, Node>, Option<Node>),
+}
+
+impl Plan {
+    /// Compiles a plan that fills slot i with the number at path `wanted[i]`: paths as in a ROS message.
+    ///
+    /// # Errors
+    /// A sentence that says why the schema cannot be used or which number it lacks.
+    pub(crate) fn compile(name: &str, schema: &[u8], wanted: &[&str]) -> Result<Self, String> {
+        if schema.len() > MOST_SCHEMA {
+            return Err(format!(
+                "its schema has {} bytes, expected at most {MOST_SCHEMA}",
+                schema.len()
+            ));
+        }
+        let pool = DescriptorPool::decode(schema)
+            .map_err(|e| format!("its schema is no set of descriptors: {e}"))?;
+        let message = pool
+            .get_message_by_name(name)
+            .ok_or_else(|| format!("type `{name}` is not in its schema"))?;
+        let tree = Tree::of(wanted);
+        let mut found = vec![false; wanted.len()];
+        let root = node(&message, &tree, &mut found);
+        let missing =
+            (0..wanted.len()).find(|&i| !found[i] && !super::wanted::may_be_missing(wanted[i]));
+        if let Some(i) = missing {
+            let path = wanted[i].replace('|', "` or `");
+            return Err(format!("`{name}` in its schema has no number `{path}`"));
+        }
+        let slots = Slots::of(wanted, &tree);
+        Ok(Self { root, slots })
+    }
+
+    /// Reads a message: `row` is filled, and given to `each` for every element of the wanted sequence.
+    ///
+    /// # Errors
+    /// A sentence, where the bytes do not fit.
+    pub(crate) fn run(
+        &self,
+        message: &[u8],
+        row: &mut Vec<f64>,
+        each: &mut dyn FnMut(&[f64]),
+    ) -> Result<(), String> {
+        let mut taken = Taken::new(&self.slots);
+        self.root
+            .walk(message, &mut taken)
+            .ok_or("its bytes are no protobuf message")?;
+        self.slots.give(&mut taken, row, each)
+    }
+}
+
+fn node(message: &MessageDescriptor, tree: &Tree, found: &mut [bool]) -> Node {
+    let mut fields = BTreeMap::new();
+    let mut own = Vec::new();
+    for (name, below) in &tree.fields {
+        let Some(descriptor) = message.get_field_by_name(name) else {
+            continue;
+        };
+        let field = field(&descriptor, below, found);
+        if let (Value::Number(_), false) = (&field.value, field.repeated) {
+            own.extend(field.items.values().flatten());
+        }
+        fields.insert(u64::from(descriptor.number()), field);
+    }
+    Node { fields, own }
+}
+
+fn field(descriptor: &FieldDescriptor, tree: &Tree, found: &mut [bool]) -> Field {
+    let repeated = descriptor.is_list();
+    let mut items = BTreeMap::new();
+    let value = match descriptor.kind() {
+        Kind::Message(message) if repeated => {
+            let at = |(&i, t): (&usize, &Tree)| (i, node(&message, t, found));
+            let nodes = tree.items.iter().map(at).collect();
+            let each = tree.each.as_deref().map(|t| node(&message, t, found));
+            Value::Messages(nodes, each)
+        }
+        Kind::Message(message) => {
+            let one = node(&message, tree, found);
+            Value::Messages(BTreeMap::from([(0, one)]), None)
+        }
+        Kind::String | Kind::Bytes => Value::Messages(BTreeMap::new(), None),
+        kind => {
+            if repeated {
+                items.extend(tree.items.iter().map(|(&i, t)| (i, t.slots.clone())));
+            } else {
+                items.insert(0, tree.slots.clone());
+            }
+            for &slot in items.values().flatten() {
+                found[slot] = true;
+            }
+            Value::Number(kind)
+        }
+    };
+    Field {
+        each: repeated && tree.each.is_some(),
+        value,
+        items,
+        repeated,
+    }
+}
+
+impl Node {
+    /// Takes what is wanted of a message; none where its bytes do not fit.
+    fn walk(&self, bytes: &[u8], taken: &mut Taken) -> Option<()> {
+        taken.set_default(&self.own, 0.0);
+        let mut wire = Wire(bytes);
+        let mut places: BTreeMap<u64, usize> = BTreeMap::new();
+        while !wire.0.is_empty() {
+            let key = wire.varint()?;
+            let (number, kind) = (key >> 3, key & 7);
+            let piece = wire.piece(kind)?;
+            if let Some(field) = self.fields.get(&number) {
+                field.take(kind, piece, places.entry(number).or_default(), taken)?;
+            }
+        }
+        Some(())
+    }
+}
+
+impl Field {
+    fn take(
+        &self,
+        kind: u64,
+        piece: Piece<'_>,
+        place: &mut usize,
+        taken: &mut Taken,
+    ) -> Option<()> {
+        match (&self.value, piece) {
+            (Value::Messages(nodes, each), Piece::Bytes(bytes)) => {
+                let at = *place;
+                *place += usize::from(self.repeated);
+                if let Some(node) = nodes.get(&at) {
+                    node.walk(bytes, taken)?;
+                } else if let Some(node) = each
+                    && self.each
+                    && taken.begin_row()
+                {
+                    let walked = node.walk(bytes, taken);
+                    taken.end_row();
+                    walked?;
+                }
+                Some(())
+            }
+            (Value::Number(of), Piece::Bytes(bytes)) => {
+                // Packed: numbers one after another.
+                let mut packed = Wire(bytes);
+                let kind = wire_kind(of);
+                while !packed.0.is_empty() {
+                    let piece = packed.piece(kind)?;
+                    self.number(of, piece, place, taken)?;
+                }
+                Some(())
+            }
+            (Value::Number(of), piece) if kind == wire_kind(of) => {
+                self.number(of, piece, place, taken)
+            }
+            _ => None,
+        }
+    }
+
+    fn number(
+        &self,
+        of: &Kind,
+        piece: Piece<'_>,
+        place: &mut usize,
+        taken: &mut Taken,
+    ) -> Option<()> {
+        let value = value(of, piece)?;
+        if let Some(slots) = self.items.get(place) {
+            taken.set(slots, value);
+        }
+        *place += usize::from(self.repeated);
+        Some(())
+    }
+}
+
+/// How the bytes of a kind of number are marked.
+fn wire_kind(kind: &Kind) -> u64 {
+    match kind {
+        Kind::Double | Kind::Fixed64 | Kind::Sfixed64 => 1,
+        Kind::Float | Kind::Fixed32 | Kind::Sfixed32 => 5,
+        _ => 0,
+    }
+}
+
+fn value(kind: &Kind, piece: Piece<'_>) -> Option<f64> {
+    let unzigzag = |v: u64| (v >> 1) as i64 ^ -((v & 1) as i64);
+    Some(match (kind, piece) {
+        (Kind::Double, Piece::Eight(b)) => f64::from_le_bytes(b),
+        (Kind::Fixed64, Piece::Eight(b)) => u64::from_le_bytes(b) as f64,
+        (Kind::Sfixed64, Piece::Eight(b)) => i64::from_le_bytes(b) as f64,
+        (Kind::Float, Piece::Four(b)) => f64::from(f32::from_le_bytes(b)),
+        (Kind::Fixed32, Piece::Four(b)) => f64::from(u32::from_le_bytes(b)),
+        (Kind::Sfixed32, Piece::Four(b)) => f64::from(i32::from_le_bytes(b)),
+        (Kind::Sint32 | Kind::Sint64, Piece::Varint(v)) => unzigzag(v) as f64,
+        (Kind::Uint32 | Kind::Uint64 | Kind::Bool, Piece::Varint(v)) => v as f64,
+        (_, Piece::Varint(v)) => v as i64 as f64,
+        _ => return None,
+    })
+}
+
+enum Piece<'a> {
+    Varint(u64),
+    Eight([u8; 8]),
+    Four([u8; 4]),
+    Bytes(&'a [u8]),
+}
+
+/// Reads along the bytes of a message.
+struct Wire<'a>(&'a [u8]);
+
+impl<'a> Wire<'a> {
+    fn varint(&mut self) -> Option<u64> {
+        let mut value = 0;
+        for i in 0..10 {
+            let (&byte, rest) = self.0.split_first()?;
+            self.0 = rest;
+            value |= u64::from(byte & 0x7f) << (7 * i);
+            if byte < 0x80 {
+                return Some(value);
+            }
+        }
+        None
+    }
+
+    fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (&value, rest) = self.0.split_first_chunk()?;
+        self.0 = rest;
+        Some(value)
+    }
+
+    fn piece(&mut self, kind: u64) -> Option<Piece<'a>> {
+        Some(match kind {
+            0 => Piece::Varint(self.varint()?),
+            1 => Piece::Eight(self.array()?),
+            5 => Piece::Four(self.array()?),
+            2 => {
+                let length = usize::try_from(self.varint()?).ok()?;
+                let (bytes, rest) = self.0.split_at_checked(length)?;
+                self.0 = rest;
+                Piece::Bytes(bytes)
+            }
+            _ => return None,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use prost_reflect::prost::Message as _;
+    use prost_reflect::prost_types::{
+        DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet,
+        field_descriptor_proto::{Label, Type},
+    };
+
+    fn field(name: &str, number: i32, ty: Type, of: &str, list: bool) -> FieldDescriptorProto {
+        FieldDescriptorProto {
+            name: Some(name.to_owned()),
+            number: Some(number),
+            r#type: Some(ty as i32),
+            type_name: (!of.is_empty()).then(|| of.to_owned()),
+            label: Some(if list {
+                Label::Repeated
+            } else {
+                Label::Optional
+            } as i32),
+            ..FieldDescriptorProto::default()
+        }
+    }
+
+    fn schema() -> Vec<u8> {
+        let car = DescriptorProto {
+            name: Some("Car".to_owned()),
+            field: vec![
+                field("id", 1, Type::Sint32, "", false),
+                field("size", 2, Type::Double, "", true),
+                field("name", 3, Type::String, "", false),
+            ],
+            ..DescriptorProto::default()
+        };
+        let scene = DescriptorProto {
+            name: Some("Scene".to_owned()),
+            field: vec![
+                field("cars", 1, Type::Message, ".p.Car", true),
+                field("speed", 2, Type::Float, "", false),
+                field("lane", 3, Type::Int32, "", false),
+            ],
+            ..DescriptorProto::default()
+        };
+        let file = FileDescriptorProto {
+            name: Some("p.proto".to_owned()),
+            package: Some("p".to_owned()),
+            message_type: vec![car, scene],
+            syntax: Some("proto3".to_owned()),
+            ..FileDescriptorProto::default()
+        };
+        FileDescriptorSet { file: vec![file] }.encode_to_vec()
+    }
+
+    #[test]
+    fn numbers_are_taken_and_those_left_out_are_zero() {
+        let wanted = ["speed", "lane", "cars[].id", "cars[].size[1]?"];
+        let plan = Plan::compile("p.Scene", &schema(), &wanted).unwrap();
+        let mut message = vec![0x0a, 20, 0x08, 3, 0x12, 16];
+        message.extend(4.5_f64.to_le_bytes());
+        message.extend(1.5_f64.to_le_bytes());
+        message.extend([0x0a, 3, 0x1a, 1, b'x', 0x15]);
+        message.extend(2.5_f32.to_le_bytes());
+        let mut rows = Vec::new();
+        plan.run(&message, &mut Vec::new(), &mut |r| rows.push(r.to_vec()))
+            .unwrap();
+        assert_eq!(rows[0], [2.5, 0.0, -2.0, 1.5]);
+        assert_eq!(rows[1][..3], [2.5, 0.0, 0.0]);
+        assert!(rows[1][3].is_nan());
+    }
+
+    #[test]
+    fn bad_bytes_an_unknown_type_and_a_missing_field_are_refused() {
+        let plan = Plan::compile("p.Scene", &schema(), &["speed"]).unwrap();
+        for bytes in [&[0x0a, 9][..], &[0x15, 1], &[0x13], &[0xff; 11]] {
+            assert!(plan.run(bytes, &mut Vec::new(), &mut |_| {}).is_err());
+        }
+        let of = |name: &str, wanted: &[&str]| Plan::compile(name, &schema(), wanted).unwrap_err();
+        assert!(of("p.None", &[]).contains("p.None"));
+        assert!(of("p.Scene", &["height"]).contains("`height`"));
+        assert!(Plan::compile("p.Scene", &[1, 2, 3], &[]).is_err());
+    }
+}

@@ -1,0 +1,200 @@
+use super::*;
+use crate::raw::ros2::{cdr::Writer, definition::parse};
+
+fn compiled(text: &str, wanted: &[&str]) -> Plan {
+    let definitions = parse("p/M", text, Dialect::Ros2).unwrap();
+    Plan::compile(&definitions, wanted, Dialect::Ros2).unwrap()
+}
+
+fn rows(plan: &Plan, bytes: &[u8]) -> Result<(Vec<Vec<f64>>, usize), CdrError> {
+    let mut rows = Vec::new();
+    let left = plan.run(bytes, &mut Vec::new(), &mut |r| rows.push(r.to_vec()))?;
+    Ok((rows, left))
+}
+
+const NESTED: &str = "string name\nuint8 a\nfloat64[3] skipped\nP[] rows\nint32 last\n\
+    ================================================================================\n\
+    MSG: p/P\nuint8 id\nfloat64[<=3] size";
+
+#[test]
+fn wanted_numbers_are_taken_and_the_rest_is_passed_over() {
+    let plan = compiled(
+        NESTED,
+        &["a", "rows[].id", "rows[].size[1]", "rows[].colour?"],
+    );
+    let mut writer = Writer::new();
+    writer.string("hello");
+    writer.u8(9);
+    writer.f64s(&[0.0; 3]);
+    writer.u32(2);
+    for (id, size) in [(1, &[4.0, 2.0][..]), (2, &[4.0][..])] {
+        writer.u8(id);
+        writer.u32(size.len() as u32);
+        writer.f64s(size);
+    }
+    writer.u32(5);
+    let (seen, left) = rows(&plan, writer.bytes()).unwrap();
+    assert_eq!(left, 4, "the last field is not walked");
+    assert_eq!(seen[0][..3], [9.0, 1.0, 2.0]);
+    assert_eq!(seen[1][..2], [9.0, 2.0]);
+    assert!(seen[1][2].is_nan() && seen[1][3].is_nan());
+}
+
+#[test]
+fn numbers_after_strings_of_any_length_are_aligned() {
+    let plan = compiled(
+        "string s\nuint8 a\nuint16 b\nfloat64 c\nuint8 d\nint64 e",
+        &["b", "c", "e"],
+    );
+    for length in 0..12 {
+        let mut writer = Writer::new();
+        writer.string(&"x".repeat(length));
+        writer.u8(1);
+        writer.u8(0);
+        while (writer.bytes().len() - 4) % 2 != 0 {
+            writer.u8(0);
+        }
+        // b follows a at the next even place.
+        let mut bytes = writer.bytes().to_vec();
+        let at = 4 + 4 + length + 1 + 1;
+        bytes.truncate(at);
+        let pad = |bytes: &mut Vec<u8>, n: usize| {
+            while (bytes.len() - 4) % n != 0 {
+                bytes.push(0xee);
+            }
+        };
+        pad(&mut bytes, 2);
+        bytes.extend(300_u16.to_le_bytes());
+        pad(&mut bytes, 8);
+        bytes.extend(1.25_f64.to_le_bytes());
+        bytes.push(9);
+        pad(&mut bytes, 8);
+        bytes.extend((-5_i64).to_le_bytes());
+        let mut row = Vec::new();
+        assert_eq!(plan.run(&bytes, &mut row, &mut |_| {}), Ok(0), "{length}");
+        assert_eq!(row, [300.0, 1.25, -5.0]);
+    }
+}
+
+/// Two rows as XCDR2 writes them: 4-byte alignment, and sizes before what is not a number.
+fn xcdr2(kind: u8, structures: bool, collections: bool) -> Vec<u8> {
+    let mut inner = Vec::new();
+    for (id, size) in [(1_u8, [4.0_f64, 2.0]), (2, [5.0, 3.0])] {
+        let mut one = vec![id, 0, 0, 0];
+        one.extend(2_u32.to_le_bytes());
+        one.extend(size.iter().flat_map(|v| v.to_le_bytes()));
+        if structures {
+            inner.extend((one.len() as u32).to_le_bytes());
+        }
+        inner.extend(one);
+    }
+    let mut sequence = 2_u32.to_le_bytes().to_vec();
+    sequence.extend(inner);
+    let mut body = 1_u32.to_le_bytes().to_vec();
+    body.extend([0, 9, 0, 0]);
+    body.extend([0; 24]);
+    if collections {
+        body.extend((sequence.len() as u32).to_le_bytes());
+    }
+    body.extend(sequence);
+    body.extend(5_u32.to_le_bytes());
+    if structures {
+        // A field that this definition does not know yet.
+        body.extend([1, 2, 3, 4]);
+        let size = (body.len() as u32).to_le_bytes();
+        body.splice(0..0, size);
+    }
+    let mut message = vec![0, kind, 0, 0];
+    message.extend(body);
+    message
+}
+
+#[test]
+fn xcdr2_plain_and_delimited_are_read_with_and_without_sizes_of_collections() {
+    let plan = compiled(NESTED, &["a", "rows[].id", "rows[].size[1]"]);
+    let expected = vec![vec![9.0, 1.0, 2.0], vec![9.0, 2.0, 3.0]];
+    for (kind, structures, collections) in [
+        (7, false, true),
+        (7, false, false),
+        (0x11, false, true),
+        (9, true, true),
+        (0x15, true, true),
+    ] {
+        let (seen, _) = rows(&plan, &xcdr2(kind, structures, collections)).unwrap();
+        assert_eq!(seen, expected, "{kind} {structures} {collections}");
+    }
+    let parameters = rows(&plan, &xcdr2(3, false, true)).unwrap_err();
+    assert_eq!(parameters, CdrError::Encapsulation(0, 3));
+}
+
+#[test]
+fn the_width_of_wide_characters_is_found_by_what_fits() {
+    let plan = compiled("wstring w\nuint32 x\nuint32 y", &["x", "y"]);
+    for wide in [2_usize, 4] {
+        let mut bytes = vec![0, 1, 0, 0, 2, 0, 0, 0];
+        bytes.extend(vec![0x41; 2 * wide]);
+        bytes.extend(7_u32.to_le_bytes());
+        bytes.extend(8_u32.to_le_bytes());
+        let mut row = Vec::new();
+        plan.run(&bytes, &mut row, &mut |_| {}).unwrap();
+        assert_eq!(row, [7.0, 8.0], "{wide}");
+    }
+}
+
+#[test]
+fn numbers_of_the_first_element_of_a_sequence_are_taken() {
+    let text = "P[] rows\nint32 last\n\
+        ================================================================================\n\
+        MSG: p/P\nuint8 id\nstring s";
+    let plan = compiled(text, &["rows[0].id?", "last"]);
+    let mut writer = Writer::new();
+    writer.u32(2);
+    for id in [5, 6] {
+        writer.u8(id);
+        writer.string("abc");
+    }
+    writer.u32(1);
+    let mut row = Vec::new();
+    assert_eq!(plan.run(writer.bytes(), &mut row, &mut |_| {}), Ok(0));
+    assert_eq!(row, [5.0, 1.0]);
+    plan.run(&[0, 1, 0, 0, 0, 0, 0, 0, 3, 0, 0, 0], &mut row, &mut |_| {})
+        .unwrap();
+    assert!(row[0].is_nan());
+}
+
+#[test]
+fn ros_1_is_packed() {
+    let definitions = parse(
+        "p/M",
+        "uint8 a\nfloat64 b\ntime t\nEmpty e\nint32 c\n\
+        ================================================================================\n\
+        MSG: p/Empty\n",
+        Dialect::Ros1,
+    )
+    .unwrap();
+    let plan = Plan::compile(&definitions, &["b", "t.sec", "c"], Dialect::Ros1).unwrap();
+    let mut bytes = vec![1];
+    bytes.extend(2.5_f64.to_le_bytes());
+    bytes.extend([3, 0, 0, 0, 4, 0, 0, 0, 9, 0, 0, 0]);
+    let mut row = Vec::new();
+    assert_eq!(plan.run(&bytes, &mut row, &mut |_| {}), Ok(0));
+    assert_eq!(row, [2.5, 3.0, 9.0]);
+}
+
+#[test]
+fn a_type_that_contains_itself_and_a_missing_field_are_refused() {
+    let of = |text: &str, wanted: &[&str]| {
+        let definitions = parse("p/A", text, Dialect::Ros2).unwrap();
+        Plan::compile(&definitions, wanted, Dialect::Ros2).unwrap_err()
+    };
+    assert!(of("p/A[] a\nint32 x", &[]).contains("itself"));
+    assert!(of("int32 x", &["y|z"]).contains("`y` or `z`"));
+    assert!(of("float64[18446744073709551615] x\nint32 y", &["y"]).contains("too large"));
+}
+
+#[test]
+fn a_huge_claimed_count_ends_with_the_bytes() {
+    let plan = compiled("string[] s", &[]);
+    let found = rows(&plan, &[0, 1, 0, 0, 255, 255, 255, 255]);
+    assert_eq!(found, Err(CdrError::End));
+}

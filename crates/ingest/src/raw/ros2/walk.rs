@@ -1,0 +1,128 @@
+//! Walks along a message by the steps of a plan.
+
+use super::{
+    cdr::{CdrError, Reader, number},
+    plan::{Block, Step},
+};
+
+/// Walks `steps`: wanted numbers go into `row`, which is given to `each` for every element that is a row.
+///
+/// # Errors
+/// [`CdrError`] where the bytes do not fit.
+pub(super) fn walk(
+    steps: &[Step],
+    reader: &mut Reader<'_>,
+    row: &mut [f64],
+    each: &mut dyn FnMut(&[f64]),
+) -> Result<(), CdrError> {
+    for step in steps {
+        match step {
+            Step::Block(block) => take_block(block, reader, row)?,
+            Step::TakeSome {
+                primitive,
+                fixed,
+                wanted,
+            } => {
+                let count = fixed.map_or_else(|| reader.count(), Ok)?;
+                let last = wanted.iter().map(|w| w.0).max().unwrap_or(0);
+                for index in 0..count.min(last.saturating_add(1)) {
+                    let value = reader.number(*primitive)?;
+                    for (_, slot) in wanted.iter().filter(|w| w.0 == index) {
+                        row[*slot] = value;
+                    }
+                }
+                reader.skip(
+                    primitive.size(),
+                    count.saturating_sub(last).saturating_sub(1),
+                )?;
+            }
+            Step::SkipString => {
+                let length = reader.count()?;
+                reader.skip(1, length)?;
+            }
+            Step::SkipWide => {
+                let count = reader.count()?;
+                let bytes = count * u64::from(reader.layout.wide);
+                reader.skip(1, bytes)?;
+            }
+            Step::SkipSequence { size } => {
+                let count = reader.count()?;
+                reader.skip(*size, count)?;
+            }
+            Step::Repeat { fixed, body, first } => {
+                within_collection(reader, |reader| {
+                    let count = fixed.map_or_else(|| reader.count(), Ok)?;
+                    for i in 0..count {
+                        let at = reader.at();
+                        match first {
+                            Some(first) if i == 0 => walk(first, reader, row, &mut |_| {})?,
+                            _ => walk(body, reader, row, &mut |_| {})?,
+                        }
+                        if reader.at() == at {
+                            // Elements of no bytes: any number of them takes no more.
+                            break;
+                        }
+                    }
+                    Ok(())
+                })?;
+            }
+            Step::Rows { body, slots } => {
+                within_collection(reader, |reader| {
+                    for _ in 0..reader.count()? {
+                        for &slot in slots {
+                            row[slot] = f64::NAN;
+                        }
+                        let at = reader.at();
+                        // Nothing within a row gives rows of its own to this caller.
+                        walk(body, reader, row, &mut |_| {})?;
+                        if reader.at() == at {
+                            break;
+                        }
+                        each(row);
+                    }
+                    Ok(())
+                })?;
+            }
+            Step::Structure(body) => {
+                let end = reader.delimiter()?;
+                walk(body, reader, row, each)?;
+                if reader.at() > end {
+                    return Err(CdrError::End);
+                }
+                // Fields that were added since stand at the end.
+                reader.go_to(end)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn take_block(block: &Block, reader: &mut Reader<'_>, row: &mut [f64]) -> Result<(), CdrError> {
+    let places = block
+        .places(reader.at(), reader.layout.most_align)
+        .ok_or(CdrError::End)?;
+    let bytes = reader.block(places.length)?;
+    for &(offset, primitive, slot) in &places.takes {
+        let value = bytes.get(offset as usize..);
+        let value = value.and_then(|b| number(b, primitive, reader.layout.big_endian));
+        row[slot as usize] = value.ok_or(CdrError::End)?;
+    }
+    Ok(())
+}
+
+/// Reads a collection of anything but numbers, which may start with its size and then must have it.
+fn within_collection<'a>(
+    reader: &mut Reader<'a>,
+    read: impl FnOnce(&mut Reader<'a>) -> Result<(), CdrError>,
+) -> Result<(), CdrError> {
+    if !reader.layout.delimited_collections {
+        return read(reader);
+    }
+    let end = reader.delimiter()?;
+    read(reader)?;
+    if reader.at() == end {
+        Ok(())
+    } else {
+        Err(CdrError::End)
+    }
+}

@@ -1,0 +1,199 @@
+//! Paths of wanted numbers within a message, and what is taken along them.
+
+use std::collections::BTreeMap;
+
+/// Whether a path need not be there: one that ends in `?`, and an empty one.
+pub(crate) fn may_be_missing(path: &str) -> bool {
+    path.is_empty() || path.ends_with('?')
+}
+
+/// The alternatives of a path, separated by `|`.
+pub(crate) fn alternatives(path: &str) -> impl Iterator<Item = &str> {
+    let all = path.trim_end_matches('?').split('|');
+    all.filter(|p| !p.is_empty())
+}
+
+/// Wanted paths as a tree: what to look for in a message that names its fields.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct Tree {
+    /// Slots that take the number here.
+    pub(crate) slots: Vec<usize>,
+    /// Fields to look into.
+    pub(crate) fields: BTreeMap<String, Self>,
+    /// Of a sequence: every element gives a row.
+    pub(crate) each: Option<Box<Self>>,
+    /// Of a sequence: elements by their place.
+    pub(crate) items: BTreeMap<usize, Self>,
+}
+
+impl Tree {
+    /// The tree of some paths; slot i is path i.
+    pub(crate) fn of(wanted: &[&str]) -> Self {
+        let mut root = Self::default();
+        for (slot, path) in wanted.iter().enumerate() {
+            for path in alternatives(path) {
+                root.at(path).slots.push(slot);
+            }
+        }
+        root
+    }
+
+    fn at(&mut self, path: &str) -> &mut Self {
+        path.split('.').fold(self, |node, part| {
+            let (name, index) = match part.strip_suffix(']').and_then(|p| p.split_once('[')) {
+                Some((name, index)) => (name, Some(index)),
+                None => (part, None),
+            };
+            let node = node.fields.entry(name.to_owned()).or_default();
+            match index {
+                None => node,
+                Some(index) => match index.parse() {
+                    Ok(index) => node.items.entry(index).or_default(),
+                    Err(_) => node.each.get_or_insert_default(),
+                },
+            }
+        })
+    }
+
+    /// The slots at and below this node.
+    fn all_slots(&self) -> Vec<usize> {
+        let below = self.fields.values().chain(self.items.values());
+        let below = below.chain(self.each.as_deref());
+        let mut slots = self.slots.clone();
+        slots.extend(below.flat_map(Self::all_slots));
+        slots
+    }
+
+    /// The slots within rows.
+    fn row_slots(&self) -> Vec<usize> {
+        let below = self.fields.values().chain(self.items.values());
+        let mut slots: Vec<usize> = below.flat_map(Self::row_slots).collect();
+        slots.extend(self.each.iter().flat_map(|each| each.all_slots()));
+        slots
+    }
+}
+
+/// Which slots a format with named fields fills, and which it must.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Slots {
+    names: Vec<String>,
+    in_rows: Vec<bool>,
+}
+
+impl Slots {
+    /// For the paths behind a tree.
+    pub(crate) fn of(wanted: &[&str], tree: &Tree) -> Self {
+        let mut in_rows = vec![false; wanted.len()];
+        for slot in tree.row_slots() {
+            in_rows[slot] = true;
+        }
+        Self {
+            names: wanted.iter().map(|&w| w.to_owned()).collect(),
+            in_rows,
+        }
+    }
+
+    /// Gives every row to `each`, with the numbers that stand outside rows; leaves those in `row`.
+    ///
+    /// # Errors
+    /// A sentence that names the first number that is missing.
+    pub(crate) fn give(
+        &self,
+        taken: &mut Taken,
+        row: &mut Vec<f64>,
+        each: &mut dyn FnMut(&[f64]),
+    ) -> Result<(), String> {
+        let n = self.names.len();
+        let missing = |values: &[f64], of_rows: bool| {
+            (0..n).find(|&i| {
+                self.in_rows[i] == of_rows && values[i].is_nan() && !may_be_missing(&self.names[i])
+            })
+        };
+        let check = |values: &[f64], of_rows: bool| match missing(values, of_rows) {
+            Some(i) => Err(format!(
+                "it has no number `{}`",
+                self.names[i].replace('|', "` or `")
+            )),
+            None => Ok(()),
+        };
+        check(&taken.outer, false)?;
+        for values in taken.rows.chunks_exact_mut(n.max(1)) {
+            check(values, true)?;
+            for i in (0..n).filter(|&i| !self.in_rows[i]) {
+                values[i] = taken.outer[i];
+            }
+            each(values);
+        }
+        row.clear();
+        row.extend_from_slice(&taken.outer);
+        Ok(())
+    }
+}
+
+/// Numbers taken from one message; fields may have come in any order.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Taken {
+    outer: Vec<f64>,
+    rows: Vec<f64>,
+    in_row: bool,
+}
+
+impl Taken {
+    pub(crate) fn new(slots: &Slots) -> Self {
+        Self {
+            outer: vec![f64::NAN; slots.names.len()],
+            rows: Vec::new(),
+            in_row: false,
+        }
+    }
+
+    fn current(&mut self) -> &mut [f64] {
+        let n = self.outer.len();
+        if self.in_row {
+            let start = self.rows.len() - n;
+            &mut self.rows[start..]
+        } else {
+            &mut self.outer
+        }
+    }
+
+    /// Puts a number into slots.
+    pub(crate) fn set(&mut self, slots: &[usize], value: f64) {
+        let current = self.current();
+        for &slot in slots {
+            current[slot] = value;
+        }
+    }
+
+    /// Puts a number into slots that hold none yet.
+    pub(crate) fn set_default(&mut self, slots: &[usize], value: f64) {
+        let current = self.current();
+        for &slot in slots {
+            if current[slot].is_nan() {
+                current[slot] = value;
+            }
+        }
+    }
+
+    /// Starts a row; false within another, where there is none.
+    pub(crate) fn begin_row(&mut self) -> bool {
+        if self.in_row || self.outer.is_empty() {
+            return false;
+        }
+        self.in_row = true;
+        self.rows
+            .extend(std::iter::repeat_n(f64::NAN, self.outer.len()));
+        true
+    }
+
+    /// Takes the last row back.
+    pub(crate) fn drop_row(&mut self) {
+        let n = self.rows.len().saturating_sub(self.outer.len());
+        self.rows.truncate(n);
+    }
+
+    /// Ends the row.
+    pub(crate) fn end_row(&mut self) {
+        self.in_row = false;
+    }
+}
