@@ -37,6 +37,7 @@ pub(crate) enum Command {
     Rate(commands::rate::Rate),
     Evaluate(commands::evaluate::Evaluate),
     Stats(commands::stats::Stats),
+    Validate(commands::validate::Validate),
     Report(commands::report::Report),
 }
 

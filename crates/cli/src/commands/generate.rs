@@ -29,6 +29,9 @@ pub(crate) struct Generate {
     /// Length of a drive, in s; the scenario's when not given
     #[arg(long)]
     duration: Option<f64>,
+    /// Everybody drives as themselves once more, on another day: logs/study1-again, logs/study2-again
+    #[arg(long)]
+    repeat_drives: bool,
     /// Root of every random choice
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -50,6 +53,7 @@ impl Generate {
             study1: self.study1,
             study2: self.study2,
             duration_s: self.duration,
+            repeat_drives: self.repeat_drives,
             seed: self.seed,
             jobs: self.jobs,
         };

@@ -16,6 +16,7 @@ pub(crate) mod stats;
 pub(crate) mod status;
 pub(crate) mod steer;
 pub(crate) mod train;
+pub(crate) mod validate;
 
 use crate::{
     args::{Command, Format},
@@ -43,6 +44,7 @@ pub(crate) fn run(command: Command) -> Result<(), Failure> {
         Command::Rate(c) => c.run(),
         Command::Evaluate(c) => c.run(),
         Command::Stats(c) => c.run(),
+        Command::Validate(c) => c.run(),
         Command::Report(c) => c.run(),
     }
 }

@@ -108,6 +108,7 @@ impl<'a> AutomatedDriver<'a> {
                 self.settings,
                 &reference,
                 asked.change_probability,
+                steering.lane(),
                 PLANNING_STEP_S,
             );
             let back = self.return_rule.due(
@@ -151,7 +152,14 @@ impl<'a> AutomatedDriver<'a> {
                     gap_m: n.gap_m,
                     speed_mps: n.vehicle.speed_mps,
                 };
-                following::command(s, asked.following_distance_m, speed, lead, cruise)
+                following::command(
+                    s,
+                    asked.following_distance_m,
+                    speed,
+                    lead,
+                    cruise,
+                    self.lane_state == LaneState::Waiting,
+                )
             })
             .fold(cruise, f64::min);
         self.velocity_leads = wanted >= cruise;

@@ -55,14 +55,37 @@ pub(super) fn command(
     speed_mps: f64,
     lead: Lead,
     cruise_mps2: f64,
+    change_is_due: bool,
 ) -> f64 {
     let kept = kept_distance_m(settings, asked_m, speed_mps, lead);
     let below = threshold_m(settings, kept, speed_mps, lead) - lead.gap_m;
     let share = (1.0 + below / settings.handover_band_m).clamp(0.0, 1.0);
     let follow = settings.gap_gain_per_s2 * (lead.gap_m - kept)
         + settings.speed_difference_gain_per_s * (lead.speed_mps - speed_mps);
-    cruise_mps2 + share * (follow.min(cruise_mps2) - cruise_mps2)
+    let one_sided = cruise_mps2 + share * (follow.min(cruise_mps2) - cruise_mps2);
+    let met = if change_is_due {
+        0.0
+    } else {
+        met_share(settings, speed_mps, lead)
+    };
+    one_sided + met * (follow - one_sided)
 }
+
+/// How far ego has settled behind `lead`: 1 at equal speeds within a time gap of [`FOLLOWS_WITHIN_S`], 0 from
+/// `met_within_mps` of difference up.
+///
+/// # Source
+/// Method section 5: λ short while closing in, F alone once the speeds have met and no change is due.
+fn met_share(settings: &ControllerSettings, speed_mps: f64, lead: Lead) -> f64 {
+    let within = settings.met_within_mps;
+    if within <= 0.0 || lead.gap_m > FOLLOWS_WITHIN_S * speed_mps {
+        return 0.0;
+    }
+    (2.0 - 2.0 * (speed_mps - lead.speed_mps).abs() / within).clamp(0.0, 1.0)
+}
+
+/// Time gap within which ego counts as following, in s: that of the method's following rows.
+const FOLLOWS_WITHIN_S: f64 = 3.0;
 
 #[cfg(test)]
 mod tests {
@@ -76,7 +99,7 @@ mod tests {
             gap_m: 45.0,
             speed_mps: 27.0,
         };
-        let wanted = command(&SETTINGS, 40.0, 30.0, lead, 0.3);
+        let wanted = command(&SETTINGS, 40.0, 30.0, lead, 0.3, false);
         assert!((wanted - 0.3).abs() < 1e-12);
     }
 
@@ -88,7 +111,7 @@ mod tests {
         };
         let kept = kept_distance_m(&SETTINGS, 0.0, 30.0, lead);
         assert!((kept - safety::safe_distance_m(&SETTINGS, 30.0, 28.0) - 2.0).abs() < 1e-12);
-        assert!(command(&SETTINGS, 0.0, 30.0, lead, 2.0) < 0.0);
+        assert!(command(&SETTINGS, 0.0, 30.0, lead, 2.0, false) < 0.0);
     }
 
     #[test]
@@ -101,7 +124,25 @@ mod tests {
             following_threshold_m: 30.0,
             ..SETTINGS
         };
-        assert!(command(&near, 14.9, 10.0, lead, 2.0).abs() < 1e-12);
+        assert!(command(&near, 14.9, 10.0, lead, 2.0, false).abs() < 1e-12);
+    }
+
+    #[test]
+    fn once_speeds_have_met_f_leads_both_ways_and_yields_to_a_change() {
+        let met = ControllerSettings {
+            met_within_mps: 1.0,
+            ..SETTINGS
+        };
+        let lead = Lead {
+            gap_m: 60.0,
+            speed_mps: 28.0,
+        };
+        // 20 m too far: F speeds up although V asks for less; with a change due V's wish stands.
+        let wanted = command(&met, 40.0, 28.0, lead, 0.1, false);
+        assert!((wanted - 0.8).abs() < 1e-12);
+        assert!((command(&met, 40.0, 28.0, lead, 0.1, true) - 0.1).abs() < 1e-12);
+        // Still closing in at 3 m/s: as without the rule.
+        assert!((command(&met, 40.0, 31.0, lead, 0.1, false) - 0.1).abs() < 1e-12);
     }
 
     #[test]
@@ -112,7 +153,7 @@ mod tests {
                 gap_m: 60.0 - 0.1 * f64::from(tenth),
                 speed_mps: 26.0,
             };
-            let wanted = command(&SETTINGS, 40.0, 30.0, lead, 0.5);
+            let wanted = command(&SETTINGS, 40.0, 30.0, lead, 0.5, false);
             if let Some(last) = last.replace(wanted) {
                 assert!((wanted - last).abs() < 0.15);
             }

@@ -33,6 +33,7 @@ impl Wish {
         settings: &ControllerSettings,
         reference: &Reference,
         probability: f64,
+        lane: u8,
         step_s: f64,
     ) -> bool {
         if reference.vehicle != self.reference {
@@ -43,7 +44,8 @@ impl Wish {
             self.hazard -= (-probability.min(SUREST)).ln_1p() * step_s;
         }
         match settings.change_rule {
-            ChangeRule::Accumulated => self.hazard > settings.hazard_threshold,
+            ChangeRule::Accumulated if lane == 0 => self.hazard > settings.hazard_threshold,
+            ChangeRule::Accumulated => self.hazard > settings.merge_back_hazard_threshold,
             ChangeRule::Paper => probability > settings.probability_threshold,
         }
     }
@@ -154,20 +156,34 @@ mod tests {
     #[test]
     fn small_probabilities_add_up_to_a_change() {
         let mut wish = Wish::default();
-        let due = |wish: &mut Wish| wish.due(&SETTINGS, &reference(1), 0.1, 0.05);
+        let due = |wish: &mut Wish| wish.due(&SETTINGS, &reference(1), 0.1, 0, 0.05);
         let ticks = (0..1000).take_while(|_| !due(&mut wish)).count();
         // 0.5 / -ln(0.9) = 4.75 s.
         assert!((ticks as f64 * 0.05 - 4.75).abs() < 0.1, "{ticks}");
     }
 
     #[test]
+    fn moving_out_and_merging_back_have_their_own_thresholds() {
+        let later = ControllerSettings {
+            merge_back_hazard_threshold: 1.0,
+            ..SETTINGS
+        };
+        let ticks = |lane| {
+            let mut wish = Wish::default();
+            let due = |wish: &mut Wish| wish.due(&later, &reference(1), 0.1, lane, 0.05);
+            (0..1000).take_while(|_| !due(&mut wish)).count()
+        };
+        assert!(ticks(1).abs_diff(2 * ticks(0)) <= 2);
+    }
+
+    #[test]
     fn another_reference_vehicle_starts_the_count_again() {
         let mut wish = Wish::default();
         for _ in 0..90 {
-            assert!(!wish.due(&SETTINGS, &reference(1), 0.1, 0.05));
+            assert!(!wish.due(&SETTINGS, &reference(1), 0.1, 0, 0.05));
         }
         for _ in 0..90 {
-            assert!(!wish.due(&SETTINGS, &reference(2), 0.1, 0.05));
+            assert!(!wish.due(&SETTINGS, &reference(2), 0.1, 0, 0.05));
         }
     }
 
@@ -179,9 +195,9 @@ mod tests {
         };
         let mut wish = Wish::default();
         for _ in 0..2000 {
-            assert!(!wish.due(&settings, &reference(1), 0.19, 0.05));
+            assert!(!wish.due(&settings, &reference(1), 0.19, 0, 0.05));
         }
-        assert!(wish.due(&settings, &reference(1), 0.21, 0.05));
+        assert!(wish.due(&settings, &reference(1), 0.21, 0, 0.05));
     }
 
     #[test]

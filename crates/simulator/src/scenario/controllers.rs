@@ -41,6 +41,9 @@ pub struct ControllerSettings {
     /// λ also covers the closing speed over this time, in s: throttle lag and jerk bound, which a point-mass car
     /// does not have.
     pub closing_response_s: f64,
+    /// Two-sided λ: once the speeds of ego and lead differ by less than this, in m/s, and no change is due, the
+    /// following controller leads alone; 0: it never does.
+    pub met_within_mps: f64,
     /// Band above λ over which the following controller takes over, in m: no jump, and no flutter at the edge.
     pub handover_band_m: f64,
     /// Bound on the change of acceleration, in m/s³; braking for safety is free of it.
@@ -59,8 +62,10 @@ pub struct ControllerSettings {
     pub intervenes_above_mps2: f64,
     /// Which rule starts a lane change.
     pub change_rule: ChangeRule,
-    /// Λ above which a change starts.
+    /// Λ above which the car moves out of the right lane.
     pub hazard_threshold: f64,
+    /// Λ above which it changes back.
+    pub merge_back_hazard_threshold: f64,
     /// δ: P(change) above which a change starts by the paper's rule.
     pub probability_threshold: f64,
     /// Longest duration of a lane change, in s.
@@ -90,6 +95,7 @@ impl ControllerSettings {
         following_threshold_factor: 0.7,
         closing_braking_mps2: 2.0,
         closing_response_s: 0.3,
+        met_within_mps: 0.0,
         handover_band_m: 3.0,
         jerk_limit_mps3: 4.0,
         reaction_s: 0.3,
@@ -100,6 +106,7 @@ impl ControllerSettings {
         intervenes_above_mps2: 3.5,
         change_rule: ChangeRule::Accumulated,
         hazard_threshold: 0.5,
+        merge_back_hazard_threshold: 0.5,
         probability_threshold: 0.2,
         change_longest_s: 4.8,
         change_shortest_s: 2.5,
@@ -160,6 +167,11 @@ impl ControllerSettings {
                 Range::Within(0.0, 3.0, "0 to 3 s"),
             ),
             (
+                "met_within_mps",
+                self.met_within_mps,
+                Range::Within(0.0, 3.0, "0 to 3 m/s"),
+            ),
+            (
                 "handover_band_m",
                 self.handover_band_m,
                 Range::Within(0.1, 20.0, "0.1 to 20 m"),
@@ -192,6 +204,11 @@ impl ControllerSettings {
                 Range::Within(1.0, 5.0, "1 to 5 m/s²"),
             ),
             ("hazard_threshold", self.hazard_threshold, Range::Positive),
+            (
+                "merge_back_hazard_threshold",
+                self.merge_back_hazard_threshold,
+                Range::Positive,
+            ),
             (
                 "probability_threshold",
                 self.probability_threshold,

@@ -7,7 +7,7 @@ use crate::{
     stages::{rate::read_effects, score::read_scales},
     tables::{participants::write_participants, surveys::write_answers},
 };
-use maveric_domain::{DriveMeta, DrivenBy, Seconds, Study, stream_seed};
+use maveric_domain::{Condition, DriveId, DriveMeta, DrivenBy, Seconds, Study, stream_seed};
 use maveric_ingest::write_mcap;
 use maveric_participants::{Cohort, CohortSettings, PlannedDrive, answer_before};
 use maveric_simulator::{Driver, Scenario, rollout};
@@ -31,6 +31,8 @@ pub struct GenerateOptions {
     pub study2: usize,
     /// Length of a drive, in s; the scenario's without.
     pub duration_s: Option<f64>,
+    /// Whether everybody drives as themselves once more, on another day: `logs/study1-again`, `logs/study2-again`.
+    pub repeat_drives: bool,
     /// Root of every random choice.
     pub seed: u64,
     /// Threads.
@@ -84,14 +86,19 @@ pub fn generate(
         &CohortSettings::default(),
     )?;
     let answers = answer_before(&cohort, &scales, &effects, options.seed)?;
-    let collisions = for_each_on(options.jobs, &cohort.drives, watch, "drives", |planned| {
-        drive(options, &scenario, planned)
+    let mut planned: Vec<(PlannedDrive, &str)> =
+        cohort.drives.iter().map(|d| (d.clone(), "")).collect();
+    if options.repeat_drives {
+        planned.extend(again(&cohort)?.into_iter().map(|d| (d, "-again")));
+    }
+    let collisions = for_each_on(options.jobs, &planned, watch, "drives", |(planned, day)| {
+        drive(options, &scenario, planned, day)
     })?;
     write_participants(&options.out.join("participants.csv"), &cohort.participants)?;
     write_answers(&options.out.join("surveys.csv"), &answers)?;
     let value = Generated {
         participants: cohort.participants.len(),
-        drives: cohort.drives.len(),
+        drives: planned.len(),
         answers: answers.len(),
         collisions: collisions.iter().sum(),
     };
@@ -110,11 +117,28 @@ pub fn generate(
     })
 }
 
+/// Everybody's own drive once more. Its name is another, and so are the day and the road that follow from the name; the
+/// person is the same.
+fn again(cohort: &Cohort) -> Result<Vec<PlannedDrive>, StudyError> {
+    let own = cohort
+        .drives
+        .iter()
+        .filter(|d| d.condition == Condition::Own);
+    own.map(|d| {
+        Ok(PlannedDrive {
+            drive: DriveId::new(format!("{}-again", d.drive))?,
+            ..d.clone()
+        })
+    })
+    .collect()
+}
+
 /// Drives once and writes the log; gives the number of collisions.
 fn drive(
     options: &GenerateOptions,
     scenario: &Scenario,
     planned: &PlannedDrive,
+    day_name: &str,
 ) -> Result<usize, StudyError> {
     let person = stream_seed(options.seed, &[planned.participant.as_str(), "person"]);
     let day = stream_seed(options.seed, &[planned.drive.as_str(), "day"]);
@@ -138,7 +162,7 @@ fn drive(
     let path = options
         .out
         .join("logs")
-        .join(folder)
+        .join(format!("{folder}{day_name}"))
         .join(format!("{}.mcap", planned.drive));
     atomic_write(&path, |file| {
         Ok(write_mcap(&driven.recording, &meta, file)?)

@@ -14,6 +14,7 @@ pub mod simulate;
 pub mod stats;
 pub mod steer;
 pub mod train;
+pub mod validate;
 
 use std::collections::BTreeMap;
 
@@ -29,11 +30,12 @@ pub fn versions() -> BTreeMap<String, String> {
         ("train", 1),
         ("personalize", 1),
         ("steer", 1),
-        ("simulate", 1),
+        ("simulate", 2),
         ("measure", 1),
         ("rate", 1),
         ("evaluate", 1),
         ("stats", 1),
+        ("validate", 1),
         ("report", 1),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))

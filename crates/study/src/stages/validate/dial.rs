@@ -1,0 +1,168 @@
+//! Does turning the dial up make the car drive more aggressively, for each driver and all the way?
+
+use super::people::{MEASURES, Values};
+use crate::error::StudyError;
+use maveric_measures::objective;
+use maveric_stats::{CorrelationMethod, StatsError, correlate};
+use serde::Serialize;
+
+/// Which way each of the first five measures goes as aggression rises.
+///
+/// # Source
+/// Paper, "Results": signs of the correlations with the aggression line.
+const RISES: [f64; 5] = [1.0, -1.0, -1.0, 1.0, -1.0];
+
+/// Share of drivers for whom one setting of the dial did what it should.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Right {
+    /// Drivers with a value there and at 0.
+    pub n: usize,
+    /// Drivers whose measure moved the right way; no move at all counts as wrong.
+    pub right: usize,
+    /// `right` / `n`.
+    pub share: Option<f64>,
+    /// Mean change from 0, in the measure's unit.
+    pub mean_change: Option<f64>,
+}
+
+/// One measure over the dial.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Dial {
+    /// Code name.
+    pub measure: &'static str,
+    /// Name for people.
+    pub title: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// At plus the points of the conditions.
+    pub aggressive: Right,
+    /// At minus that.
+    pub cautious: Right,
+    /// Mean over drivers of Kendall's τ-b of setting and measure, signed so that 1 is a perfect dial.
+    pub mean_tau: Option<f64>,
+    /// Share of drivers whose Spearman's ρ has the right sign.
+    pub rising: Option<f64>,
+    /// Drivers with a value at no fewer than four settings.
+    pub n: usize,
+    /// Mean over the drivers that have a value at every setting.
+    pub curve: Vec<Option<f64>>,
+    /// Whether that mean never turns back from one setting to the next.
+    pub monotone: Option<bool>,
+}
+
+fn right(drivers: &[Vec<Values>], k: usize, at: usize, zero: usize, sign: f64) -> Right {
+    let changes: Vec<f64> = drivers
+        .iter()
+        .filter_map(|d| Some(d[at][k]? - d[zero][k]?))
+        .collect();
+    let right = changes.iter().filter(|c| sign * **c > 0.0).count();
+    let n = changes.len();
+    Right {
+        n,
+        right,
+        share: (n > 0).then(|| right as f64 / n as f64),
+        mean_change: super::mean(&changes),
+    }
+}
+
+/// The first five measures over the dial; `drivers` has shape `(drivers, settings)`, and `steps` (in points, rising)
+/// holds 0 and ± `points`.
+///
+/// # Errors
+/// [`StudyError::Stats`] if a measure is not finite.
+pub(super) fn dial(
+    steps: &[f64],
+    points: f64,
+    drivers: &[Vec<Values>],
+) -> Result<Vec<Dial>, StudyError> {
+    let index = |wanted: f64| {
+        let distance = |i: &usize| (steps[*i] - wanted).abs();
+        (0..steps.len())
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            .unwrap_or(0)
+    };
+    let (zero, up, down) = (index(0.0), index(points), index(-points));
+    let one = |(k, sign): (usize, f64)| {
+        let mut taus = Vec::new();
+        let mut rising = Vec::new();
+        for driver in drivers {
+            let settings: Vec<Option<f64>> = steps.iter().copied().map(Some).collect();
+            let values: Vec<Option<f64>> = driver.iter().map(|v| v[k]).collect();
+            if values.iter().flatten().count() < 4 {
+                continue;
+            }
+            let found = match correlate(&settings, &values, CorrelationMethod::All, None) {
+                Ok(found) => found,
+                Err(StatsError::TooFew { .. }) => continue,
+                Err(error) => return Err(error.into()),
+            };
+            // A measure that never moves has no coefficient: the dial does nothing for this driver.
+            taus.push(sign * found.kendall.and_then(|c| c.tau_b).unwrap_or(0.0));
+            let rho = sign * found.spearman.and_then(|c| c.rho).unwrap_or(0.0);
+            rising.push(f64::from(u8::from(rho > 0.0)));
+        }
+        let complete: Vec<&Vec<Values>> = drivers
+            .iter()
+            .filter(|d| d.iter().all(|v| v[k].is_some()))
+            .collect();
+        let at = |i: usize| {
+            let values: Vec<f64> = complete.iter().filter_map(|d| d[i][k]).collect();
+            super::mean(&values)
+        };
+        let curve: Vec<Option<f64>> = (0..steps.len()).map(at).collect();
+        let moves: Option<Vec<f64>> = curve
+            .windows(2)
+            .map(|w| Some(sign * (w[1]? - w[0]?)))
+            .collect();
+        let measure = objective::find(MEASURES[k]);
+        Ok(Dial {
+            measure: MEASURES[k],
+            title: measure.map_or(MEASURES[k], |m| m.title),
+            unit: measure.map_or("", |m| m.unit),
+            aggressive: right(drivers, k, up, zero, sign),
+            cautious: right(drivers, k, down, zero, -sign),
+            mean_tau: super::mean(&taus),
+            rising: super::mean(&rising),
+            n: taus.len(),
+            curve,
+            monotone: moves.map(|m| m.iter().all(|m| *m >= 0.0)),
+        })
+    };
+    RISES.into_iter().enumerate().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn driver(velocity: [f64; 5], headway: [Option<f64>; 5]) -> Vec<Values> {
+        let setting = |(v, h): (&f64, &Option<f64>)| {
+            let mut values = Values::default();
+            (values[0], values[1]) = (Some(*v), *h);
+            values
+        };
+        velocity.iter().zip(&headway).map(setting).collect()
+    }
+
+    #[test]
+    fn a_dial_that_works_one_that_sticks_and_one_that_is_missing() {
+        let steps = [-20.0, -15.0, 0.0, 15.0, 20.0];
+        let falling = [3.0, 2.5, 2.0, 1.5, 1.4].map(Some);
+        let sticks = [2.0; 5].map(Some);
+        let drivers = [
+            driver([20.0, 21.0, 22.0, 23.0, 24.0], falling),
+            driver([20.0, 21.0, 22.0, 21.5, 24.0], sticks),
+            driver([20.0, 23.0, 22.0, 23.0, 24.0], [None; 5]),
+        ];
+        let rows = dial(&steps, 15.0, &drivers).unwrap();
+        let (velocity, headway) = (&rows[0], &rows[1]);
+        assert_eq!((velocity.aggressive.right, velocity.aggressive.n), (2, 3));
+        assert_eq!((velocity.cautious.right, velocity.cautious.n), (2, 3));
+        assert_eq!(velocity.rising, Some(1.0));
+        assert_eq!(velocity.monotone, Some(true));
+        assert_eq!((headway.aggressive.right, headway.aggressive.n), (1, 2));
+        assert!((headway.mean_tau.unwrap() - 0.5).abs() < 1e-12);
+        assert_eq!((headway.n, headway.monotone), (2, Some(true)));
+        assert_eq!(rows[2].aggressive.share, None);
+    }
+}

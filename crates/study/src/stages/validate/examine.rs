@@ -1,0 +1,333 @@
+//! One trained model: everybody's embeddings, and the car driven from them.
+
+use super::{
+    dial::{Dial, dial},
+    fidelity::{Fidelity, fidelity},
+    identity::{Identification, identify, within_person},
+    line::{Agreement, agreement, regression},
+    people::{MEASURES, People, Person, Values, standardiser, values},
+    perpendicular::{Across, across},
+};
+use crate::{
+    error::StudyError,
+    model_planner::ModelPlanner,
+    outcome::{Watch, for_each_on},
+};
+use maveric_domain::{
+    AdbScore, Condition, Drive, DriveId, DriveMeta, DrivenBy, Embedding, Study, stream_seed,
+};
+use maveric_model::{
+    Model, PersonalizeParams, PersonalizeSettings, personalize,
+    style_space::{AggressionAxis, PerpendicularEllipse, share_outside_training, shift},
+};
+use maveric_simulator::{Driver, Scenario, rollout};
+use rand_pcg::{Pcg64Mcg, rand_core::SeedableRng};
+use serde::Serialize;
+
+/// What was found about one model.
+#[derive(Debug, Clone, Serialize)]
+pub struct Examined {
+    /// File of the model.
+    pub model: String,
+    /// Are drivers told apart?
+    pub identity: Vec<Identification>,
+    /// Is Mimic like its driver?
+    pub fidelity: Vec<Fidelity>,
+    /// Settings of the dial, in ADB points.
+    pub steps: Vec<f64>,
+    /// Does the dial do what it says?
+    pub dial: Vec<Dial>,
+    /// Across the dial: what changes while S does not.
+    pub perpendicular: Vec<Across>,
+    /// Largest change of S by moving across, in points.
+    pub perpendicular_moves_s: f64,
+    /// The aggression line against score and latent.
+    pub line: Vec<Agreement>,
+    /// Share of the dial's embeddings that lie further out than any training driver.
+    pub beyond_training: Option<f64>,
+    /// Collisions over all of the car's drives.
+    pub collisions: u32,
+    /// The car's drives.
+    pub drives: usize,
+}
+
+/// What every model is examined with.
+#[derive(Debug)]
+pub(super) struct Bench<'a> {
+    pub(super) people: &'a People,
+    pub(super) scenario: &'a Scenario,
+    pub(super) points: f64,
+    pub(super) worlds: usize,
+    pub(super) seed: u64,
+    pub(super) jobs: usize,
+}
+
+/// Settings of the dial, in ADB points.
+const STEPS: [f64; 9] = [-20.0, -15.0, -10.0, -5.0, 0.0, 5.0, 10.0, 15.0, 20.0];
+/// Where 0 stands among them.
+const ZERO: usize = 4;
+
+/// The car's drive and who is to be recognised in it.
+#[derive(Debug, Clone)]
+struct Ride<'a> {
+    person: &'a Person,
+    embedding: Embedding,
+    /// Number of the road: the same traffic seed for one driver at every setting.
+    world: usize,
+    /// Whether an embedding is to be read back from it.
+    read_back: bool,
+}
+
+struct Ridden {
+    values: Values,
+    collisions: u32,
+    read_back: Option<Embedding>,
+}
+
+impl Bench<'_> {
+    /// Examines a model.
+    pub(super) fn examine(
+        &self,
+        name: &str,
+        model: &Model,
+        watch: Watch<'_>,
+    ) -> Result<Examined, StudyError> {
+        let People {
+            test,
+            training,
+            trained_on,
+        } = self.people;
+        let axis = AggressionAxis::of(model)?;
+        let fit = |people: &[Person], of: fn(&Person) -> &Drive, with: bool| {
+            for_each_on(self.jobs, people, watch, "embeddings", |p| {
+                self.embed(model, of(p), p.adb.filter(|_| with))
+            })
+        };
+        let (first, again): (fn(&Person) -> &Drive, fn(&Person) -> &Drive) =
+            (|p| &p.first, |p| &p.again);
+        let own = fit(test, first, false)?;
+        let own_again = fit(test, again, false)?;
+        let scored = fit(test, first, true)?;
+        let scored_again = fit(test, again, true)?;
+        let days = (fit(training, first, false)?, fit(training, again, false)?);
+
+        let mut rides = self.dial_rides(&axis, &scored)?;
+        let ellipse = PerpendicularEllipse::of(model)?;
+        let mut moved = Vec::new();
+        for (person, w) in test.iter().zip(&scored) {
+            let labels = [person.participant.as_str(), "perpendicular"];
+            let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(self.seed, &labels));
+            let point = ellipse.sample(w, &mut rng)?;
+            let change = axis.aggression_hat(&point.embedding)? - axis.aggression_hat(w)?;
+            moved.push((point.angle_rad, change.abs()));
+            rides.push(self.ride(person, &point.embedding, 0));
+        }
+        for (person, w) in test.iter().zip(&scored) {
+            rides.push(self.ride(person, w, self.worlds));
+        }
+        for (person, w) in test.iter().zip(&own) {
+            rides.push(Ride {
+                read_back: true,
+                ..self.ride(person, w, 0)
+            });
+        }
+        let driven = for_each_on(self.jobs, &rides, watch, "drives", |r| self.drive(model, r))?;
+        let beyond: Vec<Embedding> = rides[..STEPS.len() * self.worlds * test.len()]
+            .iter()
+            .map(|r| r.embedding.clone())
+            .collect();
+        let (settings, rest) = driven.split_at(STEPS.len() * self.worlds * test.len());
+        let (sideways, rest) = rest.split_at(test.len());
+        let (elsewhere, unscored) = rest.split_at(test.len());
+        let of = |ridden: &[Ridden]| -> Vec<Values> { ridden.iter().map(|r| r.values).collect() };
+        let sweep = self.averaged(settings);
+        // One drive a person, as in the study: fidelity is not helped by averaging roads.
+        let mimic: Vec<Values> = settings
+            .chunks_exact(STEPS.len() * self.worlds)
+            .map(|d| d[ZERO * self.worlds].values)
+            .collect();
+        let own_values: Vec<Values> = test.iter().map(|p| values(&p.first)).collect();
+        let again_values: Vec<Values> = test.iter().map(|p| values(&p.again)).collect();
+        let measured: Vec<Values> = trained_on.iter().map(|(v, _)| *v).collect();
+        let training_own: Vec<Values> = training.iter().map(|p| values(&p.first)).collect();
+        let z = standardiser(&measured);
+
+        let w = |points: &[Embedding]| -> Vec<Vec<f64>> {
+            points.iter().map(|e| e.coordinates().to_vec()).collect()
+        };
+        let zs = |values: &[Values]| -> Vec<Vec<f64>> { values.iter().map(&z).collect() };
+        let by_days = within_person(&w(&days.0), &w(&days.1));
+        let training_again: Vec<Values> = training.iter().map(|p| values(&p.again)).collect();
+        let by_measures = within_person(&zs(&training_own), &zs(&training_again));
+        let read_back: Vec<Embedding> = unscored
+            .iter()
+            .filter_map(|r| r.read_back.clone())
+            .collect();
+        let questions = [
+            (
+                "embedding of the second drive",
+                w(&own),
+                w(&own_again),
+                &by_days,
+            ),
+            (
+                "seven measures of the second drive",
+                zs(&own_values),
+                zs(&again_values),
+                &by_measures,
+            ),
+            (
+                "embedding read back from Mimic",
+                w(&own),
+                w(&read_back),
+                &by_days,
+            ),
+            (
+                "seven measures of Mimic",
+                zs(&own_values),
+                zs(&of(unscored)),
+                &by_measures,
+            ),
+            (
+                "embedding fitted with ADB (tells nothing: same score twice)",
+                w(&scored),
+                w(&scored_again),
+                &by_days,
+            ),
+        ];
+        let mut identity = Vec::new();
+        for (what, known, seen, by) in &questions {
+            identity.extend(identify(what, known, seen, by.as_ref())?);
+        }
+
+        let position = |points: &[Embedding]| -> Result<Vec<Option<f64>>, StudyError> {
+            points.iter().map(|e| Ok(Some(axis.position(e)?))).collect()
+        };
+        let adb: Vec<Option<f64>> = test.iter().map(|p| p.adb.map(AdbScore::points)).collect();
+        let latent: Vec<Option<f64>> = test.iter().map(|p| p.latent).collect();
+        let readings = [
+            ("aggression line, fitted with ADB", position(&scored)?),
+            ("aggression line, fitted without", position(&own)?),
+            (
+                "regression on the seven measures",
+                regression(trained_on, &own_values, &z),
+            ),
+        ];
+        let line: Result<Vec<_>, StudyError> = readings
+            .iter()
+            .map(|(what, values)| agreement(what, values, &adb, &latent))
+            .collect();
+        let angles: Vec<f64> = moved.iter().map(|m| m.0).collect();
+        Ok(Examined {
+            model: name.to_owned(),
+            identity,
+            fidelity: fidelity(
+                &own_values,
+                &again_values,
+                &mimic,
+                &of(elsewhere),
+                &training_own,
+            ),
+            steps: STEPS.to_vec(),
+            dial: dial(&STEPS, self.points, &sweep)?,
+            perpendicular: across(&angles, &mimic, &of(sideways), &of(elsewhere))?,
+            perpendicular_moves_s: moved.iter().map(|m| m.1).fold(0.0, f64::max),
+            line: line?,
+            beyond_training: share_outside_training(model, &beyond)?,
+            collisions: driven.iter().map(|d| d.collisions).sum(),
+            drives: driven.len(),
+        })
+    }
+
+    fn embed(
+        &self,
+        model: &Model,
+        drive: &Drive,
+        adb: Option<AdbScore>,
+    ) -> Result<Embedding, StudyError> {
+        let settings = PersonalizeSettings {
+            use_adb: adb.is_some(),
+            ..PersonalizeSettings::default()
+        };
+        let params = PersonalizeParams::new(settings)?;
+        Ok(personalize(model, drive, adb, &params, self.seed)?.embedding)
+    }
+
+    fn ride<'p>(&self, person: &'p Person, embedding: &Embedding, world: usize) -> Ride<'p> {
+        Ride {
+            person,
+            embedding: embedding.clone(),
+            world,
+            read_back: false,
+        }
+    }
+
+    /// Driver by driver, setting by setting, road by road.
+    fn dial_rides(
+        &self,
+        axis: &AggressionAxis,
+        scored: &[Embedding],
+    ) -> Result<Vec<Ride<'_>>, StudyError> {
+        let mut rides = Vec::new();
+        for (person, w) in self.people.test.iter().zip(scored) {
+            for points in STEPS {
+                let there = shift(axis, w, points)?.embedding;
+                rides.extend((0..self.worlds).map(|world| self.ride(person, &there, world)));
+            }
+        }
+        Ok(rides)
+    }
+
+    /// Mean over the roads of each driver and setting, shape `(drivers, settings)`.
+    fn averaged(&self, settings: &[Ridden]) -> Vec<Vec<Values>> {
+        let mean = |roads: &[Ridden]| {
+            let mut values = Values::default();
+            for (k, value) in values.iter_mut().enumerate() {
+                let known: Vec<f64> = roads.iter().filter_map(|r| r.values[k]).collect();
+                *value = super::mean(&known);
+            }
+            values
+        };
+        let at: Vec<Values> = settings.chunks_exact(self.worlds).map(mean).collect();
+        at.chunks_exact(STEPS.len())
+            .map(<[Values]>::to_vec)
+            .collect()
+    }
+
+    fn drive(&self, model: &Model, ride: &Ride<'_>) -> Result<Ridden, StudyError> {
+        let mut planner = ModelPlanner::new(model, &ride.embedding)?;
+        let id = ride.person.participant.as_str();
+        let world = stream_seed(self.seed, &[id, "validate", &ride.world.to_string()]);
+        let controllers = &self.scenario.settings().controllers;
+        let driven = rollout(
+            self.scenario,
+            Driver::Automated(&mut planner, controllers),
+            world,
+        )?;
+        if let Some(error) = planner.failure() {
+            return Err(error.into());
+        }
+        let meta = DriveMeta {
+            drive: DriveId::new(format!("{id}-validate"))?,
+            participant: ride.person.participant.clone(),
+            study: Study::Two,
+            condition: Condition::Mimic,
+            driven_by: DrivenBy::Automated,
+        };
+        let drive = Drive::from_recording(meta, &driven.recording)?;
+        let read_back = ride
+            .read_back
+            .then(|| self.embed(model, &drive, None))
+            .transpose()?;
+        Ok(Ridden {
+            values: values(&drive),
+            collisions: driven.report.collisions,
+            read_back,
+        })
+    }
+}
+
+/// Title of each measure, for warnings and tables.
+pub(super) fn title(k: usize) -> &'static str {
+    maveric_measures::objective::find(MEASURES[k]).map_or(MEASURES[k], |m| m.title)
+}

@@ -1,0 +1,134 @@
+//! Who is it? Points of drivers on one day, points on another, nearest neighbours.
+
+use super::linear::Cholesky;
+use crate::error::StudyError;
+use serde::Serialize;
+
+/// By which distance drivers were told apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Metric {
+    /// Straight-line distance.
+    Euclidean,
+    /// Mahalanobis distance by the covariance of one person's two days, over the training people.
+    WithinPerson,
+}
+
+/// How well drivers are found again among `n`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Identification {
+    /// What was compared.
+    pub what: &'static str,
+    /// By which distance.
+    pub metric: Metric,
+    /// Drivers.
+    pub n: usize,
+    /// Drivers whose own point is the nearest.
+    pub hits: usize,
+    /// `hits` / `n`.
+    pub rate: f64,
+    /// Lower end of Wilson's 95 % interval.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Mean place of the own point among all, 1 being the nearest; by chance (n + 1) / 2.
+    pub mean_rank: f64,
+}
+
+/// Place of each driver's own point among all, from 1; another at the same distance counts as nearer.
+fn ranks(known: &[Vec<f64>], seen: &[Vec<f64>]) -> Vec<usize> {
+    let distance =
+        |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum() };
+    let rank = |(i, seen): (usize, &Vec<f64>)| {
+        let own = distance(&known[i], seen);
+        let nearer = |(j, other): (usize, &Vec<f64>)| j != i && distance(other, seen) <= own;
+        1 + known.iter().enumerate().filter(|&o| nearer(o)).count()
+    };
+    seen.iter().enumerate().map(rank).collect()
+}
+
+/// Looks for the driver of each point of `seen` among `known`, both of shape `(n, d)` in the same order of drivers:
+/// once by straight-line distance and, where `within` is given, once by that covariance.
+///
+/// # Errors
+/// [`StudyError::Stats`] without a driver.
+pub(super) fn identify(
+    what: &'static str,
+    known: &[Vec<f64>],
+    seen: &[Vec<f64>],
+    within: Option<&Cholesky>,
+) -> Result<Vec<Identification>, StudyError> {
+    let whiten = |points: &[Vec<f64>], by: &Cholesky| -> Vec<Vec<f64>> {
+        points.iter().map(|p| by.whiten(p)).collect()
+    };
+    let mut found = vec![(Metric::Euclidean, ranks(known, seen))];
+    if let Some(by) = within {
+        found.push((
+            Metric::WithinPerson,
+            ranks(&whiten(known, by), &whiten(seen, by)),
+        ));
+    }
+    let row = |(metric, ranks): (Metric, Vec<usize>)| {
+        let n = ranks.len();
+        let hits = ranks.iter().filter(|&&r| r == 1).count();
+        let share = maveric_stats::proportion(hits, n, 0.95)?;
+        Ok(Identification {
+            what,
+            metric,
+            n,
+            hits,
+            rate: share.estimate,
+            low: share.low,
+            high: share.high,
+            mean_rank: ranks.iter().sum::<usize>() as f64 / n as f64,
+        })
+    };
+    found.into_iter().map(row).collect()
+}
+
+/// The covariance of one person's days: half the mean product of the differences of two, shape `(d, d)`, factored;
+/// `None` where too few people drove twice for one that can be inverted.
+pub(super) fn within_person(first: &[Vec<f64>], again: &[Vec<f64>]) -> Option<Cholesky> {
+    let d = first.first()?.len();
+    let differences: Vec<Vec<f64>> = first
+        .iter()
+        .zip(again)
+        .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect())
+        .collect();
+    let n = differences.len() as f64;
+    let entry =
+        |i: usize, j: usize| differences.iter().map(|x| x[i] * x[j]).sum::<f64>() / (2.0 * n);
+    let covariance: Vec<Vec<f64>> = (0..d)
+        .map(|i| (0..d).map(|j| entry(i, j)).collect())
+        .collect();
+    Cholesky::of(&covariance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whoever_is_nearest_is_found_and_a_tie_is_not_a_hit() {
+        let known = [vec![0.0], vec![1.0], vec![1.0]];
+        let seen = [vec![0.1], vec![0.9], vec![0.2]];
+        assert_eq!(ranks(&known, &seen), [1, 2, 3]);
+        let found = identify("made up", &known, &seen, None).unwrap();
+        assert_eq!((found[0].hits, found[0].n), (1, 3));
+        assert!((found[0].mean_rank - 2.0).abs() < 1e-12);
+        assert!(found[0].low > 0.05 && found[0].high < 0.8);
+    }
+
+    #[test]
+    fn the_within_person_distance_looks_past_a_coordinate_that_changes_daily() {
+        // The second number is the day, the first is the driver.
+        let known = [vec![0.0, 5.0], vec![1.0, -5.0], vec![2.0, 0.0]];
+        let seen = [vec![0.1, -4.0], vec![1.1, 4.0], vec![1.9, -6.0]];
+        let days = [vec![0.1, -3.0], vec![-0.1, 4.0], vec![0.05, 6.0]];
+        let zero = vec![vec![0.0, 0.0]; 3];
+        let within = within_person(&zero, &days).unwrap();
+        let found = identify("made up", &known, &seen, Some(&within)).unwrap();
+        assert_eq!((found[0].metric, found[0].hits), (Metric::Euclidean, 0));
+        assert_eq!((found[1].metric, found[1].hits), (Metric::WithinPerson, 3));
+    }
+}

@@ -1,0 +1,158 @@
+//! `validate`: is the learned style the driver's? Identity, fidelity, dial and aggression line, over several trainings.
+//!
+//! It needs people who drove twice, which the paper's did not.
+
+mod dial;
+mod examine;
+mod fidelity;
+mod identity;
+mod line;
+mod linear;
+mod people;
+mod perpendicular;
+mod tables;
+
+pub use dial::{Dial, Right};
+pub use examine::Examined;
+pub use fidelity::Fidelity;
+pub use identity::{Identification, Metric};
+pub use line::Agreement;
+pub use perpendicular::Across;
+
+use crate::{
+    atomic_write::{atomic_write_bytes, write_json},
+    error::StudyError,
+    outcome::{Outcome, Watch},
+    stages::{generate::read_scenario, train::read_model},
+};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// What to validate, and how.
+#[derive(Debug, Clone)]
+pub struct ValidateOptions {
+    /// A run's results, with second drives.
+    pub run: PathBuf,
+    /// Trained models: the same training with several seeds.
+    pub models: Vec<PathBuf>,
+    /// Folder to write into.
+    pub out: PathBuf,
+    /// World to drive in; the paper's without.
+    pub scenario: Option<PathBuf>,
+    /// Length of a drive, in s; the scenario's without.
+    pub duration_s: Option<f64>,
+    /// How far Aggressive and Cautious are from Mimic, in ADB points.
+    pub points: f64,
+    /// Roads on which each setting of the dial is driven; the measures are averaged.
+    pub worlds: usize,
+    /// Root of every random choice.
+    pub seed: u64,
+    /// Threads.
+    pub jobs: usize,
+}
+
+/// What was found.
+#[derive(Debug, Clone, Serialize)]
+pub struct Validated {
+    /// Drivers of Study 2 who drove twice.
+    pub drivers: usize,
+    /// Drivers of Study 1 who drove twice.
+    pub training_drivers: usize,
+    /// Model by model.
+    pub models: Vec<Examined>,
+}
+
+/// Mean of the values; `None` without any.
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// Examines every model on the people of a run who drove twice; writes `validation.json`, `validation.md` and one CSV
+/// a table.
+///
+/// # Errors
+/// [`StudyError`] if the run, a model or the scenario cannot be read, nobody drove twice, or a file cannot be written.
+pub fn validate(
+    options: &ValidateOptions,
+    watch: Watch<'_>,
+) -> Result<Outcome<Validated>, StudyError> {
+    if options.models.is_empty() || options.worlds == 0 {
+        return Err(StudyError::NotPossible {
+            problem: format!(
+                "{} models on {} roads: expected at least one of each",
+                options.models.len(),
+                options.worlds
+            ),
+            help: Some("name models with --model FILE".to_owned()),
+        });
+    }
+    let people = people::read(&options.run)?;
+    let scenario = read_scenario(options.scenario.as_deref(), options.duration_s)?;
+    let bench = examine::Bench {
+        people: &people,
+        scenario: &scenario,
+        points: options.points,
+        worlds: options.worlds,
+        seed: options.seed,
+        jobs: options.jobs,
+    };
+    let mut models = Vec::new();
+    for path in &options.models {
+        let name = path.display().to_string();
+        models.push(bench.examine(&name, &read_model(path)?, watch)?);
+    }
+    let tables = tables::tables(&models, options.points);
+    let mut page = String::new();
+    for table in &tables {
+        atomic_write_bytes(
+            &options.out.join(format!("{}.csv", table.name)),
+            table.to_csv().as_bytes(),
+        )?;
+        page += &table.to_markdown();
+        page.push('\n');
+    }
+    atomic_write_bytes(&options.out.join("validation.md"), page.as_bytes())?;
+    let collisions: u32 = models.iter().map(|m| m.collisions).sum();
+    let value = Validated {
+        drivers: people.test.len(),
+        training_drivers: people.training.len(),
+        models,
+    };
+    write_json(&options.out.join("validation.json"), &value)?;
+    let mut summary: Vec<String> = page.lines().map(str::to_owned).collect();
+    summary.push(format!(
+        "{} drivers who drove twice, {} models: {}",
+        value.drivers,
+        value.models.len(),
+        options.out.join("validation.md").display()
+    ));
+    Ok(Outcome {
+        value,
+        summary,
+        warnings: warnings(&people, collisions),
+    })
+}
+
+/// What could not be compared, and what should not have happened.
+fn warnings(people: &people::People, collisions: u32) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for k in 0..people::MEASURES.len() {
+        let missing = people
+            .test
+            .iter()
+            .flat_map(|p| [&p.first, &p.again])
+            .filter(|d| people::values(d)[k].is_none())
+            .count();
+        if missing > 0 {
+            warnings.push(format!(
+                "{missing} of {} own drives have no {}: left out of its fidelity, taken at the mean in identity",
+                2 * people.test.len(),
+                examine::title(k).to_lowercase()
+            ));
+        }
+    }
+    if collisions > 0 {
+        warnings.push(format!("{collisions} collisions in the car's drives"));
+    }
+    warnings
+}
