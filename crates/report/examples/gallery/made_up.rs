@@ -364,11 +364,10 @@ fn training() -> training_curves::TrainingCurves {
 fn probabilities() -> calibration::Calibration {
     let bins = (0..8).map(|k| {
         let predicted = 0.004 * 1.9_f64.powi(k);
-        let rows = 6000 / (1 + 3 * k as usize);
         calibration::CalibrationBin {
             predicted,
-            events: (rows as f64 * predicted * (1.0 + 0.2 * wobble(k as usize, 3))) as usize,
-            rows,
+            observed: predicted * (1.0 + 0.2 * wobble(k as usize, 3)),
+            seconds: 6000.0 / f64::from(1 + 3 * k),
         }
     });
     calibration::Calibration {
@@ -380,18 +379,20 @@ fn probabilities() -> calibration::Calibration {
 }
 
 fn left_over() -> residuals::Residuals {
+    let normal = [-2.33, -1.64, -1.28, -0.67, 0.0, 0.67, 1.28, 1.64, 2.33];
+    let shares = [0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99];
     let panel = |title: &str, unit: &str, width: f64| residuals::ResidualPanel {
         title: title.into(),
-        axis: format!("Recorded − predicted ({unit})"),
+        axis: format!("Predicted − recorded ({unit})"),
         unit: unit.into(),
-        edges: (0..=30)
-            .map(|k| width * (f64::from(k) - 15.0) / 5.0)
-            .collect(),
-        counts: (0..30)
-            .map(|k| (900.0 * (-((f64::from(k) - 15.5) / 5.0).powi(2) / 2.0).exp()) as usize)
+        quantiles: shares
+            .iter()
+            .zip(normal)
+            .map(|(share, z)| (*share, width * (z + 0.1)))
             .collect(),
         mean: 0.1 * width,
         rms: width,
+        rows: 9000,
     };
     residuals::Residuals {
         panels: vec![
@@ -399,6 +400,7 @@ fn left_over() -> residuals::Residuals {
             panel("Ego speed (V)", "m/s", 1.1),
         ],
         drives: 38,
+        held_out: true,
     }
 }
 

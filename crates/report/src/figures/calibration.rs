@@ -23,15 +23,15 @@ pub struct Calibration {
     pub held_out: bool,
 }
 
-/// Rows with about the same predicted probability.
+/// Moments with about the same predicted probability.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CalibrationBin {
     /// Mean predicted probability, 0 to 1.
     pub predicted: f64,
-    /// Rows in which a change was being started.
-    pub events: usize,
-    /// Rows.
-    pub rows: usize,
+    /// Share of the time in which a change was being started, 0 to 1.
+    pub observed: f64,
+    /// Time in the bin, in s.
+    pub seconds: f64,
 }
 
 const NAME: &str = "calibration";
@@ -39,29 +39,44 @@ const NAME: &str = "calibration";
 /// Draws observed shares with Wilson intervals against predicted ones, and the line where both agree.
 ///
 /// # Errors
-/// [`ReportError`] if there is no bin, a bin has no rows or more events than rows, or a probability is not in
-/// 0..=1.
+/// [`ReportError`] if there is no bin, a bin lasts no second, or a share is not in 0..=1.
+///
+/// # Source
+/// Wilson intervals take each second for one trial: the second before a change is one event (method section 2),
+/// however many samples it has.
 pub fn calibration(input: &Calibration, context: &Context) -> Result<Figure, ReportError> {
     let check = Check(NAME);
     check.at_least(1, "bins", input.bins.len())?;
     for bin in &input.bins {
-        check.at_least(1, "rows of a bin", bin.rows)?;
+        for (field, share) in [("predicted", bin.predicted), ("observed", bin.observed)] {
+            check.that(
+                (0.0..=1.0).contains(&share),
+                field,
+                share,
+                "a share, 0 to 1",
+            )?;
+        }
         check.that(
-            (0.0..=1.0).contains(&bin.predicted),
-            "predicted",
-            bin.predicted,
-            "a probability",
-        )?;
-        check.that(
-            bin.events <= bin.rows,
-            "events",
-            bin.events as f64,
-            "at most the bin's rows",
+            bin.seconds >= 1.0,
+            "seconds",
+            bin.seconds,
+            "a second at least",
         )?;
     }
-    check.finite("expected_error", [input.expected_error])?;
-    let rows: usize = input.bins.iter().map(|bin| bin.rows).sum();
-    let events: usize = input.bins.iter().map(|bin| bin.events).sum();
+    check.finite(
+        "expected_error and seconds",
+        input
+            .bins
+            .iter()
+            .map(|b| b.seconds)
+            .chain([input.expected_error]),
+    )?;
+    let seconds: f64 = input.bins.iter().map(|bin| bin.seconds).sum();
+    let changing: f64 = input
+        .bins
+        .iter()
+        .map(|bin| bin.observed * bin.seconds)
+        .sum();
     let error = number(100.0 * input.expected_error, 2);
     let whose = if input.held_out {
         "that the networks did not learn from"
@@ -73,9 +88,12 @@ pub fn calibration(input: &Calibration, context: &Context) -> Result<Figure, Rep
         size_mm: (ONE_COLUMN_MM, 72.0),
         title: "Calibration of the lane-change probability".to_owned(),
         caption: format!(
-            "Share of rows in which a lane change was being started against the predicted probability, in bins; \
-             95% Wilson intervals; the line is where both agree. Rows {whose}. Expected calibration error: \
-             {error} percentage points. *n* = {rows} rows ({events} with a change) of {} drives.",
+            "Share of time in which a lane change was being started against the predicted probability, in bins; \
+             95% Wilson intervals, a second a trial; the line is where both agree. Driving {whose}. Expected \
+             calibration error: {error} percentage points. *n* = {} s of driving, {} s of them with a change \
+             starting, {} drives.",
+            number(seconds, 0),
+            number(changing, 0),
             input.drives
         ),
         alt: format!(
@@ -88,17 +106,14 @@ pub fn calibration(input: &Calibration, context: &Context) -> Result<Figure, Rep
         .bins
         .iter()
         .map(|bin| {
-            let (low, high) = proportion(bin.events, bin.rows, 0.95)
+            let trials = bin.seconds.round() as usize;
+            let events = ((bin.observed * bin.seconds).round() as usize).min(trials);
+            let (low, high) = proportion(events, trials, 0.95)
                 .map_or((0.0, 1.0), |share| (share.low, share.high));
-            (
-                bin.predicted,
-                bin.events as f64 / bin.rows as f64,
-                low,
-                high,
-            )
+            (bin.predicted, bin.observed, low, high)
         })
         .collect();
-    // A bin of few rows has an interval up to 1: points, not its end, set the axis.
+    // A bin of few seconds has an interval up to 1: points, not its end, set the axis.
     let most = observed
         .iter()
         .map(|(p, o, ..)| p.max(*o))
@@ -142,11 +157,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn more_events_than_rows_are_refused() {
+    fn a_share_above_one_is_refused() {
         let bin = CalibrationBin {
             predicted: 0.1,
-            events: 3,
-            rows: 2,
+            observed: 1.2,
+            seconds: 20.0,
         };
         let input = Calibration {
             bins: vec![bin],
