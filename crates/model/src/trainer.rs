@@ -26,7 +26,7 @@ use rand_pcg::Pcg64Mcg;
 use std::ops::Range;
 
 /// Brings rows into a tile, with noise on their windows.
-fn gather(data: &RowSet, rows: &[u32], noise: f32, seed: u64, tile: &mut Tile) {
+fn gather(data: &RowSet, rows: &[u32], (noise, d): (f32, usize), seed: u64, tile: &mut Tile) {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let numbers = data.window_numbers();
     let steps = numbers / SIGNALS;
@@ -44,7 +44,7 @@ fn gather(data: &RowSet, rows: &[u32], noise: f32, seed: u64, tile: &mut Tile) {
                 *to = from + (first + unit * step as f32);
             }
         }
-        for epsilon in tile.noise.row_mut(at) {
+        for epsilon in &mut tile.noise.row_mut(at)[..d] {
             *epsilon = StandardNormal.sample(&mut rng);
         }
         tile.known[at] = Known {
@@ -252,7 +252,7 @@ impl<'a> Trainer<'a> {
         };
         let noise_seed = stream_seed(self.seed, &["train", "noise", &step.to_string()]);
         let data = &self.data.training;
-        let noise = settings.window_noise as f32;
+        let noise = (settings.window_noise as f32, settings.embedding_size);
         let sums = self.kernel.evaluate(
             &at,
             rows.len(),

@@ -35,26 +35,56 @@ macro_rules! panels {
 /// What the sums of [`RowsTimes`] begin with.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Start<'a> {
-    Zero,
     /// The same for every row, shape `(width,)`.
     Bias(&'a [f32]),
     /// Row `index[r]` of a table for row `r`.
-    Table {
-        table: View<'a>,
-        index: &'a [u32],
-    },
+    Table { table: View<'a>, index: &'a [u32] },
     /// What is there.
     Add,
 }
 
-/// What happens to the sums of [`RowsTimes`] at the end.
+/// What happens to the sums of [`RowsTimes`] at the end. A type and not a choice: with a choice in their loop the
+/// sums leave the registers.
+pub(crate) trait Finish: Copy {
+    /// Of the sums in one vector of a row.
+    fn apply<S: Simd>(self, simd: S, sums: S::f32s, row: usize, vector: usize) -> S::f32s;
+}
+
+/// Nothing happens.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Finish<'a> {
-    Plain,
-    /// Negative values become zero.
-    Relu,
-    /// Back through a ReLU: zero where its output was not above zero.
-    BackRelu(View<'a>),
+pub(crate) struct Plain;
+
+/// Negative values become zero.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Relu;
+
+/// Back through a ReLU: zero where its output was not above zero.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BackRelu<'a>(pub(crate) View<'a>);
+
+impl Finish for Plain {
+    #[inline(always)]
+    fn apply<S: Simd>(self, _: S, sums: S::f32s, _: usize, _: usize) -> S::f32s {
+        sums
+    }
+}
+
+impl Finish for Relu {
+    #[inline(always)]
+    fn apply<S: Simd>(self, simd: S, sums: S::f32s, _: usize, _: usize) -> S::f32s {
+        let zero = simd.splat_f32s(0.0);
+        simd.select_f32s(simd.greater_than_f32s(sums, zero), sums, zero)
+    }
+}
+
+impl Finish for BackRelu<'_> {
+    #[inline(always)]
+    fn apply<S: Simd>(self, simd: S, sums: S::f32s, row: usize, vector: usize) -> S::f32s {
+        let zero = simd.splat_f32s(0.0);
+        let from = row * self.0.stride + self.0.first;
+        let of = S::as_simd_f32s(self.0.data).0[from / S::F32_LANES + vector];
+        simd.select_f32s(simd.greater_than_f32s(of, zero), sums, zero)
+    }
 }
 
 /// `y[r] = finish(start[r] + Σ_k x[r][k] · b[k])`.
@@ -62,18 +92,18 @@ pub(crate) enum Finish<'a> {
 /// `b` has shape `(depth, width)`; `width`, and strides and first columns of all but `x`, are multiples of
 /// [`super::matrix::LANES`].
 #[derive(Debug)]
-pub(crate) struct RowsTimes<'a> {
+pub(crate) struct RowsTimes<'a, F> {
     pub(crate) rows: usize,
     pub(crate) x: View<'a>,
     pub(crate) depth: usize,
     pub(crate) b: &'a [f32],
     pub(crate) width: usize,
     pub(crate) start: Start<'a>,
-    pub(crate) finish: Finish<'a>,
+    pub(crate) finish: F,
     pub(crate) y: ViewMut<'a>,
 }
 
-impl WithSimd for RowsTimes<'_> {
+impl<F: Finish> WithSimd for RowsTimes<'_, F> {
     type Output = ();
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
@@ -81,7 +111,7 @@ impl WithSimd for RowsTimes<'_> {
     }
 }
 
-impl RowsTimes<'_> {
+impl<F: Finish> RowsTimes<'_, F> {
     #[inline(always)]
     fn panel<S: Simd, const N: usize>(&mut self, simd: S, at: usize) -> usize {
         let mut row = 0;
@@ -99,55 +129,51 @@ impl RowsTimes<'_> {
         N
     }
 
+    /// Where the sums of a row begin.
+    #[inline(always)]
+    fn first(&self, row: usize) -> (&[f32], usize) {
+        match self.start {
+            Start::Bias(bias) => (bias, 0),
+            Start::Table { table, index } => {
+                let line = index[row] as usize;
+                (table.data, line * table.stride + table.first)
+            }
+            Start::Add => (self.y.data, row * self.y.stride + self.y.first),
+        }
+    }
+
     #[inline(always)]
     fn block<S: Simd, const M: usize, const N: usize>(&mut self, simd: S, row: usize, at: usize) {
         let vectors = self.width / S::F32_LANES;
+        // Loops, and no closures: a closure that is not inlined is compiled without the vectors.
         let zero = simd.splat_f32s(0.0);
-        let mut sums = match self.start {
-            Start::Zero => [[zero; N]; M],
-            Start::Bias(bias) => [load::<S, N>(bias, 0, at); M],
-            Start::Table { table, index } => std::array::from_fn(|m| {
-                let from = index[row + m] as usize * table.stride + table.first;
-                load::<S, N>(table.data, from, at)
-            }),
-            Start::Add => {
-                let y = &self.y;
-                std::array::from_fn(|m| load::<S, N>(y.data, (row + m) * y.stride + y.first, at))
-            }
-        };
+        let mut sums = [[zero; N]; M];
+        for m in 0..M {
+            let (data, from) = self.first(row + m);
+            let line = &S::as_simd_f32s(data).0[from / S::F32_LANES + at..][..N];
+            sums[m].copy_from_slice(line);
+        }
         let x = self.x;
-        let lines: [&[f32]; M] =
-            std::array::from_fn(|m| &x.data[(row + m) * x.stride + x.first..][..self.depth]);
+        let mut lines: [&[f32]; M] = [&[]; M];
+        for (m, line) in lines.iter_mut().enumerate() {
+            *line = &x.data[(row + m) * x.stride + x.first..][..self.depth];
+        }
         let b = S::as_simd_f32s(self.b).0;
         for (k, line) in b.chunks_exact(vectors).take(self.depth).enumerate() {
-            let line: [S::f32s; N] = std::array::from_fn(|n| line[at + n]);
+            let mut b = [zero; N];
+            b.copy_from_slice(&line[at..][..N]);
             for m in 0..M {
                 let one = simd.splat_f32s(lines[m][k]);
                 for n in 0..N {
-                    sums[m][n] = simd.mul_add_e_f32s(one, line[n], sums[m][n]);
+                    sums[m][n] = simd.mul_add_e_f32s(one, b[n], sums[m][n]);
                 }
             }
         }
-        for (m, sum) in sums.iter_mut().enumerate() {
-            match self.finish {
-                Finish::Plain => {}
-                Finish::Relu => {
-                    for value in sum.iter_mut() {
-                        let above = simd.greater_than_f32s(*value, zero);
-                        *value = simd.select_f32s(above, *value, zero);
-                    }
-                }
-                Finish::BackRelu(of) => {
-                    let of = load::<S, N>(of.data, (row + m) * of.stride + of.first, at);
-                    for (value, of) in sum.iter_mut().zip(of) {
-                        *value = simd.select_f32s(simd.greater_than_f32s(of, zero), *value, zero);
-                    }
-                }
-            }
+        let y = S::as_mut_simd_f32s(self.y.data).0;
+        for (m, sum) in sums.iter().enumerate() {
             let to = ((row + m) * self.y.stride + self.y.first) / S::F32_LANES + at;
-            let y = &mut S::as_mut_simd_f32s(self.y.data).0[to..][..N];
-            for (y, &value) in y.iter_mut().zip(sum.iter()) {
-                *y = value;
+            for (n, (y, &sum)) in y[to..][..N].iter_mut().zip(sum).enumerate() {
+                *y = self.finish.apply(simd, sum, row + m, at + n);
             }
         }
     }
@@ -194,14 +220,19 @@ impl OuterSums<'_> {
 
     #[inline(always)]
     fn block<S: Simd, const M: usize, const N: usize>(&mut self, simd: S, input: usize, at: usize) {
-        let mut sums: [[S::f32s; N]; M] =
-            std::array::from_fn(|m| load::<S, N>(self.to, (input + m) * self.width, at));
+        let zero = simd.splat_f32s(0.0);
+        let mut sums = [[zero; N]; M];
+        for m in 0..M {
+            let first = (input + m) * self.width / S::F32_LANES + at;
+            sums[m].copy_from_slice(&S::as_simd_f32s(self.to).0[first..][..N]);
+        }
         let (x, dy) = (self.x, self.dy);
         let dy_vectors = S::as_simd_f32s(dy.data).0;
         for row in 0..self.rows {
             let ones = &x.data[row * x.stride + x.first + input..][..M];
-            let line = &dy_vectors[(row * dy.stride + dy.first) / S::F32_LANES + at..][..N];
-            let line: [S::f32s; N] = std::array::from_fn(|n| line[n]);
+            let from = (row * dy.stride + dy.first) / S::F32_LANES + at;
+            let mut line = [zero; N];
+            line.copy_from_slice(&dy_vectors[from..][..N]);
             for m in 0..M {
                 let one = simd.splat_f32s(ones[m]);
                 for n in 0..N {
@@ -242,11 +273,4 @@ impl WithSimd for ScatterRows<'_> {
             }
         }
     }
-}
-
-/// `N` vectors from number `from` plus vector `at` on.
-#[inline(always)]
-fn load<S: Simd, const N: usize>(data: &[f32], from: usize, at: usize) -> [S::f32s; N] {
-    let vectors = &S::as_simd_f32s(data).0[from / S::F32_LANES + at..][..N];
-    std::array::from_fn(|n| vectors[n])
 }

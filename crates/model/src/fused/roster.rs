@@ -6,7 +6,7 @@
 use super::{
     layout::{Layer, Layout},
     matrix::{Matrix, View, padded},
-    product::{Finish, OuterSums, RowsTimes, Start},
+    product::{OuterSums, Plain, RowsTimes, Start},
 };
 use pulp::Arch;
 
@@ -128,7 +128,7 @@ impl Roster {
                 b: layer.embedding_weights(packed),
                 width: layer.width,
                 start: Start::Bias(layer.biases(packed)),
-                finish: Finish::Plain,
+                finish: Plain,
                 y: self.table.from_mut(first),
             });
         }
@@ -178,7 +178,7 @@ impl Roster {
                 b: layer.back_embedding(derived),
                 width: self.by_embedding.width,
                 start: Start::Add,
-                finish: Finish::Plain,
+                finish: Plain,
                 y: self.by_embedding.from_mut(0),
             });
         }

@@ -3,7 +3,7 @@
 use super::{
     layout::{Layer, Layout},
     matrix::{Matrix, View, ViewMut},
-    product::{Finish, OuterSums, RowsTimes, ScatterRows, Start},
+    product::{BackRelu, Finish, OuterSums, Plain, Relu, RowsTimes, ScatterRows, Start},
     roster::Roster,
 };
 use crate::losses::{
@@ -19,6 +19,9 @@ const ONES: View<'static> = View {
     stride: 0,
     first: 0,
 };
+
+/// Sums that begin with nothing: as many zeros as the widest layer has outputs.
+const ZERO: Start<'static> = Start::Bias(&[0.0; 8256]);
 
 /// What stays the same from tile to tile of a batch.
 #[derive(Debug, Clone, Copy)]
@@ -249,7 +252,7 @@ impl Tile {
                 &layout.mutual_information,
                 (self.reads.from(0), &head.hidden, head.by_output.from(0)),
                 None,
-                Some((self.by_reads.from_mut(0), Start::Zero)),
+                Some((self.by_reads.from_mut(0), ZERO)),
                 scratch,
                 to,
             );
@@ -272,7 +275,7 @@ impl Tile {
                 }
             }
         }
-        let start = if has_m { Start::Add } else { Start::Zero };
+        let start = if has_m { Start::Add } else { ZERO };
         let head = &self.following_distance;
         through.backward(
             &layout.following_distance,
@@ -413,32 +416,65 @@ impl Through<'_> {
         hidden: &mut [Matrix],
         output: ViewMut<'_>,
     ) {
-        let mut output = Some(output);
-        for (index, layer) in stack.iter().enumerate() {
+        let Some((last, others)) = stack.split_last() else {
+            return;
+        };
+        let start = |index: usize, layer: &Layer| match table {
+            Some(column) if index == 0 => Start::Table {
+                table: self.shared.roster.table.from(column),
+                index: self.place,
+            },
+            _ => Start::Bias(layer.biases(self.shared.packed)),
+        };
+        for (index, layer) in others.iter().enumerate() {
             let (before, after) = hidden.split_at_mut(index);
-            let (y, finish) = match after.first_mut() {
-                Some(next) => (Some(next.from_mut(0)), Finish::Relu),
-                None => (output.take(), Finish::Plain),
-            };
-            let Some(y) = y else { return };
-            let start = match table {
-                Some(column) if index == 0 => Start::Table {
-                    table: self.shared.roster.table.from(column),
-                    index: self.place,
-                },
-                _ => Start::Bias(layer.biases(self.shared.packed)),
-            };
-            self.shared.arch.dispatch(RowsTimes {
-                rows: self.rows,
-                x: before.last().map_or(x, |matrix| matrix.from(0)),
-                depth: layer.inputs(),
-                b: layer.weights(self.shared.packed),
-                width: layer.width,
-                start,
-                finish,
-                y,
-            });
+            let x = before.last().map_or(x, |matrix| matrix.from(0));
+            let y = after[0].from_mut(0);
+            self.layer(layer, x, start(index, layer), Relu, y);
         }
+        let x = hidden.last().map_or(x, |matrix| matrix.from(0));
+        self.layer(last, x, start(others.len(), last), Plain, output);
+    }
+
+    fn layer(
+        &self,
+        layer: &Layer,
+        x: View<'_>,
+        start: Start<'_>,
+        finish: impl Finish,
+        y: ViewMut<'_>,
+    ) {
+        self.shared.arch.dispatch(RowsTimes {
+            rows: self.rows,
+            x,
+            depth: layer.inputs(),
+            b: layer.weights(self.shared.packed),
+            width: layer.width,
+            start,
+            finish,
+            y,
+        });
+    }
+
+    /// The gradient by a layer's inputs.
+    fn back(
+        &self,
+        layer: &Layer,
+        dy: View<'_>,
+        start: Start<'_>,
+        finish: impl Finish,
+        y: ViewMut<'_>,
+    ) {
+        self.shared.arch.dispatch(RowsTimes {
+            rows: self.rows,
+            x: dy,
+            depth: layer.native.outputs,
+            b: layer.back(self.shared.derived),
+            width: layer.back_width(),
+            start,
+            finish,
+            y,
+        });
     }
 
     /// From the gradient `by_output` back to `x`, and to `input` where it is asked for.
@@ -489,29 +525,17 @@ impl Through<'_> {
                     to: layer.biases_mut(to.packed),
                 }),
             }
-            let target = match before {
-                Some(values) => Some((
-                    write.from_mut(0),
-                    Start::Zero,
-                    Finish::BackRelu(values.from(0)),
-                )),
-                None => input
-                    .take()
-                    .map(|(view, start)| (view, start, Finish::Plain)),
-            };
-            let Some((y, start, finish)) = target else {
-                continue;
-            };
-            arch.dispatch(RowsTimes {
-                rows: self.rows,
-                x: dy,
-                depth: layer.native.outputs,
-                b: layer.back(self.shared.derived),
-                width: layer.back_width(),
-                start,
-                finish,
-                y,
-            });
+            match before {
+                Some(values) => {
+                    let finish = BackRelu(values.from(0));
+                    self.back(layer, dy, ZERO, finish, write.from_mut(0));
+                }
+                None => {
+                    if let Some((y, start)) = input.take() {
+                        self.back(layer, dy, start, Plain, y);
+                    }
+                }
+            }
         }
     }
 }
