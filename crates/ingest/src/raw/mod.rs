@@ -1,8 +1,8 @@
 //! What readers of raw formats give: samples as recorded, before they share a time base.
 
-pub(crate) mod csv;
 pub(crate) mod mcap;
 pub(crate) mod ros2;
+pub(crate) mod table;
 
 /// Where ego was at one time, as recorded.
 #[derive(Debug, Clone, Copy, PartialEq)]
