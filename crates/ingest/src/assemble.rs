@@ -7,7 +7,7 @@ use crate::{
     mapping::{FrameKind, RoadMapping},
     quality::{Warning, WarningKind},
     raw::{EgoSample, ObjectSample, RawDrive},
-    resample::{Grid, grid},
+    resample::{Grid, grid, speeds},
     synchronise::synchronise,
 };
 use maveric_domain::{EgoTrack, ObjectTrack, Recording, Road, VehicleId};
@@ -29,6 +29,8 @@ pub(crate) struct Target {
     pub(crate) right_lane_centre_y_m: f64,
     /// Whether vehicles beside ego's lane are left out, because the only lane known is ego's.
     pub(crate) own_lane_only: bool,
+    /// Whether y comes from numbers of lanes: its steps are held, not interpolated.
+    pub(crate) lane_steps: bool,
     /// Rows a second.
     pub(crate) rate_hz: f64,
     /// Longest hole that is bridged, in s.
@@ -43,6 +45,7 @@ impl Target {
             frame: road.frame,
             right_lane_centre_y_m: road.right_lane_centre_y_m,
             own_lane_only: road.lanes == 1,
+            lane_steps: false,
             rate_hz,
             max_gap_s,
         }
@@ -103,7 +106,7 @@ pub(crate) fn assemble(
         warnings.push(Warning::new(path, WarningKind::Default, 1, what));
         CAR_LENGTH_M
     });
-    let ego = ego_track(&drive.ego, &rows, ego_length_m);
+    let ego = ego_track(&drive.ego, &time_s, &rows, ego_length_m, target);
     let objects = drive.objects.len();
     let others = tracks(path, drive.objects, &rows, target, &mut warnings);
     if objects > 0 && others.is_empty() {
@@ -127,16 +130,30 @@ pub(crate) fn assemble(
     Ok((recording, warnings))
 }
 
-fn ego_track(samples: &[EgoSample], grid: &Grid, length_m: f64) -> EgoTrack {
+fn ego_track(
+    samples: &[EgoSample],
+    time_s: &[f64],
+    grid: &Grid,
+    length_m: f64,
+    target: &Target,
+) -> EgoTrack {
     let column = |value: fn(&EgoSample) -> f64| -> Vec<f64> {
         grid.rows.iter().map(|r| r.of(samples, value)).collect()
     };
+    // Samples without a speed were left out above.
+    let speed: Vec<f64> = samples.iter().map(|s| s.speed_mps.unwrap_or(0.0)).collect();
     EgoTrack {
         length_m,
         x_m: column(|s| s.x_m),
-        y_m: column(|s| s.y_m),
-        // Samples without a speed were left out above.
-        speed_mps: column(|s| s.speed_mps.unwrap_or(0.0)),
+        y_m: match target.lane_steps {
+            true => grid
+                .rows
+                .iter()
+                .map(|r| r.held(samples, |s| s.y_m))
+                .collect(),
+            false => column(|s| s.y_m),
+        },
+        speed_mps: speeds(time_s, &speed, grid, target.rate_hz, target.max_gap_s),
     }
 }
 
@@ -161,9 +178,11 @@ fn tracks(
         });
         let time_s: Vec<f64> = samples.iter().map(|s| s.stamp_ns as f64 / 1e9).collect();
         let own = grid(&time_s, target.rate_hz, target.max_gap_s);
+        let speed: Vec<f64> = samples.iter().map(|s| s.speed_mps).collect();
+        let speed = speeds(&time_s, &speed, &own, target.rate_hz, target.max_gap_s);
         let mut current: Option<(ObjectTrack, u32)> = None;
         let mut at = 0;
-        for row in &own.rows {
+        for (row, speed_mps) in own.rows.iter().zip(speed) {
             // Ego's rows and the vehicle's are both rising: walk them side by side.
             while ego.rows.get(at).is_some_and(|e| e.tick < row.tick) {
                 at += 1;
@@ -187,8 +206,11 @@ fn tracks(
             }
             if let Some((track, _)) = &mut current {
                 track.x_m.push(row.of(&samples, |s| s.x_m));
-                track.y_m.push(row.of(&samples, |s| s.y_m));
-                track.speed_mps.push(row.of(&samples, |s| s.speed_mps));
+                track.y_m.push(match target.lane_steps {
+                    true => row.held(&samples, |s| s.y_m),
+                    false => row.of(&samples, |s| s.y_m),
+                });
+                track.speed_mps.push(speed_mps);
             }
         }
         tracks.extend(current.map(|(t, _)| t));

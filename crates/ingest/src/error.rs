@@ -159,6 +159,22 @@ pub enum IngestError {
         #[source]
         source: maveric_domain::DomainError,
     },
+    /// A drive that could not be written.
+    #[error("could not write drive {drive}: {reason}")]
+    WriteDrive {
+        /// The drive.
+        drive: String,
+        /// Why.
+        reason: String,
+    },
+    /// A file that is no drive.
+    #[error("{} {problem}", path.display())]
+    BadDrive {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// A recording that could not be written.
     #[error("could not write the recording")]
     Write {
@@ -190,7 +206,8 @@ impl IngestError {
                 None => "see `maveric inspect` for the topics".to_owned(),
             },
             Self::NoMapping { .. } => {
-                "give --mapping FILE.toml; study_data/mappings has some to start from".to_owned()
+                "give --mapping FILE.toml: study_data/mappings has some, and `maveric inspect --suggest-mapping` writes one"
+                    .to_owned()
             }
             Self::UnknownColumn { nearest, .. } => match nearest {
                 Some(nearest) => format!("did you mean `{nearest}`? correct it in the mapping"),
@@ -203,6 +220,8 @@ impl IngestError {
             Self::TooSparse { .. } => {
                 "the log is sampled too rarely for a drive; its channels are in `maveric inspect`".to_owned()
             }
+            Self::BadDrive { .. } => "make drives from logs with `maveric ingest LOG… --out DIR`".to_owned(),
+            Self::BadTable { .. } => "see what is in it with `maveric inspect`".to_owned(),
             _ => return None,
         })
     }

@@ -6,23 +6,33 @@
 
 mod assemble;
 mod differentiate;
+mod drive_file;
 mod error;
 mod inspect;
 mod lanes;
 mod mapping;
+mod provenance;
 mod quality;
 mod raw;
 mod read_log;
+mod read_table;
 mod resample;
 mod settings;
 mod synchronise;
 
+pub use drive_file::{drive_frame, read_drive_from, write_drive_to};
 pub use error::IngestError;
-pub use inspect::{ChannelSummary, ColumnSummary, Gap, LogFormat, LogSummary, inspect};
-pub use mapping::{
-    Columns, FrameKind, GapKind, Layout, LengthUnit, Mapping, McapMapping, MessageMapping, Names,
-    RigSigns, RoadMapping, SpeedUnit, TableMapping, Tells, TimeUnit, Topics, TwistFrame, Units,
+pub use inspect::{
+    ChannelSummary, ColumnSummary, Gap, LogFormat, LogSummary, inspect, inspect_with,
+    suggest_mapping,
 };
+pub use mapping::{
+    AngleUnit, Columns, Directions, FrameKind, GapKind, Layout, LengthUnit, Mapping, McapMapping,
+    MessageMapping, Names, Point, RecordingMeta, RigSigns, RoadMapping, Side, Signals, SpeedSignal,
+    SpeedUnit, TableMapping, Tells, TimeUnit, Topics, TracksSignal, TwistFrame, Units,
+    VelocitySignal,
+};
+pub use provenance::Provenance;
 pub use quality::{Warning, WarningKind};
 pub use raw::mcap::write::write_mcap;
 pub use read_log::{log_files, read_log};

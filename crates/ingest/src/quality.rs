@@ -35,6 +35,8 @@ pub enum WarningKind {
     NoOverlap,
     /// Vehicles aside of the only lane that is known.
     OtherLane,
+    /// Values that can hardly be in the unit that was declared.
+    Unit,
     /// A value that the log lacks and a default stands in for.
     Default,
 }

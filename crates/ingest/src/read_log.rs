@@ -8,7 +8,9 @@ use crate::{
     raw::{
         self,
         mcap::parts::{is_split, parts_of},
+        table::open::PARQUET,
     },
+    read_table::read_table,
     settings::{IngestSettings, Ingested},
 };
 use std::{
@@ -21,7 +23,8 @@ use std::{
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Format {
     Mcap,
-    Text,
+    /// A text table, or Parquet.
+    Table,
 }
 
 /// Reads the drives of one log: an MCAP recording, or a table with its mapping. The content decides, not the name.
@@ -43,45 +46,34 @@ pub(crate) enum Format {
 pub fn read_log(path: &Path, settings: &IngestSettings) -> Result<Vec<Ingested>, IngestError> {
     let mapping = settings.mapping.as_ref();
     let (rate_hz, max_gap_s) = (settings.rate_hz()?, settings.max_gap_s()?);
+    if mapping.is_some_and(Mapping::takes_folders) && path.is_dir() {
+        return read_table(path, mapping, rate_hz, max_gap_s);
+    }
     let format = format_of(path)?;
     if mapping.is_some_and(|m| m.skips(path)) {
         return Ok(Vec::new());
     }
+    if format == Format::Table {
+        return read_table(path, mapping, rate_hz, max_gap_s);
+    }
     let road = mapping.and_then(|m| m.road).unwrap_or(RoadMapping::UNKNOWN);
     let mapped = Target::mapped(&road, rate_hz, max_gap_s);
-    let (drive, meta, target, mut warnings) = match format {
-        Format::Mcap => {
-            let topics = mapping.and_then(|m| m.mcap.as_ref());
-            let (drive, record, warnings) =
-                raw::mcap::read::read(path, &parts_of(path)?, topics, settings.recover)?;
-            match record {
-                Some(record) => {
-                    let target = Target {
-                        road: record.road,
-                        frame: FrameKind::Map,
-                        right_lane_centre_y_m: 0.0,
-                        own_lane_only: false,
-                        ..mapped
-                    };
-                    (drive, Some(record.meta), target, warnings)
-                }
-                None => (drive, None, mapped, warnings),
-            }
-        }
-        Format::Text => {
-            let table = mapping.and_then(|m| m.table.as_ref());
-            let table = table.ok_or_else(|| IngestError::NoMapping {
-                path: path.to_owned(),
-            })?;
-            let text = std::fs::read(path).map_err(|e| IngestError::io(path, e))?;
-            let (drive, warnings) = raw::csv::read(path, text, table)?;
+    let topics = mapping.and_then(|m| m.mcap.as_ref());
+    let parts = parts_of(path)?;
+    let (drive, record, mut warnings) =
+        raw::mcap::read::read(path, &parts, topics, settings.recover)?;
+    let (meta, target) = match record {
+        Some(record) => {
             let target = Target {
-                // A table of pairs lies along the road already.
+                road: record.road,
                 frame: FrameKind::Map,
+                right_lane_centre_y_m: 0.0,
+                own_lane_only: false,
                 ..mapped
             };
-            (drive, None, target, warnings)
+            (Some(record.meta), target)
         }
+        None => (None, mapped),
     };
     let meta = match meta {
         Some(meta) => meta,
@@ -110,8 +102,9 @@ fn named(
 }
 
 /// The logs at `path`: itself if it is a file or one recording split over a folder, else the files of the folder that end
-/// in `.mcap`, `.csv`, `.tsv` or `.txt` and the split recordings in it, sorted by name. Those that the mapping skips
-/// are not among them.
+/// in `.mcap`, `.csv`, `.tsv`, `.txt` or `.parquet` and the split recordings in it, sorted by name. Those that the mapping
+/// skips are not among them. Where the mapping says that every signal has its own file, a log is a folder: this one
+/// if it has the file of the speed, else those in it that do.
 ///
 /// # Errors
 /// [`IngestError::NotFound`] or [`IngestError::Io`].
@@ -120,11 +113,14 @@ pub fn log_files(path: &Path, mapping: Option<&Mapping>) -> Result<Vec<PathBuf>,
     if !std::fs::metadata(path).map_err(wrong)?.is_dir() || is_split(path) {
         return Ok(vec![path.to_owned()]);
     }
+    if let Some(signals) = mapping.and_then(|m| m.table.as_ref()?.signals.as_ref()) {
+        return folders_with(path, &signals.speed.file);
+    }
     let mut files = Vec::new();
     for entry in std::fs::read_dir(path).map_err(wrong)? {
         let file = entry.map_err(wrong)?.path();
         let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
-        let known = ["mcap", "csv", "tsv", "txt"]
+        let known = ["mcap", "csv", "tsv", "txt", "parquet"]
             .iter()
             .any(|e| extension == *e);
         if (known && file.is_file() || is_split(&file)) && !mapping.is_some_and(|m| m.skips(&file))
@@ -134,6 +130,23 @@ pub fn log_files(path: &Path, mapping: Option<&Mapping>) -> Result<Vec<PathBuf>,
     }
     files.sort();
     Ok(files)
+}
+
+/// The folder itself if it has a file of this name, else the folders in it that have one, sorted by name.
+fn folders_with(path: &Path, file: &str) -> Result<Vec<PathBuf>, IngestError> {
+    if path.join(file).is_file() {
+        return Ok(vec![path.to_owned()]);
+    }
+    let wrong = |e| IngestError::io(path, e);
+    let mut folders = Vec::new();
+    for entry in std::fs::read_dir(path).map_err(wrong)? {
+        let folder = entry.map_err(wrong)?.path();
+        if folder.join(file).is_file() {
+            folders.push(folder);
+        }
+    }
+    folders.sort();
+    Ok(folders)
 }
 
 /// Tells a recording from a text by the first bytes.
@@ -168,6 +181,9 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, IngestError> {
     if head.starts_with(magic) || head.len() < magic.len() && magic.starts_with(&head) {
         return Ok(Format::Mcap);
     }
+    if head.starts_with(PARQUET) {
+        return Ok(Format::Table);
+    }
     let text = match std::str::from_utf8(&head) {
         Ok(_) => true,
         // A character may be cut by the end of what was read.
@@ -178,7 +194,7 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, IngestError> {
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("mcap"));
     if text && !named_mcap && !head.contains(&0) {
-        return Ok(Format::Text);
+        return Ok(Format::Table);
     }
     let same = head.iter().zip(magic).filter(|(a, b)| a == b).count();
     let mut tail = Vec::new();

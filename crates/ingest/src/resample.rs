@@ -1,5 +1,7 @@
 //! Uneven samples to even rows, never over a hole.
 
+use std::f64::consts::PI;
+
 /// How far a row may lie from a sample and still be that sample, in s: stamps are rounded to nanoseconds.
 const SAME_TIME_S: f64 = 1e-6;
 
@@ -26,7 +28,19 @@ impl Row {
             a
         }
     }
+
+    /// The row's value of a label: that of the last sample before it, so that no row knows of what comes after it.
+    pub(crate) fn held<T>(&self, samples: &[T], value: impl Fn(&T) -> f64) -> f64 {
+        value(&samples[self.before])
+    }
 }
+
+/// Half the width of the filter for speeds, in steps of the result.
+const HALF_WIDTH_STEPS: f64 = 4.0;
+/// Its cut-off, in cycles a step of the result.
+const CUT_OFF: f64 = 0.35;
+/// Sources with longer steps than this, in steps of the result, hold nothing that could alias.
+const DENSE_STEPS: f64 = 0.75;
 
 /// Even rows and the holes between them.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -78,9 +92,176 @@ pub(crate) fn grid(time_s: &[f64], rate_hz: f64, max_gap_s: f64) -> Grid {
     grid
 }
 
+/// A speed on the rows of a grid without aliases, shape `(rows,)`.
+///
+/// Where samples come faster than rows, a row is the mean of the samples within four steps to either side, weighted by
+/// a sinc that cuts off at 0.35 of the rate, a Hann window, and the time for which each sample stands: bursts of
+/// samples at almost one time count once. Above 0.65 of the rate, which aliases to below 0.35, at most 1 % is left. The
+/// filter is symmetric, so nothing is delayed; at the ends of a run and beside its holes it narrows. Where samples come
+/// as slowly as rows or slower, rows are interpolated linearly.
+pub(crate) fn speeds(
+    time_s: &[f64],
+    values: &[f64],
+    grid: &Grid,
+    rate_hz: f64,
+    max_gap_s: f64,
+) -> Vec<f64> {
+    let indices: Vec<usize> = (0..values.len()).collect();
+    let mut runs = Runs::new(time_s, max_gap_s);
+    let mut row = |row: &Row| {
+        let linear = row.of(&indices, |&i| values[i]);
+        let (first, last) = runs.around(row.before);
+        let (from, to) = (time_s[first], time_s[last]);
+        let step_s = (to - from) / (last - first).max(1) as f64;
+        if last == first || step_s * rate_hz > DENSE_STEPS {
+            return linear;
+        }
+        let at = row.of(&indices, |&i| time_s[i]);
+        let half_s = (HALF_WIDTH_STEPS / rate_hz).min(at - from).min(to - at);
+        if half_s <= step_s {
+            return linear;
+        }
+        let (mut sum, mut weights) = (0.0, 0.0);
+        let start = first + time_s[first..=last].partition_point(|t| *t < at - half_s);
+        for i in start..=last {
+            let since = time_s[i] - at;
+            if since > half_s {
+                break;
+            }
+            let before = time_s[i.saturating_sub(1).max(first)];
+            let after = time_s[(i + 1).min(last)];
+            let weight = 0.5 * (after - before) * kernel(since, half_s, rate_hz);
+            sum += weight * values[i];
+            weights += weight;
+        }
+        // Samples that all but miss the window's middle have no mean.
+        if weights * rate_hz > 0.5 * CUT_OFF {
+            sum / weights
+        } else {
+            linear
+        }
+    };
+    grid.rows.iter().map(&mut row).collect()
+}
+
+fn kernel(since_s: f64, half_s: f64, rate_hz: f64) -> f64 {
+    let phase = 2.0 * PI * CUT_OFF * rate_hz * since_s;
+    let sinc = if phase.abs() < 1e-9 {
+        1.0
+    } else {
+        phase.sin() / phase
+    };
+    sinc * 0.5 * (1.0 + (PI * since_s / half_s).cos())
+}
+
+/// Stretches of samples without a hole, asked for in rising order.
+struct Runs<'a> {
+    time_s: &'a [f64],
+    max_gap_s: f64,
+    first: usize,
+    last: usize,
+}
+
+impl<'a> Runs<'a> {
+    fn new(time_s: &'a [f64], max_gap_s: f64) -> Self {
+        let mut runs = Self {
+            time_s,
+            max_gap_s,
+            first: 0,
+            last: 0,
+        };
+        runs.reach();
+        runs
+    }
+
+    fn reach(&mut self) {
+        self.last = self.first;
+        while let Some(next) = self.time_s.get(self.last + 1)
+            && next - self.time_s[self.last] <= self.max_gap_s + SAME_TIME_S
+        {
+            self.last += 1;
+        }
+    }
+
+    fn around(&mut self, index: usize) -> (usize, usize) {
+        while index > self.last {
+            self.first = self.last + 1;
+            self.reach();
+        }
+        (self.first, self.last)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn resampled(hz: f64, jitter: f64, signal: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+        let time: Vec<f64> = (0..(10.0 * hz) as usize)
+            .map(|i| (i as f64 + jitter * (i as f64 * 1.7).sin()) / hz)
+            .collect();
+        let values: Vec<f64> = time.iter().map(|t| signal(*t)).collect();
+        let grid = grid(&time, 20.0, 0.5);
+        let found = speeds(&time, &values, &grid, 20.0, 0.5);
+        let at = grid.rows.iter().map(|r| r.tick as f64 / 20.0);
+        at.zip(found).collect()
+    }
+
+    fn largest(found: &[(f64, f64)], wrong: impl Fn(f64, f64) -> f64) -> f64 {
+        let inner = found.iter().filter(|(t, _)| (0.5..9.4).contains(t));
+        inner.map(|&(t, v)| wrong(t, v).abs()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn what_would_alias_is_gone_and_what_drivers_do_is_kept() {
+        for (hz, jitter) in [(100.0, 0.0), (83.0, 0.3)] {
+            let at = |f: f64| move |t: f64| (2.0 * PI * f * t).sin();
+            let alias = largest(&resampled(hz, jitter, at(18.0)), |_, v| v);
+            assert!(
+                alias < 0.02,
+                "18 Hz would look like 2 Hz: {alias} at {hz} Hz"
+            );
+            let kept = resampled(hz, jitter, at(1.0));
+            let lost = largest(&kept, |t, v| v - at(1.0)(t));
+            assert!(lost < 0.01, "1 Hz: {lost} at {hz} Hz");
+        }
+    }
+
+    #[test]
+    fn a_steady_speed_and_a_steady_acceleration_come_through_to_both_ends() {
+        for (t, v) in resampled(100.0, 0.0, |t| 5.0 + 2.0 * t) {
+            assert!((v - 5.0 - 2.0 * t).abs() < 1e-6, "{t}: {v}");
+        }
+        for (_, v) in resampled(83.0, 0.4, |_| 7.0) {
+            assert!((v - 7.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn slow_sources_are_interpolated_and_a_burst_counts_once() {
+        let found = resampled(10.0, 0.0, |t| t);
+        assert!(largest(&found, |t, v| v - t) < 1e-9);
+        // Ten samples within a microsecond at 5 s, far off: one bad sample's worth, not ten.
+        let mut time: Vec<f64> = (0..1000).map(|i| f64::from(i) / 100.0).collect();
+        let mut values = vec![10.0; 1000];
+        for i in 0..10 {
+            time.insert(501 + i, 5.0 + 1e-7 * (i + 1) as f64);
+            values.insert(501 + i, 20.0);
+        }
+        let grid = grid(&time, 20.0, 0.5);
+        let found = speeds(&time, &values, &grid, 20.0, 0.5);
+        let most = found.iter().copied().fold(0.0, f64::max);
+        assert!(most < 11.5, "{most}");
+    }
+
+    #[test]
+    fn labels_are_those_of_the_sample_before() {
+        let time = [0.0, 0.07, 0.1];
+        let lanes = [0.0, 1.0, 2.0];
+        let grid = grid(&time, 20.0, 0.5);
+        let held: Vec<f64> = grid.rows.iter().map(|r| r.held(&lanes, |l| *l)).collect();
+        assert_eq!(held, [0.0, 0.0, 2.0]);
+    }
 
     #[test]
     fn samples_on_the_grid_come_through_unchanged() {

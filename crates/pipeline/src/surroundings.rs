@@ -35,9 +35,13 @@ impl Surroundings {
             .chain([place.root.clone()])
             .collect();
         let outputs: BTreeSet<PathBuf> = stages().map(|output| place.root.join(output)).collect();
-        let folders = folders.into_iter().filter(|folder| !outputs.contains(folder));
+        let folders = folders
+            .into_iter()
+            .filter(|folder| !outputs.contains(folder));
         Self {
-            folders: folders.map(|folder| (folder.clone(), looks(&folder))).collect(),
+            folders: folders
+                .map(|folder| (folder.clone(), looks(&folder)))
+                .collect(),
             made,
         }
     }

@@ -4,7 +4,7 @@ use super::print_outcome;
 use crate::{args::Format, diagnostics::Failure};
 use maveric_study::stages::ingest::{self, IngestOptions};
 
-/// Turn driving logs (MCAP, CSV) into evenly sampled drives
+/// Turn driving logs (MCAP, CSV, Parquet) into evenly sampled drives
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: maveric ingest logs/study1 --out drives/study1")]
 pub(crate) struct Ingest {
@@ -14,7 +14,7 @@ pub(crate) struct Ingest {
     /// Folder to write into: one Parquet file a drive, drives.csv, exclusions.csv
     #[arg(long)]
     out: std::path::PathBuf,
-    /// What the columns of a table mean (TOML); needed for CSV
+    /// What the columns of a table mean (TOML); needed for tables
     #[arg(long)]
     mapping: Option<std::path::PathBuf>,
     /// Samples a second

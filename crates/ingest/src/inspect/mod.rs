@@ -1,24 +1,29 @@
 //! What is in a log, and what would become of it.
 
+mod columns;
+mod guess;
+mod suggest;
 mod survey;
+mod table;
+mod units;
+mod words;
 
 use crate::{
     error::IngestError,
-    quality::Warning,
-    raw::{
-        csv,
-        mcap::{
-            choice::{Choice, Found, choose},
-            container::walk,
-            read::damage_warnings,
-            roles::Role,
-        },
+    mapping::{Mapping, Signals},
+    quality::{Warning, WarningKind},
+    raw::mcap::{
+        choice::{Choice, Found, choose},
+        container::walk,
+        read::damage_warnings,
+        roles::Role,
     },
     read_log::{Format, format_of, read_log},
     settings::{IngestSettings, Ingested},
 };
 use serde::Serialize;
 use std::{collections::BTreeMap, path::Path};
+pub use suggest::suggest_mapping;
 use survey::{Survey, Surveyed};
 
 /// What kind of file a log is.
@@ -27,7 +32,7 @@ use survey::{Survey, Surveyed};
 pub enum LogFormat {
     /// An MCAP recording.
     Mcap,
-    /// A text table.
+    /// A table, as text or as Parquet, or a folder of them.
     Table,
 }
 
@@ -52,6 +57,8 @@ pub struct LogSummary {
     pub gaps: Vec<Gap>,
     /// What is damaged.
     pub damage: Vec<Warning>,
+    /// What reading it left out, filled in or doubted.
+    pub warnings: Vec<Warning>,
     /// What [`crate::read_log`] makes of it with the default settings and `recover`, in a sentence.
     pub would_ingest: String,
 }
@@ -86,12 +93,16 @@ pub struct ChannelSummary {
 pub struct ColumnSummary {
     /// Its name.
     pub name: String,
+    /// `numbers`, `whole numbers` or `text`.
+    pub kind: &'static str,
     /// Cells that hold something.
     pub filled: usize,
     /// Least number; none where some cell is no number.
     pub least: Option<f64>,
     /// Greatest number; none where some cell is no number.
     pub greatest: Option<f64>,
+    /// Key of the mapping that it is; with a question mark where it is guessed.
+    pub meaning: Option<String>,
 }
 
 /// A hole in a channel that comes at a rate.
@@ -111,56 +122,55 @@ pub struct Gap {
 /// [`IngestError::NotFound`], [`IngestError::IsDirectory`], [`IngestError::Empty`], [`IngestError::Io`],
 /// [`IngestError::NotALog`]; [`IngestError::BadTable`] for a text that is no table.
 pub fn inspect(path: &Path) -> Result<LogSummary, IngestError> {
+    inspect_with(path, &IngestSettings::default())
+}
+
+/// The same by the settings that it would be read with: their mapping says what the columns of a table mean.
+///
+/// # Errors
+/// As [`inspect`].
+pub fn inspect_with(path: &Path, settings: &IngestSettings) -> Result<LogSummary, IngestError> {
+    let folders = settings
+        .mapping
+        .as_ref()
+        .is_some_and(Mapping::takes_folders);
+    if folders && path.is_dir() {
+        return inspect_folder(path, settings);
+    }
     match format_of(path)? {
-        Format::Mcap => inspect_mcap(path),
-        Format::Text => inspect_table(path),
+        Format::Mcap => inspect_mcap(path, settings),
+        Format::Table => table::inspect_table(path, settings),
     }
 }
 
-fn inspect_table(path: &Path) -> Result<LogSummary, IngestError> {
-    let text = std::fs::read(path).map_err(|e| IngestError::io(path, e))?;
-    let separator = separator_of(&text);
-    let frame = csv::read_frame(path, text, separator)?;
-    let summary = |name: &str| {
-        let cells = frame.column(name).and_then(|c| c.str()).ok();
-        let filled = cells.map_or(0, |c| c.iter().flatten().count());
-        let numbers = csv::numbers(path, &frame, name).unwrap_or_default();
-        let numbers = || numbers.iter().flatten().copied();
-        ColumnSummary {
-            name: name.to_owned(),
-            filled,
-            least: numbers().min_by(f64::total_cmp),
-            greatest: numbers().max_by(f64::total_cmp),
+/// The files of the signals, one after another, and the drive that they make.
+fn inspect_folder(path: &Path, settings: &IngestSettings) -> Result<LogSummary, IngestError> {
+    let mapping = settings.mapping.as_ref().and_then(|m| m.table.as_ref());
+    let signals = mapping.and_then(|t| t.signals.as_ref());
+    let files = signals.map(Signals::files).unwrap_or_default();
+    let mut found: Option<LogSummary> = None;
+    for file in files {
+        let mut part = table::inspect_table(&path.join(file), &IngestSettings::default())?;
+        for column in &mut part.columns {
+            column.name = format!("{file}: {}", column.name);
+            column.meaning = None;
         }
-    };
-    let names = frame.get_column_names();
-    Ok(LogSummary {
-        format: LogFormat::Table,
-        writer: None,
-        drive: None,
-        channels: Vec::new(),
-        columns: names.iter().map(|n| summary(n.as_str())).collect(),
-        rows: frame.height(),
-        duration_s: None,
-        gaps: Vec::new(),
-        damage: Vec::new(),
-        would_ingest: "a table: a mapping must say what its columns mean and in which units"
-            .to_owned(),
-    })
+        match &mut found {
+            Some(found) => {
+                found.rows += part.rows;
+                found.columns.extend(part.columns);
+            }
+            None => found = Some(part),
+        }
+    }
+    let mut found = found.ok_or_else(|| IngestError::NoMapping {
+        path: path.to_owned(),
+    })?;
+    table::with_mapping(path, settings, &mut found);
+    Ok(found)
 }
 
-/// The most frequent of comma, semicolon and tab in the first line.
-fn separator_of(text: &[u8]) -> char {
-    let line = text.split(|&b| b == b'\n').next().unwrap_or_default();
-    let count = |c: char| line.split(|&b| b == c as u8).count();
-    // Of equals the last wins, so the comma stands there.
-    ['\t', ';', ',']
-        .into_iter()
-        .max_by_key(|&c| count(c))
-        .unwrap_or(',')
-}
-
-fn inspect_mcap(path: &Path) -> Result<LogSummary, IngestError> {
+fn inspect_mcap(path: &Path, given: &IngestSettings) -> Result<LogSummary, IngestError> {
     let mut survey = Survey::default();
     let mut damage = walk(path, true, &mut survey)?;
     if survey.undeclared > 0 && !survey.channels.is_empty() {
@@ -180,10 +190,17 @@ fn inspect_mcap(path: &Path) -> Result<LogSummary, IngestError> {
     // The only sure way to know what reading makes of it is to read it.
     let settings = IngestSettings {
         recover: true,
-        ..IngestSettings::default()
+        ..given.clone()
     };
-    let would_ingest = match (choose(path, None, &found), read_log(path, &settings)) {
-        (Ok(choice), Ok(drives)) => describe(&found, &choice, &drives, !damage.is_empty()),
+    let topics = given.mapping.as_ref().and_then(|m| m.mcap.as_ref());
+    let mut warnings = Vec::new();
+    let would_ingest = match (choose(path, topics, &found), read_log(path, &settings)) {
+        (Ok(choice), Ok(drives)) => {
+            let what = describe(&found, &choice, &drives, !damage.is_empty());
+            let said = drives.into_iter().flat_map(|d| d.warnings);
+            warnings.extend(said.filter(|w| w.kind != WarningKind::Damage));
+            what
+        }
         (Err(error), _) | (_, Err(error)) => format!("nothing: {error}"),
     };
     let start = first.unwrap_or(0);
@@ -209,6 +226,7 @@ fn inspect_mcap(path: &Path) -> Result<LogSummary, IngestError> {
         duration_s: first.zip(last).map(|(a, b)| (b - a) as f64 / 1e9),
         gaps,
         damage,
+        warnings,
         would_ingest,
     })
 }

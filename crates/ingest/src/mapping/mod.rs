@@ -1,16 +1,20 @@
 //! Mappings: what the columns of a table, the topics of a recording and the names of files mean.
 
+mod columns;
 mod mcap;
 pub(crate) mod names;
 mod table;
+mod units;
 
-use crate::error::IngestError;
+use crate::error::{IngestError, nearest};
+pub use columns::{Columns, RecordingMeta, Signals, SpeedSignal, TracksSignal, VelocitySignal};
 use maveric_domain::Road;
 pub use mcap::{McapMapping, MessageMapping, RigSigns, Tells, Topics, TwistFrame};
 pub use names::Names;
 use serde::Deserialize;
 use std::path::Path;
-pub use table::{Columns, GapKind, Layout, LengthUnit, SpeedUnit, TableMapping, TimeUnit, Units};
+pub use table::{Directions, GapKind, Layout, Point, Side, TableMapping};
+pub use units::{AngleUnit, LengthUnit, SpeedUnit, TimeUnit, Units};
 
 /// What a log means where it does not say so itself; read from TOML, where a misspelt key is an error.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
@@ -102,9 +106,15 @@ impl Mapping {
             path: path.to_owned(),
             reason,
         };
-        let mapping: Self = toml::from_str(text).map_err(|e| bad(e.to_string()))?;
+        let mapping: Self = toml::from_str(text).map_err(|e| bad(with_suggestion(&e)))?;
         mapping.check().map_err(bad)?;
         Ok(mapping)
+    }
+
+    /// Whether a folder is one log, because every signal has its own file.
+    pub fn takes_folders(&self) -> bool {
+        let table = self.table.as_ref();
+        table.is_some_and(|t| t.layout == Layout::Signals)
     }
 
     /// Whether the mapping says to pass over a file of this name.
@@ -140,16 +150,24 @@ impl Mapping {
             mcap.check()?;
         }
         if let Some(table) = &self.table {
-            positive("table.ego_length_m", table.ego_length_m)?;
-            positive("table.lead_length_m", table.lead_length_m)?;
-            if !table.separator.is_ascii() {
-                return Err(format!(
-                    "`table.separator` is `{}`, expected ASCII",
-                    table.separator
-                ));
-            }
+            table.check()?;
         }
         Ok(())
+    }
+}
+
+/// What serde says of a mapping, and the key or word that was probably meant.
+fn with_suggestion(error: &toml::de::Error) -> String {
+    let text = error.to_string();
+    let message = error.message();
+    let mut words = message.split('`').skip(1).step_by(2);
+    let unknown = message.starts_with("unknown");
+    match (unknown, words.next()) {
+        (true, Some(found)) => match nearest(found, words) {
+            Some(meant) => format!("{}\ndid you mean `{meant}`?", text.trim_end()),
+            None => text,
+        },
+        _ => text,
     }
 }
 
@@ -188,5 +206,12 @@ mod tests {
         let table = "[table]\nlayout = \"pair\"\ngap_kind = \"bumper_to_bumper\"\n[table.columns]\n\
             time = \"t\"\nego_x = \"x\"\nego_speed = \"v\"\nlead_speed = \"w\"\ngap = \"s\"\n[table.units]\nlength = \"m\"\n";
         assert!(of(table).contains("time"));
+        assert!(of("[table]\nlayuot = \"pair\"\n").contains("did you mean `layout`?"));
+        let pair = format!("{table}time = \"s\"\nspeed = \"m/s\"\n");
+        assert!(Mapping::from_toml(&pair, Path::new("m.toml")).is_ok());
+        let unsaid = pair.replace("gap_kind = \"bumper_to_bumper\"\n", "");
+        assert!(of(&unsaid).contains("`front_to_front`?"));
+        let odd = pair.replace("ego_x", "lane");
+        assert!(of(&odd).contains("layout `pair` has no `table.columns.lane`"));
     }
 }

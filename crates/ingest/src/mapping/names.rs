@@ -52,14 +52,29 @@ pub(crate) fn meta_of(
     path: &Path,
     names: Option<&Names>,
 ) -> Result<(DriveMeta, bool), IngestError> {
+    meta_within(path, names, &[])
+}
+
+/// The same for one of several drives of a file: `within` names it, such as by the vehicle's `id`, and may stand
+/// in the templates.
+///
+/// # Errors
+/// As [`meta_of`].
+pub(crate) fn meta_within(
+    path: &Path,
+    names: Option<&Names>,
+    within: &[(String, String)],
+) -> Result<(DriveMeta, bool), IngestError> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let within: Vec<(&str, String)> = within.iter().map(|(k, v)| (k.as_str(), safe(v))).collect();
     let refused = |source: DomainError| IngestError::Refused {
         path: path.to_owned(),
         source,
     };
     if let Some(names) = names
-        && let Some(captures) = capture(&names.file, &stem)
+        && let Some(mut captures) = capture(&names.file, &stem)
     {
+        captures.extend(within.iter().map(|(k, v)| (*k, v.as_str())));
         let meta = DriveMeta {
             drive: DriveId::new(fill(&names.drive, &captures)).map_err(refused)?,
             participant: ParticipantId::new(fill(&names.participant, &captures))
@@ -70,12 +85,11 @@ pub(crate) fn meta_of(
         };
         return Ok((meta, true));
     }
-    let allowed = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-    let mut id: String = stem
-        .chars()
-        .map(|c| if allowed(c) { c } else { '_' })
-        .take(64)
-        .collect();
+    let tail: String = within.iter().map(|(_, v)| format!("-{v}")).collect();
+    let tail: String = tail.chars().take(MOST_ID - 1).collect();
+    // The end tells drives of one file apart, so the file's name gives way.
+    let mut id: String = safe(&stem).chars().take(MOST_ID - tail.len()).collect();
+    id.push_str(&tail);
     if id.is_empty() {
         "drive".clone_into(&mut id);
     }
@@ -87,6 +101,17 @@ pub(crate) fn meta_of(
         driven_by: human(),
     };
     Ok((meta, names.is_none()))
+}
+
+/// Length of an id.
+const MOST_ID: usize = 64;
+
+/// A text with `_` for what an id may not hold.
+fn safe(text: &str) -> String {
+    let allowed = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    text.chars()
+        .map(|c| if allowed(c) { c } else { '_' })
+        .collect()
 }
 
 /// Whether `name` fits a pattern in which `*` stands for any characters.

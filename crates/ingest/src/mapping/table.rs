@@ -1,21 +1,44 @@
-//! What the columns of a table mean.
+//! What a table's rows and files are, and what its mapping must say about them.
 
+use super::{
+    columns::{Columns, RecordingMeta, Signals},
+    units::{TimeUnit, Units},
+};
 use serde::Deserialize;
 
 /// Columns of a table, their units and what its gap is measured between.
 ///
-/// Units and the kind of gap have no defaults: a table that does not say them must be asked about.
+/// Units, the kind of gap and the point that positions are of have no defaults: a table that does not say them must
+/// be asked about.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TableMapping {
     /// What a row and a file are.
     pub layout: Layout,
-    /// Character between cells.
-    #[serde(default = "comma")]
-    pub separator: char,
-    /// What the gap is measured between.
-    pub gap_kind: GapKind,
-    /// Ego's length, in m; tables of pairs do not say it.
+    /// Character between cells; without it the most frequent of comma, semicolon and tab in the header.
+    pub separator: Option<char>,
+    /// Whether numbers are written 1,5 for one and a half.
+    #[serde(default)]
+    pub decimal_comma: bool,
+    /// What the gap is measured between; needed where there is a gap.
+    pub gap_kind: Option<GapKind>,
+    /// Which point of a vehicle a position is of; needed where there are positions of several vehicles.
+    pub point: Option<Point>,
+    /// Which way y grows, seen along x; needed where there is a y.
+    pub y_grows: Option<Side>,
+    /// The side from which lanes are numbered; needed where there is a lane and no y.
+    pub lanes_from: Option<Side>,
+    /// Number of the first lane on that side.
+    #[serde(default = "one")]
+    pub first_lane: i64,
+    /// Whether everybody drives along x.
+    #[serde(default)]
+    pub directions: Directions,
+    /// Frames a second, where times are numbers of frames.
+    pub frames_per_s: Option<f64>,
+    /// A hole longer than this, in s, makes the number of a vehicle that of another one.
+    pub new_vehicle_after_s: Option<f64>,
+    /// Ego's length where no column says it, in m.
     #[serde(default = "car_length")]
     pub ego_length_m: f64,
     /// Length of the vehicle ahead where no column says it, in m.
@@ -24,20 +47,20 @@ pub struct TableMapping {
     /// Units of the columns.
     pub units: Units,
     /// Names of the columns.
+    #[serde(default)]
     pub columns: Columns,
+    /// The files of a folder of signals.
+    pub signals: Option<Signals>,
+    /// A file beside the table that says how it was recorded.
+    pub recording_meta: Option<RecordingMeta>,
 }
 
-fn comma() -> char {
-    ','
+fn one() -> i64 {
+    1
 }
 
 fn car_length() -> f64 {
     TableMapping::CAR_LENGTH_M
-}
-
-impl TableMapping {
-    /// A middle-sized car, bumper to bumper, in m.
-    pub const CAR_LENGTH_M: f64 = 4.7;
 }
 
 /// What a row and a file are.
@@ -47,6 +70,12 @@ impl TableMapping {
 pub enum Layout {
     /// A file is one follower (ego) behind one leader, a row is one time.
     Pair,
+    /// A row is one vehicle at one time; each vehicle is ego of a drive of its own.
+    Long,
+    /// A row is one time of several vehicles in file, number 1 ahead; each but the first is ego of a drive.
+    Platoon,
+    /// A folder is one drive, a file in it is one signal with its own times.
+    Signals,
 }
 
 /// What a gap is measured between.
@@ -57,105 +86,210 @@ pub enum GapKind {
     BumperToBumper,
     /// From front bumper to front bumper: the leader's length is taken off.
     FrontToFront,
+    /// From bumper to bumper, negative where the other vehicle is behind: `lead_dx_m` of our own drives.
+    Signed,
 }
 
-/// Units of the columns.
+/// Which point of a vehicle a position is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Units {
-    /// Of the time.
-    pub time: TimeUnit,
-    /// Of positions, gaps and lengths.
-    pub length: LengthUnit,
-    /// Of speeds.
-    pub speed: SpeedUnit,
+#[serde(rename_all = "snake_case")]
+pub enum Point {
+    /// Its centre.
+    Centre,
+    /// The middle of its front bumper.
+    Front,
+    /// The middle of its rear bumper.
+    Rear,
+    /// The corner of its box with the smallest x and y; needs the width.
+    Corner,
 }
 
-/// A unit of time.
+/// A side of the road, seen along x.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-pub enum TimeUnit {
-    /// Seconds.
-    #[serde(rename = "s")]
-    Seconds,
-    /// Milliseconds.
-    #[serde(rename = "ms")]
-    Milliseconds,
+#[serde(rename_all = "snake_case")]
+pub enum Side {
+    /// The left (fast) side.
+    Left,
+    /// The right (slow) side.
+    Right,
 }
 
-/// A unit of length.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-pub enum LengthUnit {
-    /// Metres.
-    #[serde(rename = "m")]
-    Metres,
-    /// International feet, 0.3048 m.
-    #[serde(rename = "ft")]
-    Feet,
+/// Which ways the vehicles of a table drive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Directions {
+    /// All along x.
+    #[default]
+    Along,
+    /// Both ways: the sign of a vehicle's own movement along x tells, and who drives the other way is not there.
+    Both,
 }
 
-/// A unit of speed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-pub enum SpeedUnit {
-    /// Metres per second.
-    #[serde(rename = "m/s")]
-    MetresPerSecond,
-    /// Kilometres per hour.
-    #[serde(rename = "km/h")]
-    KilometresPerHour,
-    /// Miles per hour.
-    #[serde(rename = "mph")]
-    MilesPerHour,
-    /// Feet per second.
-    #[serde(rename = "ft/s")]
-    FeetPerSecond,
-}
+impl TableMapping {
+    /// A middle-sized car, bumper to bumper, in m.
+    pub const CAR_LENGTH_M: f64 = 4.7;
 
-impl TimeUnit {
-    /// Nanoseconds in one.
-    pub fn nanoseconds(self) -> f64 {
-        match self {
-            Self::Seconds => 1e9,
-            Self::Milliseconds => 1e6,
+    /// Whether the layout has what it needs.
+    ///
+    /// # Errors
+    /// A sentence that says what to add.
+    pub(super) fn check(&self) -> Result<(), String> {
+        let columns = &self.columns;
+        let positive = |name: &str, value: Option<f64>| match value {
+            Some(v) if !(v.is_finite() && v > 0.0) => Err(format!(
+                "`table.{name}` is {v}, expected a finite number above 0"
+            )),
+            _ => Ok(()),
+        };
+        positive("ego_length_m", Some(self.ego_length_m))?;
+        positive("lead_length_m", Some(self.lead_length_m))?;
+        positive("frames_per_s", self.frames_per_s)?;
+        positive("new_vehicle_after_s", self.new_vehicle_after_s)?;
+        if let Some(separator) = self.separator
+            && (!separator.is_ascii() || separator.is_ascii_alphanumeric() || separator == '"')
+        {
+            return Err(format!(
+                "`table.separator` is `{separator}`, expected a character such as `,`, `;` or a tab"
+            ));
         }
+        let need = |given: bool, what: &str| match given {
+            true => Ok(()),
+            false => Err(format!("layout `{}` needs {what}", self.layout.as_str())),
+        };
+        let known = self.layout.columns();
+        if let Some((key, _)) = columns.given().iter().find(|(k, _)| !known.contains(k)) {
+            return Err(format!(
+                "layout `{}` has no `table.columns.{key}`; its columns are {}",
+                self.layout.as_str(),
+                known.join(", ")
+            ));
+        }
+        if self.layout != Layout::Signals {
+            need(columns.time.is_some(), "`table.columns.time`")?;
+        }
+        if columns.gap.is_some() && self.gap_kind.is_none() {
+            return Err(
+                "`table.gap_kind` is not given: is the gap `bumper_to_bumper` or `front_to_front`?"
+                    .to_owned(),
+            );
+        }
+        if self.units.time == TimeUnit::Frames {
+            let meta = self.recording_meta.as_ref();
+            let given =
+                self.frames_per_s.is_some() || meta.is_some_and(|m| m.frames_per_s.is_some());
+            need(given, "`table.frames_per_s`, as its times are frames")?;
+        }
+        match self.layout {
+            Layout::Pair => {
+                need(columns.ego_speed.is_some(), "`table.columns.ego_speed`")?;
+                let ahead = columns.gap.is_some() || columns.lead_x.is_some();
+                need(
+                    ahead,
+                    "`table.columns.gap`, or `lead_x` beside `ego_x` and `point`",
+                )?;
+                if columns.gap.is_none() {
+                    need(columns.ego_x.is_some(), "`table.columns.ego_x`")?;
+                    need(self.point.is_some(), POINT)?;
+                }
+            }
+            Layout::Platoon => {
+                let given = [&columns.speed, &columns.gap];
+                let numbered = |c: &&Option<String>| c.as_ref().is_some_and(|c| c.contains("{n}"));
+                need(
+                    given.iter().all(numbered),
+                    "`table.columns.speed` and `gap` with `{n}` where the vehicle's number stands",
+                )?;
+            }
+            Layout::Long => {
+                need(columns.id.is_some(), "`table.columns.id`")?;
+                need(columns.x.is_some(), "`table.columns.x`")?;
+                need(self.point.is_some(), POINT)?;
+                if self.point == Some(Point::Corner) {
+                    let sized = columns.length.is_some() && columns.width.is_some();
+                    need(
+                        sized,
+                        "columns `length` and `width`, as its point is a corner",
+                    )?;
+                }
+                if columns.y.is_some() {
+                    need(
+                        self.y_grows.is_some(),
+                        "`table.y_grows`: does y grow to the `left` or to the `right` of x?",
+                    )?;
+                } else if columns.lane.is_some() {
+                    need(
+                        self.lanes_from.is_some(),
+                        "`table.lanes_from`: are lanes numbered from the `left` or the `right`?",
+                    )?;
+                }
+            }
+            Layout::Signals => {
+                let Some(signals) = &self.signals else {
+                    return need(false, "`[table.signals.speed]` and the like");
+                };
+                if signals.tracks.is_some() {
+                    need(
+                        self.gap_kind.is_some(),
+                        "`table.gap_kind`: what is `forward` measured between?",
+                    )?;
+                }
+            }
+        }
+        Ok(())
     }
 }
 
-impl LengthUnit {
-    /// Metres in one, exactly.
-    pub fn metres(self) -> f64 {
+const POINT: &str =
+    "`table.point`: are positions of a vehicle's `front`, `centre`, `rear` or `corner`?";
+
+impl Layout {
+    /// The word in a mapping.
+    pub fn as_str(self) -> &'static str {
         match self {
-            Self::Metres => 1.0,
-            Self::Feet => 0.3048,
+            Self::Pair => "pair",
+            Self::Long => "long",
+            Self::Platoon => "platoon",
+            Self::Signals => "signals",
         }
     }
-}
 
-impl SpeedUnit {
-    /// Metres per second in one.
-    pub fn metres_per_second(self) -> f64 {
+    /// Keys of the columns that mean something in it.
+    fn columns(self) -> &'static [&'static str] {
         match self {
-            Self::MetresPerSecond => 1.0,
-            Self::KilometresPerHour => 1.0 / 3.6,
-            Self::MilesPerHour => maveric_domain::units::MPS_PER_MPH,
-            Self::FeetPerSecond => 0.3048,
+            Self::Pair => &[
+                "time",
+                "ego_x",
+                "ego_y",
+                "ego_speed",
+                "ego_length",
+                "gap",
+                "lead_id",
+                "lead_dy",
+                "lead_x",
+                "lead_speed",
+                "lead_length",
+            ],
+            Self::Long => &[
+                "time",
+                "id",
+                "groups",
+                "x",
+                "y",
+                "lane",
+                "speed",
+                "speed_x",
+                "speed_y",
+                "heading",
+                "length",
+                "width",
+                "gap",
+                "lead_id",
+                "lead_x",
+                "lead_speed",
+                "lead_length",
+            ],
+            Self::Platoon => &["time", "x", "speed", "length", "gap"],
+            Self::Signals => &[],
         }
     }
-}
-
-/// Names of the columns.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Columns {
-    /// Time.
-    pub time: String,
-    /// Ego's position along the road.
-    pub ego_x: String,
-    /// Ego's speed.
-    pub ego_speed: String,
-    /// The leader's speed.
-    pub lead_speed: String,
-    /// Distance to the leader, of the mapping's kind.
-    pub gap: String,
-    /// The leader's length; 0 means that it is not known.
-    pub lead_length: Option<String>,
 }

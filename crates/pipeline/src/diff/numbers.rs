@@ -91,7 +91,10 @@ pub(super) fn difference(path: String, a: &Cells, b: &Cells) -> FileDifference {
     numbers.truncate(TOLD);
     let only = |these: &Cells, others: &Cells, run: &str| -> Vec<String> {
         let alone = these.keys().filter(|at| !others.contains_key(*at));
-        alone.take(TOLD).map(|at| format!("{at}: only in the {run} run")).collect()
+        alone
+            .take(TOLD)
+            .map(|at| format!("{at}: only in the {run} run"))
+            .collect()
     };
     let mut unpaired = only(a, b, "first");
     unpaired.extend(only(b, a, "second"));
@@ -108,7 +111,10 @@ pub(super) fn difference(path: String, a: &Cells, b: &Cells) -> FileDifference {
 }
 
 fn number(text: &str) -> Option<f64> {
-    text.trim().parse().ok().filter(|number: &f64| number.is_finite())
+    text.trim()
+        .parse()
+        .ok()
+        .filter(|number: &f64| number.is_finite())
 }
 
 /// The distance as a part of the larger of both.
@@ -137,7 +143,10 @@ mod tests {
             panic!("these are tables");
         };
         assert_eq!((compared, differing), (2, 1));
-        assert_eq!((largest[0].at.as_str(), largest[0].second), ("ann 2, x", 2.5));
+        assert_eq!(
+            (largest[0].at.as_str(), largest[0].second),
+            ("ann 2, x", 2.5)
+        );
         assert_eq!(texts, ["ann 2, note: b -> c"]);
         assert_eq!(unpaired.len(), 2);
     }

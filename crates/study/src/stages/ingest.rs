@@ -5,13 +5,13 @@ use crate::{
     outcome::{Outcome, Watch, for_each_on},
     tables::{
         TableBuilder,
-        drives::{write_drive, write_drive_list},
+        drives::{write_drive_list, write_drive_of},
     },
 };
 use maveric_domain::{Drive, DriveMeta};
-use maveric_ingest::{IngestSettings, Mapping, log_files, read_log};
+use maveric_ingest::{IngestSettings, Mapping, Provenance, log_files, read_log};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::{collections::BTreeSet, path::PathBuf};
 
 /// What to ingest.
 #[derive(Debug, Clone)]
@@ -63,36 +63,39 @@ pub fn ingest(
         if found.is_empty() {
             return Err(StudyError::file(
                 log,
-                "holds no logs (.mcap, .csv, .tsv, .txt)",
+                "holds no logs (.mcap, .csv, .tsv, .txt, .parquet)",
             ));
         }
         files.extend(found);
     }
     let logs = for_each_on(options.jobs, &files, watch, "logs read", |file| {
         let mut drives = Vec::new();
+        let provenance = Provenance::of(file, options.mapping.as_deref(), &settings)?;
         for ingested in read_log(file, &settings)? {
             let drive = Drive::from_recording(ingested.meta, &ingested.recording)?;
-            drives.push((drive, ingested.warnings));
+            drives.push((drive, ingested.warnings, provenance.clone()));
         }
         Ok(drives)
     })?;
-    let mut drives: Vec<Drive> = Vec::new();
+    let mut drives: Vec<(Drive, Provenance)> = Vec::new();
     let mut rows = Vec::new();
-    for (drive, warnings) in logs.into_iter().flatten() {
+    let mut ids = BTreeSet::new();
+    for (drive, warnings, provenance) in logs.into_iter().flatten() {
         let id = drive.meta().drive.to_string();
-        if drives.iter().any(|d| d.meta().drive == drive.meta().drive) {
+        if !ids.insert(id.clone()) {
             return Err(StudyError::NotPossible {
-                problem: format!("two logs hold the drive `{id}`"),
+                problem: format!("two logs, or two vehicles of one, make the drive `{id}`"),
                 help: Some("leave one of them out, or ingest them into two folders".to_owned()),
             });
         }
         rows.extend(warnings.into_iter().map(|w| (id.clone(), w)));
-        drives.push(drive);
+        drives.push((drive, provenance));
     }
-    drives.sort_by(|a, b| a.meta().drive.cmp(&b.meta().drive));
+    drives.sort_by(|a, b| a.0.meta().drive.cmp(&b.0.meta().drive));
     for_each_on(options.jobs, &drives, watch, "drives written", |drive| {
-        write_drive(&options.out, drive)
+        write_drive_of(&options.out, &drive.0, &drive.1)
     })?;
+    let drives: Vec<Drive> = drives.into_iter().map(|d| d.0).collect();
     let list: Vec<(DriveMeta, usize, f64)> = drives
         .iter()
         .map(|d| {

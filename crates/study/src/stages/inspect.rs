@@ -5,16 +5,19 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch},
     stages::train::read_model,
-    tables::drives::read_drive,
 };
 use maveric_domain::{Drive, DriveMeta};
-use maveric_ingest::{IngestSettings, LogSummary, Mapping, read_log};
+use maveric_ingest::{
+    IngestError, IngestSettings, LogSummary, Mapping, Provenance, inspect_with, read_drive_from,
+    read_log, suggest_mapping,
+};
 use maveric_report::{
     Context,
-    figures::car_following::{CarFollowing, Follower, FollowingSeries, car_following},
+    figures::drive_overview::{DriveOverview, drive_overview},
 };
 use serde::Serialize;
 use std::{
+    collections::BTreeMap,
     fs::File,
     io::Read as _,
     path::{Path, PathBuf},
@@ -29,6 +32,31 @@ pub struct InspectOptions {
     pub mapping: Option<PathBuf>,
     /// Picture of the first file's drive to write (PNG).
     pub plot: Option<PathBuf>,
+}
+
+/// A mapping that was proposed for a table.
+#[derive(Debug, Clone, Serialize)]
+pub struct SuggestedMapping {
+    /// The table.
+    pub path: PathBuf,
+    /// The mapping, TOML with its doubts as comments.
+    pub mapping: String,
+}
+
+/// Proposes a mapping for a table, or for a folder of tables with a signal each.
+///
+/// # Errors
+/// [`StudyError::Ingest`] for what is no table.
+pub fn suggest(path: &Path) -> Result<Outcome<SuggestedMapping>, StudyError> {
+    let mapping = suggest_mapping(path)?;
+    Ok(Outcome {
+        summary: mapping.lines().map(str::to_owned).collect(),
+        value: SuggestedMapping {
+            path: path.to_owned(),
+            mapping,
+        },
+        warnings: Vec::new(),
+    })
 }
 
 /// What one file holds.
@@ -55,6 +83,8 @@ pub enum Inspected {
         following_rows: usize,
         /// Lane changes, completed ones.
         lane_changes: usize,
+        /// What it was made from, by key.
+        provenance: BTreeMap<String, String>,
     },
     /// A trained model.
     Model {
@@ -88,10 +118,8 @@ pub struct InspectedFile {
 
 fn begins_with(path: &Path, magic: &[u8]) -> Result<bool, StudyError> {
     if path.is_dir() {
-        return Err(StudyError::file(
-            path,
-            "is a folder, expected a log, a drive or a model",
-        ));
+        // A folder may be a log, but is never one of our own files.
+        return Ok(false);
     }
     let mut start = Vec::new();
     let file = File::open(path).map_err(StudyError::read(path))?;
@@ -109,10 +137,14 @@ pub fn inspect(
     options: &InspectOptions,
     watch: Watch<'_>,
 ) -> Result<Outcome<InspectedFiles>, StudyError> {
+    let settings = IngestSettings {
+        mapping: options.mapping.as_deref().map(Mapping::read).transpose()?,
+        ..IngestSettings::default()
+    };
     let mut files = Vec::new();
     let mut summary = Vec::new();
     for (done, path) in options.files.iter().enumerate() {
-        let content = look_into(path)?;
+        let content = look_into(path, &settings)?;
         summary.push(format!("{}", path.display()));
         summary.extend(lines(&content).into_iter().map(|line| format!("  {line}")));
         files.push(InspectedFile {
@@ -122,7 +154,7 @@ pub fn inspect(
         watch.step(done + 1, options.files.len(), "files")?;
     }
     if let (Some(out), Some(first)) = (&options.plot, options.files.first()) {
-        plot(first, options.mapping.as_deref(), out)?;
+        plot(first, &settings, out)?;
         summary.push(format!("picture: {}", out.display()));
     }
     Ok(Outcome {
@@ -132,9 +164,24 @@ pub fn inspect(
     })
 }
 
-fn look_into(path: &Path) -> Result<Inspected, StudyError> {
-    if begins_with(path, b"PAR1")? {
-        let drive = read_drive(path)?;
+/// The drive in a file of ours; none for another table in Parquet.
+fn own_drive(path: &Path) -> Result<Option<(Drive, Provenance)>, StudyError> {
+    if !begins_with(path, b"PAR1")? {
+        return Ok(None);
+    }
+    match read_drive_from(path) {
+        Ok(found) => Ok(Some(found)),
+        Err(IngestError::BadDrive { problem, .. })
+            if problem.starts_with("has no `maveric.version`") =>
+        {
+            Ok(None)
+        }
+        Err(error) => Err(error.into()),
+    }
+}
+
+fn look_into(path: &Path, settings: &IngestSettings) -> Result<Inspected, StudyError> {
+    if let Some((drive, provenance)) = own_drive(path)? {
         let rows = drive.rows();
         return Ok(Inspected::Drive {
             meta: drive.meta().clone(),
@@ -145,6 +192,7 @@ fn look_into(path: &Path) -> Result<Inspected, StudyError> {
             lead_rows: rows.lead_present.iter().filter(|p| **p).count(),
             following_rows: rows.following.iter().filter(|f| **f).count(),
             lane_changes: drive.lane_changes().iter().filter(|c| c.completed).count(),
+            provenance: provenance.entries.into_iter().collect(),
         });
     }
     if begins_with(path, b"maveric-model")? {
@@ -161,7 +209,7 @@ fn look_into(path: &Path) -> Result<Inspected, StudyError> {
             ],
         });
     }
-    Ok(Inspected::Log(Box::new(maveric_ingest::inspect(path)?)))
+    Ok(Inspected::Log(Box::new(inspect_with(path, settings)?)))
 }
 
 fn number(value: Option<f64>, unit: &str) -> String {
@@ -180,6 +228,7 @@ fn lines(content: &Inspected) -> Vec<String> {
             lead_rows,
             following_rows,
             lane_changes,
+            provenance,
         } => vec![
             format!(
                 "drive {} of {}, study {}, {}, {}",
@@ -193,6 +242,10 @@ fn lines(content: &Inspected) -> Vec<String> {
             format!(
                 "{lead_rows} rows with a reference vehicle, {following_rows} following, {lane_changes} lane changes"
             ),
+            match provenance.get("source") {
+                Some(source) => format!("made from {source}"),
+                None => "made here, from no log".to_owned(),
+            },
         ],
         Inspected::Model {
             embedding_size,
@@ -233,11 +286,13 @@ fn log_lines(log: &LogSummary) -> Vec<String> {
     }
     for c in &log.columns {
         lines.push(format!(
-            "{:24} {} filled, {} to {}",
+            "{:28} {:13} {:>7} filled {:>14} to {:<14} {}",
             c.name,
+            c.kind,
             c.filled,
             number(c.least, ""),
-            number(c.greatest, "")
+            number(c.greatest, ""),
+            c.meaning.as_deref().unwrap_or("not used")
         ));
     }
     lines.extend(
@@ -245,39 +300,40 @@ fn log_lines(log: &LogSummary) -> Vec<String> {
             .iter()
             .map(|g| format!("gap on {}: {:.2} to {:.2} s", g.topic, g.from_s, g.to_s)),
     );
+    lines.extend(log.warnings.iter().map(|w| match w.count {
+        1 => format!("note: {}", w.what),
+        count => format!("note: {} ({count} times)", w.what),
+    }));
     lines.extend(log.damage.iter().map(|d| format!("damage: {}", d.what)));
     lines.push(format!("would ingest: {}", log.would_ingest));
     lines
 }
 
-fn plot(path: &Path, mapping: Option<&Path>, out: &Path) -> Result<(), StudyError> {
-    let drive = if begins_with(path, b"PAR1")? {
-        read_drive(path)?
-    } else {
-        let mapping = mapping.map(Mapping::read).transpose()?;
-        let settings = IngestSettings {
-            mapping,
-            ..IngestSettings::default()
-        };
-        let Some(log) = read_log(path, &settings)?.into_iter().next() else {
-            return Err(StudyError::file(path, "holds no drive to draw"));
-        };
-        Drive::from_recording(log.meta, &log.recording)?
+fn plot(path: &Path, settings: &IngestSettings, out: &Path) -> Result<(), StudyError> {
+    let drive = match own_drive(path)? {
+        Some((drive, _)) => drive,
+        None => {
+            let Some(log) = read_log(path, settings)?.into_iter().next() else {
+                return Err(StudyError::file(path, "holds no drive to draw"));
+            };
+            Drive::from_recording(log.meta, &log.recording)?
+        }
     };
     let rows = drive.rows();
-    let input = CarFollowing {
-        driver: drive.meta().drive.to_string(),
-        data_set: path
+    let lead = rows.lead_present.iter().zip(&rows.lead_dx_m);
+    let input = DriveOverview {
+        drive: drive.meta().drive.to_string(),
+        source: path
             .file_name()
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned(),
         time_s: rows.time_s.clone(),
-        series: vec![FollowingSeries {
-            follower: Follower::Recorded,
-            gap_m: rows.lead_dx_m.clone(),
-            speed_mps: rows.ego_speed_mps.clone(),
-        }],
+        segment: rows.segment.clone(),
+        speed_mps: rows.ego_speed_mps.clone(),
+        gap_m: lead.map(|(&present, &dx)| present.then_some(dx)).collect(),
+        lane: rows.lane.clone(),
+        lanes: drive.road().lanes,
     };
-    atomic_write_bytes(out, &car_following(&input, &Context::real())?.png()?)
+    atomic_write_bytes(out, &drive_overview(&input, &Context::real())?.png()?)
 }

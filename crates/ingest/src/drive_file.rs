@@ -1,0 +1,319 @@
+//! Drives as tables: a data frame, and Parquet with its provenance.
+
+use crate::{error::IngestError, provenance::Provenance};
+use maveric_domain::{Drive, DriveMeta, Road, drive::Rows};
+use polars::prelude::{
+    Column, DataFrame, DataType, KeyValueMetadata, ParquetCompression, ParquetReader,
+    ParquetWriter, PolarsError, SerReader,
+};
+use std::{
+    collections::BTreeMap,
+    fs::File,
+    io::{Read as _, Seek, Write},
+    path::Path,
+    str::FromStr,
+};
+
+/// Version of the columns below; a file of another version is refused.
+const VERSION: &str = "1";
+/// What the names of our metadata begin with.
+const PREFIX: &str = "maveric.";
+
+/// A drive as a data frame: the signals of the method, one row a sample, units in the names of the columns.
+///
+/// `following_distance_m` is null where ego does not follow, `lead_id` where there is no reference vehicle, and the
+/// gaps behind where nobody is within 200 m or there is no such lane. Nothing else is ever null, and nothing is NaN.
+///
+/// # Source
+/// Method section 2, names to the letter.
+pub fn drive_frame(drive: &Drive) -> DataFrame {
+    let r = drive.rows();
+    let numbers = |name: &str, values: &[f64]| Column::new(name.into(), values);
+    let whole = |name: &str, values: Vec<i64>| Column::new(name.into(), values);
+    let flags = |name: &str, values: &[bool]| Column::new(name.into(), values);
+    let followed = r.following.iter().zip(&r.lead_dx_m);
+    let distance: Vec<Option<f64>> = followed.map(|(&f, &d)| f.then_some(d)).collect();
+    let lead_id: Vec<Option<i64>> = r.lead_id.iter().map(|id| id.map(i64::from)).collect();
+    let columns = vec![
+        numbers("time_s", &r.time_s),
+        whole("segment", r.segment.iter().map(|&s| i64::from(s)).collect()),
+        numbers("ego_x_m", &r.ego_x_m),
+        numbers("ego_y_m", &r.ego_y_m),
+        numbers("ego_speed_mps", &r.ego_speed_mps),
+        whole("lane", r.lane.iter().map(|&l| i64::from(l)).collect()),
+        flags("lead_present", &r.lead_present),
+        Column::new("lead_id".into(), lead_id),
+        numbers("lead_dx_m", &r.lead_dx_m),
+        numbers("lead_dy_m", &r.lead_dy_m),
+        numbers("lead_speed_mps", &r.lead_speed_mps),
+        flags("lane_change", &r.lane_change),
+        whole(
+            "changing",
+            r.changing.iter().map(|&c| i64::from(c)).collect(),
+        ),
+        flags("change_completes", &r.change_completes),
+        flags("following", &r.following),
+        Column::new("following_distance_m".into(), distance),
+        Column::new("gap_behind_left_m".into(), &r.gap_behind_left_m),
+        Column::new("gap_behind_right_m".into(), &r.gap_behind_right_m),
+    ];
+    DataFrame::new(drive.len(), columns)
+        .expect("columns of a drive have one length and different names")
+}
+
+/// Writes a drive as Parquet: [`drive_frame`], with whose it is, its road and its provenance in the file's metadata.
+///
+/// # Errors
+/// [`IngestError::WriteDrive`].
+pub fn write_drive_to(
+    out: impl Write,
+    drive: &Drive,
+    provenance: &Provenance,
+) -> Result<(), IngestError> {
+    let (meta, road) = (drive.meta(), drive.road());
+    let own = [
+        ("version", VERSION.to_owned()),
+        ("drive", meta.drive.to_string()),
+        ("participant", meta.participant.to_string()),
+        ("study", meta.study.as_str().to_owned()),
+        ("condition", meta.condition.to_string()),
+        ("driven_by", meta.driven_by.as_str().to_owned()),
+        ("rate_hz", drive.rate_hz().to_string()),
+        ("lanes", road.lanes.to_string()),
+        ("lane_width_m", road.lane_width_m.to_string()),
+        ("posted_speed_mps", road.posted_speed_mps.to_string()),
+    ];
+    let own = own.into_iter().map(|(k, v)| (k.to_owned(), v));
+    let entries = own.chain(provenance.entries.iter().cloned());
+    let entries = entries.map(|(k, v)| (format!("{PREFIX}{k}"), v)).collect();
+    ParquetWriter::new(out)
+        .with_compression(ParquetCompression::Zstd(None))
+        .with_key_value_metadata(Some(KeyValueMetadata::from_static(entries)))
+        .set_parallel(false)
+        .finish(&mut drive_frame(drive))
+        .map(|_| ())
+        .map_err(|source| IngestError::WriteDrive {
+            drive: meta.drive.to_string(),
+            reason: source.to_string(),
+        })
+}
+
+/// Reads a drive back, exactly as it was written, with its provenance.
+///
+/// # Errors
+/// [`IngestError::NotFound`] and the like; [`IngestError::BadDrive`] for what is no drive of this format.
+pub fn read_drive_from(path: &Path) -> Result<(Drive, Provenance), IngestError> {
+    let wrong = |e| IngestError::io(path, e);
+    let mut file = File::open(path).map_err(wrong)?;
+    let mut magic = [0; 4];
+    let is_parquet = file.read_exact(&mut magic).is_ok() && magic == *b"PAR1";
+    if !is_parquet {
+        return Err(bad(path, "is not Parquet: it does not start with PAR1"));
+    }
+    file.rewind().map_err(wrong)?;
+    let broken = |e: PolarsError| bad(path, format!("cannot be read: {e}"));
+    let mut reader = ParquetReader::new(file);
+    let metadata = reader.get_metadata().map_err(broken)?;
+    let entries: BTreeMap<String, String> = metadata
+        .key_value_metadata()
+        .iter()
+        .flatten()
+        .filter_map(|kv| Some((kv.key.strip_prefix(PREFIX)?.to_owned(), kv.value.clone()?)))
+        .collect();
+    let order: Vec<String> = metadata
+        .key_value_metadata()
+        .iter()
+        .flatten()
+        .filter_map(|kv| Some(kv.key.strip_prefix(PREFIX)?.to_owned()))
+        .collect();
+    let frame = reader.finish().map_err(broken)?;
+    let read = DriveFile {
+        path,
+        entries,
+        frame,
+    };
+    let drive = read.drive()?;
+    let own = |key: &String| OWN_KEYS.contains(&key.as_str());
+    let entries = order.into_iter().filter(|k| !own(k));
+    let value = |key: String| {
+        let value = read.entries.get(&key).cloned().unwrap_or_default();
+        (key, value)
+    };
+    let provenance = Provenance {
+        entries: entries.map(value).collect(),
+    };
+    Ok((drive, provenance))
+}
+
+/// Keys that say whose drive it is and on which road; the others are its provenance.
+const OWN_KEYS: [&str; 10] = [
+    "version",
+    "drive",
+    "participant",
+    "study",
+    "condition",
+    "driven_by",
+    "rate_hz",
+    "lanes",
+    "lane_width_m",
+    "posted_speed_mps",
+];
+
+fn bad(path: &Path, problem: impl Into<String>) -> IngestError {
+    IngestError::BadDrive {
+        path: path.to_owned(),
+        problem: problem.into(),
+    }
+}
+
+struct DriveFile<'a> {
+    path: &'a Path,
+    entries: BTreeMap<String, String>,
+    frame: DataFrame,
+}
+
+impl DriveFile<'_> {
+    fn drive(&self) -> Result<Drive, IngestError> {
+        let version = self.entry("version")?;
+        if version != VERSION {
+            let problem = format!("is a drive of format {version}, expected {VERSION}");
+            return Err(bad(self.path, problem));
+        }
+        let meta = DriveMeta {
+            drive: self.id("drive")?,
+            participant: self.id("participant")?,
+            study: self.parsed("study")?,
+            condition: self.parsed("condition")?,
+            driven_by: self.parsed("driven_by")?,
+        };
+        let road = Road {
+            lanes: self.parsed("lanes")?,
+            lane_width_m: self.parsed("lane_width_m")?,
+            posted_speed_mps: self.parsed("posted_speed_mps")?,
+        };
+        let rows = Rows {
+            time_s: self.all("time_s")?,
+            segment: self.whole("segment")?,
+            ego_x_m: self.all("ego_x_m")?,
+            ego_y_m: self.all("ego_y_m")?,
+            ego_speed_mps: self.all("ego_speed_mps")?,
+            lane: self.whole("lane")?,
+            lead_present: self.flags("lead_present")?,
+            lead_id: self
+                .integers("lead_id")?
+                .into_iter()
+                .map(|id| id.map(|id| self.fits("lead_id", id)).transpose())
+                .collect::<Result<_, _>>()?,
+            lead_dx_m: self.all("lead_dx_m")?,
+            lead_dy_m: self.all("lead_dy_m")?,
+            lead_speed_mps: self.all("lead_speed_mps")?,
+            lane_change: self.flags("lane_change")?,
+            changing: self.whole("changing")?,
+            change_completes: self.flags("change_completes")?,
+            following: self.flags("following")?,
+            gap_behind_left_m: self.numbers("gap_behind_left_m")?,
+            gap_behind_right_m: self.numbers("gap_behind_right_m")?,
+        };
+        let rate_hz = self.parsed("rate_hz")?;
+        Drive::from_rows(meta, road, rate_hz, rows)
+            .map_err(|e| bad(self.path, format!("is no drive: {e}")))
+    }
+
+    fn entry(&self, key: &str) -> Result<&str, IngestError> {
+        let found = self.entries.get(key).map(String::as_str);
+        found.ok_or_else(|| {
+            bad(
+                self.path,
+                format!(
+                    "has no `{PREFIX}{key}` in its metadata, so it is not a drive of this program"
+                ),
+            )
+        })
+    }
+
+    fn parsed<T: FromStr>(&self, key: &str) -> Result<T, IngestError> {
+        let text = self.entry(key)?;
+        text.parse().map_err(|_| {
+            bad(
+                self.path,
+                format!("has `{text}` as `{PREFIX}{key}`, which is no such thing"),
+            )
+        })
+    }
+
+    fn id<T: TryFrom<String>>(&self, key: &str) -> Result<T, IngestError> {
+        let text = self.entry(key)?;
+        T::try_from(text.to_owned()).map_err(|_| {
+            let problem = format!("has `{text}` as `{PREFIX}{key}`, which is no id");
+            bad(self.path, problem)
+        })
+    }
+
+    fn column(&self, name: &str) -> Result<&Column, IngestError> {
+        let found = self.frame.column(name);
+        found.map_err(|_| bad(self.path, format!("has no column `{name}`")))
+    }
+
+    fn numbers(&self, name: &str) -> Result<Vec<Option<f64>>, IngestError> {
+        let column = self.column(name)?;
+        let cast = column
+            .cast(&DataType::Float64)
+            .map_err(|e| self.odd(name, &e))?;
+        Ok(cast.f64().map_err(|e| self.odd(name, &e))?.iter().collect())
+    }
+
+    fn integers(&self, name: &str) -> Result<Vec<Option<i64>>, IngestError> {
+        let column = self.column(name)?;
+        let cast = column
+            .cast(&DataType::Int64)
+            .map_err(|e| self.odd(name, &e))?;
+        Ok(cast.i64().map_err(|e| self.odd(name, &e))?.iter().collect())
+    }
+
+    fn all(&self, name: &str) -> Result<Vec<f64>, IngestError> {
+        self.filled(name, self.numbers(name)?)
+    }
+
+    fn whole<T: TryFrom<i64>>(&self, name: &str) -> Result<Vec<T>, IngestError> {
+        let cells = self.filled(name, self.integers(name)?)?;
+        cells.into_iter().map(|v| self.fits(name, v)).collect()
+    }
+
+    fn flags(&self, name: &str) -> Result<Vec<bool>, IngestError> {
+        let column = self.column(name)?;
+        let cells: Vec<Option<bool>> = column
+            .bool()
+            .map_err(|e| self.odd(name, &e))?
+            .iter()
+            .collect();
+        self.filled(name, cells)
+    }
+
+    fn filled<T>(&self, name: &str, cells: Vec<Option<T>>) -> Result<Vec<T>, IngestError> {
+        let cell = |(row, cell): (usize, Option<T>)| {
+            cell.ok_or_else(|| {
+                bad(
+                    self.path,
+                    format!("has nothing in row {} of `{name}`", row + 1),
+                )
+            })
+        };
+        cells.into_iter().enumerate().map(cell).collect()
+    }
+
+    fn fits<T: TryFrom<i64>>(&self, name: &str, value: i64) -> Result<T, IngestError> {
+        T::try_from(value).map_err(|_| {
+            bad(
+                self.path,
+                format!("has {value} in `{name}`, which does not fit"),
+            )
+        })
+    }
+
+    fn odd(&self, name: &str, error: &PolarsError) -> IngestError {
+        bad(
+            self.path,
+            format!("has another kind of column `{name}`: {error}"),
+        )
+    }
+}

@@ -1,0 +1,197 @@
+//! The columns of a table as they are, before anybody says what they mean.
+
+use crate::{
+    error::IngestError,
+    raw::table::open::{Kind, PARQUET, Style, Table, header},
+};
+use std::path::Path;
+
+/// Rows by whose cells a column of text is told from one of numbers.
+const SAMPLE: usize = 200;
+
+/// One column.
+#[derive(Debug, Clone)]
+pub(super) struct TableColumn {
+    pub(super) name: String,
+    /// Numbers, NaN where a cell is empty; none for a column of text.
+    pub(super) numbers: Option<Vec<f64>>,
+    /// Words, for columns of text.
+    pub(super) words: Vec<Option<String>>,
+}
+
+/// All columns of a table.
+#[derive(Debug, Clone)]
+pub(super) struct Columns {
+    pub(super) rows: usize,
+    pub(super) separator: Option<u8>,
+    pub(super) decimal_comma: bool,
+    /// Lines above the header.
+    pub(super) preamble: usize,
+    pub(super) columns: Vec<TableColumn>,
+}
+
+/// Reads all columns, finding out which are numbers.
+///
+/// # Errors
+/// [`IngestError::BadTable`] for what is no table.
+pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<Columns, IngestError> {
+    let parquet = bytes.starts_with(PARQUET);
+    let (preamble, separator, names) = if parquet {
+        (0, None, Table::parquet_names(path, &bytes)?)
+    } else {
+        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+        let preamble = likely_header(text);
+        let rest = line(text, preamble);
+        let found = header(rest, Style::default(), None);
+        (preamble, Some(found.separator), found.names)
+    };
+    let decimal_comma = !parquet && separator == Some(b';') && has_decimal_commas(&bytes, preamble);
+    let style = Style {
+        separator,
+        decimal_comma,
+    };
+    let mut once: Vec<&str> = Vec::new();
+    for name in &names {
+        if !once.contains(&name.as_str()) {
+            once.push(name);
+        }
+    }
+    let wanted: Vec<(&str, Kind)> = once.iter().map(|n| (*n, Kind::Word)).collect();
+    // Doubled names cannot be asked for; their first column stands for both.
+    let table = Table::open_first(path, bytes, style, &wanted)?;
+    let mut columns = Vec::new();
+    for name in once {
+        let numbers = table.numbers(name);
+        columns.push(match numbers {
+            Ok(numbers) => TableColumn {
+                name: name.to_owned(),
+                numbers: Some(numbers),
+                words: Vec::new(),
+            },
+            Err(_) => TableColumn {
+                name: name.to_owned(),
+                numbers: None,
+                words: table.words(name)?,
+            },
+        });
+    }
+    Ok(Columns {
+        rows: table.rows(),
+        separator,
+        decimal_comma,
+        preamble,
+        columns,
+    })
+}
+
+/// Number of lines above the header: it is the first line as wide as the lines after it, and of words.
+fn likely_header(text: &[u8]) -> usize {
+    let lines: Vec<&[u8]> = text.split(|&b| b == b'\n').take(40).collect();
+    let width = |line: &&[u8]| {
+        let widths = b",;\t"
+            .iter()
+            .map(|c| line.iter().filter(|b| *b == c).count());
+        widths.max().unwrap_or(0)
+    };
+    let numeric = |line: &&[u8]| {
+        let text = String::from_utf8_lossy(line);
+        let mut cells = text
+            .split([',', ';', '\t'])
+            .map(str::trim)
+            .filter(|c| !c.is_empty());
+        cells.next().is_some_and(|c| c.parse::<f64>().is_ok())
+    };
+    let first_numbers = lines.iter().position(|l| numeric(l) && width(l) > 0);
+    let Some(data) = first_numbers.filter(|&i| i > 0) else {
+        return 0;
+    };
+    let above = lines[..data]
+        .iter()
+        .rposition(|l| !l.trim_ascii().is_empty());
+    above
+        .filter(|&i| width(&lines[i]) >= width(&lines[data]))
+        .unwrap_or(0)
+}
+
+fn line(text: &[u8], number: usize) -> &[u8] {
+    let mut rest = text;
+    for _ in 0..number {
+        let end = rest
+            .iter()
+            .position(|&b| b == b'\n')
+            .map_or(rest.len(), |i| i + 1);
+        rest = &rest[end..];
+    }
+    rest
+}
+
+fn has_decimal_commas(text: &[u8], preamble: usize) -> bool {
+    let rest = line(text, preamble + 1);
+    let cells = rest.split(|&b| b == b';' || b == b'\n').take(SAMPLE);
+    let decimal = |cell: &&[u8]| {
+        let cell = String::from_utf8_lossy(cell);
+        let cell = cell.trim();
+        cell.contains(',') && cell.replace(',', ".").parse::<f64>().is_ok()
+    };
+    let (mut with, mut all) = (0, 0);
+    for cell in cells {
+        all += 1;
+        with += usize::from(decimal(&cell));
+    }
+    with * 4 > all
+}
+
+impl TableColumn {
+    /// Numbers without the empty cells.
+    pub(super) fn filled(&self) -> impl Iterator<Item = f64> + '_ {
+        let numbers = self.numbers.iter().flatten().copied();
+        numbers.filter(|v| v.is_finite())
+    }
+
+    /// Cells that hold something.
+    pub(super) fn count(&self) -> usize {
+        self.filled().count() + self.words.iter().flatten().count()
+    }
+
+    /// The value below which a share of the numbers lies; none without numbers.
+    pub(super) fn quantile(&self, share: f64) -> Option<f64> {
+        let mut values: Vec<f64> = self.filled().collect();
+        values.sort_by(f64::total_cmp);
+        let at = share * values.len().saturating_sub(1) as f64;
+        values.get(at.round() as usize).copied()
+    }
+
+    /// Whether all numbers are whole.
+    pub(super) fn whole(&self) -> bool {
+        self.numbers.is_some() && self.filled().all(|v| v.fract().abs() < 1e-9)
+    }
+
+    /// Least and greatest number.
+    pub(super) fn range(&self) -> Option<(f64, f64)> {
+        let least = self.filled().min_by(f64::total_cmp)?;
+        Some((least, self.filled().max_by(f64::total_cmp)?))
+    }
+}
+
+impl Columns {
+    /// The column of a name.
+    pub(super) fn get(&self, name: &str) -> Option<&TableColumn> {
+        self.columns.iter().find(|c| c.name == name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_header_below_a_preamble_and_decimal_commas_are_found() {
+        let text = "Freq;10;Hz\nCars;Audi;BMW\nTime;Speed1;IVS1\n0,1;2,5;3,5\n0,2;2,6;\n";
+        let found = read(Path::new("t.csv"), text.into()).unwrap();
+        assert_eq!((found.preamble, found.decimal_comma), (2, true));
+        let names: Vec<&str> = found.columns.iter().map(|c| c.name.as_str()).collect();
+        assert_eq!(names, ["Time", "Speed1", "IVS1"]);
+        assert_eq!(found.get("Speed1").unwrap().range(), Some((2.5, 2.6)));
+        assert_eq!(found.get("IVS1").unwrap().count(), 1);
+    }
+}

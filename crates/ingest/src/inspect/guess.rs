@@ -1,0 +1,345 @@
+//! Guesses what the columns of a table mean, by their names and by what the numbers do.
+
+use super::{
+    columns::{Columns, TableColumn},
+    units::{LENGTHS, Reason, known_ratio, length_unit, speed_unit, time_unit},
+    words::{What, Whose, Words, words},
+};
+use std::collections::BTreeMap;
+
+/// Slowest speed, in the table's unit, that tells how a position moves.
+const MOVING: f64 = 2.0;
+
+/// What a file and a row are, as guessed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Shape {
+    Pair,
+    Long,
+    Platoon,
+    /// Neither: what is missing.
+    Unknown(&'static str),
+}
+
+/// A guess at a mapping.
+#[derive(Debug, Clone)]
+pub(super) struct Guess {
+    pub(super) shape: Shape,
+    /// Key of the mapping and column.
+    pub(super) columns: Vec<(&'static str, String)>,
+    pub(super) groups: Vec<String>,
+    pub(super) time: (&'static str, Reason),
+    pub(super) length: (&'static str, Reason),
+    pub(super) speed: (&'static str, Reason),
+    /// Samples a second of one vehicle.
+    pub(super) rate_hz: Option<f64>,
+    pub(super) gap_kind: Option<(&'static str, String)>,
+    pub(super) both_ways: bool,
+    /// Names are those of NGSIM, whose frame is documented.
+    pub(super) ngsim: bool,
+    /// Greatest number of a lane.
+    pub(super) lanes: Option<u8>,
+    /// Columns that mean nothing here.
+    pub(super) unused: Vec<String>,
+}
+
+struct Reader<'a> {
+    table: &'a Columns,
+    words: Vec<Words>,
+}
+
+impl<'a> Reader<'a> {
+    fn all(&self, whose: Whose, what: What) -> impl Iterator<Item = &'a TableColumn> + '_ {
+        let columns = self.table.columns.iter().zip(&self.words);
+        columns
+            .filter(move |(_, w)| w.whose == whose && w.what == Some(what))
+            .map(|(c, _)| c)
+    }
+
+    fn first(&self, whose: Whose, what: What) -> Option<&'a TableColumn> {
+        self.all(whose, what).find(|c| c.count() > 0)
+    }
+
+    fn number(&self, whose: Whose, what: What) -> Option<&'a TableColumn> {
+        self.all(whose, what).find(|c| c.filled().next().is_some())
+    }
+
+    fn unit(&self, column: Option<&TableColumn>) -> Option<&'static str> {
+        words(&column?.name).unit
+    }
+}
+
+/// Guesses.
+pub(super) fn guess(table: &Columns) -> Guess {
+    let reader = Reader {
+        table,
+        words: table.columns.iter().map(|c| words(&c.name)).collect(),
+    };
+    let numbered = |what: What, n: u32| {
+        let columns = table.columns.iter().zip(&reader.words);
+        let mut found = columns.filter(|(_, w)| w.what == Some(what) && w.number == Some(n));
+        found.next().map(|(c, _)| c)
+    };
+    let platoon = [
+        numbered(What::Speed, 1),
+        numbered(What::Speed, 2),
+        numbered(What::Gap, 1),
+    ];
+    let id = reader.first(Whose::Ego, What::Id);
+    let platoon = platoon.iter().all(Option::is_some).then_some(platoon);
+
+    let groups: Vec<&TableColumn> = match id {
+        Some(_) if platoon.is_none() => reader.all(Whose::Ego, What::Group).collect(),
+        _ => Vec::new(),
+    };
+    let series = series(table, id.filter(|_| platoon.is_none()), &groups);
+    let time_column = time_column(&reader, &series);
+    let step = time_column.and_then(|c| step(c, &series));
+    let time = time_unit(time_column, reader.unit(time_column), step);
+    let step_s = step.map(|s| s * time.seconds);
+
+    let speed_column = match &platoon {
+        Some([speed, ..]) => *speed,
+        None => reader
+            .number(Whose::Ego, What::Speed)
+            .or(reader.number(Whose::Ego, What::SpeedX)),
+    };
+    let position = along(&reader, speed_column, step_s, &series);
+    let lengths = [Whose::Ego, Whose::Lead].map(|w| reader.number(w, What::Length));
+    let named = [speed_column, position.map(|p| p.0)].map(|c| reader.unit(c));
+    let gap_column = match &platoon {
+        Some([_, _, gap]) => *gap,
+        None => reader
+            .number(Whose::Ego, What::Gap)
+            .or(reader.number(Whose::Lead, What::Gap)),
+    };
+    let ratio = position.and_then(|p| p.1);
+    let harshest = speed_column.and_then(|c| harshest(c, step_s, &series));
+    let named_length = named[1]
+        .or(reader.unit(gap_column))
+        .filter(|u| LENGTHS.contains(u));
+    let length = length_unit(named_length, lengths, named[0], ratio, harshest);
+    let speed = speed_unit(named[0], length.0, ratio, speed_column);
+
+    let mut columns: Vec<(&'static str, String)> = Vec::new();
+    let mut put = |key: &'static str, column: Option<&TableColumn>| {
+        if let Some(column) = column {
+            columns.push((key, column.name.clone()));
+        }
+    };
+    put("time", time_column);
+    let lead_x = position.and_then(|(p, _)| lead_position(&reader, p));
+    let lead_speed = reader.number(Whose::Lead, What::Speed);
+    let lead_length = lengths[1];
+    let lane = reader.number(Whose::Ego, What::Lane);
+    let mut lateral = None;
+    let shape = if let Some([Some(speed), _, Some(gap)]) = platoon {
+        let numbered = |c: &TableColumn| {
+            let stem = c.name.trim_end_matches(|d: char| d.is_ascii_digit());
+            format!("{stem}{{n}}")
+        };
+        columns.push(("speed", numbered(speed)));
+        columns.push(("gap", numbered(gap)));
+        Shape::Platoon
+    } else if let (Some(id), Some((x, _))) = (id, position) {
+        put("id", Some(id));
+        put("x", Some(x));
+        lateral = across(&reader, x);
+        put("y", lateral);
+        put("lane", lane);
+        let speed = reader.number(Whose::Ego, What::Speed);
+        put("speed", speed);
+        if speed.is_none() {
+            put("speed_x", reader.number(Whose::Ego, What::SpeedX));
+            put("speed_y", reader.number(Whose::Ego, What::SpeedY));
+        }
+        put("length", lengths[0]);
+        put("lead_id", reader.first(Whose::Lead, What::Id));
+        if lead_x.is_some() || gap_column.is_some() && lead_speed.is_some() {
+            put("lead_x", lead_x);
+            put("gap", gap_column.filter(|_| lead_x.is_none()));
+            put("lead_speed", lead_speed);
+            put("lead_length", lead_length);
+        }
+        Shape::Long
+    } else if let (Some(speed), true) = (speed_column, gap_column.is_some() || lead_x.is_some()) {
+        put("ego_x", position.map(|p| p.0));
+        put("ego_speed", Some(speed));
+        put("ego_length", lengths[0]);
+        put("gap", gap_column);
+        put("lead_x", lead_x.filter(|_| gap_column.is_none()));
+        put("lead_speed", lead_speed);
+        put("lead_length", lead_length);
+        Shape::Pair
+    } else if speed_column.is_none() {
+        Shape::Unknown("no column looks like a speed")
+    } else {
+        Shape::Unknown("no column looks like a gap, a leader's position, or a vehicle's number")
+    };
+    let shape = match (time_column, shape) {
+        (None, Shape::Pair | Shape::Long | Shape::Platoon) => {
+            Shape::Unknown("no column looks like a time")
+        }
+        (_, shape) => shape,
+    };
+    let uses_gap = columns.iter().any(|(key, _)| *key == "gap");
+    let gap_kind = gap_column.filter(|_| uses_gap).map(|gap| {
+        let x = position.map(|p| p.0);
+        super::units::gap_kind(gap, x, lead_x, lead_length, length.0)
+    });
+    let used = |name: &String| {
+        let stem = name.trim_end_matches(|d: char| d.is_ascii_digit());
+        let platoon = format!("{stem}{{n}}");
+        columns.iter().any(|(_, c)| c == name || *c == platoon)
+            || groups.iter().any(|g| g.name == *name)
+    };
+    let unused = table
+        .columns
+        .iter()
+        .map(|c| c.name.clone())
+        .filter(|n| !used(n))
+        .collect();
+    let both_ways = reader
+        .number(Whose::Ego, What::SpeedX)
+        .and_then(TableColumn::range)
+        .is_some_and(|(least, most)| least < -MOVING && most > MOVING);
+    Guess {
+        shape,
+        unused,
+        groups: groups.iter().map(|g| g.name.clone()).collect(),
+        time: (time.unit, time.reason),
+        length,
+        speed,
+        rate_hz: step_s.filter(|s| *s > 0.0).map(|s| 1.0 / s),
+        gap_kind,
+        both_ways,
+        ngsim: lateral.is_some_and(|y| y.name.eq_ignore_ascii_case("Local_X")),
+        lanes: lane.and_then(TableColumn::range).map(|r| r.1 as u8),
+        columns,
+    }
+}
+
+/// Which vehicle each row is of.
+fn series(table: &Columns, id: Option<&TableColumn>, groups: &[&TableColumn]) -> Vec<u32> {
+    let mut numbers: BTreeMap<String, u32> = BTreeMap::new();
+    let cell = |column: &TableColumn, row: usize| match &column.numbers {
+        Some(numbers) => numbers[row].to_string(),
+        None => column.words[row].clone().unwrap_or_default(),
+    };
+    let mut of = Vec::with_capacity(table.rows);
+    for row in 0..table.rows {
+        let parts = id.into_iter().chain(groups.iter().copied());
+        let key: Vec<String> = parts.map(|c| cell(c, row)).collect();
+        let next = numbers.len() as u32;
+        of.push(*numbers.entry(key.join("\u{1}")).or_insert(next));
+    }
+    of
+}
+
+/// Rows of one vehicle after another row of the same: pairs of rows.
+fn steps(series: &[u32]) -> impl Iterator<Item = (usize, usize)> + '_ {
+    let mut last: BTreeMap<u32, usize> = BTreeMap::new();
+    series.iter().enumerate().filter_map(move |(row, vehicle)| {
+        let before = last.insert(*vehicle, row)?;
+        Some((before, row))
+    })
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
+/// The usual step of a column between two rows of a vehicle.
+fn step(column: &TableColumn, series: &[u32]) -> Option<f64> {
+    let numbers = column.numbers.as_ref()?;
+    let changes = steps(series).map(|(a, b)| numbers[b] - numbers[a]);
+    median(changes.filter(|d| *d > 0.0).collect())
+}
+
+/// The column that rises with every row of a vehicle; times go before frames.
+fn time_column<'a>(reader: &Reader<'a>, series: &[u32]) -> Option<&'a TableColumn> {
+    let rising = |column: &&TableColumn| {
+        let Some(numbers) = &column.numbers else {
+            let dated = column.words.iter().flatten().next();
+            return dated.is_some_and(|w| w.len() >= 16 && w.contains(':'));
+        };
+        let (mut up, mut all) = (0, 0);
+        for (a, b) in steps(series) {
+            up += usize::from(numbers[b] > numbers[a]);
+            all += 1;
+        }
+        all > 0 && up * 10 >= all * 9
+    };
+    let times = reader.all(Whose::Ego, What::Time);
+    let frames = reader.all(Whose::Ego, What::Frame);
+    times.chain(frames).find(rising)
+}
+
+/// The position that moves as the speed says, with the speed's ratio to that movement.
+fn along<'a>(
+    reader: &Reader<'a>,
+    speed: Option<&TableColumn>,
+    step_s: Option<f64>,
+    series: &[u32],
+) -> Option<(&'a TableColumn, Option<f64>)> {
+    let positions = reader
+        .all(Whose::Ego, What::Position)
+        .filter(|c| c.numbers.is_some());
+    let judged = positions.map(|position| {
+        let ratios = speed.and_then(|v| ratio(position, v, step_s?, series));
+        (position, ratios)
+    });
+    let error = |ratio: &Option<f64>| ratio.map_or(f64::INFINITY, |r| known_ratio(r).1);
+    judged.min_by(|a, b| error(&a.1).total_cmp(&error(&b.1)))
+}
+
+/// The median ratio of a speed to what a position changes in a second.
+fn ratio(position: &TableColumn, speed: &TableColumn, step_s: f64, series: &[u32]) -> Option<f64> {
+    let (x, v) = (position.numbers.as_ref()?, speed.numbers.as_ref()?);
+    let moving = steps(series).filter(|&(a, _)| v[a].abs() > MOVING);
+    let ratios = moving.map(|(a, b)| (v[a] * step_s / (x[b] - x[a])).abs());
+    median(ratios.filter(|r| r.is_finite()).collect())
+}
+
+/// The position of the leader along the same axis as ego's.
+fn lead_position<'a>(reader: &Reader<'a>, ego: &TableColumn) -> Option<&'a TableColumn> {
+    let ego = ego.name.to_ascii_lowercase();
+    let mut leads = reader.all(Whose::Lead, What::Position);
+    let mut same = reader.all(Whose::Lead, What::Position);
+    let stem = ego.replace("follower", "").replace("ego", "");
+    let stem = stem.trim_matches('_');
+    same.find(|c| c.name.to_ascii_lowercase().contains(stem))
+        .or_else(|| leads.next())
+}
+
+/// The position across the road: the other one.
+fn across<'a>(reader: &Reader<'a>, along: &TableColumn) -> Option<&'a TableColumn> {
+    let swapped: String = along
+        .name
+        .chars()
+        .map(|c| match c {
+            'x' => 'y',
+            'y' => 'x',
+            'X' => 'Y',
+            'Y' => 'X',
+            c => c,
+        })
+        .collect();
+    reader
+        .all(Whose::Ego, What::Position)
+        .find(|c| c.name == swapped && c.name != along.name)
+}
+
+/// How hard the speed changes, in its unit a second, over about a second: the greatest but for one in a hundred.
+fn harshest(speed: &TableColumn, step_s: Option<f64>, series: &[u32]) -> Option<f64> {
+    let v = speed.numbers.as_ref()?;
+    let step_s = step_s.filter(|s| *s > 0.0)?;
+    let lag = ((1.0 / step_s).round() as usize).clamp(1, 1000);
+    let same = (lag..v.len()).filter(|&i| series[i] == series[i - lag]);
+    let mut changes: Vec<f64> = same
+        .map(|i| ((v[i] - v[i - lag]) / (lag as f64 * step_s)).abs())
+        .filter(|c| c.is_finite())
+        .collect();
+    changes.sort_by(f64::total_cmp);
+    changes.get(changes.len() * 99 / 100).copied()
+}

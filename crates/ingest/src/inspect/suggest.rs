@@ -1,0 +1,331 @@
+//! Proposes the mapping of a table, with its doubts as comments.
+
+use super::{
+    columns::{self, Columns},
+    guess::{Guess, Shape, guess},
+    units::Reason,
+};
+use crate::{
+    error::IngestError,
+    mapping::Mapping,
+    read_log::{Format, format_of},
+    read_table::read_table,
+    settings::IngestSettings,
+};
+use std::{
+    fmt::Write as _,
+    fs::File,
+    io::Read as _,
+    path::{Path, PathBuf},
+};
+
+/// Bytes of a text that are looked at.
+const LOOKED_AT: u64 = 32 << 20;
+
+/// Proposes a mapping TOML for a table, or for a folder in which every signal has its own file.
+///
+/// The columns are told by their names, and by what their numbers do: positions move as speeds say, cars have lengths,
+/// times rise. What is not certain is in comments, and so is what became of the table when it was read by the
+/// proposal.
+///
+/// # Errors
+/// [`IngestError::NotFound`] and the like; [`IngestError::BadTable`] for what is no table.
+///
+/// # Example
+/// ```
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("pair.csv");
+/// let rows: String = (0..50)
+///     .map(|i| format!("{},{},{},{}\n", f64::from(i) / 10.0, 2 * i, 20, 25))
+///     .collect();
+/// std::fs::write(&path, format!("t,x_follower,v_follower,spacing\n{rows}"))?;
+/// let toml = maveric_ingest::suggest_mapping(&path)?;
+/// assert!(toml.contains("ego_speed = \"v_follower\""));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn suggest_mapping(path: &Path) -> Result<String, IngestError> {
+    if path.is_dir() {
+        return signals(path);
+    }
+    if format_of(path)? == Format::Mcap {
+        return Err(IngestError::BadTable {
+            path: path.to_owned(),
+            reason:
+                "it is an MCAP recording, which says itself what is in it: no mapping is needed"
+                    .to_owned(),
+        });
+    }
+    let table = columns::read(path, look(path)?)?;
+    let guess = guess(&table);
+    let body = body(&table, &guess);
+    Ok(format!("{}{body}", head(path, &guess, &body)))
+}
+
+/// The beginning of a file, up to its last whole line; all of Parquet.
+pub(super) fn look(path: &Path) -> Result<Vec<u8>, IngestError> {
+    let wrong = |e| IngestError::io(path, e);
+    let mut file = File::open(path).map_err(wrong)?;
+    let mut bytes = Vec::new();
+    file.by_ref()
+        .take(LOOKED_AT)
+        .read_to_end(&mut bytes)
+        .map_err(wrong)?;
+    if bytes.len() as u64 == LOOKED_AT {
+        if bytes.starts_with(crate::raw::table::open::PARQUET) {
+            file.read_to_end(&mut bytes).map_err(wrong)?;
+        } else if let Some(end) = bytes.iter().rposition(|&b| b == b'\n') {
+            bytes.truncate(end + 1);
+        }
+    }
+    Ok(bytes)
+}
+
+/// What the proposal makes of the table, and what it leaves aside, as comments.
+fn head(path: &Path, guess: &Guess, body: &str) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let mut head = format!(
+        "# A mapping for {name}, proposed from its names and numbers. Check what says \"doubt\".\n"
+    );
+    if let Shape::Unknown(missing) = guess.shape {
+        let _ = writeln!(head, "# It is not complete: {missing}. Fill it in by hand.");
+        return head;
+    }
+    let mapping = Mapping::from_toml(body, Path::new("the proposal"));
+    let settings = IngestSettings::default();
+    let read = mapping
+        .and_then(|m| read_table(path, Some(&m), settings.rate_hz()?, settings.max_gap_s()?));
+    match read {
+        Ok(drives) => {
+            let rows: usize = drives.iter().map(|d| d.recording.rows()).sum();
+            let _ = writeln!(head, "# Read by it: {} drives, {rows} rows.", drives.len());
+            for warning in drives.iter().flat_map(|d| &d.warnings).take(5) {
+                let _ = writeln!(
+                    head,
+                    "# warning: {} ({} times)",
+                    warning.what, warning.count
+                );
+            }
+        }
+        Err(error) => {
+            let _ = writeln!(head, "# Read by it, the table is refused: {error}");
+        }
+    }
+    head
+}
+
+fn comment(out: &mut String, reason: &Reason) {
+    let doubt = if reason.doubt { "doubt: " } else { "" };
+    let _ = writeln!(out, "# {doubt}{}", reason.why.replace('\n', " "));
+}
+
+/// A TOML string.
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
+
+fn body(table: &Columns, guess: &Guess) -> String {
+    let mut out = String::new();
+    let layout = match guess.shape {
+        Shape::Pair | Shape::Unknown(_) => "pair",
+        Shape::Long => "long",
+        Shape::Platoon => "platoon",
+    };
+    if let Some(rate) = guess.rate_hz {
+        let _ = writeln!(
+            out,
+            "# Its samples come at {rate:.3} Hz; without this they are resampled to {} Hz.\n# rate_hz = {rate:.3}",
+            IngestSettings::RATE_HZ
+        );
+    }
+    let lanes = match guess.shape {
+        Shape::Long => guess.lanes.unwrap_or(1).max(1),
+        _ => 1,
+    };
+    let _ = writeln!(
+        out,
+        "\n[road]\n# doubt: lanes, their width and the posted speed are not in the table.\nlanes = {lanes}\n\
+         lane_width_m = 3.66\nposted_speed_mps = 29.0\nframe = \"map\"\n\n[table]\nlayout = \"{layout}\""
+    );
+    if let Some(separator) = table.separator {
+        let _ = writeln!(
+            out,
+            "separator = {}",
+            quoted(&char::from(separator).to_string())
+        );
+    }
+    if table.decimal_comma {
+        out.push_str("decimal_comma = true\n");
+    }
+    if let Some((kind, why)) = &guess.gap_kind {
+        let _ = writeln!(out, "# {}\ngap_kind = \"{kind}\"", why.replace('\n', " "));
+    }
+    let has = |key: &str| guess.columns.iter().any(|(k, _)| *k == key);
+    if guess.shape == Shape::Long {
+        long(&mut out, guess, has("y"), has("lane"));
+    } else if has("lead_x") {
+        out.push_str(
+            "# doubt: positions may be of the front, the centre or the rear.\npoint = \"front\"\n",
+        );
+    }
+    if guess.time.0 == "frames" {
+        out.push_str("# doubt: nothing says how many frames make a second.\nframes_per_s = 25.0\n");
+    }
+    out.push_str("\n[table.units]\n");
+    for (key, (unit, reason)) in [
+        ("time", &guess.time),
+        ("length", &guess.length),
+        ("speed", &guess.speed),
+    ] {
+        comment(&mut out, reason);
+        let _ = writeln!(out, "{key} = \"{unit}\"");
+    }
+    out.push_str("\n[table.columns]\n");
+    for (key, column) in &guess.columns {
+        let _ = writeln!(out, "{key} = {}", quoted(column));
+    }
+    if !guess.groups.is_empty() {
+        let groups: Vec<String> = guess.groups.iter().map(|g| quoted(g)).collect();
+        let _ = writeln!(out, "groups = [{}]", groups.join(", "));
+    }
+    if !guess.unused.is_empty() {
+        let names: Vec<String> = guess
+            .unused
+            .iter()
+            .take(40)
+            .map(|n| n.replace('\n', " "))
+            .collect();
+        let _ = writeln!(out, "# not used: {}", names.join(", "));
+    }
+    out
+}
+
+fn long(out: &mut String, guess: &Guess, has_y: bool, has_lane: bool) {
+    let (grows, from, point, doubt) = if guess.ngsim {
+        ("right", "left", "front", "as in NGSIM: ")
+    } else {
+        ("left", "right", "centre", "doubt: ")
+    };
+    let _ = writeln!(
+        out,
+        "# {doubt}positions are of the vehicle's {point} (front, centre, rear or corner).\npoint = \"{point}\""
+    );
+    if has_y {
+        let _ = writeln!(
+            out,
+            "# {doubt}y grows to the {grows}, seen along x.\ny_grows = \"{grows}\""
+        );
+    }
+    if has_lane {
+        let _ = writeln!(
+            out,
+            "# {doubt}lanes are numbered from the {from}.\nlanes_from = \"{from}\""
+        );
+    }
+    if guess.both_ways {
+        out.push_str("# Some drive along x and some against it.\ndirections = \"both\"\n");
+    }
+}
+
+/// A mapping for a folder: its file with a speed, one with tracks ahead, one with positions and velocities.
+fn signals(folder: &Path) -> Result<String, IngestError> {
+    let wrong = |e| IngestError::io(folder, e);
+    let mut files: Vec<PathBuf> = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(wrong)? {
+        let path = entry.map_err(wrong)?.path();
+        let table = path
+            .extension()
+            .is_some_and(|e| e == "csv" || e == "tsv" || e == "parquet");
+        if table && path.is_file() {
+            files.push(path);
+        }
+    }
+    files.sort();
+    let mut found = String::new();
+    let mut speed = None;
+    for path in files {
+        let Ok(table) = look(&path).and_then(|bytes| columns::read(&path, bytes)) else {
+            continue;
+        };
+        let name = path
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        let column = |any: &[&str]| {
+            let has =
+                |c: &&columns::TableColumn| any.iter().any(|a| c.name.eq_ignore_ascii_case(a));
+            table.columns.iter().find(has).map(|c| quoted(&c.name))
+        };
+        let guess = guess(&table);
+        let time = guess
+            .columns
+            .iter()
+            .find(|(k, _)| *k == "time")
+            .map(|(_, c)| quoted(c));
+        let Some(time) = time else { continue };
+        let forward = column(&[
+            "forward_m",
+            "forward",
+            "long_dist",
+            "d_rel",
+            "range_m",
+            "x_rel",
+        ]);
+        let left = column(&["left_m", "left", "lat_dist", "y_rel"]);
+        let relative = column(&["rel_speed_mps", "rel_speed", "v_rel", "relative_speed"]);
+        let track = column(&["address", "track", "track_id", "id"]);
+        let (x, y, z) = (column(&["x"]), column(&["y"]), column(&["z"]));
+        let (vx, vy, vz) = (column(&["vx"]), column(&["vy"]), column(&["vz"]));
+        let file = quoted(&name);
+        if let (Some(forward), Some(left), Some(relative), Some(track)) =
+            (forward, left, relative, track)
+        {
+            let renewed =
+                column(&["new_track"]).map_or_else(String::new, |n| format!("new_track = {n}\n"));
+            let _ = write!(
+                found,
+                "\n[table.signals.tracks]\nfile = {file}\ntime = {time}\ntrack = {track}\n{renewed}forward = {forward}\n\
+                 left = {left}\nrelative_speed = {relative}\n"
+            );
+        } else if let (Some(x), Some(y), Some(z), Some(vx), Some(vy), Some(vz)) =
+            (x, y, z, vx, vy, vz)
+        {
+            let _ = write!(
+                found,
+                "\n# doubt: positions are taken to be earth-centred, earth-fixed.\n[table.signals.velocity]\nfile = \
+                 {file}\ntime = {time}\nposition = [{x}, {y}, {z}]\nvelocity = [{vx}, {vy}, {vz}]\n"
+            );
+        } else if let (Some(value), true) = (
+            column(&["speed_mps", "speed", "v", "velocity"]),
+            table.columns.len() == 2,
+        ) {
+            speed = Some((
+                format!("\n[table.signals.speed]\nfile = {file}\ntime = {time}\nvalue = {value}\n"),
+                guess,
+            ));
+        }
+    }
+    let Some((speed, guess)) = speed else {
+        return Err(IngestError::BadTable {
+            path: folder.to_owned(),
+            reason: "no file of it has a time and a speed alone; name one of its tables".to_owned(),
+        });
+    };
+    let mut body = format!(
+        "\n[road]\n# doubt: nothing says how many lanes there are or how fast one may drive.\nlanes = 1\nlane_width_m = 3.66\n\
+         posted_speed_mps = 29.0\n\n[table]\nlayout = \"signals\"\n# doubt: a radar at the front bumper sees the rear \
+         of the vehicle ahead.\ngap_kind = \"bumper_to_bumper\"\n\n[table.units]\n"
+    );
+    for (key, (unit, reason)) in [("time", &guess.time), ("speed", &guess.speed)] {
+        comment(&mut body, reason);
+        let _ = writeln!(body, "{key} = \"{unit}\"");
+    }
+    body.push_str("# doubt: metres, as with speeds in m/s\nlength = \"m\"\n");
+    body.push_str(&speed);
+    body.push_str(&found);
+    let guess = Guess {
+        shape: Shape::Pair,
+        ..guess
+    };
+    Ok(format!("{}{body}", head(folder, &guess, &body)))
+}

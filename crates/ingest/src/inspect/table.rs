@@ -1,0 +1,161 @@
+//! What is in a table, and what its mapping, or a guess, makes of it.
+
+use super::{
+    ColumnSummary, Gap, LogFormat, LogSummary,
+    columns::{self, Columns, TableColumn},
+    guess::{Guess, Shape, guess},
+    suggest::look,
+};
+use crate::{
+    error::IngestError,
+    read_table::read_table,
+    settings::{IngestSettings, Ingested},
+};
+use std::path::Path;
+
+/// Looks into a table: by the settings' mapping if they have one, else by guesses.
+///
+/// # Errors
+/// As [`crate::inspect()`].
+pub(super) fn inspect_table(
+    path: &Path,
+    settings: &IngestSettings,
+) -> Result<LogSummary, IngestError> {
+    let table = columns::read(path, look(path)?)?;
+    let guess = guess(&table);
+    let table_mapping = settings.mapping.as_ref().and_then(|m| m.table.as_ref());
+    let mapped: Vec<(String, String)> = match table_mapping {
+        Some(mapping) => {
+            let given = mapping.columns.given().into_iter();
+            given
+                .map(|(k, c)| (k.to_owned(), c.trim_end_matches('?').to_owned()))
+                .collect()
+        }
+        None => guess
+            .columns
+            .iter()
+            .map(|(k, c)| ((*k).to_owned(), c.clone()))
+            .collect(),
+    };
+    let columns = table
+        .columns
+        .iter()
+        .map(|c| summary(c, &mapped, &guess, table_mapping.is_some()));
+    let columns: Vec<ColumnSummary> = columns.collect();
+    let mut found = LogSummary {
+        format: LogFormat::Table,
+        writer: None,
+        drive: None,
+        channels: Vec::new(),
+        columns,
+        rows: table.rows,
+        duration_s: None,
+        gaps: Vec::new(),
+        damage: Vec::new(),
+        warnings: Vec::new(),
+        would_ingest: String::new(),
+    };
+    if table_mapping.is_some() {
+        with_mapping(path, settings, &mut found);
+    } else {
+        found.would_ingest = without_mapping(&table, &guess);
+    }
+    Ok(found)
+}
+
+/// Reads the table, the only sure way to know what becomes of it.
+pub(super) fn with_mapping(path: &Path, settings: &IngestSettings, found: &mut LogSummary) {
+    let read = || -> Result<Vec<Ingested>, IngestError> {
+        let mapping = settings.mapping.as_ref();
+        read_table(path, mapping, settings.rate_hz()?, settings.max_gap_s()?)
+    };
+    match read() {
+        Ok(drives) => {
+            let rows: usize = drives.iter().map(|d| d.recording.rows()).sum();
+            let rate = drives.first().map_or(0.0, |d| d.recording.rate_hz());
+            found.would_ingest = format!(
+                "{} drives of {rows} rows at {rate} Hz, by the mapping",
+                drives.len()
+            );
+            let last = |d: &Ingested| d.recording.time_s().last().copied().unwrap_or(0.0);
+            found.duration_s = drives.iter().map(last).max_by(f64::total_cmp);
+            for drive in drives {
+                let holes = drive
+                    .warnings
+                    .iter()
+                    .filter(|w| w.kind == crate::WarningKind::Hole);
+                found
+                    .gaps
+                    .extend(holes.flat_map(|w| &w.spans_s).map(|&(from_s, to_s)| Gap {
+                        topic: drive.meta.drive.to_string(),
+                        from_s,
+                        to_s,
+                    }));
+                found.warnings.extend(drive.warnings);
+            }
+        }
+        Err(error) => found.would_ingest = format!("nothing: {error}"),
+    }
+}
+
+fn without_mapping(table: &Columns, guess: &Guess) -> String {
+    let what = match guess.shape {
+        Shape::Pair => "it looks like one pair a file",
+        Shape::Long => "it looks like one vehicle a row",
+        Shape::Platoon => "it looks like a platoon side by side",
+        Shape::Unknown(missing) => {
+            return format!(
+                "nothing, even by a mapping: {missing} (in {} columns)",
+                table.columns.len()
+            );
+        }
+    };
+    let rate = guess
+        .rate_hz
+        .map_or_else(String::new, |r| format!(" at {r:.2} Hz"));
+    format!(
+        "nothing without a mapping that says what columns mean and in which units; {what}{rate}: see \
+         `--suggest-mapping`"
+    )
+}
+
+fn summary(
+    column: &TableColumn,
+    mapped: &[(String, String)],
+    guess: &Guess,
+    sure: bool,
+) -> ColumnSummary {
+    let range = column.range();
+    let stem = column.name.trim_end_matches(|d: char| d.is_ascii_digit());
+    let is =
+        |name: &str| name == column.name || name.strip_suffix("{n}").is_some_and(|s| s == stem);
+    let key = mapped
+        .iter()
+        .find(|(_, name)| is(name))
+        .map(|(key, _)| key.as_str());
+    let unit = match key {
+        _ if sure => None,
+        Some("time") => Some(guess.time.0),
+        Some("ego_speed" | "speed" | "speed_x" | "speed_y" | "lead_speed") => Some(guess.speed.0),
+        Some("ego_x" | "x" | "y" | "gap" | "lead_x" | "ego_length" | "lead_length" | "length") => {
+            Some(guess.length.0)
+        }
+        _ => None,
+    };
+    ColumnSummary {
+        name: column.name.clone(),
+        kind: match (&column.numbers, column.whole()) {
+            (None, _) => "text",
+            (Some(_), true) => "whole numbers",
+            (Some(_), false) => "numbers",
+        },
+        filled: column.count(),
+        least: range.map(|r| r.0),
+        greatest: range.map(|r| r.1),
+        meaning: key.map(|k| match (sure, unit) {
+            (true, _) => k.to_owned(),
+            (false, Some(unit)) => format!("{k}, in {unit}?"),
+            (false, None) => format!("{k}?"),
+        }),
+    }
+}

@@ -1,0 +1,256 @@
+//! What the name of a column says: whose it is, what it is, and sometimes in which unit.
+
+/// Whose value it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Whose {
+    /// Ego's, the follower's, or nobody's in particular.
+    Ego,
+    /// That of the vehicle ahead.
+    Lead,
+    /// That of a vehicle behind, or beside.
+    Another,
+}
+
+/// What it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum What {
+    Time,
+    Frame,
+    Id,
+    Group,
+    /// A position along some axis; which one is along the road, numbers must tell.
+    Position,
+    Speed,
+    SpeedX,
+    SpeedY,
+    Gap,
+    Length,
+    Width,
+    Lane,
+    Heading,
+}
+
+/// What the name of a column says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Words {
+    pub(super) whose: Whose,
+    pub(super) what: Option<What>,
+    /// Number of the vehicle in a platoon, at the end of the name.
+    pub(super) number: Option<u32>,
+    /// Unit at the end of the name.
+    pub(super) unit: Option<&'static str>,
+}
+
+/// Words of a name, in small letters: split at signs, at capitals and before numbers.
+fn split(name: &str) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    let mut last = ' ';
+    for c in name.chars() {
+        let starts = !c.is_ascii_alphanumeric()
+            || c.is_ascii_uppercase() && last.is_ascii_lowercase()
+            || c.is_ascii_digit() != last.is_ascii_digit();
+        if starts {
+            words.push(String::new());
+        }
+        if c.is_ascii_alphanumeric()
+            && let Some(word) = words.last_mut()
+        {
+            word.push(c.to_ascii_lowercase());
+        }
+        last = c;
+    }
+    words.retain(|w| !w.is_empty());
+    words
+}
+
+/// Reads a name.
+pub(super) fn words(name: &str) -> Words {
+    let mut words = split(name);
+    let number = match words.len() {
+        0 | 1 => None,
+        _ => words.last().and_then(|w| w.parse().ok()),
+    };
+    if number.is_some() {
+        words.pop();
+    }
+    let unit = unit_of(name, &words);
+    let has = |any: &[&str]| words.iter().any(|w| any.contains(&w.as_str()));
+    let is = |exact: &[&str]| words.len() == 1 && exact.contains(&words[0].as_str());
+    let whose = if has(&[
+        "leader",
+        "lead",
+        "lv",
+        "preceding",
+        "front",
+        "pred",
+        "ahead",
+    ]) {
+        Whose::Lead
+    } else if has(&[
+        "following",
+        "rear",
+        "behind",
+        "left",
+        "right",
+        "alongside",
+        "back",
+    ]) {
+        Whose::Another
+    } else {
+        Whose::Ego
+    };
+    let differs = has(&[
+        "dv",
+        "diff",
+        "rel",
+        "relative",
+        "delta",
+        "acc",
+        "accel",
+        "acceleration",
+        "class",
+        "total",
+    ]);
+    let what = if differs || has(&["thw", "ttc"]) || has(&["headway", "gap"]) && has(&["time"]) {
+        None
+    } else if has(&["frame", "frames"]) {
+        Some(What::Frame)
+    } else if is(&["t"]) || has(&["time", "timestamp", "stamp", "utc", "seconds"]) {
+        Some(What::Time)
+    } else if has(&["lane"]) {
+        Some(What::Lane)
+    } else if has(&[
+        "location",
+        "site",
+        "recording",
+        "run",
+        "scenario",
+        "trial",
+        "period",
+    ]) {
+        Some(What::Group)
+    } else if has(&[
+        "spacing",
+        "gap",
+        "ivs",
+        "headway",
+        "dhw",
+        "clearance",
+        "distance",
+    ]) {
+        Some(What::Gap)
+    } else if has(&["length", "len"]) {
+        Some(What::Length)
+    } else if has(&["width"]) {
+        Some(What::Width)
+    } else if has(&["heading", "yaw", "bearing"]) {
+        Some(What::Heading)
+    } else if has(&["velocity", "vel", "speed", "spd"])
+        || is(&["v", "vx", "vy"])
+        || has(&["v"]) && words.len() == 2
+    {
+        Some(match () {
+            () if has(&["x", "lon"]) || is(&["vx"]) => What::SpeedX,
+            () if has(&["y", "lat"]) || is(&["vy"]) => What::SpeedY,
+            () => What::Speed,
+        })
+    } else if has(&["id", "vehicle", "track", "veh"]) || is(&["preceding", "following", "leader"]) {
+        Some(What::Id)
+    } else if has(&["x", "y", "position", "pos", "station"]) || is(&["s"]) {
+        Some(What::Position)
+    } else {
+        None
+    };
+    Words {
+        whose,
+        what,
+        number,
+        unit,
+    }
+}
+
+fn unit_of(name: &str, words: &[String]) -> Option<&'static str> {
+    let name = name.to_ascii_lowercase();
+    let written = [
+        ("km/h", "km/h"),
+        ("m/s", "m/s"),
+        ("ft/s", "ft/s"),
+        ("[m]", "m"),
+        ("(m)", "m"),
+        ("[ft]", "ft"),
+        ("(ft)", "ft"),
+        ("[s]", "s"),
+        ("(s)", "s"),
+        ("[ms]", "ms"),
+    ];
+    if let Some((_, unit)) = written.iter().find(|(text, _)| name.contains(text)) {
+        return Some(unit);
+    }
+    if words.len() < 2 {
+        return None;
+    }
+    let ends = [
+        ("mps", "m/s"),
+        ("kmh", "km/h"),
+        ("kph", "km/h"),
+        ("mph", "mph"),
+        ("fps", "ft/s"),
+        ("ft", "ft"),
+        ("feet", "ft"),
+        ("m", "m"),
+        ("meters", "m"),
+        ("metres", "m"),
+        ("s", "s"),
+        ("sec", "s"),
+        ("ms", "ms"),
+        ("us", "us"),
+        ("ns", "ns"),
+        ("deg", "deg"),
+        ("rad", "rad"),
+    ];
+    let last = words.last()?;
+    ends.iter().find(|(end, _)| end == last).map(|e| e.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_known_tables_are_read() {
+        let said = |name: &str| {
+            let w = words(name);
+            (w.whose, w.what)
+        };
+        for (name, whose, what) in [
+            ("t", Whose::Ego, Some(What::Time)),
+            ("x_follower", Whose::Ego, Some(What::Position)),
+            ("v_leader", Whose::Lead, Some(What::Speed)),
+            ("a_leader", Whose::Lead, None),
+            ("leader_length", Whose::Lead, Some(What::Length)),
+            ("spacing", Whose::Ego, Some(What::Gap)),
+            ("dv", Whose::Ego, None),
+            ("Vehicle_ID", Whose::Ego, Some(What::Id)),
+            ("Global_Time", Whose::Ego, Some(What::Time)),
+            ("Local_Y", Whose::Ego, Some(What::Position)),
+            ("v_Vel", Whose::Ego, Some(What::Speed)),
+            ("v_length", Whose::Ego, Some(What::Length)),
+            ("v_Class", Whose::Ego, None),
+            ("Lane_ID", Whose::Ego, Some(What::Lane)),
+            ("Preceding", Whose::Lead, Some(What::Id)),
+            ("Following", Whose::Another, Some(What::Id)),
+            ("Space_Headway", Whose::Ego, Some(What::Gap)),
+            ("Time_Headway", Whose::Ego, None),
+            ("preceding_Vehicle_Velocity", Whose::Lead, Some(What::Speed)),
+            ("preceding_Local_Y", Whose::Lead, Some(What::Position)),
+            ("xVelocity", Whose::Ego, Some(What::SpeedX)),
+            ("precedingId", Whose::Lead, Some(What::Id)),
+        ] {
+            assert_eq!(said(name), (whose, what), "{name}");
+        }
+        assert_eq!(words("Speed12").number, Some(12));
+        assert_eq!(words("IVS1").what, Some(What::Gap));
+        assert_eq!(words("ego_speed_mps").unit, Some("m/s"));
+        assert_eq!(words("Time [ms]").unit, Some("ms"));
+    }
+}

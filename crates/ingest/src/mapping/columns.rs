@@ -1,0 +1,176 @@
+//! Which column of a table is what.
+
+use serde::Deserialize;
+
+/// Names of the columns; which of them a table needs depends on its layout.
+///
+/// A name that ends in `?` is used where the table has such a column and passed over where it has not. In a platoon
+/// `{n}` stands for the number of the vehicle.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Columns {
+    /// Time (all layouts but signals).
+    pub time: Option<String>,
+    /// Ego's position along the road (pair).
+    pub ego_x: Option<String>,
+    /// Ego's lateral position, to the left (pair).
+    pub ego_y: Option<String>,
+    /// Ego's speed (pair).
+    pub ego_speed: Option<String>,
+    /// Ego's length (pair).
+    pub ego_length: Option<String>,
+    /// Distance to the leader, of the mapping's kind (pair, long; platoon: from vehicle n to n + 1 behind it).
+    pub gap: Option<String>,
+    /// The leader's position, of the same point and in the same frame as ego's (pair, long).
+    pub lead_x: Option<String>,
+    /// The leader's speed (pair, long).
+    pub lead_speed: Option<String>,
+    /// The leader's length; 0 means that it is not known (pair, long).
+    pub lead_length: Option<String>,
+    /// The leader's lateral position less ego's, to the left (pair).
+    pub lead_dy: Option<String>,
+    /// The leader's number; none where it is empty, 0 or -1 (long), or empty (pair).
+    pub lead_id: Option<String>,
+    /// The vehicle's number or name (long).
+    pub id: Option<String>,
+    /// What else a vehicle's number needs to be its own, such as the place (long).
+    #[serde(default)]
+    pub groups: Vec<String>,
+    /// Position along the road, or eastwards (long, platoon).
+    pub x: Option<String>,
+    /// Position across the road, or northwards (long).
+    pub y: Option<String>,
+    /// Number of the lane (long).
+    pub lane: Option<String>,
+    /// Speed (long, platoon).
+    pub speed: Option<String>,
+    /// Velocity along x, where there is no speed (long).
+    pub speed_x: Option<String>,
+    /// Velocity along y (long).
+    pub speed_y: Option<String>,
+    /// Heading, counter-clockwise from x (long).
+    pub heading: Option<String>,
+    /// The vehicle's length (long, platoon).
+    pub length: Option<String>,
+    /// The vehicle's width, where `point` is a corner of its box (long).
+    pub width: Option<String>,
+}
+
+impl Columns {
+    /// The keys that are given, each with its column.
+    pub(crate) fn given(&self) -> Vec<(&'static str, &str)> {
+        let keys = [
+            ("time", &self.time),
+            ("ego_x", &self.ego_x),
+            ("ego_y", &self.ego_y),
+            ("lead_dy", &self.lead_dy),
+            ("ego_speed", &self.ego_speed),
+            ("ego_length", &self.ego_length),
+            ("gap", &self.gap),
+            ("lead_x", &self.lead_x),
+            ("lead_speed", &self.lead_speed),
+            ("lead_length", &self.lead_length),
+            ("lead_id", &self.lead_id),
+            ("id", &self.id),
+            ("x", &self.x),
+            ("y", &self.y),
+            ("lane", &self.lane),
+            ("speed", &self.speed),
+            ("speed_x", &self.speed_x),
+            ("speed_y", &self.speed_y),
+            ("heading", &self.heading),
+            ("length", &self.length),
+            ("width", &self.width),
+        ];
+        let given = keys
+            .into_iter()
+            .filter_map(|(key, name)| Some((key, name.as_deref()?)));
+        given
+            .chain(self.groups.iter().map(|g| ("groups", g.as_str())))
+            .collect()
+    }
+}
+
+/// The files of a folder in which every signal has its own (layout `signals`).
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Signals {
+    /// Ego's speed.
+    pub speed: SpeedSignal,
+    /// Ego's velocity in the world, for the bends of the road; without it the road is taken to be straight.
+    pub velocity: Option<VelocitySignal>,
+    /// What the radar or a tracker saw ahead.
+    pub tracks: Option<TracksSignal>,
+}
+
+impl Signals {
+    /// The files, ego's speed first.
+    pub fn files(&self) -> Vec<&str> {
+        let velocity = self.velocity.as_ref().map(|v| v.file.as_str());
+        let tracks = self.tracks.as_ref().map(|t| t.file.as_str());
+        let files = [Some(self.speed.file.as_str()), velocity, tracks];
+        files.into_iter().flatten().collect()
+    }
+}
+
+/// Ego's speed, a file of its own.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpeedSignal {
+    /// Name of the file.
+    pub file: String,
+    /// Column of the time.
+    pub time: String,
+    /// Column of the speed.
+    pub value: String,
+}
+
+/// Ego's position and velocity in earth-centred, earth-fixed coordinates, always in m and m/s.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VelocitySignal {
+    /// Name of the file.
+    pub file: String,
+    /// Column of the time.
+    pub time: String,
+    /// Columns of the position.
+    pub position: [String; 3],
+    /// Columns of the velocity.
+    pub velocity: [String; 3],
+}
+
+/// Tracks of vehicles as seen from ego.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TracksSignal {
+    /// Name of the file.
+    pub file: String,
+    /// Column of the time.
+    pub time: String,
+    /// Column of the track's number; numbers may be used again.
+    pub track: String,
+    /// Column that is not 0 where a number is used for another vehicle than before.
+    pub new_track: Option<String>,
+    /// Column of the distance ahead, of the mapping's `gap_kind`.
+    pub forward: String,
+    /// Column of the offset to the left.
+    pub left: String,
+    /// Column of the speed relative to ego's, negative while closing in.
+    pub relative_speed: String,
+}
+
+/// A file beside the table that says how it was recorded, one row (layout `long`).
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordingMeta {
+    /// What to replace in the table's name to find it, and by what: `["_tracks", "_recordingMeta"]`.
+    pub replace: [String; 2],
+    /// Column of the frames a second.
+    pub frames_per_s: Option<String>,
+    /// Column of the posted speed, in the table's unit of speed; not above 0 means none.
+    pub posted_speed: Option<String>,
+    /// Column of the lane markings' positions across the road of those who drive along x, separated by semicolons.
+    pub markings_along_x: Option<String>,
+    /// The same for those who drive against x.
+    pub markings_against_x: Option<String>,
+}

@@ -1,0 +1,125 @@
+//! A row is one vehicle at one time: every vehicle is ego of a drive of its own among the others.
+
+mod columns;
+mod surroundings;
+mod vehicles;
+
+use super::{TableDrive, clock, recording_meta, report};
+use crate::{
+    error::IngestError,
+    mapping::{RoadMapping, Side, TableMapping},
+    quality::{Warning, WarningKind},
+    raw::RawDrive,
+};
+use columns::{LongColumns, read_columns};
+use std::path::Path;
+use surroundings::{Surroundings, View};
+use vehicles::{Frame, Vehicle, vehicles};
+
+/// Reads the drives of a long table, ordered by group and vehicle.
+///
+/// Positions become those of centres, y grows to the left of the way that ego drives. Ego's leader is what its own row says
+/// of it (`lead_x` or `gap`), where it does; everybody else is there by their own rows at the same time.
+///
+/// # Errors
+/// As [`crate::read_log`].
+pub(super) fn read(
+    path: &Path,
+    bytes: Vec<u8>,
+    mapping: &TableMapping,
+    road: &RoadMapping,
+    max_gap_s: f64,
+) -> Result<Vec<TableDrive>, IngestError> {
+    let meta = match &mapping.recording_meta {
+        Some(columns) => Some(recording_meta::read(path, columns, mapping)?),
+        None => None,
+    };
+    let mut clock = clock(mapping);
+    if let Some(rate) = meta.as_ref().and_then(|m| m.frames_per_s) {
+        clock.frames_per_s = rate;
+    }
+    let LongColumns {
+        rows,
+        ids,
+        groups,
+        left_out,
+    } = read_columns(path, bytes, mapping, clock)?;
+    let frame = Frame {
+        y_left: match mapping.y_grows {
+            Some(Side::Right) => -1.0,
+            _ => 1.0,
+        },
+        road: *road,
+    };
+    let fleet = vehicles(rows, mapping, &frame, max_gap_s);
+    let c = &mapping.columns;
+    let view = match (c.lead_id.is_some(), c.heading.is_some()) {
+        (true, true) => View::LeaderInBends,
+        (true, false) if c.y.is_none() && c.lane.is_none() => View::Leader,
+        _ => View::All,
+    };
+    let surroundings = Surroundings::new(&fleet.vehicles);
+    let mut drives = Vec::new();
+    let mut alone = 0;
+    for (index, vehicle) in fleet.vehicles.iter().enumerate() {
+        if vehicle.samples.len() < 2 {
+            alone += 1;
+            continue;
+        }
+        let mut captures = groups.captures(vehicle.group);
+        captures.push(("id".to_owned(), name_of(vehicle, &ids)));
+        let raw = RawDrive {
+            ego: vehicle.samples.clone(),
+            objects: surroundings.others(&fleet.vehicles, index, &ids, view),
+            ego_length_m: Some(vehicle.length_m),
+            ego_among_objects: false,
+        };
+        drives.push(TableDrive {
+            captures,
+            lane_steps: fleet.lane_steps,
+            road: meta
+                .as_ref()
+                .map(|m| m.road(road, vehicle.sign, frame.y_left)),
+            raw,
+            warnings: vehicle_warnings(path, vehicle),
+        });
+    }
+    if let Some(first) = drives.first_mut() {
+        let what = "rows without time, vehicle or position are left out";
+        let kind = WarningKind::MissingValue;
+        report(&mut first.warnings, path, kind, left_out, what);
+        let what = "vehicles with a single row are no drive";
+        report(&mut first.warnings, path, kind, alone, what);
+    }
+    Ok(drives)
+}
+
+fn vehicle_warnings(path: &Path, vehicle: &Vehicle) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    if !vehicle.length_known {
+        let what = format!(
+            "ego's length is not known: {} m stands in",
+            vehicle.length_m
+        );
+        report(&mut warnings, path, WarningKind::Default, 1, &what);
+    }
+    let leads = vehicle.leads.iter().flatten();
+    let unknown = leads.filter(|l| !l.length_known).count();
+    let what = "rows whose leader's length is not known: the mapping's `lead_length_m` stands in";
+    report(&mut warnings, path, WarningKind::Default, unknown, what);
+    warnings
+}
+
+fn name_of(vehicle: &Vehicle, ids: &[String]) -> String {
+    let id = ids.get(vehicle.id as usize).map_or("", String::as_str);
+    match vehicle.generation {
+        0 => id.to_owned(),
+        again => format!("{id}-{}", again + 1),
+    }
+}
+
+/// A number for a vehicle's name: the name itself where it is a number.
+fn number_of(id: u32, ids: &[String]) -> u32 {
+    let name = ids.get(id as usize).and_then(|name| name.parse().ok());
+    name.unwrap_or(id)
+}

@@ -1,0 +1,528 @@
+//! Opens a table, CSV or Parquet, and gives its columns as numbers and words.
+
+use crate::{
+    error::{IngestError, nearest},
+    mapping::TableMapping,
+};
+use polars::prelude::{
+    Column, CsvParseOptions, CsvReadOptions, DataFrame, DataType, Field, ParquetReader, PlSmallStr,
+    PolarsError, Schema, SerReader,
+};
+use std::{
+    collections::BTreeMap,
+    io::Cursor,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+/// Words that stand for an empty cell.
+const EMPTY: [&str; 6] = ["", "nan", "na", "null", "none", "-"];
+/// Lines that may stand above the header.
+const MOST_PREAMBLE: usize = 64;
+/// Columns that a table may have: a header of commas must not cost more memory than its file.
+const MOST_COLUMNS: usize = 4096;
+/// How Parquet begins.
+pub(crate) const PARQUET: &[u8] = b"PAR1";
+
+/// What a column is read as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Number,
+    Word,
+}
+
+/// How the text of a table is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Style {
+    /// Character between cells; none to find it out.
+    pub(crate) separator: Option<u8>,
+    /// Whether a comma stands before the decimals.
+    pub(crate) decimal_comma: bool,
+}
+
+impl From<&TableMapping> for Style {
+    fn from(mapping: &TableMapping) -> Self {
+        Self {
+            separator: mapping.separator.map(|c| c as u8),
+            decimal_comma: mapping.decimal_comma,
+        }
+    }
+}
+
+/// Where the header of a text stands and what it holds.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Header {
+    /// Lines above it.
+    pub(crate) preamble: usize,
+    /// Character between cells.
+    pub(crate) separator: u8,
+    /// Names of the columns.
+    pub(crate) names: Vec<String>,
+}
+
+/// Finds the header of a text: the first line with a cell `anchor`, else the first line.
+pub(crate) fn header(text: &[u8], style: Style, anchor: Option<&str>) -> Header {
+    let read = |(preamble, line): (usize, &[u8])| {
+        let separator = style.separator.unwrap_or_else(|| separator_of(line));
+        let names = cells(line, separator);
+        Header {
+            preamble,
+            separator,
+            names,
+        }
+    };
+    let lines = || text.split(|&b| b == b'\n').take(MOST_PREAMBLE).enumerate();
+    let anchored = anchor.and_then(|anchor| {
+        let holds = |h: &Header| h.names.iter().any(|n| same_name(n, anchor));
+        lines().map(read).find(holds)
+    });
+    let first = || {
+        let filled = lines().find(|(_, line)| !line.trim_ascii().is_empty());
+        read(filled.unwrap_or_default())
+    };
+    anchored.unwrap_or_else(first)
+}
+
+/// The most frequent of comma, semicolon and tab.
+fn separator_of(line: &[u8]) -> u8 {
+    let count = |c: u8| line.iter().filter(|&&b| b == c).count();
+    // Of equals the last wins, so the comma stands there.
+    let likely = b"\t;,".iter().copied().max_by_key(|&c| count(c));
+    likely.unwrap_or(b',')
+}
+
+fn cells(line: &[u8], separator: u8) -> Vec<String> {
+    let line = line.strip_suffix(b"\r").unwrap_or(line);
+    let mut quoted = false;
+    let cells = line.split(|&b| {
+        quoted ^= b == b'"';
+        b == separator && !quoted
+    });
+    // One more than are allowed tells that there are too many.
+    let cells = cells.take(MOST_COLUMNS + 1);
+    cells
+        .map(|c| {
+            String::from_utf8_lossy(c)
+                .trim()
+                .trim_matches('"')
+                .to_owned()
+        })
+        .collect()
+}
+
+fn same_name(a: &str, b: &str) -> bool {
+    a.trim().eq_ignore_ascii_case(b.trim())
+}
+
+/// A table of which some columns were read.
+#[derive(Debug)]
+pub(crate) struct Table {
+    path: PathBuf,
+    /// All names of the header, as the file has them.
+    names: Vec<String>,
+    frame: DataFrame,
+    decimal_comma: bool,
+}
+
+impl Table {
+    /// Reads `wanted` columns; the first of them marks the line of the header.
+    ///
+    /// A name that ends in `?` may be missing. Numbers are parsed by polars; only if a cell is no number
+    /// are the columns read as text, so that the error can name the row.
+    ///
+    /// # Errors
+    /// [`IngestError::BadTable`], [`IngestError::UnknownColumn`].
+    pub(crate) fn open(
+        path: &Path,
+        bytes: Vec<u8>,
+        style: Style,
+        wanted: &[(&str, Kind)],
+    ) -> Result<Self, IngestError> {
+        Self::open_with(path, bytes, style, wanted, false)
+    }
+
+    fn open_with(
+        path: &Path,
+        bytes: Vec<u8>,
+        style: Style,
+        wanted: &[(&str, Kind)],
+        doubled_names: bool,
+    ) -> Result<Self, IngestError> {
+        let bad = |reason: String| IngestError::BadTable {
+            path: path.to_owned(),
+            reason,
+        };
+        let mut named = wanted.iter().map(|(name, _)| name.trim_end_matches('?'));
+        let anchor = named.find(|name| !name.is_empty());
+        let mut table = Self {
+            path: path.to_owned(),
+            names: Vec::new(),
+            frame: DataFrame::default(),
+            decimal_comma: style.decimal_comma,
+        };
+        if bytes.starts_with(PARQUET) {
+            table.read_parquet(bytes, wanted)?;
+        } else {
+            let bytes = without_mark(bytes);
+            let header = header(&bytes, style, anchor);
+            if header.names.len() > MOST_COLUMNS {
+                return Err(bad(format!("it has more than {MOST_COLUMNS} columns")));
+            }
+            table.names.clone_from(&header.names);
+            table.read_text(bytes, &header, wanted, doubled_names)?;
+        }
+        if table.frame.height() == 0 {
+            return Err(bad("it has a header and no rows".to_owned()));
+        }
+        Ok(table)
+    }
+
+    /// Reads as [`Table::open`] does, below the first line of a header of unknown names: the first wanted name is
+    /// its anchor, and of doubled names the first column is taken.
+    ///
+    /// # Errors
+    /// As [`Table::open`].
+    pub(crate) fn open_first(
+        path: &Path,
+        bytes: Vec<u8>,
+        style: Style,
+        wanted: &[(&str, Kind)],
+    ) -> Result<Self, IngestError> {
+        Self::open_with(path, bytes, style, wanted, true)
+    }
+
+    /// Names of the columns of Parquet.
+    ///
+    /// # Errors
+    /// [`IngestError::BadTable`].
+    pub(crate) fn parquet_names(path: &Path, bytes: &[u8]) -> Result<Vec<String>, IngestError> {
+        let schema = ParquetReader::new(Cursor::new(bytes)).schema();
+        let schema = schema.map_err(|e| IngestError::BadTable {
+            path: path.to_owned(),
+            reason: first_line(&e),
+        })?;
+        Ok(schema.iter_names().map(ToString::to_string).collect())
+    }
+
+    fn read_text(
+        &mut self,
+        bytes: Vec<u8>,
+        header: &Header,
+        wanted: &[(&str, Kind)],
+        doubled_names: bool,
+    ) -> Result<(), IngestError> {
+        let columns = self.wanted(wanted)?;
+        let mut doubled = columns.iter().filter(|c| {
+            let same = self.names.iter().filter(|n| **n == c.0);
+            same.count() > 1
+        });
+        if let (Some((name, _)), false) = (doubled.next(), doubled_names) {
+            return Err(IngestError::BadTable {
+                path: self.path.clone(),
+                reason: format!("its header has the column `{name}` twice"),
+            });
+        }
+        let bytes: Arc<[u8]> = bytes.into();
+        let read = |numbers: bool| {
+            // The names are ours: the file's may have blanks around them, or stand twice.
+            let field = |(i, name): (usize, &String)| {
+                let first = self.names.iter().position(|n| n == name) == Some(i);
+                let kind = columns.iter().find(|(c, _)| c == name).map(|c| c.1);
+                let number = numbers && kind == Some(Kind::Number);
+                let kind = if number {
+                    DataType::Float64
+                } else {
+                    DataType::String
+                };
+                match first {
+                    true => Field::new(name.as_str().into(), kind),
+                    false => Field::new(format!("{name}\u{1}{i}").into(), kind),
+                }
+            };
+            let schema: Schema = self.names.iter().enumerate().map(field).collect();
+            let names: Vec<PlSmallStr> = columns.iter().map(|c| c.0.as_str().into()).collect();
+            let parse = CsvParseOptions::default()
+                .with_separator(header.separator)
+                .with_decimal_comma(self.decimal_comma);
+            CsvReadOptions::default()
+                .with_infer_schema_length(Some(0))
+                .with_skip_lines(header.preamble)
+                .with_schema(Some(Arc::new(schema)))
+                .with_columns(Some(names.into()))
+                .with_parse_options(parse)
+                .into_reader_with_file_handle(Cursor::new(Arc::clone(&bytes)))
+                .finish()
+        };
+        self.frame = match read(true) {
+            Ok(frame) => frame,
+            Err(_) => read(false).map_err(|e| self.no_table(&bytes, header, &e))?,
+        };
+        Ok(())
+    }
+
+    /// Why polars could not read a text, with the row where we can tell.
+    fn no_table(&self, bytes: &[u8], header: &Header, error: &PolarsError) -> IngestError {
+        let lines = bytes.split(|&b| b == b'\n').skip(header.preamble + 1);
+        let width = header.names.len();
+        let ragged = lines.enumerate().find_map(|(row, line)| {
+            let found = cells(line, header.separator).len();
+            (found > width).then_some((row + 1, found))
+        });
+        let reason = match ragged {
+            Some((row, found)) => {
+                format!("row {row} has {found} cells, expected {width} as in its header")
+            }
+            None => first_line(error),
+        };
+        IngestError::BadTable {
+            path: self.path.clone(),
+            reason,
+        }
+    }
+
+    fn read_parquet(&mut self, bytes: Vec<u8>, wanted: &[(&str, Kind)]) -> Result<(), IngestError> {
+        let path = self.path.clone();
+        let bad = |e: PolarsError| IngestError::BadTable {
+            path: path.clone(),
+            reason: first_line(&e),
+        };
+        let mut reader = ParquetReader::new(Cursor::new(bytes));
+        let schema = reader.schema().map_err(bad)?;
+        self.names = schema.iter_names().map(ToString::to_string).collect();
+        let columns = self.wanted(wanted)?.into_iter().map(|c| c.0).collect();
+        self.frame = reader.with_columns(Some(columns)).finish().map_err(bad)?;
+        Ok(())
+    }
+
+    /// The columns that there are of those that are wanted, by the file's names and once each.
+    fn wanted(&self, wanted: &[(&str, Kind)]) -> Result<Vec<(String, Kind)>, IngestError> {
+        let mut found: Vec<(String, Kind)> = Vec::new();
+        for &(name, kind) in wanted {
+            match self.find(name) {
+                Some(actual) => {
+                    if found.iter().all(|(f, _)| f != actual) {
+                        found.push((actual.to_owned(), kind));
+                    }
+                }
+                None if name.ends_with('?') => {}
+                None => return Err(self.unknown(name)),
+            }
+        }
+        Ok(found)
+    }
+
+    /// The file's name of a column: the same, else the same but for capitals and blanks.
+    fn find(&self, name: &str) -> Option<&str> {
+        let name = name.trim_end_matches('?');
+        let exact = self.names.iter().find(|n| *n == name);
+        let similar = || self.names.iter().find(|n| same_name(n, name));
+        exact.or_else(similar).map(String::as_str)
+    }
+
+    fn unknown(&self, name: &str) -> IngestError {
+        let shown: Vec<&str> = self.names.iter().take(40).map(String::as_str).collect();
+        let more = match self.names.len() - shown.len() {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        IngestError::UnknownColumn {
+            path: self.path.clone(),
+            column: name.to_owned(),
+            nearest: nearest(name, self.names.iter().map(String::as_str)),
+            found: shown.join(", ") + &more,
+        }
+    }
+
+    /// The names of the header.
+    pub(crate) fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Number of rows.
+    pub(crate) fn rows(&self) -> usize {
+        self.frame.height()
+    }
+
+    /// Whether the table has a column of this name, which may end in `?`.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.find(name).is_some()
+    }
+
+    fn column(&self, name: &str) -> Result<&Column, IngestError> {
+        let actual = self.find(name).ok_or_else(|| self.unknown(name))?;
+        self.frame.column(actual).map_err(|_| self.unknown(name))
+    }
+
+    /// A fault in a cell; `row` counts from 0 here and from 1 in the message.
+    pub(crate) fn bad_cell(&self, row: usize, name: &str, found: impl Into<String>) -> IngestError {
+        IngestError::BadCell {
+            path: self.path.clone(),
+            row: row + 1,
+            column: name.trim_end_matches('?').to_owned(),
+            found: found.into(),
+        }
+    }
+
+    fn unreadable(&self, name: &str, error: &PolarsError) -> IngestError {
+        IngestError::BadTable {
+            path: self.path.clone(),
+            reason: format!("column `{name}` is neither numbers nor text: {error}"),
+        }
+    }
+
+    /// A column as numbers, shape `(rows,)`; NaN stands for an empty cell and never leaves this module's callers.
+    ///
+    /// # Errors
+    /// [`IngestError::BadCell`] for what is neither a finite number nor empty.
+    pub(crate) fn numbers(&self, name: &str) -> Result<Vec<f64>, IngestError> {
+        let column = self.column(name)?;
+        if let Ok(texts) = column.str() {
+            let number = |(row, cell): (usize, Option<&str>)| {
+                let cell = cell.map(str::trim).unwrap_or_default();
+                if EMPTY.iter().any(|e| cell.eq_ignore_ascii_case(e)) {
+                    return Ok(f64::NAN);
+                }
+                let parsed = match self.decimal_comma {
+                    true => cell.replace(',', ".").parse(),
+                    false => cell.parse(),
+                };
+                let parsed = parsed.ok().filter(|v: &f64| v.is_finite());
+                parsed.ok_or_else(|| {
+                    self.bad_cell(row, name, cell.chars().take(40).collect::<String>())
+                })
+            };
+            return texts.iter().enumerate().map(number).collect();
+        }
+        let numbers = column
+            .cast(&DataType::Float64)
+            .map_err(|e| self.unreadable(name, &e))?;
+        let numbers = numbers.f64().map_err(|e| self.unreadable(name, &e))?;
+        let mut out = Vec::with_capacity(numbers.len());
+        for (row, cell) in numbers.iter().enumerate() {
+            match cell {
+                Some(v) if v.is_infinite() => return Err(self.bad_cell(row, name, v.to_string())),
+                other => out.push(other.unwrap_or(f64::NAN)),
+            }
+        }
+        Ok(out)
+    }
+
+    /// A column as words, shape `(rows,)`.
+    ///
+    /// # Errors
+    /// [`IngestError::BadTable`] for a column that has no words.
+    pub(crate) fn words(&self, name: &str) -> Result<Vec<Option<String>>, IngestError> {
+        let texts = self
+            .column(name)?
+            .cast(&DataType::String)
+            .map_err(|e| self.unreadable(name, &e))?;
+        let texts = texts.str().map_err(|e| self.unreadable(name, &e))?;
+        let word = |cell: Option<&str>| {
+            let cell = cell.map(str::trim).unwrap_or_default();
+            let empty = EMPTY.iter().any(|e| cell.eq_ignore_ascii_case(e));
+            // A number that went through a table of floats is still the same number.
+            (!empty).then(|| cell.strip_suffix(".0").unwrap_or(cell).to_owned())
+        };
+        Ok(texts.iter().map(word).collect())
+    }
+
+    /// A column of names as numbers of a sorted list of names; an empty cell is none.
+    ///
+    /// # Errors
+    /// As [`Table::words`].
+    pub(crate) fn codes(&self, name: &str) -> Result<(Vec<Option<u32>>, Vec<String>), IngestError> {
+        let words = self.words(name)?;
+        let mut codes: BTreeMap<&str, u32> = BTreeMap::new();
+        for word in words.iter().flatten() {
+            codes.entry(word).or_default();
+        }
+        for (i, code) in (0..).zip(codes.values_mut()) {
+            *code = i;
+        }
+        let of = |w: &Option<String>| w.as_deref().map(|w| codes[w]);
+        let list = codes.keys().map(|w| (*w).to_owned()).collect();
+        Ok((words.iter().map(of).collect(), list))
+    }
+}
+
+fn first_line(error: &PolarsError) -> String {
+    error
+        .to_string()
+        .lines()
+        .next()
+        .unwrap_or_default()
+        .to_owned()
+}
+
+fn without_mark(mut text: Vec<u8>) -> Vec<u8> {
+    if text.starts_with(b"\xef\xbb\xbf") {
+        text.drain(..3);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn open(text: &str, wanted: &[(&str, Kind)]) -> Result<Table, IngestError> {
+        Table::open(Path::new("t.csv"), text.into(), Style::default(), wanted)
+    }
+
+    #[test]
+    fn a_header_is_found_below_other_lines_and_with_any_separator() {
+        let text = "Freq;10\nDate;today\n Time ;Speed1\r\n0,5;1\r\n0,6;2\r\n";
+        let style = Style {
+            separator: None,
+            decimal_comma: true,
+        };
+        let wanted = [("time", Kind::Number), ("Speed1", Kind::Number)];
+        let table = Table::open(Path::new("t.csv"), text.into(), style, &wanted).unwrap();
+        assert_eq!(table.numbers("time").unwrap(), [0.5, 0.6]);
+        assert_eq!(table.numbers("Speed1").unwrap(), [1.0, 2.0]);
+    }
+
+    #[test]
+    fn a_word_among_numbers_is_named_by_row_and_empty_cells_are_missing() {
+        let wanted = [
+            ("t", Kind::Number),
+            ("v", Kind::Number),
+            ("w?", Kind::Number),
+        ];
+        let table = open("t,v\n0,1\n1,fast\n", &wanted).unwrap();
+        let error = table.numbers("v").unwrap_err().to_string();
+        assert!(
+            error.contains("row 2") && error.contains("`fast`"),
+            "{error}"
+        );
+        assert!(!table.has("w?"));
+        let table = open("t,v\n0,NaN\n1,\n2,NA\n3,4\n", &wanted).unwrap();
+        let missing: Vec<bool> = table
+            .numbers("v")
+            .unwrap()
+            .iter()
+            .map(|v| v.is_nan())
+            .collect();
+        assert_eq!(missing, [true, true, true, false]);
+    }
+
+    #[test]
+    fn a_row_of_too_many_cells_and_a_doubled_name_are_refused() {
+        let error = open("t,v\n0,1\n0,1,2\n", &[("t", Kind::Number)]);
+        let error = error.unwrap_err().to_string();
+        assert!(error.contains("row 2 has 3 cells, expected 2"), "{error}");
+        let error = open("t,t\n0,1\n", &[("t", Kind::Number)]).unwrap_err();
+        assert!(error.to_string().contains("twice"));
+    }
+
+    #[test]
+    fn names_become_codes_of_a_sorted_list() {
+        let table = open("id\nb\na\n\n2.0\n", &[("id", Kind::Word)]).unwrap();
+        let (codes, names) = table.codes("id").unwrap();
+        assert_eq!(names, ["2", "a", "b"]);
+        assert_eq!(
+            codes.iter().flatten().copied().collect::<Vec<_>>(),
+            [2, 1, 0]
+        );
+    }
+}

@@ -1,0 +1,246 @@
+//! A follower and its leader: the columns of a file of pairs, or two neighbours of a platoon.
+
+use super::{
+    TableDrive, clock, named,
+    open::{Kind, Table},
+    report,
+    time::stamps,
+};
+use crate::{
+    differentiate::fill_speeds,
+    error::IngestError,
+    mapping::{GapKind, Point, TableMapping},
+    quality::{Warning, WarningKind},
+    raw::{EgoSample, ObjectSample, RawDrive},
+};
+use std::path::Path;
+
+/// Number of a leader that has none among the vehicles of its file.
+const LEADER: u32 = 1;
+
+/// A follower and its leader in SI units, one entry a row; NaN stands for an empty cell.
+pub(super) struct Couple {
+    pub(super) stamp_ns: Vec<Option<i64>>,
+    /// Without it the speed is integrated.
+    pub(super) ego_x_m: Option<Vec<f64>>,
+    pub(super) ego_speed_mps: Vec<f64>,
+    pub(super) ego_length_m: f64,
+    pub(super) ego_y_m: Option<Vec<f64>>,
+    /// From bumper to bumper; if `signed`, negative where the other vehicle is behind.
+    pub(super) gap_m: Vec<f64>,
+    pub(super) signed: bool,
+    /// Who is ahead, none for nobody; without it always the same.
+    pub(super) lead_id: Option<Vec<Option<u32>>>,
+    pub(super) lead_dy_m: Option<Vec<f64>>,
+    /// Without it the leader's position is differentiated.
+    pub(super) lead_speed_mps: Option<Vec<f64>>,
+    pub(super) lead_length_m: f64,
+}
+
+/// Reads a file of one pair.
+///
+/// # Errors
+/// As [`crate::read_log`].
+pub(super) fn read(
+    path: &Path,
+    bytes: Vec<u8>,
+    mapping: &TableMapping,
+    max_gap_s: f64,
+) -> Result<TableDrive, IngestError> {
+    let names = &mapping.columns;
+    let time = named(path, "time", names.time.as_ref())?;
+    let clock = clock(mapping);
+    let mut wanted = vec![(time, clock.kind())];
+    let given = names.given();
+    let numbers = given.iter().filter(|g| g.0 != "time" && g.0 != "lead_id");
+    wanted.extend(numbers.map(|g| (g.1, Kind::Number)));
+    wanted.extend(names.lead_id.iter().map(|n| (n.as_str(), Kind::Word)));
+    let table = Table::open(path, bytes, mapping.into(), &wanted)?;
+    let column = |name: &Option<String>, unit: f64| match name {
+        Some(name) if table.has(name) => {
+            let values = table.numbers(name)?;
+            Ok(Some(
+                values.into_iter().map(|v| v * unit).collect::<Vec<f64>>(),
+            ))
+        }
+        _ => Ok(None),
+    };
+    let length = mapping.units.length.metres();
+    let speed = mapping.units.speed.metres_per_second();
+    let ego_length_m = first_length(column(&names.ego_length, length)?, mapping.ego_length_m);
+    let lead_length_m = first_length(column(&names.lead_length, length)?, mapping.lead_length_m);
+    let ego_x_m = column(&names.ego_x, length)?;
+    let gap_m = match column(&names.gap, length)? {
+        Some(gap) => gap
+            .into_iter()
+            .map(|g| bumper_gap_m(g, mapping.gap_kind, lead_length_m))
+            .collect(),
+        None => {
+            let lead = column(&names.lead_x, length)?.unwrap_or_default();
+            let ego = ego_x_m.as_deref().unwrap_or_default();
+            let taken_m = match mapping.point {
+                Some(Point::Rear) => ego_length_m,
+                Some(Point::Front) => lead_length_m,
+                _ => 0.5 * (ego_length_m + lead_length_m),
+            };
+            lead.iter().zip(ego).map(|(l, e)| l - e - taken_m).collect()
+        }
+    };
+    let ego_speed = named(path, "ego_speed", names.ego_speed.as_ref())?;
+    let lead_id = match &names.lead_id {
+        Some(name) if table.has(name) => {
+            let (codes, ids) = table.codes(name)?;
+            let number = |code: u32| ids[code as usize].parse().unwrap_or(code);
+            Some(codes.into_iter().map(|c| c.map(number)).collect())
+        }
+        _ => None,
+    };
+    let couple = Couple {
+        stamp_ns: stamps(&table, time, clock)?,
+        ego_x_m,
+        ego_y_m: column(&names.ego_y, length)?,
+        signed: mapping.gap_kind == Some(GapKind::Signed),
+        lead_id,
+        lead_dy_m: column(&names.lead_dy, length)?,
+        ego_speed_mps: table
+            .numbers(ego_speed)?
+            .into_iter()
+            .map(|v| v * speed)
+            .collect(),
+        ego_length_m,
+        gap_m,
+        lead_speed_mps: column(&names.lead_speed, speed)?,
+        lead_length_m,
+    };
+    if couple.gap_m.len() != couple.stamp_ns.len() {
+        return Err(IngestError::BadMapping {
+            path: path.to_owned(),
+            reason: "neither `gap` nor `ego_x` with `lead_x` is a column of this table".to_owned(),
+        });
+    }
+    Ok(drive(path, &couple, max_gap_s))
+}
+
+/// A vehicle does not grow: its length is the first that is known.
+fn first_length(lengths: Option<Vec<f64>>, otherwise_m: f64) -> f64 {
+    let known = lengths.into_iter().flatten().find(|l| *l > 0.0);
+    known.unwrap_or(otherwise_m)
+}
+
+/// The gap between bumpers behind a gap of some kind, in m.
+pub(super) fn bumper_gap_m(gap_m: f64, kind: Option<GapKind>, lead_length_m: f64) -> f64 {
+    match kind {
+        Some(GapKind::FrontToFront) => gap_m - lead_length_m,
+        Some(GapKind::BumperToBumper | GapKind::Signed) | None => gap_m,
+    }
+}
+
+/// The drive of a follower: the leader's centre is put where its bumper is as far from ego's as the table says.
+pub(super) fn drive(path: &Path, couple: &Couple, max_gap_s: f64) -> TableDrive {
+    let centres_m = 0.5 * (couple.ego_length_m + couple.lead_length_m);
+    let mut raw = RawDrive {
+        ego_length_m: Some(couple.ego_length_m),
+        ..RawDrive::default()
+    };
+    let (mut without_ego, mut without_leader) = (0, 0);
+    let mut way = Way::default();
+    let mut leader: Vec<EgoSample> = Vec::new();
+    let mut numbers: Vec<u32> = Vec::new();
+    for (row, &stamp) in couple.stamp_ns.iter().enumerate() {
+        let v = couple.ego_speed_mps[row];
+        let x = match (&couple.ego_x_m, stamp) {
+            (Some(x), _) => x[row],
+            (None, Some(ns)) if v.is_finite() => way.go(ns, v),
+            _ => f64::NAN,
+        };
+        let (Some(stamp_ns), true) = (stamp, x.is_finite() && v.is_finite()) else {
+            without_ego += 1;
+            continue;
+        };
+        let sample = EgoSample {
+            stamp_ns,
+            log_ns: stamp_ns,
+            x_m: x,
+            y_m: couple.ego_y_m.as_ref().map_or(0.0, |y| y[row]),
+            yaw_rad: Some(0.0),
+            speed_mps: Some(v),
+        };
+        raw.ego.push(sample);
+        let id = couple.lead_id.as_ref().map_or(Some(LEADER), |ids| ids[row]);
+        let Some(id) = id else { continue };
+        let gap_m = couple.gap_m[row];
+        let behind = couple.signed && gap_m < 0.0;
+        let lead_x_m = x + gap_m + if behind { -centres_m } else { centres_m };
+        let speed_mps = couple.lead_speed_mps.as_ref().map(|s| s[row]);
+        if !lead_x_m.is_finite() || speed_mps.is_some_and(f64::is_nan) {
+            without_leader += 1;
+            continue;
+        }
+        numbers.push(id);
+        leader.push(EgoSample {
+            x_m: lead_x_m,
+            y_m: sample.y_m + couple.lead_dy_m.as_ref().map_or(0.0, |y| y[row]),
+            speed_mps,
+            ..sample
+        });
+    }
+    let mut warnings = Vec::new();
+    if couple.lead_speed_mps.is_none() {
+        differentiated(path, &mut leader, max_gap_s, &mut warnings);
+    }
+    let object = |(s, id): (EgoSample, u32)| {
+        Some(ObjectSample {
+            stamp_ns: s.stamp_ns,
+            log_ns: s.log_ns,
+            id,
+            x_m: s.x_m,
+            y_m: s.y_m,
+            speed_mps: s.speed_mps?,
+            length_m: Some(couple.lead_length_m),
+        })
+    };
+    raw.objects = leader.into_iter().zip(numbers).filter_map(object).collect();
+    let kind = WarningKind::MissingValue;
+    let what = "rows without time, position or speed of ego are left out";
+    report(&mut warnings, path, kind, without_ego, what);
+    let what = "rows without gap or speed of the leader have no leader";
+    report(&mut warnings, path, kind, without_leader, what);
+    TableDrive {
+        raw,
+        warnings,
+        ..TableDrive::default()
+    }
+}
+
+/// Fills in the speeds of a leader of whom only positions are known; a sample that stands alone keeps none.
+fn differentiated(
+    path: &Path,
+    leader: &mut [EgoSample],
+    max_gap_s: f64,
+    warnings: &mut Vec<Warning>,
+) {
+    // Out of order no slope means anything: such samples stay without a speed.
+    for run in leader.chunk_by_mut(|a, b| a.stamp_ns < b.stamp_ns) {
+        fill_speeds(run, max_gap_s);
+    }
+    let what = "no speed of the leader was recorded: it is differentiated from its positions";
+    report(warnings, path, WarningKind::Default, leader.len(), what);
+}
+
+/// The way that a speed makes, by the trapezoidal rule; times that do not rise add nothing.
+#[derive(Debug, Default)]
+struct Way {
+    last: Option<(i64, f64)>,
+    x_m: f64,
+}
+
+impl Way {
+    fn go(&mut self, stamp_ns: i64, speed_mps: f64) -> f64 {
+        if let Some((before_ns, before_mps)) = self.last {
+            let dt = stamp_ns.saturating_sub(before_ns).max(0) as f64 / 1e9;
+            self.x_m += 0.5 * (before_mps + speed_mps) * dt;
+        }
+        self.last = Some((stamp_ns, speed_mps));
+        self.x_m
+    }
+}

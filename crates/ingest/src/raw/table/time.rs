@@ -1,0 +1,121 @@
+//! Times of a table as nanoseconds.
+
+use super::open::{Kind, Table};
+use crate::{error::IngestError, mapping::TimeUnit};
+use chrono::{DateTime, NaiveDateTime};
+
+/// How the times of a table are written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Clock {
+    pub(crate) unit: TimeUnit,
+    /// Where times are numbers of frames; checked to be above 0.
+    pub(crate) frames_per_s: f64,
+}
+
+impl Clock {
+    /// What a column of such times is read as.
+    pub(crate) fn kind(self) -> Kind {
+        match self.unit {
+            TimeUnit::Iso8601 => Kind::Word,
+            _ => Kind::Number,
+        }
+    }
+}
+
+/// A column as nanoseconds, shape `(rows,)`; an empty cell is none.
+///
+/// # Errors
+/// [`IngestError::BadCell`] for what is no time, or a time that does not fit.
+pub(crate) fn stamps(
+    table: &Table,
+    name: &str,
+    clock: Clock,
+) -> Result<Vec<Option<i64>>, IngestError> {
+    if clock.unit == TimeUnit::Iso8601 {
+        let words = table.words(name)?.into_iter().enumerate();
+        let stamp = |(row, word): (usize, Option<String>)| match word {
+            None => Ok(None),
+            Some(word) => match date(&word) {
+                Some(ns) => Ok(Some(ns)),
+                None => Err(table.bad_cell(row, name, word)),
+            },
+        };
+        return words.map(stamp).collect();
+    }
+    let stamp = |(row, value): (usize, f64)| {
+        if value.is_nan() {
+            return Ok(None);
+        }
+        let ns = match clock.unit.nanoseconds() {
+            // Whole units apart: milliseconds since 1970 in nanoseconds are more than a float holds exactly.
+            Some(unit) if value.abs() < 9e18 / unit as f64 => {
+                let whole = value.trunc();
+                (whole as i64 * unit) + ((value - whole) * unit as f64).round() as i64
+            }
+            None if value.abs() / clock.frames_per_s < 9e9 => {
+                (value / clock.frames_per_s * 1e9).round() as i64
+            }
+            _ => return Err(table.bad_cell(row, name, value.to_string())),
+        };
+        Ok(Some(ns))
+    };
+    table
+        .numbers(name)?
+        .into_iter()
+        .enumerate()
+        .map(stamp)
+        .collect()
+}
+
+/// A date and a time of day in ns since 1970; without an offset it is UTC.
+fn date(text: &str) -> Option<i64> {
+    if let Ok(time) = DateTime::parse_from_rfc3339(text) {
+        return time.timestamp_nanos_opt();
+    }
+    let formats = ["%Y-%m-%dT%H:%M:%S%.f", "%Y-%m-%d %H:%M:%S%.f"];
+    let parsed = formats
+        .iter()
+        .find_map(|format| NaiveDateTime::parse_from_str(text, format).ok())?;
+    parsed.and_utc().timestamp_nanos_opt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raw::table::open::Style;
+    use std::path::Path;
+
+    fn of(cells: &str, unit: TimeUnit) -> Result<Vec<Option<i64>>, IngestError> {
+        let clock = Clock {
+            unit,
+            frames_per_s: 25.0,
+        };
+        let wanted = [("t", clock.kind())];
+        let text = format!("t\n{cells}\n").into();
+        let table = Table::open(Path::new("t.csv"), text, Style::default(), &wanted)?;
+        stamps(&table, "t", clock)
+    }
+
+    #[test]
+    fn milliseconds_since_1970_are_exact_and_frames_have_a_rate() {
+        let ms = of("1118848685100", TimeUnit::Milliseconds).unwrap();
+        assert_eq!(ms, [Some(1_118_848_685_100_000_000)]);
+        assert_eq!(of("0.3", TimeUnit::Seconds).unwrap(), [Some(300_000_000)]);
+        assert_eq!(of("5", TimeUnit::Frames).unwrap(), [Some(200_000_000)]);
+        assert!(of("1e300", TimeUnit::Seconds).is_err());
+    }
+
+    #[test]
+    fn dates_are_read_with_and_without_an_offset() {
+        let expected = [Some(1_562_235_693_100_000_000)];
+        for text in [
+            "2019-07-04T10:21:33.1Z",
+            "2019-07-04T12:21:33.1+02:00",
+            "2019-07-04 10:21:33.1",
+        ] {
+            assert_eq!(of(text, TimeUnit::Iso8601).unwrap(), expected, "{text}");
+        }
+        let error = of("yesterday", TimeUnit::Iso8601).unwrap_err();
+        assert!(error.to_string().contains("`yesterday`"), "{error}");
+    }
+}

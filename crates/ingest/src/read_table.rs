@@ -1,0 +1,93 @@
+//! The drives of a table.
+
+use crate::{
+    assemble::{Target, assemble},
+    error::IngestError,
+    mapping::{FrameKind, Layout, Mapping, RoadMapping, names::meta_within},
+    quality::{Warning, WarningKind},
+    raw::table::{self, TableDrive},
+    settings::Ingested,
+};
+use std::path::Path;
+
+/// Reads the drives of a table by its mapping; of a folder if every signal has its own file.
+///
+/// A vehicle of a table of many that is seen too rarely for a drive is left out by itself, with a warning.
+///
+/// # Errors
+/// As [`crate::read_log`].
+pub(crate) fn read_table(
+    path: &Path,
+    mapping: Option<&Mapping>,
+    rate_hz: f64,
+    max_gap_s: f64,
+) -> Result<Vec<Ingested>, IngestError> {
+    let no_mapping = || IngestError::NoMapping {
+        path: path.to_owned(),
+    };
+    let mapping = mapping.ok_or_else(no_mapping)?;
+    let columns = mapping.table.as_ref().ok_or_else(no_mapping)?;
+    let mapped = mapping.road.unwrap_or(RoadMapping::UNKNOWN);
+    let drives = table::read(path, columns, &mapped, max_gap_s)?;
+    let several = columns.layout == Layout::Long;
+    let headed = several && columns.columns.heading.is_some();
+    let mut found = Vec::new();
+    let mut refused: Option<IngestError> = None;
+    let mut sparse = 0;
+    for drive in drives {
+        let TableDrive {
+            captures,
+            road,
+            lane_steps,
+            raw,
+            mut warnings,
+        } = drive;
+        let road = road.unwrap_or(mapped);
+        let target = Target {
+            // Only positions in the world need to be laid along the road.
+            frame: if headed { road.frame } else { FrameKind::Map },
+            lane_steps,
+            // What is in ego's lane is known by name there.
+            own_lane_only: road.lanes == 1 && !headed,
+            ..Target::mapped(&road, rate_hz, max_gap_s)
+        };
+        let (meta, told) = meta_within(path, mapping.names.as_ref(), &captures)?;
+        if !told {
+            let what = "the file's name does not fit the mapping's pattern: it is the drive's name";
+            warnings.push(Warning::new(path, WarningKind::Default, 1, what));
+        }
+        match assemble(path, raw, &target) {
+            Ok((recording, more)) => {
+                warnings.extend(more);
+                found.push(Ingested {
+                    meta,
+                    recording,
+                    warnings,
+                });
+            }
+            Err(error @ IngestError::TooSparse { .. }) if several => {
+                sparse += 1;
+                refused.get_or_insert(error);
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    match (found.first_mut(), refused) {
+        (Some(first), Some(_)) => {
+            let what =
+                "vehicles whose samples are all further apart than the longest gap are no drives";
+            let warning = Warning::new(path, WarningKind::MissingValue, sparse, what);
+            first.warnings.push(warning);
+        }
+        (None, Some(error)) => return Err(error),
+        (None, None) => {
+            return Err(IngestError::BadTable {
+                path: path.to_owned(),
+                reason: "it has no vehicle with two rows that have time, number and position"
+                    .to_owned(),
+            });
+        }
+        (Some(_), None) => {}
+    }
+    Ok(found)
+}
