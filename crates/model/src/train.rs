@@ -43,6 +43,8 @@ pub struct EpochReport {
     pub epoch: usize,
     /// Of how many.
     pub epochs: usize,
+    /// Rows learned from.
+    pub rows: usize,
     /// The losses while it ran, means over its batches.
     pub losses: LossTerms,
     /// Their weighted sum.

@@ -26,6 +26,7 @@ struct Lane {
     tile: Tile,
     gradient: Aligned,
     lines: Matrix,
+    narrow: Aligned,
     sums: Sums,
     predicted: Vec<Predicted>,
 }
@@ -75,6 +76,7 @@ impl Batches {
             tile: Tile::new(&layout, d, SIGNALS * a.window_steps),
             gradient: Aligned::zeros(layout.packed),
             lines: Matrix::zeros(drivers.min(most), roster.columns.all),
+            narrow: Aligned::zeros(tile::narrow_room(&layout)),
             sums: Sums::default(),
             predicted: Vec::new(),
         };
@@ -178,6 +180,7 @@ impl Batches {
                 let mut to = Gradients {
                     packed: &mut lane.gradient,
                     lines: &mut lane.lines,
+                    narrow: &mut lane.narrow,
                 };
                 then(&mut lane.tile, &shared, &mut to, &mut lane.predicted);
             }

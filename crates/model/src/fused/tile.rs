@@ -2,7 +2,7 @@
 
 use super::{
     layout::{Layer, Layout},
-    matrix::{Matrix, View, ViewMut},
+    matrix::{LANES, Matrix, View, ViewMut},
     product::{BackRelu, Finish, OuterSums, Plain, Relu, RowsTimes, ScatterRows, Start},
     roster::Roster,
 };
@@ -44,6 +44,17 @@ pub(crate) struct Gradients<'a> {
     pub(crate) packed: &'a mut [f32],
     /// By the roster's lines.
     pub(crate) lines: &'a mut Matrix,
+    /// Room for the sums of a layer with few outputs, see [`narrow_room`].
+    pub(crate) narrow: &'a mut [f32],
+}
+
+/// A layer with so few outputs, padded to a whole vector, would waste most of it.
+const NARROW: usize = 8;
+
+/// Numbers that [`Gradients::narrow`] needs.
+pub(crate) fn narrow_room(layout: &Layout) -> usize {
+    let widest = layout.layers().map(Layer::back_width).max();
+    NARROW * widest.unwrap_or(0)
 }
 
 /// A row of data beside its window: what is known and what it counts for.
@@ -456,6 +467,27 @@ impl Through<'_> {
         });
     }
 
+    /// The gradient by the weights of a layer with few outputs: output by output, along its inputs.
+    fn narrow(&self, layer: &Layer, x: View<'_>, dy: View<'_>, to: &mut Gradients<'_>) {
+        let (outputs, width) = (layer.native.outputs, layer.back_width());
+        let sums = &mut to.narrow[..outputs * width];
+        sums.fill(0.0);
+        self.shared.arch.dispatch(OuterSums {
+            rows: self.rows,
+            x: dy,
+            inputs: outputs,
+            dy: x,
+            width,
+            to: sums,
+        });
+        let lines = layer.weights_mut(to.packed).chunks_exact_mut(layer.width);
+        for (input, line) in lines.enumerate() {
+            for (output, to) in line[..outputs].iter_mut().enumerate() {
+                *to += sums[output * width + input];
+            }
+        }
+    }
+
     /// The gradient by a layer's inputs.
     fn back(
         &self,
@@ -501,14 +533,19 @@ impl Through<'_> {
                 read.from(0)
             };
             let before = index.checked_sub(1).map(|i| &hidden[i]);
-            arch.dispatch(OuterSums {
-                rows: self.rows,
-                x: before.map_or(x, |matrix| matrix.from(0)),
-                inputs: layer.inputs(),
-                dy,
-                width: layer.width,
-                to: layer.weights_mut(to.packed),
-            });
+            let x = before.map_or(x, |matrix| matrix.from(0));
+            if layer.native.outputs <= NARROW && x.first % LANES == 0 {
+                self.narrow(layer, x, dy, to);
+            } else {
+                arch.dispatch(OuterSums {
+                    rows: self.rows,
+                    x,
+                    inputs: layer.inputs(),
+                    dy,
+                    width: layer.width,
+                    to: layer.weights_mut(to.packed),
+                });
+            }
             match table {
                 Some(column) if index == 0 => arch.dispatch(ScatterRows {
                     from: dy,
