@@ -188,8 +188,8 @@ impl Tile {
             ),
         ];
         for (stack, window, hidden, code) in encoders {
-            let code = self.reads.from_mut(code);
-            through.forward(stack, self.windows.from(window), None, hidden, code);
+            let code = self.reads.columns_mut(code);
+            through.forward(stack, self.windows.columns(window), None, hidden, code);
         }
         let heads = [
             (
@@ -212,21 +212,21 @@ impl Tile {
             ),
         ];
         for (stack, x, table, head) in heads {
-            let out = head.output.from_mut(0);
-            let x = self.reads.from(x);
+            let out = head.output.columns_mut(0);
+            let x = self.reads.columns(x);
             through.forward(stack, x, Some(table), &mut head.hidden, out);
         }
         let mut sums = Sums::default();
         self.predictor_losses(shared, &mut sums);
         if shared.weights.mutual_information > 0.0 {
             let head = &mut self.mutual_information;
-            let out = head.output.from_mut(0);
+            let out = head.output.columns_mut(0);
             let through = Through {
                 shared,
                 rows: self.rows,
                 place: &self.place[..self.rows],
             };
-            let x = self.reads.from(0);
+            let x = self.reads.columns(0);
             through.forward(&layout.mutual_information, x, None, &mut head.hidden, out);
             self.mutual_information_loss(shared, &mut sums);
         }
@@ -261,9 +261,13 @@ impl Tile {
             let head = &self.mutual_information;
             through.backward(
                 &layout.mutual_information,
-                (self.reads.from(0), &head.hidden, head.by_output.from(0)),
+                (
+                    self.reads.columns(0),
+                    &head.hidden,
+                    head.by_output.columns(0),
+                ),
                 None,
-                Some((self.by_reads.from_mut(0), ZERO)),
+                Some((self.by_reads.columns_mut(0), ZERO)),
                 scratch,
                 to,
             );
@@ -291,9 +295,9 @@ impl Tile {
         through.backward(
             &layout.following_distance,
             (
-                self.reads.from(layout.reads.lead_speed),
+                self.reads.columns(layout.reads.lead_speed),
                 &head.hidden,
-                head.by_output.from(0),
+                head.by_output.columns(0),
             ),
             Some(columns.following_distance),
             None,
@@ -321,15 +325,23 @@ impl Tile {
         for (stack, encoder, head, hidden, table, (code, window)) in parts {
             through.backward(
                 stack,
-                (self.reads.from(code), &head.hidden, head.by_output.from(0)),
+                (
+                    self.reads.columns(code),
+                    &head.hidden,
+                    head.by_output.columns(0),
+                ),
                 Some(table),
-                Some((self.by_reads.from_mut(code), start)),
+                Some((self.by_reads.columns_mut(code), start)),
                 scratch,
                 to,
             );
             through.backward(
                 encoder,
-                (self.windows.from(window), hidden, self.by_reads.from(code)),
+                (
+                    self.windows.columns(window),
+                    hidden,
+                    self.by_reads.columns(code),
+                ),
                 None,
                 None,
                 scratch,
@@ -432,18 +444,18 @@ impl Through<'_> {
         };
         let start = |index: usize, layer: &Layer| match table {
             Some(column) if index == 0 => Start::Table {
-                table: self.shared.roster.table.from(column),
+                table: self.shared.roster.table.columns(column),
                 index: self.place,
             },
             _ => Start::Bias(layer.biases(self.shared.packed)),
         };
         for (index, layer) in others.iter().enumerate() {
             let (before, after) = hidden.split_at_mut(index);
-            let x = before.last().map_or(x, |matrix| matrix.from(0));
-            let y = after[0].from_mut(0);
+            let x = before.last().map_or(x, |matrix| matrix.columns(0));
+            let y = after[0].columns_mut(0);
             self.layer(layer, x, start(index, layer), Relu, y);
         }
-        let x = hidden.last().map_or(x, |matrix| matrix.from(0));
+        let x = hidden.last().map_or(x, |matrix| matrix.columns(0));
         self.layer(last, x, start(others.len(), last), Plain, output);
     }
 
@@ -530,10 +542,10 @@ impl Through<'_> {
             let dy = if index + 1 == stack.len() {
                 by_output
             } else {
-                read.from(0)
+                read.columns(0)
             };
             let before = index.checked_sub(1).map(|i| &hidden[i]);
-            let x = before.map_or(x, |matrix| matrix.from(0));
+            let x = before.map_or(x, |matrix| matrix.columns(0));
             if layer.native.outputs <= NARROW && x.first % LANES == 0 {
                 self.narrow(layer, x, dy, to);
             } else {
@@ -551,7 +563,7 @@ impl Through<'_> {
                     from: dy,
                     index: self.place,
                     width: layer.width,
-                    to: to.lines.from_mut(column),
+                    to: to.lines.columns_mut(column),
                 }),
                 _ => arch.dispatch(OuterSums {
                     rows: self.rows,
@@ -564,8 +576,8 @@ impl Through<'_> {
             }
             match before {
                 Some(values) => {
-                    let finish = BackRelu(values.from(0));
-                    self.back(layer, dy, ZERO, finish, write.from_mut(0));
+                    let finish = BackRelu(values.columns(0));
+                    self.back(layer, dy, ZERO, finish, write.columns_mut(0));
                 }
                 None => {
                     if let Some((y, start)) = input.take() {

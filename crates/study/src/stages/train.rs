@@ -309,7 +309,7 @@ fn validation_line(selection: &Selection) -> String {
         last.and_then(of)
             .map_or("none".to_owned(), |v| format!("{v:.3}"))
     };
-    let mut line = format!(
+    let line = format!(
         "epoch {} of a run on the rest: loss {} on {} rows kept back, {} on the rows learned from",
         selection.kept_epoch,
         numbers(|e| e.validation_total),
@@ -317,13 +317,13 @@ fn validation_line(selection: &Selection) -> String {
         // L4 has no rows, so the loss kept back has none of it.
         numbers(|e| Some(e.total)),
     );
-    if let Some(calibration) = &selection.quality.lane_change {
-        line += &format!(
-            "; P(change) off by {:.4} where {:.4} is observed",
+    match &selection.quality.lane_change {
+        Some(calibration) => format!(
+            "{line}; P(change) off by {:.4} where {:.4} is observed",
             calibration.expected_calibration_error, calibration.observed
-        );
+        ),
+        None => line,
     }
-    line
 }
 
 /// ADB scores of participants without a drive here.
@@ -436,22 +436,20 @@ fn epoch_line(report: &EpochReport, rows_per_s: Option<f64>) -> String {
         report.losses.aggression,
         losses.mutual_information,
     ];
-    let mut text = match report.validation {
-        Some(_) => "epochs, kept-back rows:".to_owned(),
-        None => "epochs:".to_owned(),
+    let rows = match report.validation {
+        Some(_) => "epochs, kept-back rows:",
+        None => "epochs:",
     };
-    for (number, term) in (1..).zip(terms) {
-        if let Some(value) = term {
-            text += &format!(" L{number} {value:.3}");
-        }
-    }
-    if let Some(bound) = losses.mutual_information_bound {
-        text += &format!(", I >= {bound:.2} nats");
-    }
-    if let Some(rate) = rows_per_s {
-        text += &format!(", {:.0}k rows/s", rate / 1e3);
-    }
-    text
+    let terms = (1..).zip(terms);
+    let terms = terms.filter_map(|(number, term)| Some(format!("L{number} {:.3}", term?)));
+    let mut parts = vec![format!(
+        "{rows} {}",
+        terms.collect::<Vec<String>>().join(" ")
+    )];
+    let bound = losses.mutual_information_bound;
+    parts.extend(bound.map(|bound| format!("I >= {bound:.2} nats")));
+    parts.extend(rows_per_s.map(|rate| format!("{:.0}k rows/s", rate / 1e3)));
+    parts.join(", ")
 }
 
 #[cfg(test)]
