@@ -11,11 +11,7 @@ mod drives;
 use maveric_model::{TrainParams, TrainSettings, TrainingDrive, train};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
-use std::{
-    ops::ControlFlow,
-    sync::OnceLock,
-    time::{Duration, Instant},
-};
+use std::{ops::ControlFlow, sync::OnceLock, time::Instant};
 
 /// Fused multiply-adds in registers alone: 24 sums, as many as the training kernel keeps.
 struct Peak {
@@ -42,9 +38,9 @@ impl WithSimd for Peak {
     }
 }
 
-/// Time since the first call: that the processor spent on this program where the system says so (Linux), which a
+/// Time since the first call, in s: that the processor spent on this program where the system says so (Linux), which a
 /// busy machine does not blur, else that on the wall.
-fn spent(wall: bool) -> Duration {
+fn spent(wall: bool) -> f64 {
     static START: OnceLock<Instant> = OnceLock::new();
     let on_the_wall = START.get_or_init(Instant::now).elapsed();
     let of_thread = |task: std::io::Result<std::fs::DirEntry>| -> Option<u64> {
@@ -52,8 +48,8 @@ fn spent(wall: bool) -> Duration {
         text.split(' ').next()?.parse().ok()
     };
     match std::fs::read_dir("/proc/self/task") {
-        Ok(tasks) if !wall => Duration::from_nanos(tasks.filter_map(of_thread).sum()),
-        _ => on_the_wall,
+        Ok(tasks) if !wall => 1e-9 * tasks.filter_map(of_thread).sum::<u64>() as f64,
+        _ => on_the_wall.as_secs_f64(),
     }
 }
 
@@ -66,7 +62,7 @@ fn peak(wall: bool) -> f64 {
             .into_par_iter()
             .map(|_| Arch::new().dispatch(Peak { rounds: 2_000_000 }))
             .sum();
-        work / (spent(wall) - start).as_secs_f64()
+        work / (spent(wall) - start)
     };
     (0..7).map(once).fold(0.0, f64::max)
 }
@@ -81,7 +77,7 @@ fn rate(wall: bool, given: &[TrainingDrive<'_>], batch_size: usize) -> f64 {
     })
     .expect("settings in range");
     let mut last = spent(wall);
-    let mut best = Duration::MAX;
+    let mut best = f64::INFINITY;
     let mut seen = 0;
     let trained = train(given, &params, 1, &mut |_| {
         seen += 1;
@@ -92,7 +88,7 @@ fn rate(wall: bool, given: &[TrainingDrive<'_>], batch_size: usize) -> f64 {
         ControlFlow::Continue(())
     })
     .expect("drives long enough");
-    trained.report.rows as f64 / best.as_secs_f64()
+    trained.report.rows as f64 / best
 }
 
 fn main() {

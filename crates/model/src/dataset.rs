@@ -242,19 +242,21 @@ impl Data {
 
     /// Of what was learned from: another training has another number, but for accidents.
     pub(crate) fn fingerprint(&self, settings: &TrainSettings, seed: u64) -> u64 {
-        let mut text = format!("{settings:?} {seed} {:?} {:?}", self.drives, self.adb);
-        for rows in [&self.training, &self.validation] {
-            let bits = |values: &[f32]| {
-                let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
-                checksum(&bytes)
-            };
-            let [windows, values, weights] = [
+        let bits = |values: &[f32]| {
+            let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+            checksum(&bytes)
+        };
+        let of_rows = [&self.training, &self.validation].map(|rows| {
+            [
                 bits(&rows.windows),
                 bits(rows.values.as_flattened()),
                 bits(rows.weights.as_flattened()),
-            ];
-            text += &format!(" {} {windows} {values} {weights}", rows.len());
-        }
+            ]
+        });
+        let text = format!(
+            "{settings:?} {seed} {:?} {:?} {of_rows:?}",
+            self.drives, self.adb
+        );
         checksum(text.as_bytes())
     }
 

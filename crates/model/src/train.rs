@@ -43,6 +43,8 @@ pub struct EpochReport {
     pub epoch: usize,
     /// Of how many.
     pub epochs: usize,
+    /// Rows learned from.
+    pub rows: usize,
     /// The losses while it ran, means over its batches.
     pub losses: LossTerms,
     /// Their weighted sum.
@@ -283,7 +285,7 @@ impl Session<'_> {
             }
             run.epochs.push(report);
             let stop = (self.observe)(&report).is_break();
-            let due = self.every > 0 && epoch % self.every == 0;
+            let due = self.every > 0 && epoch.is_multiple_of(self.every);
             if stop || due {
                 let state = TrainingState {
                     fingerprint: self.fingerprint,

@@ -27,35 +27,31 @@ use std::ops::Range;
 
 /// Brings rows into a tile, with noise on their windows.
 fn gather(data: &RowSet, rows: &[u32], (noise, d): (f32, usize), seed: u64, tile: &mut Tile) {
+    // All rows first: they lie anywhere in memory, and the waits for them overlap if nothing else comes between.
+    copy(data, rows.iter().map(|&row| row as usize), tile);
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let numbers = data.window_numbers();
     let steps = numbers / SIGNALS;
     let middle = (steps - 1) as f32 / 2.0;
-    for (at, &row) in rows.iter().enumerate() {
-        let row = row as usize;
-        let window = &data.windows[row * numbers..][..numbers];
-        let to = &mut tile.windows.row_mut(at)[..numbers];
-        for (from, to) in window.chunks_exact(steps).zip(to.chunks_exact_mut(steps)) {
+    for at in 0..rows.len() {
+        let window = &mut tile.windows.row_mut(at)[..numbers];
+        for values in window.chunks_exact_mut(steps) {
             let offset: f32 = StandardNormal.sample(&mut rng);
             let slope: f32 = StandardNormal.sample(&mut rng);
             let unit = noise * slope / middle.max(1.0);
             let first = noise * offset - unit * middle;
-            for (step, (to, from)) in to.iter_mut().zip(from).enumerate() {
-                *to = from + (first + unit * step as f32);
+            for (step, value) in values.iter_mut().enumerate() {
+                *value += first + unit * step as f32;
             }
         }
         for epsilon in &mut tile.noise.row_mut(at)[..d] {
             *epsilon = StandardNormal.sample(&mut rng);
         }
-        tile.known[at] = Known {
-            values: data.values[row],
-            weights: data.weights[row],
-        };
     }
 }
 
 /// Brings rows into a tile as they are.
-fn copy(data: &RowSet, rows: Range<usize>, tile: &mut Tile) {
+fn copy(data: &RowSet, rows: impl Iterator<Item = usize>, tile: &mut Tile) {
     let numbers = data.window_numbers();
     for (at, row) in rows.enumerate() {
         let window = &data.windows[row * numbers..][..numbers];
@@ -165,6 +161,7 @@ impl<'a> Trainer<'a> {
         EpochReport {
             epoch,
             epochs: self.epochs,
+            rows,
             total: losses.total(&self.weights),
             losses,
             validation: None,

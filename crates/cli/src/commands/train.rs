@@ -28,6 +28,18 @@ pub(crate) struct Train {
     /// Share of each drive, from its start, that may be learned from
     #[arg(long, default_value_t = 1.0)]
     fit_fraction: f64,
+    /// Share of each drive, at its end, that a run of its own keeps back to measure the losses on (0: no such run)
+    #[arg(long, default_value_t = 0.15)]
+    validation_fraction: f64,
+    /// Epochs without a lower validation loss after which that run stops, and the model's too (0: never)
+    #[arg(long, default_value_t = 0)]
+    patience: usize,
+    /// Go on from the checkpoint that an interrupted training left beside the model
+    #[arg(long)]
+    resume: bool,
+    /// Epochs from checkpoint to checkpoint (0: only when interrupted)
+    #[arg(long, default_value_t = 10)]
+    checkpoint_every: usize,
     /// Root of every random choice
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -50,6 +62,10 @@ impl Train {
             fit_fraction: self.fit_fraction,
             seed: self.seed,
             jobs: self.jobs,
+            validation_fraction: self.validation_fraction,
+            patience: self.patience,
+            resume: self.resume,
+            checkpoint_every: self.checkpoint_every,
         };
         print_outcome(self.format, "could not train", |watch| {
             train::train(&options, watch)

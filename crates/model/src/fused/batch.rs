@@ -3,6 +3,7 @@
 use super::{
     layout::Layout,
     matrix::{Aligned, Matrix},
+    product::AddTo,
     roster::Roster,
     tile::{self, Gradients, Predicted, Shared, Tile},
 };
@@ -11,7 +12,7 @@ use crate::{
     network::Networks,
     windows::SIGNALS,
 };
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -26,6 +27,7 @@ struct Lane {
     tile: Tile,
     gradient: Aligned,
     lines: Matrix,
+    narrow: Aligned,
     sums: Sums,
     predicted: Vec<Predicted>,
 }
@@ -75,6 +77,7 @@ impl Batches {
             tile: Tile::new(&layout, d, SIGNALS * a.window_steps),
             gradient: Aligned::zeros(layout.packed),
             lines: Matrix::zeros(drivers.min(most), roster.columns.all),
+            narrow: Aligned::zeros(tile::narrow_room(&layout)),
             sums: Sums::default(),
             predicted: Vec::new(),
         };
@@ -178,6 +181,7 @@ impl Batches {
                 let mut to = Gradients {
                     packed: &mut lane.gradient,
                     lines: &mut lane.lines,
+                    narrow: &mut lane.narrow,
                 };
                 then(&mut lane.tile, &shared, &mut to, &mut lane.predicted);
             }
@@ -217,22 +221,5 @@ impl Batches {
             &mut self.embedding_gradient,
         );
         sums
-    }
-}
-
-/// Adds number by number.
-struct AddTo<'a> {
-    to: &'a mut [f32],
-    from: &'a [f32],
-}
-
-impl WithSimd for AddTo<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let to = S::as_mut_simd_f32s(self.to).0;
-        for (to, &from) in to.iter_mut().zip(S::as_simd_f32s(self.from).0) {
-            *to = simd.add_f32s(*to, from);
-        }
     }
 }

@@ -198,7 +198,7 @@ impl Layout {
         }
     }
 
-    fn layers(&self) -> impl Iterator<Item = &Layer> {
+    pub(crate) fn layers(&self) -> impl Iterator<Item = &Layer> {
         [
             &self.following_distance,
             &self.lane_encoder,

@@ -78,7 +78,7 @@ impl Matrix {
     }
 
     /// The columns from `first` on.
-    pub(crate) fn from(&self, first: usize) -> View<'_> {
+    pub(crate) fn columns(&self, first: usize) -> View<'_> {
         View {
             data: &self.data,
             stride: self.width,
@@ -87,7 +87,7 @@ impl Matrix {
     }
 
     /// The columns from `first` on, to write to.
-    pub(crate) fn from_mut(&mut self, first: usize) -> ViewMut<'_> {
+    pub(crate) fn columns_mut(&mut self, first: usize) -> ViewMut<'_> {
         ViewMut {
             stride: self.width,
             first,

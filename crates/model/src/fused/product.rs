@@ -143,6 +143,10 @@ impl<F: Finish> RowsTimes<'_, F> {
     }
 
     #[inline(always)]
+    #[expect(
+        clippy::needless_range_loop,
+        reason = "counted loops over constants are unrolled, and the sums then live in registers"
+    )]
     fn block<S: Simd, const M: usize, const N: usize>(&mut self, simd: S, row: usize, at: usize) {
         let vectors = self.width / S::F32_LANES;
         // Loops, and no closures: a closure that is not inlined is compiled without the vectors.
@@ -219,6 +223,10 @@ impl OuterSums<'_> {
     }
 
     #[inline(always)]
+    #[expect(
+        clippy::needless_range_loop,
+        reason = "counted loops over constants are unrolled, and the sums then live in registers"
+    )]
     fn block<S: Simd, const M: usize, const N: usize>(&mut self, simd: S, input: usize, at: usize) {
         let zero = simd.splat_f32s(0.0);
         let mut sums = [[zero; N]; M];
@@ -271,6 +279,24 @@ impl WithSimd for ScatterRows<'_> {
             for (to, &from) in to.iter_mut().zip(S::as_simd_f32s(from).0) {
                 *to = simd.add_f32s(*to, from);
             }
+        }
+    }
+}
+
+/// Adds number by number.
+#[derive(Debug)]
+pub(crate) struct AddTo<'a> {
+    pub(crate) to: &'a mut [f32],
+    pub(crate) from: &'a [f32],
+}
+
+impl WithSimd for AddTo<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let to = S::as_mut_simd_f32s(self.to).0;
+        for (to, &from) in to.iter_mut().zip(S::as_simd_f32s(self.from).0) {
+            *to = simd.add_f32s(*to, from);
         }
     }
 }

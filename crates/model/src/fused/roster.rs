@@ -123,13 +123,13 @@ impl Roster {
         for (layer, first) in parts(layout, &columns) {
             arch.dispatch(RowsTimes {
                 rows: self.present.len(),
-                x: self.embeddings.from(0),
+                x: self.embeddings.columns(0),
                 depth: d,
                 b: layer.embedding_weights(packed),
                 width: layer.width,
                 start: Start::Bias(layer.biases(packed)),
                 finish: Plain,
-                y: self.table.from_mut(first),
+                y: self.table.columns_mut(first),
             });
         }
     }
@@ -154,7 +154,7 @@ impl Roster {
         };
         self.by_embedding.all_mut().fill(0.0);
         for (layer, first) in parts(layout, &self.columns) {
-            let dy = lines.from(first);
+            let dy = lines.columns(first);
             arch.dispatch(OuterSums {
                 rows,
                 x: ones,
@@ -165,7 +165,7 @@ impl Roster {
             });
             arch.dispatch(OuterSums {
                 rows,
-                x: self.embeddings.from(0),
+                x: self.embeddings.columns(0),
                 inputs: d,
                 dy,
                 width: layer.width,
@@ -179,7 +179,7 @@ impl Roster {
                 width: self.by_embedding.width,
                 start: Start::Add,
                 finish: Plain,
-                y: self.by_embedding.from_mut(0),
+                y: self.by_embedding.columns_mut(0),
             });
         }
         for (place, &driver) in self.present.iter().enumerate() {

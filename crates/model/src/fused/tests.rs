@@ -164,8 +164,8 @@ impl Problem {
                 for i in 0..3 {
                     inputs.targets.feature_mut(i)[column] = f64::from(values[i + 1]);
                 }
-                for i in 0..4 {
-                    inputs.weights.feature_mut(i)[column] = f64::from(weights[i]);
+                for (i, weight) in weights.into_iter().enumerate() {
+                    inputs.weights.feature_mut(i)[column] = f64::from(weight);
                 }
             }
             pass.set_windows(&windows);

@@ -2,7 +2,7 @@
 
 use super::{
     layout::{Layer, Layout},
-    matrix::{Matrix, View, ViewMut},
+    matrix::{LANES, Matrix, View, ViewMut},
     product::{BackRelu, Finish, OuterSums, Plain, Relu, RowsTimes, ScatterRows, Start},
     roster::Roster,
 };
@@ -44,6 +44,17 @@ pub(crate) struct Gradients<'a> {
     pub(crate) packed: &'a mut [f32],
     /// By the roster's lines.
     pub(crate) lines: &'a mut Matrix,
+    /// Room for the sums of a layer with few outputs, see [`narrow_room`].
+    pub(crate) narrow: &'a mut [f32],
+}
+
+/// A layer with so few outputs, padded to a whole vector, would waste most of it.
+const NARROW: usize = 8;
+
+/// Numbers that [`Gradients::narrow`] needs.
+pub(crate) fn narrow_room(layout: &Layout) -> usize {
+    let widest = layout.layers().map(Layer::back_width).max();
+    NARROW * widest.unwrap_or(0)
 }
 
 /// A row of data beside its window: what is known and what it counts for.
@@ -177,8 +188,8 @@ impl Tile {
             ),
         ];
         for (stack, window, hidden, code) in encoders {
-            let code = self.reads.from_mut(code);
-            through.forward(stack, self.windows.from(window), None, hidden, code);
+            let code = self.reads.columns_mut(code);
+            through.forward(stack, self.windows.columns(window), None, hidden, code);
         }
         let heads = [
             (
@@ -201,21 +212,21 @@ impl Tile {
             ),
         ];
         for (stack, x, table, head) in heads {
-            let out = head.output.from_mut(0);
-            let x = self.reads.from(x);
+            let out = head.output.columns_mut(0);
+            let x = self.reads.columns(x);
             through.forward(stack, x, Some(table), &mut head.hidden, out);
         }
         let mut sums = Sums::default();
         self.predictor_losses(shared, &mut sums);
         if shared.weights.mutual_information > 0.0 {
             let head = &mut self.mutual_information;
-            let out = head.output.from_mut(0);
+            let out = head.output.columns_mut(0);
             let through = Through {
                 shared,
                 rows: self.rows,
                 place: &self.place[..self.rows],
             };
-            let x = self.reads.from(0);
+            let x = self.reads.columns(0);
             through.forward(&layout.mutual_information, x, None, &mut head.hidden, out);
             self.mutual_information_loss(shared, &mut sums);
         }
@@ -250,9 +261,13 @@ impl Tile {
             let head = &self.mutual_information;
             through.backward(
                 &layout.mutual_information,
-                (self.reads.from(0), &head.hidden, head.by_output.from(0)),
+                (
+                    self.reads.columns(0),
+                    &head.hidden,
+                    head.by_output.columns(0),
+                ),
                 None,
-                Some((self.by_reads.from_mut(0), ZERO)),
+                Some((self.by_reads.columns_mut(0), ZERO)),
                 scratch,
                 to,
             );
@@ -280,9 +295,9 @@ impl Tile {
         through.backward(
             &layout.following_distance,
             (
-                self.reads.from(layout.reads.lead_speed),
+                self.reads.columns(layout.reads.lead_speed),
                 &head.hidden,
-                head.by_output.from(0),
+                head.by_output.columns(0),
             ),
             Some(columns.following_distance),
             None,
@@ -310,15 +325,23 @@ impl Tile {
         for (stack, encoder, head, hidden, table, (code, window)) in parts {
             through.backward(
                 stack,
-                (self.reads.from(code), &head.hidden, head.by_output.from(0)),
+                (
+                    self.reads.columns(code),
+                    &head.hidden,
+                    head.by_output.columns(0),
+                ),
                 Some(table),
-                Some((self.by_reads.from_mut(code), start)),
+                Some((self.by_reads.columns_mut(code), start)),
                 scratch,
                 to,
             );
             through.backward(
                 encoder,
-                (self.windows.from(window), hidden, self.by_reads.from(code)),
+                (
+                    self.windows.columns(window),
+                    hidden,
+                    self.by_reads.columns(code),
+                ),
                 None,
                 None,
                 scratch,
@@ -421,18 +444,18 @@ impl Through<'_> {
         };
         let start = |index: usize, layer: &Layer| match table {
             Some(column) if index == 0 => Start::Table {
-                table: self.shared.roster.table.from(column),
+                table: self.shared.roster.table.columns(column),
                 index: self.place,
             },
             _ => Start::Bias(layer.biases(self.shared.packed)),
         };
         for (index, layer) in others.iter().enumerate() {
             let (before, after) = hidden.split_at_mut(index);
-            let x = before.last().map_or(x, |matrix| matrix.from(0));
-            let y = after[0].from_mut(0);
+            let x = before.last().map_or(x, |matrix| matrix.columns(0));
+            let y = after[0].columns_mut(0);
             self.layer(layer, x, start(index, layer), Relu, y);
         }
-        let x = hidden.last().map_or(x, |matrix| matrix.from(0));
+        let x = hidden.last().map_or(x, |matrix| matrix.columns(0));
         self.layer(last, x, start(others.len(), last), Plain, output);
     }
 
@@ -454,6 +477,27 @@ impl Through<'_> {
             finish,
             y,
         });
+    }
+
+    /// The gradient by the weights of a layer with few outputs: output by output, along its inputs.
+    fn narrow(&self, layer: &Layer, x: View<'_>, dy: View<'_>, to: &mut Gradients<'_>) {
+        let (outputs, width) = (layer.native.outputs, layer.back_width());
+        let sums = &mut to.narrow[..outputs * width];
+        sums.fill(0.0);
+        self.shared.arch.dispatch(OuterSums {
+            rows: self.rows,
+            x: dy,
+            inputs: outputs,
+            dy: x,
+            width,
+            to: sums,
+        });
+        let lines = layer.weights_mut(to.packed).chunks_exact_mut(layer.width);
+        for (input, line) in lines.enumerate() {
+            for (output, to) in line[..outputs].iter_mut().enumerate() {
+                *to += sums[output * width + input];
+            }
+        }
     }
 
     /// The gradient by a layer's inputs.
@@ -498,23 +542,28 @@ impl Through<'_> {
             let dy = if index + 1 == stack.len() {
                 by_output
             } else {
-                read.from(0)
+                read.columns(0)
             };
             let before = index.checked_sub(1).map(|i| &hidden[i]);
-            arch.dispatch(OuterSums {
-                rows: self.rows,
-                x: before.map_or(x, |matrix| matrix.from(0)),
-                inputs: layer.inputs(),
-                dy,
-                width: layer.width,
-                to: layer.weights_mut(to.packed),
-            });
+            let x = before.map_or(x, |matrix| matrix.columns(0));
+            if layer.native.outputs <= NARROW && x.first % LANES == 0 {
+                self.narrow(layer, x, dy, to);
+            } else {
+                arch.dispatch(OuterSums {
+                    rows: self.rows,
+                    x,
+                    inputs: layer.inputs(),
+                    dy,
+                    width: layer.width,
+                    to: layer.weights_mut(to.packed),
+                });
+            }
             match table {
                 Some(column) if index == 0 => arch.dispatch(ScatterRows {
                     from: dy,
                     index: self.place,
                     width: layer.width,
-                    to: to.lines.from_mut(column),
+                    to: to.lines.columns_mut(column),
                 }),
                 _ => arch.dispatch(OuterSums {
                     rows: self.rows,
@@ -527,8 +576,8 @@ impl Through<'_> {
             }
             match before {
                 Some(values) => {
-                    let finish = BackRelu(values.from(0));
-                    self.back(layer, dy, ZERO, finish, write.from_mut(0));
+                    let finish = BackRelu(values.columns(0));
+                    self.back(layer, dy, ZERO, finish, write.columns_mut(0));
                 }
                 None => {
                     if let Some((y, start)) = input.take() {

@@ -27,7 +27,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("generate", 1),
         ("ingest", 1),
         ("score", 1),
-        ("train", 1),
+        ("train", 2),
         ("personalize", 1),
         ("steer", 1),
         ("simulate", 2),
