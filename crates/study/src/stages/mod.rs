@@ -27,7 +27,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("ingest", 1),
         ("score", 1),
         ("train", 1),
-        ("personalize", 1),
+        ("personalize", 2),
         ("steer", 1),
         ("simulate", 1),
         ("measure", 1),
