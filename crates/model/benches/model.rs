@@ -1,13 +1,10 @@
-//! Training, personalising and predicting on small drives made by hand. Run with `cargo bench -p maveric-model`.
+//! Training and predicting on small drives made by hand. Run with `cargo bench -p maveric-model`.
 
 #[path = "../tests/support/drives.rs"]
 mod drives;
 
 use divan::{Bencher, counter::ItemsCount};
-use maveric_model::{
-    Model, PersonalizeParams, Predictor, TrainParams, TrainSettings, TrainingDrive, personalize,
-    train,
-};
+use maveric_model::{Model, Predictor, TrainParams, TrainSettings, TrainingDrive, train};
 use std::ops::ControlFlow;
 
 fn main() {
@@ -44,15 +41,6 @@ fn train_epoch(bencher: Bencher<'_, '_>, batch_size: usize) {
     bencher
         .counter(ItemsCount::new(5 * rows))
         .bench_local(|| trained(&drives, 5, batch_size));
-}
-
-/// One driver's ten minutes, four starts.
-#[divan::bench(sample_count = 5, sample_size = 1)]
-fn personalize_600_s(bencher: Bencher<'_, '_>) {
-    let drives = drives::drivers(6, 600.0);
-    let model = trained(&drives[1..], 10, 512).0;
-    let params = PersonalizeParams::default();
-    bencher.bench_local(|| personalize(&model, &drives[0].0, None, &params, 1));
 }
 
 /// One window to set-points.

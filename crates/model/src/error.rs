@@ -96,6 +96,58 @@ pub enum ModelError {
         /// The model's embedding size.
         found: usize,
     },
+    /// Too few scored drives to fit an attribute head to.
+    #[error(
+        "score `{score}`: {found} training drives have it, expected at least {expected} (two more than the embedding has numbers)"
+    )]
+    TooFewScores {
+        /// The score.
+        score: String,
+        /// Scored training drives.
+        found: usize,
+        /// Fewest that will do.
+        expected: usize,
+    },
+    /// A score that is the same for every driver.
+    #[error("score `{score}` is {found} for every training drive, expected drivers that differ")]
+    ConstantScore {
+        /// The score.
+        score: String,
+        /// What it is.
+        found: f64,
+    },
+    /// Scored drives that do not span style space.
+    #[error(
+        "score `{score}`: the {drives} training drives that have it do not differ in every direction of style space"
+    )]
+    FlatEmbeddings {
+        /// The score.
+        score: String,
+        /// Drives with the score.
+        drives: usize,
+    },
+    /// An attribute head whose gradient is zero.
+    #[error("attribute `{head}` does not change in any direction of style space")]
+    FlatHead {
+        /// The attribute.
+        head: String,
+    },
+    /// More attributes than directions.
+    #[error("{found} attributes to move or hold, expected 1 to {expected} (the embedding's size)")]
+    TooManyAttributes {
+        /// Attributes given.
+        found: usize,
+        /// The embedding's size.
+        expected: usize,
+    },
+    /// Attributes that point the same way.
+    #[error("`{moved}` cannot move alone: attributes {} point the same way in style space", heads.join(", "))]
+    CollinearHeads {
+        /// All of them.
+        heads: Vec<String>,
+        /// The one to move.
+        moved: String,
+    },
     /// Too few drivers for that many folds.
     #[error("{drivers} drivers cannot be split into {folds} folds")]
     TooFewDrivers {
@@ -155,6 +207,14 @@ impl ModelError {
             Self::NoDrives { .. } | Self::DriveTooShort { .. } => {
                 Some("record longer drives, or shorten `window_s`")
             }
+            Self::TooFewScores { .. } | Self::FlatEmbeddings { .. } => {
+                Some("score more of the training drivers, or train a smaller embedding")
+            }
+            Self::ConstantScore { .. } | Self::FlatHead { .. } => Some("choose another score"),
+            Self::TooManyAttributes { .. } | Self::CollinearHeads { .. } => {
+                Some("hold fewer attributes")
+            }
+            Self::NoPerpendicular { .. } => Some("train with `embedding_size` 2 or more"),
             Self::NoAggressionAxis => Some("score the ADB questionnaire and train with its scores"),
             Self::Diverged { .. } => Some("lower `learning_rate` or `gradient_clip`"),
             Self::BadCheckpoint { .. } => {
@@ -193,6 +253,14 @@ pub enum ModelWarning {
     OneDriver {
         /// Who drove.
         participant: maveric_domain::ParticipantId,
+    },
+    /// A fitted embedding without a standard error.
+    #[error("drive {drive} has no standard error: {reason}")]
+    NoStandardError {
+        /// The drive.
+        drive: DriveId,
+        /// Why.
+        reason: &'static str,
     },
     /// A loss without data.
     #[error("{loss} left out: {reason}")]

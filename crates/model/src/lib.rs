@@ -6,9 +6,9 @@
 //! last seconds into [`maveric_domain::Setpoints`]. No files, no clock, no controllers.
 
 mod adam;
-mod bfgs;
 pub mod checkpoint;
 pub mod cross_validate;
+mod damped_newton;
 mod dataset;
 pub mod error;
 pub mod following;
@@ -23,6 +23,7 @@ pub mod params;
 pub mod personalize;
 pub mod predict;
 pub mod quality;
+mod quasi_newton;
 mod rows;
 pub mod scaling;
 pub mod style_space;
@@ -41,7 +42,10 @@ pub use losses::{Loss, LossTerms, LossWeights, MutualInformationLoss};
 pub use model::{Learned, Model, TrainingEmbedding};
 pub use network::Architecture;
 pub use params::{PersonalizeParams, PersonalizeSettings, TrainParams, TrainSettings};
-pub use personalize::{Personalized, Start, personalize};
+pub use personalize::{
+    CurveParams, CurvePoint, CurveSettings, LearningCurve, Personalized, Personalizer, Start,
+    Uncertainty, learning_curve, personalize,
+};
 pub use predict::Predictor;
 pub use quality::{Calibration, CalibrationBin, Quality, Quantile, Residuals, RowsOf};
 pub use train::{

@@ -88,12 +88,6 @@ impl<T: Real> Pass<T> {
             .all_mut()
             .copy_from_slice(windows.range(all - read..all));
     }
-
-    /// μ of M, shape `(d, ROWS)`, after [`Objective::evaluate`].
-    pub(crate) fn reading(&self) -> &[T] {
-        let d = self.raw.features();
-        self.mutual_information.output().range(0..d)
-    }
 }
 
 /// Signals in the order of a window; C reads the first three, V the last three.

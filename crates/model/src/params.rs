@@ -255,6 +255,9 @@ pub struct PersonalizeSettings {
     pub use_adb: bool,
     /// Only this first share of the drive's rows is used.
     pub fit_fraction: f64,
+    /// Length of the blocks of time that the standard error takes as independent, in s: several times an episode of
+    /// following or passing.
+    pub block_s: f64,
 }
 
 impl Default for PersonalizeSettings {
@@ -264,6 +267,7 @@ impl Default for PersonalizeSettings {
             iterations: 60,
             use_adb: true,
             fit_fraction: 1.0,
+            block_s: 30.0,
         }
     }
 }
@@ -282,6 +286,7 @@ impl PersonalizeParams {
         between("starts", settings.starts, 1, 64)?;
         between("iterations", settings.iterations, 1, 1_000_000)?;
         share("fit_fraction", settings.fit_fraction)?;
+        above_zero("block_s", settings.block_s)?;
         Ok(Self(settings))
     }
 
@@ -326,5 +331,6 @@ mod tests {
         assert!(serde_json::from_str::<TrainParams>(r#"{"window_s": 1e9}"#).is_err());
         assert!(serde_json::from_str::<PersonalizeParams>(r#"{"starts": 0}"#).is_err());
         assert!(serde_json::from_str::<PersonalizeParams>(r#"{"fit_fraction": 1.5}"#).is_err());
+        assert!(serde_json::from_str::<PersonalizeParams>(r#"{"block_s": 0}"#).is_err());
     }
 }

@@ -353,7 +353,7 @@ mod tests {
         checkpoint,
         losses::MutualInformationLoss,
         params::PersonalizeParams,
-        personalize::{Fit, personalize},
+        personalize::{Fit, Frozen, personalize},
         rows::rows_of,
         style_space::{AggressionAxis, PerpendicularEllipse, share_outside_training},
         test_drives::{Habits, drive, drivers},
@@ -478,7 +478,8 @@ mod tests {
             let terms = |model: &Model| {
                 let rows = rows_of(drive, &model.row_settings(), 1.0).unwrap();
                 let w = model.training()[index].embedding.coordinates().to_vec();
-                let (sums, _, l4) = Fit::new(model, &rows, Some(*adb)).sums(&w);
+                let frozen = Frozen::of(model);
+                let (sums, _, l4) = Fit::new(&frozen, &rows, Some(*adb)).sums(&w);
                 sums.terms(l4, 3)
             };
             let (a, b) = (terms(&raw), terms(&white));

@@ -11,7 +11,6 @@
 use crate::{
     linear_algebra::{mean_and_covariance, of_symmetric, symmetric_eigen, times},
     network::{Networks, mlp::Dense},
-    objective::RawMap,
 };
 use serde::{Deserialize, Serialize};
 
@@ -67,13 +66,6 @@ impl Whitening {
     pub fn undo(&self, whitened: &[f64]) -> Vec<f64> {
         let scaled = times(&self.root, whitened);
         scaled.iter().zip(&self.mean).map(|(x, m)| x + m).collect()
-    }
-
-    pub(crate) fn raw_map(&self) -> RawMap<f32> {
-        RawMap {
-            root: self.root.iter().map(|&x| x as f32).collect(),
-            mean: self.mean.iter().map(|&x| x as f32).collect(),
-        }
     }
 
     /// Rewrites the layers that read `w` so that they read `w'`.

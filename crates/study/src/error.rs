@@ -114,6 +114,7 @@ impl StudyError {
                 Some("check the path; relative paths start at the current folder".to_owned())
             }
             Self::Ingest(error) => error.suggestion(),
+            Self::Model(error) => error.suggestion().map(str::to_owned),
             _ => None,
         }
     }

@@ -22,6 +22,9 @@ pub(crate) struct Personalize {
     /// Embeddings to write
     #[arg(long)]
     out: std::path::PathBuf,
+    /// Write how good embeddings are after 1, 2, 5 and 10 minutes, judged on each drive's last fifth (CSV or JSON by name)
+    #[arg(long, value_name = "FILE")]
+    learning_curve: Option<std::path::PathBuf>,
     /// Share of each drive, from its start, that may be learned from
     #[arg(long, default_value_t = 1.0)]
     fit_fraction: f64,
@@ -43,6 +46,7 @@ impl Personalize {
             drives: self.drives,
             scores: self.scores,
             out: self.out,
+            learning_curve: self.learning_curve,
             fit_fraction: self.fit_fraction,
             seed: self.seed,
             jobs: self.jobs,

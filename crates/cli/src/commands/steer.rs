@@ -2,12 +2,14 @@
 
 use super::print_outcome;
 use crate::{args::Format, diagnostics::Failure};
-use maveric_study::stages::steer::{self, SteerOptions};
+use maveric_study::stages::steer::{self, AttributeOptions, SteerOptions};
 
 /// Place the four conditions in style space: mimic, aggressive, cautious, perpendicular
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example: maveric steer --model model.maveric --embeddings embeddings.csv --out conditions.csv"
+    after_help = "Example: maveric steer --model model.maveric --embeddings embeddings.csv --out conditions.csv\n\
+    A sweep: maveric steer --model model.maveric --embeddings embeddings.csv --sweep=-20,-10,0,10,20 --out sweep.csv\n\
+    Another direction: maveric steer --model model.maveric --embeddings embeddings.csv --attribute mini_ipip.openness --scores scores.csv --points 1 --hold aggression --out openness.csv"
 )]
 pub(crate) struct Steer {
     /// Trained model
@@ -19,9 +21,26 @@ pub(crate) struct Steer {
     /// Conditions to write
     #[arg(long)]
     out: std::path::PathBuf,
-    /// How far to move along the aggression line, in points of the ADB scale
+    /// How far to move, in points of the ADB scale or of the attribute
     #[arg(long, default_value_t = 15.0)]
     points: f64,
+    /// Place these points in place of the four conditions, such as --sweep=-20,-10,0,10,20
+    #[arg(
+        long,
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        value_name = "POINTS"
+    )]
+    sweep: Vec<f64>,
+    /// Move along this score in place of aggression: SCALE.SUBSCALE of a table of scores, or any table's column
+    #[arg(long, requires = "scores", value_name = "NAME")]
+    attribute: Option<String>,
+    /// Table that the attribute stands in
+    #[arg(long, requires = "attribute", value_name = "FILE")]
+    scores: Option<std::path::PathBuf>,
+    /// Hold this score while moving along the attribute; `aggression` is the model's own
+    #[arg(long, requires = "attribute", value_name = "NAME")]
+    hold: Vec<String>,
     /// Root of every random choice
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -37,6 +56,15 @@ impl Steer {
             embeddings: self.embeddings,
             out: self.out,
             points: self.points,
+            sweep: self.sweep,
+            attribute: self
+                .attribute
+                .zip(self.scores)
+                .map(|(name, scores)| AttributeOptions {
+                    name,
+                    scores,
+                    hold: self.hold,
+                }),
             seed: self.seed,
         };
         print_outcome(self.format, "could not steer", |watch| {

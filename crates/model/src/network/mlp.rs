@@ -147,11 +147,6 @@ impl<T: Real> MlpPass<T> {
         &self.values[self.values.len() - 1]
     }
 
-    pub(crate) fn output_mut(&mut self) -> &mut Tile<T> {
-        let last = self.values.len() - 1;
-        &mut self.values[last]
-    }
-
     pub(crate) fn input_gradient(&self) -> &Tile<T> {
         &self.gradients[0]
     }

@@ -44,8 +44,13 @@ struct Lead {
 
 /// Meets one slower car after the other: closes in, follows for a while, passes, merges back.
 pub(crate) fn drive(name: &str, habits: &Habits, seconds: f64) -> Drive {
-    let dt = 1.0 / RATE_HZ;
-    let rows = (seconds * RATE_HZ) as usize;
+    drive_at(RATE_HZ, name, habits, seconds)
+}
+
+/// As [`drive`], with that many rows a second.
+pub(crate) fn drive_at(rate_hz: f64, name: &str, habits: &Habits, seconds: f64) -> Drive {
+    let dt = 1.0 / rate_hz;
+    let rows = (seconds * rate_hz) as usize;
     let (mut x, mut y, mut v) = (0.0_f64, 0.0_f64, habits.speed_mps);
     let mut ego = EgoTrack {
         length_m: 4.7,
@@ -128,7 +133,7 @@ pub(crate) fn drive(name: &str, habits: &Habits, seconds: f64) -> Drive {
         }
     }
     let segment = vec![0; rows];
-    let recording = Recording::new(Road::PAPER, RATE_HZ, time_s, segment, ego, others).unwrap();
+    let recording = Recording::new(Road::PAPER, rate_hz, time_s, segment, ego, others).unwrap();
     let meta = DriveMeta {
         drive: DriveId::new(format!("{name}-own")).unwrap(),
         participant: ParticipantId::new(name).unwrap(),

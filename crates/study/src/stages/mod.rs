@@ -28,7 +28,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("ingest", 1),
         ("score", 1),
         ("train", 2),
-        ("personalize", 1),
+        ("personalize", 2),
         ("steer", 1),
         ("simulate", 2),
         ("measure", 1),

@@ -12,7 +12,7 @@ use crate::{
         drives::{write_drive, write_drive_list},
     },
 };
-use maveric_domain::{Drive, DriveId, DriveMeta, DrivenBy, Study, stream_seed};
+use maveric_domain::{Drive, DriveMeta, DrivenBy, Study, stream_seed};
 use maveric_ingest::write_mcap;
 use maveric_model::Model;
 use maveric_simulator::{Driver, RolloutReport, Scenario, rollout};
@@ -61,6 +61,14 @@ pub fn simulate(
 ) -> Result<Outcome<Simulated>, StudyError> {
     let model = read_model(&options.model)?;
     let conditions = read_conditions(&options.conditions)?;
+    let mut names = std::collections::BTreeSet::new();
+    for row in &conditions {
+        let drive = row.drive()?;
+        if !names.insert(drive.clone()) {
+            let problem = format!("two rows are drive {drive}, expected a name for each");
+            return Err(StudyError::file(&options.conditions, problem));
+        }
+    }
     let scenario = read_scenario(options.scenario.as_deref(), options.duration_s)?;
     let driven = for_each_on(options.jobs, &conditions, watch, "drives", |row| {
         drive(options, &model, &scenario, row)
@@ -113,8 +121,8 @@ fn drive(
     row: &ConditionRow,
 ) -> Result<Driven, StudyError> {
     let mut planner = ModelPlanner::new(model, &row.embedding)?;
-    let id = format!("{}-{}", row.participant, row.condition);
-    let seed = stream_seed(options.seed, &[&id, "world"]);
+    let id = row.drive()?;
+    let seed = stream_seed(options.seed, &[id.as_str(), "world"]);
     let driven = rollout(
         scenario,
         Driver::Automated(&mut planner, &scenario.settings().controllers),
@@ -124,7 +132,7 @@ fn drive(
         return Err(error.into());
     }
     let meta = DriveMeta {
-        drive: DriveId::new(id)?,
+        drive: id,
         participant: row.participant.clone(),
         study: Study::Two,
         condition: row.condition,

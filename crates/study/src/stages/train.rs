@@ -276,6 +276,7 @@ pub fn train(
             line_position: axis.as_ref().map(|a| a.position(&embedding)).transpose()?,
             start_spread: None,
             rows: None,
+            details: None,
             embedding,
         });
     }

@@ -5,7 +5,7 @@ use super::{
     embeddings::{read_coordinates, with_coordinates},
 };
 use crate::error::StudyError;
-use maveric_domain::{Condition, Embedding, ParticipantId};
+use maveric_domain::{Condition, DriveId, Embedding, ParticipantId};
 use std::path::Path;
 
 /// One participant in one condition.
@@ -23,8 +23,39 @@ pub struct ConditionRow {
     pub angle_rad: Option<f64>,
     /// Whether the embedding lies further out than any training driver's.
     pub beyond_training: bool,
+    /// What it is one point of; none for the study's four conditions.
+    pub sweep: Option<SweepPoint>,
     /// The embedding.
     pub embedding: Embedding,
+}
+
+/// One point of a sweep, or one move along an attribute.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct SweepPoint {
+    /// Name of the simulated drive: several points of one participant may be the same condition.
+    pub drive: DriveId,
+    /// What was moved along; `aggression` is the model's own head.
+    pub attribute: String,
+    /// How far it should have moved, in its own points.
+    pub requested_points: f64,
+    /// How far it moved within its range, in its own points.
+    pub attribute_points: f64,
+}
+
+impl ConditionRow {
+    /// Name of the drive simulated in this condition.
+    ///
+    /// # Errors
+    /// [`StudyError::Domain`] if participant and condition make no identifier.
+    pub fn drive(&self) -> Result<DriveId, StudyError> {
+        match &self.sweep {
+            Some(point) => Ok(point.drive.clone()),
+            None => Ok(DriveId::new(format!(
+                "{}-{}",
+                self.participant, self.condition
+            ))?),
+        }
+    }
 }
 
 /// Writes conditions, one row each.
@@ -40,7 +71,52 @@ pub fn write_conditions(path: &Path, rows: &[ConditionRow]) -> Result<(), StudyE
         .numbers("angle_rad", rows.iter().map(|r| r.angle_rad))
         .flags("beyond_training", rows.iter().map(|r| r.beyond_training));
     let embeddings: Vec<&Embedding> = rows.iter().map(|r| &r.embedding).collect();
-    with_coordinates(builder, &embeddings).write(path)
+    let builder = with_coordinates(builder, &embeddings);
+    if rows.iter().all(|r| r.sweep.is_none()) {
+        return builder.write(path);
+    }
+    let text = |of: fn(&SweepPoint) -> &str| -> Vec<&str> {
+        rows.iter()
+            .map(|r| r.sweep.as_ref().map_or("", of))
+            .collect()
+    };
+    let number = |of: fn(&SweepPoint) -> f64| -> Vec<Option<f64>> {
+        rows.iter().map(|r| r.sweep.as_ref().map(of)).collect()
+    };
+    builder
+        .text("drive", text(|p| p.drive.as_str()))
+        .text("attribute", text(|p| p.attribute.as_str()))
+        .numbers("requested_points", number(|p| p.requested_points))
+        .numbers("attribute_points", number(|p| p.attribute_points))
+        .write(path)
+}
+
+fn read_sweep(table: &Table) -> Result<Vec<Option<SweepPoint>>, StudyError> {
+    if !table.has("drive") {
+        return Ok(vec![None; table.rows()]);
+    }
+    let drive = table.text("drive")?;
+    let attribute = table.text("attribute")?;
+    let requested = table.numbers("requested_points")?;
+    let moved = table.numbers("attribute_points")?;
+    (0..table.rows())
+        .map(|row| {
+            let Some(name) = &drive[row] else {
+                return Ok(None);
+            };
+            let number = |column: &str, cell: Option<f64>| {
+                cell.ok_or_else(|| table.bad_cell(row, column, "", "a number"))
+            };
+            let drive = DriveId::new(name.clone())
+                .map_err(|e| table.bad_cell(row, "drive", name, e.to_string()))?;
+            Ok(Some(SweepPoint {
+                drive,
+                attribute: attribute[row].clone().unwrap_or_default(),
+                requested_points: number("requested_points", requested[row])?,
+                attribute_points: number("attribute_points", moved[row])?,
+            }))
+        })
+        .collect()
 }
 
 /// Reads conditions back.
@@ -56,8 +132,10 @@ pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
     let angle_rad = table.numbers("angle_rad")?;
     let beyond_training: Vec<bool> = table.parsed("beyond_training")?;
     let embedding = read_coordinates(&table)?;
+    let sweep = read_sweep(&table)?;
     Ok((0..table.rows())
         .map(|i| ConditionRow {
+            sweep: sweep[i].clone(),
             participant: participant[i].clone(),
             condition: condition[i],
             adb_hat: adb_hat[i],
@@ -67,4 +145,40 @@ pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
             embedding: embedding[i].clone(),
         })
         .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sweep_comes_back_with_its_drives_and_a_study_without() {
+        let row = |sweep: Option<SweepPoint>| ConditionRow {
+            participant: ParticipantId::new("P01").unwrap(),
+            condition: Condition::Aggressive,
+            adb_hat: 40.0,
+            moved_points: 10.0,
+            angle_rad: None,
+            beyond_training: false,
+            sweep,
+            embedding: Embedding::new(vec![0.5, -1.0]).unwrap(),
+        };
+        let point = |points: f64, name: &str| SweepPoint {
+            drive: DriveId::new(name).unwrap(),
+            attribute: "aggression".to_owned(),
+            requested_points: points,
+            attribute_points: points,
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("conditions.csv");
+        let sweep = vec![
+            row(Some(point(5.0, "P01-a"))),
+            row(Some(point(10.0, "P01-b"))),
+        ];
+        for rows in [vec![row(None)], sweep] {
+            write_conditions(&path, &rows).unwrap();
+            assert_eq!(read_conditions(&path).unwrap(), rows);
+        }
+        assert_eq!(row(None).drive().unwrap().as_str(), "P01-aggressive");
+    }
 }

@@ -1,0 +1,82 @@
+//! Personalising on small drives made by hand. Run with `cargo bench -p maveric-model --bench personalize`.
+
+#[path = "../tests/support/drives.rs"]
+mod drives;
+
+use divan::Bencher;
+use maveric_domain::Drive;
+use maveric_model::{
+    CurveParams, Model, PersonalizeParams, PersonalizeSettings, Personalizer, TrainParams,
+    TrainSettings, TrainingDrive, learning_curve, train,
+};
+use std::ops::ControlFlow;
+
+fn main() {
+    divan::main();
+}
+
+fn model() -> Model {
+    let drives = drives::drivers(6, 600.0);
+    let given: Vec<_> = drives
+        .iter()
+        .map(|(drive, adb)| TrainingDrive {
+            drive,
+            adb: Some(*adb),
+        })
+        .collect();
+    let params = TrainParams::new(TrainSettings {
+        epochs: 10,
+        ..TrainSettings::default()
+    })
+    .expect("settings in range");
+    train(&given, &params, 1, &mut |_| ControlFlow::Continue(()))
+        .expect("drives long enough")
+        .model
+}
+
+/// Ten minutes at 20 Hz: 12,000 samples.
+fn new_drive() -> Drive {
+    let habits = drives::Habits {
+        speed_mps: 29.0,
+        time_gap_s: 1.6,
+        passes: true,
+    };
+    drives::drive_at(20.0, "new", &habits, 600.0)
+}
+
+/// Windows, encoding, four starts and the standard error of one driver's 12,000 samples, on one thread.
+#[divan::bench(sample_count = 20, sample_size = 1)]
+fn twelve_thousand_samples(bencher: Bencher<'_, '_>) {
+    let (model, drive) = (model(), new_drive());
+    let personalizer = Personalizer::new(&model, PersonalizeParams::default());
+    bencher.bench_local(|| personalizer.fit(&drive, None, 1));
+}
+
+/// The same from the mean of the training embeddings alone.
+#[divan::bench(sample_count = 20, sample_size = 1)]
+fn twelve_thousand_samples_one_start(bencher: Bencher<'_, '_>) {
+    let (model, drive) = (model(), new_drive());
+    let settings = PersonalizeSettings {
+        starts: 1,
+        ..PersonalizeSettings::default()
+    };
+    let params = PersonalizeParams::new(settings).expect("settings in range");
+    let personalizer = Personalizer::new(&model, params);
+    bencher.bench_local(|| personalizer.fit(&drive, None, 1));
+}
+
+/// The learning curve of the same drive: five fits.
+#[divan::bench(sample_count = 5, sample_size = 1)]
+fn learning_curve_of_ten_minutes(bencher: Bencher<'_, '_>) {
+    let (model, drive) = (model(), new_drive());
+    let personalizer = Personalizer::new(&model, PersonalizeParams::default());
+    let params = CurveParams::default();
+    bencher.bench_local(|| learning_curve(&personalizer, &drive, &params, 1));
+}
+
+/// Reading the weights out of a model, once for any number of drivers.
+#[divan::bench]
+fn read_weights(bencher: Bencher<'_, '_>) {
+    let model = model();
+    bencher.bench_local(|| Personalizer::new(&model, PersonalizeParams::default()));
+}

@@ -1,0 +1,238 @@
+//! The learning curve over all drives: means with intervals.
+
+use super::PersonalizeOptions;
+use crate::{
+    atomic_write::write_json,
+    error::StudyError,
+    outcome::{Outcome, Watch, for_each_on},
+    tables::TableBuilder,
+};
+use maveric_domain::{Drive, stream_seed};
+use maveric_model::{
+    CurveParams, CurvePoint, LearningCurve, ModelError, Personalizer, learning_curve,
+};
+use maveric_stats::{BootstrapData, BootstrapSettings, Statistic, bootstrap};
+use serde::Serialize;
+use std::path::Path;
+
+/// A mean over drives with its 95% interval: percentiles of 10,000 bootstrap resamples of drives.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct MeanWithInterval {
+    /// Drives that have a value.
+    pub n: usize,
+    /// Their mean.
+    pub mean: Option<f64>,
+    /// Lower end; none for fewer than two drives.
+    pub low: Option<f64>,
+    /// Upper end.
+    pub high: Option<f64>,
+}
+
+/// How good embeddings are after some minutes of driving.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CurveRow {
+    /// Minutes fitted to; 0: the mean of the training embeddings; none: all that is not held out.
+    pub minutes: Option<f64>,
+    /// Drives that are long enough.
+    pub drives: usize,
+    /// L1 on the part held out.
+    pub following_distance: MeanWithInterval,
+    /// L2 on the part held out.
+    pub lane_change: MeanWithInterval,
+    /// L3 on the part held out.
+    pub velocity: MeanWithInterval,
+    /// Distance to the embedding of the whole drive, in SDs of the training embeddings.
+    pub distance_to_full_sd: MeanWithInterval,
+    /// Root mean square standard error over the coordinates.
+    pub standard_error: MeanWithInterval,
+}
+
+/// The curve over drives.
+#[derive(Debug)]
+pub(super) struct CurveOfDrives {
+    pub(super) drives: usize,
+    pub(super) rows: Vec<CurveRow>,
+}
+
+/// A file of a learning curve: the means, and every drive.
+#[derive(Serialize)]
+struct CurveFile<'a> {
+    means: &'a [CurveRow],
+    drives: &'a [LearningCurve],
+}
+
+/// Computes the curve of every drive that is long enough and writes it.
+pub(super) fn of_drives(
+    personalizer: &Personalizer<'_>,
+    drives: &[Drive],
+    options: &PersonalizeOptions,
+    watch: Watch<'_>,
+) -> Result<Outcome<CurveOfDrives>, StudyError> {
+    let Some(path) = &options.learning_curve else {
+        return Err(StudyError::NotPossible {
+            problem: "no file for the learning curve".to_owned(),
+            help: None,
+        });
+    };
+    let params = CurveParams::default();
+    let found =
+        for_each_on(
+            options.jobs,
+            drives,
+            watch,
+            "learning curves",
+            |drive| match learning_curve(personalizer, drive, &params, options.seed) {
+                Err(ModelError::DriveTooShort { .. }) => Ok(None),
+                other => Ok(Some(other?)),
+            },
+        )?;
+    let curves: Vec<LearningCurve> = found.into_iter().flatten().collect();
+    let mut warnings = Vec::new();
+    let short = drives.len() - curves.len();
+    if short > 0 {
+        warnings.push(format!(
+            "{short} of {} drives are too short for a learning curve",
+            drives.len()
+        ));
+    }
+    let mut rows = Vec::new();
+    let minutes = params.settings().minutes.iter().copied();
+    for minutes in std::iter::once(0.0).chain(minutes).map(Some).chain([None]) {
+        let points: Vec<&CurvePoint> = curves
+            .iter()
+            .filter_map(|c| c.points.iter().find(|p| is_at(p, minutes)))
+            .collect();
+        if let (true, Some(minutes)) = (points.len() < curves.len(), minutes) {
+            warnings.push(format!(
+                "{} of {} drives do not have {minutes} min before the part that is held out",
+                curves.len() - points.len(),
+                curves.len()
+            ));
+        }
+        if !points.is_empty() {
+            rows.push(row(minutes, &points, options.seed)?);
+        }
+    }
+    write(path, &rows, &curves)?;
+    let summary = rows.iter().map(|r| {
+        let minutes = r.minutes.map_or("all".to_owned(), |m| format!("{m}"));
+        let show = |m: &MeanWithInterval| m.mean.map_or("-".to_owned(), |x| format!("{x:.3}"));
+        format!(
+            "  {minutes:>4} min: L1 {} L2 {} L3 {}, {} SD from the whole drive's ({} drives)",
+            show(&r.following_distance),
+            show(&r.lane_change),
+            show(&r.velocity),
+            show(&r.distance_to_full_sd),
+            r.drives
+        )
+    });
+    Ok(Outcome {
+        summary: summary.collect(),
+        value: CurveOfDrives {
+            drives: curves.len(),
+            rows,
+        },
+        warnings,
+    })
+}
+
+fn is_at(point: &CurvePoint, minutes: Option<f64>) -> bool {
+    match minutes {
+        Some(minutes) => !point.all && (point.minutes - minutes).abs() < 1e-9,
+        None => point.all,
+    }
+}
+
+fn row(minutes: Option<f64>, points: &[&CurvePoint], seed: u64) -> Result<CurveRow, StudyError> {
+    let mean = |name: &str, of: &dyn Fn(&CurvePoint) -> Option<f64>| {
+        let values: Vec<Option<f64>> = points.iter().map(|p| of(p)).collect();
+        interval(&values, stream_seed(seed, &["learning curve", name]))
+    };
+    Ok(CurveRow {
+        minutes,
+        drives: points.len(),
+        following_distance: mean("L1", &|p| p.held_out.following_distance)?,
+        lane_change: mean("L2", &|p| p.held_out.lane_change)?,
+        velocity: mean("L3", &|p| p.held_out.velocity)?,
+        distance_to_full_sd: mean("distance", &|p| Some(p.distance_to_full_sd))?,
+        standard_error: mean("standard error", &|p| {
+            let errors = p.standard_error.as_ref()?;
+            let squares: f64 = errors.iter().map(|e| e * e).sum();
+            Some((squares / errors.len() as f64).sqrt())
+        })?,
+    })
+}
+
+fn interval(values: &[Option<f64>], seed: u64) -> Result<MeanWithInterval, StudyError> {
+    let known: Vec<f64> = values.iter().flatten().copied().collect();
+    let n = known.len();
+    let mean = (n > 0).then(|| known.iter().sum::<f64>() / n as f64);
+    if n < 2 {
+        return Ok(MeanWithInterval {
+            n,
+            mean,
+            ..MeanWithInterval::default()
+        });
+    }
+    let settings = BootstrapSettings {
+        seed,
+        ..BootstrapSettings::default()
+    };
+    let found = bootstrap(Statistic::Mean, BootstrapData::Values(values), &settings)?;
+    Ok(MeanWithInterval {
+        n,
+        mean,
+        low: found.percentile.low,
+        high: found.percentile.high,
+    })
+}
+
+fn write(path: &Path, rows: &[CurveRow], curves: &[LearningCurve]) -> Result<(), StudyError> {
+    if path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("json"))
+    {
+        let file = CurveFile {
+            means: rows,
+            drives: curves,
+        };
+        return write_json(path, &file);
+    }
+    let whole = |n: usize| i64::try_from(n).ok();
+    let mut builder = TableBuilder::default()
+        .numbers("minutes", rows.iter().map(|r| r.minutes))
+        .integers("drives", rows.iter().map(|r| whole(r.drives)));
+    type Column = (&'static str, fn(&CurveRow) -> &MeanWithInterval);
+    let columns: [Column; 5] = [
+        ("following_distance", |r| &r.following_distance),
+        ("lane_change", |r| &r.lane_change),
+        ("velocity", |r| &r.velocity),
+        ("distance_to_full_sd", |r| &r.distance_to_full_sd),
+        ("standard_error", |r| &r.standard_error),
+    ];
+    for (name, of) in columns {
+        builder = builder
+            .numbers(name, rows.iter().map(|r| of(r).mean))
+            .numbers(&format!("{name}_low"), rows.iter().map(|r| of(r).low))
+            .numbers(&format!("{name}_high"), rows.iter().map(|r| of(r).high));
+    }
+    builder.write(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mean_has_an_interval_from_two_drives_on() {
+        let one = interval(&[Some(2.0), None], 1).unwrap();
+        assert_eq!((one.n, one.mean, one.low), (1, Some(2.0), None));
+        let three = interval(&[Some(1.0), Some(2.0), Some(3.0)], 1).unwrap();
+        assert!(three.low.unwrap() < 2.0 && three.high.unwrap() > 2.0);
+        assert_eq!(
+            three,
+            interval(&[Some(1.0), Some(2.0), Some(3.0)], 1).unwrap()
+        );
+        assert_eq!(interval(&[None], 1).unwrap(), MeanWithInterval::default());
+    }
+}

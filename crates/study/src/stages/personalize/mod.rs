@@ -1,0 +1,284 @@
+//! `personalize`: an embedding for each drive, the networks frozen.
+
+mod learning_curve;
+
+pub use learning_curve::{CurveRow, MeanWithInterval};
+
+use crate::{
+    error::StudyError,
+    outcome::{Outcome, Watch, for_each_on},
+    stages::train::{adb_of, read_model},
+    tables::{
+        drives::read_drives,
+        embeddings::{EmbeddingRow, FitDetails, write_embeddings},
+        surveys::read_scores,
+    },
+};
+use maveric_domain::{AdbScore, Drive, Score};
+use maveric_model::{
+    Model, ModelError, PersonalizeParams, PersonalizeSettings, Personalized, Personalizer,
+    style_space::AggressionAxis,
+};
+use serde::Serialize;
+use std::{collections::BTreeSet, path::PathBuf};
+
+/// What to fit.
+#[derive(Debug, Clone)]
+pub struct PersonalizeOptions {
+    /// Trained model.
+    pub model: PathBuf,
+    /// Folder of drives.
+    pub drives: PathBuf,
+    /// Questionnaire scores.
+    pub scores: Option<PathBuf>,
+    /// Embeddings to write.
+    pub out: PathBuf,
+    /// Learning curve to write, as CSV or JSON by its name.
+    pub learning_curve: Option<PathBuf>,
+    /// Share of each drive, from its start, that may be learned from.
+    pub fit_fraction: f64,
+    /// Root of every random choice.
+    pub seed: u64,
+    /// Threads.
+    pub jobs: usize,
+}
+
+/// What was fitted.
+#[derive(Debug, Clone, Serialize)]
+pub struct PersonalizedDrives {
+    /// Drives.
+    pub drives: usize,
+    /// Drives left out, being shorter than a window.
+    pub left_out: usize,
+    /// Scored participants of whom no drive is here.
+    pub scored_without_drive: usize,
+    /// Largest spread between starts, in SDs of the training embeddings.
+    pub largest_start_spread: f64,
+    /// Median standard error over drives and coordinates; none where no drive is long enough to tell.
+    pub median_standard_error: Option<f64>,
+    /// How good an embedding is after some minutes; empty unless asked for.
+    pub learning_curve: Vec<CurveRow>,
+    /// The embeddings.
+    pub embeddings: Vec<EmbeddingRow>,
+}
+
+/// One fit to make: a drive, and its ADB score where that is to be fitted too.
+struct Task<'a> {
+    drive: &'a Drive,
+    adb: Option<AdbScore>,
+    use_adb: bool,
+}
+
+/// Fits an embedding to every drive of a folder: with its ADB score where there is one, and always without.
+///
+/// A drive shorter than a window is left out with a warning.
+///
+/// # Errors
+/// [`StudyError`] if model, drives or scores cannot be read, no drive is as long as a window, or no score belongs to any
+/// drive.
+pub fn personalize(
+    options: &PersonalizeOptions,
+    watch: Watch<'_>,
+) -> Result<Outcome<PersonalizedDrives>, StudyError> {
+    let model = read_model(&options.model)?;
+    let drives = read_drives(&options.drives)?;
+    let scores = options.scores.as_deref().map(read_scores).transpose()?;
+    let scored_without_drive = match (&scores, &options.scores) {
+        (Some(scores), Some(path)) => scored_without_drive(scores, &drives, path)?,
+        _ => 0,
+    };
+    let scores = scores.unwrap_or_default();
+    let settings = PersonalizeSettings {
+        fit_fraction: options.fit_fraction,
+        ..PersonalizeSettings::default()
+    };
+    let personalizer = Personalizer::new(&model, PersonalizeParams::new(settings)?);
+    let mut tasks = Vec::new();
+    let mut warnings = Vec::new();
+    for drive in &drives {
+        let adb = adb_of(drive, &scores)?;
+        if adb.is_some() && model.learned().aggression {
+            tasks.push(Task {
+                drive,
+                adb,
+                use_adb: true,
+            });
+        }
+        tasks.push(Task {
+            drive,
+            adb,
+            use_adb: false,
+        });
+        if adb.is_none() && options.scores.is_some() {
+            let drive = &drive.meta().drive;
+            warnings.push(format!("drive {drive}: no ADB score, so fitted without"));
+        }
+    }
+    let fitted = for_each_on(options.jobs, &tasks, watch, "embeddings", |task| match fit(
+        &personalizer,
+        task,
+        options.seed,
+    ) {
+        Err(StudyError::Model(short @ ModelError::DriveTooShort { .. })) => Ok(Err(short)),
+        other => other.map(Ok),
+    })?;
+    let mut rows = Vec::new();
+    let mut said = BTreeSet::new();
+    let mut short = BTreeSet::new();
+    for result in fitted {
+        match result {
+            Ok((row, of_fit)) => {
+                said.extend(of_fit);
+                rows.push(row);
+            }
+            Err(error) => {
+                short.insert(format!("{error}; left out"));
+            }
+        }
+    }
+    if rows.is_empty() {
+        return Err(StudyError::NotPossible {
+            problem: format!(
+                "{}: none of {} drives is as long as one window",
+                options.drives.display(),
+                drives.len()
+            ),
+            help: Some("record longer drives, or train with a shorter window".to_owned()),
+        });
+    }
+    let left_out = short.len();
+    warnings.extend(said.into_iter().chain(short));
+    let mut summary = Vec::new();
+    let learning_curve = match &options.learning_curve {
+        Some(path) => {
+            let curve = learning_curve::of_drives(&personalizer, &drives, options, watch)?;
+            warnings.extend(curve.warnings);
+            summary.push(format!(
+                "learning curve of {} drives: {}",
+                curve.value.drives,
+                path.display()
+            ));
+            summary.extend(curve.summary);
+            curve.value.rows
+        }
+        None => Vec::new(),
+    };
+    write_embeddings(&options.out, &rows)?;
+    let largest = rows
+        .iter()
+        .filter_map(|r| r.start_spread)
+        .fold(0.0, f64::max);
+    let median_standard_error = median_standard_error(&rows);
+    let mut line = format!(
+        "{} drives personalised, starts agree within {largest:.3} SD",
+        drives.len() - left_out
+    );
+    if let Some(error) = median_standard_error {
+        line += &format!(", standard error {error:.2} (median)");
+    }
+    summary.insert(0, format!("{line}: {}", options.out.display()));
+    let value = PersonalizedDrives {
+        drives: drives.len() - left_out,
+        left_out,
+        scored_without_drive,
+        largest_start_spread: largest,
+        median_standard_error,
+        learning_curve,
+        embeddings: rows,
+    };
+    Ok(Outcome {
+        value,
+        summary,
+        warnings,
+    })
+}
+
+/// Counts the participants with an ADB score and without a drive; if that is all of them, the files do not belong
+/// together.
+fn scored_without_drive(
+    scores: &[Score],
+    drives: &[Drive],
+    path: &std::path::Path,
+) -> Result<usize, StudyError> {
+    let scored: BTreeSet<&str> = scores
+        .iter()
+        .filter(|s| s.scale == "adb")
+        .map(|s| s.participant.as_str())
+        .collect();
+    let drive: BTreeSet<&str> = drives
+        .iter()
+        .map(|d| d.meta().participant.as_str())
+        .collect();
+    let without = scored.difference(&drive).count();
+    if !scored.is_empty() && without == scored.len() {
+        let first =
+            |names: &BTreeSet<&str>| names.iter().next().copied().unwrap_or("none").to_owned();
+        return Err(StudyError::BadFile {
+            path: path.to_owned(),
+            problem: format!(
+                "none of its {without} scored participants (first: {}) drives here (first: {})",
+                first(&scored),
+                first(&drive)
+            ),
+            help: Some("give the scores of these drivers, or leave --scores out".to_owned()),
+        });
+    }
+    Ok(without)
+}
+
+fn median_standard_error(rows: &[EmbeddingRow]) -> Option<f64> {
+    let details = rows.iter().filter_map(|r| r.details.as_ref());
+    let mut errors: Vec<f64> = details
+        .flat_map(|d| d.standard_error.iter().flatten().copied())
+        .collect();
+    errors.sort_by(f64::total_cmp);
+    errors.get(errors.len() / 2).copied()
+}
+
+fn fit(
+    personalizer: &Personalizer<'_>,
+    task: &Task<'_>,
+    seed: u64,
+) -> Result<(EmbeddingRow, Vec<String>), StudyError> {
+    let score = task.adb.filter(|_| task.use_adb);
+    let found = personalizer.fit(task.drive, score, seed)?;
+    let axis = AggressionAxis::of(personalizer.model()).ok();
+    let meta = task.drive.meta();
+    let row = EmbeddingRow {
+        drive: meta.drive.clone(),
+        participant: meta.participant.clone(),
+        study: meta.study,
+        condition: meta.condition,
+        adb_used: found.used_adb,
+        adb: task.adb.map(AdbScore::points),
+        adb_hat: found.aggression_hat,
+        line_position: axis
+            .as_ref()
+            .map(|a| a.position(&found.embedding))
+            .transpose()?,
+        start_spread: Some(found.start_spread),
+        rows: Some(found.rows),
+        details: Some(details(personalizer.model(), &found, axis.as_ref())),
+        embedding: found.embedding,
+    };
+    let said = found.warnings.iter().map(ToString::to_string);
+    Ok((row, said.collect()))
+}
+
+fn details(model: &Model, found: &Personalized, axis: Option<&AggressionAxis>) -> FitDetails {
+    let all = |values: Option<&[f64]>| match values {
+        Some(values) => values.iter().copied().map(Some).collect(),
+        None => vec![None; model.embedding_size()],
+    };
+    let uncertainty = found.uncertainty.as_ref();
+    let guess = found.amortized_guess.as_ref();
+    FitDetails {
+        standard_error: all(uncertainty.map(|u| u.standard_error.as_slice())),
+        start_spread: all(Some(&found.start_spread_by_coordinate)),
+        amortized_guess: all(guess.map(|g| g.coordinates())),
+        line_position_se: axis
+            .zip(uncertainty)
+            .map(|(axis, u)| u.along(axis.gradient())),
+        effective_rows: uncertainty.map(|u| u.effective_rows),
+    }
+}

@@ -1,0 +1,289 @@
+//! Scores of the training drivers, by name, and the heads fitted to them.
+
+use super::AttributeOptions;
+use crate::{
+    error::StudyError,
+    stages::train::embeddings_path,
+    tables::{
+        Table,
+        embeddings::{EmbeddingRow, read_embeddings},
+        surveys::read_scores,
+    },
+};
+use maveric_domain::{Condition, DriveId, Moment, ParticipantId};
+use maveric_model::{
+    Model,
+    style_space::{AggressionAxis, AttributeHead, LinearHead},
+};
+use serde::Serialize;
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt,
+    path::Path,
+};
+
+/// Name of the model's own head, S.
+const AGGRESSION: &str = "aggression";
+
+/// What a head that was fitted to scores is worth.
+#[derive(Debug, Clone, Serialize)]
+pub struct AttributeSummary {
+    /// The score.
+    pub name: String,
+    /// Training drives it was fitted to.
+    pub drives: usize,
+    /// Training drives without the score.
+    pub without_score: usize,
+    /// Scored drivers who are not among the training drivers.
+    pub unknown: usize,
+    /// Share of variance explained.
+    pub r_squared: f64,
+    /// The same, drives left out one at a time.
+    pub r_squared_leave_one_out: Option<f64>,
+    /// Uncertainty of the direction, in degrees.
+    pub direction_se_deg: f64,
+    /// Lowest and highest score.
+    pub range: [f64; 2],
+}
+
+impl fmt::Display for AttributeSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let left_out = self
+            .r_squared_leave_one_out
+            .map_or("-".to_owned(), |r| format!("{r:.2}"));
+        write!(
+            f,
+            "  {}: R² {:.2} ({left_out} leaving drives out), direction ± {:.0}°, {} drives",
+            self.name, self.r_squared, self.direction_se_deg, self.drives
+        )
+    }
+}
+
+/// The heads of a move: the one to move along first, then those to hold.
+#[derive(Debug)]
+pub(super) struct Heads {
+    pub(super) all: Vec<LinearHead>,
+    pub(super) summaries: Vec<AttributeSummary>,
+    pub(super) warnings: Vec<String>,
+}
+
+impl Heads {
+    pub(super) fn fit(
+        model: &Model,
+        model_path: &Path,
+        axis: &AggressionAxis,
+        options: &AttributeOptions,
+    ) -> Result<Self, StudyError> {
+        let training = read_embeddings(&embeddings_path(model_path))?;
+        let mut heads = Self {
+            all: Vec::new(),
+            summaries: Vec::new(),
+            warnings: Vec::new(),
+        };
+        for name in std::iter::once(&options.name).chain(&options.hold) {
+            if name == AGGRESSION {
+                heads.all.push(LinearHead::aggression(axis));
+                continue;
+            }
+            let found = scores_of(&options.scores, name, &training)?;
+            let head = AttributeHead::fit(model, name, &found.scores)?;
+            heads.note(&head, &found);
+            heads.all.push(head.head);
+        }
+        Ok(heads)
+    }
+
+    fn note(&mut self, head: &AttributeHead, found: &Scores) {
+        let name = head.head.name();
+        let unknown = found.unknown + head.unknown.len();
+        let without = head.without_score.len();
+        if without > 0 {
+            self.warnings.push(format!(
+                "{name}: {without} of {} training drives have no such score and do not count",
+                without + head.drives
+            ));
+        }
+        if head.r_squared_leave_one_out.is_some_and(|r| r <= 0.0) {
+            self.warnings.push(format!(
+                "{name}: style space says less of it than its mean does (R² leaving drives out is not above 0), so moving along it means little"
+            ));
+        }
+        self.summaries.push(AttributeSummary {
+            name: name.to_owned(),
+            drives: head.drives,
+            without_score: without,
+            unknown,
+            r_squared: head.r_squared,
+            r_squared_leave_one_out: head.r_squared_leave_one_out,
+            direction_se_deg: head.direction_se_rad.to_degrees(),
+            range: head.head.range(),
+        });
+    }
+}
+
+/// A score of each training drive that has it.
+#[derive(Debug, Default)]
+struct Scores {
+    scores: BTreeMap<DriveId, f64>,
+    /// Drivers with the score and without a training drive.
+    unknown: usize,
+}
+
+/// Reads a score: `SCALE.SUBSCALE` from a table of questionnaire scores, else a column of a table with a row a `drive`
+/// or a `participant`.
+fn scores_of(path: &Path, name: &str, training: &[EmbeddingRow]) -> Result<Scores, StudyError> {
+    let table = Table::read(path)?;
+    if ["participant", "moment", "scale", "subscale", "value"]
+        .iter()
+        .all(|column| table.has(column))
+    {
+        return questionnaire(path, name, training);
+    }
+    let mut found = Scores::default();
+    let values = table.numbers(name)?;
+    if table.has("drive") {
+        let drives: Vec<DriveId> = table.ids("drive")?;
+        for (drive, value) in drives.into_iter().zip(values) {
+            if !training.iter().any(|t| t.drive == drive) {
+                found.unknown += usize::from(value.is_some());
+            } else if let Some(value) = value
+                && found.scores.insert(drive.clone(), value).is_some()
+            {
+                return Err(StudyError::file(
+                    path,
+                    format!("drive {drive} has two rows"),
+                ));
+            }
+        }
+        return Ok(found);
+    }
+    let participants: Vec<ParticipantId> = table.ids("participant")?;
+    for (participant, value) in participants.iter().zip(values) {
+        let Some(value) = value else { continue };
+        let own = training
+            .iter()
+            .find(|t| t.participant == *participant && t.condition == Condition::Own);
+        match own {
+            None => found.unknown += 1,
+            Some(own) => {
+                if found.scores.insert(own.drive.clone(), value).is_some() {
+                    let problem = format!("participant {participant} has two rows");
+                    return Err(StudyError::file(path, problem));
+                }
+            }
+        }
+    }
+    Ok(found)
+}
+
+fn questionnaire(path: &Path, name: &str, training: &[EmbeddingRow]) -> Result<Scores, StudyError> {
+    let scores = read_scores(path)?;
+    let full = |scale: &str, subscale: &str| format!("{scale}.{subscale}");
+    let names: BTreeSet<String> = scores.iter().map(|s| full(&s.scale, &s.subscale)).collect();
+    if !names.contains(name) {
+        let likeness = |other: &String| strsim::jaro_winkler(other, name);
+        let nearest = names
+            .iter()
+            .filter(|other| likeness(other) > 0.7)
+            .max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
+            .cloned();
+        return Err(StudyError::NoColumn {
+            path: path.to_owned(),
+            wanted: name.to_owned(),
+            found: names.into_iter().collect(),
+            nearest,
+        });
+    }
+    let mut found = Scores::default();
+    let mut unknown = BTreeSet::new();
+    for score in scores
+        .iter()
+        .filter(|s| full(&s.scale, &s.subscale) == name)
+    {
+        let Some(value) = score.value else { continue };
+        if !training.iter().any(|t| t.participant == score.participant) {
+            unknown.insert(&score.participant);
+        }
+        // A professional's role has its own answers, given after it.
+        let drives = training.iter().filter(|t| {
+            t.participant == score.participant
+                && score.moment
+                    == match t.condition {
+                        Condition::Own => Moment::Pre,
+                        role => Moment::After(role),
+                    }
+        });
+        for drive in drives {
+            found.scores.insert(drive.drive.clone(), value);
+        }
+    }
+    found.unknown = unknown.len();
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use maveric_domain::{Embedding, Study};
+
+    fn training(drive: &str, participant: &str, condition: Condition) -> EmbeddingRow {
+        EmbeddingRow {
+            drive: DriveId::new(drive).unwrap(),
+            participant: ParticipantId::new(participant).unwrap(),
+            study: Study::One,
+            condition,
+            adb_used: false,
+            adb: None,
+            adb_hat: None,
+            line_position: None,
+            start_spread: None,
+            rows: None,
+            details: None,
+            embedding: Embedding::new(vec![0.0]).unwrap(),
+        }
+    }
+
+    fn read(text: &str, name: &str) -> Result<Scores, StudyError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scores.csv");
+        std::fs::write(&path, text).unwrap();
+        let training = [
+            training("A-own", "A", Condition::Own),
+            training("A-aggressive", "A", Condition::Aggressive),
+            training("B-own", "B", Condition::Own),
+        ];
+        scores_of(&path, name, &training)
+    }
+
+    const LONG: &str = "participant,moment,scale,subscale,value,answered,items
+A,pre,ipip,openness,3.5,4,4
+A,aggressive,ipip,openness,4.5,4,4
+B,pre,ipip,openness,,0,4
+C,pre,ipip,openness,2.5,4,4
+";
+
+    #[test]
+    fn a_questionnaire_is_read_by_role_and_strangers_are_counted() {
+        let found = read(LONG, "ipip.openness").unwrap();
+        let values: Vec<(&str, f64)> = found.scores.iter().map(|(d, v)| (d.as_str(), *v)).collect();
+        assert_eq!(values, [("A-aggressive", 4.5), ("A-own", 3.5)]);
+        assert_eq!(found.unknown, 1);
+    }
+
+    #[test]
+    fn an_unknown_score_gets_the_nearest_name() {
+        let error = read(LONG, "ipip.opennes").unwrap_err();
+        assert_eq!(error.suggestion().unwrap(), "did you mean `ipip.openness`?");
+    }
+
+    #[test]
+    fn any_table_with_a_row_a_driver_will_do() {
+        let found = read("drive,gap\nA-own,1\nZ-own,2\nB-own,\n", "gap").unwrap();
+        assert_eq!((found.scores.len(), found.unknown), (1, 1));
+        let found = read("participant,gap\nA,1\nB,2\n", "gap").unwrap();
+        assert_eq!(found.scores.len(), 2);
+        assert!(read("participant,gap\nA,1\nA,2\n", "gap").is_err());
+        assert!(read("participant,gap\nA,NaN\n", "gap").is_err());
+        assert!(read("who,gap\nA,1\n", "gap").is_err());
+    }
+}

@@ -1,0 +1,177 @@
+//! A sweep: the same embeddings at several points along aggression, or along another attribute.
+
+use super::{
+    SteerOptions, Steered,
+    attribute_scores::{AttributeSummary, Heads},
+    is_beyond,
+};
+use crate::{
+    error::StudyError,
+    outcome::{Outcome, Watch},
+    tables::{
+        conditions::{ConditionRow, SweepPoint},
+        embeddings::EmbeddingRow,
+    },
+};
+use maveric_domain::{Condition, DriveId, Embedding};
+use maveric_model::{
+    Model,
+    style_space::{AggressionAxis, LinearHead, StyleMetric, shift},
+};
+
+/// Change of S, in points, that counts as none.
+const UNMOVED: f64 = 1e-6;
+
+pub(super) fn sweep(
+    options: &SteerOptions,
+    model: &Model,
+    axis: &AggressionAxis,
+    own: &[&EmbeddingRow],
+    watch: Watch<'_>,
+) -> Result<Outcome<Steered>, StudyError> {
+    let points = if options.sweep.is_empty() {
+        vec![-options.points, 0.0, options.points]
+    } else {
+        options.sweep.clone()
+    };
+    for (index, point) in points.iter().enumerate() {
+        if !point.is_finite() || points[..index].iter().any(|p| (p - point).abs() < 1e-9) {
+            return Err(StudyError::NotPossible {
+                problem: format!(
+                    "sweep: found {point} twice or not finite, expected points that differ"
+                ),
+                help: Some("for example --sweep=-20,-10,0,10,20".to_owned()),
+            });
+        }
+    }
+    let heads = match &options.attribute {
+        Some(attribute) => Some(Heads::fit(model, &options.model, axis, attribute)?),
+        None => None,
+    };
+    let metric = StyleMetric::of(model);
+    let moved = |from: &Embedding, by: f64| -> Result<(Embedding, f64, bool), StudyError> {
+        Ok(match &heads {
+            Some(heads) => {
+                let all: Vec<&LinearHead> = heads.all.iter().collect();
+                let m = metric.move_along(&all, from, by)?;
+                (m.embedding, m.effective_points, m.clamped)
+            }
+            None => {
+                let s = shift(axis, from, by)?;
+                (s.embedding, s.effective_points, s.clamped)
+            }
+        })
+    };
+    let name = options
+        .attribute
+        .as_ref()
+        .map_or("aggression", |a| a.name.as_str());
+    let mut conditions = Vec::new();
+    let mut clamped = 0;
+    for row in own {
+        watch.check()?;
+        let own_hat = axis.aggression_hat(&row.embedding)?;
+        for &requested_points in &points {
+            let (embedding, attribute_points, cut) = moved(&row.embedding, requested_points)?;
+            clamped += usize::from(cut);
+            let adb_hat = axis.aggression_hat(&embedding)?;
+            let moved_points = adb_hat - own_hat;
+            conditions.push(ConditionRow {
+                participant: row.participant.clone(),
+                condition: condition(requested_points, moved_points),
+                adb_hat,
+                moved_points,
+                angle_rad: None,
+                beyond_training: is_beyond(model, &embedding)?,
+                sweep: Some(SweepPoint {
+                    drive: drive_name(row.participant.as_str(), name, requested_points)?,
+                    attribute: name.to_owned(),
+                    requested_points,
+                    attribute_points,
+                }),
+                embedding,
+            });
+        }
+    }
+    let attributes: Vec<AttributeSummary> =
+        heads.as_ref().map_or(Vec::new(), |h| h.summaries.clone());
+    let mut warnings = heads.map_or(Vec::new(), |h| h.warnings);
+    let n = conditions.len();
+    if clamped > 0 {
+        warnings.push(format!(
+            "{clamped} of {n} moves were cut short by the ends of the range of {name}"
+        ));
+    }
+    let beyond = conditions.iter().filter(|c| c.beyond_training).count();
+    if beyond > 0 {
+        warnings.push(format!(
+            "{beyond} of {n} embeddings lie further out than any training driver's"
+        ));
+    }
+    let mut summary = vec![format!(
+        "{} participants × {} points along {name}: {}",
+        own.len(),
+        points.len(),
+        options.out.display()
+    )];
+    summary.extend(attributes.iter().map(ToString::to_string));
+    Ok(Outcome {
+        value: Steered {
+            participants: own.len(),
+            clamped,
+            attributes,
+            conditions,
+        },
+        summary,
+        warnings,
+    })
+}
+
+/// The condition that a point is: by what it does to S.
+fn condition(requested_points: f64, moved_points: f64) -> Condition {
+    if requested_points.abs() < UNMOVED {
+        Condition::Mimic
+    } else if moved_points > UNMOVED {
+        Condition::Aggressive
+    } else if moved_points < -UNMOVED {
+        Condition::Cautious
+    } else {
+        Condition::Perpendicular
+    }
+}
+
+/// `P01-aggression-up15`, `P01-big5_openness-down0_5`, `P01-aggression-0`: letters that are safe in a file name.
+fn drive_name(participant: &str, attribute: &str, points: f64) -> Result<DriveId, StudyError> {
+    let safe = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    let attribute: String = attribute.chars().map(safe).collect();
+    let way = match points {
+        p if p > 0.0 => "up",
+        p if p < 0.0 => "down",
+        _ => "",
+    };
+    let size = points.abs().to_string().replace('.', "_");
+    Ok(DriveId::new(format!(
+        "{participant}-{attribute}-{way}{size}"
+    ))?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_have_names_of_their_own() {
+        let name = |points| drive_name("P01", "mini_ipip.openness", points).unwrap();
+        assert_eq!(name(15.0).as_str(), "P01-mini_ipip_openness-up15");
+        assert_eq!(name(-0.5).as_str(), "P01-mini_ipip_openness-down0_5");
+        assert_eq!(name(0.0).as_str(), "P01-mini_ipip_openness-0");
+    }
+
+    #[test]
+    fn a_point_is_the_condition_that_it_makes_of_aggression() {
+        assert_eq!(condition(0.0, 0.0), Condition::Mimic);
+        assert_eq!(condition(5.0, 5.0), Condition::Aggressive);
+        assert_eq!(condition(5.0, -1.0), Condition::Cautious);
+        assert_eq!(condition(5.0, 1e-9), Condition::Perpendicular);
+    }
+}
