@@ -110,6 +110,18 @@ pub enum FollowingError {
         /// Drivers needed.
         expected: usize,
     },
+    /// Drives that are not sampled alike.
+    #[error(
+        "drive `{driver}` has {found_hz} Hz, the first one {expected_hz} Hz; resample them to one rate"
+    )]
+    RatesDiffer {
+        /// The drive.
+        driver: String,
+        /// Its rate, in Hz.
+        found_hz: f64,
+        /// The first drive's, in Hz.
+        expected_hz: f64,
+    },
     /// Distance laws that are not one for each driver.
     #[error("{found} distance laws `{what}` for {expected} drivers")]
     LawCount {

@@ -10,7 +10,7 @@ use super::{
     results::{
         DriverEvaluation, FollowingEvaluation, MethodErrors, MethodMean, MethodSeries, TestSeries,
     },
-    run::FollowingRun,
+    run::{FollowingRun, Stretch},
     settings::FollowingSettings,
     simulation_errors::SimulationErrors,
     steering::{Steered, SteeringGains, calibrate_gains},
@@ -20,6 +20,17 @@ use rayon::prelude::*;
 
 /// F of one driver: following distance (m) from the leader's speed (m/s).
 pub type DistanceLaw<'a> = Box<dyn Fn(f64) -> f64 + 'a>;
+
+/// Drives in one driver's place over a stretch, as [`simulate`] does.
+pub type InPlaceOf<'a> = Box<dyn Fn(&Stretch<'_>) -> Result<ClosedLoop, FollowingError> + 'a>;
+
+/// Another learned method to try beside F.
+pub struct Contender<'a> {
+    /// Which one.
+    pub method: FollowingMethod,
+    /// One entry a driver, in the order of the runs.
+    pub drivers: Vec<InPlaceOf<'a>>,
+}
 
 /// Fits the baselines and tries them and F, own and mean, on every driver's test rows.
 ///
@@ -39,28 +50,34 @@ pub fn evaluate(
     settings: &FollowingSettings,
 ) -> Result<FollowingEvaluation, FollowingError> {
     let baselines = Baselines::calibrate(runs, settings)?;
-    evaluate_beside(runs, &baselines, own_f, mean_f, settings)
+    evaluate_beside(runs, &baselines, own_f, mean_f, &[], settings)
 }
 
-/// Tries F, own and mean, beside baselines that were fitted to the same `runs`.
+/// Tries F, own and mean, and `others`, beside baselines that were fitted to the same `runs`.
 ///
 /// # Errors
-/// [`FollowingError::LawCount`] if there is not one F, or one set of baselines, a driver;
-/// [`FollowingError::LawNotFinite`] if an F is NaN or infinite where it is asked; [`FollowingError::BadSetting`].
+/// [`FollowingError::LawCount`] if there is not one F, one set of baselines, or one of each contender, a driver;
+/// [`FollowingError::LawNotFinite`] if an F is NaN or infinite where it is asked; [`FollowingError::BadSetting`];
+/// what a contender fails with.
 pub fn evaluate_beside(
     runs: &[FollowingRun],
     baselines: &Baselines,
     own_f: &[DistanceLaw<'_>],
     mean_f: &[DistanceLaw<'_>],
+    others: &[Contender<'_>],
     settings: &FollowingSettings,
 ) -> Result<FollowingEvaluation, FollowingError> {
     settings.check()?;
     let expected = runs.len();
+    let counts = others.iter().map(|c| (c.method.as_str(), c.drivers.len()));
     for (what, found) in [
         ("own_f", own_f.len()),
         ("mean_f", mean_f.len()),
         ("baselines", baselines.drivers.len()),
-    ] {
+    ]
+    .into_iter()
+    .chain(counts)
+    {
         if found != expected {
             return Err(FollowingError::LawCount {
                 what,
@@ -72,31 +89,39 @@ pub fn evaluate_beside(
     let gains = steering_gains(runs, baselines, own_f, settings)?;
     let drivers = (0..runs.len())
         .map(|i| {
-            let steering = Steering {
+            let contestants = Contestants {
+                laws: &baselines.drivers[i],
                 own_f: &own_f[i],
                 mean_f: &mean_f[i],
                 gains: gains[i],
+                others: others.iter().map(|c| (c.method, &c.drivers[i])).collect(),
             };
-            evaluate_driver(&runs[i], &baselines.drivers[i], &steering, settings)
+            evaluate_driver(&runs[i], &contestants, settings)
         })
         .collect::<Result<Vec<_>, _>>()?;
-    let means = FollowingMethod::ALL
-        .into_iter()
+    let methods = drivers.first().map_or(&[][..], |d| &d.methods);
+    let means = methods
+        .iter()
         .enumerate()
-        .map(|(at, method)| mean_over_drivers(method, &drivers, at))
+        .map(|(at, m)| mean_over_drivers(m.method, &drivers, at))
         .collect();
     Ok(FollowingEvaluation {
         drivers,
         means,
         baselines: baselines.clone(),
+        open_loop: Vec::new(),
+        closed_loop: None,
     })
 }
 
-/// F of one driver and how hard to steer by it.
-struct Steering<'a> {
+/// Everything that drives in one driver's place.
+struct Contestants<'a> {
+    laws: &'a DriverBaselines,
     own_f: &'a DistanceLaw<'a>,
     mean_f: &'a DistanceLaw<'a>,
+    /// How hard to steer by F.
     gains: Gains,
+    others: Vec<(FollowingMethod, &'a InPlaceOf<'a>)>,
 }
 
 fn steering_gains(
@@ -133,15 +158,16 @@ fn steering_gains(
 
 fn evaluate_driver(
     run: &FollowingRun,
-    laws: &DriverBaselines,
-    steering: &Steering<'_>,
+    contestants: &Contestants<'_>,
     settings: &FollowingSettings,
 ) -> Result<DriverEvaluation, FollowingError> {
     let test = run.test();
     let mut methods = Vec::with_capacity(FollowingMethod::ALL.len());
     let mut series = recorded_series(run);
     for method in FollowingMethod::ALL {
-        let simulated = drive(run, method, laws, steering, settings)?;
+        let Some(simulated) = drive(run, method, contestants, settings)? else {
+            continue;
+        };
         let errors = SimulationErrors::of(&test, &simulated);
         methods.push(MethodErrors { method, errors });
         let gap_m = each_second(run, &simulated.gap_m);
@@ -151,49 +177,65 @@ fn evaluate_driver(
             speed_mps: each_second(run, &simulated.speed_mps),
         });
     }
+    let above_mps = settings.moving_above_mps;
     Ok(DriverEvaluation {
         driver: run.driver().to_owned(),
         methods,
-        steering_gains: steering.gains,
-        open_loop_own_rmse_m: distance_rmse_m(&test, settings.moving_above_mps, steering.own_f),
-        open_loop_mean_rmse_m: distance_rmse_m(&test, settings.moving_above_mps, steering.mean_f),
+        steering_gains: contestants.gains,
+        open_loop_own_rmse_m: distance_rmse_m(&test, above_mps, contestants.own_f),
+        open_loop_mean_rmse_m: distance_rmse_m(&test, above_mps, contestants.mean_f),
         series,
     })
 }
 
+/// `None` for a learned method that nobody entered.
 fn drive(
     run: &FollowingRun,
     method: FollowingMethod,
-    laws: &DriverBaselines,
-    steering: &Steering<'_>,
+    contestants: &Contestants<'_>,
     settings: &FollowingSettings,
-) -> Result<ClosedLoop, FollowingError> {
-    let (test, name) = (run.test(), method.as_str());
+) -> Result<Option<ClosedLoop>, FollowingError> {
+    use FollowingMethod as M;
+    let (test, name, laws) = (run.test(), method.as_str(), contestants.laws);
     let by_idm = |law: super::Idm| simulate(&test, name, |g, v, lead| law.accel_mps2(g, v, lead));
+    let by_helly =
+        |law: super::Helly| simulate(&test, name, |g, v, lead| law.accel_mps2(g, v, lead));
+    let by_time_gap =
+        |law: super::ConstantTimeGap| simulate(&test, name, |g, v, l| law.accel_mps2(g, v, l));
     let by_distance = |f: &DistanceLaw<'_>| {
         let law = KeepDistance {
             distance_m: f,
-            gains: steering.gains,
+            gains: contestants.gains,
             safety: settings.safety,
         };
         simulate(&test, name, |g, v, lead| law.accel_mps2(g, v, lead))
     };
     match method {
-        FollowingMethod::ConstantTimeGapOwn => {
-            let law = laws.constant_time_gap_own;
+        M::ConstantTimeGapOwn => by_time_gap(laws.constant_time_gap_own),
+        M::ConstantTimeGapPopulation => by_time_gap(laws.constant_time_gap_population),
+        M::NewellOwn => simulate(&test, name, laws.newell_own.law.law(&test)),
+        M::HellyOwn => by_helly(laws.helly_own.law),
+        M::HellyPopulation => by_helly(laws.helly_population.law),
+        M::GippsOwn => {
+            let law = laws.gipps_own.law;
             simulate(&test, name, |g, v, lead| law.accel_mps2(g, v, lead))
         }
-        FollowingMethod::HellyPopulation => {
-            let law = laws.helly_population.law;
-            simulate(&test, name, |g, v, lead| law.accel_mps2(g, v, lead))
+        M::IdmOwn => by_idm(laws.idm_own.law),
+        M::IdmPopulation => by_idm(laws.idm_population.law),
+        M::IdmPopulationOwnTimeGap => by_idm(laws.idm_population_own_time_gap.law),
+        M::IdmPopulationOwnTimeGapAndStandstill => {
+            by_idm(laws.idm_population_own_time_gap_and_standstill.law)
         }
-        FollowingMethod::IdmOwn => by_idm(laws.idm_own.law),
-        FollowingMethod::IdmPopulation => by_idm(laws.idm_population.law),
-        FollowingMethod::IdmPopulationOwnTimeGap => by_idm(laws.idm_population_own_time_gap.law),
-        FollowingMethod::FollowingDistanceOwn => by_distance(steering.own_f),
-        FollowingMethod::FollowingDistanceMean => by_distance(steering.mean_f),
-        FollowingMethod::IdmFloor => by_idm(laws.idm_floor.law),
+        M::IdmPrincipalDirections => by_idm(laws.idm_principal_directions.law),
+        M::FollowingDistanceOwn => by_distance(contestants.own_f),
+        M::FollowingDistanceMean => by_distance(contestants.mean_f),
+        M::IdmFloor => by_idm(laws.idm_floor.law),
+        M::VelocityOwn | M::VelocityAndDistanceOwn | M::ClosedLoopOwn | M::ClosedLoopMean => {
+            let entered = contestants.others.iter().find(|(m, _)| *m == method);
+            return entered.map(|(_, drive)| drive(&test)).transpose();
+        }
     }
+    .map(Some)
 }
 
 fn recorded_series(run: &FollowingRun) -> TestSeries {
@@ -287,6 +329,35 @@ mod tests {
     }
 
     #[test]
+    fn a_contender_stands_beside_f_and_says_whom_it_harms() {
+        let runs = runs();
+        let baselines = Baselines::calibrate(&runs, &QUICK).unwrap();
+        let f = lines(&[1.5; 3]);
+        let as_recorded = |t: f64| -> InPlaceOf<'static> {
+            let law = made_up::DRIVER.with_time_gap_s(t);
+            Box::new(move |s| simulate(s, "own", |g, v, lead| law.accel_mps2(g, v, lead)))
+        };
+        let others = [
+            Contender {
+                method: FollowingMethod::ClosedLoopOwn,
+                drivers: [1.0, 1.4, 2.2].map(as_recorded).into(),
+            },
+            Contender {
+                method: FollowingMethod::ClosedLoopMean,
+                drivers: [1.5; 3].map(as_recorded).into(),
+            },
+        ];
+        let found = evaluate_beside(&runs, &baselines, &f, &f, &others, &QUICK).unwrap();
+        assert!(gap(&found, FollowingMethod::ClosedLoopOwn) < 1.0);
+        let harmed = found.harmed(
+            FollowingMethod::ClosedLoopOwn,
+            FollowingMethod::ClosedLoopMean,
+        );
+        assert_eq!(harmed, ["T1.5"]);
+        assert!(found.mean(FollowingMethod::VelocityOwn).is_none());
+    }
+
+    #[test]
     fn series_are_once_a_second_and_never_below_zero() {
         let nothing_kept = lines(&[-9.0; 3]);
         let found = evaluate(&runs(), &nothing_kept, &nothing_kept, &QUICK).unwrap();
@@ -294,7 +365,8 @@ mod tests {
             let series = &driver.series;
             assert_eq!(series.time_s.len(), 50);
             assert!((series.time_s[1] - series.time_s[0] - 1.0).abs() < 1e-9);
-            assert_eq!(series.simulated.len(), FollowingMethod::ALL.len());
+            // Four learned methods are not entered.
+            assert_eq!(series.simulated.len(), FollowingMethod::ALL.len() - 4);
             for method in &series.simulated {
                 assert_eq!((method.gap_m.len(), method.speed_mps.len()), (50, 50));
                 assert!(method.gap_m.iter().all(|&gap| gap >= 0.0));
@@ -320,7 +392,7 @@ mod tests {
         let baselines = Baselines::calibrate(&runs(), &QUICK).unwrap();
         let gains = |own_f: &[DistanceLaw<'_>]| {
             let mean_f = lines(&[1.5; 3]);
-            let found = evaluate_beside(&runs(), &baselines, own_f, &mean_f, &settings);
+            let found = evaluate_beside(&runs(), &baselines, own_f, &mean_f, &[], &settings);
             found
                 .unwrap()
                 .drivers

@@ -1,8 +1,10 @@
 //! Made-up runs for the tests of this folder.
 
 use super::{
+    closed_loop::ClosedLoop,
+    error::FollowingError,
     laws::idm::Idm,
-    run::{FollowingColumns, FollowingRun},
+    run::{FollowingColumns, FollowingRun, Stretch},
     simulate,
 };
 
@@ -48,19 +50,27 @@ pub(super) fn driven_by_idm(driver: &str, law: Idm) -> FollowingRun {
     driven_by(driver, |g, v, l| law.accel_mps2(g, v, l))
 }
 
-/// 150 s of `law` behind a leader that keeps changing its speed between 3 and 29 m/s.
+/// [`driven`] by a law without memory.
 pub(super) fn driven_by(driver: &str, law: impl FnMut(f64, f64, f64) -> f64) -> FollowingRun {
+    let run = driven(|stretch| simulate(stretch, "made up", law));
+    FollowingRun::new(driver, RATE_HZ, run.columns().clone()).unwrap()
+}
+
+/// 150 s of what `drive` makes of a leader that keeps changing its speed between 3 and 29 m/s.
+pub(super) fn driven(
+    drive: impl FnOnce(&Stretch<'_>) -> Result<ClosedLoop, FollowingError>,
+) -> FollowingRun {
     let lead = |t: f64| 16.0 + 9.0 * (t / 11.0).sin() + 4.0 * (t / 4.3).sin();
-    let blank = behind(driver, 1500, 30.0, 15.0, lead);
-    let whole = super::run::Stretch {
+    let blank = behind("P01", 1500, 30.0, 15.0, lead);
+    let whole = Stretch {
         run: &blank,
         rows: 0..blank.rows(),
     };
-    let driven = simulate(&whole, "made up", law).unwrap();
+    let driven = drive(&whole).unwrap();
     let columns = FollowingColumns {
         gap_m: driven.gap_m,
         ego_speed_mps: driven.speed_mps,
         ..blank.columns().clone()
     };
-    FollowingRun::new(driver, RATE_HZ, columns).unwrap()
+    FollowingRun::new("P01", RATE_HZ, columns).unwrap()
 }

@@ -7,6 +7,7 @@
 pub mod baselines;
 pub mod calibrate;
 pub mod closed_loop;
+pub mod closed_loop_network;
 pub mod error;
 pub mod evaluation;
 pub mod laws;
@@ -20,22 +21,31 @@ pub mod run;
 pub mod settings;
 pub mod simulation_errors;
 pub mod steering;
+pub mod velocity;
 
 pub use baselines::{Baselines, DriverBaselines};
 pub use calibrate::{
-    Calibrated, SearchSettings, calibrate_helly, calibrate_idm, calibrate_idm_time_gap,
+    Calibrated, SearchSettings, calibrate_gipps, calibrate_helly, calibrate_idm,
+    calibrate_idm_along, calibrate_idm_time_gap, calibrate_idm_time_gap_and_standstill,
+    calibrate_newell,
 };
 pub use closed_loop::{ClosedLoop, simulate};
+pub use closed_loop_network::{
+    ClosedLoopNetwork, ClosedLoopSettings, ClosedLoopStudy, TrainedClosedLoop,
+};
 pub use error::FollowingError;
-pub use evaluation::{DistanceLaw, evaluate, evaluate_beside};
+pub use evaluation::{Contender, DistanceLaw, InPlaceOf, evaluate, evaluate_beside};
 pub use laws::{
+    gipps::Gipps,
     helly::{Gains, Helly},
     idm::Idm,
+    idm_directions::IdmDirections,
     keep_distance::{KeepDistance, SafetyBound},
+    newell::Newell,
     time_gap::ConstantTimeGap,
 };
-pub use method::FollowingMethod;
-pub use open_loop::distance_rmse_m;
+pub use method::{FollowingMethod, Knows};
+pub use open_loop::{OpenLoop, Predicted, distance_rmse_m, speed_rmse_mps, straight_line};
 pub use results::{
     DriverEvaluation, FollowingEvaluation, MethodErrors, MethodMean, MethodSeries, TestSeries,
 };
@@ -43,3 +53,4 @@ pub use run::{FollowingColumns, FollowingRun, Stretch};
 pub use settings::FollowingSettings;
 pub use simulation_errors::SimulationErrors;
 pub use steering::SteeringGains;
+pub use velocity::{predicted_speeds_mps, velocity_law};

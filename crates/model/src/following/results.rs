@@ -1,7 +1,11 @@
 //! What an evaluation gives: tables and series, ready for a file.
 
 use super::{
-    baselines::Baselines, laws::helly::Gains, method::FollowingMethod,
+    baselines::Baselines,
+    closed_loop_network::ClosedLoopStudy,
+    laws::helly::Gains,
+    method::{FollowingMethod, Knows},
+    open_loop::OpenLoop,
     simulation_errors::SimulationErrors,
 };
 use serde::{Deserialize, Serialize};
@@ -66,7 +70,7 @@ pub struct TestSeries {
 pub struct DriverEvaluation {
     /// Name of the driver.
     pub driver: String,
-    /// One entry a method, in the order of [`FollowingMethod::ALL`].
+    /// One entry a method that was tried, in the order of [`FollowingMethod::ALL`].
     pub methods: Vec<MethodErrors>,
     /// The gains with which F steered.
     pub steering_gains: Gains,
@@ -83,8 +87,49 @@ pub struct DriverEvaluation {
 pub struct FollowingEvaluation {
     /// One entry a driver, in the order of the runs.
     pub drivers: Vec<DriverEvaluation>,
-    /// One entry a method, in the order of [`FollowingMethod::ALL`].
+    /// One entry a method that was tried, in the order of [`FollowingMethod::ALL`].
     pub means: Vec<MethodMean>,
-    /// The laws that stand beside F.
+    /// The laws that stand beside the networks.
     pub baselines: Baselines,
+    /// Predictions without driving; empty unless somebody made them.
+    pub open_loop: Vec<OpenLoop>,
+    /// The network trained in closed loop; `None` if it was not trained.
+    pub closed_loop: Option<ClosedLoopStudy>,
+}
+
+impl FollowingEvaluation {
+    /// The mean over drivers of one method, if it was tried.
+    pub fn mean(&self, method: FollowingMethod) -> Option<&MethodMean> {
+        self.means.iter().find(|m| m.method == method)
+    }
+
+    /// Whether a method's gap error is the least of its kind; the floor is no kind.
+    pub fn is_best(&self, method: FollowingMethod) -> bool {
+        let kind = self
+            .means
+            .iter()
+            .filter(|m| m.method.knows() == method.knows());
+        let best = kind.min_by(|a, b| a.gap_rmse_m.total_cmp(&b.gap_rmse_m));
+        method.knows() != Knows::Test && best.is_some_and(|b| b.method == method)
+    }
+
+    /// The drivers whom `own` follows no better than `mean`, by the RMSE of the gap: whom personalising harms.
+    pub fn harmed(&self, own: FollowingMethod, mean: FollowingMethod) -> Vec<&str> {
+        self.drivers
+            .iter()
+            .filter(|d| match (d.gap_rmse_m(own), d.gap_rmse_m(mean)) {
+                (Some(own), Some(mean)) => own >= mean,
+                _ => false,
+            })
+            .map(|d| d.driver.as_str())
+            .collect()
+    }
+}
+
+impl DriverEvaluation {
+    /// The gap's RMSE under a method, in m, if it was tried.
+    pub fn gap_rmse_m(&self, method: FollowingMethod) -> Option<f64> {
+        let found = self.methods.iter().find(|m| m.method == method);
+        found.map(|m| m.errors.gap_rmse_m)
+    }
 }

@@ -3,7 +3,7 @@
 use super::axes::{Frame, Labels, Place, Scale};
 use super::canvas::{Key, Pen, cap_height};
 use super::check::Check;
-use super::theme::{GREY, INK, Marker, OCHRE, TWO_COLUMNS_MM, colour, size, stroke};
+use super::theme::{GREY, INK, MUTED, Marker, OCHRE, TWO_COLUMNS_MM, colour, size, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;
 use crate::markup;
@@ -21,8 +21,14 @@ pub enum Follower {
     Model,
     /// The network with the mean embedding of the training drivers.
     MeanEmbedding,
+    /// The network trained in closed loop, with the driver's own embedding.
+    ClosedLoop,
+    /// The same with the mean embedding.
+    ClosedLoopMean,
     /// IDM calibrated to this driver.
     Idm,
+    /// IDM calibrated to the test rows themselves: no prediction.
+    Floor,
     /// A constant time gap, the driver's own mean.
     ConstantTimeGap,
 }
@@ -31,9 +37,12 @@ impl Follower {
     pub(crate) fn label(self) -> &'static str {
         match self {
             Self::Recorded => "recorded",
-            Self::Model => "model, own embedding",
-            Self::MeanEmbedding => "model, mean embedding",
+            Self::Model => "F, own embedding",
+            Self::MeanEmbedding => "F, mean embedding",
+            Self::ClosedLoop => "network in closed loop, own",
+            Self::ClosedLoopMean => "network in closed loop, mean",
             Self::Idm => "IDM, own",
+            Self::Floor => "floor",
             Self::ConstantTimeGap => "constant time gap, own",
         }
     }
@@ -43,7 +52,9 @@ impl Follower {
             Self::Recorded => INK,
             Self::Model => colour(Condition::Mimic),
             Self::MeanEmbedding => GREY,
+            Self::ClosedLoop | Self::ClosedLoopMean => colour(Condition::Perpendicular),
             Self::Idm => colour(Condition::Cautious),
+            Self::Floor => MUTED,
             Self::ConstantTimeGap => OCHRE,
         }
     }
@@ -53,9 +64,16 @@ impl Follower {
             Self::Recorded => Marker::Circle,
             Self::Model => Marker::Square,
             Self::MeanEmbedding => Marker::Diamond,
+            Self::ClosedLoop | Self::Floor => Marker::Circle,
+            Self::ClosedLoopMean => Marker::TriangleDown,
             Self::Idm => Marker::TriangleUp,
             Self::ConstantTimeGap => Marker::TriangleDown,
         }
+    }
+
+    /// The pen of a short line across a driver's row, for what the points are held against.
+    pub(crate) fn mark(self) -> Option<Pen> {
+        matches!(self, Self::Idm | Self::Floor).then(|| Pen::new(self.colour(), 1.4))
     }
 
     fn pen(self) -> Pen {
@@ -63,7 +81,10 @@ impl Follower {
             Self::Recorded => Pen::new(self.colour(), 1.3),
             Self::Model => Pen::new(self.colour(), stroke::STRONG),
             Self::MeanEmbedding => Pen::new(self.colour(), 0.8).dashed(1.2, 1.5),
+            Self::ClosedLoop => Pen::new(self.colour(), stroke::STRONG),
+            Self::ClosedLoopMean => Pen::new(self.colour(), 0.8).dashed(1.2, 1.5),
             Self::Idm => Pen::new(self.colour(), 0.8).dashed(4.0, 2.0),
+            Self::Floor => Pen::new(self.colour(), 0.8).dashed(1.2, 2.5),
             Self::ConstantTimeGap => Pen::new(self.colour(), 0.8).dashed(2.0, 1.5),
         }
     }

@@ -74,14 +74,15 @@ pub fn following_errors(input: &FollowingErrors, context: &Context) -> Result<Fi
         .map(|(model, mean)| format!("{}: {} m.", model.model.label(), number(*mean, 2)))
         .collect();
     let rows = input.drivers.len() + 1;
-    let height_points = 58.0 + ROW * rows as f64 + 8.0;
+    let height_points = 58.0 + 10.0 * (input.models.len() as f64 / 3.0).ceil() + ROW * rows as f64;
     let plan = Plan {
         name: NAME.to_owned(),
         size_mm: (120.0, height_points / 72.0 * 25.4),
         title: "Error of the gap in closed loop, by driver".to_owned(),
         caption: format!(
             "{}: root-mean-square error of the gap over the unseen last third of each drive, in \
-             closed loop. *n* = {} drivers, each with the same weight in the mean.",
+             closed loop. Points are networks, short lines what they are held against; the floor was \
+             fitted to that third itself. *n* = {} drivers, each with the same weight in the mean.",
             crate::markup::literal(&input.data_set),
             input.drivers.len()
         ),
@@ -93,8 +94,9 @@ pub fn following_errors(input: &FollowingErrors, context: &Context) -> Result<Fi
             .models
             .iter()
             .map(|m| {
+                let point = || Key::Point(m.model.marker(), m.model.colour());
                 (
-                    Key::Point(m.model.marker(), m.model.colour()),
+                    m.model.mark().map_or_else(point, Key::Line),
                     m.model.label(),
                 )
             })
@@ -154,12 +156,13 @@ pub fn following_errors(input: &FollowingErrors, context: &Context) -> Result<Fi
             let high = values.iter().copied().fold(0.0, f64::max);
             canvas.line(frame.at(low, y), frame.at(high, y), Pen::new(GRID, 2.0));
             for (model, value) in input.models.iter().zip(&values).rev() {
-                canvas.marker(
-                    frame.at(*value, y),
-                    2.4,
-                    model.model.marker(),
-                    model.model.colour(),
-                );
+                let (x, y) = frame.at(*value, y);
+                match model.model.mark() {
+                    Some(pen) => canvas.line((x, y - 4.5), (x, y + 4.5), pen),
+                    None => {
+                        canvas.marker((x, y), 2.4, model.model.marker(), model.model.colour());
+                    }
+                }
             }
         }
     })

@@ -1,5 +1,8 @@
 //! `evaluate`: how well each driver's unseen last third is predicted in closed loop.
 
+mod learned;
+mod text;
+
 use crate::{
     atomic_write::write_json,
     error::StudyError,
@@ -7,12 +10,10 @@ use crate::{
     stages::train::read_model,
     tables::{drives::read_drives, embeddings::read_embeddings},
 };
-use maveric_model::{
-    Predictor,
-    following::{
-        DistanceLaw, FollowingEvaluation, FollowingRun, FollowingSettings,
-        evaluate as evaluate_following,
-    },
+use learned::Learned;
+use maveric_model::following::{
+    Baselines, ClosedLoopSettings, FollowingEvaluation, FollowingRun, FollowingSettings,
+    closed_loop_network::study, evaluate_beside,
 };
 use std::path::PathBuf;
 
@@ -29,10 +30,14 @@ pub struct EvaluateOptions {
     pub out: PathBuf,
     /// Root of every random choice.
     pub seed: u64,
+    /// Ego speed above which a row has a time gap, in m/s.
+    pub moving_above_mps: f64,
+    /// From how many seeds to train the network in closed loop; 0 leaves it out.
+    pub closed_loop_seeds: usize,
 }
 
-/// Simulates every driver's last third behind the recorded leader: with the driver's own embedding, with the mean
-/// embedding, and with the baselines.
+/// Simulates every driver's last third behind the recorded leader: by F and V of the model, by a network that is
+/// trained here through its own simulated following, and by the baselines.
 ///
 /// # Errors
 /// [`StudyError`] if an input cannot be read, a drive has no embedding, or has rows without a lead vehicle.
@@ -48,9 +53,7 @@ pub fn evaluate(
         ));
     }
     let embeddings = read_embeddings(&options.embeddings)?;
-    let mut runs = Vec::new();
-    let mut own: Vec<DistanceLaw<'_>> = Vec::new();
-    let mut mean: Vec<DistanceLaw<'_>> = Vec::new();
+    let (mut runs, mut own) = (Vec::new(), Vec::new());
     for drive in read_drives(&options.drives)? {
         let id = drive.meta().drive.clone();
         let Some(row) = embeddings.iter().find(|e| e.drive == id) else {
@@ -60,34 +63,41 @@ pub fn evaluate(
             ));
         };
         runs.push(FollowingRun::from_drive(&drive)?);
-        let of_own = Predictor::new(&model, &row.embedding)?;
-        let of_mean = Predictor::new(&model, model.mean_embedding())?;
-        own.push(Box::new(move |speed| of_own.following_distance(speed)));
-        mean.push(Box::new(move |speed| of_mean.following_distance(speed)));
+        own.push(row.embedding.clone());
     }
-    watch.step(0, 1, "baselines")?;
     let settings = FollowingSettings {
         seed: options.seed,
+        moving_above_mps: options.moving_above_mps,
         ..FollowingSettings::default()
     };
-    let found = evaluate_following(&runs, &own, &mean, &settings)?;
-    watch.step(1, 1, "baselines")?;
+    let learned = Learned::new(&model, &own)?;
+    watch.step(0, 3, "baselines")?;
+    let baselines = Baselines::calibrate(&runs, &settings)?;
+    watch.step(1, 3, "network in closed loop")?;
+    let closed_loop = if options.closed_loop_seeds > 0 {
+        let how = ClosedLoopSettings::default();
+        Some(study(&runs, &how, &settings, options.closed_loop_seeds)?)
+    } else {
+        None
+    };
+    watch.step(2, 3, "driving")?;
+    let mut others = learned.velocity(&runs, &baselines, &settings);
+    if let Some(study) = &closed_loop {
+        others.extend(learned::closed_loop(study));
+    }
+    let (own_f, mean_f) = learned.distances();
+    let mut found = evaluate_beside(&runs, &baselines, &own_f, &mean_f, &others, &settings)?;
+    found.open_loop = learned.open_loop(&runs, &baselines, &settings);
+    drop(others);
+    found.closed_loop = closed_loop;
+    watch.step(3, 3, "driving")?;
     write_json(&options.out, &found)?;
     let mut summary = vec![format!(
         "{} drivers, last third of each drive, closed loop: {}",
         runs.len(),
         options.out.display()
     )];
-    for row in &found.means {
-        summary.push(format!(
-            "{:32} gap {:6.2} m   speed {:5.2} m/s   reached 0: {} of {}",
-            row.method.label(),
-            row.gap_rmse_m,
-            row.speed_rmse_mps,
-            row.reached_zero,
-            row.drivers
-        ));
-    }
+    summary.extend(text::lines(&found));
     Ok(Outcome {
         value: found,
         summary,

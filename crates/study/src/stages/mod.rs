@@ -33,10 +33,10 @@ pub fn versions() -> BTreeMap<String, String> {
         ("simulate", 2),
         ("measure", 1),
         ("rate", 1),
-        ("evaluate", 1),
+        ("evaluate", 2),
         ("stats", 1),
         ("validate", 1),
-        ("report", 1),
+        ("report", 2),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()

@@ -35,6 +35,17 @@ impl Idm {
         self.max_accel_mps2 * (1.0 - free - (desired / gap_m.max(LEAST_GAP_M)).powi(2))
     }
 
+    /// v0, T, s0, a and b, in the order of the bounds.
+    pub(super) fn parameters(&self) -> [f64; 5] {
+        [
+            self.desired_speed_mps,
+            self.time_gap_s,
+            self.standstill_gap_m,
+            self.max_accel_mps2,
+            self.comfortable_braking_mps2,
+        ]
+    }
+
     /// The same driver with another time gap, in s.
     #[must_use]
     pub fn with_time_gap_s(self, time_gap_s: f64) -> Self {

@@ -57,6 +57,17 @@ impl SafetyBound {
         (square.max(0.0).sqrt() - reacting - gained).max(0.0)
     }
 
+    /// How much [`SafetyBound::safe_speed_mps`] grows with the gap, in 1/s; 0 where no speed is safe.
+    pub(in super::super) fn safe_speed_slope_per_s(&self, gap_m: f64, lead_speed_mps: f64) -> f64 {
+        let safe = self.safe_speed_mps(gap_m, lead_speed_mps);
+        if safe > 0.0 {
+            let gained = self.reaction_s * self.reaction_accel_mps2;
+            self.ego_braking_mps2 / (safe + gained + self.ego_braking_mps2 * self.reaction_s)
+        } else {
+            0.0
+        }
+    }
+
     /// The most that ego may accelerate, in m/s²: to the safe speed within the reaction time, so a braking where the
     /// gap is not safe.
     pub fn most_accel_mps2(&self, gap_m: f64, ego_speed_mps: f64, lead_speed_mps: f64) -> f64 {

@@ -1,8 +1,11 @@
 //! Acceleration laws: from gap, ego speed and lead speed to an acceleration.
 
+pub mod gipps;
 pub mod helly;
 pub mod idm;
+pub mod idm_directions;
 pub mod keep_distance;
+pub mod newell;
 pub mod time_gap;
 
 /// A law with a few numbers to calibrate, each within bounds.

@@ -5,7 +5,9 @@ use crate::{
     error::StudyError,
     stages::train::{MODEL_FILE, TrainingSummary, training_path},
 };
-use maveric_model::following::{DriverEvaluation, FollowingEvaluation, FollowingMethod};
+use maveric_model::following::{
+    DriverEvaluation, FollowingEvaluation, FollowingMethod, MethodMean, Predicted,
+};
 use maveric_report::{
     Context, Report,
     figures::{
@@ -17,18 +19,32 @@ use maveric_report::{
 };
 use std::path::Path;
 
-/// The methods that the figures show.
+/// The methods that the figure of errors shows.
+const COMPARED: [(FollowingMethod, Follower); 7] = [
+    (FollowingMethod::ClosedLoopOwn, Follower::ClosedLoop),
+    (FollowingMethod::ClosedLoopMean, Follower::ClosedLoopMean),
+    (FollowingMethod::FollowingDistanceOwn, Follower::Model),
+    (
+        FollowingMethod::FollowingDistanceMean,
+        Follower::MeanEmbedding,
+    ),
+    (
+        FollowingMethod::ConstantTimeGapOwn,
+        Follower::ConstantTimeGap,
+    ),
+    (FollowingMethod::IdmOwn, Follower::Idm),
+    (FollowingMethod::IdmFloor, Follower::Floor),
+];
+
+/// The methods whose drives the figures of single drivers show.
 const SHOWN: [(FollowingMethod, Follower); 4] = [
+    (FollowingMethod::ClosedLoopOwn, Follower::ClosedLoop),
     (FollowingMethod::FollowingDistanceOwn, Follower::Model),
     (
         FollowingMethod::FollowingDistanceMean,
         Follower::MeanEmbedding,
     ),
     (FollowingMethod::IdmOwn, Follower::Idm),
-    (
-        FollowingMethod::ConstantTimeGapOwn,
-        Follower::ConstantTimeGap,
-    ),
 ];
 
 pub(super) fn page(folder: &Path) -> Result<(Report, Vec<String>), StudyError> {
@@ -48,28 +64,27 @@ pub(super) fn page(folder: &Path) -> Result<(Report, Vec<String>), StudyError> {
             gap_rmse_m: Some(m.gap_rmse_m),
             speed_rmse_mps: Some(m.speed_rmse_mps),
             gap_nrmse: Some(m.nrmse),
+            mixed: Some(m.mixed),
+            best: found.is_best(m.method),
             reached_zero: Some(m.reached_zero),
         })
         .collect();
     let drivers: Vec<String> = found.drivers.iter().map(|d| d.driver.clone()).collect();
     let errors_of = |method| -> Vec<f64> {
-        let of = |d: &DriverEvaluation| {
-            d.methods
-                .iter()
-                .find(|m| m.method == method)
-                .map(|m| m.errors.gap_rmse_m)
-        };
+        let of = |d: &DriverEvaluation| d.gap_rmse_m(method);
         found.drivers.iter().filter_map(of).collect()
     };
     let errors = FollowingErrors {
         data_set: data_set.clone(),
         drivers: drivers.clone(),
-        models: SHOWN
+        models: COMPARED
+            .into_iter()
+            .filter(|(method, _)| found.mean(*method).is_some())
             .map(|(method, model)| ModelErrors {
                 model,
                 gap_rmse_m: errors_of(method),
             })
-            .to_vec(),
+            .collect(),
     };
     let mut figures = vec![following_errors(&errors, &context)?];
     for driver in &found.drivers {
@@ -95,13 +110,12 @@ pub(super) fn page(folder: &Path) -> Result<(Report, Vec<String>), StudyError> {
         };
         figures.push(car_following(&input, &context)?);
     }
-    let mean = |method| found.means.iter().find(|m| m.method == method);
     let mut summary = vec![format!(
         "{} drivers, recorded by instruments on a road or track; each one's last third was seen by no fit.",
         drivers.len()
     )];
     for (method, _) in SHOWN {
-        if let Some(m) = mean(method) {
+        if let Some(m) = found.mean(method) {
             summary.push(format!(
                 "{}: gap {:.2} m, speed {:.2} m/s (RMSE in closed loop, mean over drivers); the simulated gap reached 0 for {} of {}.",
                 m.method.label(),
@@ -110,6 +124,27 @@ pub(super) fn page(folder: &Path) -> Result<(Report, Vec<String>), StudyError> {
                 m.reached_zero,
                 m.drivers
             ));
+        }
+    }
+    for (what, own, mean) in [
+        (
+            "F",
+            FollowingMethod::FollowingDistanceOwn,
+            FollowingMethod::FollowingDistanceMean,
+        ),
+        (
+            "the network in closed loop",
+            FollowingMethod::ClosedLoopOwn,
+            FollowingMethod::ClosedLoopMean,
+        ),
+    ] {
+        let harmed = found.harmed(own, mean);
+        if found.mean(own).is_some() {
+            summary.push(if harmed.is_empty() {
+                format!("Personalising {what} harms no driver.")
+            } else {
+                format!("Personalising {what} harms {}.", harmed.join(", "))
+            });
         }
     }
     summary.extend(
@@ -124,7 +159,9 @@ pub(super) fn page(folder: &Path) -> Result<(Report, Vec<String>), StudyError> {
         intro: vec![
             "Only the leader is recorded in these simulations: from the true gap and speed at the first unseen row, each model \
              drives to the end of the drive on its own. The network gives a following distance, which a controller \
-             with gains fitted to the *other* drivers and the safety rule turns into acceleration. A car is not a \
+             with gains fitted to the *other* drivers and the safety rule turns into acceleration. The network in closed \
+             loop was trained through half a minute of its own simulated following and gives a controller its \
+             parameters under the same rule. A car is not a \
              person, and a pair of vehicles is one meeting of two drivers."
                 .to_owned(),
         ],
@@ -132,6 +169,7 @@ pub(super) fn page(folder: &Path) -> Result<(Report, Vec<String>), StudyError> {
         tables: vec![
             tables::following_errors(&rows, &data_set, drivers.len()),
             by_driver(&found),
+            open_loop(&found),
         ],
     }];
     let report = Report {
@@ -154,24 +192,53 @@ pub(super) fn page(folder: &Path) -> Result<(Report, Vec<String>), StudyError> {
     Ok((report, findings))
 }
 
-/// The gap's error of every driver by every method.
+/// Predictions from the recorded past, without driving.
+fn open_loop(found: &FollowingEvaluation) -> Table {
+    let rows = found.open_loop.iter().map(|row| {
+        let (what, unit) = match row.predicted {
+            Predicted::Speed => ("speed", "m/s"),
+            Predicted::Gap => ("gap", "m"),
+        };
+        vec![
+            Cell::text(what),
+            Cell::text(&row.by),
+            Cell::number(row.mean, 2),
+            Cell::text(unit),
+        ]
+    });
+    Table {
+        name: "following-open-loop".to_owned(),
+        title: "Predicted from the recorded past, without driving".to_owned(),
+        columns: vec![
+            Column::left("Predicted"),
+            Column::left("From"),
+            Column::right("RMSE"),
+            Column::left("Unit"),
+        ],
+        rows: rows.collect(),
+        notes: vec![
+            "Over the unseen last third, mean over drivers; the gap over rows in which ego moves. A one-step score \
+             proves nothing about driving: the leader's speed less the rate of the gap still *is* ego's speed."
+                .to_owned(),
+        ],
+    }
+}
+
+/// The gap's error of every driver by every method: one row a method, one column a driver.
 fn by_driver(found: &FollowingEvaluation) -> Table {
-    let mut columns = vec![Column::left("Driver")];
-    let methods: Vec<FollowingMethod> = found.means.iter().map(|m| m.method).collect();
-    columns.extend(methods.iter().map(|m| Column::right(m.label())));
-    let row = |driver: &DriverEvaluation| {
-        let mut cells = vec![Cell::text(&driver.driver)];
-        for method in &methods {
-            let errors = driver.methods.iter().find(|m| m.method == *method);
-            cells.push(Cell::number(errors.map(|m| m.errors.gap_rmse_m), 2));
-        }
-        cells
+    let mut columns = vec![Column::left("Model")];
+    columns.extend(found.drivers.iter().map(|d| Column::right(&d.driver)));
+    let row = |mean: &MethodMean| {
+        let errors = found.drivers.iter().map(|d| d.gap_rmse_m(mean.method));
+        std::iter::once(Cell::text(mean.method.label()))
+            .chain(errors.map(|e| Cell::number(e, 2)))
+            .collect()
     };
     Table {
         name: "following-by-driver".to_owned(),
         title: "The same, driver by driver".to_owned(),
         columns,
-        rows: found.drivers.iter().map(row).collect(),
+        rows: found.means.iter().map(row).collect(),
         notes: vec!["Root-mean-square error of the gap in closed loop over the unseen last third, in m. No test.".to_owned()],
     }
 }

@@ -1,0 +1,297 @@
+//! Training through the simulated following, and fitting an embedding with frozen weights.
+
+use super::{
+    ClosedLoopNetwork, ClosedLoopSettings, TrainedClosedLoop,
+    controller::Scaling,
+    layout::Layout,
+    unrolled::{Batch, Gradient, LANES, World, gradient},
+};
+use crate::{
+    adam::cosine,
+    bfgs,
+    following::{FollowingError, SafetyBound, Stretch},
+};
+use rand::{RngExt, SeedableRng};
+use rand_distr::StandardNormal;
+use rand_pcg::Pcg64;
+use rayon::prelude::*;
+
+/// Longest gradient that a step of the optimiser follows.
+const CLIP: f64 = 1.0;
+/// Segments over each row when an embedding is fitted: with each row in one only, the fit hangs on where they begin.
+const OVERLAP: usize = 5;
+/// Steps of BFGS at most; it takes about twenty.
+const MOST_ITERATIONS: usize = 60;
+
+pub(super) fn train(
+    drivers: &[Stretch<'_>],
+    settings: &ClosedLoopSettings,
+    safety: SafetyBound,
+    seed: u64,
+) -> Result<TrainedClosedLoop, FollowingError> {
+    settings.check()?;
+    let Some(first) = drivers.first() else {
+        return Err(FollowingError::TooFewDrivers {
+            found: 0,
+            expected: 1,
+        });
+    };
+    let rate_hz = first.run.rate_hz();
+    if let Some(other) = drivers
+        .iter()
+        .find(|s| (s.run.rate_hz() - rate_hz).abs() > 1e-9 * rate_hz)
+    {
+        return Err(FollowingError::RatesDiffer {
+            driver: other.run.driver().to_owned(),
+            found_hz: other.run.rate_hz(),
+            expected_hz: rate_hz,
+        });
+    }
+    let layout = Layout {
+        embedding: settings.embedding_size,
+        hidden: settings.hidden_units,
+    };
+    let world = World {
+        layout,
+        scaling: scaling(drivers),
+        safety,
+        step_s: 1.0 / rate_hz,
+        gap_weight: 1.0 / gap_variance_m2(drivers),
+        speed_weight: settings.speed_weight,
+    };
+    let mut rng = Pcg64::seed_from_u64(seed);
+    let mut weights = layout.draw(&mut rng);
+    let d = layout.embedding;
+    let mut embeddings: Vec<f64> = (0..drivers.len() * d)
+        .map(|_| 0.1 * rng.sample::<f64, _>(StandardNormal))
+        .collect();
+    let steps = segment_steps(drivers, settings);
+    let (mut of_weights, mut of_embeddings) =
+        (Adam::new(weights.len()), Adam::new(embeddings.len()));
+    let mut losses = Vec::with_capacity(settings.iterations);
+    for iteration in 0..settings.iterations {
+        let phase = rng.random_range(0..steps);
+        let mut found = loss(
+            &world,
+            &weights,
+            &embeddings,
+            &batches(drivers, steps, Some(phase)),
+        );
+        losses.push(found.loss);
+        shrink(&mut found.weights, &weights, settings.weight_decay);
+        for (driver, stretch) in drivers.iter().enumerate() {
+            let own = driver * d..(driver + 1) * d;
+            let by = prior(stretch, settings) / drivers.len() as f64;
+            shrink(&mut found.embeddings[own.clone()], &embeddings[own], by);
+        }
+        let length = norm(&found.weights).hypot(norm(&found.embeddings));
+        let scale = if length > CLIP { CLIP / length } else { 1.0 };
+        let rate = cosine(iteration, settings.iterations);
+        of_weights.step(
+            &mut weights,
+            &found.weights,
+            scale,
+            settings.learning_rate * rate,
+        );
+        of_embeddings.step(
+            &mut embeddings,
+            &found.embeddings,
+            scale,
+            settings.embedding_rate * rate,
+        );
+    }
+    let embeddings: Vec<Vec<f64>> = embeddings.chunks_exact(d).map(<[f64]>::to_vec).collect();
+    let mean = |k: usize| embeddings.iter().map(|w| w[k]).sum::<f64>() / embeddings.len() as f64;
+    let mean_embedding = (0..d).map(mean).collect();
+    Ok(TrainedClosedLoop {
+        network: ClosedLoopNetwork {
+            world,
+            weights,
+            mean_embedding,
+        },
+        embeddings,
+        losses,
+    })
+}
+
+/// Fits an embedding to a driver's rows from the mean, by the same loss, weights frozen.
+pub(super) fn personalize(
+    network: &ClosedLoopNetwork,
+    driver: &Stretch<'_>,
+    settings: &ClosedLoopSettings,
+) -> Vec<f64> {
+    let alone = std::slice::from_ref(driver);
+    let batches = batches(alone, segment_steps(alone, settings), None);
+    let prior = prior(driver, settings);
+    let value = |w: &[f64]| {
+        let mut found = loss(&network.world, &network.weights, w, &batches);
+        let away: Vec<f64> = w
+            .iter()
+            .zip(&network.mean_embedding)
+            .map(|(w, m)| w - m)
+            .collect();
+        found.loss += 0.5 * prior * away.iter().map(|a| a * a).sum::<f64>();
+        shrink(&mut found.embeddings, &away, prior);
+        (found.loss, found.embeddings)
+    };
+    bfgs::minimise(value, network.mean_embedding.clone(), MOST_ITERATIONS).at
+}
+
+/// Strength of the prior beside a mean over this driver's rows.
+fn prior(driver: &Stretch<'_>, settings: &ClosedLoopSettings) -> f64 {
+    settings.embedding_prior * driver.run.rate_hz() / driver.rows.len() as f64
+}
+
+fn loss(world: &World, weights: &[f64], embeddings: &[f64], batches: &[Batch]) -> Gradient {
+    let parts: Vec<Gradient> = batches
+        .par_iter()
+        .map(|batch| gradient(world, weights, embeddings, batch))
+        .collect();
+    // In the batches' order, whichever was ready first.
+    let mut sum = Gradient::zero(weights.len(), embeddings.len());
+    for part in &parts {
+        sum.add(part);
+    }
+    sum
+}
+
+fn shrink(gradient: &mut [f64], values: &[f64], by: f64) {
+    for (gradient, value) in gradient.iter_mut().zip(values) {
+        *gradient += by * value;
+    }
+}
+
+fn norm(x: &[f64]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn segment_steps(drivers: &[Stretch<'_>], settings: &ClosedLoopSettings) -> usize {
+    let rate_hz = drivers[0].run.rate_hz();
+    let shortest = drivers.iter().map(|s| s.rows.len() - 1).min().unwrap_or(1);
+    ((settings.segment_s * rate_hz).round() as usize).clamp(1, shortest)
+}
+
+/// Cuts each driver's rows into segments of `steps` steps: one after the other from `phase` on, or overlapping.
+fn batches(drivers: &[Stretch<'_>], steps: usize, phase: Option<usize>) -> Vec<Batch> {
+    let mut segments: Vec<(usize, usize, f64)> = Vec::new();
+    for (driver, stretch) in drivers.iter().enumerate() {
+        let all = stretch.rows.len() - 1;
+        let starts: Vec<usize> = match phase {
+            Some(phase) => {
+                let phase = phase.min(all - steps);
+                (0..(all - phase) / steps)
+                    .map(|i| phase + i * steps)
+                    .collect()
+            }
+            None => {
+                let between = (steps / OVERLAP).max(1);
+                let count = 1 + (all - steps).div_ceil(between);
+                (0..count).map(|i| (i * between).min(all - steps)).collect()
+            }
+        };
+        let weight = 1.0 / (drivers.len() * starts.len()) as f64;
+        segments.extend(
+            starts
+                .iter()
+                .map(|s| (driver, stretch.rows.start + s, weight)),
+        );
+    }
+    segments
+        .chunks(LANES)
+        .map(|some| batch(drivers, some, steps))
+        .collect()
+}
+
+fn batch(drivers: &[Stretch<'_>], segments: &[(usize, usize, f64)], steps: usize) -> Batch {
+    // A lane without a segment repeats the first one, without weight.
+    let lane = |l: usize| {
+        segments
+            .get(l)
+            .copied()
+            .unwrap_or((segments[0].0, segments[0].1, 0.0))
+    };
+    let rows = |column: &dyn Fn(&Stretch<'_>, usize) -> f64| {
+        let at = |step: usize| {
+            std::array::from_fn(|l| {
+                let (driver, start, _) = lane(l);
+                column(&drivers[driver], start + step)
+            })
+        };
+        (0..=steps).map(at).collect()
+    };
+    Batch {
+        drivers: std::array::from_fn(|l| lane(l).0),
+        weights: std::array::from_fn(|l| lane(l).2),
+        gap_m: rows(&|s, row| s.run.columns().gap_m[row]),
+        speed_mps: rows(&|s, row| s.run.columns().ego_speed_mps[row].max(0.0)),
+        lead_mps: rows(&|s, row| s.run.columns().lead_speed_mps[row]),
+        lead_moved_m: rows(&|s, row| {
+            let x = &s.run.columns().leader_x_m;
+            if row == 0 { 0.0 } else { x[row] - x[row - 1] }
+        }),
+    }
+}
+
+fn scaling(drivers: &[Stretch<'_>]) -> Scaling {
+    let (speed_mean_mps, variance) =
+        mean_and_variance(drivers, |s, row| s.run.columns().ego_speed_mps[row]);
+    Scaling {
+        speed_mean_mps,
+        speed_sd_mps: variance.sqrt().max(0.1),
+    }
+}
+
+fn gap_variance_m2(drivers: &[Stretch<'_>]) -> f64 {
+    mean_and_variance(drivers, |s, row| s.run.columns().gap_m[row])
+        .1
+        .max(1.0)
+}
+
+fn mean_and_variance(
+    drivers: &[Stretch<'_>],
+    of: impl Fn(&Stretch<'_>, usize) -> f64,
+) -> (f64, f64) {
+    let values = || {
+        drivers
+            .iter()
+            .flat_map(|s| s.rows.clone().map(|row| of(s, row)))
+    };
+    let count = values().count() as f64;
+    let mean = values().sum::<f64>() / count;
+    (
+        mean,
+        values().map(|x| (x - mean).powi(2)).sum::<f64>() / count,
+    )
+}
+
+/// Adam (Kingma and Ba 2015), in double precision: the way back through hundreds of steps loses digits.
+struct Adam {
+    first: Vec<f64>,
+    second: Vec<f64>,
+    steps: i32,
+}
+
+impl Adam {
+    fn new(size: usize) -> Self {
+        Self {
+            first: vec![0.0; size],
+            second: vec![0.0; size],
+            steps: 0,
+        }
+    }
+
+    fn step(&mut self, values: &mut [f64], gradient: &[f64], scale: f64, rate: f64) {
+        self.steps += 1;
+        let (c1, c2) = (
+            1.0 - 0.9_f64.powi(self.steps),
+            1.0 - 0.999_f64.powi(self.steps),
+        );
+        let moments = self.first.iter_mut().zip(&mut self.second);
+        for ((value, g), (first, second)) in values.iter_mut().zip(gradient).zip(moments) {
+            let g = g * scale;
+            *first = 0.9 * *first + 0.1 * g;
+            *second = 0.999 * *second + 0.001 * g * g;
+            *value -= rate * (*first / c1) / ((*second / c2).sqrt() + 1e-8);
+        }
+    }
+}

@@ -1,0 +1,521 @@
+//! Simulated following and the way back through it: several segments abreast.
+#![allow(
+    clippy::inline_always,
+    clippy::needless_range_loop,
+    reason = "code for one processor must be inlined into the function compiled for it; lanes of several arrays run abreast"
+)]
+
+use super::{
+    super::{
+        closed_loop::{MAX_ACCEL_MPS2, MIN_ACCEL_MPS2},
+        laws::keep_distance::SafetyBound,
+    },
+    controller,
+    layout::{INPUTS, Layout, OUTPUTS},
+};
+use pulp::Arch;
+
+/// Segments simulated abreast.
+pub(super) const LANES: usize = 8;
+/// One number of each segment.
+pub(super) type Lanes = [f64; LANES];
+
+/// The recorded rows of up to [`LANES`] segments of equal length.
+pub(super) struct Batch {
+    /// Driver of each lane.
+    pub(super) drivers: [usize; LANES],
+    /// Weight of each lane's error in the loss; 0 for a lane that only fills up.
+    pub(super) weights: Lanes,
+    /// Recorded gap, in m; shape `(steps + 1,)`.
+    pub(super) gap_m: Vec<Lanes>,
+    /// Recorded speed, in m/s; shape `(steps + 1,)`.
+    pub(super) speed_mps: Vec<Lanes>,
+    /// Speed of the leader, in m/s; shape `(steps + 1,)`.
+    pub(super) lead_mps: Vec<Lanes>,
+    /// How far the leader moved since the row before, in m; shape `(steps + 1,)`.
+    pub(super) lead_moved_m: Vec<Lanes>,
+}
+
+/// What all segments share.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub(super) struct World {
+    pub(super) layout: Layout,
+    pub(super) scaling: controller::Scaling,
+    pub(super) safety: SafetyBound,
+    pub(super) step_s: f64,
+    /// Weight of a squared error of 1 m.
+    pub(super) gap_weight: f64,
+    /// Weight of a squared error of 1 m/s.
+    pub(super) speed_weight: f64,
+}
+
+/// Loss of a batch and its gradients.
+pub(super) struct Gradient {
+    pub(super) loss: f64,
+    pub(super) weights: Vec<f64>,
+    /// One embedding's gradient a driver, shape `(drivers, d)`.
+    pub(super) embeddings: Vec<f64>,
+}
+
+impl Gradient {
+    pub(super) fn zero(weights: usize, embeddings: usize) -> Self {
+        Self {
+            loss: 0.0,
+            weights: vec![0.0; weights],
+            embeddings: vec![0.0; embeddings],
+        }
+    }
+
+    pub(super) fn add(&mut self, other: &Self) {
+        self.loss += other.loss;
+        for (mine, theirs) in self.weights.iter_mut().zip(&other.weights) {
+            *mine += theirs;
+        }
+        for (mine, theirs) in self.embeddings.iter_mut().zip(&other.embeddings) {
+            *mine += theirs;
+        }
+    }
+}
+
+/// What a step leaves for the way back.
+struct Step<'a> {
+    gap_m: &'a mut Lanes,
+    speed_mps: &'a mut Lanes,
+    first: &'a mut [Lanes],
+    second: &'a mut [Lanes],
+    outputs: &'a mut [Lanes],
+}
+
+fn step_of(tape: &mut [Lanes], layout: Layout, at: usize) -> Step<'_> {
+    let size = 2 + 2 * layout.hidden + OUTPUTS;
+    let (state, rest) = tape[at * size..(at + 1) * size].split_at_mut(2);
+    let (gap_m, speed_mps) = state.split_at_mut(1);
+    let (first, rest) = rest.split_at_mut(layout.hidden);
+    let (second, outputs) = rest.split_at_mut(layout.hidden);
+    Step {
+        gap_m: &mut gap_m[0],
+        speed_mps: &mut speed_mps[0],
+        first,
+        second,
+        outputs,
+    }
+}
+
+/// Simulates the batch and goes back through it.
+///
+/// # Source
+/// Backpropagation through time (Werbos 1990), over whole segments: the error of a gap reaches every command before it.
+pub(super) fn gradient(
+    world: &World,
+    weights: &[f64],
+    embeddings: &[f64],
+    batch: &Batch,
+) -> Gradient {
+    Arch::new().dispatch(
+        #[inline(always)]
+        || there_and_back(world, weights, embeddings, batch),
+    )
+}
+
+#[inline(always)]
+fn there_and_back(world: &World, weights: &[f64], embeddings: &[f64], batch: &Batch) -> Gradient {
+    let layout = world.layout;
+    let (d, h) = (layout.embedding, layout.hidden);
+    let steps = batch.gap_m.len() - 1;
+    let mut out = Gradient::zero(layout.len(), embeddings.len());
+    let mut tape = vec![[0.0; LANES]; steps * (2 + 2 * h + OUTPUTS)];
+
+    // The embedding's part of the first and last layer is the same at every step.
+    let w = |lane: usize, k: usize| embeddings[batch.drivers[lane] * d + k];
+    let from_style = |line: &[f64], bias: f64| -> Lanes {
+        std::array::from_fn(|lane| bias + (0..d).map(|k| line[k] * w(lane, k)).sum::<f64>())
+    };
+    let styled = |matrix: &[f64], biases: &[f64]| -> Vec<Lanes> {
+        matrix
+            .chunks_exact(d)
+            .zip(biases)
+            .map(|(line, &b)| from_style(line, b))
+            .collect()
+    };
+    let first_base = styled(&weights[layout.style()], &weights[layout.first_bias()]);
+    let last_base = styled(&weights[layout.direct()], &weights[layout.last_bias()]);
+    let (first, second) = (&weights[layout.first()], &weights[layout.second()]);
+    let (second_bias, last) = (&weights[layout.second_bias()], &weights[layout.last()]);
+
+    let (mut gap, mut speed) = (batch.gap_m[0], batch.speed_mps[0]);
+    // Δgap and Δspeed after each step.
+    let mut errors = vec![([0.0; LANES], [0.0; LANES]); steps];
+    for at in 0..steps {
+        let step = step_of(&mut tape, layout, at);
+        *step.gap_m = gap;
+        *step.speed_mps = speed;
+        let inputs = inputs(world, &speed);
+        for (unit, y) in step.first.iter_mut().enumerate() {
+            let mut sum = first_base[unit];
+            multiply_add(
+                &mut sum,
+                &first[unit * INPUTS..(unit + 1) * INPUTS],
+                &inputs,
+            );
+            *y = softsign(sum);
+        }
+        for (unit, y) in step.second.iter_mut().enumerate() {
+            let mut sum = [second_bias[unit]; LANES];
+            multiply_add(&mut sum, &second[unit * h..(unit + 1) * h], step.first);
+            *y = softsign(sum);
+        }
+        for (unit, y) in step.outputs.iter_mut().enumerate() {
+            let mut sum = last_base[unit];
+            multiply_add(&mut sum, &last[unit * h..(unit + 1) * h], step.second);
+            *y = sum;
+        }
+        for l in 0..LANES {
+            let o = std::array::from_fn(|k| step.outputs[k][l]);
+            let (g, v, lead) = (gap[l], speed[l], batch.lead_mps[at][l]);
+            let asked = controller::Parameters::of(o).accel_mps2(&world.safety, g, v, lead);
+            let (moved, next) = advance(v, asked, world.step_s);
+            gap[l] = g + batch.lead_moved_m[at + 1][l] - moved;
+            speed[l] = next;
+            let (gap_error, speed_error) = (
+                gap[l] - batch.gap_m[at + 1][l],
+                next - batch.speed_mps[at + 1][l],
+            );
+            errors[at].0[l] = gap_error;
+            errors[at].1[l] = speed_error;
+            let square = world.gap_weight * gap_error * gap_error
+                + world.speed_weight * speed_error * speed_error;
+            out.loss += batch.weights[l] * square / steps as f64;
+        }
+    }
+
+    let mut first_sums = vec![[0.0; LANES]; h];
+    let mut first_weights = vec![[0.0; LANES]; h * INPUTS];
+    let mut second_sums = vec![[0.0; LANES]; h];
+    let mut second_weights = vec![[0.0; LANES]; h * h];
+    let mut last_sums = [[0.0; LANES]; OUTPUTS];
+    let mut last_weights = vec![[0.0; LANES]; OUTPUTS * h];
+    let (mut d_first, mut d_second) = (vec![[0.0; LANES]; h], vec![[0.0; LANES]; h]);
+    let (mut d_gap, mut d_speed) = ([0.0; LANES], [0.0; LANES]);
+    for at in (0..steps).rev() {
+        let step = step_of(&mut tape, layout, at);
+        let mut d_outputs = [[0.0; LANES]; OUTPUTS];
+        for l in 0..LANES {
+            let scale = 2.0 * batch.weights[l] / steps as f64;
+            d_gap[l] += scale * world.gap_weight * errors[at].0[l];
+            d_speed[l] += scale * world.speed_weight * errors[at].1[l];
+            let o = std::array::from_fn(|k| step.outputs[k][l]);
+            let parameters = controller::Parameters::of(o);
+            let (g, v, lead) = (step.gap_m[l], step.speed_mps[l], batch.lead_mps[at][l]);
+            let asked = parameters.accel_mps2(&world.safety, g, v, lead);
+            let (d_v, d_a) = advance_back(v, asked, world.step_s, -d_gap[l], d_speed[l]);
+            let back = parameters.back(o, &world.safety, (g, v, lead), d_a);
+            d_gap[l] += back.gap;
+            d_speed[l] = d_v + back.speed;
+            for k in 0..OUTPUTS {
+                d_outputs[k][l] = back.outputs[k];
+            }
+        }
+        d_second.fill([0.0; LANES]);
+        for k in 0..OUTPUTS {
+            add(&mut last_sums[k], &d_outputs[k]);
+            for unit in 0..h {
+                add_product(
+                    &mut last_weights[k * h + unit],
+                    &d_outputs[k],
+                    &step.second[unit],
+                );
+                add_scaled(&mut d_second[unit], last[k * h + unit], &d_outputs[k]);
+            }
+        }
+        d_first.fill([0.0; LANES]);
+        for unit in 0..h {
+            through_softsign(&mut d_second[unit], &step.second[unit]);
+            add(&mut second_sums[unit], &d_second[unit]);
+            for from in 0..h {
+                add_product(
+                    &mut second_weights[unit * h + from],
+                    &d_second[unit],
+                    &step.first[from],
+                );
+                add_scaled(&mut d_first[from], second[unit * h + from], &d_second[unit]);
+            }
+        }
+        let inputs = inputs(world, step.speed_mps);
+        let mut d_inputs = [[0.0; LANES]; INPUTS];
+        for unit in 0..h {
+            through_softsign(&mut d_first[unit], &step.first[unit]);
+            add(&mut first_sums[unit], &d_first[unit]);
+            for k in 0..INPUTS {
+                add_product(
+                    &mut first_weights[unit * INPUTS + k],
+                    &d_first[unit],
+                    &inputs[k],
+                );
+                add_scaled(&mut d_inputs[k], first[unit * INPUTS + k], &d_first[unit]);
+            }
+        }
+        for l in 0..LANES {
+            d_speed[l] += d_inputs[0][l] / world.scaling.speed_sd_mps;
+        }
+    }
+
+    let total = |lanes: &Lanes| lanes.iter().sum::<f64>();
+    let mut put = |range: std::ops::Range<usize>, sums: &[Lanes]| {
+        for (weight, sum) in out.weights[range].iter_mut().zip(sums) {
+            *weight = total(sum);
+        }
+    };
+    put(layout.first(), &first_weights);
+    put(layout.first_bias(), &first_sums);
+    put(layout.second(), &second_weights);
+    put(layout.second_bias(), &second_sums);
+    put(layout.last(), &last_weights);
+    put(layout.last_bias(), &last_sums);
+    for (range, sums) in [
+        (layout.style(), &first_sums[..]),
+        (layout.direct(), &last_sums[..]),
+    ] {
+        for (line, sum) in sums.iter().enumerate() {
+            for k in 0..d {
+                let at = range.start + line * d + k;
+                for l in 0..LANES {
+                    out.weights[at] += sum[l] * w(l, k);
+                    out.embeddings[batch.drivers[l] * d + k] += sum[l] * weights[at];
+                }
+            }
+        }
+    }
+    out
+}
+
+#[inline(always)]
+fn inputs(world: &World, speed: &Lanes) -> [Lanes; INPUTS] {
+    let s = &world.scaling;
+    [std::array::from_fn(|l| s.input(speed[l]))]
+}
+
+#[inline(always)]
+fn multiply_add(sum: &mut Lanes, line: &[f64], x: &[Lanes]) {
+    for (weight, x) in line.iter().zip(x) {
+        add_scaled(sum, *weight, x);
+    }
+}
+
+#[inline(always)]
+fn add(sum: &mut Lanes, x: &Lanes) {
+    for l in 0..LANES {
+        sum[l] += x[l];
+    }
+}
+
+#[inline(always)]
+fn add_scaled(sum: &mut Lanes, weight: f64, x: &Lanes) {
+    for l in 0..LANES {
+        sum[l] += weight * x[l];
+    }
+}
+
+#[inline(always)]
+fn add_product(sum: &mut Lanes, x: &Lanes, y: &Lanes) {
+    for l in 0..LANES {
+        sum[l] += x[l] * y[l];
+    }
+}
+
+/// x/(1 + |x|): unlike tanh the same few instructions on every machine, and so the same bytes.
+#[inline(always)]
+fn softsign(mut x: Lanes) -> Lanes {
+    for x in &mut x {
+        *x /= 1.0 + x.abs();
+    }
+    x
+}
+
+#[inline(always)]
+fn through_softsign(d: &mut Lanes, y: &Lanes) {
+    for l in 0..LANES {
+        let rest = 1.0 - y[l].abs();
+        d[l] *= rest * rest;
+    }
+}
+
+/// Distance moved and the next speed, as in [`simulate`](super::super::simulate).
+#[inline(always)]
+fn advance(speed: f64, asked: f64, step_s: f64) -> (f64, f64) {
+    let a = asked.clamp(MIN_ACCEL_MPS2, MAX_ACCEL_MPS2);
+    let next = speed + a * step_s;
+    if next < 0.0 {
+        (speed * speed / (-2.0 * a), 0.0)
+    } else {
+        (0.5 * (speed + next) * step_s, next)
+    }
+}
+
+/// Derivatives by the speed and by the command, from those by the distance moved and by the next speed.
+#[inline(always)]
+fn advance_back(speed: f64, asked: f64, step_s: f64, d_moved: f64, d_next: f64) -> (f64, f64) {
+    let a = asked.clamp(MIN_ACCEL_MPS2, MAX_ACCEL_MPS2);
+    let (d_speed, d_a) = if speed + a * step_s < 0.0 {
+        (
+            -d_moved * speed / a,
+            d_moved * speed * speed / (2.0 * a * a),
+        )
+    } else {
+        let d_next = d_next + 0.5 * step_s * d_moved;
+        (0.5 * step_s * d_moved + d_next, d_next * step_s)
+    };
+    let free = asked > MIN_ACCEL_MPS2 && asked < MAX_ACCEL_MPS2;
+    (d_speed, if free { d_a } else { 0.0 })
+}
+
+/// What the network asks for at one moment.
+pub(super) fn parameters(
+    world: &World,
+    weights: &[f64],
+    embedding: &[f64],
+    speed: f64,
+) -> controller::Parameters {
+    let layout = world.layout;
+    let s = &world.scaling;
+    let inputs = [s.input(speed)];
+    let dot = |line: &[f64], x: &[f64]| line.iter().zip(x).map(|(a, b)| a * b).sum::<f64>();
+    let line = |range: std::ops::Range<usize>, row: usize, width: usize| {
+        let start = range.start + row * width;
+        &weights[start..start + width]
+    };
+    let (d, h) = (layout.embedding, layout.hidden);
+    let squash = |x: f64| x / (1.0 + x.abs());
+    let first: Vec<f64> = (0..h)
+        .map(|u| {
+            squash(
+                weights[layout.first_bias()][u]
+                    + dot(line(layout.style(), u, d), embedding)
+                    + dot(line(layout.first(), u, INPUTS), &inputs),
+            )
+        })
+        .collect();
+    let second: Vec<f64> = (0..h)
+        .map(|u| {
+            squash(weights[layout.second_bias()][u] + dot(line(layout.second(), u, h), &first))
+        })
+        .collect();
+    let outputs = std::array::from_fn(|k| {
+        weights[layout.last_bias()][k]
+            + dot(line(layout.direct(), k, d), embedding)
+            + dot(line(layout.last(), k, h), &second)
+    });
+    controller::Parameters::of(outputs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+
+    /// Leaders that come and go, for eight lanes of two drivers; the last lane only fills up.
+    fn batch(steps: usize) -> Batch {
+        let at = |step: usize, lane: usize| (step as f64 / 10.0, lane as f64);
+        let rows = |of: &dyn Fn(f64, f64) -> f64| -> Vec<Lanes> {
+            (0..=steps)
+                .map(|step| std::array::from_fn(|l| of(at(step, l).0, at(step, l).1)))
+                .collect()
+        };
+        let lead = |t: f64, lane: f64| 12.0 + lane + 3.0 * (t / 2.0 + lane).sin();
+        Batch {
+            drivers: std::array::from_fn(|l| l % 2),
+            weights: std::array::from_fn(|l| if l == 7 { 0.0 } else { 0.1 }),
+            gap_m: rows(&|t, lane| 20.0 + 2.0 * lane + (t + lane).cos()),
+            speed_mps: rows(&|t, lane| 12.0 + lane + (0.7 * t).sin()),
+            lead_mps: rows(&lead),
+            lead_moved_m: rows(&|t, lane| 0.1 * lead(t, lane)),
+        }
+    }
+
+    #[test]
+    fn the_gradient_through_the_closed_loop_is_the_difference_quotient() {
+        let layout = Layout {
+            embedding: 2,
+            hidden: 4,
+        };
+        let world = World {
+            layout,
+            scaling: controller::Scaling {
+                speed_mean_mps: 14.0,
+                speed_sd_mps: 3.0,
+            },
+            safety: SafetyBound::default(),
+            step_s: 0.1,
+            gap_weight: 0.02,
+            speed_weight: 0.1,
+        };
+        let mut rng = rand_pcg::Pcg64::seed_from_u64(3);
+        let mut weights = layout.draw(&mut rng);
+        for weight in &mut weights {
+            *weight += 0.2 * (rng.random::<f64>() - 0.5);
+        }
+        let embeddings = [0.4, -0.3, -0.6, 0.8];
+        let batch = batch(60);
+        let found = gradient(&world, &weights, &embeddings, &batch);
+        let close = |found: f64, expected: f64| {
+            let error = (found - expected).abs();
+            assert!(error < 1e-5 * (1e-2 + expected.abs()), "{found} {expected}");
+        };
+        let step = 1e-6;
+        for at in 0..weights.len() {
+            let loss = |by: f64| {
+                let mut moved = weights.clone();
+                moved[at] += by;
+                gradient(&world, &moved, &embeddings, &batch).loss
+            };
+            close(found.weights[at], (loss(step) - loss(-step)) / (2.0 * step));
+        }
+        for at in 0..embeddings.len() {
+            let loss = |by: f64| {
+                let mut moved = embeddings;
+                moved[at] += by;
+                gradient(&world, &weights, &moved, &batch).loss
+            };
+            close(
+                found.embeddings[at],
+                (loss(step) - loss(-step)) / (2.0 * step),
+            );
+        }
+    }
+
+    #[test]
+    fn braking_to_a_stop_and_the_bounds_have_the_slopes_of_their_branches() {
+        let step = 1e-6;
+        for (v, a) in [
+            (0.3, -6.0),
+            (10.0, 1.0),
+            (10.0, -9.0),
+            (10.0, 5.0),
+            (0.0, -1.0),
+        ] {
+            let of = |v: f64, a: f64| {
+                let (moved, next) = advance(v, a, 0.1);
+                3.0 * moved + 2.0 * next
+            };
+            let (d_v, d_a) = advance_back(v, a, 0.1, 3.0, 2.0);
+            let by_v = (of(v + step, a) - of(v, a)) / step;
+            let by_a = (of(v, a + step) - of(v, a - step)) / (2.0 * step);
+            assert!((d_v - by_v).abs() < 1e-4, "{v} {a}: {d_v} {by_v}");
+            assert!((d_a - by_a).abs() < 1e-4, "{v} {a}: {d_a} {by_a}");
+        }
+        let safety = SafetyBound::default();
+        // A gap at which the bound commands: 3 m at 10 m/s behind 9 m/s.
+        let asked = controller::Parameters::of([0.0; OUTPUTS]);
+        for (g, v, lead) in [(3.0, 10.0, 9.0), (25.0, 10.0, 9.0)] {
+            let accel = |g: f64, v: f64| asked.accel_mps2(&safety, g, v, lead);
+            let back = asked.back([0.0; OUTPUTS], &safety, (g, v, lead), 1.0);
+            let by_gap = (accel(g + step, v) - accel(g - step, v)) / (2.0 * step);
+            let by_speed = (accel(g, v + step) - accel(g, v - step)) / (2.0 * step);
+            assert!((back.gap - by_gap).abs() < 1e-4, "{} {by_gap}", back.gap);
+            assert!(
+                (back.speed - by_speed).abs() < 1e-4,
+                "{} {by_speed}",
+                back.speed
+            );
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Gipps' law.
+
+use super::Parametric;
+use serde::{Deserialize, Serialize};
+
+/// Gipps' law: the speed at which ego can still stop behind a leader that brakes, reached within the reaction time.
+///
+/// # Source
+/// Gipps 1981, with his choice of half a reaction time as margin. He steps by the reaction time; here the speed it
+/// asks for at the end of that time is approached evenly, so that the law can be asked at any rate. The bounds of the
+/// calibration are ours: reaction time 0.1-3 s, expected braking of the leader 0.1-8 m/s², the rest as for IDM.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Gipps {
+    /// Speed on a free road, in m/s.
+    pub desired_speed_mps: f64,
+    /// Reaction time, in s.
+    pub reaction_s: f64,
+    /// Gap at standstill, in m.
+    pub standstill_gap_m: f64,
+    /// Greatest wished acceleration, in m/s².
+    pub max_accel_mps2: f64,
+    /// Hardest braking that ego is ready for, in m/s².
+    pub ego_braking_mps2: f64,
+    /// Hardest braking that ego expects of the leader, in m/s².
+    pub lead_braking_mps2: f64,
+}
+
+impl Gipps {
+    /// Acceleration, in m/s².
+    pub fn accel_mps2(&self, gap_m: f64, ego_speed_mps: f64, lead_speed_mps: f64) -> f64 {
+        let (v, tau, b) = (ego_speed_mps, self.reaction_s, self.ego_braking_mps2);
+        let share = v / self.desired_speed_mps;
+        let free =
+            v + 2.5 * self.max_accel_mps2 * tau * (1.0 - share) * (0.025 + share.max(0.0)).sqrt();
+        let lead_stops = lead_speed_mps * lead_speed_mps / self.lead_braking_mps2;
+        let room = 2.0 * (gap_m - self.standstill_gap_m) - v * tau + lead_stops;
+        let safe = (b * b * tau * tau + b * room).max(0.0).sqrt() - b * tau;
+        (free.min(safe.max(0.0)) - v) / tau
+    }
+}
+
+impl Parametric for Gipps {
+    const BOUNDS: &'static [(f64, f64)] = &[
+        (20.0, 50.0),
+        (0.1, 3.0),
+        (0.1, 10.0),
+        (0.1, 4.0),
+        (0.1, 6.0),
+        (0.1, 8.0),
+    ];
+
+    fn from_parameters(p: &[f64]) -> Self {
+        Self {
+            desired_speed_mps: p[0],
+            reaction_s: p[1],
+            standstill_gap_m: p[2],
+            max_accel_mps2: p[3],
+            ego_braking_mps2: p[4],
+            lead_braking_mps2: p[5],
+        }
+    }
+
+    fn accel_mps2(&self, gap_m: f64, ego_speed_mps: f64, lead_speed_mps: f64) -> f64 {
+        Self::accel_mps2(self, gap_m, ego_speed_mps, lead_speed_mps)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GIPPS: Gipps = Gipps {
+        desired_speed_mps: 30.0,
+        reaction_s: 1.0,
+        standstill_gap_m: 2.0,
+        max_accel_mps2: 1.5,
+        ego_braking_mps2: 3.0,
+        lead_braking_mps2: 3.0,
+    };
+
+    #[test]
+    fn equal_brakings_keep_one_and_a_half_reaction_times() {
+        // With b = b̂ the speed is kept where 2(gap - s0) = 3vτ.
+        let gap = 2.0 + 1.5 * 20.0;
+        assert!(GIPPS.accel_mps2(gap, 20.0, 20.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_free_road_ends_at_the_desired_speed_and_no_gap_at_standstill() {
+        assert!(GIPPS.accel_mps2(1e4, 30.0, 30.0).abs() < 1e-9);
+        assert!(GIPPS.accel_mps2(2.0, 0.0, 0.0).abs() < 1e-9);
+        assert!(GIPPS.accel_mps2(0.0, 10.0, 0.0) < -8.0);
+    }
+}
