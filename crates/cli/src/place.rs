@@ -34,15 +34,13 @@ impl PipelineArgs {
         let overrides: Result<Vec<_>, _> =
             self.set.iter().map(|text| parse_override(text)).collect();
         let overrides = overrides.map_err(Failure::pipeline("could not read --set"))?;
-        Pipeline::read(file, &overrides).map_err(Failure::pipeline("could not read the pipeline"))
+        Pipeline::read(file, &root(file)?, &overrides).map_err(Failure::pipeline("could not read the pipeline"))
     }
 }
 
-/// The project's root (above `pipelines/`, else the current folder), the ledger beside the pipeline
-/// file, and this program under its own name.
-pub(crate) fn place(file: &Path) -> Result<Place, Failure> {
-    let doing = "could not find this program's own file";
-    let program = std::env::current_exe().map_err(|e| Failure::io(doing, e))?;
+/// The project's root: above `pipelines/`, else the current folder.
+fn root(file: &Path) -> Result<PathBuf, Failure> {
+    let doing = "could not find the project's folder";
     let folder = file.parent().unwrap_or(Path::new(""));
     let absolute = std::path::absolute(folder).map_err(|e| Failure::io(doing, e))?;
     let root = if absolute.file_name().is_some_and(|n| n == "pipelines") {
@@ -50,12 +48,19 @@ pub(crate) fn place(file: &Path) -> Result<Place, Failure> {
     } else {
         None
     };
-    let root = root
-        .map_or_else(std::env::current_dir, Ok)
-        .map_err(|e| Failure::io(doing, e))?;
+    root.map_or_else(std::env::current_dir, Ok)
+        .map_err(|e| Failure::io(doing, e))
+}
+
+/// Where the pipeline of `file` runs: its root, the ledger beside the pipeline file, and this program
+/// under its own name.
+pub(crate) fn place(file: &Path) -> Result<Place, Failure> {
+    let doing = "could not find this program's own file";
+    let program = std::env::current_exe().map_err(|e| Failure::io(doing, e))?;
+    let folder = file.parent().unwrap_or(Path::new(""));
     let stem = file.file_stem().unwrap_or_default();
     Ok(Place {
-        root,
+        root: root(file)?,
         ledger: file.with_extension("lock"),
         log_dir: folder.join(".logs").join(stem),
         program: Some(Program {

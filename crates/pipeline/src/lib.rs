@@ -28,6 +28,7 @@ mod shell;
 mod stage;
 mod status;
 mod surroundings;
+mod table;
 #[cfg(test)]
 mod testing;
 mod trace;

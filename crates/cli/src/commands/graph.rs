@@ -1,6 +1,6 @@
 //! `maveric graph`.
 
-use super::print_lines;
+use super::{print_json, print_lines};
 use crate::{
     diagnostics::Failure,
     place::{DEFAULT_PIPELINE, PipelineArgs},
@@ -34,6 +34,8 @@ enum GraphFormat {
     Mermaid,
     /// A drawing
     Svg,
+    /// The JSON schema of pipeline files, for editors
+    Schema,
 }
 
 impl Graph {
@@ -46,6 +48,7 @@ impl Graph {
             GraphFormat::Dot => graph.dot(),
             GraphFormat::Mermaid => graph.mermaid(),
             GraphFormat::Svg => graph.svg(),
+            GraphFormat::Schema => return print_json(&maveric_pipeline::schema()),
         };
         print_lines(&[text.trim_end().to_owned()])
     }

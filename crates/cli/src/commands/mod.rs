@@ -1,5 +1,7 @@
 //! One file per command: it parses, calls its library function, prints.
 
+pub(crate) mod clean;
+pub(crate) mod diff;
 pub(crate) mod evaluate;
 pub(crate) mod generate;
 pub(crate) mod graph;
@@ -15,8 +17,10 @@ pub(crate) mod simulate;
 pub(crate) mod stats;
 pub(crate) mod status;
 pub(crate) mod steer;
+pub(crate) mod trace;
 pub(crate) mod train;
 pub(crate) mod validate;
+pub(crate) mod verify;
 
 use crate::{
     args::{Command, Format},
@@ -32,6 +36,10 @@ pub(crate) fn run(command: Command) -> Result<(), Failure> {
         Command::Run(c) => c.run(),
         Command::Status(c) => c.run(),
         Command::Graph(c) => c.run(),
+        Command::Verify(c) => c.run(),
+        Command::Diff(c) => c.run(),
+        Command::Trace(c) => c.run(),
+        Command::Clean(c) => c.run(),
         Command::Generate(c) => c.run(),
         Command::Ingest(c) => c.run(),
         Command::Inspect(c) => c.run(),

@@ -8,7 +8,7 @@ use crate::{
     place::{PipelineArgs, place},
 };
 use maveric_pipeline::{Event, Outcome, RunOptions, RunReport, StageStatus, State, plan, run, why};
-use std::num::NonZeroUsize;
+use std::{num::NonZeroUsize, path::PathBuf};
 
 /// Bring a pipeline up to date: run what is stale, in order, and say where the report is
 #[derive(Debug, clap::Args)]
@@ -16,7 +16,9 @@ use std::num::NonZeroUsize;
 Examples: maveric run                                    the default study
           maveric run pipelines/smoke.toml -j 2          two stages at once
           maveric run pipelines/paper.toml train --force only the model, anew
-          maveric run --why train                        why a stage would run")]
+          maveric run --why train                        why a stage would run
+          maveric run --cache /shared/maveric            take what a colleague has made
+          maveric run --executor slurm                   on the cluster")]
 #[expect(
     clippy::struct_field_names,
     reason = "the fields are named as their flags"
@@ -27,9 +29,9 @@ pub(crate) struct Run {
     words: Vec<String>,
     #[command(flatten)]
     pipeline: PipelineArgs,
-    /// Stages that may run at once
-    #[arg(short, long, default_value_t = NonZeroUsize::MIN)]
-    jobs: NonZeroUsize,
+    /// Stages that may run at once; one when not given, on a cluster as many as it has room for
+    #[arg(short, long)]
+    jobs: Option<NonZeroUsize>,
     /// Say what would run and why; run nothing
     #[arg(short = 'n', long)]
     dry_run: bool,
@@ -42,6 +44,9 @@ pub(crate) struct Run {
     /// After a failure go on with what does not need the failed stage
     #[arg(long)]
     keep_going: bool,
+    /// Folder of outputs by what they were made from: take from it, add to it
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
     /// Where the stages run
     #[arg(long, value_enum, default_value_t)]
     executor: Executor,
@@ -56,11 +61,24 @@ enum Executor {
     /// As processes on this machine
     #[default]
     Local,
+    /// As jobs of Slurm, through sbatch
+    Slurm,
+    /// As tasks of HyperQueue, through hq
+    Hq,
+}
+
+impl From<Executor> for maveric_pipeline::Executor {
+    fn from(executor: Executor) -> Self {
+        match executor {
+            Executor::Local => Self::Local,
+            Executor::Slurm => Self::Slurm,
+            Executor::Hq => Self::HyperQueue,
+        }
+    }
 }
 
 impl Run {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        let Executor::Local = self.executor;
         let (file, targets) = PipelineArgs::split(self.words);
         let pipeline = self.pipeline.read(&file)?;
         let place = place(&file)?;
@@ -79,6 +97,8 @@ impl Run {
             jobs: self.jobs,
             force: self.force,
             keep_going: self.keep_going,
+            cache: self.cache,
+            executor: self.executor.into(),
             cancel: interrupt::flag().clone(),
         };
         interrupt::be_patient();
@@ -108,9 +128,28 @@ fn say(event: &Event<'_>) {
         Event::Finished {
             stage,
             seconds,
+            peak_memory,
             settled,
             wanted,
-        } => eprintln!("[{settled}/{wanted}] {stage}: done in {seconds:.1} s"),
+        } => {
+            let memory = peak_memory.map_or_else(String::new, |bytes| {
+                format!(", {:.0} MB", bytes as f64 / 1e6)
+            });
+            eprintln!("[{settled}/{wanted}] {stage}: done in {seconds:.1} s{memory}");
+        }
+        Event::Restored {
+            stage,
+            settled,
+            wanted,
+        } => eprintln!("[{settled}/{wanted}] {stage}: taken from the cache"),
+        Event::Submitted { job, stage, tasks } => {
+            let tasks = if *tasks == 1 { String::new() } else { format!(" ({tasks} tasks)") };
+            eprintln!("{stage}: handed in as job {job}{tasks}");
+        }
+        Event::Resumed { stages } => {
+            eprintln!("following {stages} stages that an earlier run had handed in");
+        }
+        Event::Warning(warning) => eprintln!("warning: {warning}"),
         Event::Failed(failure) => {
             eprintln!("error: {failure}");
             for line in &failure.last_lines {
@@ -132,7 +171,7 @@ fn print_report(format: Format, report: &RunReport) -> Result<(), Failure> {
         let ran = report
             .stages
             .iter()
-            .filter(|s| s.state == State::Done)
+            .filter(|s| matches!(s.state, State::Done | State::Restored))
             .count();
         if report.outcome == Outcome::Done && ran == 0 {
             print_lines(&["everything is up to date; nothing was run".to_owned()])?;
@@ -144,7 +183,16 @@ fn print_report(format: Format, report: &RunReport) -> Result<(), Failure> {
     match report.outcome {
         Outcome::Done => Ok(()),
         Outcome::Failed => Err(Failure::Told),
-        Outcome::Interrupted => Err(Failure::Interrupted),
+        Outcome::Interrupted => {
+            let on_cluster = report.stages.iter().filter(|s| s.state == State::Running);
+            match on_cluster.count() {
+                0 => {}
+                stages => eprintln!(
+                    "{stages} stages go on where they were handed in; the same command follows them again"
+                ),
+            }
+            Err(Failure::Interrupted)
+        }
     }
 }
 

@@ -42,21 +42,15 @@ pub(super) fn json_cells(bytes: &[u8]) -> Option<Cells> {
 /// The cells of a table with a heading. A row is named by its first cells, as many as it
 /// takes to tell all rows apart, at most three; else by its number.
 pub(super) fn csv_cells(bytes: &[u8], delimiter: u8) -> Option<Cells> {
-    let mut reader = csv::ReaderBuilder::new()
-        .delimiter(delimiter)
-        .from_reader(bytes);
-    let headers = reader.headers().ok()?.clone();
-    let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().ok()?;
-    let name = |row: &csv::StringRecord, cells: usize| {
-        row.iter().take(cells).collect::<Vec<_>>().join(" ")
-    };
+    let (headers, rows) = crate::table::read(bytes, delimiter).ok()?;
+    let name = |row: &[String], cells: usize| row[..cells].join(" ");
     let unique = |cells: &usize| {
-        let names: std::collections::BTreeSet<_> = rows.iter().map(|r| name(r, *cells)).collect();
+        let names: std::collections::BTreeSet<_> = rows.iter().map(|(_, row)| name(row, *cells)).collect();
         names.len() == rows.len()
     };
     let key = (1..=headers.len().min(3)).find(unique);
     let mut cells = Cells::new();
-    for (i, row) in rows.iter().enumerate() {
+    for (i, (_, row)) in rows.iter().enumerate() {
         let row_name = key.map_or_else(|| format!("row {}", i + 1), |key| name(row, key));
         for (column, cell) in headers.iter().zip(row).skip(key.unwrap_or(0)) {
             cells.insert(format!("{row_name}, {column}"), cell.to_owned());

@@ -110,23 +110,22 @@ fn over(path: &str, at: usize) -> Result<(String, String), Located> {
 
 /// A branch a row; columns whose names can be no parameter's cannot be used.
 fn rows(path: &str, root: &Path) -> Result<Vec<Branch>, String> {
-    let mut reader = csv::Reader::from_path(root.join(path)).map_err(|e| e.to_string())?;
-    let headers = reader.headers().map_err(|e| e.to_string())?.clone();
+    let bytes = std::fs::read(root.join(path)).map_err(|e| e.to_string())?;
+    let (heading, rows) = crate::table::read(&bytes, b',')?;
     let mut branches = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|e| e.to_string())?;
-        let value = |(name, text): (&str, &str)| {
+    for (line, cells) in rows {
+        let value = |(name, text): (&String, &String)| {
             let kind = ParamKind::Text;
             // Braces in a cell are braces.
             let text = text.replace('{', "{{").replace('}', "}}");
-            is_name(name).then(|| (name.to_owned(), Param { kind, text }))
+            is_name(name).then(|| (name.clone(), Param { kind, text }))
         };
         branches.push(Branch {
-            values: headers.iter().zip(&record).filter_map(value).collect(),
+            values: heading.iter().zip(&cells).filter_map(value).collect(),
             distinct: true,
             row: Some(Row {
                 table: path.to_owned(),
-                line: record.position().map_or(0, csv::Position::line),
+                line,
             }),
             share: None,
         });

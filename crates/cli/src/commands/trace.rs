@@ -1,0 +1,81 @@
+//! `maveric trace`.
+
+use super::{print_json, print_lines};
+use crate::{args::Format, diagnostics::Failure, place::place};
+use maveric_pipeline::{Ledger, PipelineError, below_root};
+use std::path::{Path, PathBuf};
+
+/// Walk back from a file to the stages, rows and files that it came from
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Example: maveric trace reports/paper/index.html
+         maveric trace study_data/generated/smoke/scores.csv --pipeline pipelines/smoke.toml")]
+pub(crate) struct Trace {
+    /// A file that a stage made, or one in a folder that a stage made
+    path: PathBuf,
+    /// The pipeline that made it; when not given, whichever in `pipelines/` did
+    #[arg(long)]
+    pipeline: Option<PathBuf>,
+    /// How to print the result
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Trace {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let doing = "could not trace the file";
+        let files = match &self.pipeline {
+            Some(file) => vec![file.clone()],
+            None => ledgers().map_err(|e| Failure::io(doing, e))?,
+        };
+        let mut not_made = None;
+        for file in &files {
+            match trace(file, &self.path) {
+                Ok(trace) => {
+                    return match self.format {
+                        Format::Json => print_json(&trace?),
+                        Format::Text => print_lines(&trace?.lines()),
+                    };
+                }
+                Err(error @ PipelineError::NotMade { .. }) => not_made = Some(error),
+                Err(error) => return Err(Failure::pipeline(doing)(error)),
+            }
+        }
+        match not_made {
+            Some(error) => Err(Failure::pipeline(doing)(error)),
+            None => Err(Failure::Usage(
+                "there is no pipelines/*.lock here; name the pipeline with --pipeline".to_owned(),
+            )),
+        }
+    }
+}
+
+fn trace(
+    file: &Path,
+    path: &Path,
+) -> Result<Result<maveric_pipeline::Trace, Failure>, PipelineError> {
+    let place = match place(file) {
+        Ok(place) => place,
+        Err(failure) => return Ok(Err(failure)),
+    };
+    let ledger = Ledger::read_any(&place.ledger)?;
+    let path = below_root(path, &place.root);
+    maveric_pipeline::trace(&ledger, &place, &path).map(Ok)
+}
+
+/// The ledgers of this folder's pipelines, in order.
+fn ledgers() -> std::io::Result<Vec<PathBuf>> {
+    let entries = match std::fs::read_dir("pipelines") {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        entries => entries?,
+    };
+    let mut files = Vec::new();
+    for entry in entries {
+        let path = entry?.path();
+        if path.extension().is_some_and(|extension| extension == "lock") {
+            files.push(path);
+        }
+    }
+    files.sort();
+    Ok(files)
+}

@@ -1,0 +1,249 @@
+//! Runs on a cluster that is played by scripts: `sbatch`, `squeue` and `hq` of our own.
+#![cfg(unix)]
+#![expect(clippy::unwrap_used, reason = "the helpers of tests are tests, too")]
+
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use maveric_pipeline::*;
+
+/// Starts each task of an array in the background once its jobs are done, as Slurm would; a
+/// task is in the queue as long as its file is in `$FAKE/queue`.
+const SBATCH: &str = r#"#!/bin/sh
+after=
+for word in "$@"; do
+  case "$word" in
+    --array=*) last=${word#--array=0-}; last=${last%%%*} ;;
+    --dependency=afterok:*) after=$(echo "${word#--dependency=afterok:}" | tr : ' ') ;;
+    --*) echo "$word" >>"$FAKE/options" ;;
+    *) script=$word ;;
+  esac
+done
+while ! mkdir "$FAKE/lock" 2>/dev/null; do sleep 0.01; done
+job=$(($(cat "$FAKE/last" 2>/dev/null || echo 0) + 1)); echo $job >"$FAKE/last"
+rmdir "$FAKE/lock"
+for i in $(seq 0 "$last"); do touch "$FAKE/queue/${job}_$i"; done
+for i in $(seq 0 "$last"); do
+  ( for other in $after; do
+      while ls "$FAKE/queue/${other}_"* >/dev/null 2>&1; do sleep 0.02; done
+      if ls "$FAKE/failed/${other}_"* >/dev/null 2>&1; then
+        touch "$FAKE/failed/${job}_$i"; rm "$FAKE/queue/${job}_$i"; exit; fi
+    done
+    if [ -e "$FAKE/lose" ]; then rm "$FAKE/lose"; touch "$FAKE/failed/${job}_$i"
+    else SLURM_ARRAY_TASK_ID=$i sh "$script" || touch "$FAKE/failed/${job}_$i"; fi
+    rm "$FAKE/queue/${job}_$i"
+  ) >/dev/null 2>&1 &
+done
+echo $job
+"#;
+const SQUEUE: &str = "#!/bin/sh\nls \"$FAKE/queue\" | sed 's/$/ R/'\n";
+const SCANCEL: &str = "#!/bin/sh\nrm -f \"$FAKE/queue/${1}_\"*\n";
+/// Runs the tasks of a job file one after the other: their numbers are in order.
+const HQ: &str = r#"#!/bin/sh
+case "$*" in
+  *submit-file*) for plan in "$@"; do :; done
+    cp "$plan" "$FAKE/plan.toml"
+    ( sed -n 's/^command = \["\/bin\/sh", "\(.*\)"\]$/\1/p' "$plan" | while read -r script; do
+        sh "$script"; done; touch "$FAKE/over" ) >/dev/null 2>&1 &
+    echo '{"id": 5}' ;;
+  *"job info"*) [ -e "$FAKE/over" ] && state=finished || state=running
+    echo "[{\"id\": 5, \"tasks\": [{\"id\": 0, \"state\": \"$state\"}, {\"id\": 1, \"state\": \"$state\"}]}]" ;;
+esac
+"#;
+
+const PIPELINE: &str = r#"
+name = "test"
+[params]
+word = "end"
+[[stage]]
+name = "source"
+cmd = ["sh", "-c", "for i in 1 2 3 4 5 6 7 8; do echo $i > parts/$i.txt; done; ls"]
+outputs = ["parts/1.txt", "parts/2.txt", "parts/3.txt", "parts/4.txt", "parts/5.txt", "parts/6.txt", "parts/7.txt", "parts/8.txt"]
+[[stage]]
+name = "each"
+matrix = { part = [1, 2, 3] }
+cmd = ["sh", "-c", "cat parts/{part}.txt hidden 2>/dev/null > each/{part}; sleep 0.1; echo {word} >> each/{part}"]
+inputs = ["parts/{part}.txt"]
+outputs = ["each/{part}"]
+resources = { cpus = 1, minutes = 5 }
+[[stage]]
+name = "shard"
+shards = 2
+over = "parts/*.txt"
+cmd = ["sort", "-o", "shards/{shard}", "{files}", "/dev/null"]
+outputs = ["shards/{shard}"]
+[[stage]]
+name = "all"
+cmd = ["sh", "-c", "cat each/* shards/* > all/sum; test -e ../hidden || true; cat ../outside.txt; echo problem >&2"]
+inputs = ["each", "shards", "../outside.txt"]
+outputs = ["all"]
+summary = true
+"#;
+
+const CHILD: &str = "MAVERIC_PIPELINE_TEST_CLUSTER";
+
+/// A project in a folder in a folder, and beside it a cluster.
+fn project(text: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    for made in ["p", "bin", "fake/queue", "fake/failed"] {
+        fs::create_dir_all(path.join(made)).unwrap();
+    }
+    for (name, text) in [("sbatch", SBATCH), ("squeue", SQUEUE), ("scancel", SCANCEL), ("hq", HQ)] {
+        let program = path.join("bin").join(name);
+        fs::write(&program, text).unwrap();
+        fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
+    }
+    fs::write(path.join("outside.txt"), "outside\n").unwrap();
+    fs::write(path.join("p/hidden"), "undeclared\n").unwrap();
+    fs::write(path.join("p/p.toml"), text.replace("all/sum", "all")).unwrap();
+    folder
+}
+
+fn run_with(folder: &Path, executor: Executor, word: &str) -> Result<RunReport, PipelineError> {
+    let root = folder.join("p");
+    let set = [("word".to_owned(), word.to_owned())];
+    let pipeline = Pipeline::read(&root.join("p.toml"), &root, &set).unwrap();
+    let place = Place {
+        ledger: root.join("p.lock"),
+        log_dir: root.join(".logs"),
+        program: None,
+        root,
+    };
+    let options = RunOptions {
+        executor,
+        ..RunOptions::default()
+    };
+    run(&pipeline, &place, &options, &mut |event| eprintln!("{event:?}"))
+}
+
+/// Not a test by itself: a run whose PATH has the cluster's programs.
+#[test]
+fn child() {
+    if let Some(folder) = std::env::var_os(CHILD) {
+        let executor = match std::env::var("EXECUTOR").unwrap().as_str() {
+            "slurm" => Executor::Slurm,
+            "hq" => Executor::HyperQueue,
+            _ => Executor::Local,
+        };
+        let word = std::env::var("WORD").unwrap();
+        let text = match run_with(Path::new(&folder), executor, &word) {
+            Ok(report) => serde_json::to_string(&report).unwrap(),
+            Err(error) => serde_json::json!({ "error": error.to_string() }).to_string(),
+        };
+        fs::write(Path::new(&folder).join("report.json"), text).unwrap();
+    }
+}
+
+fn start(folder: &Path, executor: &str, word: &str) -> Child {
+    let path = std::env::var("PATH").unwrap();
+    Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "child", "--nocapture"])
+        .env("PATH", format!("{}:{path}", folder.join("bin").display()))
+        .env("FAKE", folder.join("fake"))
+        .envs([("EXECUTOR", executor), ("WORD", word)])
+        .env(CHILD, folder)
+        .stdout(Stdio::null())
+        .stderr(fs::File::create(folder.join("heard")).unwrap())
+        .spawn()
+        .unwrap()
+}
+
+fn report(folder: &Path, executor: &str, word: &str) -> serde_json::Value {
+    let _ = fs::remove_file(folder.join("report.json"));
+    start(folder, executor, word).wait().unwrap();
+    let text = fs::read_to_string(folder.join("report.json"));
+    let heard = || fs::read_to_string(folder.join("heard")).unwrap();
+    serde_json::from_str(&text.unwrap_or_else(|_| panic!("{}", heard()))).unwrap()
+}
+
+fn made(folder: &Path) -> Vec<(String, String)> {
+    let files = ["each/1", "each/2", "each/3", "shards/0", "shards/1", "all", "parts/8.txt"];
+    let read = |file: &str| fs::read_to_string(folder.join("p").join(file)).unwrap();
+    files.map(|file| (file.to_owned(), read(file))).into()
+}
+
+fn digests(folder: &Path) -> Vec<(String, String)> {
+    let ledger = Ledger::read(&folder.join("p/p.lock"), "test").unwrap();
+    let digest = |(stage, record): (String, Record)| (stage, record.digest);
+    ledger.stage.into_iter().map(digest).collect()
+}
+
+fn expected(word: &str) -> (Vec<(String, String)>, Vec<(String, String)>) {
+    // A local run sees undeclared files: take them away to have what a cluster must make.
+    let folder = project(PIPELINE);
+    fs::remove_file(folder.path().join("p/hidden")).unwrap();
+    assert_eq!(report(folder.path(), "local", word)["outcome"], "done");
+    (made(folder.path()), digests(folder.path()))
+}
+
+#[test]
+fn a_cluster_makes_what_a_local_run_makes_and_a_killed_follower_is_resumed() {
+    let folder = project(PIPELINE);
+    let path = folder.path();
+    let ran = report(path, "slurm", "end");
+    assert_eq!(ran["outcome"], "done", "{ran}");
+    assert_eq!(ran["summaries"][0]["text"], "outside\n");
+    assert_eq!((made(path), digests(path)), expected("end"));
+    assert_eq!(fs::read_to_string(path.join("fake/last")).unwrap(), "4\n");
+    let options = fs::read_to_string(path.join("fake/options")).unwrap();
+    assert!(options.contains("--time=5") && options.contains("--job-name=test.each"));
+    let log = fs::read_to_string(path.join("p/.logs/all.log")).unwrap();
+    assert!(log.contains("problem"));
+    assert!(!path.join("p/p.lock.jobs").exists() && !path.join("p/.logs/.cluster").exists());
+    let again = report(path, "slurm", "end");
+    let stages = again["stages"].as_array().unwrap();
+    assert!(stages.iter().all(|stage| stage["state"] == "up_to_date"), "{again}");
+
+    // Another word: the three of `each` and `all` are handed in; then the follower dies.
+    let mut follower = start(path, "slurm", "fin");
+    while fs::read_to_string(path.join("fake/last")).unwrap() != "6\n" {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    std::thread::sleep(Duration::from_millis(60));
+    follower.kill().unwrap();
+    follower.wait().unwrap();
+    let local = report(path, "local", "fin");
+    let refused = local["error"].as_str().is_some_and(|error| error.contains("on the cluster"));
+    assert!(refused || local["outcome"] == "done", "{local}");
+    let resumed = report(path, "slurm", "fin");
+    assert_eq!(resumed["outcome"], "done", "{resumed}");
+    assert_eq!((made(path), digests(path)), expected("fin"));
+    assert_eq!(fs::read_to_string(path.join("fake/last")).unwrap(), "6\n", "nothing ran twice");
+}
+
+#[test]
+fn a_lost_and_a_failed_task_are_told_and_run_again() {
+    let folder = project(PIPELINE);
+    let path = folder.path();
+    fs::write(path.join("fake/lose"), "").unwrap();
+    let lost = report(path, "slurm", "end");
+    let cause = &lost["failures"][0]["cause"];
+    assert_eq!((&cause["kind"], &cause["job"]), (&"job_lost".into(), &"1_0".into()), "{lost}");
+    let bad = PIPELINE.replace("echo {word} >>", "[ {part} = 2 ] && exit 3; echo {word} >>");
+    fs::write(path.join("p/p.toml"), bad.replace("all/sum", "all")).unwrap();
+    let failed = report(path, "slurm", "end");
+    assert_eq!(failed["failures"][0]["stage"], "each.2", "{failed}");
+    assert_eq!(failed["failures"][0]["cause"]["code"], 3);
+    fs::write(path.join("p/p.toml"), PIPELINE.replace("all/sum", "all")).unwrap();
+    let ran = report(path, "slurm", "end");
+    assert_eq!(ran["outcome"], "done", "{ran}");
+    assert_eq!((made(path), digests(path)), expected("end"));
+}
+
+#[test]
+fn hyperqueue_gets_the_same_tasks() {
+    let text = PIPELINE.split("[[stage]]").take(2).collect::<Vec<_>>().join("[[stage]]");
+    let more = "[[stage]]\nname = 'copy'\ninputs = ['parts']\noutputs = ['copy']\n\
+                cmd = ['cp', '-r', 'parts', 'copy']\n";
+    let folder = project(&format!("{text}{more}"));
+    let ran = report(folder.path(), "hq", "end");
+    assert_eq!(ran["outcome"], "done", "{ran}");
+    assert_eq!(fs::read_to_string(folder.path().join("p/copy/3.txt")).unwrap(), "3\n");
+    let plan = fs::read_to_string(folder.path().join("fake/plan.toml")).unwrap();
+    let plan: toml::Value = toml::from_str(&plan).unwrap();
+    assert_eq!(plan["task"][1]["deps"][0].as_integer(), Some(0));
+}
