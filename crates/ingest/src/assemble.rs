@@ -63,15 +63,11 @@ pub(crate) fn assemble(
 ) -> Result<(Recording, Vec<Warning>), IngestError> {
     let mut warnings = synchronise(path, &mut drive);
     if drive.ego.iter().any(|s| s.speed_mps.is_none()) {
+        let without = drive.ego.iter().filter(|s| s.speed_mps.is_none()).count();
         fill_speeds(&mut drive.ego, target.max_gap_s);
         drive.ego.retain(|s| s.speed_mps.is_some());
         let what = "no speed was recorded: it is differentiated from the positions";
-        warnings.push(Warning::new(
-            path,
-            WarningKind::Default,
-            drive.ego.len(),
-            what,
-        ));
+        warnings.push(Warning::new(path, WarningKind::Default, without, what));
     }
     if drive.ego_among_objects {
         warnings.extend(drop_ego(path, &mut drive));
@@ -242,8 +238,11 @@ fn drop_ego(path: &Path, drive: &mut RawDrive) -> Option<Warning> {
         .into_iter()
         .find(|(_, (sum, n))| sum / n < EGO_ITSELF_M);
     let (id, _) = near?;
+    let its_length = |o: &ObjectSample| o.length_m.filter(|_| o.id == id);
+    let length_m = drive.objects.iter().find_map(its_length);
+    drive.ego_length_m = drive.ego_length_m.or(length_m);
     drive.objects.retain(|o| o.id != id);
-    let what = format!("object {id} is ego itself and is left out");
+    let what = format!("object {id} is ego itself: it is left out, and its length is ego's");
     Some(Warning::new(path, WarningKind::Choice, 1, what))
 }
 

@@ -2,6 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
 mod damage;
+mod rigs;
 mod round_trip;
 mod samples;
 mod tables;
@@ -11,6 +12,7 @@ use maveric_domain::{
     Study, VehicleId,
 };
 use maveric_ingest::write_mcap;
+use mcap::{Message, MessageStream, WriteOptions, read::LinearReader, records::Record};
 use std::{io::Cursor, path::PathBuf};
 
 /// Rows of a minute at 20 Hz.
@@ -64,6 +66,54 @@ fn bytes_of(recording: &Recording) -> Vec<u8> {
     let mut out = Cursor::new(Vec::new());
     write_mcap(recording, &meta(), &mut out).unwrap();
     out.into_inner()
+}
+
+/// The first rows of a recording, without the others.
+fn first_rows(rows: usize) -> Recording {
+    let whole = recording(false);
+    let head = |values: &[f64]| values[..rows].to_vec();
+    let ego = EgoTrack {
+        length_m: whole.ego().length_m,
+        x_m: head(&whole.ego().x_m),
+        y_m: head(&whole.ego().y_m),
+        speed_mps: head(&whole.ego().speed_mps),
+    };
+    let lead = ObjectTrack {
+        id: VehicleId(3),
+        length_m: 4.5,
+        first_row: 0,
+        x_m: head(&whole.others()[0].x_m),
+        y_m: head(&whole.others()[0].y_m),
+        speed_mps: head(&whole.others()[0].speed_mps),
+    };
+    let time_s = head(whole.time_s());
+    Recording::new(Road::PAPER, 20.0, time_s, vec![0; rows], ego, vec![lead]).unwrap()
+}
+
+/// The log of a recording, written with other options.
+fn repacked(recording: &Recording, options: WriteOptions) -> Vec<u8> {
+    rewritten(&bytes_of(recording), options, Some)
+}
+
+/// A log written anew: each message as `change` leaves it, or not at all.
+fn rewritten<'a>(
+    log: &'a [u8],
+    options: WriteOptions,
+    mut change: impl FnMut(Message<'a>) -> Option<Message<'a>>,
+) -> Vec<u8> {
+    let mut out = options.create(Cursor::new(Vec::new())).unwrap();
+    for record in LinearReader::new(log).unwrap() {
+        if let Record::Metadata(metadata) = record.unwrap() {
+            out.write_metadata(&metadata).unwrap();
+        }
+    }
+    for message in MessageStream::new(log).unwrap() {
+        if let Some(message) = change(message.unwrap()) {
+            out.write(&message).unwrap();
+        }
+    }
+    out.finish().unwrap();
+    out.into_inner().into_inner()
 }
 
 /// A folder of real recordings beside the repository; says so and gives nothing where it is missing.

@@ -62,6 +62,7 @@ pub(crate) fn walk(
         messages: 0,
         claimed_messages: None,
         crc: Some(crc32fast::Hasher::new()),
+        data_ended: false,
         resume: 0,
     };
     walker.run(visitor)?;
@@ -83,6 +84,7 @@ struct Walker<'a> {
     claimed_messages: Option<u64>,
     /// Checksum of everything so far; none once something was stepped over, or behind the data.
     crc: Option<crc32fast::Hasher>,
+    data_ended: bool,
     /// Behind what is certain: where to look for records when the next one makes no sense.
     resume: u64,
 }
@@ -162,6 +164,7 @@ impl Walker<'_> {
         if opcode == op::DATA_END {
             self.load(body, length.min(4))?;
             let claimed = record::data_end(&self.buffer).unwrap_or(0);
+            self.data_ended = true;
             let found = self.crc.take().map(crc32fast::Hasher::finalize);
             if claimed != 0 && found.is_some_and(|found| found != claimed) {
                 return self.hurt(at, "the checksum of the data does not match: something outside the chunks has changed");
@@ -209,6 +212,10 @@ impl Walker<'_> {
         self.load(end, n)?;
         if self.buffer != mcap::MAGIC {
             self.hurt(end, "the file does not end as an MCAP file does")?;
+        }
+        if crc != 0 && !self.data_ended {
+            // Who writes checksums writes where the data ends.
+            self.hurt(at, "the record that ends the data is missing")?;
         }
         let (found, claimed) = (self.messages, self.claimed_messages);
         match claimed {

@@ -157,7 +157,16 @@ fn drive_of(
     }
     let speeds: Vec<EgoSample> = speeds.into_iter().map(|r| r.sample).collect();
     if !speeds.is_empty() {
-        join_speeds(&mut ego, &speeds, SPEED_GAP_S);
+        let unknown = join_speeds(&mut ego, &speeds, SPEED_GAP_S);
+        // A few at the ends and in holes are left out; where most have none, the positions are the better source.
+        if unknown > 0 && 2 * unknown < ego.len() {
+            ego.retain(|s| s.speed_mps.is_some());
+            warn(
+                WarningKind::MissingValue,
+                unknown,
+                "poses of ego between two speeds too far apart are left out",
+            );
+        }
     }
     RawDrive {
         ego,

@@ -88,8 +88,10 @@ impl Reading {
             }
             "autoware_vehicle_msgs/VelocityReport"
             | "autoware_auto_vehicle_msgs/VelocityReport" => Self::speed("longitudinal_velocity"),
-            "carla_msgs/CarlaEgoVehicleStatus" => Self::speed("velocity"),
-            "carla_msgs/CarlaEgoVehicleInfo" => Self {
+            "carla_msgs/CarlaEgoVehicleStatus" | "carla_msgs/CarlaVehicleStatus" => {
+                Self::speed("velocity")
+            }
+            "carla_msgs/CarlaEgoVehicleInfo" | "carla_msgs/CarlaVehicleInfo" => Self {
                 role: Role::Identity,
                 paths: vec!["id".to_owned()],
                 convention: Convention::Mapped,

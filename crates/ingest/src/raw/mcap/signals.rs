@@ -202,8 +202,9 @@ pub(crate) fn settle_speeds(rows: &mut [EgoRow]) -> Option<&'static str> {
     )
 }
 
-/// Ego's speeds from a channel of their own, between its samples no more than `max_gap_s` apart.
-pub(crate) fn join_speeds(ego: &mut [EgoSample], speeds: &[EgoSample], max_gap_s: f64) {
+/// Ego's speeds from a channel of their own, between its samples no more than `max_gap_s` apart; gives how many of ego's
+/// samples are left without.
+pub(crate) fn join_speeds(ego: &mut [EgoSample], speeds: &[EgoSample], max_gap_s: f64) -> usize {
     let mut sorted: Vec<&EgoSample> = speeds.iter().filter(|s| s.speed_mps.is_some()).collect();
     sorted.sort_by_key(|s| s.stamp_ns);
     let most_ns = (max_gap_s * 1e9) as i64;
@@ -220,6 +221,7 @@ pub(crate) fn join_speeds(ego: &mut [EgoSample], speeds: &[EgoSample], max_gap_s
             _ => None,
         };
     }
+    ego.iter().filter(|s| s.speed_mps.is_none()).count()
 }
 
 /// Places fixes on a plane that touches the Earth at the first of them: x to the east, y to the north, in m.
@@ -337,7 +339,7 @@ mod tests {
             at(150_000_000, 4.0),
             at(900_000_000, 9.0),
         ];
-        join_speeds(&mut ego, &speeds, 0.5);
+        assert_eq!(join_speeds(&mut ego, &speeds, 0.5), 3);
         let found: Vec<Option<f64>> = ego.iter().map(|s| s.speed_mps).collect();
         assert_eq!(found, [None, Some(3.0), None, None]);
     }

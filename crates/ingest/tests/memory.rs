@@ -1,0 +1,69 @@
+//! Memory: what a file claims is not allocated, and a long recording takes no more than its samples.
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
+
+mod generated;
+
+use maveric_ingest::{IngestSettings, read_log};
+use peak_alloc::PeakAlloc;
+
+#[global_allocator]
+static PEAK: PeakAlloc = PeakAlloc;
+
+const MIB: f64 = 1024.0 * 1024.0;
+
+/// Peak of memory while a log is read, beyond what was in use before, in MiB.
+fn peak_mib(bytes: &[u8]) -> f64 {
+    let file = tempfile::Builder::new().suffix(".mcap").tempfile().unwrap();
+    std::fs::write(file.path(), bytes).unwrap();
+    let settings = IngestSettings {
+        recover: true,
+        ..IngestSettings::default()
+    };
+    let before = PEAK.current_usage();
+    PEAK.reset_peak_usage();
+    let _ = read_log(file.path(), &settings);
+    (PEAK.peak_usage() as f64 - before as f64) / MIB
+}
+
+/// One test, because the peak is the whole program's.
+#[test]
+fn memory_follows_what_a_file_holds_and_not_what_it_claims() {
+    let log = generated::log(1.0, 4);
+    assert!(log.len() < 1 << 20);
+    let whole = peak_mib(&log);
+    assert!(whole < 20.0, "{whole} MiB");
+
+    // A length of 2⁶² anywhere in the first and last kilobytes.
+    let places = (8..1200).chain(log.len() - 1200..log.len() - 8);
+    for at in places.step_by(13) {
+        let mut bytes = log.clone();
+        bytes[at..at + 8].copy_from_slice(&(1_u64 << 62).to_le_bytes());
+        let peak = peak_mib(&bytes);
+        assert!(peak < 64.0, "{peak} MiB with a huge length at {at}");
+    }
+
+    // A chunk that unpacks to far more than it is: 512 MiB of zeros.
+    let zeros = zstd::bulk::compress(&vec![0; 512 << 20], 3).unwrap();
+    let mut bomb = log[..log.len() - 8].to_vec();
+    bomb.truncate(8);
+    let mut chunk = vec![0; 16];
+    chunk.extend((512_u64 << 20).to_le_bytes());
+    chunk.extend([0; 4]);
+    chunk.extend(4_u32.to_le_bytes());
+    chunk.extend(b"zstd");
+    chunk.extend((zeros.len() as u64).to_le_bytes());
+    chunk.extend(zeros);
+    bomb.push(6);
+    bomb.extend((chunk.len() as u64).to_le_bytes());
+    bomb.extend(chunk);
+    let peak = peak_mib(&bomb);
+    assert!(peak < 64.0, "{peak} MiB for a bomb");
+
+    // What does not belong to the drive costs nothing, however long the recording is.
+    let (short, long) = (
+        peak_mib(&generated::log(2.0, 0)),
+        peak_mib(&generated::log(8.0, 0)),
+    );
+    let samples = 6.0 * 60.0 * 50.0 * 600.0 / MIB;
+    assert!(long - short < samples, "{short} and {long} MiB");
+}
