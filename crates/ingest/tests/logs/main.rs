@@ -2,6 +2,9 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
 mod damage;
+mod fuzz;
+mod independent;
+mod layouts;
 mod round_trip;
 mod samples;
 mod tables;
