@@ -25,8 +25,6 @@ pub(super) struct Columns {
     pub(super) rows: usize,
     pub(super) separator: Option<u8>,
     pub(super) decimal_comma: bool,
-    /// Lines above the header.
-    pub(super) preamble: usize,
     pub(super) columns: Vec<TableColumn>,
 }
 
@@ -79,7 +77,6 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<Columns, IngestError> 
         rows: table.rows(),
         separator,
         decimal_comma,
-        preamble,
         columns,
     })
 }
@@ -173,13 +170,6 @@ impl TableColumn {
     }
 }
 
-impl Columns {
-    /// The column of a name.
-    pub(super) fn get(&self, name: &str) -> Option<&TableColumn> {
-        self.columns.iter().find(|c| c.name == name)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -188,10 +178,10 @@ mod tests {
     fn a_header_below_a_preamble_and_decimal_commas_are_found() {
         let text = "Freq;10;Hz\nCars;Audi;BMW\nTime;Speed1;IVS1\n0,1;2,5;3,5\n0,2;2,6;\n";
         let found = read(Path::new("t.csv"), text.into()).unwrap();
-        assert_eq!((found.preamble, found.decimal_comma), (2, true));
+        assert!(found.decimal_comma);
         let names: Vec<&str> = found.columns.iter().map(|c| c.name.as_str()).collect();
         assert_eq!(names, ["Time", "Speed1", "IVS1"]);
-        assert_eq!(found.get("Speed1").unwrap().range(), Some((2.5, 2.6)));
-        assert_eq!(found.get("IVS1").unwrap().count(), 1);
+        assert_eq!(found.columns[1].range(), Some((2.5, 2.6)));
+        assert_eq!(found.columns[2].count(), 1);
     }
 }

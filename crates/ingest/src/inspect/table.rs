@@ -73,8 +73,9 @@ pub(super) fn with_mapping(path: &Path, settings: &IngestSettings, found: &mut L
         Ok(drives) => {
             let rows: usize = drives.iter().map(|d| d.recording.rows()).sum();
             let rate = drives.first().map_or(0.0, |d| d.recording.rate_hz());
+            let drives_word = if drives.len() == 1 { "drive" } else { "drives" };
             found.would_ingest = format!(
-                "{} drives of {rows} rows at {rate} Hz, by the mapping",
+                "{} {drives_word} of {rows} rows at {rate} Hz, by the mapping",
                 drives.len()
             );
             let last = |d: &Ingested| d.recording.time_s().last().copied().unwrap_or(0.0);

@@ -43,7 +43,7 @@ pub(super) struct Words {
 
 /// Words of a name, in small letters: split at signs, at capitals and before numbers.
 fn split(name: &str) -> Vec<String> {
-    let mut words: Vec<String> = Vec::new();
+    let mut words = vec![String::new()];
     let mut last = ' ';
     for c in name.chars() {
         let starts = !c.is_ascii_alphanumeric()

@@ -75,6 +75,8 @@ pub(crate) fn meta_within(
         && let Some(mut captures) = capture(&names.file, &stem)
     {
         captures.extend(within.iter().map(|(k, v)| (*k, v.as_str())));
+        let captures: Vec<(&str, String)> = captures.iter().map(|(k, v)| (*k, safe(v))).collect();
+        let captures: Vec<(&str, &str)> = captures.iter().map(|(k, v)| (*k, v.as_str())).collect();
         let meta = DriveMeta {
             drive: DriveId::new(fill(&names.drive, &captures)).map_err(refused)?,
             participant: ParticipantId::new(fill(&names.participant, &captures))

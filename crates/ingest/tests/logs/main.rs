@@ -3,6 +3,9 @@
 
 mod damage;
 mod rigs;
+mod fuzz;
+mod independent;
+mod layouts;
 mod round_trip;
 mod samples;
 mod tables;

@@ -333,11 +333,6 @@ impl Table {
         }
     }
 
-    /// The names of the header.
-    pub(crate) fn names(&self) -> &[String] {
-        &self.names
-    }
-
     /// Number of rows.
     pub(crate) fn rows(&self) -> usize {
         self.frame.height()

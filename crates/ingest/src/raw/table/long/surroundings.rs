@@ -8,6 +8,8 @@ use std::collections::BTreeSet;
 const NEAR_M: f64 = 250.0;
 /// Most others at one time, the nearest ones: a leader, and neighbours ahead and behind in every lane.
 const MOST_OTHERS: usize = 24;
+/// Vehicles that are looked at to either side of a vehicle, in the order of x: a road of eight lanes, 8 m a car, 64 m.
+const MOST_LOOKED_AT: usize = 64;
 /// A leader without a name that jumps further than this is another one, in m.
 const JUMP_M: f64 = 5.0;
 
@@ -22,22 +24,41 @@ pub(super) enum View {
     LeaderInBends,
 }
 
-/// Samples of all vehicles, by time.
+/// A sample of a vehicle: group, time, x, and where it is.
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    group: u32,
+    stamp_ns: i64,
+    x_m: f64,
+    vehicle: u32,
+    sample: u32,
+}
+
+/// Samples of all vehicles, by time and then along x.
 #[derive(Debug)]
 pub(super) struct Surroundings {
-    /// Group, time, vehicle and sample, sorted.
-    at: Vec<(u32, i64, u32, u32)>,
+    seen: Vec<Seen>,
 }
 
 impl Surroundings {
     pub(super) fn new(vehicles: &[Vehicle]) -> Self {
-        let mut at = Vec::with_capacity(vehicles.iter().map(|v| v.samples.len()).sum());
-        for (v, vehicle) in (0..).zip(vehicles) {
-            let samples = (0..).zip(&vehicle.samples);
-            at.extend(samples.map(|(s, sample)| (vehicle.group, sample.stamp_ns, v, s)));
+        let mut seen = Vec::with_capacity(vehicles.iter().map(|v| v.samples.len()).sum());
+        for (vehicle, one) in (0..).zip(vehicles) {
+            seen.extend((0..).zip(&one.samples).map(|(sample, s)| Seen {
+                group: one.group,
+                stamp_ns: s.stamp_ns,
+                x_m: s.x_m,
+                vehicle,
+                sample,
+            }));
         }
-        at.sort_unstable();
-        Self { at }
+        seen.sort_by(|a, b| {
+            let place = |s: &Seen| (s.group, s.stamp_ns);
+            let by_x = || a.x_m.total_cmp(&b.x_m);
+            let order = place(a).cmp(&place(b)).then_with(by_x);
+            order.then_with(|| (a.vehicle, a.sample).cmp(&(b.vehicle, b.sample)))
+        });
+        Self { seen }
     }
 
     /// The others around vehicle `ego` at each of its times, in the order of time; only its leader if the
@@ -74,7 +95,12 @@ impl Surroundings {
             }
             let mut near: Vec<(f64, ObjectSample)> = Vec::new();
             let mut seen = BTreeSet::new();
-            for &(_, _, v, s) in self.then(vehicle.group, sample.stamp_ns) {
+            for &Seen {
+                vehicle: v,
+                sample: s,
+                ..
+            } in self.near(vehicle.group, sample.stamp_ns, sample.x_m)
+            {
                 let other = &vehicles[v as usize];
                 let leads = lead_id == Some(other.id);
                 let passed_over = match view {
@@ -116,11 +142,26 @@ impl Surroundings {
         out
     }
 
-    fn then(&self, group: u32, stamp_ns: i64) -> &[(u32, i64, u32, u32)] {
-        let start = self.at.partition_point(|a| (a.0, a.1) < (group, stamp_ns));
-        let rest = &self.at[start..];
-        let same = rest.iter().take_while(|a| (a.0, a.1) == (group, stamp_ns));
-        &rest[..same.count()]
+    /// The samples at a time that lie next to x, at most 250 m and a limited number to either side.
+    fn near(&self, group: u32, stamp_ns: i64, x_m: f64) -> &[Seen] {
+        let time = |s: &Seen| (s.group, s.stamp_ns);
+        let now = (group, stamp_ns);
+        let here = self
+            .seen
+            .partition_point(|s| time(s) < now || time(s) == now && s.x_m < x_m);
+        let fits = |s: &&Seen| time(s) == now && (s.x_m - x_m).abs() <= NEAR_M;
+        let behind = self.seen[..here]
+            .iter()
+            .rev()
+            .take(MOST_LOOKED_AT)
+            .take_while(fits)
+            .count();
+        let ahead = self.seen[here..]
+            .iter()
+            .take(MOST_LOOKED_AT)
+            .take_while(fits)
+            .count();
+        &self.seen[here - behind..here + ahead]
     }
 }
 

@@ -1,0 +1,266 @@
+//! Real tables against a reading of their own: cells split at commas, nothing shared with the program.
+
+use super::shared;
+use maveric_domain::Drive;
+use maveric_ingest::{
+    IngestSettings, Ingested, Mapping, Provenance, drive_frame, log_files, read_drive_from,
+    read_log, suggest_mapping, write_drive_to,
+};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
+
+/// Feet to metres.
+const FOOT: f64 = 0.3048;
+
+struct Plain {
+    names: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Plain {
+    fn read(path: &Path) -> Self {
+        let text = std::fs::read_to_string(path).unwrap();
+        let mut lines = text
+            .lines()
+            .map(|l| l.split(',').map(str::to_owned).collect::<Vec<_>>());
+        Self {
+            names: lines.next().unwrap(),
+            rows: lines.collect(),
+        }
+    }
+
+    fn column(&self, name: &str) -> Vec<f64> {
+        let at = self.names.iter().position(|n| n == name).unwrap();
+        self.rows.iter().map(|r| r[at].parse().unwrap()).collect()
+    }
+
+    fn words(&self, name: &str) -> Vec<String> {
+        let at = self.names.iter().position(|n| n == name).unwrap();
+        self.rows.iter().map(|r| r[at].clone()).collect()
+    }
+}
+
+fn settings(mapping: &str) -> IngestSettings {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
+    IngestSettings {
+        mapping: Some(Mapping::read(&folder.join(mapping)).unwrap()),
+        ..IngestSettings::default()
+    }
+}
+
+fn drive_of(found: &Ingested) -> Drive {
+    Drive::from_recording(found.meta.clone(), &found.recording).unwrap()
+}
+
+fn pairs(folder: &str, mapping: &str, unit: f64) {
+    let Some(folder) = shared(folder) else { return };
+    let settings = settings(mapping);
+    for path in log_files(&folder, settings.mapping.as_ref()).unwrap() {
+        let plain = Plain::read(&path);
+        let found = read_log(&path, &settings).unwrap().remove(0);
+        let drive = drive_of(&found);
+        let rows = drive.rows();
+        let (t, v, lead) = (
+            plain.column("t"),
+            plain.column("v_follower"),
+            plain.column("v_leader"),
+        );
+        let (gap, x) = (plain.column("spacing"), plain.column("x_follower"));
+        assert_eq!(drive.len(), t.len(), "{}", path.display());
+        for row in 0..t.len() {
+            let close = |found: f64, expected: f64| (found - expected).abs() < 1e-7;
+            assert!(close(rows.time_s[row], t[row] - t[0]));
+            assert!(close(rows.ego_speed_mps[row], v[row] * unit));
+            assert!(close(rows.ego_x_m[row], x[row] * unit));
+            assert!(close(rows.lead_speed_mps[row], lead[row] * unit));
+            // Bumpers that overlap are 0 apart.
+            assert!(
+                close(rows.lead_dx_m[row], (gap[row] * unit).max(0.0)),
+                "{} row {row}",
+                path.display()
+            );
+        }
+    }
+}
+
+#[test]
+fn every_row_of_the_openacc_pairs_is_that_of_the_file() {
+    pairs("openacc_astazero", "openacc.toml", 1.0);
+}
+
+#[test]
+fn every_row_of_the_ngsim_pairs_is_that_of_the_file_in_metres() {
+    pairs("ngsim_i80_pairs", "ngsim_pairs.toml", FOOT);
+}
+
+/// Rows of the long table by drive: time, speed, gap between bumpers.
+fn ngsim_rows(path: &Path) -> BTreeMap<String, Vec<(f64, f64, f64)>> {
+    let plain = Plain::read(path);
+    let (place, id) = (plain.words("Location"), plain.words("Vehicle_ID"));
+    let (t, v) = (plain.column("Global_Time"), plain.column("v_Vel"));
+    let (y, lead) = (plain.column("Local_Y"), plain.column("preceding_Local_Y"));
+    let length = plain.column("preceding_vehicle_length");
+    let mut of: BTreeMap<String, Vec<(f64, f64, f64)>> = BTreeMap::new();
+    for row in 0..t.len() {
+        let rows = of.entry(format!("{}-{}", place[row], id[row])).or_default();
+        rows.push((t[row] / 1000.0, v[row], lead[row] - y[row] - length[row]));
+    }
+    of
+}
+
+fn check_ngsim(path: &Path, settings: &IngestSettings) {
+    let expected = ngsim_rows(path);
+    let found = read_log(path, settings).unwrap();
+    assert_eq!(found.len(), expected.len());
+    for one in &found {
+        let drive = drive_of(one);
+        let rows = drive.rows();
+        let name = drive.meta().drive.as_str();
+        let key = expected
+            .keys()
+            .find(|k| name.ends_with(k.as_str()))
+            .unwrap();
+        let plain = &expected[key];
+        let mut met = 0;
+        for &(t, v, gap) in plain {
+            let since = t - plain[0].0;
+            let Some(row) = rows.time_s.iter().position(|r| (r - since).abs() < 1e-6) else {
+                continue;
+            };
+            met += 1;
+            assert!(
+                (rows.ego_speed_mps[row] - v).abs() < 1e-9,
+                "{name} at {since}"
+            );
+            assert!(
+                (rows.lead_dx_m[row] - gap.max(0.0)).abs() < 1e-6,
+                "{name} at {since}: {gap}"
+            );
+            assert!(rows.lead_present[row]);
+        }
+        // The last sample before a hole and the first behind it may stand alone.
+        assert!(met + 2 >= plain.len(), "{name}: {met} of {}", plain.len());
+    }
+}
+
+#[test]
+fn every_row_of_the_long_ngsim_table_is_that_of_the_file() {
+    let Some(folder) = shared("ngsim_us101_i80") else {
+        return;
+    };
+    check_ngsim(
+        &folder.join("vehicles_with_leader.csv"),
+        &settings("ngsim.toml"),
+    );
+}
+
+#[test]
+fn the_radar_track_in_the_lane_leads_the_car_of_comma2k19() {
+    let Some(folder) = shared("comma2k19_segment") else {
+        return;
+    };
+    let found = read_log(&folder, &settings("comma2k19.toml"))
+        .unwrap()
+        .remove(0);
+    let drive = drive_of(&found);
+    let rows = drive.rows();
+    assert!(drive.len() >= 1198, "{}", drive.len());
+    let speed = Plain::read(&folder.join("speed.csv"));
+    let (t, v) = (speed.column("t"), speed.column("speed_mps"));
+    // The mean over time is the integral over it, whatever the rate of the samples.
+    let area: f64 = (1..t.len())
+        .map(|i| 0.5 * (v[i] + v[i - 1]) * (t[i] - t[i - 1]))
+        .sum();
+    let mean = rows.ego_speed_mps.iter().sum::<f64>() / drive.len() as f64;
+    assert!(
+        (mean - area / (t[t.len() - 1] - t[0])).abs() < 0.01,
+        "{mean}"
+    );
+
+    let radar = Plain::read(&folder.join("radar.csv"));
+    let (rt, forward, left) = (
+        radar.column("t"),
+        radar.column("forward_m"),
+        radar.column("left_m"),
+    );
+    let mut off: Vec<f64> = Vec::new();
+    for row in (0..drive.len()).step_by(10) {
+        let now = t[0] + rows.time_s[row];
+        // What a look at the radar says: the nearest return within a metre of straight ahead.
+        let straight = (0..rt.len()).filter(|&i| (rt[i] - now).abs() < 0.05 && left[i].abs() < 1.0);
+        if let Some(nearest) = straight.map(|i| forward[i]).min_by(f64::total_cmp) {
+            off.push((rows.lead_dx_m[row] - nearest).abs());
+        }
+    }
+    off.sort_by(f64::total_cmp);
+    assert!(off.len() > 80, "{}", off.len());
+    assert!(
+        off[off.len() * 8 / 10] < 1.0,
+        "four of five within a metre: {off:?}"
+    );
+}
+
+#[test]
+fn proposed_mappings_work_as_they_are() {
+    let work = |path: &Path| -> IngestSettings {
+        let toml = suggest_mapping(path).unwrap();
+        IngestSettings {
+            mapping: Some(Mapping::from_toml(&toml, Path::new("proposed.toml")).unwrap()),
+            rate_hz: Some(10.0),
+            ..IngestSettings::default()
+        }
+    };
+    for (folder, unit) in [("openacc_astazero", 1.0), ("ngsim_i80_pairs", FOOT)] {
+        let Some(folder) = shared(folder) else {
+            continue;
+        };
+        let files: Vec<PathBuf> = log_files(&folder, None).unwrap();
+        for path in files.iter().filter(|p| !p.ends_with("manifest.csv")).step_by(3) {
+            let settings = work(path);
+            let plain = Plain::read(path);
+            let drive = drive_of(&read_log(path, &settings).unwrap()[0]);
+            let rows = drive.rows();
+            let (v, gap) = (plain.column("v_follower"), plain.column("spacing"));
+            for row in 0..v.len() {
+                assert!(
+                    (rows.ego_speed_mps[row] - v[row] * unit).abs() < 1e-7,
+                    "{}",
+                    path.display()
+                );
+                assert!(
+                    (rows.lead_dx_m[row] - (gap[row] * unit).max(0.0)).abs() < 1e-7,
+                    "{}",
+                    path.display()
+                );
+            }
+        }
+    }
+    if let Some(folder) = shared("ngsim_us101_i80") {
+        let path = folder.join("vehicles_with_leader.csv");
+        check_ngsim(&path, &work(&path));
+    }
+    if let Some(folder) = shared("comma2k19_segment") {
+        assert_eq!(read_log(&folder, &work(&folder)).unwrap().len(), 1);
+    }
+}
+
+#[test]
+fn a_drive_comes_back_from_its_file_bit_by_bit_with_its_provenance() {
+    let Some(folder) = shared("ngsim_us101_i80") else {
+        return;
+    };
+    let path = folder.join("vehicles_with_leader.csv");
+    let settings = settings("ngsim.toml");
+    let provenance = Provenance::of(&path, None, &settings).unwrap();
+    let out = tempfile::tempdir().unwrap();
+    for found in read_log(&path, &settings).unwrap() {
+        let drive = drive_of(&found);
+        let file = out.path().join("d.parquet");
+        write_drive_to(std::fs::File::create(&file).unwrap(), &drive, &provenance).unwrap();
+        let (back, said) = read_drive_from(&file).unwrap();
+        assert_eq!((&back, &said), (&drive, &provenance));
+        assert_eq!(drive_frame(&back).shape(), (drive.len(), 18));
+    }
+}

@@ -1,0 +1,351 @@
+//! Tables of every layout, made up so that what must come out is known.
+
+use maveric_domain::{Drive, Recording};
+use maveric_ingest::{
+    IngestError, IngestSettings, Ingested, LogFormat, Mapping, WarningKind, inspect_with,
+    log_files, read_log,
+};
+use std::{
+    fmt::Write as _,
+    path::{Path, PathBuf},
+};
+
+fn settings(mapping: &str) -> IngestSettings {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
+    IngestSettings {
+        mapping: Some(Mapping::read(&folder.join(mapping)).unwrap()),
+        ..IngestSettings::default()
+    }
+}
+
+fn write(folder: &tempfile::TempDir, name: &str, text: &str) -> PathBuf {
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+fn ids(drives: &[Ingested]) -> Vec<&str> {
+    drives.iter().map(|d| d.meta.drive.as_str()).collect()
+}
+
+fn drive_of(found: &Ingested) -> Drive {
+    Drive::from_recording(found.meta.clone(), &found.recording).unwrap()
+}
+
+fn near(found: f64, expected: f64) -> bool {
+    (found - expected).abs() < 1e-6
+}
+
+fn lead_ids(recording: &Recording) -> Vec<u32> {
+    recording.others().iter().map(|t| t.id.0).collect()
+}
+
+#[test]
+fn a_platoon_below_a_preamble_has_a_drive_for_every_follower() {
+    let mut text = "Freq,10,Hz\nDate,4.7.2019\nCars,a,b,c\nACC,off\nOrder,1,2,3\n\
+        Time,Speed1,E1,Speed2,E2,Speed3,E3,IVS1,IVS2\n"
+        .to_owned();
+    for i in 0..100 {
+        let t = f64::from(i) / 10.0;
+        writeln!(text, "{t},20,0,21,0,22,0,{},{}", 30.0 + t, 40.0 - t).unwrap();
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = write(&folder, "ASta_1.csv", &text);
+    let found = read_log(&path, &settings("openacc_platoon.toml")).unwrap();
+    assert_eq!(ids(&found), ["ASta_1-f2", "ASta_1-f3"]);
+    let third = drive_of(&found[1]);
+    assert_eq!(third.len(), 100);
+    let rows = third.rows();
+    for row in 0..100 {
+        assert!(near(rows.lead_dx_m[row], 40.0 - row as f64 / 10.0));
+        assert!(near(rows.ego_speed_mps[row], 22.0) && near(rows.lead_speed_mps[row], 21.0));
+        assert!(
+            near(rows.ego_x_m[row], 2.2 * row as f64),
+            "the way is the speed's integral"
+        );
+    }
+}
+
+/// Two vehicles in file on each of two roads, as highD has them: corners of boxes, y downwards.
+fn highd(folder: &tempfile::TempDir) -> PathBuf {
+    let mut text = "frame,id,x,y,width,height,xVelocity,yVelocity,precedingId,laneId\n".to_owned();
+    for f in 1..=50 {
+        let way = f64::from(f) / 25.0 * 30.0;
+        // Along x in the right lane (lower markings 20, 24, 28), 4 and 5 m long.
+        writeln!(text, "{f},1,{},25,4,2,30,0,2,6", 100.0 + way).unwrap();
+        writeln!(text, "{f},2,{},25,5,2,30,0,0,6", 150.0 + way).unwrap();
+        // Against x in the left lane (upper markings 8, 12, 16).
+        writeln!(text, "{f},3,{},13,4,2,-30,0,4,3", 400.0 - way).unwrap();
+        writeln!(text, "{f},4,{},13,6,2,-30,0,0,3", 350.0 - way).unwrap();
+    }
+    write(
+        folder,
+        "01_recordingMeta.csv",
+        "id,frameRate,locationId,speedLimit,upperLaneMarkings,lowerLaneMarkings\n\
+         1,25,2,36.11,8.00;12.00;16.00,20.00;24.00;28.00\n",
+    );
+    write(folder, "01_tracks.csv", &text)
+}
+
+#[test]
+fn highd_has_both_directions_lanes_from_its_meta_file_and_gaps_between_boxes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = highd(&folder);
+    let settings = settings("highd.toml");
+    assert_eq!(
+        log_files(folder.path(), settings.mapping.as_ref()).unwrap(),
+        [path.clone()]
+    );
+    let found = read_log(&path, &settings).unwrap();
+    assert_eq!(
+        ids(&found),
+        ["highd-01-1", "highd-01-2", "highd-01-3", "highd-01-4"]
+    );
+    for (ego, lane, gap) in [(0, 0, 46.0), (2, 1, 44.0)] {
+        let drive = drive_of(&found[ego]);
+        assert_eq!(drive.road().lanes, 2);
+        assert!(near(drive.road().lane_width_m, 4.0) && near(drive.road().posted_speed_mps, 36.11));
+        let rows = drive.rows();
+        assert!(rows.lane.iter().all(|&l| l == lane), "{:?}", rows.lane);
+        assert!(rows.lead_present.iter().all(|&p| p));
+        assert!(
+            rows.lead_dx_m.iter().all(|&dx| near(dx, gap)),
+            "{:?}",
+            rows.lead_dx_m
+        );
+        assert!(near(rows.ego_speed_mps[7], 30.0) && rows.ego_x_m[9] > rows.ego_x_m[8]);
+        assert!(
+            found[ego].recording.others().len() == 1,
+            "the other road is not there"
+        );
+    }
+    let missing = tempfile::tempdir().unwrap();
+    let alone = missing.path().join("01_tracks.csv");
+    std::fs::copy(&path, &alone).unwrap();
+    let error = read_log(&alone, &settings).unwrap_err();
+    assert!(
+        matches!(&error, IngestError::NotFound { path } if path.ends_with("01_recordingMeta.csv"))
+    );
+}
+
+#[test]
+fn exid_follows_the_named_leader_through_a_bend() {
+    // A circle of 200 m at 20 m/s, the leader 0.2 rad (40 m of arc) ahead, both 4 m long.
+    let mut text = "recordingId,trackId,frame,xCenter,yCenter,heading,width,length,xVelocity,yVelocity,leadId\n".to_owned();
+    for f in 0..250 {
+        for (id, ahead, lead) in [(7, 0.0, "9"), (9, 0.2, "-1")] {
+            let angle = 0.1 * f64::from(f) / 25.0 + ahead;
+            let (sin, cos) = angle.sin_cos();
+            let (x, y) = (500.0 + 200.0 * sin, 800.0 - 200.0 * cos);
+            writeln!(
+                text,
+                "0,{id},{f},{x},{y},{},2,4,{},{},{lead}",
+                angle.to_degrees(),
+                20.0 * cos,
+                20.0 * sin
+            )
+            .unwrap();
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = write(&folder, "00_tracks.csv", &text);
+    write(
+        &folder,
+        "00_recordingMeta.csv",
+        "recordingId,frameRate,speedLimit\n0,25,-1\n",
+    );
+    let found = read_log(&path, &settings("exid.toml")).unwrap();
+    assert_eq!(ids(&found), ["exid-00-7", "exid-00-9"]);
+    let drive = drive_of(&found[0]);
+    let rows = drive.rows();
+    assert!(
+        near(drive.road().posted_speed_mps, 36.11),
+        "-1 is no speed limit"
+    );
+    let chord = 400.0 * 0.1_f64.sin();
+    for row in 5..190 {
+        assert!(rows.lead_present[row]);
+        assert!(
+            (rows.lead_dx_m[row] - (chord - 4.0)).abs() < 0.3,
+            "{}",
+            rows.lead_dx_m[row]
+        );
+    }
+    assert_eq!(lead_ids(&found[1].recording), [0_u32; 0], "-1 is nobody");
+}
+
+const LONG: &str = "[road]\nlanes = 2\nlane_width_m = 3.5\nposted_speed_mps = 30.0\n[table]\nlayout = \"long\"\n\
+    point = \"rear\"\nlanes_from = \"left\"\n[table.units]\ntime = \"us\"\nlength = \"ft\"\nspeed = \"km/h\"\n\
+    [table.columns]\ntime = \"stamp\"\nid = \"car\"\nx = \"s\"\nlane = \"lane\"\nspeed = \"v\"\n";
+
+fn of_long(text: &str) -> Result<Vec<Ingested>, IngestError> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = write(&folder, "cars.tsv", text);
+    let settings = IngestSettings {
+        mapping: Some(Mapping::from_toml(LONG, Path::new("m.toml")).unwrap()),
+        ..IngestSettings::default()
+    };
+    read_log(&path, &settings)
+}
+
+#[test]
+fn lanes_without_a_y_move_in_steps_and_the_leader_is_the_one_in_the_lane() {
+    let mut text = "stamp\tcar\ts\tlane\tv\n".to_owned();
+    for i in 0..40 {
+        let us = i * 100_000;
+        let way = f64::from(i) * 10.0 / 3.6 / 0.3048;
+        // `a` changes from lane 2 (right) to lane 1 (left) at 2 s; `b` is ahead on the right, `c` on the left.
+        let lane = if i < 20 { 2 } else { 1 };
+        writeln!(text, "{us}\ta\t{way}\t{lane}\t100").unwrap();
+        writeln!(text, "{us}\tb\t{}\t2\t100", way + 100.0).unwrap();
+        writeln!(text, "{us}\tc\t{}\t1\t100", way + 200.0).unwrap();
+    }
+    let found = of_long(&text).unwrap();
+    assert_eq!(ids(&found), ["cars-a", "cars-b", "cars-c"]);
+    let drive = drive_of(&found[0]);
+    let rows = drive.rows();
+    assert!(near(rows.ego_speed_mps[3], 100.0 / 3.6));
+    let stepped = rows.ego_y_m.iter().all(|y| near(*y, 0.0) || near(*y, 3.5));
+    assert!(stepped, "never between lanes: {:?}", rows.ego_y_m);
+    assert_eq!(
+        rows.lane.iter().position(|&l| l == 1),
+        Some(40),
+        "not before its sample"
+    );
+    assert!(
+        near(rows.lead_dx_m[0], 100.0 * 0.3048 - 4.7),
+        "{}",
+        rows.lead_dx_m[0]
+    );
+    let doubts: Vec<WarningKind> = found[0].warnings.iter().map(|w| w.kind).collect();
+    assert!(
+        doubts.contains(&WarningKind::Default),
+        "the length stands in: {doubts:?}"
+    );
+}
+
+#[test]
+fn a_leader_by_its_number_alone_and_one_that_vanishes() {
+    let mut text = "t,id,x,v,front\n".to_owned();
+    for i in 0..60 {
+        let t = f64::from(i) / 10.0;
+        let front = if i < 30 { "2" } else { "0" };
+        writeln!(text, "{t},1,{},10,{front}", 10.0 * t).unwrap();
+        writeln!(text, "{t},2,{},10,", 10.0 * t + 30.0).unwrap();
+        writeln!(text, "{t},3,{},10,1", 10.0 * t - 15.0).unwrap();
+    }
+    let toml = "[table]\nlayout = \"long\"\npoint = \"centre\"\n[table.units]\ntime = \"s\"\nlength = \"m\"\n\
+        speed = \"m/s\"\n[table.columns]\ntime = \"t\"\nid = \"id\"\nx = \"x\"\nspeed = \"v\"\nlead_id = \"front\"\n";
+    let folder = tempfile::tempdir().unwrap();
+    let path = write(&folder, "f.csv", &text);
+    let settings = IngestSettings {
+        mapping: Some(Mapping::from_toml(toml, Path::new("m.toml")).unwrap()),
+        ..IngestSettings::default()
+    };
+    let found = read_log(&path, &settings).unwrap();
+    let rows = drive_of(&found[0]).rows().clone();
+    assert!(near(rows.lead_dx_m[10], 30.0 - 4.7));
+    assert_eq!(
+        rows.lead_present.iter().filter(|p| **p).count(),
+        59,
+        "until 2.9 s"
+    );
+    assert!(drive_of(&found[1]).rows().lead_present.iter().all(|p| !p));
+}
+
+#[test]
+fn a_folder_of_signals_is_one_drive_and_the_vehicle_in_the_lane_leads() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut speed = "t,speed_mps\n".to_owned();
+    for i in 0..1000 {
+        writeln!(speed, "{},20", 100.0 + f64::from(i) / 100.0).unwrap();
+    }
+    write(&folder, "speed.csv", &speed);
+    let mut radar = "t,forward_m,left_m,rel_speed_mps,address,new_track\n".to_owned();
+    for i in 0..200 {
+        let t = 100.0 + f64::from(i) / 20.0;
+        // In ego's lane, beside it, and a sign; all three in one burst.
+        writeln!(radar, "{t},{},0.2,-1,1,0", 50.0 - f64::from(i) / 20.0).unwrap();
+        writeln!(radar, "{t},20,3.5,0,2,0").unwrap();
+        writeln!(radar, "{t},{},0,-20,3,0", 190.0 - f64::from(i)).unwrap();
+    }
+    write(&folder, "radar.csv", &radar);
+    let mapping = settings("comma2k19.toml");
+    let error = read_log(folder.path(), &mapping).unwrap_err();
+    assert!(matches!(&error, IngestError::NotFound { path } if path.ends_with("pose_ecef.csv")));
+    let mut straight = mapping.clone();
+    if let Some(signals) = straight
+        .mapping
+        .as_mut()
+        .and_then(|m| m.table.as_mut()?.signals.as_mut())
+    {
+        signals.velocity = None;
+    }
+    let found = read_log(folder.path(), &straight).unwrap().remove(0);
+    let drive = drive_of(&found);
+    let rows = drive.rows();
+    assert_eq!(drive.len(), 200);
+    for row in 0..199 {
+        assert!(
+            near(rows.lead_speed_mps[row], 19.0),
+            "{}",
+            rows.lead_speed_mps[row]
+        );
+        assert!((rows.lead_dx_m[row] - (50.0 - rows.time_s[row])).abs() < 1e-3);
+    }
+    let summary = inspect_with(folder.path(), &straight).unwrap();
+    assert_eq!(summary.format, LogFormat::Table);
+    assert!(
+        summary.would_ingest.contains("1 drive of 200 rows"),
+        "{}",
+        summary.would_ingest
+    );
+}
+
+#[test]
+fn our_own_drives_as_csv_keep_passed_vehicles_behind() {
+    let mut text =
+        "time_s,ego_x_m,ego_y_m,ego_speed_mps,lead_id,lead_dx_m,lead_dy_m,lead_speed_mps\n"
+            .to_owned();
+    for i in 0..200 {
+        let t = f64::from(i) / 20.0;
+        let (lead, dx) = match i {
+            0..100 => ("5", 50.0 - t),
+            100..150 => ("5", -10.0 - t),
+            _ => ("", 200.0),
+        };
+        writeln!(text, "{t},{},3.66,30,{lead},{dx},-3.66,25", 30.0 * t).unwrap();
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = write(&folder, "P01-own.csv", &text);
+    let found = read_log(&path, &settings("ours.toml")).unwrap().remove(0);
+    assert_eq!(found.meta.participant.as_str(), "P01-own");
+    let rows = drive_of(&found).rows().clone();
+    assert!(rows.lane.iter().all(|&l| l == 1));
+    assert!(near(rows.lead_dx_m[120], -16.0), "{}", rows.lead_dx_m[120]);
+    assert!(!rows.lead_present[160]);
+}
+
+#[test]
+fn wrong_units_are_doubted_and_a_clock_that_jumps_back_is_counted() {
+    let mut text = "t,x_follower,v_follower,v_leader,leader_length,spacing\n".to_owned();
+    for i in 0..200 {
+        let t = if i == 50 { 3.0 } else { f64::from(i) / 10.0 };
+        writeln!(text, "{t},{},72,72,0,30", 2.0 * f64::from(i)).unwrap();
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = write(&folder, "oa_pair_r_f2_c.csv", &text);
+    let found = read_log(&path, &settings("openacc.toml"))
+        .unwrap()
+        .remove(0);
+    let said: Vec<(WarningKind, usize)> =
+        found.warnings.iter().map(|w| (w.kind, w.count)).collect();
+    assert!(said.contains(&(WarningKind::OutOfOrder, 1)), "{said:?}");
+    assert!(said.contains(&(WarningKind::DuplicateTime, 1)), "{said:?}");
+    let doubt = found
+        .warnings
+        .iter()
+        .find(|w| w.kind == WarningKind::Unit)
+        .unwrap();
+    assert!(doubt.what.contains("3.60 times"), "{}", doubt.what);
+}
