@@ -33,7 +33,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("measure", 1),
         ("rate", 1),
         ("evaluate", 1),
-        ("stats", 1),
+        ("stats", 2),
         ("report", 1),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
