@@ -1,8 +1,9 @@
 //! Times of the main calls; run by hand with `cargo bench -p maveric-stats`.
 
 use maveric_stats::{
-    Adjustment, BootstrapData, BootstrapSettings, PosthocTest, Statistic, WithinSubjects,
-    bootstrap, compare, friedman, posthoc, rm_anova, within,
+    Adjustment, BootstrapData, BootstrapSettings, CorrelationMethod, PosthocTest, Statistic,
+    WithinSubjects, bootstrap, compare, correlate, friedman, posthoc, rm_anova, within,
+    within_without_exact,
 };
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -34,6 +35,20 @@ fn table(n: usize, k: usize, decimals: f64) -> WithinSubjects {
 fn within_24(bencher: divan::Bencher) {
     let data = table(24, 4, 100.0);
     bencher.bench(|| within(&data));
+}
+
+#[divan::bench(name = "stats/within_without_exact/24x4")]
+fn within_fast(bencher: divan::Bencher) {
+    let data = table(24, 4, 100.0);
+    bencher.bench(|| within_without_exact(&data));
+}
+
+#[divan::bench(name = "stats/spearman", args = [24, 10_000])]
+fn spearman(bencher: divan::Bencher, n: usize) {
+    let data = table(n, 2, 100.0);
+    let column = |j: usize| data.column(j).into_iter().map(Some).collect::<Vec<_>>();
+    let (x, y) = (column(0), column(1));
+    bencher.bench(|| correlate(&x, &y, CorrelationMethod::Spearman, None));
 }
 
 #[divan::bench(name = "stats/rm_anova", args = [24, 10_000])]

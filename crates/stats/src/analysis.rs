@@ -7,7 +7,6 @@ use crate::{
     ShapiroWilk, Sphericity, Wilcoxon, WithinSubjects,
     friedman::{self, Exact, RankTable},
     normality::shapiro_wilk,
-    numerics::moments::mean_and_square_sum,
     paired,
     rm_anova::{self, Decomposition},
     sphericity,
@@ -28,7 +27,7 @@ pub struct ConditionSummary {
 }
 
 /// Everything this crate computes for n subjects under k conditions.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WithinAnalysis {
     /// Complete subjects.
     pub n: usize,
@@ -63,7 +62,7 @@ pub struct WithinAnalysis {
 }
 
 /// The analysis of variance alone.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RmAnovaAnalysis {
     /// Complete subjects.
     pub n: usize,
@@ -84,7 +83,7 @@ pub struct RmAnovaAnalysis {
 }
 
 /// Friedman's test alone.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FriedmanAnalysis {
     /// Complete subjects.
     pub n: usize,
@@ -126,11 +125,31 @@ pub struct FriedmanAnalysis {
 /// # Ok::<(), maveric_stats::StatsError>(())
 /// ```
 pub fn within(data: &WithinSubjects) -> WithinAnalysis {
+    analyse(data, Exact::Feasible)
+}
+
+/// [`within`] without the exact p of Friedman's test, which takes hundreds of times longer
+/// than all the rest together: for simulations.
+///
+/// # Example
+/// ```
+/// use maveric_stats::{WithinSubjects, within_without_exact};
+/// let rows = [[1.0, 4.0, 2.0], [2.0, 6.0, 3.0], [3.0, 6.5, 3.5]].map(Vec::from);
+/// let analysis = within_without_exact(&WithinSubjects::from_rows(&["a", "b", "c"], &["1", "2", "3"], &rows)?);
+/// assert_eq!(analysis.friedman.p_exact, None);
+/// assert_eq!(analysis.undefined.get("friedman.p_exact"), Some("not computed: not asked for"));
+/// # Ok::<(), maveric_stats::StatsError>(())
+/// ```
+pub fn within_without_exact(data: &WithinSubjects) -> WithinAnalysis {
+    analyse(data, Exact::No)
+}
+
+fn analyse(data: &WithinSubjects, exact: Exact) -> WithinAnalysis {
     let mut undefined = Reasons::default();
     let parts = rm_anova::decompose(data);
     let (anova, mauchly, sphericity) = variance_part(data, &parts, &mut undefined);
     let table = RankTable::of(data);
-    let (friedman, inner) = friedman::test(&table, Exact::Feasible);
+    let (friedman, inner) = friedman::test(&table, exact);
     undefined.absorb("friedman", inner);
     let columns: Vec<Vec<f64>> = (0..data.k()).map(|j| data.column(j)).collect();
     WithinAnalysis {
@@ -153,6 +172,28 @@ pub fn within(data: &WithinSubjects) -> WithinAnalysis {
 }
 
 /// Repeated-measures analysis of variance with its test and corrections of sphericity.
+///
+/// # Source
+/// Maxwell and Delaney (2004), chapter 11; Mauchly (1940); Greenhouse and Geisser (1959);
+/// Huynh and Feldt (1976). Agrees with R's afex and car but where those print p = 0 for a
+/// singular error matrix, or lose digits to an offset of the values.
+///
+/// # Example
+/// Extra hours of sleep by two drugs (Student, 1908; R's `sleep`): with two conditions F is
+/// the square of t = -4.0621.
+/// ```
+/// use maveric_stats::{WithinSubjects, rm_anova};
+/// let rows = [
+///     [0.7, 1.9], [-1.6, 0.8], [-0.2, 1.1], [-1.2, 0.1], [-0.1, -0.1],
+///     [3.4, 4.4], [3.7, 5.5], [0.8, 1.6], [0.0, 4.6], [2.0, 3.4],
+/// ].map(Vec::from);
+/// let people = ["1", "2", "3", "4", "5", "6", "7", "8", "9", "10"];
+/// let result = rm_anova(&WithinSubjects::from_rows(&["1", "2"], &people, &rows)?);
+/// assert!((result.rm_anova.f.unwrap() - 4.0621_f64.powi(2)).abs() < 1e-3);
+/// assert!((result.rm_anova.p.unwrap() - 0.002833).abs() < 1e-6);
+/// assert!(result.undefined.get("mauchly.W").unwrap().contains("two conditions"));
+/// # Ok::<(), maveric_stats::StatsError>(())
+/// ```
 pub fn rm_anova(data: &WithinSubjects) -> RmAnovaAnalysis {
     let mut undefined = Reasons::default();
     let parts = rm_anova::decompose(data);
@@ -170,6 +211,31 @@ pub fn rm_anova(data: &WithinSubjects) -> RmAnovaAnalysis {
 }
 
 /// Friedman's test, with the exact p where it is feasible.
+///
+/// # Source
+/// Friedman (1937), corrected for ties; Iman and Davenport (1980). The exact p counts all
+/// orders within subjects, which neither R's `friedman.test` nor SciPy offers.
+///
+/// # Example
+/// Three ways of rounding first base (Hollander and Wolfe, 1973, table 7.1; R's help of
+/// `friedman.test`):
+/// ```
+/// use maveric_stats::{WithinSubjects, friedman};
+/// let times = [
+///     [5.40, 5.50, 5.55], [5.85, 5.70, 5.75], [5.20, 5.60, 5.50], [5.55, 5.50, 5.40],
+///     [5.90, 5.85, 5.70], [5.45, 5.55, 5.60], [5.40, 5.40, 5.35], [5.45, 5.50, 5.35],
+///     [5.25, 5.15, 5.00], [5.85, 5.80, 5.70], [5.25, 5.20, 5.10], [5.65, 5.55, 5.45],
+///     [5.60, 5.35, 5.45], [5.05, 5.00, 4.95], [5.50, 5.50, 5.40], [5.45, 5.55, 5.50],
+///     [5.55, 5.55, 5.35], [5.45, 5.50, 5.55], [5.50, 5.45, 5.25], [5.65, 5.60, 5.40],
+///     [5.70, 5.65, 5.55], [6.30, 6.30, 6.25],
+/// ].map(Vec::from);
+/// let players: Vec<String> = (1..=22).map(|i| i.to_string()).collect();
+/// let ways = ["round out", "narrow angle", "wide angle"].map(str::to_owned);
+/// let result = friedman(&WithinSubjects::from_rows(&ways, &players, &times)?).friedman;
+/// assert!((result.chi2.unwrap() - 11.143).abs() < 5e-4);
+/// assert!((result.p.unwrap() - 0.003805).abs() < 5e-7);
+/// # Ok::<(), maveric_stats::StatsError>(())
+/// ```
 pub fn friedman(data: &WithinSubjects) -> FriedmanAnalysis {
     let mut undefined = Reasons::default();
     let (friedman, inner) = friedman::test(&RankTable::of(data), Exact::Feasible);
@@ -199,11 +265,16 @@ pub(crate) fn variance_part(
 pub(crate) fn summaries(data: &WithinSubjects, parts: &Decomposition) -> Named<ConditionSummary> {
     let (n, k) = (data.n() as f64, data.k() as f64);
     let t95 = paired::t::t95(data.n());
-    let summary = |j: usize| {
-        let (mean, squares) = mean_and_square_sum(data.rows().map(|row| row[j]));
+    let squares = column_squares(data);
+    let mut residual_squares = vec![0.0; data.k()];
+    for row in parts.residuals.chunks_exact(data.k()) {
+        for (sum, r) in residual_squares.iter_mut().zip(row) {
+            *sum += r * r;
+        }
+    }
+    let summary = |((mean, squares), residual): ((f64, f64), f64)| {
         // Residuals are the normalised values less their condition mean.
-        let column = parts.residuals.iter().skip(j).step_by(data.k());
-        let variance = column.map(|r| r * r).sum::<f64>() / (n - 1.0) * k / (k - 1.0);
+        let variance = residual / (n - 1.0) * k / (k - 1.0);
         let half = t95.map(|t| t * (variance / n).sqrt());
         ConditionSummary {
             mean,
@@ -215,8 +286,40 @@ pub(crate) fn summaries(data: &WithinSubjects, parts: &Decomposition) -> Named<C
     data.conditions()
         .iter()
         .cloned()
-        .zip((0..data.k()).map(summary))
+        .zip(squares.into_iter().zip(residual_squares).map(summary))
         .collect()
+}
+
+/// Mean and sum of squared deviations of each condition, all in two passes over the rows.
+fn column_squares(data: &WithinSubjects) -> Vec<(f64, f64)> {
+    let n = data.n() as f64;
+    let pivots = &data.values()[..data.k()];
+    let mut shifts = vec![0.0; data.k()];
+    for row in data.rows() {
+        for ((shift, v), pivot) in shifts.iter_mut().zip(row).zip(pivots) {
+            *shift += v - pivot;
+        }
+    }
+    for shift in &mut shifts {
+        *shift /= n;
+    }
+    let mut sums = vec![(0.0, 0.0); data.k()];
+    for row in data.rows() {
+        for (((sum, v), pivot), shift) in sums.iter_mut().zip(row).zip(pivots).zip(&shifts) {
+            let deviation = (v - pivot) - shift;
+            sum.0 += deviation * deviation;
+            sum.1 += deviation;
+        }
+    }
+    let centres = pivots
+        .iter()
+        .zip(&shifts)
+        .map(|(pivot, shift)| pivot + shift);
+    // What rounding of the mean leaves over is taken out.
+    let squares = sums
+        .iter()
+        .map(|(squares, rest)| (squares - rest * rest / n).max(0.0));
+    centres.zip(squares).collect()
 }
 
 pub(crate) fn paired_t(

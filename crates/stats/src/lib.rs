@@ -31,7 +31,8 @@ mod within_subjects;
 
 pub use adjust::{Adjusted, Adjustment, adjust};
 pub use analysis::{
-    ConditionSummary, FriedmanAnalysis, RmAnovaAnalysis, WithinAnalysis, friedman, rm_anova, within,
+    ConditionSummary, FriedmanAnalysis, RmAnovaAnalysis, WithinAnalysis, friedman, rm_anova,
+    within, within_without_exact,
 };
 pub use bootstrap::{Bootstrap, BootstrapData, BootstrapSettings, Interval, Statistic, bootstrap};
 pub use compare::{

@@ -1,8 +1,14 @@
 //! A map that keeps its order: results by condition, or by pair of conditions.
 
-use serde::{Serialize, Serializer, ser::SerializeMap};
+use std::{fmt, marker::PhantomData};
 
-/// Results by name, in the order of the data; serialises as a JSON object.
+use serde::{
+    Deserialize, Deserializer, Serialize, Serializer,
+    de::{MapAccess, Visitor},
+    ser::SerializeMap,
+};
+
+/// Results by name, in the order of the data; reads and writes as a JSON object.
 ///
 /// A pair of conditions is named `A|B`, and means A minus B.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,5 +58,29 @@ impl<T: Serialize> Serialize for Named<T> {
             map.serialize_entry(key, value)?;
         }
         map.end()
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Named<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Entries<T>(PhantomData<T>);
+
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for Entries<T> {
+            type Value = Named<T>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("results by name")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Named<T>, A::Error> {
+                let mut entries = Vec::with_capacity(map.size_hint().unwrap_or(0));
+                while let Some(entry) = map.next_entry()? {
+                    entries.push(entry);
+                }
+                Ok(Named(entries))
+            }
+        }
+
+        deserializer.deserialize_map(Entries(PhantomData))
     }
 }

@@ -44,7 +44,7 @@ pub struct ShapiroWilk {
 }
 
 /// Whether one sample looks normal.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Normality {
     /// Number of values.
     pub n: usize,
@@ -241,5 +241,5 @@ fn p_of(n: usize, rest: f64) -> f64 {
         let ln = size.ln();
         (y, polynomial(&C5, ln), polynomial(&C6, ln).exp())
     };
-    normal_upper((y - mean) / sd)
+    normal_upper((y - mean) / sd).max(f64::MIN_POSITIVE)
 }

@@ -50,7 +50,7 @@ pub struct Effect {
     pub ci_low: Option<f64>,
     /// Upper end.
     pub ci_high: Option<f64>,
-    /// Confidence of the interval: 0.95 for pairs, 0.90 for partial eta squared.
+    /// Confidence of the interval: 0.95 for pairs, 0.90 for partial eta squared and W.
     pub confidence: f64,
 }
 
@@ -78,7 +78,7 @@ pub struct PosthocPair {
 }
 
 /// All pairs of a within-subject design.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Posthoc {
     /// Complete subjects.
     pub n: usize,
@@ -105,7 +105,29 @@ pub struct Posthoc {
 /// # Errors
 /// [`StatsError::BadParameter`] if `alpha` is not between 0 and 1.
 ///
+/// # Source
+/// Student (1908), Wilcoxon (1945), Conover (1999, section 5.8), Nemenyi as Demšar (2006);
+/// corrections as [`Adjustment`]. Wilcoxon's p is exact with ties too, and differences tie
+/// as written: R and SciPy rank the doubles.
+///
 /// # Example
+/// Depression before and after a tranquilliser (Hollander and Wolfe, 1973, table 3.1; R's
+/// help of `wilcox.test`): V = 40, two-sided p = .0391.
+/// ```
+/// use maveric_stats::{Adjustment, PosthocTest, WithinSubjects, posthoc};
+/// let rows = [
+///     [1.83, 0.878], [0.50, 0.647], [1.62, 0.598], [2.48, 2.05], [1.68, 1.06],
+///     [1.88, 1.29], [1.55, 1.06], [3.06, 3.14], [1.30, 1.29],
+/// ].map(Vec::from);
+/// let patients = ["1", "2", "3", "4", "5", "6", "7", "8", "9"];
+/// let data = WithinSubjects::from_rows(&["first", "second"], &patients, &rows)?;
+/// let result = posthoc(&data, PosthocTest::Wilcoxon, Adjustment::Holm, 0.05)?;
+/// let pair = result.pairs.get("first|second").unwrap();
+/// assert_eq!((pair.statistic, pair.p), (Some(40.0), Some(0.0390625)));
+/// # Ok::<(), maveric_stats::StatsError>(())
+/// ```
+///
+/// Means, by t tests:
 /// ```
 /// use maveric_stats::{Adjustment, PosthocTest, WithinSubjects, posthoc};
 /// let rows = [[1.0, 4.0, 2.0], [2.0, 6.0, 3.0], [3.0, 6.5, 3.5], [1.5, 5.0, 4.0]].map(Vec::from);

@@ -61,7 +61,7 @@ pub struct PowerAnswer {
 }
 
 /// Answers in the order of the questions.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PowerAnalysis {
     /// One answer a question.
     pub row: Vec<PowerAnswer>,

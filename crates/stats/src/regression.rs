@@ -1,6 +1,6 @@
 //! Straight lines, and directions, fitted by least squares.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::{
     Reasons, StatsError, complete,
@@ -11,7 +11,7 @@ use crate::{
 };
 
 /// y = intercept + slope x.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LinearFit {
     /// Complete pairs.
     pub n: usize,
@@ -130,7 +130,7 @@ pub fn linear_fit(x: &[Option<f64>], y: &[Option<f64>]) -> Result<LinearFit, Sta
 }
 
 /// The multiple correlation of y with the direction of an angle.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CircularLinear {
     /// Complete pairs.
     pub n: usize,

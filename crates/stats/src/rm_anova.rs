@@ -7,7 +7,7 @@ use crate::{
     numerics::{
         decimal,
         distributions::f_upper,
-        moments::{is_rounding, largest},
+        moments::{is_rounding, largest, sum_of},
         noncentral::f_ncp_interval,
     },
 };
@@ -42,8 +42,19 @@ pub struct RmAnova {
     pub eta2_partial_ci90_mbess_high: Option<f64>,
     /// SSc / (SSc + SSe + SSs).
     pub eta2_generalized: Option<f64>,
+    /// Lower end of its 90 % interval: the limits ncp MSe of the noncentral F in the place
+    /// of SSc, the other sums of squares as observed. Approximate, since SSs varies too;
+    /// without differences of subjects it is the interval of partial eta squared.
+    pub eta2_generalized_ci90_low: Option<f64>,
+    /// Upper end of that interval.
+    pub eta2_generalized_ci90_high: Option<f64>,
     /// (SSc - df1 MSe) / (SSc + SSe + SSs + MSs); it may be negative.
     pub omega2_partial: Option<f64>,
+    /// Lower end of its 90 % interval: ncp MSe in the place of SSc - df1 MSe, above and
+    /// below. Never negative, as the population's value.
+    pub omega2_partial_ci90_low: Option<f64>,
+    /// Upper end of that interval.
+    pub omega2_partial_ci90_high: Option<f64>,
 }
 
 /// Residuals of the additive model and the sums of squares, from one pass over the data.
@@ -85,12 +96,7 @@ pub(crate) fn decompose(data: &WithinSubjects) -> Decomposition {
     if is_additive(data, &residuals) {
         residuals.fill(0.0);
     }
-    let squares = |values: &[f64], centre: f64| {
-        values
-            .iter()
-            .map(|v| (v - centre) * (v - centre))
-            .sum::<f64>()
-    };
+    let squares = |values: &[f64], centre: f64| sum_of(values, |v| (v - centre) * (v - centre));
     Decomposition {
         ss_condition: n * squares(&condition, grand),
         ss_subject: k * squares(&subject, grand),
@@ -150,6 +156,10 @@ pub(crate) fn test(data: &WithinSubjects, parts: &Decomposition) -> (RmAnova, Re
             "eta2_partial_ci90_high",
             "eta2_partial_ci90_mbess_low",
             "eta2_partial_ci90_mbess_high",
+            "eta2_generalized_ci90_low",
+            "eta2_generalized_ci90_high",
+            "omega2_partial_ci90_low",
+            "omega2_partial_ci90_high",
         ];
         reasons.note_all(&names, "there is no F to invert");
     }
@@ -167,6 +177,14 @@ pub(crate) fn test(data: &WithinSubjects, parts: &Decomposition) -> (RmAnova, Re
     }
     let share = |ncp: f64| ncp / (ncp + d2);
     let share_mbess = |ncp: f64| ncp / (ncp + d1 + d2 + 1.0);
+    let share_of_all = |ncp: f64| {
+        let effect = ncp * ms_error;
+        effect / (effect + ss_error + ss_subject)
+    };
+    let share_less_error = |ncp: f64| {
+        let effect = ncp * ms_error;
+        effect / (effect + d1 * ms_error + ss_error + ss_subject + ms_subject)
+    };
     let anova = RmAnova {
         f,
         p,
@@ -181,8 +199,12 @@ pub(crate) fn test(data: &WithinSubjects, parts: &Decomposition) -> (RmAnova, Re
         eta2_partial_ci90_mbess_low: interval.map(|(low, _)| share_mbess(low)),
         eta2_partial_ci90_mbess_high: interval.map(|(_, high)| share_mbess(high)),
         eta2_generalized: (total > 0.0).then(|| ss_condition / total),
+        eta2_generalized_ci90_low: interval.map(|(low, _)| share_of_all(low)),
+        eta2_generalized_ci90_high: interval.map(|(_, high)| share_of_all(high)),
         omega2_partial: (total > 0.0)
             .then(|| (ss_condition - d1 * ms_error) / (total + ms_subject)),
+        omega2_partial_ci90_low: interval.map(|(low, _)| share_less_error(low)),
+        omega2_partial_ci90_high: interval.map(|(_, high)| share_less_error(high)),
     };
     (anova, reasons)
 }

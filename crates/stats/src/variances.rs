@@ -7,7 +7,7 @@ use crate::{
     normality::quantile,
     numerics::{
         distributions::{chi2_upper, f_upper},
-        moments::mean_and_square_sum,
+        moments::{is_rounding, largest, mean_and_square_sum},
     },
     within_subjects::Index,
 };
@@ -39,7 +39,7 @@ pub struct Bartlett {
 }
 
 /// Three tests of equal variances.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VarianceTests {
     /// Values.
     pub n: usize,
@@ -63,12 +63,23 @@ pub struct VarianceTests {
 /// [`StatsError::LengthMismatch`]; [`StatsError::NotFinite`]; [`StatsError::TooFew`] below
 /// two groups or if no group has two values.
 ///
+/// # Source
+/// Levene (1960), Brown and Forsythe (1974), Bartlett (1937); as R's `car::leveneTest` and
+/// `bartlett.test`.
+///
 /// # Example
+/// Weights of plants under three treatments (Dobson, 1983; R's `PlantGrowth`):
 /// ```
-/// let groups = ["a", "a", "a", "b", "b", "b"].map(str::to_owned);
-/// let values = [1.0, 2.0, 3.0, 0.0, 5.0, 10.0].map(Some);
+/// let weights = [
+///     [4.17, 5.58, 5.18, 6.11, 4.50, 4.61, 5.17, 4.53, 5.33, 5.14],
+///     [4.81, 4.17, 4.41, 3.59, 5.87, 3.83, 6.03, 4.89, 4.32, 4.69],
+///     [6.31, 5.12, 5.54, 5.50, 5.37, 5.29, 4.92, 6.15, 5.80, 5.26],
+/// ];
+/// let groups: Vec<String> = (0..30).map(|i| format!("treatment {}", i / 10)).collect();
+/// let values: Vec<_> = weights.concat().into_iter().map(Some).collect();
 /// let tests = maveric_stats::levene(&groups, &values)?;
-/// assert_eq!((tests.levene_median.df1, tests.levene_median.df2), (1, 4));
+/// assert!((tests.levene_median.f.unwrap() - 1.1192).abs() < 5e-5);
+/// assert!((tests.bartlett.k2.unwrap() - 2.8786).abs() < 5e-5);
 /// # Ok::<(), maveric_stats::StatsError>(())
 /// ```
 pub fn levene(groups: &[String], values: &[Option<f64>]) -> Result<VarianceTests, StatsError> {
@@ -86,9 +97,11 @@ pub fn levene(groups: &[String], values: &[Option<f64>]) -> Result<VarianceTests
         .map(|&row| groups[row].clone())
         .collect();
     let index = Index::of(&names);
+    // From the first value on, so that an offset costs no digits of the distances.
+    let pivot = complete.columns[0][0];
     let mut samples = vec![Vec::new(); index.names.len()];
     for (&group, &value) in index.rows.iter().zip(&complete.columns[0]) {
-        samples[group].push(value);
+        samples[group].push(value - pivot);
     }
     complete::enough("group", samples.len(), 0, 2)?;
     let largest = samples.iter().map(Vec::len).max().unwrap_or(0);
@@ -142,13 +155,16 @@ fn distances(samples: &[Vec<f64>], centre: impl Fn(&[f64]) -> f64) -> Levene {
     );
     let all = groups.iter().flatten().copied();
     let (grand, _) = mean_and_square_sum(all);
+    let scale = largest(&samples.concat());
+    let alike = |group: &Vec<f64>| group.iter().all(|z| is_rounding(z - group[0], scale));
+    let varies = !groups.iter().all(alike);
     let (mut between, mut within) = (0.0, 0.0);
     for group in &groups {
         let (mean, squares) = mean_and_square_sum(group.iter().copied());
         between += group.len() as f64 * (mean - grand) * (mean - grand);
         within += squares;
     }
-    let f = (within > 0.0).then(|| (between / df1 as f64) / (within / df2 as f64));
+    let f = varies.then(|| (between / df1 as f64) / (within / df2 as f64));
     Levene {
         f,
         p: f.map(|f| f_upper(f, df1 as f64, df2 as f64)),
@@ -178,5 +194,37 @@ fn bartlett(samples: &[Vec<f64>]) -> Bartlett {
         k2,
         p: k2.map(|k2| chi2_upper(k2, groups - 1.0)),
         df: samples.len() - 1,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_offset_moves_none_of_the_three_tests() {
+        let groups: Vec<String> = (0..12).map(|i| format!("g{}", i % 3)).collect();
+        let at = |offset: f64| {
+            let values: Vec<_> = (0..12)
+                .map(|i| Some(offset + f64::from(i * i % 17) * 0.25))
+                .collect();
+            levene(&groups, &values).unwrap()
+        };
+        let (near, far) = (at(0.0), at(1e12));
+        for (a, b) in [
+            (near.levene_mean.f, far.levene_mean.f),
+            (near.levene_median.f, far.levene_median.f),
+            (near.bartlett.k2, far.bartlett.k2),
+        ] {
+            assert!((a.unwrap() / b.unwrap() - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn distances_that_do_not_vary_have_no_f() {
+        let groups = ["a", "a", "b", "b"].map(str::to_owned);
+        let tests = levene(&groups, &[0.1, 0.3, 0.2, 0.7].map(Some)).unwrap();
+        assert_eq!(tests.levene_mean.f, None);
+        assert!(tests.undefined.get("levene_mean.F").is_some());
     }
 }

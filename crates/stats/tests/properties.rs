@@ -2,8 +2,9 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests may fail like tests")]
 
 use maveric_stats::{
-    Adjustment, CorrelationMethod, PosthocTest, WithinSubjects, adjust, compare, correlate,
-    normality, posthoc, within,
+    Adjustment, BootstrapData, BootstrapSettings, Comparison, CorrelationMethod, PosthocTest,
+    Statistic, WithinAnalysis, WithinSubjects, adjust, bootstrap, compare, correlate, normality,
+    posthoc, within,
 };
 use proptest::prelude::*;
 use serde_json::Value;
@@ -127,6 +128,114 @@ proptest! {
     }
 
     #[test]
+    fn results_are_the_same_when_read_back(rows in rows()) {
+        let data = table(&rows);
+        let (analysis, comparison) = (within(&data), compare(&data, 0.05).unwrap());
+        let text = serde_json::to_string(&analysis).unwrap();
+        prop_assert_eq!(serde_json::from_str::<WithinAnalysis>(&text).unwrap(), analysis);
+        let text = serde_json::to_string(&comparison).unwrap();
+        prop_assert_eq!(serde_json::from_str::<Comparison>(&text).unwrap(), comparison);
+    }
+
+    #[test]
+    fn intervals_hold_their_estimate_and_p_is_never_zero(rows in rows()) {
+        let a = within(&table(&rows));
+        let holds = |low: Option<f64>, value: Option<f64>, high: Option<f64>| match (low, value, high) {
+            (Some(low), Some(value), Some(high)) => low <= value + 1e-9 && value <= high + 1e-9,
+            _ => true,
+        };
+        for t in a.paired.values() {
+            prop_assert!(holds(t.dz_ci_low, t.dz, t.dz_ci_high));
+            prop_assert!(holds(t.gz_ci_low, t.gz, t.gz_ci_high));
+            prop_assert!(holds(t.d_av_ci_low, t.d_av, t.d_av_ci_high));
+            prop_assert!(t.p.is_none_or(|p| p > 0.0));
+        }
+        for w in a.wilcoxon.values() {
+            prop_assert!(holds(w.rank_biserial_ci_low, w.rank_biserial, w.rank_biserial_ci_high));
+        }
+        let anova = &a.rm_anova;
+        for (low, high) in [
+            (anova.eta2_partial_ci90_low, anova.eta2_partial_ci90_high),
+            (anova.eta2_generalized_ci90_low, anova.eta2_generalized_ci90_high),
+            (anova.omega2_partial_ci90_low, anova.omega2_partial_ci90_high),
+            (a.friedman.kendall_w_ci90_low, a.friedman.kendall_w_ci90_high),
+        ] {
+            prop_assert!(holds(Some(0.0), low, high) && holds(low, high, Some(1.0)));
+            prop_assert_eq!(low.is_some(), high.is_some());
+        }
+        prop_assert!(anova.p.is_none_or(|p| p > 0.0) && a.friedman.p.is_none_or(|p| p > 0.0));
+    }
+
+    #[test]
+    fn exact_p_of_friedman_is_that_of_every_order_of_every_subject(rows in prop::collection::vec(prop::collection::vec(0..4_i32, 3), 2..5)) {
+        let rows: Vec<Vec<f64>> = rows.iter().map(|r| r.iter().map(|&v| f64::from(v)).collect()).collect();
+        let found = within(&table(&rows)).friedman;
+        let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+        let ranks: Vec<[i32; 3]> = rows.iter().map(|r| std::array::from_fn(|j| {
+            r.iter().map(|&v| if v < r[j] { 2 } else { i32::from(v <= r[j]) }).sum()
+        })).collect();
+        let spread = |choice: usize| -> i32 {
+            let mut sums = [0; 3];
+            let mut rest = choice;
+            for row in &ranks {
+                for (sum, &from) in sums.iter_mut().zip(&orders[rest % 6]) {
+                    *sum += row[from];
+                }
+                rest /= 6;
+            }
+            sums.iter().map(|s| s * s).sum()
+        };
+        let all = 6_usize.pow(rows.len() as u32);
+        let hits = (0..all).filter(|&choice| spread(choice) >= spread(0)).count();
+        match found.p_exact {
+            Some(p) => prop_assert!((p - hits as f64 / all as f64).abs() < 1e-12, "{p} {hits} {all}"),
+            None => prop_assert_eq!(hits, all),
+        }
+    }
+
+    #[test]
+    fn exact_p_of_wilcoxon_is_that_of_every_change_of_sign(differences in prop::collection::vec(-6..7_i32, 2..10)) {
+        let rows: Vec<Vec<f64>> = differences.iter().map(|&d| vec![f64::from(d), 0.0]).collect();
+        let found = within(&table(&rows)).wilcoxon.get("n0|n1").cloned().unwrap();
+        let used: Vec<i32> = differences.iter().copied().filter(|d| *d != 0).collect();
+        let doubled = |d: i32| -> i32 {
+            used.iter().map(|o| if o.abs() < d.abs() { 2 } else { i32::from(o.abs() == d.abs()) }).sum::<i32>() + 1
+        };
+        let ranks: Vec<i32> = used.iter().map(|&d| doubled(d)).collect();
+        let total: i32 = ranks.iter().sum();
+        let plus = |signs: usize| -> i32 { (0..used.len()).filter(|i| signs >> i & 1 == 1).map(|i| ranks[i]).sum() };
+        let observed: i32 = used.iter().zip(&ranks).filter(|(d, _)| **d > 0).map(|(_, r)| r).sum();
+        let all = 1_usize << used.len();
+        let hits = (0..all).filter(|&s| (2 * plus(s) - total).abs() >= (2 * observed - total).abs()).count();
+        match found.p_exact {
+            Some(p) => prop_assert!((p - hits as f64 / all as f64).abs() < 1e-14),
+            None => prop_assert!(used.is_empty()),
+        }
+    }
+
+    #[test]
+    fn exact_p_of_spearman_is_that_of_every_pairing(pairs in prop::collection::vec((0..5_i32, 0..5_i32), 3..7)) {
+        let column = |pick: fn(&(i32, i32)) -> i32| pairs.iter().map(|p| Some(f64::from(pick(p)))).collect::<Vec<_>>();
+        let (x, y) = (column(|p| p.0), column(|p| p.1));
+        let found = correlate(&x, &y, CorrelationMethod::Spearman, None).unwrap().spearman.unwrap();
+        let rank = |v: &[Option<f64>]| -> Vec<i64> {
+            v.iter().map(|a| v.iter().map(|b| if b < a { 2 } else { i64::from(b == a) }).sum::<i64>() - v.len() as i64).collect()
+        };
+        let (rx, ry) = (rank(&x), rank(&y));
+        let sum = |order: &[usize]| -> i64 { order.iter().zip(&rx).map(|(&j, a)| a * ry[j]).sum() };
+        let mut orders: Vec<Vec<usize>> = vec![vec![]];
+        for _ in 0..x.len() {
+            orders = orders.iter().flat_map(|o| (0..x.len()).filter(|j| !o.contains(j)).map(|j| [o.clone(), vec![j]].concat())).collect();
+        }
+        let limit = sum(&(0..x.len()).collect::<Vec<_>>()).abs();
+        let hits = orders.iter().filter(|o| sum(o).abs() >= limit).count();
+        match found.p_exact {
+            Some(p) => prop_assert!((p - hits as f64 / orders.len() as f64).abs() < 1e-12),
+            None => prop_assert!(found.rho.is_none()),
+        }
+    }
+
+    #[test]
     fn the_order_of_conditions_turns_signs_and_nothing_else(rows in rows()) {
         let a = within(&table(&rows));
         let turned: Vec<Vec<f64>> = rows.iter().map(|r| r.iter().rev().copied().collect()).collect();
@@ -190,5 +299,102 @@ proptest! {
         let data = table(&rows);
         prop_assert_eq!(unexplained(&within(&data)), Vec::<String>::new());
         prop_assert_eq!(unexplained(&compare(&data, 0.05).unwrap()), Vec::<String>::new());
+    }
+}
+
+/// The ideal bootstrap: every multiset of subjects with its multinomial weight, sorted by value.
+fn ideal(n: usize, value: impl Fn(&[u32]) -> Option<f64>) -> Vec<(f64, f64)> {
+    fn fill(counts: &mut Vec<u32>, left: u32, n: usize, all: &mut Vec<Vec<u32>>) {
+        if counts.len() + 1 == n {
+            counts.push(left);
+            all.push(counts.clone());
+            counts.pop();
+            return;
+        }
+        for count in 0..=left {
+            counts.push(count);
+            fill(counts, left - count, n, all);
+            counts.pop();
+        }
+    }
+    let mut all = Vec::new();
+    fill(&mut Vec::new(), n as u32, n, &mut all);
+    let factorial = |m: u32| (1..=m).map(f64::from).product::<f64>();
+    let weight = |counts: &[u32]| {
+        let ways = factorial(n as u32) / counts.iter().map(|&c| factorial(c)).product::<f64>();
+        ways / (n as f64).powi(n as i32)
+    };
+    let mut values: Vec<(f64, f64)> = all
+        .iter()
+        .filter_map(|counts| Some((value(counts)?, weight(counts))))
+        .collect();
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    values
+}
+
+#[test]
+fn bootstrap_intervals_are_the_enumerated_ones_within_simulation_error() {
+    let rows = [
+        [4.0, 6.0, 5.5],
+        [3.0, 4.5, 6.0],
+        [5.0, 5.5, 7.0],
+        [2.0, 6.0, 3.5],
+        [4.5, 4.0, 6.5],
+        [3.5, 5.0, 5.0],
+        [1.0, 2.5, 4.0],
+    ]
+    .map(Vec::from);
+    let data = table(&rows);
+    let drawn = |counts: &[u32]| {
+        let rows: Vec<Vec<f64>> = counts
+            .iter()
+            .zip(&rows)
+            .flat_map(|(&c, row)| vec![row.clone(); c as usize])
+            .collect();
+        within(&table(&rows))
+    };
+    type Read = fn(&WithinAnalysis) -> Option<f64>;
+    let statistics: [(Statistic, Read); 4] = [
+        (Statistic::Eta2Partial, |a| a.rm_anova.eta2_partial),
+        (Statistic::Eta2Generalized, |a| a.rm_anova.eta2_generalized),
+        (Statistic::Omega2Partial, |a| a.rm_anova.omega2_partial),
+        (Statistic::KendallW, |a| a.friedman.kendall_w),
+    ];
+    for (statistic, read) in statistics {
+        let all = ideal(rows.len(), |counts| read(&drawn(counts)));
+        let settings = BootstrapSettings {
+            resamples: 20_000,
+            seed: 11,
+            confidence: 0.95,
+        };
+        let found = bootstrap(statistic, BootstrapData::Within(&data), &settings).unwrap();
+        let share = |limit: f64, inside: fn(f64, f64) -> bool| -> f64 {
+            let inner = all.iter().filter(|(v, _)| inside(*v, limit));
+            inner.map(|(_, w)| w).sum()
+        };
+        // Five standard errors of a share of 20,000 draws; ties may sit on either side.
+        let error = 5.0 * (0.025_f64 * 0.975 / 20_000.0).sqrt();
+        let (low, high) = (
+            found.percentile.low.unwrap(),
+            found.percentile.high.unwrap(),
+        );
+        assert!(
+            share(low, |v, l| v < l - 1e-12) <= 0.025 + error,
+            "{statistic:?} {low}"
+        );
+        assert!(
+            share(low, |v, l| v <= l + 1e-12) >= 0.025 - error,
+            "{statistic:?} {low}"
+        );
+        assert!(
+            share(high, |v, l| v > l + 1e-12) <= 0.025 + error,
+            "{statistic:?} {high}"
+        );
+        assert!(
+            share(high, |v, l| v >= l - 1e-12) >= 0.025 - error,
+            "{statistic:?} {high}"
+        );
+        let estimate = read(&within(&data)).unwrap();
+        assert!((found.estimate.unwrap() - estimate).abs() < 1e-12);
     }
 }

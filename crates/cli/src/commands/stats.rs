@@ -5,7 +5,9 @@ use crate::{args::Format, diagnostics::Failure};
 use clap::{Args, Subcommand, ValueEnum};
 use maveric_study::stages::{
     analyse::{self, AnalyseOptions},
-    stats::{self, Adjustment, CorrelationMethod, PosthocTest, Statistic, Test, WithinColumns},
+    stats::{
+        self, Adjustment, CorrelationMethod, PosthocTest, Resampled, Statistic, Test, WithinColumns,
+    },
 };
 use std::path::PathBuf;
 
@@ -90,9 +92,13 @@ enum MethodArg {
 #[value(rename_all = "snake_case")]
 enum StatisticArg {
     Mean,
+    Median,
     Pearson,
     Spearman,
     Eta2Partial,
+    Eta2Generalized,
+    Omega2Partial,
+    KendallW,
 }
 
 #[derive(Debug, Subcommand)]
@@ -313,11 +319,11 @@ impl Stats {
                 resamples,
                 seed,
             } => {
-                let statistic = bootstrap_statistic(statistic, value, (x, y), (subject, within))?;
+                let resampled = resampled(statistic, value, (x, y), (subject, within))?;
                 (
                     input,
                     Test::Bootstrap {
-                        statistic,
+                        resampled,
                         resamples,
                         seed,
                     },
@@ -369,38 +375,44 @@ fn correlation_method(arg: MethodArg) -> CorrelationMethod {
 
 type Pair = (Option<String>, Option<String>);
 
-fn bootstrap_statistic(
+fn resampled(
     arg: StatisticArg,
     value: Option<String>,
     (x, y): Pair,
     (subject, within): Pair,
-) -> Result<Statistic, Failure> {
+) -> Result<Resampled, Failure> {
     let needs = |flags: &str| Failure::Usage(format!("this statistic needs {flags}"));
+    let statistic = match arg {
+        StatisticArg::Mean => Statistic::Mean,
+        StatisticArg::Median => Statistic::Median,
+        StatisticArg::Pearson => Statistic::Pearson,
+        StatisticArg::Spearman => Statistic::Spearman,
+        StatisticArg::Eta2Partial => Statistic::Eta2Partial,
+        StatisticArg::Eta2Generalized => Statistic::Eta2Generalized,
+        StatisticArg::Omega2Partial => Statistic::Omega2Partial,
+        StatisticArg::KendallW => Statistic::KendallW,
+    };
     match arg {
-        StatisticArg::Mean => Ok(Statistic::Mean {
+        StatisticArg::Mean | StatisticArg::Median => Ok(Resampled::Column {
+            statistic,
             value: value.ok_or_else(|| needs("--value"))?,
         }),
         StatisticArg::Pearson | StatisticArg::Spearman => {
             let (Some(x), Some(y)) = (x, y) else {
                 return Err(needs("--x and --y"));
             };
-            Ok(if matches!(arg, StatisticArg::Pearson) {
-                Statistic::Pearson { x, y }
-            } else {
-                Statistic::Spearman { x, y }
-            })
+            Ok(Resampled::Pair { statistic, x, y })
         }
-        StatisticArg::Eta2Partial => {
+        _ => {
             let (Some(subject), Some(within), Some(value)) = (subject, within, value) else {
                 return Err(needs("--subject, --within and --value"));
             };
-            Ok(Statistic::Eta2Partial {
-                columns: WithinColumns {
-                    subject,
-                    within,
-                    value,
-                },
-            })
+            let columns = WithinColumns {
+                subject,
+                within,
+                value,
+            };
+            Ok(Resampled::Design { statistic, columns })
         }
     }
 }

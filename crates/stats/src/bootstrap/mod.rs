@@ -30,6 +30,10 @@ pub enum Statistic {
     Spearman,
     /// Partial eta squared of a within-subject design.
     Eta2Partial,
+    /// Generalised eta squared of a within-subject design.
+    Eta2Generalized,
+    /// Omega squared of a within-subject design.
+    Omega2Partial,
     /// Kendall's W of a within-subject design (Friedman's χ² over n (k-1)).
     KendallW,
 }
@@ -77,7 +81,7 @@ pub struct Interval {
 }
 
 /// An estimate with its bootstrap intervals.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Bootstrap {
     /// What is estimated.
     pub statistic: Statistic,

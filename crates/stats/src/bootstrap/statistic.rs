@@ -3,7 +3,7 @@
 use super::{BootstrapData, Statistic};
 use crate::{
     StatsError, complete, correlation,
-    friedman::{Exact, RankTable},
+    friedman::RankTable,
     numerics::moments::{centred, is_rounding, largest},
     ranks,
 };
@@ -15,10 +15,13 @@ pub(super) enum Sample {
     Median(Vec<f64>),
     Pearson(Vec<f64>, Vec<f64>),
     Spearman(Vec<f64>, Vec<f64>),
-    /// Subject-centred rows, their squares, and the number of conditions.
-    Eta2 {
+    /// A share of the variance of a within-subject design.
+    Share {
+        which: Statistic,
+        /// Subject-centred rows, their squares, and the subjects' means less their mean.
         rows: Vec<f64>,
         squares: Vec<f64>,
+        means: Vec<f64>,
         k: usize,
         floor: f64,
     },
@@ -52,22 +55,31 @@ impl Sample {
                 };
                 Ok((sample, complete.missing))
             }
-            (Statistic::Eta2Partial, BootstrapData::Within(data)) => {
+            (
+                which @ (Statistic::Eta2Partial
+                | Statistic::Eta2Generalized
+                | Statistic::Omega2Partial),
+                BootstrapData::Within(data),
+            ) => {
                 let rows: Vec<f64> = data.rows().flat_map(centred).collect();
                 let squares = rows
                     .chunks_exact(data.k())
                     .map(|r| r.iter().map(|v| v * v).sum())
                     .collect();
+                let pivot = data.values()[0];
+                let mean =
+                    |row: &[f64]| row.iter().map(|v| v - pivot).sum::<f64>() / row.len() as f64;
+                let means: Vec<f64> = data.rows().map(mean).collect();
                 let floor = (4.0 * f64::EPSILON * largest(data.values())).powi(2);
-                Ok((
-                    Self::Eta2 {
-                        rows,
-                        squares,
-                        k: data.k(),
-                        floor,
-                    },
-                    data.dropped().len(),
-                ))
+                let sample = Self::Share {
+                    which,
+                    rows,
+                    squares,
+                    means: centred(&means),
+                    k: data.k(),
+                    floor,
+                };
+                Ok((sample, data.dropped().len()))
             }
             (Statistic::KendallW, BootstrapData::Within(data)) => {
                 Ok((Self::KendallW(RankTable::of(data)), data.dropped().len()))
@@ -87,7 +99,7 @@ impl Sample {
     pub(super) fn rows(&self) -> usize {
         match self {
             Self::Mean(v) | Self::Median(v) | Self::Pearson(v, _) | Self::Spearman(v, _) => v.len(),
-            Self::Eta2 { squares, .. } => squares.len(),
+            Self::Share { squares, .. } => squares.len(),
             Self::KendallW(table) => table.n,
         }
     }
@@ -132,9 +144,11 @@ impl Sample {
                 };
                 correlation::coefficient(&rank(x), &rank(y))
             }
-            Self::Eta2 {
+            Self::Share {
+                which,
                 rows,
                 squares,
+                means,
                 k,
                 floor,
             } => {
@@ -146,23 +160,35 @@ impl Sample {
                     long = vec![0.0; *k];
                     &mut long
                 };
-                let mut within = 0.0;
-                for ((row, square), &count) in rows.chunks_exact(*k).zip(squares).zip(counts) {
+                let (mut within, mut mean, mut mean_squares) = (0.0, 0.0, 0.0);
+                let subjects = rows.chunks_exact(*k).zip(squares).zip(means).zip(counts);
+                for (((row, square), own), &count) in subjects {
                     if count > 0 {
                         let weight = f64::from(count);
                         within += weight * square;
+                        mean += weight * own;
+                        mean_squares += weight * own * own;
                         for (sum, v) in sums.iter_mut().zip(row) {
                             *sum += weight * v;
                         }
                     }
                 }
-                let condition = sums.iter().map(|s| s * s).sum::<f64>() / f64::from(total);
-                (within > floor * rows.len() as f64).then(|| (condition / within).min(1.0))
+                let n = f64::from(total);
+                let condition = sums.iter().map(|s| s * s).sum::<f64>() / n;
+                let subject = *k as f64 * (mean_squares - mean * mean / n).max(0.0);
+                let freedom = *k as f64 - 1.0;
+                let mse = (within - condition).max(0.0) / (freedom * (n - 1.0));
+                let (above, below) = match which {
+                    Statistic::Eta2Partial => (condition, within),
+                    Statistic::Eta2Generalized => (condition, within + subject),
+                    _ => (
+                        condition - freedom * mse,
+                        within + subject + subject / (n - 1.0),
+                    ),
+                };
+                (below > floor * rows.len() as f64).then(|| (above / below).min(1.0))
             }
-            Self::KendallW(table) => {
-                let drawn = table.resampled(counts);
-                crate::friedman::test(&drawn, Exact::No).0.kendall_w
-            }
+            Self::KendallW(table) => table.resampled(counts).kendall_w(),
         }
     }
 }

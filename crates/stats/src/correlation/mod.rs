@@ -38,7 +38,7 @@ pub enum CorrelationMethod {
 }
 
 /// The correlation of two columns.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Correlation {
     /// Complete pairs.
     pub n: usize,
@@ -57,7 +57,7 @@ pub struct Correlation {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chosen: Option<CorrelationMethod>,
     /// Why.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reasons: Vec<String>,
     /// What a reader should know before believing p.
     pub warnings: Vec<String>,
@@ -86,6 +86,19 @@ pub struct Correlation {
 /// let result = correlate(&x, &y, CorrelationMethod::All, None)?;
 /// assert!((result.pearson.unwrap().r.unwrap() - 0.8164).abs() < 1e-4);
 /// assert!((result.spearman.unwrap().p.unwrap() - 0.0033).abs() < 1e-4); // exact
+/// # Ok::<(), maveric_stats::StatsError>(())
+/// ```
+///
+/// Lightness and quality of canned tuna (Hollander and Wolfe, 1973, p. 185; R's help of
+/// `cor.test`): tau = 0.444, p = .1194.
+/// ```
+/// use maveric_stats::{CorrelationMethod, correlate};
+/// let lightness = [44.4, 45.9, 41.9, 53.3, 44.7, 44.1, 50.7, 45.2, 60.1].map(Some);
+/// let quality = [2.6, 3.1, 2.5, 5.0, 3.6, 4.0, 5.2, 2.8, 3.8].map(Some);
+/// let result = correlate(&lightness, &quality, CorrelationMethod::Kendall, None)?;
+/// let kendall = result.kendall.unwrap();
+/// assert!((kendall.tau_b.unwrap() - 0.4444444).abs() < 1e-7);
+/// assert!((kendall.p.unwrap() - 0.1194).abs() < 5e-5);
 /// # Ok::<(), maveric_stats::StatsError>(())
 /// ```
 pub fn correlate(
@@ -196,11 +209,12 @@ pub(crate) fn fisher_interval(r: f64, error: f64) -> (f64, f64) {
     ((r.atanh() - half).tanh(), (r.atanh() + half).tanh())
 }
 
-/// Two-sided p of a correlation with `df` degrees of freedom: t = r √(df / (1 - r²)).
+/// Two-sided p of a correlation with `df` degrees of freedom: t = r √(df / (1 - r²)); the
+/// smallest normal number where r is 1.
 pub(crate) fn p_of_r(r: f64, df: f64) -> f64 {
     let rest = (1.0 - r) * (1.0 + r);
     if rest <= 0.0 {
-        return 0.0;
+        return f64::MIN_POSITIVE;
     }
     t_two_sided(r * (df / rest).sqrt(), df)
 }

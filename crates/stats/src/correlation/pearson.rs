@@ -17,8 +17,8 @@ pub struct Pearson {
     pub t: Option<f64>,
     /// n - 2.
     pub df: Option<usize>,
-    /// Two-sided. It is 0 for exactly linear data: no sample of independent normal
-    /// columns is.
+    /// Two-sided. For exactly linear data, which no sample of independent normal columns
+    /// is, the smallest positive number of double precision.
     pub p: Option<f64>,
     /// Lower end of the 95 % interval by Fisher's z, standard error 1/√(n-3).
     pub ci_low: Option<f64>,

@@ -23,7 +23,7 @@ pub struct RmCorrelation {
 }
 
 /// Repeated-measures correlation of two columns.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RmCorrelationAnalysis {
     /// Complete pairs.
     pub n: usize,

@@ -22,7 +22,7 @@ pub struct Spearman {
     /// to 9, without ties.
     pub p_exact: Option<f64>,
     /// What R's `cor.test(method = "spearman")` prints: exact to n = 9, then an Edgeworth
-    /// series; with ties the t approximation.
+    /// series to n = 1290; beyond, and with ties, the t approximation.
     pub p_r_default: Option<f64>,
     /// Lower end of the 95 % interval by Fisher's z with standard error 1/√(n-3), as JASP
     /// and pingouin.
@@ -103,7 +103,8 @@ pub(super) fn test(x: &[f64], y: &[f64]) -> (Spearman, Reasons) {
             ),
         );
     }
-    let p_r_default = if ties_x || ties_y {
+    // R counts no further than to 1290: n (n² - 1) would overflow its integers.
+    let p_r_default = if ties_x || ties_y || x.len() > 1290 {
         p_t
     } else if x.len() <= 9 {
         p_exact

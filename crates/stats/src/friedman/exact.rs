@@ -12,6 +12,9 @@ const MOST_TRANSITIONS: usize = 40_000_000;
 const MOST_CONDITIONS: usize = 8;
 
 /// P(Σ Rj² ≥ observed) over all orders within subjects; `None` if there are too many.
+///
+/// A state that will reach the observed spread whatever follows is counted at once, and one
+/// that cannot is dropped; only those between are carried on.
 pub(super) fn p_value(table: &RankTable) -> Option<f64> {
     // Ranks from 0 and without their common factor keep the states few; the statistic is
     // unchanged but for scale and offset, which the spread does not see.
@@ -28,39 +31,116 @@ pub(super) fn p_value(table: &RankTable) -> Option<f64> {
         })
         .filter(|row| row.first() != row.last())
         .collect();
-    // Equal rows together, so that their orders are listed once.
-    rows.sort();
+    // Equal rows together, so that their orders are listed once; rows of even ranks first,
+    // because their sums stay even and have far fewer states.
+    rows.sort_by_cached_key(|row| (row.iter().any(|r| r % 2 == 1), row.clone()));
+    let needed = table.spread() * table.k as i64;
+    let limits = Limits::of(&rows, (needed as u64).div_ceil((factor * factor) as u64));
     let mut budget = MOST_TRANSITIONS;
     // The last step is only summed, never stored.
     let last = rows.pop()?;
     let mut states = States::start();
     let mut known: (Vec<u64>, Vec<u64>) = (Vec::new(), Vec::new());
-    for row in rows {
+    let mut p = 0.0;
+    for (done, row) in rows.into_iter().enumerate() {
         if known.0 != row {
             let orders = packing.orders(&row, budget)?;
             known = (row, orders);
         }
+        p += states.settle(&packing, &limits, done);
         budget = budget.checked_sub(states.used * known.1.len())?;
         states = states.step(&known.1, &packing);
     }
     let orders = packing.orders(&last, budget)?;
+    p += states.settle(&packing, &limits, limits.still.len() - 2);
     budget.checked_sub(states.used * orders.len())?;
-    let needed = table.spread() * table.k as i64;
-    let reaches = |key: u64| {
-        // k Σ s² - (Σ s)² = k Σ (s - mean)²; rows of one single tie add nothing to it.
-        let sums = packing.unpack(key);
-        let sums = &sums[..table.k];
-        let total: i64 = sums.iter().map(|&s| s as i64).sum();
-        let squares: i64 = sums.iter().map(|&s| (s * s) as i64).sum();
-        (table.k as i64 * squares - total * total) * factor * factor >= needed
-    };
     let share = 1.0 / orders.len() as f64;
-    let mut p = 0.0;
     for (key, mass) in states.iter() {
-        let hits = orders.iter().filter(|&&order| reaches(key + order)).count();
-        p += mass * (hits as f64 * share);
+        let reaches = |order: &&u64| spread(&packing.unpack(key + **order)) >= limits.needed;
+        p += mass * (orders.iter().filter(reaches).count() as f64 * share);
     }
     Some(p.min(1.0))
+}
+
+/// k Σ s² - (Σ s)² = k Σ (s - mean)², which a row of one single tie does not change.
+fn spread(sums: &Sums) -> u64 {
+    let total: u64 = sums.iter().sum();
+    let squares: u64 = sums.iter().map(|s| s * s).sum();
+    sums.len() as u64 * squares - total * total
+}
+
+/// What the rows still to come can do.
+struct Limits {
+    /// The spread observed.
+    needed: u64,
+    /// Before each row and after the last: the sum of the sorted rows to come. Added to a
+    /// sorted state it gives the largest spread within reach.
+    still: Vec<Vec<u64>>,
+    /// The sum of their norms √spread, by which the norm of a state can fall at most.
+    norms: Vec<f64>,
+}
+
+impl Limits {
+    fn of(rows: &[Vec<u64>], needed: u64) -> Self {
+        let width = rows.first().map_or(0, Vec::len);
+        let (mut still, mut norms) = (vec![vec![0; width]], vec![0.0]);
+        for row in rows.iter().rev() {
+            let before = &still[still.len() - 1];
+            still.push(before.iter().zip(row).map(|(a, b)| a + b).collect());
+            norms.push(norms[norms.len() - 1] + (spread(&Sums::of(row)) as f64).sqrt());
+        }
+        still.reverse();
+        norms.reverse();
+        Self {
+            needed,
+            still,
+            norms,
+        }
+    }
+
+    /// Whether a sorted state reaches the observed spread in any case; `None` if it depends.
+    fn fate(&self, mut sums: Sums, done: usize) -> Option<bool> {
+        let norm = (spread(&sums) as f64).sqrt();
+        // The margin is far above the rounding of the roots.
+        if norm - self.norms[done] > (self.needed as f64).sqrt() * (1.0 + 1e-9) {
+            return Some(true);
+        }
+        for (sum, more) in sums.iter_mut().zip(&self.still[done]) {
+            *sum += more;
+        }
+        (spread(&sums) < self.needed).then_some(false)
+    }
+}
+
+/// The rank sums of one state.
+struct Sums {
+    values: [u64; MOST_CONDITIONS],
+    conditions: usize,
+}
+
+impl Sums {
+    fn of(row: &[u64]) -> Self {
+        let mut values = [0; MOST_CONDITIONS];
+        values[..row.len()].copy_from_slice(row);
+        Self {
+            values,
+            conditions: row.len(),
+        }
+    }
+}
+
+impl std::ops::Deref for Sums {
+    type Target = [u64];
+
+    fn deref(&self) -> &[u64] {
+        &self.values[..self.conditions]
+    }
+}
+
+impl std::ops::DerefMut for Sums {
+    fn deref_mut(&mut self) -> &mut [u64] {
+        &mut self.values[..self.conditions]
+    }
 }
 
 /// Rank sums side by side in one word, wide enough that adding words adds the sums.
@@ -80,10 +160,13 @@ impl Packing {
         sums.iter().rev().fold(0, |key, &s| key << self.bits | s)
     }
 
-    fn unpack(&self, mut key: u64) -> [u64; MOST_CONDITIONS] {
+    fn unpack(&self, mut key: u64) -> Sums {
         let mask = (1 << self.bits) - 1;
-        let mut sums = [0; MOST_CONDITIONS];
-        for sum in &mut sums[..self.conditions] {
+        let mut sums = Sums {
+            values: [0; MOST_CONDITIONS],
+            conditions: self.conditions,
+        };
+        for sum in sums.iter_mut() {
             *sum = key & mask;
             key >>= self.bits;
         }
@@ -93,7 +176,6 @@ impl Packing {
     /// The same sums in ascending order.
     fn sorted(&self, key: u64) -> u64 {
         let mut sums = self.unpack(key);
-        let sums = &mut sums[..self.conditions];
         for i in 1..sums.len() {
             let mut j = i;
             while j > 0 && sums[j - 1] > sums[j] {
@@ -101,7 +183,7 @@ impl Packing {
                 j -= 1;
             }
         }
-        self.pack(sums)
+        self.pack(&sums)
     }
 
     /// The distinct orders of a sorted row, packed; `None` if there are more than `most`.
@@ -163,6 +245,21 @@ impl States {
         slots.filter(|(_, mass)| *mass > 0.0)
     }
 
+    /// Takes out the states whose end is certain; the probability of those that reach.
+    fn settle(&mut self, packing: &Packing, limits: &Limits, done: usize) -> f64 {
+        let mut reached = 0.0;
+        let mut open = Self::empty(self.keys.len());
+        for (key, mass) in self.iter() {
+            match limits.fate(packing.unpack(key), done) {
+                Some(true) => reached += mass,
+                Some(false) => {}
+                None => open.add(key, mass),
+            }
+        }
+        *self = open;
+        reached
+    }
+
     fn step(&self, orders: &[u64], packing: &Packing) -> Self {
         // Room for twice as many states as now, at most half full.
         let mut next = Self::empty((4 * self.used).next_power_of_two().max(64));
@@ -222,10 +319,7 @@ mod tests {
         let mean = (table.n * (table.k + 1)) as i64;
         let spread = |key: u64| -> i64 {
             let sums = packing.unpack(key);
-            sums[..table.k]
-                .iter()
-                .map(|&s| (s as i64 - mean).pow(2))
-                .sum()
+            sums.iter().map(|&s| (s as i64 - mean).pow(2)).sum()
         };
         let hits = all
             .iter()

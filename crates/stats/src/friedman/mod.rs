@@ -6,7 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Reasons, WithinSubjects,
-    numerics::distributions::{chi2_upper, f_upper},
+    numerics::{
+        distributions::{chi2_upper, f_upper},
+        noncentral::f_ncp_interval,
+    },
     ranks,
 };
 
@@ -19,8 +22,13 @@ pub struct Friedman {
     pub df: Option<usize>,
     /// P(χ²' ≥ χ²), large-sample.
     pub p: Option<f64>,
-    /// Kendall's W = χ² / (n (k-1)).
+    /// Kendall's W = χ² / (n (k-1)): partial eta squared of the ranks.
     pub kendall_w: Option<f64>,
+    /// Lower end of its 90 % interval, that of partial eta squared for F of the ranks:
+    /// ncp / (ncp + (n-1)(k-1)). `bootstrap` gives one that does not lean on F.
+    pub kendall_w_ci90_low: Option<f64>,
+    /// Upper end of that interval.
+    pub kendall_w_ci90_high: Option<f64>,
     /// Iman and Davenport's F = (n-1) χ² / (n (k-1) - χ²).
     #[serde(rename = "F")]
     pub f: Option<f64>,
@@ -104,6 +112,12 @@ impl RankTable {
         self.squares - self.n as i64 * k * (k + 1) * (k + 1)
     }
 
+    /// Kendall's W; `None` if every subject ties all conditions.
+    pub(crate) fn kendall_w(&self) -> Option<f64> {
+        let within = self.within();
+        (within > 0).then(|| self.spread() as f64 / (within as f64 * self.n as f64))
+    }
+
     /// Whether all subjects order the conditions alike, so that nothing is left over.
     pub(crate) fn unanimous(&self) -> bool {
         self.within() * self.n as i64 == self.spread()
@@ -115,7 +129,7 @@ impl RankTable {
 pub(crate) enum Exact {
     /// Up to the size that takes about a tenth of a second.
     Feasible,
-    /// Not at all, as within a bootstrap or simulation.
+    /// Not at all, as in a simulation.
     No,
 }
 
@@ -133,6 +147,8 @@ pub(crate) fn test(table: &RankTable, exact: Exact) -> (Friedman, Reasons) {
             df: None,
             p: None,
             kendall_w: None,
+            kendall_w_ci90_low: None,
+            kendall_w_ci90_high: None,
             f: None,
             f_df1: None,
             f_df2: None,
@@ -147,8 +163,21 @@ pub(crate) fn test(table: &RankTable, exact: Exact) -> (Friedman, Reasons) {
     let f = (!table.unanimous()).then(|| (n - 1.0) * chi2 / (n * (k - 1.0) - chi2));
     if f.is_none() {
         reasons.note_all(
-            &["F", "F_p", "F_p_marozzi"],
+            &[
+                "F",
+                "F_p",
+                "F_p_marozzi",
+                "kendall_w_ci90_low",
+                "kendall_w_ci90_high",
+            ],
             "all subjects order the conditions alike, so F has no finite value",
+        );
+    }
+    let interval = f.and_then(|f| f_ncp_interval(f, d1, d2, 0.05));
+    if interval.is_none() {
+        reasons.note_all(
+            &["kendall_w_ci90_low", "kendall_w_ci90_high"],
+            "the noncentral F cannot be inverted here",
         );
     }
     let d1_marozzi = d1 - 2.0 / n;
@@ -166,16 +195,19 @@ pub(crate) fn test(table: &RankTable, exact: Exact) -> (Friedman, Reasons) {
         Exact::No => None,
     };
     if p_exact.is_none() {
-        reasons.note(
-            "p_exact",
-            "not computed: there are too many arrangements of the ranks",
-        );
+        let reason = match exact {
+            Exact::Feasible => "not computed: there are too many arrangements of the ranks",
+            Exact::No => "not computed: not asked for",
+        };
+        reasons.note("p_exact", reason);
     }
     let friedman = Friedman {
         chi2: Some(chi2),
         df: Some(table.k - 1),
         p: Some(chi2_upper(chi2, d1)),
-        kendall_w: Some(chi2 / (n * (k - 1.0))),
+        kendall_w: table.kendall_w(),
+        kendall_w_ci90_low: interval.map(|(low, _)| low / (low + d2)),
+        kendall_w_ci90_high: interval.map(|(_, high)| high / (high + d2)),
         f,
         f_df1: Some(d1),
         f_df2: Some(d2),

@@ -10,6 +10,12 @@ use super::{
     special::{beta_tails, gamma_upper},
 };
 
+/// A tail too small for double precision, as the smallest normal number: Holm can still
+/// rank it, and nobody reads it as impossible.
+fn positive(p: f64) -> f64 {
+    p.clamp(f64::MIN_POSITIVE, 1.0)
+}
+
 /// P(Z > z).
 pub(crate) fn normal_upper(z: f64) -> f64 {
     0.5 * erfc(z * FRAC_1_SQRT_2)
@@ -17,7 +23,7 @@ pub(crate) fn normal_upper(z: f64) -> f64 {
 
 /// P(|Z| > |z|).
 pub(crate) fn normal_two_sided(z: f64) -> f64 {
-    erfc(z.abs() * FRAC_1_SQRT_2).min(1.0)
+    positive(erfc(z.abs() * FRAC_1_SQRT_2))
 }
 
 /// The density of the standard normal distribution.
@@ -42,9 +48,9 @@ pub(crate) fn normal_quantile(p: f64) -> f64 {
 pub(crate) fn t_two_sided(t: f64, df: f64) -> f64 {
     let square = t * t;
     if !square.is_finite() {
-        return 0.0;
+        return f64::MIN_POSITIVE;
     }
-    beta_tails(0.5 * df, 0.5, df / (df + square), square / (df + square)).0
+    positive(beta_tails(0.5 * df, 0.5, df / (df + square), square / (df + square)).0)
 }
 
 /// t with P(|T| > t) = `p`.
@@ -59,7 +65,7 @@ pub(crate) fn f_upper(f: f64, df1: f64, df2: f64) -> f64 {
         return 1.0;
     }
     let whole = df2 + df1 * f;
-    beta_tails(0.5 * df2, 0.5 * df1, df2 / whole, df1 * f / whole).0
+    positive(beta_tails(0.5 * df2, 0.5 * df1, df2 / whole, df1 * f / whole).0)
 }
 
 /// f with P(F > f) = `p`.
@@ -69,7 +75,7 @@ pub(crate) fn f_quantile_upper(p: f64, df1: f64, df2: f64) -> Option<f64> {
 
 /// P(χ² > x).
 pub(crate) fn chi2_upper(x: f64, df: f64) -> f64 {
-    gamma_upper(0.5 * df, 0.5 * x)
+    positive(gamma_upper(0.5 * df, 0.5 * x))
 }
 
 #[cfg(test)]

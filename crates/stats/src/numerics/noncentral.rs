@@ -134,14 +134,25 @@ pub(crate) fn t_lower(t: f64, df: f64, ncp: f64) -> f64 {
 /// The noncentralities that leave `tail` above and below an observed F; 0 where none does.
 pub(crate) fn f_ncp_interval(f: f64, df1: f64, df2: f64, tail: f64) -> Option<(f64, f64)> {
     let scale = df1 * f;
-    let at = |probability: f64| {
-        let gap = |ncp: f64| f_lower(f, df1, df2, ncp) - probability;
-        if gap(0.0) <= 0.0 {
+    let central = f_lower(f, df1, df2, 0.0);
+    // The root of ncp, less that of its expectation, is nearly normal.
+    let spread = (1.0 + scale / (2.0 * df2)).sqrt();
+    let at = |probability: f64, guess: f64| {
+        if central <= probability {
             return Some(0.0);
         }
-        roots::upwards(gap, 0.0, scale.max(1.0))
+        let lower_tail = |root: f64| f_lower(f, df1, df2, root * root);
+        let first = guess.max(0.1);
+        roots::on_normal_scale(lower_tail, probability, first, first + 0.2 * spread)
+            .map(|root| root * root)
+            .or_else(|| {
+                let gap = |ncp: f64| f_lower(f, df1, df2, ncp) - probability;
+                roots::upwards(gap, 0.0, scale.max(1.0))
+            })
     };
-    Some((at(1.0 - tail)?, at(tail)?))
+    let centre = (scale - df1).max(0.0).sqrt();
+    let reach = normal_quantile(1.0 - tail) * spread;
+    Some((at(1.0 - tail, centre - reach)?, at(tail, centre + reach)?))
 }
 
 /// The noncentralities that leave `tail` above and below an observed t.
@@ -150,26 +161,31 @@ pub(crate) fn t_ncp_interval(t: f64, df: f64, tail: f64) -> Option<(f64, f64)> {
         let (low, high) = t_ncp_interval(-t, df, tail)?;
         return Some((-high, -low));
     }
-    // (ncp - t) / √(1 + t²/2df) is nearly normal: a first guess to bracket.
+    // (ncp - t) / √(1 + t²/2df) is nearly normal: a first guess.
     let spread = (1.0 + t * t / (2.0 * df)).sqrt();
     let reach = normal_quantile(1.0 - tail) * spread;
     let at = |probability: f64, guess: f64| {
-        let gap = |ncp: f64| t_lower(t, df, ncp) - probability;
-        let mut step = 0.1 * spread;
-        let (mut low, mut high) = (guess - step, guess + step);
-        for _ in 0..60 {
-            step *= 3.0;
-            if gap(low) <= 0.0 {
-                (low, high) = (low - step, low);
-            } else if gap(high) >= 0.0 {
-                (low, high) = (high, high + step);
-            } else {
-                return roots::brent(gap, low, high);
-            }
-        }
-        None
+        let lower_tail = |ncp: f64| t_lower(t, df, ncp);
+        roots::on_normal_scale(lower_tail, probability, guess, guess + 0.1 * spread)
+            .or_else(|| bracketed(|ncp| lower_tail(ncp) - probability, guess, 0.1 * spread))
     };
     Some((at(1.0 - tail, t - reach)?, at(tail, t + reach)?))
+}
+
+/// The root of a falling function, looked for outwards from a guess.
+fn bracketed(gap: impl Fn(f64) -> f64, guess: f64, mut step: f64) -> Option<f64> {
+    let (mut low, mut high) = (guess - step, guess + step);
+    for _ in 0..60 {
+        step *= 3.0;
+        if gap(low) <= 0.0 {
+            (low, high) = (low - step, low);
+        } else if gap(high) >= 0.0 {
+            (low, high) = (high, high + step);
+        } else {
+            return roots::brent(gap, low, high);
+        }
+    }
+    None
 }
 
 #[cfg(test)]

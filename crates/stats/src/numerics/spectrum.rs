@@ -3,6 +3,8 @@
 //! The covariance matrix is never formed: squaring would lose half of the digits of the
 //! smallest value, which is what Mauchly's W hangs on.
 
+use super::moments::dot;
+
 /// Squared singular values of the matrix with these columns (each of the same length), in
 /// no order; as many as there are columns.
 pub(crate) fn squared_singular_values(mut columns: Vec<Vec<f64>>) -> Vec<f64> {
@@ -23,10 +25,6 @@ pub(crate) fn squared_singular_values(mut columns: Vec<Vec<f64>>) -> Vec<f64> {
         }
     }
     columns.iter().map(|c| dot(c, c)).collect()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 /// Householder reflections; afterwards only the upper triangle is kept.

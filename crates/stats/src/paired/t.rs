@@ -38,9 +38,18 @@ pub struct PairedT {
     pub dz_ci_low: Option<f64>,
     /// Upper end.
     pub dz_ci_high: Option<f64>,
+    /// Lower end of the 95 % interval of gz: that of dz times the same correction.
+    pub gz_ci_low: Option<f64>,
+    /// Upper end.
+    pub gz_ci_high: Option<f64>,
     /// Mean difference over the root of the mean of both variances; what pingouin calls
     /// Cohen's d of a paired design.
     pub d_av: Option<f64>,
+    /// Lower end of its 95 % interval: that of dz times the ratio of both standard
+    /// deviations (Algina and Keselman, 2003).
+    pub d_av_ci_low: Option<f64>,
+    /// Upper end.
+    pub d_av_ci_high: Option<f64>,
 }
 
 /// Compares two columns of shape `(n,)`, n ≥ 2; `t95` is the two-sided 5 % quantile.
@@ -68,22 +77,36 @@ pub(crate) fn test(a: &[f64], b: &[f64], t95: Option<f64>) -> (PairedT, Reasons)
                 "gz",
                 "dz_ci_low",
                 "dz_ci_high",
+                "gz_ci_low",
+                "gz_ci_high",
+                "d_av_ci_low",
+                "d_av_ci_high",
             ],
             reason,
         );
     }
     let half = sd.zip(t95).map(|(sd, t95)| t95 * sd / n.sqrt());
     let dz = sd.map(|sd| mean / sd);
-    let gz = dz.filter(|_| df > 1.0).map(|dz| dz * hedges_factor(df));
-    if gz.is_none() {
-        reasons.note("gz", "its correction needs at least three subjects");
-    }
-    let interval = t.and_then(|t| t_ncp_interval(t, df, 0.025));
-    if interval.is_none() {
+    let correction = (df > 1.0).then(|| hedges_factor(df));
+    if correction.is_none() {
         reasons.note_all(
-            &["dz_ci_low", "dz_ci_high"],
-            "no noncentral t leaves 2.5 % beyond this t",
+            &["gz", "gz_ci_low", "gz_ci_high"],
+            "its correction needs at least three subjects",
         );
+    }
+    let interval = t
+        .and_then(|t| t_ncp_interval(t, df, 0.025))
+        .map(|(low, high)| (low / n.sqrt(), high / n.sqrt()));
+    if interval.is_none() {
+        let names = [
+            "dz_ci_low",
+            "dz_ci_high",
+            "gz_ci_low",
+            "gz_ci_high",
+            "d_av_ci_low",
+            "d_av_ci_high",
+        ];
+        reasons.note_all(&names, "no noncentral t leaves 2.5 % beyond this t");
     }
     let variance = |values: &[f64]| {
         let (_, squares) = mean_and_square_sum(values.iter().copied());
@@ -92,8 +115,16 @@ pub(crate) fn test(a: &[f64], b: &[f64], t95: Option<f64>) -> (PairedT, Reasons)
     let average_sd = (0.5 * (variance(a) + variance(b))).sqrt();
     let d_av = (average_sd > 0.0).then(|| mean / average_sd);
     if d_av.is_none() {
-        reasons.note("d_av", "neither condition varies");
+        reasons.note_all(
+            &["d_av", "d_av_ci_low", "d_av_ci_high"],
+            "neither condition varies",
+        );
     }
+    let corrected = interval.zip(correction);
+    let over_average = interval
+        .zip(sd)
+        .filter(|_| average_sd > 0.0)
+        .map(|((low, high), sd)| (low * sd / average_sd, high * sd / average_sd));
     let result = PairedT {
         mean_diff: mean,
         t,
@@ -103,10 +134,14 @@ pub(crate) fn test(a: &[f64], b: &[f64], t95: Option<f64>) -> (PairedT, Reasons)
         ci_low: half.map(|h| mean - h),
         ci_high: half.map(|h| mean + h),
         dz,
-        gz,
-        dz_ci_low: interval.map(|(low, _)| low / n.sqrt()),
-        dz_ci_high: interval.map(|(_, high)| high / n.sqrt()),
+        gz: dz.zip(correction).map(|(dz, factor)| dz * factor),
+        dz_ci_low: interval.map(|(low, _)| low),
+        dz_ci_high: interval.map(|(_, high)| high),
+        gz_ci_low: corrected.map(|((low, _), factor)| low * factor),
+        gz_ci_high: corrected.map(|((_, high), factor)| high * factor),
         d_av,
+        d_av_ci_low: over_average.map(|(low, _)| low),
+        d_av_ci_high: over_average.map(|(_, high)| high),
     };
     (result, reasons)
 }

@@ -97,7 +97,7 @@ pub(crate) fn test(
     let main = table(Zeros::Dropped);
     let pratt = (main.zeros > 0).then(|| table(Zeros::RankedThenDropped));
     let mut result = of_ranks(&main, pratt.as_ref().unwrap_or(&main));
-    quote_others(&mut result, &raw);
+    quote_others(&mut result, &raw, &main);
     let reasons = reasons(&result);
     (result, reasons)
 }
@@ -107,6 +107,11 @@ fn of_ranks(main: &SignedRanks, pratt: &SignedRanks) -> Wilcoxon {
     let some = n > 0;
     let sum = |doubled: i64| some.then_some(0.5 * doubled as f64);
     let p_exact = main.p_exact();
+    let p_pratt_exact = if pratt.ranks == main.ranks {
+        p_exact
+    } else {
+        pratt.p_exact()
+    };
     let p_normal_cc = main.p_normal(0.5).filter(|_| some);
     let biserial = some.then(|| (main.plus - main.minus) as f64 / (main.plus + main.minus) as f64);
     let interval = biserial.filter(|r| r.abs() < 1.0).map(|r| {
@@ -133,7 +138,7 @@ fn of_ranks(main: &SignedRanks, pratt: &SignedRanks) -> Wilcoxon {
         p_normal_cc,
         p_normal_cc_holm: None,
         p_pratt: pratt.p_normal(0.0).filter(|_| some),
-        p_pratt_exact: pratt.p_exact(),
+        p_pratt_exact,
         p_zsplit: None,
         p_r_default: None,
         p_r_default_holm: None,
@@ -145,24 +150,35 @@ fn of_ranks(main: &SignedRanks, pratt: &SignedRanks) -> Wilcoxon {
 }
 
 /// The p values that rank raw doubles, by the rules of R 4.2 and SciPy 1.17.
-fn quote_others(result: &mut Wilcoxon, raw: &[f64]) {
+fn quote_others(result: &mut Wilcoxon, raw: &[f64], main: &SignedRanks) {
     let dropped = SignedRanks::of(raw, Zeros::Dropped);
     let clean = !dropped.has_ties && dropped.zeros == 0;
     let some = !dropped.ranks.is_empty();
+    let same = dropped.ranks == main.ranks && dropped.plus == main.plus;
+    let exact = || {
+        if same {
+            result.p_exact
+        } else {
+            dropped.p_exact()
+        }
+    };
+    let r_default = clean && dropped.ranks.len() < 50;
+    let scipy_auto = (clean && raw.len() <= 50) || raw.len() <= 13;
+    let p_exact = (some && (r_default || scipy_auto)).then(exact).flatten();
     result.p_zsplit = if dropped.zeros > 0 {
         SignedRanks::of(raw, Zeros::Split).p_normal(0.0)
     } else {
         dropped.p_normal(0.0)
     };
-    result.p_r_default = if clean && dropped.ranks.len() < 50 {
-        dropped.p_exact()
+    result.p_r_default = if r_default {
+        p_exact
     } else {
         dropped.p_normal(0.5).filter(|_| some)
     };
     result.p_scipy_auto = if !some {
         Some(1.0)
-    } else if (clean && raw.len() <= 50) || raw.len() <= 13 {
-        dropped.p_exact()
+    } else if scipy_auto {
+        p_exact
     } else {
         dropped.p_normal(0.0)
     };

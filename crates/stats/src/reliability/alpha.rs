@@ -55,7 +55,7 @@ pub struct ItemStatistics {
 }
 
 /// Reliability of a scale, with each item's part.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AlphaAnalysis {
     /// Complete respondents.
     pub n: usize,
@@ -146,7 +146,8 @@ pub fn alpha(items: &[(&str, &[Option<f64>])]) -> Result<AlphaAnalysis, StatsErr
         standardized_pairwise: pairwise
             .as_ref()
             .and_then(|m| mean_correlation(m))
-            .map(standardized),
+            .map(standardized)
+            .filter(|a| a.is_finite()),
         omega,
     };
     say_why(&alpha, k, &mut undefined);
@@ -164,6 +165,11 @@ pub fn alpha(items: &[(&str, &[Option<f64>])]) -> Result<AlphaAnalysis, StatsErr
 
 fn say_why(alpha: &Alpha, k: usize, undefined: &mut Reasons) {
     let constant = "an item does not vary, so it has no correlations";
+    let standardized = if alpha.mean_r.is_some() {
+        "the standardised items cancel each other: their sum does not vary"
+    } else {
+        constant
+    };
     for (name, value, reason) in [
         ("alpha.raw", alpha.raw, "the sum of the items does not vary"),
         (
@@ -177,7 +183,7 @@ fn say_why(alpha: &Alpha, k: usize, undefined: &mut Reasons) {
             "there is no alpha to put an interval around",
         ),
         ("alpha.mean_r", alpha.mean_r, constant),
-        ("alpha.standardized", alpha.standardized, constant),
+        ("alpha.standardized", alpha.standardized, standardized),
         (
             "alpha.raw_pairwise",
             alpha.raw_pairwise,
@@ -186,7 +192,7 @@ fn say_why(alpha: &Alpha, k: usize, undefined: &mut Reasons) {
         (
             "alpha.standardized_pairwise",
             alpha.standardized_pairwise,
-            "two items have fewer than two respondents in common, or an item does not vary",
+            "two items have fewer than two respondents in common, an item does not vary, or the items cancel each other",
         ),
     ] {
         if value.is_none() {
@@ -211,10 +217,12 @@ fn item_statistics(
 ) -> Vec<ItemStatistics> {
     let n = columns[0].len();
     let mut statistics = Vec::with_capacity(items.len());
+    // Sums of centred items, so that an offset costs no digits.
+    let centred: Vec<Vec<f64>> = columns.iter().map(|c| centred(c)).collect();
     for (i, (name, _)) in items.iter().enumerate() {
         let rest: Vec<f64> = (0..n)
             .map(|row| {
-                let others = columns.iter().enumerate().filter(|(j, _)| *j != i);
+                let others = centred.iter().enumerate().filter(|(j, _)| *j != i);
                 others.map(|(_, column)| column[row]).sum()
             })
             .collect();

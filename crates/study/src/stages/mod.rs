@@ -34,7 +34,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("measure", 1),
         ("rate", 1),
         ("evaluate", 2),
-        ("stats", 1),
+        ("stats", 2),
         ("validate", 1),
         ("report", 2),
     ]

@@ -2,8 +2,8 @@
 
 use maveric_report::apa::{self, F, Interval, Statement};
 use maveric_stats::{
-    Correlation, Friedman, Mauchly, Omnibus, OmnibusTest, Posthoc, PosthocTest, RmAnova,
-    RmCorrelation, Sphericity, SphericityCorrection, WithinAnalysis,
+    Adjustment, Correlation, Friedman, Mauchly, Omnibus, OmnibusTest, Posthoc, PosthocTest,
+    RmAnova, RmCorrelation, Sphericity, SphericityCorrection, WithinAnalysis,
 };
 use serde_json::{Map, Value};
 
@@ -99,21 +99,37 @@ pub(super) fn friedman(found: &Friedman, n: usize) -> Said {
 
 /// The pairs of a post-hoc test.
 pub(super) fn pairs(found: &Posthoc) -> Said {
+    let label = match found.adjust {
+        Adjustment::Holm => "p_Holm",
+        Adjustment::Bonferroni => "p_Bonferroni",
+        Adjustment::Hochberg => "p_Hochberg",
+        Adjustment::Bh => "p_BH",
+        _ => "p",
+    };
     let mut said = Said::new();
     for (name, pair) in found.pairs.iter() {
         let statement = || {
             let (statistic, p) = (pair.statistic?, pair.p_adjusted?);
             let effect = &pair.effect;
-            match (found.test, pair.df) {
-                (PosthocTest::T, Some(df)) => {
-                    let ci = interval(effect.confidence, effect.ci_low, effect.ci_high);
-                    Some(apa::t(statistic, df, p, effect.value.map(|dz| (dz, ci))))
+            let ci = interval(effect.confidence, effect.ci_low, effect.ci_high);
+            let text = match (found.test, pair.df) {
+                (PosthocTest::T | PosthocTest::PooledT, Some(df)) => {
+                    apa::t(statistic, df, p, effect.value.map(|dz| (dz, ci))).to_string()
                 }
-                (PosthocTest::Wilcoxon, _) => Some(apa::wilcoxon(statistic, p, effect.value)),
-                _ => None,
-            }
+                (PosthocTest::Conover, Some(df)) => apa::t(statistic, df, p, None).to_string(),
+                (PosthocTest::Wilcoxon, _) => apa::wilcoxon(statistic, p, effect.value).to_string(),
+                (PosthocTest::Nemenyi, _) => {
+                    let q = apa::number(statistic, 2);
+                    format!("q({}, ∞) = {q}, {}", found.k, apa::p(p))
+                }
+                _ => return None,
+            };
+            // The sentences of the report are Holm's.
+            Some(text.replace("p_Holm", label))
         };
-        insert(&mut said, name, statement());
+        if let Some(text) = statement() {
+            said.insert(name.to_owned(), text.into());
+        }
     }
     said
 }
@@ -153,6 +169,12 @@ pub(super) fn correlation(found: &Correlation) -> Said {
             "spearman",
             (|| Some(apa::rho(spearman.rho?, spearman.df?, spearman.p?)))(),
         );
+    }
+    if let Some(kendall) = &found.kendall
+        && let (Some(tau), Some(p)) = (kendall.tau_b, kendall.p)
+    {
+        let text = format!("τ_b = {}, {}", apa::bounded(tau, 2), apa::p(p));
+        said.insert("kendall".to_owned(), text.into());
     }
     said
 }

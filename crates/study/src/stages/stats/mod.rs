@@ -2,8 +2,9 @@
 
 mod apa;
 mod columns;
+mod text;
 
-pub use maveric_stats::{Adjustment, CorrelationMethod, PosthocTest};
+pub use maveric_stats::{Adjustment, CorrelationMethod, PosthocTest, Statistic};
 
 pub(crate) use apa::omnibus as apa_omnibus;
 
@@ -23,30 +24,29 @@ pub struct WithinColumns {
     pub value: String,
 }
 
-/// What to bootstrap.
+/// What to bootstrap, and from which columns.
 #[derive(Debug, Clone)]
-pub enum Statistic {
-    /// Mean of a column.
-    Mean {
+pub enum Resampled {
+    /// A statistic of one column.
+    Column {
+        /// Which.
+        statistic: Statistic,
         /// The column.
         value: String,
     },
-    /// Pearson's r of two columns.
-    Pearson {
+    /// A correlation of two columns.
+    Pair {
+        /// Which.
+        statistic: Statistic,
         /// First column.
         x: String,
         /// Second column.
         y: String,
     },
-    /// Spearman's rho of two columns.
-    Spearman {
-        /// First column.
-        x: String,
-        /// Second column.
-        y: String,
-    },
-    /// Partial eta squared of a within-subject design.
-    Eta2Partial {
+    /// An effect size of a within-subject design; whole subjects are drawn.
+    Design {
+        /// Which.
+        statistic: Statistic,
         /// Its columns.
         columns: WithinColumns,
     },
@@ -119,7 +119,7 @@ pub enum Test {
     /// Resampling intervals.
     Bootstrap {
         /// What to estimate.
-        statistic: Statistic,
+        resampled: Resampled,
         /// Resamples.
         resamples: usize,
         /// Root of the random choice.
@@ -143,21 +143,24 @@ pub fn stats(data: &Path, test: &Test) -> Result<Outcome<Value>, StudyError> {
     if table.rows() == 0 {
         return Err(StudyError::file(data, "has a header but no rows"));
     }
-    let mut value = match test {
+    let (mut value, summary) = match test {
         Test::Within(c) => {
             let found = tests::within(&columns::within(&table, c)?);
-            with_apa(&found, apa::within(&found))
+            let said = apa::within(&found);
+            let lines = text::whole(&found, &said);
+            (with_apa(&found, said), lines)
         }
         Test::RmAnova(c) => {
             let found = tests::rm_anova(&columns::within(&table, c)?);
-            with_apa(
-                &found,
-                apa::rm_anova(&found.rm_anova, &found.mauchly, &found.sphericity),
-            )
+            let said = apa::rm_anova(&found.rm_anova, &found.mauchly, &found.sphericity);
+            let lines = text::rm_anova(&found, &said);
+            (with_apa(&found, said), lines)
         }
         Test::Friedman(c) => {
             let found = tests::friedman(&columns::within(&table, c)?);
-            with_apa(&found, apa::friedman(&found.friedman, found.n))
+            let said = apa::friedman(&found.friedman, found.n);
+            let lines = text::friedman(&found, &said);
+            (with_apa(&found, said), lines)
         }
         Test::Compare(c) => {
             let found = tests::compare(&columns::within(&table, c)?, ALPHA)?;
@@ -165,7 +168,8 @@ pub fn stats(data: &Path, test: &Test) -> Result<Outcome<Value>, StudyError> {
             if let Some(omnibus) = apa::omnibus(&found.omnibus, found.n, false) {
                 said.insert("omnibus".to_owned(), omnibus.to_string().into());
             }
-            with_apa(&found, said)
+            let lines = text::comparison(&found, &said);
+            (with_apa(&found, said), lines)
         }
         Test::Posthoc {
             columns: c,
@@ -173,7 +177,8 @@ pub fn stats(data: &Path, test: &Test) -> Result<Outcome<Value>, StudyError> {
             adjust,
         } => {
             let found = tests::posthoc(&columns::within(&table, c)?, *test, *adjust, ALPHA)?;
-            with_apa(&found, apa::pairs(&found))
+            let lines = text::posthoc(&found);
+            (with_apa(&found, apa::pairs(&found)), lines)
         }
         Test::Correlate {
             x,
@@ -191,26 +196,51 @@ pub fn stats(data: &Path, test: &Test) -> Result<Outcome<Value>, StudyError> {
                 *method,
                 subjects.as_deref(),
             )?;
-            with_apa(&found, apa::correlation(&found))
+            let said = apa::correlation(&found);
+            let lines = text::correlation(&found, x, y, &said);
+            (with_apa(&found, said), lines)
         }
         Test::Rmcorr { subject, x, y } => {
             let subjects = columns::labels(&table, subject)?;
             let found = tests::rm_correlation(&subjects, &table.numbers(x)?, &table.numbers(y)?)?;
-            with_apa(&found, apa::rm_correlation(&found.rm_corr))
+            let said = apa::rm_correlation(&found.rm_corr);
+            let lines = text::rm_correlation(&found, x, y, &said);
+            (with_apa(&found, said), lines)
         }
+        other => {
+            let value = without_apa(&table, other)?;
+            let lines = text::plain(&value);
+            (value, lines)
+        }
+    };
+    let warnings = take_warnings(&value, table.rows());
+    if let Value::Object(object) = &mut value {
+        // The outcome carries them; one place is enough.
+        object.remove("warnings");
+    }
+    Ok(Outcome {
+        value,
+        summary,
+        warnings,
+    })
+}
+
+/// The tests whose numbers are not written as a sentence.
+fn without_apa(table: &Table, test: &Test) -> Result<Value, StudyError> {
+    Ok(match test {
         Test::Normality { value, group: None } => plain(&tests::normality(&table.numbers(value)?)?),
         Test::Normality {
             value,
             group: Some(group),
         } => {
             let mut groups = Map::new();
-            for (name, values) in columns::grouped(&table, group, value)? {
+            for (name, values) in columns::grouped(table, group, value)? {
                 groups.insert(name, plain(&tests::normality(&values)?));
             }
             json!({ "group": groups })
         }
         Test::Levene { group, value } => plain(&tests::levene(
-            &columns::labels(&table, group)?,
+            &columns::labels(table, group)?,
             &table.numbers(value)?,
         )?),
         Test::Alpha { items } => {
@@ -225,23 +255,14 @@ pub fn stats(data: &Path, test: &Test) -> Result<Outcome<Value>, StudyError> {
         }
         Test::Adjust { p } => plain(&tests::adjust(&table.all_numbers(p)?)?),
         Test::Bootstrap {
-            statistic,
+            resampled,
             resamples,
             seed,
-        } => bootstrap(&table, statistic, *resamples, *seed)?,
-        Test::Power => plain(&tests::power(&columns::power_questions(&table)?)?),
-        Test::Recheck => plain(&tests::recheck(&columns::reported(&table)?)?),
-    };
-    let warnings = take_warnings(&value, table.rows());
-    let summary = lines(&value);
-    if let Value::Object(object) = &mut value {
-        // The outcome carries them; one place is enough.
-        object.remove("warnings");
-    }
-    Ok(Outcome {
-        value,
-        summary,
-        warnings,
+        } => bootstrap(table, resampled, *resamples, *seed)?,
+        Test::Power => plain(&tests::power(&columns::power_questions(table)?)?),
+        Test::Recheck => plain(&tests::recheck(&columns::reported(table)?)?),
+        // The others have sentences.
+        _ => Value::Null,
     })
 }
 
@@ -259,7 +280,7 @@ fn with_apa(found: &impl serde::Serialize, said: Map<String, Value>) -> Value {
 
 fn bootstrap(
     table: &Table,
-    statistic: &Statistic,
+    resampled: &Resampled,
     resamples: usize,
     seed: u64,
 ) -> Result<Value, StudyError> {
@@ -268,35 +289,18 @@ fn bootstrap(
         seed,
         confidence: 1.0 - ALPHA,
     };
-    let found = match statistic {
-        Statistic::Mean { value } => tests::bootstrap(
-            tests::Statistic::Mean,
-            BootstrapData::Values(&table.numbers(value)?),
-            &settings,
-        ),
-        Statistic::Pearson { x, y } => {
-            let (x, y) = (table.numbers(x)?, table.numbers(y)?);
-            tests::bootstrap(
-                tests::Statistic::Pearson,
-                BootstrapData::Pairs(&x, &y),
-                &settings,
-            )
+    let found = match resampled {
+        Resampled::Column { statistic, value } => {
+            let values = table.numbers(value)?;
+            tests::bootstrap(*statistic, BootstrapData::Values(&values), &settings)
         }
-        Statistic::Spearman { x, y } => {
+        Resampled::Pair { statistic, x, y } => {
             let (x, y) = (table.numbers(x)?, table.numbers(y)?);
-            tests::bootstrap(
-                tests::Statistic::Spearman,
-                BootstrapData::Pairs(&x, &y),
-                &settings,
-            )
+            tests::bootstrap(*statistic, BootstrapData::Pairs(&x, &y), &settings)
         }
-        Statistic::Eta2Partial { columns } => {
+        Resampled::Design { statistic, columns } => {
             let data = columns::within(table, columns)?;
-            tests::bootstrap(
-                tests::Statistic::Eta2Partial,
-                BootstrapData::Within(&data),
-                &settings,
-            )
+            tests::bootstrap(*statistic, BootstrapData::Within(&data), &settings)
         }
     };
     Ok(plain(&found?))
@@ -322,46 +326,4 @@ fn take_warnings(value: &Value, rows: usize) -> Vec<String> {
         ));
     }
     warnings
-}
-
-/// The result for people: the APA strings first, then every number on a line of its own.
-fn lines(value: &Value) -> Vec<String> {
-    let mut lines = Vec::new();
-    if let Some(said) = value["apa"].as_object() {
-        lines.extend(
-            said.iter()
-                .map(|(name, text)| format!("{name}: {}", text.as_str().unwrap_or_default())),
-        );
-        lines.push(String::new());
-    }
-    flatten("", value, &mut lines);
-    lines
-}
-
-fn flatten(path: &str, value: &Value, lines: &mut Vec<String>) {
-    let join = |key: &str| {
-        if path.is_empty() {
-            key.to_owned()
-        } else {
-            format!("{path}.{key}")
-        }
-    };
-    match value {
-        Value::Object(object) => {
-            for (key, inner) in object
-                .iter()
-                .filter(|(key, _)| !(path.is_empty() && (*key == "apa" || *key == "warnings")))
-            {
-                flatten(&join(key), inner, lines);
-            }
-        }
-        Value::Array(items) => {
-            for (i, inner) in items.iter().enumerate() {
-                flatten(&join(&i.to_string()), inner, lines);
-            }
-        }
-        Value::Null => {}
-        Value::String(text) => lines.push(format!("{path} = {text}")),
-        other => lines.push(format!("{path} = {other}")),
-    }
 }
