@@ -95,7 +95,7 @@ pub struct Checkpoints<'a> {
     /// A state is given to `save` after every so many epochs, and when `observe` stops the training; 0: only then.
     pub every: usize,
     /// Keeps a state; may stop the training.
-    pub save: &'a mut dyn FnMut(&TrainingState) -> ControlFlow<()>,
+    pub save: &'a mut (dyn FnMut(&TrainingState) -> ControlFlow<()> + Send),
 }
 
 impl std::fmt::Debug for Checkpoints<'_> {
@@ -227,7 +227,7 @@ struct Session<'a> {
     fingerprint: u64,
     resume: Option<TrainingState>,
     every: usize,
-    save: &'a mut dyn FnMut(&TrainingState) -> ControlFlow<()>,
+    save: &'a mut (dyn FnMut(&TrainingState) -> ControlFlow<()> + Send),
     observe: &'a mut dyn FnMut(&EpochReport) -> ControlFlow<()>,
     selection: Option<Selection>,
 }
