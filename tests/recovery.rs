@@ -61,6 +61,7 @@ fn the_car_drives_like_its_owner_and_the_dial_turns_the_right_way() {
         "personalize --model d/model.maveric --drives d/drives/study2 --scores d/scores.csv --out d/embeddings.csv",
     );
     run("steer --model d/model.maveric --embeddings d/embeddings.csv --out d/conditions.csv");
+    sweeps_and_attributes(&study);
     run("simulate --model d/model.maveric --conditions d/conditions.csv --out d/av --duration 300");
     run("measure --drives d/drives/study2 --drives d/av/drives --out d/measurements.csv");
 
@@ -104,4 +105,52 @@ fn the_car_drives_like_its_owner_and_the_dial_turns_the_right_way() {
             .all(|l| l.split(',').nth(at) == Some("0")),
         "{rollouts}"
     );
+}
+
+/// A sweep can be driven, another attribute can be moved with aggression held, and what cannot is said.
+fn sweeps_and_attributes(study: &TempStudy) {
+    let steer = |args: &str| {
+        let fixed = "steer --model d/model.maveric --embeddings d/embeddings.csv --out d/sweep.csv";
+        study.maveric(
+            &fixed
+                .split_whitespace()
+                .chain(args.split_whitespace())
+                .collect::<Vec<_>>(),
+        )
+    };
+    let column = |name: &str| -> Vec<String> {
+        let text = std::fs::read_to_string(study.path("d/sweep.csv")).unwrap();
+        let mut lines = text.lines();
+        let at = lines.next().unwrap().split(',').position(|h| h == name);
+        let cell = |line: &str| line.split(',').nth(at.unwrap()).unwrap().to_owned();
+        lines.map(cell).collect()
+    };
+    let numbers = |name: &str| -> Vec<f64> {
+        let cells = column(name);
+        cells.iter().map(|c| c.parse().unwrap()).collect()
+    };
+    steer("--attribute mini_ipip.openness --scores d/scores.csv --points 0.2 --hold aggression")
+        .ok();
+    assert_eq!(column("drive").len(), 8 * 3);
+    assert!(numbers("moved_points").iter().all(|m| m.abs() < 1e-6));
+    assert!(numbers("attribute_points").iter().any(|m| m.abs() > 0.1));
+    steer("--attribute mini_ipip.opennes --scores d/scores.csv")
+        .failed(1, &["opennes", "did you mean `mini_ipip.openness`"]);
+    steer("--attribute adb.total --scores d/scores.csv --hold adb.conflict --hold adb.speeding --hold aggression")
+        .failed(1, &["4 attributes", "1 to 3", "hold fewer"]);
+    steer("--attribute adb.total").failed(2, &["--scores"]);
+
+    steer("--sweep=-10,0,10").ok();
+    let names = column("drive");
+    assert_eq!(names.len(), 8 * 3);
+    assert!(names[0].ends_with("-aggression-down10"), "{names:?}");
+    let driven =
+        "simulate --model d/model.maveric --conditions d/sweep.csv --out d/sweep --duration 20";
+    study
+        .maveric(&driven.split_whitespace().collect::<Vec<_>>())
+        .ok();
+    for name in names {
+        let path = format!("d/sweep/drives/{name}.parquet");
+        assert!(study.path(&path).exists(), "{path}");
+    }
 }
