@@ -74,8 +74,8 @@ impl Learned {
     }
 
     /// What each predicts from the recorded past, without driving.
-    pub(super) fn open_loop(
-        &self,
+    pub(super) fn open_loop<'a>(
+        &'a self,
         runs: &[FollowingRun],
         baselines: &Baselines,
         settings: &FollowingSettings,
@@ -89,7 +89,7 @@ impl Learned {
                 speed_rmse_mps(&runs[at].test(), |row| of(&runs[at], row))
             })
         };
-        let v = |by: &str, predictor: &dyn Fn(usize) -> &'_ Predictor| {
+        let v = |by: &str, predictor: &dyn Fn(usize) -> &'a Predictor| {
             row(Predicted::Speed, by, &|at| {
                 let test = runs[at].test();
                 let found = predicted_speeds_mps(predictor(at), self.window.clone(), &test);
