@@ -27,6 +27,7 @@ fn main() -> Result<(), StudyError> {
         study1: 2,
         study2: 1,
         duration_s: Some(120.0),
+        repeat_drives: false,
         seed: 1,
         jobs: 1,
     };
