@@ -49,6 +49,9 @@ pub struct TrainSettings {
     pub gradient_clip: f64,
     /// SD of the offset and of the slope added to every standardised signal of a window.
     pub window_noise: f64,
+    /// SD of what is added to a drive's embedding in each batch, as a share of the embeddings' SD over the drives: the
+    /// heads then have to be smooth between and beyond the training drivers.
+    pub embedding_noise: f64,
     /// What each loss counts for.
     pub loss_weights: LossWeights,
     /// How L5 compares M's normal with `w`.
@@ -78,6 +81,7 @@ impl Default for TrainSettings {
             weight_decay: 1e-4,
             gradient_clip: 25.0,
             window_noise: 0.1,
+            embedding_noise: 0.0,
             loss_weights: LossWeights::default(),
             mutual_information_loss: MutualInformationLoss::default(),
             whiten: true,
@@ -195,6 +199,7 @@ impl TrainParams {
         not_below_zero("weight_decay", s.weight_decay)?;
         above_zero("gradient_clip", s.gradient_clip)?;
         not_below_zero("window_noise", s.window_noise)?;
+        not_below_zero("embedding_noise", s.embedding_noise)?;
         for (name, weight) in s.loss_weights.named() {
             not_below_zero(name, weight)?;
         }

@@ -173,6 +173,32 @@ impl<'a> Trainer<'a> {
         }
     }
 
+    /// The embeddings of this batch: each drive's own plus a draw, see [`TrainSettings::embedding_noise`].
+    fn shaken_embeddings(&self, seed: u64) -> Vec<f32> {
+        let mut shaken = self.embeddings.clone();
+        let d = self.settings.embedding_size;
+        if self.settings.embedding_noise > 0.0 {
+            let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(seed, &["embedding"]));
+            let n = (shaken.len() / d) as f64;
+            for i in 0..d {
+                let own = || {
+                    self.embeddings
+                        .iter()
+                        .skip(i)
+                        .step_by(d)
+                        .map(|&w| f64::from(w))
+                };
+                let mean = own().sum::<f64>() / n;
+                let sd = (own().map(|w| (w - mean).powi(2)).sum::<f64>() / n).sqrt();
+                for w in shaken.iter_mut().skip(i).step_by(d) {
+                    let draw: f64 = StandardNormal.sample(&mut rng);
+                    *w += (self.settings.embedding_noise * sd * draw) as f32;
+                }
+            }
+        }
+        shaken
+    }
+
     /// One batch: losses, L4 before the step, and the gradient's norm.
     fn step(
         &mut self,
@@ -194,7 +220,8 @@ impl<'a> Trainer<'a> {
         };
         let scale = 1.0 / rows.len() as f64;
         let noise_seed = stream_seed(self.seed, &["train", "noise", &step.to_string()]);
-        let (data, embeddings) = (self.data, &self.embeddings);
+        let data = self.data;
+        let embeddings = &self.shaken_embeddings(noise_seed);
         let work = self.workers.par_iter_mut().zip(rows.par_chunks(ROWS));
         work.enumerate().for_each(|(index, (worker, rows))| {
             let noise = settings.window_noise as f32;
