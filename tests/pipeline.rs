@@ -105,6 +105,57 @@ fn the_small_study_runs_once_and_then_only_what_changed() {
 }
 
 #[test]
+fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they_were() {
+    let study = TempStudy::new();
+    let generate = |out: &str, more: &[&str]| {
+        let mut args = vec!["generate", "--out", out, "--study1", "3", "--study2", "3"];
+        args.extend(["--duration", "120", "--seed", "1"]);
+        args.extend(more);
+        study.maveric(&args).ok();
+    };
+    generate("once", &[]);
+    generate("run", &["--repeat-drives"]);
+    let log = |path: &str| std::fs::read(study.path(path)).unwrap();
+    for file in ["study1/S1P01-own.mcap", "study2/S2P03-own.mcap"] {
+        let (once, twice) = (format!("once/logs/{file}"), format!("run/logs/{file}"));
+        assert!(log(&once) == log(&twice), "{file} differs");
+    }
+    let again = log("run/logs/study2-again/S2P03-own-again.mcap");
+    assert!(again != log("run/logs/study2/S2P03-own.mcap"), "another day");
+
+    for drives in ["study1", "study2", "study1-again", "study2-again"] {
+        let (from, to) = (format!("run/logs/{drives}"), format!("run/drives/{drives}"));
+        study.maveric(&["ingest", &from, "--out", &to]).ok();
+    }
+    let scores = ["--surveys", "run/surveys.csv", "--out", "run/scores.csv"];
+    study.maveric(&[&["score"][..], &scores].concat()).ok();
+    let train = ["train", "--drives", "run/drives/study1", "--scores", "run/scores.csv"];
+    let short = ["--out", "model.maveric", "--epochs", "2"];
+    study.maveric(&[&train[..], &short].concat()).ok();
+    let validate = ["validate", "run", "--model", "model.maveric", "--out", "found"];
+    let short = ["--duration", "120", "--format", "json"];
+    let ran = study.maveric(&[&validate[..], &short].concat()).ok();
+    let found: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+    assert_eq!(found["drivers"], 3);
+    let model = &found["models"][0];
+    // Three people who drove twice give no covariance of seven measures: one distance less for those.
+    assert!(model["identity"].as_array().unwrap().len() >= 8);
+    assert_eq!(model["fidelity"].as_array().unwrap().len(), 7);
+    assert_eq!(model["dial"].as_array().unwrap().len(), 5);
+    assert!(model["perpendicular_moves_s"].as_f64().unwrap() < 1e-5);
+    assert_eq!(model["drives"], 3 * (9 + 3));
+    assert_eq!(model["collisions"], 0);
+    let page = std::fs::read_to_string(study.path("found/validation.md")).unwrap();
+    assert!(page.contains("Identity") && !page.contains("NaN"));
+    for table in ["identity", "fidelity", "dial", "perpendicular", "line"] {
+        assert!(study.path(&format!("found/validation-{table}.csv")).exists());
+    }
+    study
+        .maveric(&["validate", "once", "--model", "model.maveric", "--out", "none"])
+        .failed(1, &["once"]);
+}
+
+#[test]
 fn the_same_seed_gives_the_same_bytes_on_one_thread_and_on_two() {
     let study = TempStudy::new();
     for (out, jobs) in [("one", "1"), ("two", "2")] {

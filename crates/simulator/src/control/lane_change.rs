@@ -158,14 +158,14 @@ mod tests {
         let mut wish = Wish::default();
         let due = |wish: &mut Wish| wish.due(&SETTINGS, &reference(1), 0.1, 0, 0.05);
         let ticks = (0..1000).take_while(|_| !due(&mut wish)).count();
-        // 0.5 / -ln(0.9) = 4.75 s.
-        assert!((ticks as f64 * 0.05 - 4.75).abs() < 0.1, "{ticks}");
+        // 0.4 / -ln(0.9) = 3.8 s.
+        assert!((ticks as f64 * 0.05 - 3.8).abs() < 0.1, "{ticks}");
     }
 
     #[test]
     fn moving_out_and_merging_back_have_their_own_thresholds() {
         let later = ControllerSettings {
-            merge_back_hazard_threshold: 1.0,
+            merge_back_hazard_threshold: 0.8,
             ..SETTINGS
         };
         let ticks = |lane| {
@@ -179,10 +179,10 @@ mod tests {
     #[test]
     fn another_reference_vehicle_starts_the_count_again() {
         let mut wish = Wish::default();
-        for _ in 0..90 {
+        for _ in 0..70 {
             assert!(!wish.due(&SETTINGS, &reference(1), 0.1, 0, 0.05));
         }
-        for _ in 0..90 {
+        for _ in 0..70 {
             assert!(!wish.due(&SETTINGS, &reference(2), 0.1, 0, 0.05));
         }
     }

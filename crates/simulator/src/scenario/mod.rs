@@ -164,7 +164,7 @@ mod tests {
         for (key, bad) in [
             ("duration_s = 600.0", "duration_s = nan"),
             ("lane_width_m = 3.66", "lane_width_m = 0.0"),
-            ("hazard_threshold = 0.5", "hazard_threshold = -1.0"),
+            ("hazard_threshold = 0.4", "hazard_threshold = -1.0"),
             ("braking_limit_mps2 = 8.0", "braking_limit_mps2 = inf"),
         ] {
             assert!(PAPER.contains(key), "{key}");

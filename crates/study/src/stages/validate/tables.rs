@@ -14,9 +14,8 @@ fn range(values: &[Option<f64>], decimals: usize) -> Cell {
     if known.len() == 1 || high - low < 1e-9 {
         Cell::number(Some(mean), decimals)
     } else {
-        Cell::text(format!(
-            "{mean:.decimals$} ({low:.decimals$} to {high:.decimals$})"
-        ))
+        let text = format!("{mean:.decimals$} ({low:.decimals$} to {high:.decimals$})");
+        Cell::text(text.replace('-', "−"))
     }
 }
 
