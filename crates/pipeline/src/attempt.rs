@@ -217,7 +217,13 @@ impl Workshop<'_> {
             self.keep_summary(stage, summary)?;
         }
         let made_from = now.made_from.clone();
-        let record = self.record_of(stage, made_from, made.seconds, made.peak_memory, made.outputs);
+        let record = self.record_of(
+            stage,
+            made_from,
+            made.seconds,
+            made.peak_memory,
+            made.outputs,
+        );
         self.ledger().finish(&stage.name, record)?;
         Ok(true)
     }

@@ -66,7 +66,10 @@ impl Cache {
 
     fn made_of(&self, stage: &Stage, digest: &str) -> PathBuf {
         let key = Self::key(stage, digest);
-        self.folder.join("made").join(&key[..2]).join(format!("{key}.json"))
+        self.folder
+            .join("made")
+            .join(&key[..2])
+            .join(format!("{key}.json"))
     }
 
     fn content_of(&self, hash: &str) -> PathBuf {

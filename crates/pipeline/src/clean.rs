@@ -47,12 +47,22 @@ pub fn clean(
     let never = AtomicBool::new(false);
     let hasher = Hasher::new(&place.root, place.hash_cache(), &never);
     let mut cleaned = Cleaned::default();
-    let names: BTreeSet<&str> = named.iter().map(|&i| graph.stage(i).name.as_str()).collect();
+    let names: BTreeSet<&str> = named
+        .iter()
+        .map(|&i| graph.stage(i).name.as_str())
+        .collect();
     // Also what stages made that the pipeline no longer has.
     let is_gone = |stage: &&String| pipeline.stages().iter().all(|s| s.name != **stage);
-    let recorded = ledger.get().stage.keys().chain(ledger.get().unfinished.keys());
+    let recorded = ledger
+        .get()
+        .stage
+        .keys()
+        .chain(ledger.get().unfinished.keys());
     let gone = recorded.filter(|stage| targets.is_empty() && is_gone(stage));
-    let stages: BTreeSet<String> = gone.cloned().chain(names.iter().map(|s| (*s).to_owned())).collect();
+    let stages: BTreeSet<String> = gone
+        .cloned()
+        .chain(names.iter().map(|s| (*s).to_owned()))
+        .collect();
     for stage in &stages {
         let record = ledger.get().stage.get(stage).cloned();
         let unfinished = ledger.get().unfinished.get(stage).cloned();

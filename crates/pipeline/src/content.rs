@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fs::{self, File, Metadata};
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use rayon::prelude::*;
@@ -386,7 +386,15 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let root = folder.path();
         let block = BLOCK as usize;
-        for size in [0, 1, WORTH_THREADS, block - 1, block, block + 1, 2 * block + 3] {
+        for size in [
+            0,
+            1,
+            WORTH_THREADS,
+            block - 1,
+            block,
+            block + 1,
+            2 * block + 3,
+        ] {
             let bytes: Vec<u8> = (0..size).map(|i| (i * i / 7) as u8).collect();
             fs::write(root.join("f"), &bytes).unwrap();
             let expected = blake3::hash(&bytes).to_hex().to_string();

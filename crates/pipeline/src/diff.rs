@@ -162,7 +162,9 @@ fn template(path: &str, params: &[(String, String)]) -> String {
 fn templated_outputs(record: &Record) -> BTreeMap<String, (&String, &String)> {
     let params = path_params(record);
     let outputs = record.outputs.iter();
-    outputs.map(|(path, content)| (template(path, &params), (path, content))).collect()
+    outputs
+        .map(|(path, content)| (template(path, &params), (path, content)))
+        .collect()
 }
 
 fn outputs(
@@ -220,7 +222,10 @@ fn compare(
             let name = |entry: std::io::Result<fs::DirEntry>| {
                 Ok(entry?.file_name().to_string_lossy().into_owned())
             };
-            entries.map(name).collect::<std::io::Result<_>>().map_err(failed())
+            entries
+                .map(name)
+                .collect::<std::io::Result<_>>()
+                .map_err(failed())
         };
         let (in_a, in_b) = (names(a)?, names(b)?);
         for name in in_a.union(&in_b) {
@@ -243,7 +248,10 @@ fn compare(
 }
 
 fn file_difference(path: String, a: &[u8], b: &[u8]) -> FileDifference {
-    let extension = Path::new(&path).extension().unwrap_or_default().to_string_lossy();
+    let extension = Path::new(&path)
+        .extension()
+        .unwrap_or_default()
+        .to_string_lossy();
     let cells = match &*extension.to_ascii_lowercase() {
         "json" => numbers::json_cells(a).zip(numbers::json_cells(b)),
         "csv" => numbers::csv_cells(a, b',').zip(numbers::csv_cells(b, b',')),
@@ -273,7 +281,11 @@ impl RunDifference {
             lines.extend(stage.made_from.iter().map(|reason| format!("    {reason}")));
             lines.extend(stage.outputs.iter().flat_map(FileDifference::lines));
         }
-        let noun = if self.same == 1 { "stage is" } else { "stages are" };
+        let noun = if self.same == 1 {
+            "stage is"
+        } else {
+            "stages are"
+        };
         lines.push(format!("{} {noun} the same in both", self.same));
         lines
     }
@@ -300,10 +312,11 @@ impl FileDifference {
                 unpaired,
                 texts,
             } => {
-                let mut lines = vec![format!("  {path}: {differing} of {compared} numbers differ")];
-                let number = |n: &NumberDifference| {
-                    format!("    {}: {} -> {}", n.at, n.first, n.second)
-                };
+                let mut lines = vec![format!(
+                    "  {path}: {differing} of {compared} numbers differ"
+                )];
+                let number =
+                    |n: &NumberDifference| format!("    {}: {} -> {}", n.at, n.first, n.second);
                 lines.extend(largest.iter().map(number));
                 if *differing > largest.len() {
                     lines.push(format!("    and {} more", differing - largest.len()));

@@ -215,14 +215,17 @@ impl PipelineError {
                 Some("check the path; relative paths start at the current folder".to_owned())
             }
             Self::NotMade { nearest, .. } => did_you_mean(nearest.as_ref()).or_else(|| {
-                Some("name a file that a stage makes, or a file in a directory that one makes".to_owned())
+                Some(
+                    "name a file that a stage makes, or a file in a directory that one makes"
+                        .to_owned(),
+                )
             }),
             Self::OnCluster { engine, .. } => Some(format!(
                 "follow them with `--executor {engine}`, or cancel the jobs first"
             )),
-            Self::Engine { .. } => Some(
-                "check that the cluster's programs are on the PATH and answer".to_owned(),
-            ),
+            Self::Engine { .. } => {
+                Some("check that the cluster's programs are on the PATH and answer".to_owned())
+            }
             Self::OverrideType { .. }
             | Self::Cycle { .. }
             | Self::Io { .. }
@@ -356,7 +359,9 @@ pub enum FileProblem {
         name: String,
     },
     /// Files to be dealt out that cannot be named so.
-    #[error("`{path}` cannot be dealt out: it is no directory, nor a directory and names with one `*`")]
+    #[error(
+        "`{path}` cannot be dealt out: it is no directory, nor a directory and names with one `*`"
+    )]
     BadOver {
         /// The path as written.
         path: String,

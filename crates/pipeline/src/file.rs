@@ -181,7 +181,8 @@ mod tests {
     fn an_override_replaces_a_value_and_is_kept() {
         let text = format!("{STAGE_A}cmd = ['x', '{{seed}}']");
         let overrides = [("seed".to_owned(), "7".to_owned())];
-        let pipeline = Pipeline::parse(&text, Path::new("p.toml"), Path::new("."), &overrides).unwrap();
+        let pipeline =
+            Pipeline::parse(&text, Path::new("p.toml"), Path::new("."), &overrides).unwrap();
         assert_eq!(pipeline.stages()[0].command, ["x", "7"]);
         assert_eq!(pipeline.overrides()["seed"], "7");
     }
@@ -221,12 +222,18 @@ mod tests {
         let pipeline = in_folder(table, stage).unwrap();
         assert_eq!(names(&pipeline), ["fit.ann", "fit.bob_b"]);
         let bob = &pipeline.stages()[1];
-        assert_eq!((bob.family.as_str(), bob.command[1].as_str()), ("fit", "bob b"));
+        assert_eq!(
+            (bob.family.as_str(), bob.command[1].as_str()),
+            ("fit", "bob b")
+        );
         assert_eq!(bob.row.as_ref().map(|row| row.line), Some(4));
         assert_eq!(bob.params["who"], "bob b");
         let stage = "foreach = 't.csv'\ncmd = ['x', '{who}', '{note}']";
         let pipeline = in_folder(table, stage).unwrap();
-        assert_eq!(names(&pipeline), ["fit.ann.x_y", "fit.ann._odd_", "fit.bob_b."]);
+        assert_eq!(
+            names(&pipeline),
+            ["fit.ann.x_y", "fit.ann._odd_", "fit.bob_b."]
+        );
         assert_eq!(pipeline.stages()[1].command[2], "{odd}");
     }
 
@@ -235,7 +242,10 @@ mod tests {
         let stage = "matrix = { z = [1, 2.5], a = ['k'] }\nshards = 2\nover = 'd/*.csv'\n\
                      cmd = ['x', '{z}', '{a}', '{shard}/{shards}', '{files}']";
         let pipeline = in_folder("", stage).unwrap();
-        assert_eq!(names(&pipeline), ["fit.1.k.0", "fit.1.k.1", "fit.2.5.k.0", "fit.2.5.k.1"]);
+        assert_eq!(
+            names(&pipeline),
+            ["fit.1.k.0", "fit.1.k.1", "fit.2.5.k.0", "fit.2.5.k.1"]
+        );
         let last = &pipeline.stages()[3];
         assert_eq!(last.command[1..], ["2.5", "k", "1/2", "{files}"]);
         assert_eq!(last.arguments(&["d/1.csv".to_owned()])[3..], ["d/1.csv"]);
@@ -245,17 +255,47 @@ mod tests {
     #[test]
     fn a_fan_out_that_cannot_be_is_refused_where_it_stands() {
         let cases = [
-            ("foreach = 'u.csv'\ncmd = ['x']", "p.toml:6:11: cannot read the table `u.csv`"),
-            ("foreach = 't.csv'\ncmd = ['x']", "uses no column of its table"),
+            (
+                "foreach = 'u.csv'\ncmd = ['x']",
+                "p.toml:6:11: cannot read the table `u.csv`",
+            ),
+            (
+                "foreach = 't.csv'\ncmd = ['x']",
+                "uses no column of its table",
+            ),
             ("foreach = 't.csv'\ncmd = ['{wo}']", "did you mean `who`"),
-            ("matrix = { seed = [1] }\ncmd = ['{seed}']", "`seed` is also a parameter"),
-            ("matrix = { a = [] }\ncmd = ['{a}']", "p.toml:6:16: `a` is an array"),
-            ("shards = 0\ncmd = ['x']", "`shards` is an integer, expected a whole number"),
-            ("over = 'd'\ncmd = ['x']", "[[stage]] with `over` lacks `shards`"),
-            ("shards = 2\nover = '*/d'\ncmd = ['x']", "`*/d` cannot be dealt out"),
-            ("shards = 2\nover = 'd'\ncmd = ['a{files}']", "`{files}` must be a word of its own"),
-            ("shards = 2\nmatrix = {a=['é','ü']}\ncmd = ['{a}{shard}']", "a second stage"),
-            ("foreach = 't.csv'\nmatrix = {a=[1]}\ncmd = ['x']", "both `foreach` and `matrix`"),
+            (
+                "matrix = { seed = [1] }\ncmd = ['{seed}']",
+                "`seed` is also a parameter",
+            ),
+            (
+                "matrix = { a = [] }\ncmd = ['{a}']",
+                "p.toml:6:16: `a` is an array",
+            ),
+            (
+                "shards = 0\ncmd = ['x']",
+                "`shards` is an integer, expected a whole number",
+            ),
+            (
+                "over = 'd'\ncmd = ['x']",
+                "[[stage]] with `over` lacks `shards`",
+            ),
+            (
+                "shards = 2\nover = '*/d'\ncmd = ['x']",
+                "`*/d` cannot be dealt out",
+            ),
+            (
+                "shards = 2\nover = 'd'\ncmd = ['a{files}']",
+                "`{files}` must be a word of its own",
+            ),
+            (
+                "shards = 2\nmatrix = {a=['é','ü']}\ncmd = ['{a}{shard}']",
+                "a second stage",
+            ),
+            (
+                "foreach = 't.csv'\nmatrix = {a=[1]}\ncmd = ['x']",
+                "both `foreach` and `matrix`",
+            ),
         ];
         for (stage, expected) in cases {
             let error = in_folder("who\nann\n", stage).unwrap_err();

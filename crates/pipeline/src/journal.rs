@@ -127,9 +127,8 @@ pub(crate) fn replay(
             version,
             pipeline,
             ledger: onto,
-        }) if version == LEDGER_VERSION
-            && pipeline == ledger.pipeline
-            && onto.as_ref() == hash => {}
+        }) if version == LEDGER_VERSION && pipeline == ledger.pipeline && onto.as_ref() == hash => {
+        }
         _ => return Ok(false),
     }
     let mut any = false;

@@ -44,11 +44,9 @@ pub use manifest::{FactKind, Manifest};
 pub use params::parse_override;
 pub use place::{Place, Program};
 pub use reason::Reason;
-pub use report::{
-    Failure, FailureCause, Outcome, RunReport, StageResult, State, Summary, Warning,
-};
+pub use report::{Failure, FailureCause, Outcome, RunReport, StageResult, State, Summary, Warning};
 pub use run::{Event, Executor, RunOptions, run};
 pub use stage::{Resources, Row, Share, Stage};
 pub use status::{StageStatus, plan, status, why};
 pub use trace::{Source, Trace, TracedFile, TracedStage, below_root, trace};
-pub use verify::{Finding, FileState, Role, Verification, verify};
+pub use verify::{FileState, Finding, Role, Verification, verify};

@@ -85,7 +85,9 @@ impl Manifest {
     pub(crate) fn with_inputs_renamed(mut self, rename: impl Fn(&str) -> String) -> Self {
         if let Some(inputs) = self.0.get_mut(&FactKind::Input) {
             let renamed = std::mem::take(inputs).into_iter();
-            *inputs = renamed.map(|(path, content)| (rename(&path), content)).collect();
+            *inputs = renamed
+                .map(|(path, content)| (rename(&path), content))
+                .collect();
         }
         self
     }

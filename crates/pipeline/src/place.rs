@@ -60,13 +60,19 @@ impl Place {
 
     /// Whether `path` is one of the run's own files.
     pub(crate) fn is_ours(&self, path: &Path) -> bool {
-        let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let name = |path: &Path| {
+            path.file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned()
+        };
         let ledger = name(&self.ledger);
         let same_folder = path.parent() == Some(self.ledger.parent().unwrap_or(Path::new("")));
         let named = name(path);
         path.starts_with(&self.log_dir)
             || self.log_dir.starts_with(path)
-            || (same_folder && (named.starts_with(&ledger) || named.starts_with(&format!(".{ledger}"))))
+            || (same_folder
+                && (named.starts_with(&ledger) || named.starts_with(&format!(".{ledger}"))))
     }
 
     pub(crate) fn log_of(&self, stage: &str) -> PathBuf {

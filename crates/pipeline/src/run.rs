@@ -219,7 +219,12 @@ fn work(
         while let Ok(index) = next() {
             // The receiver outlives the workers, so nothing told is lost.
             let mut tell = |news| drop(to_us.send(Message::News(index, news)));
-            let result = workshop.attempt(graph, graph.stage(index), forced.contains(&index), &mut tell);
+            let result = workshop.attempt(
+                graph,
+                graph.stage(index),
+                forced.contains(&index),
+                &mut tell,
+            );
             let _ = to_us.send(Message::Ended(index, result));
         }
     };

@@ -35,9 +35,13 @@ impl Surroundings {
             .chain([place.root.clone()])
             .collect();
         let outputs: BTreeSet<PathBuf> = stages().map(|output| place.root.join(output)).collect();
-        let folders = folders.into_iter().filter(|folder| !outputs.contains(folder));
+        let folders = folders
+            .into_iter()
+            .filter(|folder| !outputs.contains(folder));
         Self {
-            folders: folders.map(|folder| (folder.clone(), looks(&folder))).collect(),
+            folders: folders
+                .map(|folder| (folder.clone(), looks(&folder)))
+                .collect(),
             made,
         }
     }
@@ -72,7 +76,7 @@ fn looks(folder: &Path) -> BTreeMap<OsString, Look> {
         let metadata = entry.metadata().ok()?;
         let time = metadata.modified().ok()?;
         let file = !metadata.is_dir();
-        Some((entry.file_name(), file.then(|| (metadata.len(), time))))
+        Some((entry.file_name(), file.then_some((metadata.len(), time))))
     };
     entries.flatten().filter_map(look).collect()
 }

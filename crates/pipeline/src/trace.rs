@@ -101,15 +101,22 @@ pub fn trace(ledger: &Ledger, place: &Place, path: &str) -> Result<Trace, Pipeli
                 path: path.to_owned(),
                 content: content.to_owned(),
                 state: FileState::of(path, content, &hasher)?,
-                makers: makers.of_path(path).into_iter().map(str::to_owned).collect(),
+                makers: makers
+                    .of_path(path)
+                    .into_iter()
+                    .map(str::to_owned)
+                    .collect(),
             })
         };
         let used = |output: &&String| {
             let inside = |path: &&str| with_ancestors(path).any(|above| above == output.as_str());
-            read.iter().any(|path| inside(path) || with_ancestors(output).any(|a| a == *path))
+            read.iter()
+                .any(|path| inside(path) || with_ancestors(output).any(|a| a == *path))
         };
         let outputs = record.outputs.keys().filter(used).collect::<Vec<_>>();
-        let outputs = outputs.iter().map(|path| file(path, &record.outputs[*path]));
+        let outputs = outputs
+            .iter()
+            .map(|path| file(path, &record.outputs[*path]));
         let inputs = facts(FactKind::Input).map(|(path, content)| file(path, content));
         stages.push(TracedStage {
             stage: name.to_owned(),
@@ -163,7 +170,11 @@ impl Makers {
     fn of_path(&self, path: &str) -> BTreeSet<&str> {
         let above = with_ancestors(path).find_map(|above| self.0.get(above));
         let inside = below(&self.0, path).map(|(_, stage)| stage);
-        above.into_iter().chain(inside).map(String::as_str).collect()
+        above
+            .into_iter()
+            .chain(inside)
+            .map(String::as_str)
+            .collect()
     }
 }
 
@@ -175,8 +186,12 @@ struct Walk<'a> {
 impl<'a> Walk<'a> {
     fn before(&self, stage: &str) -> BTreeSet<&'a str> {
         let record = self.ledger.stage.get(stage);
-        let inputs = record.into_iter().flat_map(|r| r.made_from.facts(FactKind::Input));
-        inputs.flat_map(|(path, _)| self.makers.of_path(path)).collect()
+        let inputs = record
+            .into_iter()
+            .flat_map(|r| r.made_from.facts(FactKind::Input));
+        inputs
+            .flat_map(|(path, _)| self.makers.of_path(path))
+            .collect()
     }
 
     /// The stages and all before them, each after those that use it.
@@ -223,11 +238,13 @@ impl Trace {
             let row = stage.row.as_ref().map_or_else(String::new, |row| {
                 format!(" (row on line {} of {})", row.line, row.table)
             });
-            let versions: String = stage
-                .versions
-                .iter()
-                .map(|(command, version)| format!(", {command} version {version}"))
-                .collect();
+            let mut versions = String::new();
+            for (command, version) in &stage.versions {
+                versions.push_str(", ");
+                versions.push_str(command);
+                versions.push_str(" version ");
+                versions.push_str(version);
+            }
             lines.push(format!("<- stage {}{row}{versions}", stage.stage));
             lines.push(format!("     {}", stage.command));
             for input in &stage.inputs {

@@ -41,7 +41,13 @@ impl Project {
     }
 
     fn pipeline(&self) -> Pipeline {
-        Pipeline::parse(&self.text, Path::new("test.toml"), self.root(), &self.overrides).unwrap()
+        Pipeline::parse(
+            &self.text,
+            Path::new("test.toml"),
+            self.root(),
+            &self.overrides,
+        )
+        .unwrap()
     }
 
     fn run(&self) -> RunReport {

@@ -86,8 +86,9 @@ fn ran_in(root: &Path, line: u32) -> RunReport {
 
 fn project() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let lines: String = (0..50).map(|i| format!("{}\n", i * 37 % 101)).collect();
-    fs::write(folder.path().join("source.txt"), lines).unwrap();
+    let lines: Vec<String> = (0..50).map(|i| (i * 37 % 101).to_string()).collect();
+    let text = lines.join("\n") + "\n";
+    fs::write(folder.path().join("source.txt"), text).unwrap();
     folder
 }
 
@@ -96,7 +97,12 @@ fn files(root: &Path) -> BTreeMap<String, Vec<u8>> {
     fn add(folder: &Path, root: &Path, files: &mut BTreeMap<String, Vec<u8>>) {
         for entry in fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
-            let name = path.strip_prefix(root).unwrap().to_str().unwrap().to_owned();
+            let name = path
+                .strip_prefix(root)
+                .unwrap()
+                .to_str()
+                .unwrap()
+                .to_owned();
             if name == "state" || name == "logs" || path.is_symlink() {
             } else if path.is_dir() {
                 add(&path, root, files);
@@ -120,7 +126,9 @@ fn made(root: &Path) -> BTreeMap<String, (String, BTreeMap<String, String>)> {
 
 /// A generator of our own: the moments must be the same in every run of the test.
 fn next(state: &mut u64) -> u64 {
-    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    *state = state
+        .wrapping_mul(6_364_136_223_846_793_005)
+        .wrapping_add(1_442_695_040_888_963_407);
     *state >> 33
 }
 
@@ -214,7 +222,10 @@ fn a_stage_that_cannot_write_all_of_its_file_fails_and_runs_again() {
     assert_eq!(files(folder.path())["o"], b"all");
     // And what it writes beside its outputs is said.
     let warning = report.warnings[0].to_string();
-    assert!(warning.contains("target` was written while `a` ran"), "{warning}");
+    assert!(
+        warning.contains("target` was written while `a` ran"),
+        "{warning}"
+    );
     assert_eq!(report.warnings.len(), 1);
 }
 
@@ -222,17 +233,34 @@ fn a_stage_that_cannot_write_all_of_its_file_fails_and_runs_again() {
 fn a_clock_that_was_wrong_neither_hides_a_change_nor_makes_one() {
     let folder = project();
     let source = folder.path().join("source.txt");
-    let set = |time| fs::File::options().write(true).open(&source).unwrap().set_modified(time);
-    let day = Duration::from_secs(86_400);
-    let ran = |report: RunReport| report.stages.iter().filter(|s| s.state == State::Done).count();
+    let set = |time| {
+        fs::File::options()
+            .write(true)
+            .open(&source)
+            .unwrap()
+            .set_modified(time)
+    };
+    let day = Duration::from_hours(24);
+    let ran = |report: RunReport| {
+        report
+            .stages
+            .iter()
+            .filter(|s| s.state == State::Done)
+            .count()
+    };
     assert_eq!(ran(ran_in(folder.path(), 20)), 10);
     for time in [SystemTime::UNIX_EPOCH + day, SystemTime::now() + 400 * day] {
         set(time).unwrap();
         assert_eq!(ran(ran_in(folder.path(), 20)), 0);
-        let longer = fs::read_to_string(&source).unwrap().replacen("37\n", "38\n", 1);
+        let longer = fs::read_to_string(&source)
+            .unwrap()
+            .replacen("37\n", "38\n", 1);
         fs::write(&source, &longer).unwrap();
         set(time).unwrap();
-        assert!(ran(ran_in(folder.path(), 20)) > 0, "same size and time, other content");
+        assert!(
+            ran(ran_in(folder.path(), 20)) > 0,
+            "same size and time, other content"
+        );
         fs::write(&source, longer.replacen("38\n", "37\n", 1)).unwrap();
         set(time).unwrap();
         assert!(ran(ran_in(folder.path(), 20)) > 0);

@@ -74,9 +74,7 @@ fn sbatch(
     let first = group.tasks.start;
     let starter = spool.join(format!("{first}.array.sh"));
     let quoted = crate::shell::quoted([spool.to_string_lossy()]);
-    let text = format!(
-        "#!/bin/sh\nexec /bin/sh {quoted}/$((SLURM_ARRAY_TASK_ID + {first})).sh\n"
-    );
+    let text = format!("#!/bin/sh\nexec /bin/sh {quoted}/$((SLURM_ARRAY_TASK_ID + {first})).sh\n");
     std::fs::write(&starter, text).map_err(PipelineError::io("write", &starter))?;
     let last = group.tasks.len() - 1;
     let limit = at_once.map_or_else(String::new, |jobs| format!("%{jobs}"));
@@ -106,7 +104,10 @@ fn sbatch(
     if job.is_empty() || !job.bytes().all(|byte| byte.is_ascii_digit()) {
         return Err(PipelineError::Engine {
             command: "sbatch".to_owned(),
-            message: format!("it printed `{}` where a job's number was expected", printed.trim()),
+            message: format!(
+                "it printed `{}` where a job's number was expected",
+                printed.trim()
+            ),
         });
     }
     Ok(job.to_owned())
@@ -126,10 +127,14 @@ fn submit_hq(
     let printed = output(command.arg(&plan))?;
     let id = serde_json::from_str::<Value>(&printed);
     let id = id.ok().and_then(|answer| answer["id"].as_u64());
-    id.map(|id| id.to_string()).ok_or_else(|| PipelineError::Engine {
-        command: "hq job submit-file".to_owned(),
-        message: format!("it printed `{}` where {{\"id\": NUMBER}} was expected", printed.trim()),
-    })
+    id.map(|id| id.to_string())
+        .ok_or_else(|| PipelineError::Engine {
+            command: "hq job submit-file".to_owned(),
+            message: format!(
+                "it printed `{}` where {{\"id\": NUMBER}} was expected",
+                printed.trim()
+            ),
+        })
 }
 
 /// HyperQueue's job file.
@@ -202,10 +207,15 @@ pub(super) fn last_state(engine: Executor, task: &str) -> String {
     let accounted = accounted.and_then(|text| text.lines().next().map(|s| s.trim().to_owned()));
     let controlled = || {
         let text = of("scontrol", &["-o", "show", "job", task])?;
-        let state = text.split_whitespace().find_map(|word| word.strip_prefix("JobState="))?;
+        let state = text
+            .split_whitespace()
+            .find_map(|word| word.strip_prefix("JobState="))?;
         Some(state.to_owned())
     };
-    accounted.filter(|state| !state.is_empty()).or_else(controlled).unwrap_or_else(unknown)
+    accounted
+        .filter(|state| !state.is_empty())
+        .or_else(controlled)
+        .unwrap_or_else(unknown)
 }
 
 /// Takes jobs back; that one has ended meanwhile is no error.
@@ -224,7 +234,9 @@ fn output(command: &mut Command) -> Result<String, PipelineError> {
         command: program.clone(),
         message,
     };
-    let output = command.output().map_err(|error| failed(error.to_string()))?;
+    let output = command
+        .output()
+        .map_err(|error| failed(error.to_string()))?;
     if !output.status.success() {
         let said = String::from_utf8_lossy(&output.stderr).trim().to_owned();
         return Err(failed(format!("{} ({})", said, output.status)));
@@ -256,6 +268,9 @@ mod tests {
         assert_eq!(tasks.len(), 3);
         assert_eq!(tasks[2]["deps"].as_array().unwrap().len(), 2);
         assert_eq!(tasks[1]["command"][1].as_str(), Some("/s \"x/1.sh"));
-        assert_eq!(tasks[0]["request"][0]["resources"]["cpus"].as_integer(), Some(2));
+        assert_eq!(
+            tasks[0]["request"][0]["resources"]["cpus"].as_integer(),
+            Some(2)
+        );
     }
 }

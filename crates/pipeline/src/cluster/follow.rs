@@ -21,7 +21,7 @@ const LOOKS: [Duration; 2] = [Duration::from_millis(100), Duration::from_secs(3)
 /// How long a task may be gone from the cluster before its word reaches us over a network.
 const WORD_AFTER_END: Duration = Duration::from_secs(4);
 /// How long the cluster may not answer.
-const SILENCE: Duration = Duration::from_secs(120);
+const SILENCE: Duration = Duration::from_mins(2);
 /// Last lines of a failed stage that are told.
 const TOLD_LINES: usize = 20;
 
@@ -98,7 +98,11 @@ impl<'a> Follower<'a> {
             if schedule.interrupted || !self.standing.contains(&Standing::OnCluster) {
                 return self.tidy_up();
             }
-            pause = if moved { LOOKS[0] } else { pause.mul_f64(1.3).min(LOOKS[1]) };
+            pause = if moved {
+                LOOKS[0]
+            } else {
+                pause.mul_f64(1.3).min(LOOKS[1])
+            };
             let until = Instant::now() + pause;
             while Instant::now() < until {
                 if self.options.cancel.load(Ordering::Relaxed) {
@@ -153,14 +157,20 @@ impl<'a> Follower<'a> {
 
     /// Whether a stage would be handed in again just as it was.
     fn is_same(&self, index: usize, task: &Task) -> bool {
-        let now = Present::of(self.graph.stage(index), self.workshop.place, &self.workshop.hasher);
+        let now = Present::of(
+            self.graph.stage(index),
+            self.workshop.place,
+            &self.workshop.hasher,
+        );
         let recorded: BTreeSet<&str> = task
             .made_from
             .facts(FactKind::Input)
             .map(|(path, _)| path)
             .collect();
         now.is_ok_and(|now| {
-            now.made_from.without_inputs(|path| !recorded.contains(path)) == task.made_from
+            now.made_from
+                .without_inputs(|path| !recorded.contains(path))
+                == task.made_from
         })
     }
 
@@ -204,7 +214,14 @@ impl<'a> Follower<'a> {
             schedule.submitted(candidate.index, std::mem::take(&mut candidate.reasons));
         }
         let at_once = self.options.jobs.map(std::num::NonZeroUsize::get);
-        submit(self.workshop, self.graph, &mut self.jobs, candidates, at_once, observe)?;
+        submit(
+            self.workshop,
+            self.graph,
+            &mut self.jobs,
+            candidates,
+            at_once,
+            observe,
+        )?;
         Ok(true)
     }
 
@@ -228,7 +245,10 @@ impl<'a> Follower<'a> {
             return Ok(None);
         }
         let depth = self.depth[index];
-        if makers.iter().all(|maker| stands(maker) == Standing::Settled) {
+        if makers
+            .iter()
+            .all(|maker| stands(maker) == Standing::Settled)
+        {
             let forced = self.forced.contains(&index);
             let attempt = match self.workshop.examine(stage, forced)? {
                 Examined::Cannot(failure) => Attempt::Failed(failure),
@@ -254,7 +274,8 @@ impl<'a> Follower<'a> {
         }
         // HyperQueue orders tasks within a job only; and which files a shard gets is known
         // when they are there.
-        let in_this_job = |maker: &usize| stands(maker) == Standing::Settled || going.contains(maker);
+        let in_this_job =
+            |maker: &usize| stands(maker) == Standing::Settled || going.contains(maker);
         let across = self.jobs.engine == Executor::Slurm || makers.iter().all(in_this_job);
         if stage.share.is_some() || !across {
             return Ok(None);
@@ -324,7 +345,10 @@ impl<'a> Follower<'a> {
                 schedule.settle(index, Attempt::Interrupted, observe);
                 return Ok(true);
             }
-            let since = *self.gone.entry(stage.name.clone()).or_insert_with(Instant::now);
+            let since = *self
+                .gone
+                .entry(stage.name.clone())
+                .or_insert_with(Instant::now);
             if since.elapsed() < WORD_AFTER_END || standings.contains(&Standing::OnCluster) {
                 return Ok(false);
             }
@@ -350,12 +374,19 @@ impl<'a> Follower<'a> {
         observe: &mut dyn FnMut(Event<'_>),
     ) {
         let good = !matches!(attempt, Attempt::Failed(_) | Attempt::Interrupted);
-        self.standing[index] = if good { Standing::Settled } else { Standing::Dead };
+        self.standing[index] = if good {
+            Standing::Settled
+        } else {
+            Standing::Dead
+        };
         schedule.settle(index, attempt, observe);
     }
 
     /// Enters a stage that has ended by itself.
-    #[expect(clippy::too_many_arguments, reason = "one caller, which has them all at hand")]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "one caller, which has them all at hand"
+    )]
     fn ended(
         &self,
         stage: &Stage,
@@ -368,7 +399,9 @@ impl<'a> Follower<'a> {
     ) -> Result<Attempt, PipelineError> {
         let said = self.keep_log(stage, task)?;
         let failed = |cause| {
-            let failure = self.workshop.failure(stage, &[], cause, said.clone(), Some(seconds));
+            let failure = self
+                .workshop
+                .failure(stage, &[], cause, said.clone(), Some(seconds));
             Ok(Attempt::Failed(failure))
         };
         if code != 0 {
@@ -407,7 +440,10 @@ impl<'a> Follower<'a> {
         fs::write(&path, &text).map_err(PipelineError::io("write the log", &path))?;
         let lines: Vec<&str> = text.lines().skip(1).collect();
         let last = lines.len().saturating_sub(TOLD_LINES);
-        Ok(lines[last..].iter().map(|line| (*line).to_owned()).collect())
+        Ok(lines[last..]
+            .iter()
+            .map(|line| (*line).to_owned())
+            .collect())
     }
 }
 

@@ -54,10 +54,11 @@ impl Jobs {
             bytes => bytes.map_err(PipelineError::io("read", path))?,
         };
         let jobs = serde_json::from_slice(&bytes);
-        jobs.map(Some).map_err(|error| PipelineError::LedgerDamaged {
-            path: path.to_owned(),
-            message: error.to_string(),
-        })
+        jobs.map(Some)
+            .map_err(|error| PipelineError::LedgerDamaged {
+                path: path.to_owned(),
+                message: error.to_string(),
+            })
     }
 
     /// Writes the file, or removes it if nothing is left.
@@ -88,7 +89,11 @@ pub(crate) fn refuse_while_jobs_run(place: &Place) -> Result<(), PipelineError> 
     };
     let all = jobs.jobs();
     let still: Vec<&Task> = match engine::alive(jobs.engine, &all) {
-        Ok(alive) => jobs.tasks.values().filter(|task| alive.contains(&task.id())).collect(),
+        Ok(alive) => jobs
+            .tasks
+            .values()
+            .filter(|task| alive.contains(&task.id()))
+            .collect(),
         Err(_) => jobs.tasks.values().collect(), // not to be known from here
     };
     if !still.is_empty() {

@@ -37,7 +37,11 @@ pub(super) fn text(
     let word = |text: &str| quoted([text]);
     let path = |path: &Path| word(&path.to_string_lossy());
     let reads: Vec<&str> = stage.reads().collect();
-    let inside = |path: &&str| with_ancestors(path).skip(1).any(|above| reads.contains(&above));
+    let inside = |path: &&str| {
+        with_ancestors(path)
+            .skip(1)
+            .any(|above| reads.contains(&above))
+    };
     let outputs: Vec<&str> = stage.outputs.iter().map(String::as_str).collect();
     let is_relative = |path: &&str| !path.starts_with('/');
     let all = reads.iter().chain(&outputs);
@@ -59,9 +63,15 @@ pub(super) fn text(
         Some((folder, _)) => format!("mkdir -p {} && ", word(folder)),
         None => String::new(),
     };
-    for input in reads.iter().filter(|path| is_relative(path) && !inside(path)) {
+    for input in reads
+        .iter()
+        .filter(|path| is_relative(path) && !inside(path))
+    {
         let name = word(input);
-        lines.push(format!("{}ln -s \"$root\"/{name} {name} || stop 'cannot link an input'", folder(input)));
+        lines.push(format!(
+            "{}ln -s \"$root\"/{name} {name} || stop 'cannot link an input'",
+            folder(input)
+        ));
     }
     for output in outputs.iter().filter(|path| is_relative(path)) {
         lines.push(format!("{}:", folder(output)));
@@ -76,14 +86,19 @@ pub(super) fn text(
     let program = program.to_string_lossy().into_owned();
     let arguments = stage.arguments(files);
     let command = quoted(std::iter::once(&program).chain(&arguments));
-    lines.push(format!("{command} </dev/null >\"$work.out\" 2>\"$work.err\""));
+    lines.push(format!(
+        "{command} </dev/null >\"$work.out\" 2>\"$work.err\""
+    ));
     lines.push("code=$?".to_owned());
     // Another copy was first, or the run was given up: this one leaves no trace.
     lines.push(
         r#"if [ -e "$spool/$n.ended" ] || [ ! -e "$spool/$n.sh" ]; then rm -rf "$work" "$work".*; exit 0; fi"#
             .to_owned(),
     );
-    for output in outputs.iter().filter(|path| is_relative(path) && !inside(path)) {
+    for output in outputs
+        .iter()
+        .filter(|path| is_relative(path) && !inside(path))
+    {
         let name = word(output);
         lines.push(format!(
             "[ $code = 0 ] && [ -e {name} ] && {{ {}rm -rf \"$root\"/{name}; mv {name} \"$root\"/{name} || code=126; }}",

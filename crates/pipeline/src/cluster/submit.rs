@@ -115,7 +115,15 @@ pub(super) fn submit(
         });
         jobs.write(&file)
     };
-    engine::submit(engine, pipeline, &groups, at_once, &root, &spool, &mut accepted)
+    engine::submit(
+        engine,
+        pipeline,
+        &groups,
+        at_once,
+        &root,
+        &spool,
+        &mut accepted,
+    )
 }
 
 /// A name that no other submission has.

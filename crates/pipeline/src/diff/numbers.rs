@@ -45,7 +45,8 @@ pub(super) fn csv_cells(bytes: &[u8], delimiter: u8) -> Option<Cells> {
     let (headers, rows) = crate::table::read(bytes, delimiter).ok()?;
     let name = |row: &[String], cells: usize| row[..cells].join(" ");
     let unique = |cells: &usize| {
-        let names: std::collections::BTreeSet<_> = rows.iter().map(|(_, row)| name(row, *cells)).collect();
+        let names: std::collections::BTreeSet<_> =
+            rows.iter().map(|(_, row)| name(row, *cells)).collect();
         names.len() == rows.len()
     };
     let key = (1..=headers.len().min(3)).find(unique);
@@ -85,7 +86,10 @@ pub(super) fn difference(path: String, a: &Cells, b: &Cells) -> FileDifference {
     numbers.truncate(TOLD);
     let only = |these: &Cells, others: &Cells, run: &str| -> Vec<String> {
         let alone = these.keys().filter(|at| !others.contains_key(*at));
-        alone.take(TOLD).map(|at| format!("{at}: only in the {run} run")).collect()
+        alone
+            .take(TOLD)
+            .map(|at| format!("{at}: only in the {run} run"))
+            .collect()
     };
     let mut unpaired = only(a, b, "first");
     unpaired.extend(only(b, a, "second"));
@@ -102,7 +106,10 @@ pub(super) fn difference(path: String, a: &Cells, b: &Cells) -> FileDifference {
 }
 
 fn number(text: &str) -> Option<f64> {
-    text.trim().parse().ok().filter(|number: &f64| number.is_finite())
+    text.trim()
+        .parse()
+        .ok()
+        .filter(|number: &f64| number.is_finite())
 }
 
 /// The distance as a part of the larger of both.
@@ -131,7 +138,10 @@ mod tests {
             panic!("these are tables");
         };
         assert_eq!((compared, differing), (2, 1));
-        assert_eq!((largest[0].at.as_str(), largest[0].second), ("ann 2, x", 2.5));
+        assert_eq!(
+            (largest[0].at.as_str(), largest[0].second),
+            ("ann 2, x", 2.5)
+        );
         assert_eq!(texts, ["ann 2, note: b -> c"]);
         assert_eq!(unpaired.len(), 2);
     }

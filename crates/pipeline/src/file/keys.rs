@@ -55,7 +55,11 @@ pub(crate) const TOP_KEYS: &[Key] = &[
         "Parameters: `{name}` in a stage, or in another parameter, stands for the value; \
          `--set name=VALUE` replaces it for a run.",
     ),
-    required("stage", Kind::Tables(STAGE_KEYS), "The steps, in any order."),
+    required(
+        "stage",
+        Kind::Tables(STAGE_KEYS),
+        "The steps, in any order.",
+    ),
 ];
 
 /// The keys of a stage.

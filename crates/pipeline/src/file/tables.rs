@@ -87,7 +87,11 @@ pub(super) fn read_stages(
         };
         for branch in fan::branches(table, root, at, &mut substitute)? {
             let clash = |(name, _): &&(String, Param)| params.0.contains_key(name);
-            let clash = branch.values.iter().find(clash).map(|(name, _)| name.clone());
+            let clash = branch
+                .values
+                .iter()
+                .find(clash)
+                .map(|(name, _)| name.clone());
             let (stage, at) = read_stage(table, params, branch, at)?;
             if let Some(name) = clash.filter(|name| stage.params.contains_key(name)) {
                 let problem = FileProblem::AlsoParameter { name };
@@ -240,7 +244,12 @@ fn read_resources(table: &DeTable<'_>) -> Result<Resources, Located> {
         return Err(wrong_type("resources", value, "a table"));
     };
     check_keys(asked, "resources", RESOURCE_KEYS)?;
-    let count = |key| asked.get(key).map(|value| fan::count(key, value)).transpose();
+    let count = |key| {
+        asked
+            .get(key)
+            .map(|value| fan::count(key, value))
+            .transpose()
+    };
     Ok(Resources {
         cpus: count("cpus")?,
         memory_mb: count("memory_mb")?,
