@@ -82,13 +82,13 @@ say "the run on two nodes"
 cd "$work/cluster"
 "$program" run pipelines/smoke.toml --executor slurm >"$work/log/cluster.out" 2>"$work/log/cluster.txt" &
 run=$!
-# Half-way: as soon as a task of a later stage is on a node, that node dies with all that runs on it.
+# Half-way: in the middle of the longest stage its node dies, with all that runs on it.
 for _ in $(seq 1200); do
-  node=$(squeue -h -t R -n smoke.train,smoke.personalize -o %N 2>/dev/null | head -n 1)
+  node=$(squeue -h -t R -n smoke.simulate -o %N 2>/dev/null | head -n 1)
   [ -n "$node" ] && break
   sleep 0.1
 done
-sleep 0.3
+sleep 1.5
 say "killing node $node while it runs: $(squeue -h -t R -w "$node" -o %j)"
 squeue
 job=$(squeue -h -t R -w "$node" -o %A | head -n 1)
@@ -97,7 +97,9 @@ kill_tree() {
   kill -9 "$1" 2>/dev/null || true
 }
 stop_node "$node"
-for step in $(pgrep -f "^slurmstepd: \[$job"); do kill_tree "$step"; done
+steps=$(pgrep -f "^slurmstepd: \[$job" || true)
+say "with its steps: ${steps:-none}"
+for step in $steps; do kill_tree "$step"; done
 (sleep 20; say "node $node comes back"; slurmd -N "$node") &
 status=0
 wait "$run" || status=$?
@@ -110,5 +112,5 @@ files=$(find cluster/study_data/generated/smoke cluster/reports/smoke -type f | 
 say "$files files, the same bytes as the local run"
 for run in local cluster; do grep -v -E '^(seconds|peak_memory)' "$run/pipelines/smoke.lock" >"$run.lock.plain"; done
 diff local.lock.plain cluster.lock.plain && say "and the same ledger, times aside"
-grep -E "requeue|NODE_FAIL|not responding|DOWN" log/slurmctld.log | head -n 12 || true
+grep -i -E "requeue|node_fail|not responding|set to down" log/slurmctld.log | head -n 12 || true
 exit "$status"

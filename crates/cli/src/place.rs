@@ -34,7 +34,8 @@ impl PipelineArgs {
         let overrides: Result<Vec<_>, _> =
             self.set.iter().map(|text| parse_override(text)).collect();
         let overrides = overrides.map_err(Failure::pipeline("could not read --set"))?;
-        Pipeline::read(file, &root(file)?, &overrides).map_err(Failure::pipeline("could not read the pipeline"))
+        Pipeline::read(file, &root(file)?, &overrides)
+            .map_err(Failure::pipeline("could not read the pipeline"))
     }
 }
 

@@ -76,7 +76,7 @@ fn looks(folder: &Path) -> BTreeMap<OsString, Look> {
         let metadata = entry.metadata().ok()?;
         let time = metadata.modified().ok()?;
         let file = !metadata.is_dir();
-        Some((entry.file_name(), file.then(|| (metadata.len(), time))))
+        Some((entry.file_name(), file.then_some((metadata.len(), time))))
     };
     entries.flatten().filter_map(look).collect()
 }

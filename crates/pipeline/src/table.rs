@@ -61,7 +61,8 @@ mod tests {
 
     #[test]
     fn quoted_cells_and_a_last_row_without_an_end_are_read() {
-        let (heading, rows) = read(b"\xef\xbb\xbfa,b\n\"x,\ny\",2\n\n3,\"\"\"q\"\"\"", b',').unwrap();
+        let (heading, rows) =
+            read(b"\xef\xbb\xbfa,b\n\"x,\ny\",2\n\n3,\"\"\"q\"\"\"", b',').unwrap();
         assert_eq!(heading, ["a", "b"]);
         assert_eq!(rows[0], (2, vec!["x,\ny".to_owned(), "2".to_owned()]));
         assert_eq!(rows[1].1, ["3", "\"q\""]);

@@ -238,11 +238,13 @@ impl Trace {
             let row = stage.row.as_ref().map_or_else(String::new, |row| {
                 format!(" (row on line {} of {})", row.line, row.table)
             });
-            let versions: String = stage
-                .versions
-                .iter()
-                .map(|(command, version)| format!(", {command} version {version}"))
-                .collect();
+            let mut versions = String::new();
+            for (command, version) in &stage.versions {
+                versions.push_str(", ");
+                versions.push_str(command);
+                versions.push_str(" version ");
+                versions.push_str(version);
+            }
             lines.push(format!("<- stage {}{row}{versions}", stage.stage));
             lines.push(format!("     {}", stage.command));
             for input in &stage.inputs {

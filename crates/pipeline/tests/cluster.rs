@@ -1,6 +1,10 @@
 //! Runs on a cluster that is played by scripts: `sbatch`, `squeue` and `hq` of our own.
 #![cfg(unix)]
-#![expect(clippy::unwrap_used, reason = "the helpers of tests are tests, too")]
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "the helpers of tests are tests, too"
+)]
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
@@ -92,7 +96,12 @@ fn project(text: &str) -> tempfile::TempDir {
     for made in ["p", "bin", "fake/queue", "fake/failed"] {
         fs::create_dir_all(path.join(made)).unwrap();
     }
-    for (name, text) in [("sbatch", SBATCH), ("squeue", SQUEUE), ("scancel", SCANCEL), ("hq", HQ)] {
+    for (name, text) in [
+        ("sbatch", SBATCH),
+        ("squeue", SQUEUE),
+        ("scancel", SCANCEL),
+        ("hq", HQ),
+    ] {
         let program = path.join("bin").join(name);
         fs::write(&program, text).unwrap();
         fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
@@ -117,7 +126,9 @@ fn run_with(folder: &Path, executor: Executor, word: &str) -> Result<RunReport, 
         executor,
         ..RunOptions::default()
     };
-    run(&pipeline, &place, &options, &mut |event| eprintln!("{event:?}"))
+    run(&pipeline, &place, &options, &mut |event| {
+        eprintln!("{event:?}");
+    })
 }
 
 /// Not a test by itself: a run whose PATH has the cluster's programs.
@@ -160,19 +171,30 @@ fn report(folder: &Path, executor: &str, word: &str) -> serde_json::Value {
     serde_json::from_str(&text.unwrap_or_else(|_| panic!("{}", heard()))).unwrap()
 }
 
-fn made(folder: &Path) -> Vec<(String, String)> {
-    let files = ["each/1", "each/2", "each/3", "shards/0", "shards/1", "all", "parts/8.txt"];
+/// Texts by name.
+type Texts = Vec<(String, String)>;
+
+fn made(folder: &Path) -> Texts {
+    let files = [
+        "each/1",
+        "each/2",
+        "each/3",
+        "shards/0",
+        "shards/1",
+        "all",
+        "parts/8.txt",
+    ];
     let read = |file: &str| fs::read_to_string(folder.join("p").join(file)).unwrap();
     files.map(|file| (file.to_owned(), read(file))).into()
 }
 
-fn digests(folder: &Path) -> Vec<(String, String)> {
+fn digests(folder: &Path) -> Texts {
     let ledger = Ledger::read(&folder.join("p/p.lock"), "test").unwrap();
     let digest = |(stage, record): (String, Record)| (stage, record.digest);
     ledger.stage.into_iter().map(digest).collect()
 }
 
-fn expected(word: &str) -> (Vec<(String, String)>, Vec<(String, String)>) {
+fn expected(word: &str) -> (Texts, Texts) {
     // A local run sees undeclared files: take them away to have what a cluster must make.
     let folder = project(PIPELINE);
     fs::remove_file(folder.path().join("p/hidden")).unwrap();
@@ -196,7 +218,10 @@ fn a_cluster_makes_what_a_local_run_makes_and_a_killed_follower_is_resumed() {
     assert!(!path.join("p/p.lock.jobs").exists() && !path.join("p/.logs/.cluster").exists());
     let again = report(path, "slurm", "end");
     let stages = again["stages"].as_array().unwrap();
-    assert!(stages.iter().all(|stage| stage["state"] == "up_to_date"), "{again}");
+    assert!(
+        stages.iter().all(|stage| stage["state"] == "up_to_date"),
+        "{again}"
+    );
 
     // Another word: the three of `each` and `all` are handed in; then the follower dies.
     let mut follower = start(path, "slurm", "fin");
@@ -207,12 +232,18 @@ fn a_cluster_makes_what_a_local_run_makes_and_a_killed_follower_is_resumed() {
     follower.kill().unwrap();
     follower.wait().unwrap();
     let local = report(path, "local", "fin");
-    let refused = local["error"].as_str().is_some_and(|error| error.contains("on the cluster"));
+    let refused = local["error"]
+        .as_str()
+        .is_some_and(|error| error.contains("on the cluster"));
     assert!(refused || local["outcome"] == "done", "{local}");
     let resumed = report(path, "slurm", "fin");
     assert_eq!(resumed["outcome"], "done", "{resumed}");
     assert_eq!((made(path), digests(path)), expected("fin"));
-    assert_eq!(fs::read_to_string(path.join("fake/last")).unwrap(), "6\n", "nothing ran twice");
+    assert_eq!(
+        fs::read_to_string(path.join("fake/last")).unwrap(),
+        "6\n",
+        "nothing ran twice"
+    );
 }
 
 #[test]
@@ -222,7 +253,11 @@ fn a_lost_and_a_failed_task_are_told_and_run_again() {
     fs::write(path.join("fake/lose"), "").unwrap();
     let lost = report(path, "slurm", "end");
     let cause = &lost["failures"][0]["cause"];
-    assert_eq!((&cause["kind"], &cause["job"]), (&"job_lost".into(), &"1_0".into()), "{lost}");
+    assert_eq!(
+        (&cause["kind"], &cause["job"]),
+        (&"job_lost".into(), &"1_0".into()),
+        "{lost}"
+    );
     let bad = PIPELINE.replace("echo {word} >>", "[ {part} = 2 ] && exit 3; echo {word} >>");
     fs::write(path.join("p/p.toml"), bad.replace("all/sum", "all")).unwrap();
     let failed = report(path, "slurm", "end");
@@ -236,13 +271,20 @@ fn a_lost_and_a_failed_task_are_told_and_run_again() {
 
 #[test]
 fn hyperqueue_gets_the_same_tasks() {
-    let text = PIPELINE.split("[[stage]]").take(2).collect::<Vec<_>>().join("[[stage]]");
+    let text = PIPELINE
+        .split("[[stage]]")
+        .take(2)
+        .collect::<Vec<_>>()
+        .join("[[stage]]");
     let more = "[[stage]]\nname = 'copy'\ninputs = ['parts']\noutputs = ['copy']\n\
                 cmd = ['cp', '-r', 'parts', 'copy']\n";
     let folder = project(&format!("{text}{more}"));
     let ran = report(folder.path(), "hq", "end");
     assert_eq!(ran["outcome"], "done", "{ran}");
-    assert_eq!(fs::read_to_string(folder.path().join("p/copy/3.txt")).unwrap(), "3\n");
+    assert_eq!(
+        fs::read_to_string(folder.path().join("p/copy/3.txt")).unwrap(),
+        "3\n"
+    );
     let plan = fs::read_to_string(folder.path().join("fake/plan.toml")).unwrap();
     let plan: toml::Value = toml::from_str(&plan).unwrap();
     assert_eq!(plan["task"][1]["deps"][0].as_integer(), Some(0));

@@ -17,7 +17,10 @@ struct Novels {
 impl Novels {
     fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
-        copy(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/novels")), folder.path());
+        copy(
+            Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/novels")),
+            folder.path(),
+        );
         Self {
             folder,
             set: Vec::new(),
@@ -92,22 +95,41 @@ fn the_example_counts_words_and_runs_only_what_a_change_reaches() {
     assert_eq!(report.stages.len(), 9);
     assert!(report.warnings.is_empty(), "{:?}", report.warnings);
     #[cfg(target_os = "linux")]
-    assert!(report.stages.iter().all(|stage| stage.peak_memory.is_some()));
+    assert!(
+        report
+            .stages
+            .iter()
+            .all(|stage| stage.peak_memory.is_some())
+    );
     assert_eq!(novels.read("made/table.csv"), TABLE);
     let words = ["moby", "pride", "cities"].map(|book| {
-        novels.read(&format!("texts/{book}.txt")).split_whitespace().count()
+        novels
+            .read(&format!("texts/{book}.txt"))
+            .split_whitespace()
+            .count()
     });
     let all: usize = words.iter().sum();
-    assert!(report.summaries[0].text.starts_with(&format!("{all} words in all\n")));
+    assert!(
+        report.summaries[0]
+            .text
+            .starts_with(&format!("{all} words in all\n"))
+    );
 
     // One text: its count, its shard, and nothing of the others.
     let text = novels.read("texts/pride.txt");
-    fs::write(novels.path("texts/pride.txt"), format!("{text}Of of of of.\n")).unwrap();
+    fs::write(
+        novels.path("texts/pride.txt"),
+        format!("{text}Of of of of.\n"),
+    )
+    .unwrap();
     let ran = novels.run_with(State::Done);
     let [count, row, shard, table] = ran.as_slice() else {
         panic!("{ran:?}");
     };
-    assert_eq!([count, row, table], ["count.pride", "row.pride.1813", "table"]);
+    assert_eq!(
+        [count, row, table],
+        ["count.pride", "row.pride.1813", "table"]
+    );
     assert!(shard.starts_with("length."));
 
     // One cell of the table: the row that has it.
@@ -122,7 +144,10 @@ fn the_example_counts_words_and_runs_only_what_a_change_reaches() {
     // All stages of a fan-out are a target.
     novels.options.targets = vec!["count".to_owned()];
     novels.options.force = true;
-    assert_eq!(novels.run_with(State::Done), ["count.moby", "count.pride", "count.cities"]);
+    assert_eq!(
+        novels.run_with(State::Done),
+        ["count.moby", "count.pride", "count.cities"]
+    );
 }
 
 #[test]
@@ -136,16 +161,28 @@ fn a_colleague_with_the_same_inputs_takes_everything_from_the_cache() {
     let (mine, theirs) = (with_cache(), with_cache());
     assert_eq!(mine.run_with(State::Done).len(), 9);
     let report = theirs.run();
-    assert!(report.stages.iter().all(|stage| stage.state == State::Restored));
+    assert!(
+        report
+            .stages
+            .iter()
+            .all(|stage| stage.state == State::Restored)
+    );
     assert!(report.summaries[0].text.contains("words in all"));
     assert_eq!(theirs.read("made/table.csv"), TABLE);
     assert_eq!(theirs.run_with(State::UpToDate).len(), 9);
-    assert_eq!(mine.at().ledger.stage["table"].digest, theirs.at().ledger.stage["table"].digest);
+    assert_eq!(
+        mine.at().ledger.stage["table"].digest,
+        theirs.at().ledger.stage["table"].digest
+    );
 
     // Damaged: said, thrown out, made again and put in again.
     let mut damaged = 0;
     let content = cache.path().join("v1/content");
-    for entry in fs::read_dir(&content).unwrap().flatten().flat_map(|e| fs::read_dir(e.path()).unwrap()) {
+    for entry in fs::read_dir(&content)
+        .unwrap()
+        .flatten()
+        .flat_map(|e| fs::read_dir(e.path()).unwrap())
+    {
         let path = entry.unwrap().path();
         if fs::read_to_string(&path).unwrap() == TABLE {
             fs::write(&path, "damaged").unwrap();
@@ -156,7 +193,11 @@ fn a_colleague_with_the_same_inputs_takes_everything_from_the_cache() {
     let next = with_cache();
     let report = next.run();
     assert_eq!(report.warnings.len(), 1);
-    assert!(report.warnings[0].to_string().contains("damaged for stage `table`"));
+    assert!(
+        report.warnings[0]
+            .to_string()
+            .contains("damaged for stage `table`")
+    );
     assert_eq!(next.read("made/table.csv"), TABLE);
     let last = with_cache();
     assert_eq!(last.run_with(State::Restored).len(), 9);
@@ -177,10 +218,21 @@ fn verify_reads_everything_again() {
     assert!(found.findings.is_empty() && found.compared > 9, "{found:?}");
     fs::write(novels.path("made/table.csv"), "edited").unwrap();
     fs::remove_file(novels.path("texts/moby.txt")).unwrap();
-    let found = verify(&novels.pipeline(), &novels.place()).unwrap().findings;
-    let told: Vec<_> = found.iter().map(|f| (f.stage.as_str(), f.role, f.state)).collect();
-    assert!(told.contains(&("table", Role::Output, FileState::Changed)), "{told:?}");
-    assert!(told.contains(&("count.moby", Role::Input, FileState::Missing)), "{told:?}");
+    let found = verify(&novels.pipeline(), &novels.place())
+        .unwrap()
+        .findings;
+    let told: Vec<_> = found
+        .iter()
+        .map(|f| (f.stage.as_str(), f.role, f.state))
+        .collect();
+    assert!(
+        told.contains(&("table", Role::Output, FileState::Changed)),
+        "{told:?}"
+    );
+    assert!(
+        told.contains(&("count.moby", Role::Input, FileState::Missing)),
+        "{told:?}"
+    );
 }
 
 #[test]
@@ -191,18 +243,36 @@ fn trace_walks_back_to_the_rows_and_files() {
     let found = trace("made/table.csv").unwrap();
     assert_eq!(found.stages.len(), 9);
     assert_eq!(found.stages[0].stage, "table");
-    let sources: Vec<_> = found.sources.iter().map(|source| source.path.as_str()).collect();
-    assert_eq!(sources, ["texts/cities.txt", "texts/moby.txt", "texts/pride.txt"]);
+    let sources: Vec<_> = found
+        .sources
+        .iter()
+        .map(|source| source.path.as_str())
+        .collect();
+    assert_eq!(
+        sources,
+        ["texts/cities.txt", "texts/moby.txt", "texts/pride.txt"]
+    );
     let of_one = trace("./made/rows/pride.csv").unwrap();
     let names: Vec<_> = of_one.stages.iter().map(|s| s.stage.as_str()).collect();
     assert_eq!(names, ["row.pride.1813", "count.pride"]);
     let lines = of_one.lines();
-    assert_eq!(lines[1], "<- stage row.pride.1813 (row on line 3 of books.csv)");
+    assert_eq!(
+        lines[1],
+        "<- stage row.pride.1813 (row on line 3 of books.csv)"
+    );
     fs::write(novels.path("texts/pride.txt"), "other").unwrap();
     let lines = trace("made/rows/pride.csv").unwrap().lines();
-    assert!(lines.last().unwrap().ends_with("texts/pride.txt (changed since)"));
+    assert!(
+        lines
+            .last()
+            .unwrap()
+            .ends_with("texts/pride.txt (changed since)")
+    );
     let error = trace("made/tabel.csv").unwrap_err();
-    assert_eq!(error.suggestion().as_deref(), Some("did you mean `made/table.csv`?"));
+    assert_eq!(
+        error.suggestion().as_deref(),
+        Some("did you mean `made/table.csv`?")
+    );
     let root = novels.folder.path();
     assert_eq!(below_root(&root.join("made/../a.csv"), root), "a.csv");
 }
@@ -215,10 +285,18 @@ fn diff_names_parameters_inputs_and_numbers() {
     first.run();
     second.run();
     let same = diff(&first.at(), &second.at()).unwrap();
-    let outputs = same.stages.iter().map(|stage| stage.outputs.len()).sum::<usize>();
+    let outputs = same
+        .stages
+        .iter()
+        .map(|stage| stage.outputs.len())
+        .sum::<usize>();
     let parameters_only = same.stages.iter().flat_map(|s| &s.made_from);
     assert_eq!(outputs, 0, "another folder is no difference: {same:?}");
-    assert!(parameters_only.into_iter().all(|r| r.to_string().contains("parameter `out`")));
+    assert!(
+        parameters_only
+            .into_iter()
+            .all(|r| r.to_string().contains("parameter `out`"))
+    );
     let books = second.read("books.csv").replace("1813", "1814");
     fs::write(second.path("books.csv"), books).unwrap();
     let text = second.read("texts/moby.txt");
@@ -228,11 +306,17 @@ fn diff_names_parameters_inputs_and_numbers() {
     assert_eq!(found.only_first, ["row.pride.1813"]);
     let lines = found.lines().join("\n");
     assert!(lines.contains("input `texts/moby.txt` changed"), "{lines}");
-    assert!(lines.contains("{out}/table.csv: 1 of 3 numbers differ"), "{lines}");
+    assert!(
+        lines.contains("{out}/table.csv: 1 of 3 numbers differ"),
+        "{lines}"
+    );
     assert!(lines.contains("pride, year: 1813 -> 1814"), "{lines}");
     fs::write(second.path("there/table.csv"), "edited").unwrap();
     let lines = diff(&first.at(), &second.at()).unwrap().lines().join("\n");
-    assert!(lines.contains("no longer what the second run had made"), "{lines}");
+    assert!(
+        lines.contains("no longer what the second run had made"),
+        "{lines}"
+    );
 }
 
 #[test]
@@ -243,13 +327,23 @@ fn clean_removes_what_was_made_here_and_nothing_else() {
     fs::write(novels.path("made/notes.txt"), "mine").unwrap();
     let clean = |targets: &[&str], force, dry_run| {
         let targets: Vec<String> = targets.iter().map(|t| (*t).to_owned()).collect();
-        clean(&novels.pipeline(), &novels.place(), &targets, force, dry_run).unwrap()
+        clean(
+            &novels.pipeline(),
+            &novels.place(),
+            &targets,
+            force,
+            dry_run,
+        )
+        .unwrap()
     };
     assert_eq!(clean(&[], false, true).removed.len(), 8);
     assert_eq!(novels.read("made/table.csv"), TABLE);
     assert_eq!(clean(&["table"], false, false).removed, ["made/table.csv"]);
     let cleaned = clean(&[], false, false);
-    assert_eq!((cleaned.removed.len(), cleaned.kept.as_slice()), (7, &["made/rows/pride.csv".to_owned()][..]));
+    assert_eq!(
+        (cleaned.removed.len(), cleaned.kept.as_slice()),
+        (7, &["made/rows/pride.csv".to_owned()][..])
+    );
     assert!(!novels.path("made/counts").exists());
     assert_eq!(clean(&[], true, false).removed, ["made/rows/pride.csv"]);
     assert_eq!(novels.read("made/notes.txt"), "mine");
@@ -263,7 +357,11 @@ fn a_new_version_of_a_stage_runs_it_again() {
     novels.run();
     let file = novels.path("pipelines/words.toml");
     let text = fs::read_to_string(&file).unwrap();
-    fs::write(&file, text.replace("name = \"table\"", "name = \"table\"\nversion = \"2\"")).unwrap();
+    fs::write(
+        &file,
+        text.replace("name = \"table\"", "name = \"table\"\nversion = \"2\""),
+    )
+    .unwrap();
     let status = why(&novels.pipeline(), &novels.place(), "table").unwrap();
     let reason = status[0].reasons[0].to_string();
     assert_eq!(reason, "`table` changed from version none to 2");
@@ -273,10 +371,16 @@ fn a_new_version_of_a_stage_runs_it_again() {
 /// Editors complete pipelines by this file; `UPDATE_SCHEMA=1` writes it anew.
 #[test]
 fn the_schema_beside_the_pipelines_is_that_of_this_version() {
-    let file = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../pipelines/schema.json"));
+    let file = Path::new(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../pipelines/schema.json"
+    ));
     let text = serde_json::to_string_pretty(&schema()).unwrap() + "\n";
     if std::env::var_os("UPDATE_SCHEMA").is_some() {
         fs::write(file, &text).unwrap();
     }
-    assert!(fs::read_to_string(file).unwrap() == text, "UPDATE_SCHEMA=1 cargo test writes it");
+    assert!(
+        fs::read_to_string(file).unwrap() == text,
+        "UPDATE_SCHEMA=1 cargo test writes it"
+    );
 }

@@ -86,8 +86,9 @@ fn ran_in(root: &Path, line: u32) -> RunReport {
 
 fn project() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let lines: String = (0..50).map(|i| format!("{}\n", i * 37 % 101)).collect();
-    fs::write(folder.path().join("source.txt"), lines).unwrap();
+    let lines: Vec<String> = (0..50).map(|i| (i * 37 % 101).to_string()).collect();
+    let text = lines.join("\n") + "\n";
+    fs::write(folder.path().join("source.txt"), text).unwrap();
     folder
 }
 
@@ -239,7 +240,7 @@ fn a_clock_that_was_wrong_neither_hides_a_change_nor_makes_one() {
             .unwrap()
             .set_modified(time)
     };
-    let day = Duration::from_secs(86_400);
+    let day = Duration::from_hours(24);
     let ran = |report: RunReport| {
         report
             .stages

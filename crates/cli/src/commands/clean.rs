@@ -42,10 +42,15 @@ impl Clean {
         if self.format == Format::Json {
             return print_json(&cleaned);
         }
-        let verb = if self.dry_run { "would remove" } else { "removed" };
+        let verb = if self.dry_run {
+            "would remove"
+        } else {
+            "removed"
+        };
         let removed = cleaned.removed.iter().map(|path| format!("{verb} {path}"));
         let kept = cleaned.kept.iter();
-        let kept = kept.map(|path| format!("kept {path}: it was edited by hand (--force removes it)"));
+        let kept =
+            kept.map(|path| format!("kept {path}: it was edited by hand (--force removes it)"));
         let mut lines: Vec<String> = removed.chain(kept).collect();
         if lines.is_empty() {
             lines.push("nothing to remove".to_owned());

@@ -34,8 +34,9 @@ impl Diff {
 
 fn run_of(file: &Path) -> Result<RunAt, Failure> {
     let place = place(file)?;
-    let ledger = Ledger::read_any(&place.ledger)
-        .map_err(Failure::pipeline("could not read what the run was made from"))?;
+    let ledger = Ledger::read_any(&place.ledger).map_err(Failure::pipeline(
+        "could not read what the run was made from",
+    ))?;
     let root = place.root;
     Ok(RunAt { ledger, root })
 }

@@ -143,7 +143,11 @@ fn say(event: &Event<'_>) {
             wanted,
         } => eprintln!("[{settled}/{wanted}] {stage}: taken from the cache"),
         Event::Submitted { job, stage, tasks } => {
-            let tasks = if *tasks == 1 { String::new() } else { format!(" ({tasks} tasks)") };
+            let tasks = if *tasks == 1 {
+                String::new()
+            } else {
+                format!(" ({tasks} tasks)")
+            };
             eprintln!("{stage}: handed in as job {job}{tasks}");
         }
         Event::Resumed { stages } => {

@@ -21,7 +21,7 @@ const LOOKS: [Duration; 2] = [Duration::from_millis(100), Duration::from_secs(3)
 /// How long a task may be gone from the cluster before its word reaches us over a network.
 const WORD_AFTER_END: Duration = Duration::from_secs(4);
 /// How long the cluster may not answer.
-const SILENCE: Duration = Duration::from_secs(120);
+const SILENCE: Duration = Duration::from_mins(2);
 /// Last lines of a failed stage that are told.
 const TOLD_LINES: usize = 20;
 

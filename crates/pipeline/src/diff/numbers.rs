@@ -45,7 +45,8 @@ pub(super) fn csv_cells(bytes: &[u8], delimiter: u8) -> Option<Cells> {
     let (headers, rows) = crate::table::read(bytes, delimiter).ok()?;
     let name = |row: &[String], cells: usize| row[..cells].join(" ");
     let unique = |cells: &usize| {
-        let names: std::collections::BTreeSet<_> = rows.iter().map(|(_, row)| name(row, *cells)).collect();
+        let names: std::collections::BTreeSet<_> =
+            rows.iter().map(|(_, row)| name(row, *cells)).collect();
         names.len() == rows.len()
     };
     let key = (1..=headers.len().min(3)).find(unique);
