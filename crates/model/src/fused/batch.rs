@@ -5,7 +5,8 @@ use super::{
     matrix::{Aligned, Matrix},
     product::AddTo,
     roster::Roster,
-    tile::{self, Gradients, Predicted, Shared, Tile},
+    through::{self, Gradients},
+    tile::{self, Predicted, Shared, Tile},
 };
 use crate::{
     losses::{LossWeights, Reading, Sums},
@@ -77,7 +78,7 @@ impl Batches {
             tile: Tile::new(&layout, d, SIGNALS * a.window_steps),
             gradient: Aligned::zeros(layout.packed),
             lines: Matrix::zeros(drivers.min(most), roster.columns.all),
-            narrow: Aligned::zeros(tile::narrow_room(&layout)),
+            narrow: Aligned::zeros(through::narrow_room(&layout)),
             sums: Sums::default(),
             predicted: Vec::new(),
         };

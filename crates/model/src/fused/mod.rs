@@ -2,7 +2,7 @@
 //!
 //! Rows of data lie one after the other, their features along the vectors ([`matrix`]); two products do all the
 //! work ([`product`]); weights are kept as those products read them ([`layout`]); what a first layer makes of a
-//! driver's `w` is a row of a table, made once a batch ([`roster`]); [`tile`] is the pass itself, [`batch`] splits
+//! driver's `w` is a row of a table, made once a batch ([`roster`]); [`through`] takes a stack of layers, [`tile`] all five sub-networks, [`batch`] splits
 //! a batch into lanes whose sums are taken in a fixed order.
 //!
 //! Every sum runs in one order whatever the vectors' width, so AVX2 and AVX-512 agree to the last bit, and plain
@@ -16,4 +16,5 @@ pub(crate) mod product;
 pub(crate) mod roster;
 #[cfg(test)]
 mod tests;
+pub(crate) mod through;
 pub(crate) mod tile;
