@@ -72,7 +72,12 @@ fn ngsim_pairs_in_feet_go_to_the_same_table() {
     let found: serde_json::Value = serde_json::from_str(&text).unwrap();
     let gaps = &found["drivers"][0]["series"]["gap_m"];
     // Recorded in feet: metres after reading, so dense traffic stays below 40.
-    assert!(gaps.as_array().unwrap().iter().all(|g| g.as_f64().unwrap() < 40.0));
+    assert!(
+        gaps.as_array()
+            .unwrap()
+            .iter()
+            .all(|g| g.as_f64().unwrap() < 40.0)
+    );
     let closed_loop = &found["closed_loop"]["seeds"][0];
     for w in ["own", "mean"] {
         for driver in closed_loop[w].as_array().unwrap() {

@@ -55,12 +55,9 @@ pub fn predicted_speeds_mps(
     stretch: &Stretch<'_>,
 ) -> Vec<f64> {
     let mut window = filled(window, stretch);
-    let columns = stretch.run.columns();
     let rows = stretch.rows.clone().map(|row| {
-        let now = recorded(stretch, row);
-        debug_assert!((now.time_s - columns.time_s[row]).abs() < f64::EPSILON);
         window
-            .push(&now)
+            .push(&recorded(stretch, row))
             .and_then(|()| predictor.predict(&window))
             .map_or(f64::NAN, |asked| asked.speed_mps)
     });
@@ -98,5 +95,62 @@ fn situation(time_s: f64, ego_speed_mps: f64, gap_m: f64, lead_speed_mps: f64) -
             dy_m: 0.0,
             speed_mps: lead_speed_mps,
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        following::{FollowingRun, made_up, simulate},
+        params::{TrainParams, TrainSettings},
+        test_drives::drivers,
+        train::{TrainingDrive, train},
+    };
+    use std::ops::ControlFlow;
+
+    #[test]
+    fn v_drives_towards_its_prediction_and_the_smaller_command_counts() {
+        let drives = drivers(2, 60.0);
+        let given: Vec<_> = drives
+            .iter()
+            .map(|(drive, _)| TrainingDrive { drive, adb: None })
+            .collect();
+        let settings = TrainSettings {
+            epochs: 1,
+            ..TrainSettings::default()
+        };
+        let params = TrainParams::new(settings).unwrap();
+        let go_on = &mut |_: &_| ControlFlow::Continue(());
+        let model = train(&given, &params, 1, go_on).unwrap().model;
+        let predictor = Predictor::new(&model, model.mean_embedding()).unwrap();
+        let run: FollowingRun = made_up::behind("P01", 300, 30.0, 20.0, |_| 20.0);
+        let test = run.test();
+        let predicted = predicted_speeds_mps(&predictor, model.window_buffer(), &test);
+        assert_eq!(predicted.len(), 100);
+        assert!(predicted.iter().all(|v| v.is_finite()));
+        let alone = |distance: Option<KeepDistance<fn(f64) -> f64>>| {
+            let window = model.window_buffer();
+            let mut law = velocity_law(&predictor, window, &test, distance);
+            law(30.0, 20.0, 20.0)
+        };
+        // The first command comes from the recorded window alone.
+        let expected = (predicted[0] - 20.0) / LAG_S;
+        assert!((alone(None) - expected).abs() < 1e-9);
+        let far = |_: f64| 500.0;
+        let with = alone(Some(KeepDistance {
+            distance_m: far,
+            gains: crate::following::ConstantTimeGap::GAINS,
+            safety: crate::following::SafetyBound::default(),
+        }));
+        assert!(with < -8.0 && with <= expected);
+        let window = model.window_buffer();
+        let law = velocity_law(
+            &predictor,
+            window,
+            &test,
+            None::<KeepDistance<fn(f64) -> f64>>,
+        );
+        assert_eq!(simulate(&test, "V", law).unwrap().gap_m.len(), 100);
     }
 }

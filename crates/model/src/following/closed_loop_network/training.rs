@@ -176,18 +176,15 @@ fn batches(drivers: &[Stretch<'_>], steps: usize, phase: Option<usize>) -> Vec<B
     let mut segments: Vec<(usize, usize, f64)> = Vec::new();
     for (driver, stretch) in drivers.iter().enumerate() {
         let all = stretch.rows.len() - 1;
-        let starts: Vec<usize> = match phase {
-            Some(phase) => {
-                let phase = phase.min(all - steps);
-                (0..(all - phase) / steps)
-                    .map(|i| phase + i * steps)
-                    .collect()
-            }
-            None => {
-                let between = (steps / OVERLAP).max(1);
-                let count = 1 + (all - steps).div_ceil(between);
-                (0..count).map(|i| (i * between).min(all - steps)).collect()
-            }
+        let starts: Vec<usize> = if let Some(phase) = phase {
+            let phase = phase.min(all - steps);
+            (0..(all - phase) / steps)
+                .map(|i| phase + i * steps)
+                .collect()
+        } else {
+            let between = (steps / OVERLAP).max(1);
+            let count = 1 + (all - steps).div_ceil(between);
+            (0..count).map(|i| (i * between).min(all - steps)).collect()
         };
         let weight = 1.0 / (drivers.len() * starts.len()) as f64;
         segments.extend(
