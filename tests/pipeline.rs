@@ -121,7 +121,10 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
         assert!(log(&once) == log(&twice), "{file} differs");
     }
     let again = log("run/logs/study2-again/S2P03-own-again.mcap");
-    assert!(again != log("run/logs/study2/S2P03-own.mcap"), "another day");
+    assert!(
+        again != log("run/logs/study2/S2P03-own.mcap"),
+        "another day"
+    );
 
     for drives in ["study1", "study2", "study1-again", "study2-again"] {
         let (from, to) = (format!("run/logs/{drives}"), format!("run/drives/{drives}"));
@@ -129,10 +132,23 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
     }
     let scores = ["--surveys", "run/surveys.csv", "--out", "run/scores.csv"];
     study.maveric(&[&["score"][..], &scores].concat()).ok();
-    let train = ["train", "--drives", "run/drives/study1", "--scores", "run/scores.csv"];
+    let train = [
+        "train",
+        "--drives",
+        "run/drives/study1",
+        "--scores",
+        "run/scores.csv",
+    ];
     let short = ["--out", "model.maveric", "--epochs", "2"];
     study.maveric(&[&train[..], &short].concat()).ok();
-    let validate = ["validate", "run", "--model", "model.maveric", "--out", "found"];
+    let validate = [
+        "validate",
+        "run",
+        "--model",
+        "model.maveric",
+        "--out",
+        "found",
+    ];
     let short = ["--duration", "120", "--format", "json"];
     let ran = study.maveric(&[&validate[..], &short].concat()).ok();
     let found: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
@@ -148,10 +164,21 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
     let page = std::fs::read_to_string(study.path("found/validation.md")).unwrap();
     assert!(page.contains("Identity") && !page.contains("NaN"));
     for table in ["identity", "fidelity", "dial", "perpendicular", "line"] {
-        assert!(study.path(&format!("found/validation-{table}.csv")).exists());
+        assert!(
+            study
+                .path(&format!("found/validation-{table}.csv"))
+                .exists()
+        );
     }
     study
-        .maveric(&["validate", "once", "--model", "model.maveric", "--out", "none"])
+        .maveric(&[
+            "validate",
+            "once",
+            "--model",
+            "model.maveric",
+            "--out",
+            "none",
+        ])
         .failed(1, &["once"]);
 }
 
