@@ -35,7 +35,7 @@ write dvc
 { echo "stages:"; each in_dvc; } >dvc.yaml
 git init -q . && dvc init -q
 write snakemake
-{ echo "rule all:"; echo "    input: ["; each echo | while read -r i _; do echo "        'out/$i.txt',"; done; echo "    ]"; each in_snakemake; } >Snakefile
+{ echo "rule all:"; echo "    input:"; each echo | while read -r i _; do echo "        'out/$i.txt',"; done; each in_snakemake; } >Snakefile
 
 seconds() {
   start=$(date +%s.%N)
