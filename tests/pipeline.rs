@@ -261,3 +261,53 @@ fn an_interrupted_run_ends_with_130_and_goes_on_where_it_stopped() {
     assert_eq!(generate.1, "up_to_date");
     is_page(&study.path("reports/smoke/index.html"));
 }
+
+#[test]
+fn a_pipeline_of_someone_elses_is_run_verified_traced_compared_and_cleaned() {
+    let study = TempStudy::new();
+    let example = support::root().join("crates/pipeline/examples/novels");
+    for file in [
+        "books.csv",
+        "pipelines/words.toml",
+        "texts/moby.txt",
+        "texts/pride.txt",
+        "texts/cities.txt",
+    ] {
+        for copy in ["one", "two"] {
+            study.write(
+                &format!("{copy}/{file}"),
+                std::fs::read(example.join(file)).unwrap(),
+            );
+        }
+    }
+    let (one, two) = ("one/pipelines/words.toml", "two/pipelines/words.toml");
+    let ran = study
+        .maveric(&["run", one, "-j", "2", "--cache", "cache"])
+        .ok();
+    assert!(ran.stdout.contains("moby,1851,the and i"), "{}", ran.stdout);
+    let taken = study.maveric(&["run", two, "--cache", "cache"]).ok();
+    assert!(
+        taken.stderr.contains("[9/9] table: taken from the cache"),
+        "{}",
+        taken.stderr
+    );
+    let same = study.maveric(&["diff", one, two]).ok().stdout;
+    assert_eq!(same, "9 stages are the same in both\n");
+    let verified = study.maveric(&["verify", one]).ok().stdout;
+    assert!(verified.contains("0 not as recorded"), "{verified}");
+    let path = ["trace", "one/made/rows/pride.csv", "--pipeline", one];
+    let trace = study.maveric(&path).ok().stdout;
+    assert!(trace.contains("(row on line 3 of books.csv)"), "{trace}");
+    study.write("two/made/table.csv", "edited by hand\n");
+    let verified = study.maveric(&["verify", two]);
+    assert_eq!(verified.status, Some(1));
+    assert!(
+        verified
+            .stdout
+            .contains("made/table.csv, which it makes, has another content")
+    );
+    let cleaned = study.maveric(&["clean", two]).ok().stdout;
+    assert!(cleaned.contains("kept made/table.csv"), "{cleaned}");
+    let graph = study.maveric(&["graph", one]).ok().stdout;
+    assert!(graph.contains("row (x3)     <- count (x3)"), "{graph}");
+}

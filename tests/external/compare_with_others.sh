@@ -2,15 +2,16 @@
 # The same pipeline of short stages for three programs: this one, DVC 3 and Snakemake 9.
 #
 #   python3 -m venv VENV && VENV/bin/pip install 'dvc>=3,<4' 'snakemake>=9,<10'
-#   tests/external/compare_with_others.sh PROGRAM VENV [STAGES [FOLDER]]
+#   tests/external/compare_with_others.sh PROGRAM VENV [STAGES [FOLDER [NAMES]]]
 #
-# PROGRAM is the built `maveric`. Every stage is `cp` of one small file, in chains of ten. Prints seconds: the
+# PROGRAM is the built `maveric`; NAMES are those to run, all when not given. Every stage is `cp` of one small file, in chains of ten. Prints seconds: the
 # whole first run, one job at a time and two; a run with nothing to do; one source edited.
 set -eu
 program=$(realpath "$1")
 bin=$(realpath "$2")/bin
 stages=${3:-1000}
 work=$(realpath "${4:-$(mktemp -d /tmp/compare.XXXXXX)}")
+names=${5:-maveric snakemake dvc}
 export DVC_NO_ANALYTICS=true PATH="$bin:$PATH"
 
 write() {
@@ -35,7 +36,7 @@ write dvc
 { echo "stages:"; each in_dvc; } >dvc.yaml
 git init -q . && dvc init -q
 write snakemake
-{ echo "rule all:"; echo "    input: ["; each echo | while read -r i _; do echo "        'out/$i.txt',"; done; echo "    ]"; each in_snakemake; } >Snakefile
+{ echo "rule all:"; echo "    input:"; each echo | while read -r i _; do echo "        'out/$i.txt',"; done; each in_snakemake; } >Snakefile
 
 seconds() {
   start=$(date +%s.%N)
@@ -59,9 +60,10 @@ row() { # name, then the command for one job; two jobs in $two
   edited=$(seconds "$@")
   printf '%-12s %12s %12s %12s %12s\n' "$name" "$one" "$second" "$none" "$edited"
 }
-two="$program run p.toml -j 2"
-row maveric "$program" run p.toml
-two="snakemake -j 2 -q all"
-row snakemake snakemake -j 1 -q all
-two= # dvc repro has no -j
-row dvc dvc repro -q
+for name in $names; do
+  case $name in
+    maveric) two="$program run p.toml -j 2"; row maveric "$program" run p.toml ;;
+    snakemake) two="snakemake -j 2 -q all"; row snakemake snakemake -j 1 -q all ;;
+    dvc) two=; row dvc dvc repro -q ;; # it has no -j
+  esac
+done

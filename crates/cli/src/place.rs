@@ -42,8 +42,8 @@ impl PipelineArgs {
 /// The project's root: above `pipelines/`, else the current folder.
 fn root(file: &Path) -> Result<PathBuf, Failure> {
     let doing = "could not find the project's folder";
-    let folder = file.parent().unwrap_or(Path::new(""));
-    let absolute = std::path::absolute(folder).map_err(|e| Failure::io(doing, e))?;
+    let absolute = std::path::absolute(file).map_err(|e| Failure::io(doing, e))?;
+    let absolute = absolute.parent().unwrap_or(&absolute);
     let root = if absolute.file_name().is_some_and(|n| n == "pipelines") {
         absolute.parent().map(Path::to_owned)
     } else {

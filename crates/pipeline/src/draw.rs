@@ -2,71 +2,119 @@
 
 mod svg;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::Graph;
 
-impl Graph<'_> {
-    /// A line a stage, in the order in which they run, with the stages that it waits for.
-    pub fn text(&self) -> String {
-        let width = self.ordered().map(|s| s.name.len()).max().unwrap_or(0);
-        let line = |&user: &usize| {
-            let name = &self.stage(user).name;
-            let makers: Vec<&str> = self.makers_of(user).map(|i| self.name(i)).collect();
-            if makers.is_empty() {
-                format!("{name}\n")
-            } else {
-                format!("{name:width$}  <- {}\n", makers.join(", "))
+/// What is drawn: the stages, those of one fan-out as one.
+struct Picture<'g> {
+    pipeline: &'g str,
+    /// In the order in which (the first of) the stages run.
+    nodes: Vec<Node>,
+}
+
+struct Node {
+    /// The stage; of a fan-out also how many there are.
+    label: String,
+    /// Numbers of the nodes whose files it reads, itself not among them.
+    makers: BTreeSet<usize>,
+}
+
+impl<'g> Picture<'g> {
+    fn of(graph: &'g Graph<'_>) -> Self {
+        let mut numbers: BTreeMap<&str, usize> = BTreeMap::new();
+        let mut members: Vec<Vec<usize>> = Vec::new();
+        for &stage in graph.order() {
+            let next = members.len();
+            let number = *numbers.entry(&graph.stage(stage).family).or_insert(next);
+            if number == next {
+                members.push(Vec::new());
+            }
+            members[number].push(stage);
+        }
+        let node = |(number, stages): (usize, &Vec<usize>)| {
+            let needs = stages.iter().flat_map(|&stage| graph.needs(stage));
+            let makers = needs.map(|need| numbers[graph.stage(need.maker).family.as_str()]);
+            let first = graph.stage(stages[0]);
+            Node {
+                label: match stages.len() {
+                    1 => first.name.clone(),
+                    many => format!("{} (x{many})", first.family),
+                },
+                makers: makers.filter(|&maker| maker != number).collect(),
             }
         };
-        self.order().iter().map(line).collect()
+        Self {
+            pipeline: graph.pipeline().name(),
+            nodes: members.iter().enumerate().map(node).collect(),
+        }
+    }
+
+    /// The longest label, in letters.
+    fn width(&self) -> usize {
+        let widths = self.nodes.iter().map(|node| node.label.len());
+        widths.max().unwrap_or(0)
+    }
+
+    /// Maker and user, each pair once.
+    fn edges(&self) -> impl Iterator<Item = (usize, usize)> {
+        let nodes = self.nodes.iter().enumerate();
+        nodes.flat_map(|(user, node)| node.makers.iter().map(move |&maker| (maker, user)))
+    }
+}
+
+impl Graph<'_> {
+    /// A line a stage, in the order in which they run, with the stages that it waits for.
+    /// Here and in the other forms the stages of a fan-out are drawn as one.
+    pub fn text(&self) -> String {
+        let picture = Picture::of(self);
+        let width = picture.width();
+        let line = |node: &Node| {
+            let label = &node.label;
+            let makers = node.makers.iter().map(|&i| &*picture.nodes[i].label);
+            let makers: Vec<&str> = makers.collect();
+            if makers.is_empty() {
+                format!("{label}\n")
+            } else {
+                format!("{label:width$}  <- {}\n", makers.join(", "))
+            }
+        };
+        picture.nodes.iter().map(line).collect()
     }
 
     /// The graph for Graphviz.
     pub fn dot(&self) -> String {
-        let node = |&i: &usize| format!("  \"{}\";\n", self.name(i));
-        let edge = |(a, b)| format!("  \"{}\" -> \"{}\";\n", self.name(a), self.name(b));
-        let nodes: String = self.order().iter().map(node).collect();
-        let edges: String = self.edges().map(edge).collect();
-        let name = self.pipeline().name();
+        let picture = Picture::of(self);
+        let label = |i: usize| &picture.nodes[i].label;
+        let node = |node: &Node| format!("  \"{}\";\n", node.label);
+        let edge = |(a, b)| format!("  \"{}\" -> \"{}\";\n", label(a), label(b));
+        let nodes: String = picture.nodes.iter().map(node).collect();
+        let edges: String = picture.edges().map(edge).collect();
+        let name = picture.pipeline;
         format!("digraph \"{name}\" {{\n  rankdir=LR;\n  node [shape=box];\n{nodes}{edges}}}\n")
     }
 
     /// The graph for Mermaid, which Markdown viewers draw.
     pub fn mermaid(&self) -> String {
+        let picture = Picture::of(self);
         // Ids of our own: Mermaid gives a meaning to words such as `end`.
-        let node = |&i: &usize| format!("  s{i}[\"{}\"]\n", self.name(i));
-        let nodes: String = self.order().iter().map(node).collect();
+        let node = |(i, node): (usize, &Node)| format!("  s{i}[\"{}\"]\n", node.label);
+        let nodes: String = picture.nodes.iter().enumerate().map(node).collect();
         let edge = |(maker, user)| format!("  s{maker} --> s{user}\n");
-        let edges: String = self.edges().map(edge).collect();
+        let edges: String = picture.edges().map(edge).collect();
         format!("flowchart LR\n{nodes}{edges}")
     }
 
     /// The graph as a picture of its own, stages left of what needs them.
     pub fn svg(&self) -> String {
-        svg::draw(self)
-    }
-
-    fn name(&self, stage: usize) -> &str {
-        &self.stage(stage).name
-    }
-
-    fn makers_of(&self, stage: usize) -> impl Iterator<Item = usize> {
-        let makers: BTreeSet<usize> = self.needs(stage).iter().map(|n| n.maker).collect();
-        makers.into_iter()
-    }
-
-    /// Maker and user, each pair once, in the order in which the users run.
-    fn edges(&self) -> impl Iterator<Item = (usize, usize)> {
-        let order = self.order().iter();
-        order.flat_map(|&user| self.makers_of(user).map(move |maker| (maker, user)))
+        svg::draw(&Picture::of(self))
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::Graph;
     use crate::testing::pipeline;
+    use crate::{Graph, Pipeline};
 
     #[test]
     fn the_graph_reads_the_same_in_each_form() {
@@ -89,5 +137,16 @@ mod tests {
             1 + 1,
             "an edge and the arrow head"
         );
+    }
+
+    #[test]
+    fn a_fan_out_is_drawn_as_one() {
+        let text = "name = 'p'\n[[stage]]\nname = 'fit'\nmatrix = {i = [1, 2, 3]}\n\
+                    cmd = ['x']\noutputs = ['out/{i}']\n\
+                    [[stage]]\nname = 'join'\ncmd = ['x']\ninputs = ['out']\noutputs = ['all']\n";
+        let p = Pipeline::parse(text, "p.toml".as_ref(), ".".as_ref(), &[]).unwrap();
+        let graph = Graph::new(&p).unwrap();
+        assert_eq!(graph.text(), "fit (x3)\njoin      <- fit (x3)\n");
+        assert_eq!(graph.svg().matches("<rect").count(), 2);
     }
 }

@@ -36,6 +36,7 @@ for i in $(seq 0 "$last"); do
       if ls "$FAKE/failed/${other}_"* >/dev/null 2>&1; then
         touch "$FAKE/failed/${job}_$i"; rm "$FAKE/queue/${job}_$i"; exit; fi
     done
+    while [ -e "$FAKE/hold" ]; do sleep 0.02; done
     if [ -e "$FAKE/lose" ]; then rm "$FAKE/lose"; touch "$FAKE/failed/${job}_$i"
     else SLURM_ARRAY_TASK_ID=$i sh "$script" || touch "$FAKE/failed/${job}_$i"; fi
     rm "$FAKE/queue/${job}_$i"
@@ -224,18 +225,19 @@ fn a_cluster_makes_what_a_local_run_makes_and_a_killed_follower_is_resumed() {
     );
 
     // Another word: the three of `each` and `all` are handed in; then the follower dies.
+    fs::write(path.join("fake/hold"), "").unwrap();
     let mut follower = start(path, "slurm", "fin");
-    while fs::read_to_string(path.join("fake/last")).unwrap() != "6\n" {
+    let noted = || fs::read_to_string(path.join("p/p.lock.jobs")).unwrap_or_default();
+    while !(noted().contains("\"5\"") && noted().contains("\"6\"")) {
+        assert!(follower.try_wait().unwrap().is_none(), "it follows");
         std::thread::sleep(Duration::from_millis(5));
     }
-    std::thread::sleep(Duration::from_millis(60));
     follower.kill().unwrap();
     follower.wait().unwrap();
     let local = report(path, "local", "fin");
-    let refused = local["error"]
-        .as_str()
-        .is_some_and(|error| error.contains("on the cluster"));
-    assert!(refused || local["outcome"] == "done", "{local}");
+    let refused = local["error"].as_str().unwrap();
+    assert!(refused.contains("4 stages of this pipeline are still on the cluster (slurm)"));
+    fs::remove_file(path.join("fake/hold")).unwrap();
     let resumed = report(path, "slurm", "fin");
     assert_eq!(resumed["outcome"], "done", "{resumed}");
     assert_eq!((made(path), digests(path)), expected("fin"));

@@ -1,6 +1,6 @@
 //! A plain layered picture: one column a step from the sources, in pixels.
 
-use crate::Graph;
+use super::{Node, Picture};
 
 const BOX_HEIGHT: usize = 32;
 const ROW: usize = 52;
@@ -20,10 +20,9 @@ struct Cell {
     row: usize,
 }
 
-pub(super) fn draw(graph: &Graph<'_>) -> String {
-    let cells = cells(graph);
-    let letters = graph.ordered().map(|s| s.name.len()).max().unwrap_or(0);
-    let box_width = letters * LETTER + 2 * MARGIN;
+pub(super) fn draw(picture: &Picture<'_>) -> String {
+    let cells = cells(picture);
+    let box_width = picture.width() * LETTER + 2 * MARGIN;
     let left = |cell: Cell| MARGIN + cell.column * (box_width + GAP);
     let middle = |cell: Cell| MARGIN + cell.row * ROW + BOX_HEIGHT / 2;
     let columns = cells.iter().map(|c| c.column + 1).max().unwrap_or(0);
@@ -42,21 +41,21 @@ pub(super) fn draw(graph: &Graph<'_>) -> String {
              stroke=\"#555\" marker-end=\"url(#head)\"/>\n"
         )
     };
-    let node = |&stage: &usize| {
-        let cell = cells[stage];
+    let node = |(number, node): (usize, &Node)| {
+        let cell = cells[number];
         let (x, y) = (left(cell), middle(cell) - BOX_HEIGHT / 2);
         let (text_x, text_y) = (x + box_width / 2, middle(cell) + 5);
         format!(
             "<rect x=\"{x}\" y=\"{y}\" width=\"{box_width}\" height=\"{BOX_HEIGHT}\" rx=\"4\" \
              fill=\"#f4f6f8\" stroke=\"#555\"/>\n<text x=\"{text_x}\" y=\"{text_y}\" \
              text-anchor=\"middle\">{}</text>\n",
-            graph.name(stage)
+            node.label
         )
     };
     let width = 2 * MARGIN + columns * (box_width + GAP) - GAP.min(columns * GAP);
     let height = 2 * MARGIN + rows * ROW - (ROW - BOX_HEIGHT);
-    let edges: String = graph.edges().map(edge).collect();
-    let nodes: String = graph.order().iter().map(node).collect();
+    let edges: String = picture.edges().map(edge).collect();
+    let nodes: String = picture.nodes.iter().enumerate().map(node).collect();
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
          viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"14\">\n\
@@ -66,11 +65,11 @@ pub(super) fn draw(graph: &Graph<'_>) -> String {
 
 /// Each stage one column right of the last of its makers, at the lowest free row from
 /// that of its first maker on.
-fn cells(graph: &Graph<'_>) -> Vec<Cell> {
-    let mut cells = vec![Cell::default(); graph.order().len()];
+fn cells(picture: &Picture<'_>) -> Vec<Cell> {
+    let mut cells = vec![Cell::default(); picture.nodes.len()];
     let mut next_row: Vec<usize> = Vec::new();
-    for &stage in graph.order() {
-        let makers: Vec<Cell> = graph.makers_of(stage).map(|i| cells[i]).collect();
+    for (number, node) in picture.nodes.iter().enumerate() {
+        let makers: Vec<Cell> = node.makers.iter().map(|&i| cells[i]).collect();
         let column = makers.iter().map(|c| c.column + 1).max().unwrap_or(0);
         if next_row.len() <= column {
             next_row.resize(column + 1, 0);
@@ -78,7 +77,7 @@ fn cells(graph: &Graph<'_>) -> Vec<Cell> {
         let row = makers.iter().map(|c| c.row).min().unwrap_or(0);
         let row = row.max(next_row[column]);
         next_row[column] = row + 1;
-        cells[stage] = Cell { column, row };
+        cells[number] = Cell { column, row };
     }
     cells
 }
