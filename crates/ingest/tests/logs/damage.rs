@@ -422,7 +422,7 @@ fn files_that_are_no_logs_are_told_apart() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
 
     #[test]
     fn no_damage_makes_a_panic_or_a_number_that_is_none(
