@@ -5,6 +5,7 @@
 //! [`write_mcap`] writes a recording as a CARLA rig would have.
 
 mod assemble;
+mod centre_line;
 mod differentiate;
 mod drive_file;
 mod error;

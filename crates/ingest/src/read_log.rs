@@ -2,6 +2,7 @@
 
 use crate::{
     assemble::{Target, assemble},
+    centre_line::CentreLine,
     error::IngestError,
     mapping::{FrameKind, Mapping, RoadMapping, names::meta_of},
     quality::{Warning, WarningKind},
@@ -79,6 +80,11 @@ pub fn read_log(path: &Path, settings: &IngestSettings) -> Result<Vec<Ingested>,
         Some(meta) => meta,
         None => named(path, mapping, &mut warnings)?,
     };
+    let (mut drive, mut target) = (drive, target);
+    if let Some(points) = mapping.map(|m| &m.centre_line).filter(|p| !p.is_empty()) {
+        CentreLine::new(points).straighten(&mut drive);
+        target.frame = FrameKind::Map;
+    }
     let (recording, more) = assemble(path, drive, &target)?;
     warnings.extend(more);
     Ok(vec![Ingested {
@@ -198,7 +204,7 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, IngestError> {
     }
     let same = head.iter().zip(magic).filter(|(a, b)| a == b).count();
     let mut tail = Vec::new();
-    let to_tail = file.seek(SeekFrom::End(-(magic.len() as i64)));
+    let to_tail = file.seek(SeekFrom::End(-8));
     if to_tail.is_ok() {
         file.read_to_end(&mut tail).map_err(wrong)?;
     }

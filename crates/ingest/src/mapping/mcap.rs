@@ -72,12 +72,9 @@ pub struct RigSigns {
 
 impl RigSigns {
     /// Whether channels, given as topic and type, show this rig; without a sign they never do.
-    pub(crate) fn show<'a>(
-        &self,
-        channels: impl Iterator<Item = (&'a str, &'a str)> + Clone,
-    ) -> bool {
-        let topic = |pattern: &String| channels.clone().any(|c| matches(pattern, c.0));
-        let of_type = |pattern: &String| channels.clone().any(|c| matches(pattern, c.1));
+    pub(crate) fn show(&self, channels: &[(&str, &str)]) -> bool {
+        let topic = |pattern: &String| channels.iter().any(|c| matches(pattern, c.0));
+        let of_type = |pattern: &String| channels.iter().any(|c| matches(pattern, c.1));
         let signs = self.topics.len() + self.types.len();
         signs > 0 && self.topics.iter().all(topic) && self.types.iter().all(of_type)
     }

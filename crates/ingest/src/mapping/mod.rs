@@ -27,6 +27,10 @@ pub struct Mapping {
     pub skip: Vec<String>,
     /// The road, where the log does not say it.
     pub road: Option<RoadMapping>,
+    /// Points along the centre of the right lane in the log's frame, in m and in driving direction: the road is straightened
+    /// along them, instead of by [`RoadMapping::frame`].
+    #[serde(default)]
+    pub centre_line: Vec<[f64; 2]>,
     /// Ids from file names.
     pub names: Option<Names>,
     /// Columns of a table.
@@ -144,6 +148,13 @@ impl Mapping {
             positive("road.posted_speed_mps", road.posted_speed_mps)?;
             if !road.right_lane_centre_y_m.is_finite() {
                 return Err("`road.right_lane_centre_y_m` is not finite".to_owned());
+            }
+        }
+        if !self.centre_line.is_empty() {
+            let finite = self.centre_line.iter().flatten().all(|v| v.is_finite());
+            let apart = self.centre_line.windows(2).all(|w| w[0] != w[1]);
+            if self.centre_line.len() < 2 || !finite || !apart {
+                return Err("`centre_line` is expected to have two or more finite points, no two alike in a row".to_owned());
             }
         }
         if let Some(mcap) = &self.mcap {

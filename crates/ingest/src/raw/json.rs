@@ -154,7 +154,7 @@ mod tests {
         let mut rows = Vec::new();
         let plan = Plan::compile(wanted);
         plan.run(text.as_bytes(), &mut Vec::new(), &mut |r| {
-            rows.push(r.to_vec())
+            rows.push(r.to_vec());
         })?;
         Ok(rows)
     }

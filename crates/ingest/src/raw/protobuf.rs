@@ -223,7 +223,7 @@ fn wire_kind(kind: &Kind) -> u64 {
 }
 
 fn value(kind: &Kind, piece: Piece<'_>) -> Option<f64> {
-    let unzigzag = |v: u64| (v >> 1) as i64 ^ -((v & 1) as i64);
+    let unzigzag = |v: u64| (v >> 1).cast_signed() ^ -((v & 1).cast_signed());
     Some(match (kind, piece) {
         (Kind::Double, Piece::Eight(b)) => f64::from_le_bytes(b),
         (Kind::Fixed64, Piece::Eight(b)) => u64::from_le_bytes(b) as f64,
@@ -233,7 +233,7 @@ fn value(kind: &Kind, piece: Piece<'_>) -> Option<f64> {
         (Kind::Sfixed32, Piece::Four(b)) => f64::from(i32::from_le_bytes(b)),
         (Kind::Sint32 | Kind::Sint64, Piece::Varint(v)) => unzigzag(v) as f64,
         (Kind::Uint32 | Kind::Uint64 | Kind::Bool, Piece::Varint(v)) => v as f64,
-        (_, Piece::Varint(v)) => v as i64 as f64,
+        (_, Piece::Varint(v)) => v.cast_signed() as f64,
         _ => return None,
     })
 }

@@ -7,7 +7,7 @@ const ODOMETRY: &str = include_str!("../../src/raw/ros2/schemas/odometry.txt");
 const OBJECTS: &str = include_str!("../../src/raw/ros2/schemas/object_array.txt");
 
 /// `minutes` of odometry at 50 Hz and lists of `cars` objects at 20 Hz, in zstd chunks.
-pub fn log(minutes: f64, cars: u32) -> Vec<u8> {
+pub(crate) fn log(minutes: f64, cars: u32) -> Vec<u8> {
     let options = WriteOptions::new().compression(Some(Compression::Zstd));
     let mut out = options.create(Cursor::new(Vec::new())).unwrap();
     let mut channel = |topic: &str, name: &str, text: &str| {
@@ -102,7 +102,9 @@ impl Cdr {
     }
 
     fn f64s(&mut self, values: &[f64]) {
-        values.iter().for_each(|v| self.put(&v.to_le_bytes()));
+        for v in values {
+            self.put(&v.to_le_bytes());
+        }
     }
 
     fn pose(&mut self, x: f64, y: f64) {

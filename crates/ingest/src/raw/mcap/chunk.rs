@@ -148,7 +148,7 @@ impl Unpacker {
             total: 0,
         };
         let unpacked = match packing {
-            Packing::None => splitter.take(data).map(|left| left == data.len()),
+            Packing::None => Ok(splitter.take(data) == data.len()),
             Packing::Zstd => self.zstd(&head, data, &mut splitter),
             Packing::Lz4 => self.lz4(&head, data, &mut splitter),
         };
@@ -307,9 +307,9 @@ impl<F: FnMut(u8, &[u8])> Splitter<F> {
     }
 
     /// All of an unpacked chunk; gives how many bytes belong to whole records.
-    fn take(&mut self, bytes: &[u8]) -> Result<usize, String> {
+    fn take(&mut self, bytes: &[u8]) -> usize {
         self.count(bytes);
-        Ok(self.split(bytes))
+        self.split(bytes)
     }
 
     /// Gives the whole records at the start of `bytes` and returns their length.

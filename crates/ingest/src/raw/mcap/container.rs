@@ -104,7 +104,7 @@ impl Walker<'_> {
             let body = at + HEAD as u64;
             let left = self.length - body;
             let start = self.peek(body)?;
-            if self.is_chunk(opcode, length, left, &start) {
+            if is_chunk(opcode, length, left, &start) {
                 match self.chunk_at(at, opcode, length, &start, visitor)? {
                     Some(next) => at = next,
                     None => return Ok(()),
@@ -226,15 +226,6 @@ impl Walker<'_> {
             ),
             _ => Ok(()),
         }
-    }
-
-    fn is_chunk(&self, opcode: u8, length: u64, left: u64, start: &[u8]) -> bool {
-        opcode == op::CHUNK
-            || chunk::Head::read(start).is_some_and(|head| {
-                // Another opcode over the content of a chunk: one byte has changed.
-                let inner = head.content_length().unwrap_or(u64::MAX);
-                head.is_telling() && inner == length && inner <= left
-            })
     }
 
     /// Reads the chunk at `at` and gives where to go on; none at the end of the file.
@@ -498,6 +489,15 @@ impl Walker<'_> {
         }
         Ok(true)
     }
+}
+
+/// Whether a record is a chunk: by its opcode, or by its content where one byte has changed the opcode.
+fn is_chunk(opcode: u8, length: u64, left: u64, start: &[u8]) -> bool {
+    opcode == op::CHUNK
+        || chunk::Head::read(start).is_some_and(|head| {
+            let inner = head.content_length().unwrap_or(u64::MAX);
+            head.is_telling() && inner == length && inner <= left
+        })
 }
 
 fn head_of([opcode, length @ ..]: [u8; HEAD]) -> (u8, u64) {

@@ -68,7 +68,8 @@ fn listed(text: &str) -> Vec<String> {
     let name = |line: &str| {
         let path = line.strip_prefix('-')?.trim().trim_matches(['"', '\'']);
         let name = path.rsplit(['/', '\\']).next()?;
-        name.ends_with(".mcap").then(|| name.to_owned())
+        let mcap = Path::new(name).extension()? == "mcap";
+        mcap.then(|| name.to_owned())
     };
     lines.map_while(name).collect()
 }

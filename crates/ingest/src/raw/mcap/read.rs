@@ -207,8 +207,12 @@ fn one_clock(ego: &mut [EgoSample], objects: &mut [ObjectSample]) -> Option<&'st
     } else {
         return None;
     };
-    ego.iter_mut().for_each(|s| s.stamp_ns = s.log_ns);
-    objects.iter_mut().for_each(|s| s.stamp_ns = s.log_ns);
+    for s in ego.iter_mut() {
+        s.stamp_ns = s.log_ns;
+    }
+    for s in objects.iter_mut() {
+        s.stamp_ns = s.log_ns;
+    }
     Some(why)
 }
 

@@ -42,14 +42,15 @@ pub(crate) fn applied(
     found: &[Found<'_>],
 ) -> (McapMapping, Option<&'static str>) {
     let types: Vec<String> = found.iter().map(|f| plain_name(f.type_name)).collect();
-    let channels = found
+    let channels: Vec<(&str, &str)> = found
         .iter()
-        .map(|f| f.topic)
-        .zip(types.iter().map(String::as_str));
+        .zip(&types)
+        .map(|(f, t)| (f.topic, t.as_str()))
+        .collect();
     let named = given.and_then(|m| m.rig.as_deref());
     let is_it = |(name, rig): &&(&'static str, McapMapping)| match named {
         Some(named) => *name == named,
-        None => rig.when.show(channels.clone()),
+        None => rig.when.show(&channels),
     };
     let rig = RIGS.iter().find(is_it);
     let given = given.cloned().unwrap_or_default();

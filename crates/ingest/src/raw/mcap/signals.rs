@@ -167,7 +167,9 @@ pub(crate) fn settle_speeds(rows: &mut [EgoRow]) -> Option<&'static str> {
             .map(|(x, y)| x.hypot(y))
             .sum();
         if way > 10.0 {
-            rows.iter_mut().for_each(|r| r.sample.speed_mps = None);
+            for r in rows.iter_mut() {
+                r.sample.speed_mps = None;
+            }
             return Some("ego moves but its recorded speeds are all 0: they are not used");
         }
         return None;
@@ -328,7 +330,9 @@ mod tests {
         let mut ego: Vec<EgoSample> = (0..4)
             .map(|i| row(i, 0.0, 0.0, 0.0, (0.0, 0.0)).sample)
             .collect();
-        ego.iter_mut().for_each(|s| s.speed_mps = None);
+        for s in &mut ego {
+            s.speed_mps = None;
+        }
         let at = |ns, v| EgoSample {
             stamp_ns: ns,
             speed_mps: Some(v),

@@ -51,7 +51,7 @@ fn numbers_after_strings_of_any_length_are_aligned() {
         writer.string(&"x".repeat(length));
         writer.u8(1);
         writer.u8(0);
-        while (writer.bytes().len() - 4) % 2 != 0 {
+        while !(writer.bytes().len() - 4).is_multiple_of(2) {
             writer.u8(0);
         }
         // b follows a at the next even place.
@@ -59,7 +59,7 @@ fn numbers_after_strings_of_any_length_are_aligned() {
         let at = 4 + 4 + length + 1 + 1;
         bytes.truncate(at);
         let pad = |bytes: &mut Vec<u8>, n: usize| {
-            while (bytes.len() - 4) % n != 0 {
+            while !(bytes.len() - 4).is_multiple_of(n) {
                 bytes.push(0xee);
             }
         };
