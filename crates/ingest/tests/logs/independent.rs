@@ -217,7 +217,11 @@ fn proposed_mappings_work_as_they_are() {
             continue;
         };
         let files: Vec<PathBuf> = log_files(&folder, None).unwrap();
-        for path in files.iter().filter(|p| !p.ends_with("manifest.csv")).step_by(3) {
+        for path in files
+            .iter()
+            .filter(|p| !p.ends_with("manifest.csv"))
+            .step_by(3)
+        {
             let settings = work(path);
             let plain = Plain::read(path);
             let drive = drive_of(&read_log(path, &settings).unwrap()[0]);
