@@ -257,19 +257,21 @@ fn step(column: &TableColumn, series: &[u32]) -> Option<f64> {
     median(changes.filter(|d| *d > 0.0).collect())
 }
 
-/// The column that rises with every row of a vehicle; times go before frames.
+/// The column that rises along the rows of a vehicle; times go before frames.
 fn time_column<'a>(reader: &Reader<'a>, series: &[u32]) -> Option<&'a TableColumn> {
     let rising = |column: &&TableColumn| {
         let Some(numbers) = &column.numbers else {
             let dated = column.words.iter().flatten().next();
             return dated.is_some_and(|w| w.len() >= 16 && w.contains(':'));
         };
-        let (mut up, mut all) = (0, 0);
+        // Rows may come in bursts of one time, but hardly ever go back.
+        let (mut up, mut down, mut all) = (0, 0, 0);
         for (a, b) in steps(series) {
             up += usize::from(numbers[b] > numbers[a]);
+            down += usize::from(numbers[b] < numbers[a]);
             all += 1;
         }
-        all > 0 && up * 10 >= all * 9
+        up * 10 >= all && up > 0 && down * 20 <= all
     };
     let times = reader.all(Whose::Ego, What::Time);
     let frames = reader.all(Whose::Ego, What::Frame);
