@@ -32,12 +32,13 @@ def drive(path):
     """The drive as pandas has it, after asking the others whether they see the same."""
     frame = pandas.read_parquet(path)
     other = polars.read_parquet(path)
-    sums = duckdb.sql(f"select count(*), sum(ego_speed_mps), sum(lead_dx_m) from '{path}'").fetchone()
+    sums = duckdb.sql(f"select count(*), sum(ego_speed_mps), sum(lead_dx_m) from '{path}'").fetchall()[0]
     assert other.columns == list(frame.columns) and len(other) == len(frame) == sums[0]
     for column, total in (("ego_speed_mps", sums[1]), ("lead_dx_m", sums[2])):
         assert other[column].to_list() == frame[column].to_list()
         assert abs(total - frame[column].sum()) < 1e-6 * max(1, abs(total))
-    metadata = {k.decode(): v.decode() for k, v in pyarrow.parquet.read_schema(path).metadata.items()}
+    pairs = pyarrow.parquet.read_metadata(path).metadata
+    metadata = {key.decode(): value.decode() for key, value in pairs.items()}
     for key in ("version", "drive", "source", "source_blake3", "mapping", "mapping_blake3", "resampled_hz", "program"):
         assert metadata.get(f"maveric.{key}"), f"{path} lacks maveric.{key}"
     assert not frame[["time_s", "ego_x_m", "ego_speed_mps", "lead_dx_m"]].isna().any().any()

@@ -16,7 +16,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let drive = Drive::from_recording(log.meta, &log.recording)?;
     let frame = drive_frame(&drive);
     println!("{} rows of {:?}", frame.height(), frame.get_column_names());
-    println!("{:?}", frame.column("ego_speed_mps")?.f64()?.max());
+    let speeds = frame.column("ego_speed_mps")?.f64()?;
+    let fastest = speeds.iter().flatten().fold(0.0, f64::max);
+    println!("at most {fastest:.1} m/s");
 
     if let Some(made) = made {
         std::fs::remove_file(made)?;

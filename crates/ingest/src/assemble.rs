@@ -141,13 +141,11 @@ fn ego_track(
     EgoTrack {
         length_m,
         x_m: column(|s| s.x_m),
-        y_m: match target.lane_steps {
-            true => grid
-                .rows
-                .iter()
-                .map(|r| r.held(samples, |s| s.y_m))
-                .collect(),
-            false => column(|s| s.y_m),
+        y_m: if target.lane_steps {
+            let held = grid.rows.iter().map(|r| r.held(samples, |s| s.y_m));
+            held.collect()
+        } else {
+            column(|s| s.y_m)
         },
         speed_mps: speeds(time_s, &speed, grid, target.rate_hz, target.max_gap_s),
     }
@@ -202,9 +200,10 @@ fn tracks(
             }
             if let Some((track, _)) = &mut current {
                 track.x_m.push(row.of(&samples, |s| s.x_m));
-                track.y_m.push(match target.lane_steps {
-                    true => row.held(&samples, |s| s.y_m),
-                    false => row.of(&samples, |s| s.y_m),
+                track.y_m.push(if target.lane_steps {
+                    row.held(&samples, |s| s.y_m)
+                } else {
+                    row.of(&samples, |s| s.y_m)
                 });
                 track.speed_mps.push(speed_mps);
             }

@@ -24,6 +24,9 @@ const PREFIX: &str = "maveric.";
 /// `following_distance_m` is null where ego does not follow, `lead_id` where there is no reference vehicle, and the
 /// gaps behind where nobody is within 200 m or there is no such lane. Nothing else is ever null, and nothing is NaN.
 ///
+/// # Panics
+/// Never: the columns of a drive have one length.
+///
 /// # Source
 /// Method section 2, names to the letter.
 pub fn drive_frame(drive: &Drive) -> DataFrame {

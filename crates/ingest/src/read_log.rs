@@ -187,9 +187,6 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, IngestError> {
     if head.starts_with(magic) || head.len() < magic.len() && magic.starts_with(&head) {
         return Ok(Format::Mcap);
     }
-    if head.starts_with(PARQUET) {
-        return Ok(Format::Table);
-    }
     let text = match std::str::from_utf8(&head) {
         Ok(_) => true,
         // A character may be cut by the end of what was read.
@@ -199,7 +196,8 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, IngestError> {
     let named_mcap = path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("mcap"));
-    if text && !named_mcap && !head.contains(&0) {
+    let parquet = head.starts_with(PARQUET);
+    if !named_mcap && (parquet || text && !head.contains(&0)) {
         return Ok(Format::Table);
     }
     let same = head.iter().zip(magic).filter(|(a, b)| a == b).count();

@@ -21,7 +21,7 @@ pub(super) struct TableColumn {
 
 /// All columns of a table.
 #[derive(Debug, Clone)]
-pub(super) struct Columns {
+pub(super) struct Sheet {
     pub(super) rows: usize,
     pub(super) separator: Option<u8>,
     pub(super) decimal_comma: bool,
@@ -32,7 +32,7 @@ pub(super) struct Columns {
 ///
 /// # Errors
 /// [`IngestError::BadTable`] for what is no table.
-pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<Columns, IngestError> {
+pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<Sheet, IngestError> {
     let parquet = bytes.starts_with(PARQUET);
     let (preamble, separator, names) = if parquet {
         (0, None, Table::parquet_names(path, &bytes)?)
@@ -73,7 +73,7 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<Columns, IngestError> 
             },
         });
     }
-    Ok(Columns {
+    Ok(Sheet {
         rows: table.rows(),
         separator,
         decimal_comma,
@@ -85,10 +85,8 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<Columns, IngestError> 
 fn likely_header(text: &[u8]) -> usize {
     let lines: Vec<&[u8]> = text.split(|&b| b == b'\n').take(40).collect();
     let width = |line: &&[u8]| {
-        let widths = b",;\t"
-            .iter()
-            .map(|c| line.iter().filter(|b| *b == c).count());
-        widths.max().unwrap_or(0)
+        let widths = b",;\t".iter().map(|c| line.split(|b| b == c).count());
+        widths.max().unwrap_or(1)
     };
     let numeric = |line: &&[u8]| {
         let text = String::from_utf8_lossy(line);
@@ -98,7 +96,7 @@ fn likely_header(text: &[u8]) -> usize {
             .filter(|c| !c.is_empty());
         cells.next().is_some_and(|c| c.parse::<f64>().is_ok())
     };
-    let first_numbers = lines.iter().position(|l| numeric(l) && width(l) > 0);
+    let first_numbers = lines.iter().position(|l| numeric(l) && width(l) > 1);
     let Some(data) = first_numbers.filter(|&i| i > 0) else {
         return 0;
     };

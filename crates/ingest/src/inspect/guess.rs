@@ -1,7 +1,7 @@
 //! Guesses what the columns of a table mean, by their names and by what the numbers do.
 
 use super::{
-    columns::{Columns, TableColumn},
+    columns::{Sheet, TableColumn},
     units::{LENGTHS, Reason, known_ratio, length_unit, speed_unit, time_unit},
     words::{What, Whose, Words, words},
 };
@@ -43,7 +43,7 @@ pub(super) struct Guess {
 }
 
 struct Reader<'a> {
-    table: &'a Columns,
+    table: &'a Sheet,
     words: Vec<Words>,
 }
 
@@ -62,14 +62,15 @@ impl<'a> Reader<'a> {
     fn number(&self, whose: Whose, what: What) -> Option<&'a TableColumn> {
         self.all(whose, what).find(|c| c.filled().next().is_some())
     }
+}
 
-    fn unit(&self, column: Option<&TableColumn>) -> Option<&'static str> {
-        words(&column?.name).unit
-    }
+/// The unit that a column's name ends in.
+fn unit_of(column: Option<&TableColumn>) -> Option<&'static str> {
+    words(&column?.name).unit
 }
 
 /// Guesses.
-pub(super) fn guess(table: &Columns) -> Guess {
+pub(super) fn guess(table: &Sheet) -> Guess {
     let reader = Reader {
         table,
         words: table.columns.iter().map(|c| words(&c.name)).collect(),
@@ -94,7 +95,7 @@ pub(super) fn guess(table: &Columns) -> Guess {
     let series = series(table, id.filter(|_| platoon.is_none()), &groups);
     let time_column = time_column(&reader, &series);
     let step = time_column.and_then(|c| step(c, &series));
-    let time = time_unit(time_column, reader.unit(time_column), step);
+    let time = time_unit(time_column, unit_of(time_column), step);
     let step_s = step.map(|s| s * time.seconds);
 
     let speed_column = match &platoon {
@@ -105,7 +106,7 @@ pub(super) fn guess(table: &Columns) -> Guess {
     };
     let position = along(&reader, speed_column, step_s, &series);
     let lengths = [Whose::Ego, Whose::Lead].map(|w| reader.number(w, What::Length));
-    let named = [speed_column, position.map(|p| p.0)].map(|c| reader.unit(c));
+    let named = [speed_column, position.map(|p| p.0)].map(|c| unit_of(c));
     let gap_column = match &platoon {
         Some([_, _, gap]) => *gap,
         None => reader
@@ -115,7 +116,7 @@ pub(super) fn guess(table: &Columns) -> Guess {
     let ratio = position.and_then(|p| p.1);
     let harshest = speed_column.and_then(|c| harshest(c, step_s, &series));
     let named_length = named[1]
-        .or(reader.unit(gap_column))
+        .or(unit_of(gap_column))
         .filter(|u| LENGTHS.contains(u));
     let length = length_unit(named_length, lengths, named[0], ratio, harshest);
     let speed = speed_unit(named[0], length.0, ratio, speed_column);
@@ -219,7 +220,7 @@ pub(super) fn guess(table: &Columns) -> Guess {
 }
 
 /// Which vehicle each row is of.
-fn series(table: &Columns, id: Option<&TableColumn>, groups: &[&TableColumn]) -> Vec<u32> {
+fn series(table: &Sheet, id: Option<&TableColumn>, groups: &[&TableColumn]) -> Vec<u32> {
     let mut numbers: BTreeMap<String, u32> = BTreeMap::new();
     let cell = |column: &TableColumn, row: usize| match &column.numbers {
         Some(numbers) => numbers[row].to_string(),
@@ -256,19 +257,21 @@ fn step(column: &TableColumn, series: &[u32]) -> Option<f64> {
     median(changes.filter(|d| *d > 0.0).collect())
 }
 
-/// The column that rises with every row of a vehicle; times go before frames.
+/// The column that rises along the rows of a vehicle; times go before frames.
 fn time_column<'a>(reader: &Reader<'a>, series: &[u32]) -> Option<&'a TableColumn> {
     let rising = |column: &&TableColumn| {
         let Some(numbers) = &column.numbers else {
             let dated = column.words.iter().flatten().next();
             return dated.is_some_and(|w| w.len() >= 16 && w.contains(':'));
         };
-        let (mut up, mut all) = (0, 0);
+        // Rows may come in bursts of one time, but hardly ever go back.
+        let (mut up, mut down, mut all) = (0, 0, 0);
         for (a, b) in steps(series) {
             up += usize::from(numbers[b] > numbers[a]);
+            down += usize::from(numbers[b] < numbers[a]);
             all += 1;
         }
-        all > 0 && up * 10 >= all * 9
+        up * 10 >= all && up > 0 && down * 20 <= all
     };
     let times = reader.all(Whose::Ego, What::Time);
     let frames = reader.all(Whose::Ego, What::Frame);

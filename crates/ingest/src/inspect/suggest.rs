@@ -1,7 +1,7 @@
 //! Proposes the mapping of a table, with its doubts as comments.
 
 use super::{
-    columns::{self, Columns},
+    columns::{self, Sheet},
     guess::{Guess, Shape, guess},
     units::Reason,
 };
@@ -84,7 +84,8 @@ pub(super) fn look(path: &Path) -> Result<Vec<u8>, IngestError> {
 fn head(path: &Path, guess: &Guess, body: &str) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let mut head = format!(
-        "# A mapping for {name}, proposed from its names and numbers. Check what says \"doubt\".\n"
+        "# A mapping for {}, proposed from its names and numbers. Check what says \"doubt\".\n",
+        plain(&name)
     );
     if let Shape::Unknown(missing) = guess.shape {
         let _ = writeln!(head, "# It is not complete: {missing}. Fill it in by hand.");
@@ -102,20 +103,31 @@ fn head(path: &Path, guess: &Guess, body: &str) -> String {
                 let _ = writeln!(
                     head,
                     "# warning: {} ({} times)",
-                    warning.what, warning.count
+                    plain(&warning.what),
+                    warning.count
                 );
             }
         }
         Err(error) => {
-            let _ = writeln!(head, "# Read by it, the table is refused: {error}");
+            let _ = writeln!(
+                head,
+                "# Read by it, the table is refused: {}",
+                plain(&error.to_string())
+            );
         }
     }
     head
 }
 
+/// A text that may stand in a comment: one line, without control characters.
+fn plain(text: &str) -> String {
+    let printable = |c: char| if c.is_control() { ' ' } else { c };
+    text.chars().map(printable).collect()
+}
+
 fn comment(out: &mut String, reason: &Reason) {
     let doubt = if reason.doubt { "doubt: " } else { "" };
-    let _ = writeln!(out, "# {doubt}{}", reason.why.replace('\n', " "));
+    let _ = writeln!(out, "# {doubt}{}", plain(&reason.why));
 }
 
 /// A TOML string.
@@ -123,7 +135,7 @@ fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
 }
 
-fn body(table: &Columns, guess: &Guess) -> String {
+fn body(table: &Sheet, guess: &Guess) -> String {
     let mut out = String::new();
     let layout = match guess.shape {
         Shape::Pair | Shape::Unknown(_) => "pair",
@@ -157,7 +169,7 @@ fn body(table: &Columns, guess: &Guess) -> String {
         out.push_str("decimal_comma = true\n");
     }
     if let Some((kind, why)) = &guess.gap_kind {
-        let _ = writeln!(out, "# {}\ngap_kind = \"{kind}\"", why.replace('\n', " "));
+        let _ = writeln!(out, "# {}\ngap_kind = \"{kind}\"", plain(why));
     }
     let has = |key: &str| guess.columns.iter().any(|(k, _)| *k == key);
     if guess.shape == Shape::Long {
@@ -192,7 +204,7 @@ fn body(table: &Columns, guess: &Guess) -> String {
             .unused
             .iter()
             .take(40)
-            .map(|n| n.replace('\n', " "))
+            .map(|n| plain(n.as_str()))
             .collect();
         let _ = writeln!(out, "# not used: {}", names.join(", "));
     }
@@ -311,10 +323,10 @@ fn signals(folder: &Path) -> Result<String, IngestError> {
             reason: "no file of it has a time and a speed alone; name one of its tables".to_owned(),
         });
     };
-    let mut body = format!(
+    let mut body = String::from(
         "\n[road]\n# doubt: nothing says how many lanes there are or how fast one may drive.\nlanes = 1\nlane_width_m = 3.66\n\
          posted_speed_mps = 29.0\n\n[table]\nlayout = \"signals\"\n# doubt: a radar at the front bumper sees the rear \
-         of the vehicle ahead.\ngap_kind = \"bumper_to_bumper\"\n\n[table.units]\n"
+         of the vehicle ahead.\ngap_kind = \"bumper_to_bumper\"\n\n[table.units]\n",
     );
     for (key, (unit, reason)) in [("time", &guess.time), ("speed", &guess.speed)] {
         comment(&mut body, reason);

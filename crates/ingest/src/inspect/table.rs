@@ -2,7 +2,7 @@
 
 use super::{
     ColumnSummary, Gap, LogFormat, LogSummary,
-    columns::{self, Columns, TableColumn},
+    columns::{self, Sheet, TableColumn},
     guess::{Guess, Shape, guess},
     suggest::look,
 };
@@ -99,7 +99,7 @@ pub(super) fn with_mapping(path: &Path, settings: &IngestSettings, found: &mut L
     }
 }
 
-fn without_mapping(table: &Columns, guess: &Guess) -> String {
+fn without_mapping(table: &Sheet, guess: &Guess) -> String {
     let what = match guess.shape {
         Shape::Pair => "it looks like one pair a file",
         Shape::Long => "it looks like one vehicle a row",

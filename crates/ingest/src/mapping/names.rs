@@ -87,7 +87,8 @@ pub(crate) fn meta_within(
         };
         return Ok((meta, true));
     }
-    let tail: String = within.iter().map(|(_, v)| format!("-{v}")).collect();
+    let parts = within.iter().flat_map(|(_, v)| ["-", v.as_str()]);
+    let tail: String = parts.collect();
     let tail: String = tail.chars().take(MOST_ID - 1).collect();
     // The end tells drives of one file apart, so the file's name gives way.
     let mut id: String = safe(&stem).chars().take(MOST_ID - tail.len()).collect();

@@ -152,9 +152,9 @@ impl TableMapping {
                 "`table.separator` is `{separator}`, expected a character such as `,`, `;` or a tab"
             ));
         }
-        let need = |given: bool, what: &str| match given {
-            true => Ok(()),
-            false => Err(format!("layout `{}` needs {what}", self.layout.as_str())),
+        let need = |given: bool, what: &str| {
+            let missing = || format!("layout `{}` needs {what}", self.layout.as_str());
+            given.then_some(()).ok_or_else(missing)
         };
         let known = self.layout.columns();
         if let Some((key, _)) = columns.given().iter().find(|(k, _)| !known.contains(k)) {

@@ -217,7 +217,11 @@ fn proposed_mappings_work_as_they_are() {
             continue;
         };
         let files: Vec<PathBuf> = log_files(&folder, None).unwrap();
-        for path in files.iter().filter(|p| !p.ends_with("manifest.csv")).step_by(3) {
+        for path in files
+            .iter()
+            .filter(|p| !p.ends_with("manifest.csv"))
+            .step_by(3)
+        {
             let settings = work(path);
             let plain = Plain::read(path);
             let drive = drive_of(&read_log(path, &settings).unwrap()[0]);
@@ -242,7 +246,12 @@ fn proposed_mappings_work_as_they_are() {
         check_ngsim(&path, &work(&path));
     }
     if let Some(folder) = shared("comma2k19_segment") {
-        assert_eq!(read_log(&folder, &work(&folder)).unwrap().len(), 1);
+        let drive = drive_of(&read_log(&folder, &work(&folder)).unwrap()[0]);
+        let led = drive.rows().lead_present.iter().filter(|p| **p).count();
+        assert!(
+            led * 10 > drive.len() * 9,
+            "the radar is among its signals: {led}"
+        );
     }
 }
 

@@ -94,7 +94,7 @@ fn highd_has_both_directions_lanes_from_its_meta_file_and_gaps_between_boxes() {
     let settings = settings("highd.toml");
     assert_eq!(
         log_files(folder.path(), settings.mapping.as_ref()).unwrap(),
-        [path.clone()]
+        std::slice::from_ref(&path)
     );
     let found = read_log(&path, &settings).unwrap();
     assert_eq!(

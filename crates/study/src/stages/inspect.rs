@@ -310,14 +310,13 @@ fn log_lines(log: &LogSummary) -> Vec<String> {
 }
 
 fn plot(path: &Path, settings: &IngestSettings, out: &Path) -> Result<(), StudyError> {
-    let drive = match own_drive(path)? {
-        Some((drive, _)) => drive,
-        None => {
-            let Some(log) = read_log(path, settings)?.into_iter().next() else {
-                return Err(StudyError::file(path, "holds no drive to draw"));
-            };
-            Drive::from_recording(log.meta, &log.recording)?
-        }
+    let drive = if let Some((drive, _)) = own_drive(path)? {
+        drive
+    } else {
+        let Some(log) = read_log(path, settings)?.into_iter().next() else {
+            return Err(StudyError::file(path, "holds no drive to draw"));
+        };
+        Drive::from_recording(log.meta, &log.recording)?
     };
     let rows = drive.rows();
     let lead = rows.lead_present.iter().zip(&rows.lead_dx_m);

@@ -85,7 +85,7 @@ pub(crate) fn header(text: &[u8], style: Style, anchor: Option<&str>) -> Header 
 
 /// The most frequent of comma, semicolon and tab.
 fn separator_of(line: &[u8]) -> u8 {
-    let count = |c: u8| line.iter().filter(|&&b| b == c).count();
+    let count = |c: u8| line.split(|&b| b == c).count();
     // Of equals the last wins, so the comma stands there.
     let likely = b"\t;,".iter().copied().max_by_key(|&c| count(c));
     likely.unwrap_or(b',')
@@ -234,9 +234,10 @@ impl Table {
                 } else {
                     DataType::String
                 };
-                match first {
-                    true => Field::new(name.as_str().into(), kind),
-                    false => Field::new(format!("{name}\u{1}{i}").into(), kind),
+                if first {
+                    Field::new(name.as_str().into(), kind)
+                } else {
+                    Field::new(format!("{name}\u{1}{i}").into(), kind)
                 }
             };
             let schema: Schema = self.names.iter().enumerate().map(field).collect();
@@ -354,7 +355,8 @@ impl Table {
             path: self.path.clone(),
             row: row + 1,
             column: name.trim_end_matches('?').to_owned(),
-            found: found.into(),
+            // A cell may hold anything, and its message goes to a terminal.
+            found: found.into().escape_debug().take(60).collect(),
         }
     }
 
@@ -377,14 +379,13 @@ impl Table {
                 if EMPTY.iter().any(|e| cell.eq_ignore_ascii_case(e)) {
                     return Ok(f64::NAN);
                 }
-                let parsed = match self.decimal_comma {
-                    true => cell.replace(',', ".").parse(),
-                    false => cell.parse(),
+                let parsed = if self.decimal_comma {
+                    cell.replace(',', ".").parse()
+                } else {
+                    cell.parse()
                 };
                 let parsed = parsed.ok().filter(|v: &f64| v.is_finite());
-                parsed.ok_or_else(|| {
-                    self.bad_cell(row, name, cell.chars().take(40).collect::<String>())
-                })
+                parsed.ok_or_else(|| self.bad_cell(row, name, cell))
             };
             return texts.iter().enumerate().map(number).collect();
         }

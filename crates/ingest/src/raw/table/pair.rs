@@ -70,21 +70,19 @@ pub(super) fn read(
     let ego_length_m = first_length(column(&names.ego_length, length)?, mapping.ego_length_m);
     let lead_length_m = first_length(column(&names.lead_length, length)?, mapping.lead_length_m);
     let ego_x_m = column(&names.ego_x, length)?;
-    let gap_m = match column(&names.gap, length)? {
-        Some(gap) => gap
-            .into_iter()
-            .map(|g| bumper_gap_m(g, mapping.gap_kind, lead_length_m))
-            .collect(),
-        None => {
-            let lead = column(&names.lead_x, length)?.unwrap_or_default();
-            let ego = ego_x_m.as_deref().unwrap_or_default();
-            let taken_m = match mapping.point {
-                Some(Point::Rear) => ego_length_m,
-                Some(Point::Front) => lead_length_m,
-                _ => 0.5 * (ego_length_m + lead_length_m),
-            };
-            lead.iter().zip(ego).map(|(l, e)| l - e - taken_m).collect()
-        }
+    let gap_m: Vec<f64> = if let Some(gap) = column(&names.gap, length)? {
+        let gap = gap.into_iter();
+        gap.map(|g| bumper_gap_m(g, mapping.gap_kind, lead_length_m))
+            .collect()
+    } else {
+        let lead = column(&names.lead_x, length)?.unwrap_or_default();
+        let ego = ego_x_m.as_deref().unwrap_or_default();
+        let taken_m = match mapping.point {
+            Some(Point::Rear) => ego_length_m,
+            Some(Point::Front) => lead_length_m,
+            _ => 0.5 * (ego_length_m + lead_length_m),
+        };
+        lead.iter().zip(ego).map(|(l, e)| l - e - taken_m).collect()
     };
     let ego_speed = named(path, "ego_speed", names.ego_speed.as_ref())?;
     let lead_id = match &names.lead_id {

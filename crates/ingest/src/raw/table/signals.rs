@@ -43,15 +43,14 @@ pub(super) fn read(
     let missing = WarningKind::MissingValue;
     let what = "rows without time or speed of ego are left out";
     report(&mut warnings, folder, missing, left_out, what);
-    let heading = match &signals.velocity {
-        Some(signal) => Some(headings(folder, signal, clock)?),
-        None => {
-            let what = "no velocity is mapped: the road is taken to be straight";
-            report(&mut warnings, folder, WarningKind::Default, 1, what);
-            None
-        }
+    let heading = if let Some(signal) = &signals.velocity {
+        headings(folder, signal, clock)?
+    } else {
+        let what = "no velocity is mapped: the road is taken to be straight";
+        report(&mut warnings, folder, WarningKind::Default, 1, what);
+        Vec::new()
     };
-    let driven = DrivenPath::new(speed, heading.unwrap_or_default(), max_gap_s);
+    let driven = DrivenPath::new(&speed, heading, max_gap_s);
     let objects = match &signals.tracks {
         Some(signal) => tracks::read(folder, signal, mapping, clock, &driven, &mut warnings)?,
         None => Vec::new(),

@@ -109,9 +109,10 @@ fn vehicle(
     let turn = if headed { 1.0 } else { sign };
     let sample = |row: &LongRow| {
         let yaw = frame.y_left * row.yaw_rad;
-        let (cos, sin) = match headed && yaw.is_finite() {
-            true => (yaw.cos(), yaw.sin()),
-            false => (1.0, 0.0),
+        let (cos, sin) = if headed && yaw.is_finite() {
+            (yaw.cos(), yaw.sin())
+        } else {
+            (1.0, 0.0)
         };
         let (mut x, mut y) = (turn * row.x_m, turn * frame.y_left * row.y_m);
         match mapping.point {

@@ -50,9 +50,9 @@ pub(super) struct DrivenPath {
 impl DrivenPath {
     /// Integrates speeds (ns, m/s) along directions; without directions the path is straight. Over holes of more
     /// than `max_gap_s` the way is that of the mean of both ends' speeds, and no row will lie there.
-    pub(super) fn new(speeds: Vec<(i64, f64)>, mut headings: Vec<Heading>, max_gap_s: f64) -> Self {
+    pub(super) fn new(speeds: &[(i64, f64)], mut headings: Vec<Heading>, max_gap_s: f64) -> Self {
         headings.sort_by_key(|h| h.0);
-        let mut sorted = speeds.clone();
+        let mut sorted = speeds.to_vec();
         sorted.sort_by_key(|s| s.0);
         sorted.dedup_by_key(|s| s.0);
         let mut knots: Vec<Knot> = Vec::with_capacity(sorted.len());
@@ -188,11 +188,11 @@ mod tests {
     #[test]
     fn in_a_bend_the_vehicle_on_the_path_is_straight_ahead() {
         // A circle to the left of 100 m at 10 m/s: 0.1 rad a second.
-        let speeds = (0..400).map(|i| (i * 50_000_000, 10.0)).collect();
+        let speeds: Vec<(i64, f64)> = (0..400).map(|i| (i * 50_000_000, 10.0)).collect();
         let headings = (0..400)
             .map(|i| (i * 50_000_000, 0.1 * (i as f64 * 0.05)))
             .collect();
-        let path = DrivenPath::new(speeds, headings, 0.5);
+        let path = DrivenPath::new(&speeds, headings, 0.5);
         // 40 m further on along the circle, as seen from ego.
         let (angle, radius): (f64, f64) = (0.4, 100.0);
         let (forward, left) = (radius * angle.sin(), radius * (1.0 - angle.cos()));

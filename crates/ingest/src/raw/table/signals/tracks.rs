@@ -137,12 +137,11 @@ impl Numbering {
             let unseen_s = stamp_ns.saturating_sub(*then_ns) as f64 / 1e9;
             !renewed && unseen_s <= UNSEEN_S && (gap_m - then_m).abs() <= JUMP_M
         });
-        let id = match same {
-            Some((_, _, id)) => *id,
-            None => {
-                self.vehicles += 1;
-                self.vehicles
-            }
+        let id = if let Some((_, _, id)) = same {
+            *id
+        } else {
+            self.vehicles += 1;
+            self.vehicles
         };
         self.last.insert(track, (stamp_ns, gap_m, id));
         id
