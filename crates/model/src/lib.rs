@@ -5,6 +5,7 @@
 //! embedding along or across the direction of aggression; [`Predictor`] turns an embedding and a window of the
 //! last seconds into [`maveric_domain::Setpoints`]. No files, no clock, no controllers.
 
+pub mod ablation;
 mod adam;
 pub mod checkpoint;
 pub mod cross_validate;
@@ -36,6 +37,9 @@ pub mod training_state;
 pub mod whitening;
 pub mod windows;
 
+pub use ablation::{
+    Ablated, AblationSettings, HeldOut, Variant, VariantKind, VariantResult, ablate, variants,
+};
 pub use cross_validate::{SizeResult, cross_validate};
 pub use error::{ModelError, ModelWarning};
 pub use losses::{Loss, LossTerms, LossWeights, MutualInformationLoss};

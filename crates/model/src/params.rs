@@ -41,7 +41,8 @@ pub struct TrainSettings {
     pub batch_size: usize,
     /// Adam's rate for the weights at the start; it falls to 0 along a cosine.
     pub learning_rate: f64,
-    /// Adam's rate for the embeddings at the start; it falls likewise.
+    /// Adam's rate for the embeddings at the start; it falls likewise. 0: every embedding is zero, the networks know
+    /// no drivers.
     pub embedding_learning_rate: f64,
     /// Added to a weight's gradient, times the weight; biases and embeddings have none.
     pub weight_decay: f64,

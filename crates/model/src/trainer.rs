@@ -102,7 +102,9 @@ impl<'a> Trainer<'a> {
                 let stream = stream_seed(seed, &["train", "embedding", drive.as_str()]);
                 let mut rng = Pcg64Mcg::seed_from_u64(stream);
                 let draw: Vec<f32> = (0..d).map(|_| StandardNormal.sample(&mut rng)).collect();
-                draw
+                // Embeddings that never move stay where they tell nobody from anybody.
+                let moves = settings.embedding_learning_rate > 0.0;
+                if moves { draw } else { vec![0.0; d] }
             })
             .collect();
         let rows = data.training.len();

@@ -2,10 +2,10 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
 mod damage;
-mod rigs;
 mod fuzz;
 mod independent;
 mod layouts;
+mod rigs;
 mod round_trip;
 mod samples;
 mod tables;

@@ -131,7 +131,7 @@ impl<'a> Personalizer<'a> {
         self.fit_rows(&drive.meta().drive, &rows, adb, seed)
     }
 
-    pub(super) fn rows(&self, drive: &Drive, fraction: f64) -> Result<Vec<Row>, ModelError> {
+    pub(crate) fn rows(&self, drive: &Drive, fraction: f64) -> Result<Vec<Row>, ModelError> {
         rows_of(drive, &self.model.row_settings(), fraction)
     }
 
@@ -141,12 +141,12 @@ impl<'a> Personalizer<'a> {
     }
 
     /// The losses of `rows` as a function of `w`.
-    pub(super) fn objective(&self, rows: &[Row], adb: Option<AdbScore>) -> Fit<'_> {
+    pub(crate) fn objective(&self, rows: &[Row], adb: Option<AdbScore>) -> Fit<'_> {
         let in_block = self.params.settings().block_s * self.row_rate_hz();
         Fit::with_blocks(&self.frozen, rows, adb, (in_block.round() as usize).max(1))
     }
 
-    pub(super) fn fit_rows(
+    pub(crate) fn fit_rows(
         &self,
         drive: &DriveId,
         rows: &[Row],
@@ -308,7 +308,8 @@ mod tests {
             .zip(found.embedding.coordinates())
             .map(|(a, b)| a - b)
             .collect();
-        assert!(off.iter().all(|x| x.abs() < 2e-4), "{off:?}");
+        // Along a kink of the ReLUs the minimum is flat to rounding; a coordinate's SD is 1.
+        assert!(off.iter().all(|x| x.abs() < 2e-3), "{off:?}");
         let off = found.objective - exact.value;
         assert!(off.abs() < 1e-4 * exact.value, "{off}");
         for start in &found.starts {

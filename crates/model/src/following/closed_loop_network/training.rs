@@ -8,8 +8,9 @@ use super::{
 };
 use crate::{
     adam::cosine,
-    bfgs,
+    damped_newton::Evaluated,
     following::{FollowingError, SafetyBound, Stretch},
+    quasi_newton::polish,
 };
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
@@ -123,6 +124,10 @@ pub(super) fn personalize(
     let alone = std::slice::from_ref(driver);
     let batches = batches(alone, segment_steps(alone, settings), None);
     let prior = prior(driver, settings);
+    let d = network.mean_embedding.len();
+    let unit: Vec<f64> = (0..d * d)
+        .map(|k| f64::from(u8::from(k % (d + 1) == 0)))
+        .collect();
     let value = |w: &[f64]| {
         let mut found = loss(&network.world, &network.weights, w, &batches);
         let away: Vec<f64> = w
@@ -132,9 +137,14 @@ pub(super) fn personalize(
             .collect();
         found.loss += 0.5 * prior * away.iter().map(|a| a * a).sum::<f64>();
         shrink(&mut found.embeddings, &away, prior);
-        (found.loss, found.embeddings)
+        Evaluated {
+            value: found.loss,
+            gradient: found.embeddings,
+            // Nothing is known of it beforehand: the first step goes down the gradient.
+            curvature: unit.clone(),
+        }
     };
-    bfgs::minimise(value, network.mean_embedding.clone(), MOST_ITERATIONS).at
+    polish(value, network.mean_embedding.clone(), MOST_ITERATIONS).at
 }
 
 /// Strength of the prior beside a mean over this driver's rows.
