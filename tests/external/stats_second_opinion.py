@@ -52,11 +52,16 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(400)
 
 
 def nct_cdf(t, df, ncp):
-    """P(T <= t) as the mean of Phi(t s - ncp) over s = chi / sqrt(df)."""
+    """P(T <= t) as the mean of Phi(t s - ncp) over s = chi / sqrt(df), in pieces around the step of Phi."""
     low, high = np.sqrt(st.chi2.ppf(1e-20, df) / df), np.sqrt(st.chi2.isf(1e-20, df) / df)
-    s = 0.5 * (high - low) * NODES + 0.5 * (high + low)
-    density = st.chi2.pdf(df * s * s, df) * 2 * df * s
-    return float(np.sum(0.5 * (high - low) * WEIGHTS * density * st.norm.cdf(t * s - ncp)))
+    step, width = (ncp / t, 9 / abs(t)) if t else (low, 0)
+    ends = [low, *(e for e in sorted((step - width, step + width)) if low < e < high), high]
+    total = 0.0
+    for a, b in zip(ends, ends[1:]):
+        s = 0.5 * (b - a) * NODES + 0.5 * (b + a)
+        density = st.chi2.pdf(df * s * s, df) * 2 * df * s
+        total += np.sum(0.5 * (b - a) * WEIGHTS * density * st.norm.cdf(t * s - ncp))
+    return float(total)
 
 
 def nct_interval(t, df):

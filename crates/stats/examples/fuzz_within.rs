@@ -86,7 +86,7 @@ fn faults(value: &Value, name: &str, root: &Value, found: &mut Vec<String>) {
                 found.push(format!("{name} is null without a reason"));
             }
         }
-        Value::Number(n) if name.ends_with(".p") && n.as_f64() == Some(0.0) => {
+        Value::Number(n) if name.rsplit('.').next() == Some("p") && n.as_f64() == Some(0.0) => {
             found.push(format!("{name} is exactly 0"));
         }
         _ => {}

@@ -243,13 +243,13 @@ impl Trace {
             }
             (Some(p), _) if p < CHECK_ALPHA => {
                 say(format!(
-                    "the residuals are not normal (p = {p:.3}): Friedman's test"
+                    "the standardised residuals are not normal (p = {p:.3}): Friedman's test"
                 ));
                 OmnibusTest::Friedman
             }
             (Some(p), _) => {
                 say(format!(
-                    "normality of the residuals is not rejected (p = {p:.3}): analysis of variance"
+                    "normality of the standardised residuals is not rejected (p = {p:.3}): analysis of variance"
                 ));
                 OmnibusTest::RmAnova
             }

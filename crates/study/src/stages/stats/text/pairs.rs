@@ -121,7 +121,7 @@ fn pairs(found: &Posthoc) -> Vec<String> {
         "p",
         "p adjusted",
         "",
-        effect,
+        effect_name,
         "95% CI",
     ];
     let mut table = Columns::new(&header);

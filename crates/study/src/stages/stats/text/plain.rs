@@ -34,13 +34,19 @@ fn rows<'a>(rows: impl Iterator<Item = (String, &'a Map<String, Value>)>) -> Vec
     let Some((_, first)) = rows.first() else {
         return Vec::new();
     };
+    let columns: Vec<&String> = first.keys().filter(|key| *key != "name").collect();
     let header: Vec<&str> = [""]
         .into_iter()
-        .chain(first.keys().map(String::as_str))
+        .chain(columns.iter().map(|key| key.as_str()))
         .collect();
     let mut table = Columns::new(&header);
     for (name, row) in &rows {
-        table.row([name.clone()].into_iter().chain(row.values().map(cell)));
+        // An item's own name says more than its place.
+        let name = row.get("name").and_then(Value::as_str).unwrap_or(name);
+        let cells = columns
+            .iter()
+            .map(|key| row.get(*key).map_or_else(String::new, cell));
+        table.row([name.to_owned()].into_iter().chain(cells));
     }
     table.lines()
 }
