@@ -109,6 +109,8 @@ mod tests {
     };
     use std::ops::ControlFlow;
 
+    type ByDistance = KeepDistance<fn(f64) -> f64>;
+
     #[test]
     fn v_drives_towards_its_prediction_and_the_smaller_command_counts() {
         let drives = drivers(2, 60.0);
@@ -129,7 +131,7 @@ mod tests {
         let predicted = predicted_speeds_mps(&predictor, model.window_buffer(), &test);
         assert_eq!(predicted.len(), 100);
         assert!(predicted.iter().all(|v| v.is_finite()));
-        let alone = |distance: Option<KeepDistance<fn(f64) -> f64>>| {
+        let alone = |distance: Option<ByDistance>| {
             let window = model.window_buffer();
             let mut law = velocity_law(&predictor, window, &test, distance);
             law(30.0, 20.0, 20.0)
@@ -145,12 +147,7 @@ mod tests {
         }));
         assert!(with < -8.0 && with <= expected);
         let window = model.window_buffer();
-        let law = velocity_law(
-            &predictor,
-            window,
-            &test,
-            None::<KeepDistance<fn(f64) -> f64>>,
-        );
+        let law = velocity_law(&predictor, window, &test, None::<ByDistance>);
         assert_eq!(simulate(&test, "V", law).unwrap().gap_m.len(), 100);
     }
 }
