@@ -56,7 +56,7 @@ row() { # name, then the command for one job; two jobs in $two
   fresh; one=$(seconds "$@")
   if [ -n "$two" ]; then fresh; second=$(seconds $two); else second=-; fi
   none=$(least "$@")
-  echo edited >source0.txt
+  echo "edited $(date +%s%N)" >source0.txt
   edited=$(seconds "$@")
   printf '%-12s %12s %12s %12s %12s\n' "$name" "$one" "$second" "$none" "$edited"
 }

@@ -57,7 +57,7 @@ pub enum FileDifference {
         /// Whether it is the first run.
         first: bool,
     },
-    /// A picture or a page.
+    /// A picture.
     Figure {
         /// The path.
         path: String,
@@ -256,7 +256,7 @@ fn file_difference(path: String, a: &[u8], b: &[u8]) -> FileDifference {
         "json" => numbers::json_cells(a).zip(numbers::json_cells(b)),
         "csv" => numbers::csv_cells(a, b',').zip(numbers::csv_cells(b, b',')),
         "tsv" => numbers::csv_cells(a, b'\t').zip(numbers::csv_cells(b, b'\t')),
-        "svg" | "png" | "pdf" | "jpg" | "jpeg" | "html" => {
+        "svg" | "png" | "pdf" | "jpg" | "jpeg" => {
             return FileDifference::Figure { path };
         }
         _ => None,

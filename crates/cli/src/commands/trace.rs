@@ -3,7 +3,7 @@
 use super::{print_json, print_lines};
 use crate::{args::Format, diagnostics::Failure, place::place};
 use maveric_pipeline::{Ledger, PipelineError, below_root};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Walk back from a file to the stages, rows and files that it came from
 #[derive(Debug, clap::Args)]
@@ -30,11 +30,14 @@ impl Trace {
         };
         let mut not_made = None;
         for file in &files {
-            match trace(file, &self.path) {
+            let place = place(file)?;
+            let ledger = Ledger::read_any(&place.ledger).map_err(Failure::pipeline(doing))?;
+            let path = below_root(&self.path, &place.root);
+            match maveric_pipeline::trace(&ledger, &place, &path) {
                 Ok(trace) => {
                     return match self.format {
-                        Format::Json => print_json(&trace?),
-                        Format::Text => print_lines(&trace?.lines()),
+                        Format::Json => print_json(&trace),
+                        Format::Text => print_lines(&trace.lines()),
                     };
                 }
                 Err(error @ PipelineError::NotMade { .. }) => not_made = Some(error),
@@ -48,19 +51,6 @@ impl Trace {
             )),
         }
     }
-}
-
-fn trace(
-    file: &Path,
-    path: &Path,
-) -> Result<Result<maveric_pipeline::Trace, Failure>, PipelineError> {
-    let place = match place(file) {
-        Ok(place) => place,
-        Err(failure) => return Ok(Err(failure)),
-    };
-    let ledger = Ledger::read_any(&place.ledger)?;
-    let path = below_root(path, &place.root);
-    maveric_pipeline::trace(&ledger, &place, &path).map(Ok)
 }
 
 /// The ledgers of this folder's pipelines, in order.

@@ -40,7 +40,7 @@ pub(super) fn json_cells(bytes: &[u8]) -> Option<Cells> {
 }
 
 /// The cells of a table with a heading. A row is named by its first cells, as many as it
-/// takes to tell all rows apart, at most three; else by its number.
+/// takes to tell all rows apart, from columns of texts and whole numbers; else by its number.
 pub(super) fn csv_cells(bytes: &[u8], delimiter: u8) -> Option<Cells> {
     let (headers, rows) = crate::table::read(bytes, delimiter).ok()?;
     let name = |row: &[String], cells: usize| row[..cells].join(" ");
@@ -49,7 +49,14 @@ pub(super) fn csv_cells(bytes: &[u8], delimiter: u8) -> Option<Cells> {
             rows.iter().map(|(_, row)| name(row, *cells)).collect();
         names.len() == rows.len()
     };
-    let key = (1..=headers.len().min(3)).find(unique);
+    // A measured value is what is compared, and names nothing.
+    let measured = |column: &usize| {
+        let is_decimal = |text: &String| number(text).is_some() && text.parse::<i64>().is_err();
+        rows.iter().any(|(_, row)| is_decimal(&row[*column]))
+    };
+    let names = (0..headers.len()).find(measured).unwrap_or(headers.len());
+    let names = names.min(headers.len().saturating_sub(1));
+    let key = (1..=names).find(unique);
     let mut cells = Cells::new();
     for (i, (_, row)) in rows.iter().enumerate() {
         let row_name = key.map_or_else(|| format!("row {}", i + 1), |key| name(row, key));
