@@ -41,6 +41,7 @@ pub(crate) enum Command {
     Rate(commands::rate::Rate),
     Evaluate(commands::evaluate::Evaluate),
     Stats(commands::stats::Stats),
+    Ablate(commands::ablate::Ablate),
     Validate(commands::validate::Validate),
     Report(commands::report::Report),
 }

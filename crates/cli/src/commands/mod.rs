@@ -1,5 +1,6 @@
 //! One file per command: it parses, calls its library function, prints.
 
+pub(crate) mod ablate;
 pub(crate) mod clean;
 pub(crate) mod diff;
 pub(crate) mod evaluate;
@@ -52,6 +53,7 @@ pub(crate) fn run(command: Command) -> Result<(), Failure> {
         Command::Rate(c) => c.run(),
         Command::Evaluate(c) => c.run(),
         Command::Stats(c) => c.run(),
+        Command::Ablate(c) => c.run(),
         Command::Validate(c) => c.run(),
         Command::Report(c) => c.run(),
     }

@@ -24,7 +24,7 @@ pub struct LossTerm {
     pub title: String,
     /// Value after each epoch, from epoch 1.
     pub train: Vec<f64>,
-    /// The same on held-out drives; as long as `train`, or empty.
+    /// The same on rows kept back; as long as `train`, or empty.
     pub validation: Vec<f64>,
 }
 
@@ -79,7 +79,7 @@ pub fn training_curves(input: &TrainingCurves, context: &Context) -> Result<Figu
              drives and {epochs} epochs.{}",
             input.drives,
             if validated {
-                " Dashed: drives held out."
+                " Dashed: the last part of every drive, not learned from."
             } else {
                 ""
             }
@@ -92,8 +92,8 @@ pub fn training_curves(input: &TrainingCurves, context: &Context) -> Result<Figu
     draw(plan, context, |canvas, mut whole| {
         if validated {
             let keys = [
-                (Key::Line(solid), "training drives"),
-                (Key::Line(dashed), "held-out drives"),
+                (Key::Line(solid), "rows learned from"),
+                (Key::Line(dashed), "last part of each drive, kept back"),
             ];
             canvas.legend_row((whole.left, whole.top + 4.0), &keys);
             whole.top += 15.0;

@@ -1,5 +1,6 @@
 //! One module per command.
 
+pub mod ablate;
 pub mod analyse;
 pub mod evaluate;
 pub mod generate;
@@ -35,6 +36,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("rate", 1),
         ("evaluate", 2),
         ("stats", 2),
+        ("ablate", 1),
         ("validate", 1),
         ("report", 2),
     ]

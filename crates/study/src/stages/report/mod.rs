@@ -80,6 +80,12 @@ pub fn report(options: &ReportOptions, watch: Watch<'_>) -> Result<Outcome<Repor
     })
 }
 
+/// Draws a page with its figures and tables into a folder; gives the page's path.
+pub(crate) fn write_page(out: &Path, page: &maveric_report::Report) -> Result<PathBuf, StudyError> {
+    write_all(out, &maveric_report::render(page)?)?;
+    Ok(out.join("index.html"))
+}
+
 fn write_all(out: &Path, files: &[RenderedFile]) -> Result<(), StudyError> {
     // The page last: when it is there, everything that it links to is there too.
     let (page, others): (Vec<&RenderedFile>, Vec<&RenderedFile>) =

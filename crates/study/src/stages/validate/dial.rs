@@ -48,6 +48,8 @@ pub struct Dial {
     pub curve: Vec<Option<f64>>,
     /// Whether that mean never turns back from one setting to the next.
     pub monotone: Option<bool>,
+    /// Every driver's value at every setting, shape `(drivers, settings)`.
+    pub drivers: Vec<Vec<Option<f64>>>,
 }
 
 fn right(drivers: &[Vec<Values>], k: usize, at: usize, zero: usize, sign: f64) -> Right {
@@ -126,6 +128,10 @@ pub(super) fn dial(
             n: taus.len(),
             curve,
             monotone: moves.map(|m| m.iter().all(|m| *m >= 0.0)),
+            drivers: drivers
+                .iter()
+                .map(|d| d.iter().map(|v| v[k]).collect())
+                .collect(),
         })
     };
     RISES.into_iter().enumerate().map(one).collect()

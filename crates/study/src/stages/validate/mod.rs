@@ -8,6 +8,7 @@ mod fidelity;
 mod identity;
 mod line;
 mod linear;
+mod page;
 mod people;
 mod perpendicular;
 mod tables;
@@ -23,8 +24,9 @@ use crate::{
     atomic_write::{atomic_write_bytes, write_json},
     error::StudyError,
     outcome::{Outcome, Watch},
-    stages::{generate::read_scenario, train::read_model},
+    stages::{generate::read_scenario, report::write_page, train::read_model},
 };
+use maveric_report::tables::Table;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -67,8 +69,8 @@ fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-/// Examines every model on the people of a run who drove twice; writes `validation.json`, `validation.md` and one CSV
-/// a table.
+/// Examines every model on the people of a run who drove twice; writes `validation.json`, `validation.md` and a
+/// page with figures and tables.
 ///
 /// # Errors
 /// [`StudyError`] if the run, a model or the scenario cannot be read, nobody drove twice, or a file cannot be written.
@@ -102,16 +104,9 @@ pub fn validate(
         models.push(bench.examine(&name, &read_model(path)?, watch)?);
     }
     let tables = tables::tables(&models, options.points);
-    let mut page = String::new();
-    for table in &tables {
-        atomic_write_bytes(
-            &options.out.join(format!("{}.csv", table.name)),
-            table.to_csv().as_bytes(),
-        )?;
-        page += &table.to_markdown();
-        page.push('\n');
-    }
-    atomic_write_bytes(&options.out.join("validation.md"), page.as_bytes())?;
+    let markdown: Vec<String> = tables.iter().map(Table::to_markdown).collect();
+    let text = markdown.join("\n");
+    atomic_write_bytes(&options.out.join("validation.md"), text.as_bytes())?;
     let collisions: u32 = models.iter().map(|m| m.collisions).sum();
     let value = Validated {
         drivers: people.test.len(),
@@ -119,17 +114,22 @@ pub fn validate(
         models,
     };
     write_json(&options.out.join("validation.json"), &value)?;
-    let mut summary: Vec<String> = page.lines().map(str::to_owned).collect();
+    let warnings = warnings(&people, collisions);
+    let page = write_page(
+        &options.out,
+        &page::page(&value, options, tables, &warnings)?,
+    )?;
+    let mut summary: Vec<String> = text.lines().map(str::to_owned).collect();
     summary.push(format!(
         "{} drivers who drove twice, {} models: {}",
         value.drivers,
         value.models.len(),
-        options.out.join("validation.md").display()
+        page.display()
     ));
     Ok(Outcome {
         value,
         summary,
-        warnings: warnings(&people, collisions),
+        warnings,
     })
 }
 

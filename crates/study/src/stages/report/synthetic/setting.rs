@@ -6,11 +6,15 @@ use crate::{
     stages::report::{people::People, scene},
     tables::Table as File,
 };
+use maveric_model::RowsOf;
 use maveric_report::{
     Figure,
     figures::{
         architecture::{Architecture, architecture},
-        domain, simulator_view,
+        calibration::{Calibration, CalibrationBin, calibration},
+        domain,
+        residuals::{ResidualPanel, Residuals, residuals},
+        simulator_view,
         training_curves::{LossTerm, TrainingCurves, training_curves},
     },
     html::Section,
@@ -28,7 +32,7 @@ pub(super) fn section_setting(
     if let Some(view) = scene::view(&folder.join("av/logs"))? {
         figures.push(simulator_view(&view, &run.context)?);
     }
-    figures.push(training_of(run)?);
+    figures.extend(training_of(run)?);
     Ok(Section {
         title: "Setting, people, model".to_owned(),
         intro: Vec::new(),
@@ -132,7 +136,7 @@ fn architecture_of(run: &Run) -> Result<Figure, StudyError> {
     Ok(architecture(&sizes, &run.context)?)
 }
 
-fn training_of(run: &Run) -> Result<Figure, StudyError> {
+fn training_of(run: &Run) -> Result<Vec<Figure>, StudyError> {
     type Of = fn(&maveric_model::LossTerms) -> Option<f64>;
     let terms: [(&str, Of); 5] = [
         ("*L*_{1} following distance", |l| l.following_distance),
@@ -141,20 +145,75 @@ fn training_of(run: &Run) -> Result<Figure, StudyError> {
         ("*L*_{4} style", |l| l.aggression),
         ("*L*_{5} mutual information", |l| l.mutual_information),
     ];
+    let training = &run.training;
+    // The run that kept rows back shows both curves; the one that made the model has learned from all.
+    let epochs = training
+        .selection
+        .as_ref()
+        .map_or(&training.epochs, |s| &s.epochs);
     let term = |(title, of): (&str, Of)| {
-        let train: Option<Vec<f64>> = run.training.epochs.iter().map(|e| of(&e.losses)).collect();
+        let train: Option<Vec<f64>> = epochs.iter().map(|e| of(&e.losses)).collect();
+        let kept: Option<Vec<f64>> = epochs.iter().map(|e| of(e.validation.as_ref()?)).collect();
         Some(LossTerm {
             title: title.to_owned(),
             train: train?,
-            validation: Vec::new(),
+            validation: kept.unwrap_or_default(),
         })
     };
-    let terms = terms.into_iter().filter_map(term).collect();
-    Ok(training_curves(
-        &TrainingCurves {
-            terms,
-            drives: run.training.drives,
-        },
-        &run.context,
-    )?)
+    let curves = TrainingCurves {
+        terms: terms.into_iter().filter_map(term).collect(),
+        drives: training.drives,
+    };
+    let mut figures = vec![training_curves(&curves, &run.context)?];
+    let quality = training.selection.as_ref().map(|s| &s.quality);
+    let Some(quality) = quality.or(training.quality.as_ref()) else {
+        return Ok(figures);
+    };
+    let held_out = quality.on == RowsOf::Validation;
+    if let Some(found) = &quality.lane_change {
+        let bins = found.bins.iter().filter(|b| b.seconds >= 1.0);
+        let input = Calibration {
+            bins: bins
+                .map(|b| CalibrationBin {
+                    predicted: b.predicted,
+                    observed: b.observed,
+                    seconds: b.seconds,
+                })
+                .collect(),
+            expected_error: found.expected_calibration_error,
+            drives: training.drives,
+            held_out,
+        };
+        if !input.bins.is_empty() {
+            figures.push(calibration(&input, &run.context)?);
+        }
+    }
+    let panels = [
+        ("Following distance (F)", "m", &quality.following_distance_m),
+        ("Ego speed (V)", "m/s", &quality.speed_mps),
+    ];
+    let panels: Vec<ResidualPanel> = panels
+        .into_iter()
+        .filter_map(|(title, unit, found)| {
+            let found = found.as_ref()?;
+            Some(ResidualPanel {
+                title: title.to_owned(),
+                axis: format!("Predicted − recorded ({unit})"),
+                unit: unit.to_owned(),
+                quantiles: found.quantiles.iter().map(|q| (q.share, q.value)).collect(),
+                mean: found.mean,
+                rms: found.rmse,
+                rows: found.rows,
+            })
+        })
+        .collect();
+    if !panels.is_empty() {
+        let input = Residuals {
+            panels,
+            drives: training.drives,
+            held_out,
+        };
+        figures.push(residuals(&input, &run.context)?);
+    }
+    Ok(figures)
 }

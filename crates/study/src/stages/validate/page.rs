@@ -1,0 +1,150 @@
+//! The page of a validation: its figures and tables.
+
+use super::{Dial, Examined, Fidelity, ValidateOptions, Validated};
+use crate::error::StudyError;
+use maveric_domain::MetresPerSecond;
+use maveric_report::{
+    Context, Figure, Report,
+    figures::{
+        dial_sweep::{DialPanel, DialSweep, dial_sweep},
+        fidelity::{Accuracy, Fidelity as FidelityFigure, FidelityRow, fidelity},
+    },
+    html::{Provenance, Section},
+    tables::Table,
+};
+
+/// Tables of identity and fidelity come before those of the dial.
+const FIRST_TABLES: usize = 2;
+
+pub(super) fn page(
+    found: &Validated,
+    options: &ValidateOptions,
+    mut tables: Vec<Table>,
+    warnings: &[String],
+) -> Result<Report, StudyError> {
+    let context = Context::synthetic(options.seed);
+    let dial_tables = tables.split_off(FIRST_TABLES.min(tables.len()));
+    let section = |title: &str, figures, tables| Section {
+        title: title.to_owned(),
+        intro: Vec::new(),
+        figures,
+        tables,
+    };
+    let models: Vec<String> = found
+        .models
+        .iter()
+        .map(|m| format!("--model {}", m.model))
+        .collect();
+    Ok(Report {
+        title: "Is the learned style the driver’s?".to_owned(),
+        subtitle: format!(
+            "Synthetic participants: {} drivers who drove twice, {} trained models",
+            found.drivers,
+            found.models.len()
+        ),
+        context: context.clone(),
+        summary: Vec::new(),
+        sections: vec![
+            section(
+                "Identity and fidelity",
+                fidelity_of(found, &context)?,
+                tables,
+            ),
+            section("The dial", dial_of(found, options, &context)?, dial_tables),
+        ],
+        ledger: None,
+        exclusions: Vec::new(),
+        warnings: warnings.to_vec(),
+        provenance: Provenance {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            seed: Some(options.seed),
+            command: format!(
+                "maveric validate {} {} --out {}",
+                options.run.display(),
+                models.join(" "),
+                options.out.display()
+            ),
+            parameters: vec![
+                ("points".to_owned(), options.points.to_string()),
+                ("worlds".to_owned(), options.worlds.to_string()),
+            ],
+            inputs: Vec::new(),
+        },
+    })
+}
+
+/// Mean, lowest and highest over the models that have a value.
+fn over(models: &[Examined], of: impl Fn(&Examined) -> Option<f64>) -> Option<Accuracy> {
+    let values: Vec<f64> = models.iter().filter_map(of).collect();
+    Some(Accuracy {
+        mean: super::mean(&values)?,
+        low: values.iter().copied().fold(f64::INFINITY, f64::min),
+        high: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+    })
+}
+
+fn fidelity_of(found: &Validated, context: &Context) -> Result<Vec<Figure>, StudyError> {
+    let models = &found.models;
+    let Some(one) = models.first() else {
+        return Ok(Vec::new());
+    };
+    let of =
+        |k: usize, value: fn(&Fidelity) -> Option<f64>| over(models, |m| value(&m.fidelity[k]));
+    let rows = one.fidelity.iter().enumerate().filter_map(|(k, row)| {
+        Some(FidelityRow {
+            measure: row.title.to_owned(),
+            mimic: of(k, |f| f.mimic)?,
+            test_retest: of(k, |f| f.test_retest),
+            population: of(k, |f| f.population_mean),
+            paper: row.paper,
+        })
+    });
+    let input = FidelityFigure {
+        measures: rows.collect(),
+        drivers: found.drivers,
+        seeds: models.len(),
+    };
+    Ok(vec![fidelity(&input, context)?])
+}
+
+fn dial_of(
+    found: &Validated,
+    options: &ValidateOptions,
+    context: &Context,
+) -> Result<Vec<Figure>, StudyError> {
+    let Some(one) = found.models.first() else {
+        return Ok(Vec::new());
+    };
+    let share = |right: &super::Right| {
+        right
+            .share
+            .map_or_else(|| "no value".to_owned(), |s| format!("{:.0}%", 100.0 * s))
+    };
+    let panel = |dial: &Dial| {
+        // Speeds are read in mph by people.
+        let (unit, scale) = match dial.unit {
+            "m/s" => ("mph", MetresPerSecond(1.0).mph()),
+            other => (other, 1.0),
+        };
+        DialPanel {
+            title: dial.title.to_owned(),
+            axis: unit.to_owned(),
+            drivers: dial
+                .drivers
+                .iter()
+                .map(|d| d.iter().map(|v| v.map(|v| scale * v)).collect())
+                .collect(),
+            statistic: format!(
+                "right way: {} at +{points}, {} at −{points}",
+                share(&dial.aggressive),
+                share(&dial.cautious),
+                points = options.points
+            ),
+        }
+    };
+    let input = DialSweep {
+        points: one.steps.clone(),
+        panels: one.dial.iter().map(panel).collect(),
+    };
+    Ok(vec![dial_sweep(&input, context)?])
+}
