@@ -90,8 +90,8 @@ pub(crate) fn on_normal_scale(
         }
         (a, ga) = (b, gb);
         b -= step;
-        // The next step would be smaller by orders of magnitude.
-        if step.abs() <= 1e-10 * b.abs() {
+        // The function is so nearly a line that the next step would be below rounding.
+        if step.abs() <= 1e-8 * b.abs() {
             return Some(b);
         }
         gb = gap(b)?;

@@ -5,17 +5,21 @@ use super::distributions::{normal_density, normal_upper};
 /// P(range of `k` standard normal values > `q`).
 ///
 /// k ∫ φ(z) (Φ(z)^(k-1) - (Φ(z) - Φ(z - q))^(k-1)) dz by the trapezoidal rule, which
-/// converges exponentially here; the difference is formed through `expm1`, so the far
+/// converges exponentially here; the difference is formed without cancellation, so the far
 /// tail keeps its digits (R's `ptukey` has none below 1e-13).
 pub(crate) fn upper(q: f64, k: usize) -> f64 {
-    let power = k as f64 - 1.0;
     // The error of the rule is about exp(-2π² / (step² k)): below 1e-17 with this step.
     let step = 0.7 / (k as f64).sqrt();
     let term = |z: f64| {
-        let whole = normal_upper(-z);
-        let ratio = normal_upper(q - z) / whole;
-        let difference = -(power * (-ratio).ln_1p()).exp_m1();
-        normal_density(z) * whole.powf(power) * difference
+        let (whole, upper) = (normal_upper(-z), normal_upper(q - z));
+        // a^m - b^m = (a - b) Σ a^i b^(m-1-i), where a - b is the upper tail itself.
+        let lower = (whole - upper).max(0.0);
+        let (mut sum, mut power) = (0.0, 1.0);
+        for _ in 1..k {
+            sum = sum * lower + power;
+            power *= whole;
+        }
+        normal_density(z) * upper * sum
     };
     let middle = 0.5 * q;
     let mut total = term(middle);
