@@ -8,6 +8,7 @@
 
 mod support;
 
+use std::fmt::Write as _;
 use support::{Ran, TempStudy};
 
 const WITHIN: [&str; 6] = ["--subject", "s", "--within", "w", "--value", "v"];
@@ -104,7 +105,7 @@ fn the_report_of_a_comparison_says_what_why_and_how_much() {
     .enumerate()
     {
         for (condition, value) in ["slow", "fast", "other"].iter().zip(row) {
-            table += &format!("P{i},{condition},{value}\n");
+            let _ = writeln!(table, "P{i},{condition},{value}");
         }
     }
     let ran = within(&study, "compare", &table).ok();

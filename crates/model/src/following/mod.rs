@@ -31,7 +31,7 @@ pub use calibrate::{
 };
 pub use closed_loop::{ClosedLoop, simulate};
 pub use closed_loop_network::{
-    ClosedLoopNetwork, ClosedLoopSettings, ClosedLoopStudy, TrainedClosedLoop,
+    ClosedLoopNetwork, ClosedLoopSeed, ClosedLoopSettings, ClosedLoopStudy, TrainedClosedLoop,
 };
 pub use error::FollowingError;
 pub use evaluation::{Contender, DistanceLaw, InPlaceOf, evaluate, evaluate_beside};

@@ -61,13 +61,11 @@ impl Follower {
 
     pub(crate) fn marker(self) -> Marker {
         match self {
-            Self::Recorded => Marker::Circle,
+            Self::Recorded | Self::ClosedLoop | Self::Floor => Marker::Circle,
             Self::Model => Marker::Square,
             Self::MeanEmbedding => Marker::Diamond,
-            Self::ClosedLoop | Self::Floor => Marker::Circle,
-            Self::ClosedLoopMean => Marker::TriangleDown,
+            Self::ClosedLoopMean | Self::ConstantTimeGap => Marker::TriangleDown,
             Self::Idm => Marker::TriangleUp,
-            Self::ConstantTimeGap => Marker::TriangleDown,
         }
     }
 
@@ -79,10 +77,10 @@ impl Follower {
     fn pen(self) -> Pen {
         match self {
             Self::Recorded => Pen::new(self.colour(), 1.3),
-            Self::Model => Pen::new(self.colour(), stroke::STRONG),
-            Self::MeanEmbedding => Pen::new(self.colour(), 0.8).dashed(1.2, 1.5),
-            Self::ClosedLoop => Pen::new(self.colour(), stroke::STRONG),
-            Self::ClosedLoopMean => Pen::new(self.colour(), 0.8).dashed(1.2, 1.5),
+            Self::Model | Self::ClosedLoop => Pen::new(self.colour(), stroke::STRONG),
+            Self::MeanEmbedding | Self::ClosedLoopMean => {
+                Pen::new(self.colour(), 0.8).dashed(1.2, 1.5)
+            }
             Self::Idm => Pen::new(self.colour(), 0.8).dashed(4.0, 2.0),
             Self::Floor => Pen::new(self.colour(), 0.8).dashed(1.2, 2.5),
             Self::ConstantTimeGap => Pen::new(self.colour(), 0.8).dashed(2.0, 1.5),

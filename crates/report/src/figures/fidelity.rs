@@ -77,14 +77,18 @@ pub fn fidelity(input: &Fidelity, context: &Context) -> Result<Figure, ReportErr
         .measures
         .iter()
         .map(|row| {
-            let mut words = format!("{}: Mimic {}%", row.measure, percent(row.mimic.mean));
+            let mut words = vec![format!(
+                "{}: Mimic {}%",
+                row.measure,
+                percent(row.mimic.mean)
+            )];
             if let Some(own) = row.test_retest {
-                words += &format!(", the driver’s second drive {}%", percent(own.mean));
+                words.push(format!("the driver’s second drive {}%", percent(own.mean)));
             }
             if let Some(paper) = row.paper {
-                words += &format!(", the paper {}%", percent(paper));
+                words.push(format!("the paper {}%", percent(paper)));
             }
-            words + "."
+            words.join(", ") + "."
         })
         .collect();
     let rows = input.measures.len();

@@ -192,9 +192,10 @@ pub fn train(
     }
     let mut progress = EpochProgress::new(watch);
     let mut observe = |report: &EpochReport| progress.show(report);
-    let (resume, mut resumed) = match options.resume {
-        true => read_checkpoint(&checkpoint_path(&options.out))?,
-        false => (None, Vec::new()),
+    let (resume, mut resumed) = if options.resume {
+        read_checkpoint(&checkpoint_path(&options.out))?
+    } else {
+        (None, Vec::new())
     };
     let mut failed = None;
     let mut save = |state: &TrainingState| {

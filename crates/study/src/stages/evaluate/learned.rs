@@ -53,7 +53,7 @@ impl Learned {
             let driver = |at: usize| -> InPlaceOf<'a> {
                 let (predictor, laws) = (&self.own[at], &baselines.drivers[at]);
                 Box::new(move |stretch| {
-                    let distance = with_distance.then(|| KeepDistance {
+                    let distance = with_distance.then_some(KeepDistance {
                         distance_m: |lead| predictor.following_distance(lead),
                         gains: laws.helly_population.law.gains,
                         safety: settings.safety,

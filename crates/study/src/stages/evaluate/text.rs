@@ -1,6 +1,8 @@
 //! The tables of an evaluation as lines of text.
 
-use maveric_model::following::{ClosedLoopStudy, FollowingEvaluation, FollowingMethod, Predicted};
+use maveric_model::following::{
+    ClosedLoopSeed, ClosedLoopStudy, FollowingEvaluation, FollowingMethod, Predicted,
+};
 
 /// What stands in the table of drivers.
 const BY_DRIVER: [(FollowingMethod, &str); 8] = [
@@ -60,24 +62,24 @@ fn drivers(found: &FollowingEvaluation) -> Vec<String> {
     let name = |driver: &str| driver.chars().count();
     let wide = found.drivers.iter().map(|d| name(&d.driver)).max();
     let wide = wide.unwrap_or(0).max("RMSE of the gap, m".len());
-    let heads: String = tried
+    let heads: Vec<String> = tried
         .iter()
         .map(|(_, head)| format!(" {head:>9}"))
         .collect();
+    let heads = heads.concat();
     let mut lines = vec![format!("{:wide$}{heads}", "RMSE of the gap, m")];
     for driver in &found.drivers {
-        let cells: String = tried
+        let gaps = tried
             .iter()
-            .filter_map(|(method, _)| driver.gap_rmse_m(*method))
-            .map(|gap| format!(" {gap:9.2}"))
-            .collect();
-        lines.push(format!("{:wide$}{cells}", driver.driver));
+            .filter_map(|(method, _)| driver.gap_rmse_m(*method));
+        let cells: Vec<String> = gaps.map(|gap| format!(" {gap:9.2}")).collect();
+        lines.push(format!("{:wide$}{}", driver.driver, cells.concat()));
     }
     lines
 }
 
 fn seeds(study: &ClosedLoopStudy) -> Vec<String> {
-    let all: Vec<(f64, f64)> = study.seeds.iter().map(|s| s.gap_rmse_m()).collect();
+    let all: Vec<(f64, f64)> = study.seeds.iter().map(ClosedLoopSeed::gap_rmse_m).collect();
     let range = |of: fn(&(f64, f64)) -> f64| {
         let values = || all.iter().map(of);
         let mean = values().sum::<f64>() / all.len() as f64;

@@ -54,6 +54,9 @@ pub(super) struct CurveOfDrives {
     pub(super) rows: Vec<CurveRow>,
 }
 
+/// Name and value of a column.
+type Column = (&'static str, fn(&CurveRow) -> &MeanWithInterval);
+
 /// A file of a learning curve: the means, and every drive.
 #[derive(Serialize)]
 struct CurveFile<'a> {
@@ -202,7 +205,6 @@ fn write(path: &Path, rows: &[CurveRow], curves: &[LearningCurve]) -> Result<(),
     let mut builder = TableBuilder::default()
         .numbers("minutes", rows.iter().map(|r| r.minutes))
         .integers("drives", rows.iter().map(|r| whole(r.drives)));
-    type Column = (&'static str, fn(&CurveRow) -> &MeanWithInterval);
     let columns: [Column; 5] = [
         ("following_distance", |r| &r.following_distance),
         ("lane_change", |r| &r.lane_change),

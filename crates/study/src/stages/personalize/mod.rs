@@ -169,14 +169,14 @@ pub fn personalize(
         .filter_map(|r| r.start_spread)
         .fold(0.0, f64::max);
     let median_standard_error = median_standard_error(&rows);
-    let mut line = format!(
-        "{} drives personalised, starts agree within {largest:.3} SD",
-        drives.len() - left_out
+    let error = median_standard_error.map(|e| format!(", standard error {e:.2} (median)"));
+    let line = format!(
+        "{} drives personalised, starts agree within {largest:.3} SD{}: {}",
+        drives.len() - left_out,
+        error.unwrap_or_default(),
+        options.out.display()
     );
-    if let Some(error) = median_standard_error {
-        line += &format!(", standard error {error:.2} (median)");
-    }
-    summary.insert(0, format!("{line}: {}", options.out.display()));
+    summary.insert(0, line);
     let value = PersonalizedDrives {
         drives: drives.len() - left_out,
         left_out,
@@ -275,7 +275,7 @@ fn details(model: &Model, found: &Personalized, axis: Option<&AggressionAxis>) -
     FitDetails {
         standard_error: all(uncertainty.map(|u| u.standard_error.as_slice())),
         start_spread: all(Some(&found.start_spread_by_coordinate)),
-        amortized_guess: all(guess.map(|g| g.coordinates())),
+        amortized_guess: all(guess.map(maveric_domain::Embedding::coordinates)),
         line_position_se: axis
             .zip(uncertainty)
             .map(|(axis, u)| u.along(axis.gradient())),

@@ -50,17 +50,14 @@ pub(super) fn sweep(
     };
     let metric = StyleMetric::of(model);
     let moved = |from: &Embedding, by: f64| -> Result<(Embedding, f64, bool), StudyError> {
-        Ok(match &heads {
-            Some(heads) => {
-                let all: Vec<&LinearHead> = heads.all.iter().collect();
-                let m = metric.move_along(&all, from, by)?;
-                (m.embedding, m.effective_points, m.clamped)
-            }
-            None => {
-                let s = shift(axis, from, by)?;
-                (s.embedding, s.effective_points, s.clamped)
-            }
-        })
+        if let Some(heads) = &heads {
+            let all: Vec<&LinearHead> = heads.all.iter().collect();
+            let m = metric.move_along(&all, from, by)?;
+            Ok((m.embedding, m.effective_points, m.clamped))
+        } else {
+            let s = shift(axis, from, by)?;
+            Ok((s.embedding, s.effective_points, s.clamped))
+        }
     };
     let name = options
         .attribute

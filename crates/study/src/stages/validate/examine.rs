@@ -62,6 +62,9 @@ pub(super) struct Bench<'a> {
     pub(super) jobs: usize,
 }
 
+/// Which of the two drives.
+type Day = fn(&Person) -> &Drive;
+
 /// Settings of the dial, in ADB points.
 const STEPS: [f64; 9] = [-20.0, -15.0, -10.0, -5.0, 0.0, 5.0, 10.0, 15.0, 20.0];
 /// Where 0 stands among them.
@@ -98,13 +101,12 @@ impl Bench<'_> {
             trained_on,
         } = self.people;
         let axis = AggressionAxis::of(model)?;
-        let fit = |people: &[Person], of: fn(&Person) -> &Drive, with: bool| {
+        let fit = |people: &[Person], of: Day, with: bool| {
             for_each_on(self.jobs, people, watch, "embeddings", |p| {
                 self.embed(model, of(p), p.adb.filter(|_| with))
             })
         };
-        let (first, again): (fn(&Person) -> &Drive, fn(&Person) -> &Drive) =
-            (|p| &p.first, |p| &p.again);
+        let (first, again): (Day, Day) = (|p| &p.first, |p| &p.again);
         let own = fit(test, first, false)?;
         let own_again = fit(test, again, false)?;
         let scored = fit(test, first, true)?;
@@ -120,15 +122,15 @@ impl Bench<'_> {
             let point = ellipse.sample(w, &mut rng)?;
             let change = axis.aggression_hat(&point.embedding)? - axis.aggression_hat(w)?;
             moved.push((point.angle_rad, change.abs()));
-            rides.push(self.ride(person, &point.embedding, 0));
+            rides.push(Self::ride(person, &point.embedding, 0));
         }
         for (person, w) in test.iter().zip(&scored) {
-            rides.push(self.ride(person, w, self.worlds));
+            rides.push(Self::ride(person, w, self.worlds));
         }
         for (person, w) in test.iter().zip(&own) {
             rides.push(Ride {
                 read_back: true,
-                ..self.ride(person, w, 0)
+                ..Self::ride(person, w, 0)
             });
         }
         let driven = for_each_on(self.jobs, &rides, watch, "drives", |r| self.drive(model, r))?;
@@ -253,7 +255,7 @@ impl Bench<'_> {
         Ok(personalize(model, drive, adb, &params, self.seed)?.embedding)
     }
 
-    fn ride<'p>(&self, person: &'p Person, embedding: &Embedding, world: usize) -> Ride<'p> {
+    fn ride<'p>(person: &'p Person, embedding: &Embedding, world: usize) -> Ride<'p> {
         Ride {
             person,
             embedding: embedding.clone(),
@@ -272,7 +274,7 @@ impl Bench<'_> {
         for (person, w) in self.people.test.iter().zip(scored) {
             for points in STEPS {
                 let there = shift(axis, w, points)?.embedding;
-                rides.extend((0..self.worlds).map(|world| self.ride(person, &there, world)));
+                rides.extend((0..self.worlds).map(|world| Self::ride(person, &there, world)));
             }
         }
         Ok(rides)

@@ -113,7 +113,7 @@ mod tests {
         assert!((velocity.of_test_retest.unwrap() - 1.0).abs() < 1e-12);
         assert!((velocity.car_again.unwrap() - 1.0).abs() < 1e-12);
         // 15 for 10 and for 20.
-        assert!((velocity.population_mean.unwrap() - (0.5 + 0.75) / 2.0).abs() < 1e-12);
+        assert!((velocity.population_mean.unwrap() - f64::midpoint(0.5, 0.75)).abs() < 1e-12);
         assert_eq!((rows[1].n, rows[1].mimic), (0, None));
     }
 }

@@ -19,7 +19,7 @@ fn range(values: &[Option<f64>], decimals: usize) -> Cell {
     }
 }
 
-fn percent(values: Vec<Option<f64>>) -> Cell {
+fn percent(values: &[Option<f64>]) -> Cell {
     let shares: Vec<Option<f64>> = values.iter().map(|v| v.map(|v| 100.0 * v)).collect();
     range(&shares, 1)
 }
@@ -69,7 +69,7 @@ fn identity(models: &[Examined], one: &Examined) -> Table {
                 Metric::Euclidean => "straight",
                 Metric::WithinPerson => "within-person",
             }),
-            percent(rate),
+            percent(&rate),
             interval.map_or(Cell::Missing, |w| {
                 Cell::text(format!("{:.0} to {:.0}", 100.0 * w.low, 100.0 * w.high))
             }),
@@ -93,7 +93,7 @@ fn identity(models: &[Examined], one: &Examined) -> Table {
              the interval is Wilson's for the mean rate of {n} drivers. Within-person: Mahalanobis distance by the covariance of two days of one \
              person over the training people.",
             100.0 / n as f64,
-            (n as f64 + 1.0) / 2.0,
+            f64::midpoint(n as f64, 1.0),
             models.len()
         ),
     )
@@ -106,14 +106,14 @@ fn fidelity(models: &[Examined], one: &Examined) -> Table {
         let fixed = |share: Option<f64>| Cell::number(share.map(|s| 100.0 * s), 1);
         vec![
             Cell::text(row.title),
-            percent(of(|f| f.mimic)),
+            percent(&of(|f| f.mimic)),
             fixed(row.test_retest),
-            percent(of(|f| f.of_test_retest)),
+            percent(&of(|f| f.of_test_retest)),
             fixed(row.paper),
             fixed(row.population_mean),
-            percent(of(|f| f.mimic_bias)),
+            percent(&of(|f| f.mimic_bias)),
             fixed(row.test_retest_bias),
-            percent(of(|f| f.car_again)),
+            percent(&of(|f| f.car_again)),
         ]
     });
     table(
@@ -144,11 +144,11 @@ fn dial(models: &[Examined], one: &Examined, points: f64) -> Table {
         let monotone = each(models, |m| m.dial[i].monotone == Some(true));
         vec![
             Cell::text(row.title),
-            percent(share(|d| &d.aggressive)),
-            percent(share(|d| &d.cautious)),
+            percent(&share(|d| &d.aggressive)),
+            percent(&share(|d| &d.cautious)),
             range(&change(|d| &d.aggressive), 2),
             range(&change(|d| &d.cautious), 2),
-            percent(each(models, |m| m.dial[i].rising)),
+            percent(&each(models, |m| m.dial[i].rising)),
             range(&each(models, |m| m.dial[i].mean_tau), 2),
             Cell::text(format!(
                 "{} of {}",
