@@ -183,7 +183,7 @@ impl Problem {
             Slope {
                 layer,
                 direction,
-                slope: risen / (2.0 * STEP),
+                rise: risen / (2.0 * STEP),
             }
         });
         let slopes = slopes.collect();
@@ -195,7 +195,7 @@ impl Problem {
 struct Slope {
     layer: Option<Range<usize>>,
     direction: Vec<f64>,
-    slope: f64,
+    rise: f64,
 }
 
 fn doubles(values: &[f32]) -> Vec<f64> {
@@ -226,7 +226,7 @@ fn agrees(problem: &Problem, archs: &[Arch], weights: LossWeights, reading: Read
         for Slope {
             layer,
             direction,
-            slope,
+            rise,
         } in &slopes
         {
             let part = layer.clone().map_or(&by_embeddings[..], |l| &gradient[l]);
@@ -235,8 +235,8 @@ fn agrees(problem: &Problem, archs: &[Arch], weights: LossWeights, reading: Read
             let length = part.iter().map(|&g| f64::from(g).powi(2)).sum::<f64>();
             let tolerance = 1e-5 * length.sqrt() + 1e-7;
             assert!(
-                (found - slope).abs() < tolerance,
-                "{layer:?}: {found} {slope} ± {tolerance} ({weights:?}, {reading:?})"
+                (found - rise).abs() < tolerance,
+                "{layer:?}: {found} {rise} ± {tolerance} ({weights:?}, {reading:?})"
             );
         }
     }
