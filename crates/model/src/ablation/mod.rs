@@ -260,12 +260,18 @@ impl<'a> Judge<'a> {
         seed: u64,
     ) -> Result<Self, ModelError> {
         if let VariantKind::Networks(settings) = kind {
-            let params = TrainParams::new((**settings).clone())?;
+            let mut settings = (**settings).clone();
+            // A run that only measures would change nothing here.
+            if settings.patience == 0 && settings.refit {
+                settings.validation_fraction = 0.0;
+            }
+            let with_embedding = settings.embedding_learning_rate > 0.0;
+            let params = TrainParams::new(settings)?;
             let trained = train(seen, &params, seed, &mut |_| ControlFlow::Continue(()))?;
             return Ok(Self::Networks {
                 model: Box::new(trained.model),
                 personalizing,
-                with_embedding: settings.embedding_learning_rate > 0.0,
+                with_embedding,
             });
         }
         let settings = TrainSettings::default();
