@@ -8,18 +8,15 @@
 pub mod ablation;
 mod adam;
 pub mod checkpoint;
-pub mod cross_validate;
 mod damped_newton;
 mod dataset;
 pub mod error;
 pub mod following;
 mod fused;
-mod kernel;
 mod linear_algebra;
 pub mod losses;
 pub mod model;
 pub mod network;
-mod objective;
 pub mod params;
 pub mod personalize;
 pub mod predict;
@@ -40,7 +37,6 @@ pub mod windows;
 pub use ablation::{
     Ablated, AblationSettings, HeldOut, Variant, VariantKind, VariantResult, ablate, variants,
 };
-pub use cross_validate::{SizeResult, cross_validate};
 pub use error::{ModelError, ModelWarning};
 pub use losses::{Loss, LossTerms, LossWeights, MutualInformationLoss};
 pub use model::{Learned, Model, TrainingEmbedding};

@@ -3,8 +3,31 @@
 //! Every function takes one row, a weight `c` and returns the loss without `c` and its derivatives times
 //! `c`; the mean over rows and the loss weights are in `c`.
 
-use crate::kernel::Real;
 use serde::{Deserialize, Serialize};
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// The two number types of the losses: `f32` to train, `f64` to personalise.
+pub(crate) trait Real:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> + Into<f64>
+{
+    fn from_f64(value: f64) -> Self;
+
+    fn f64(self) -> f64 {
+        self.into()
+    }
+}
+
+impl Real for f32 {
+    fn from_f64(value: f64) -> Self {
+        value as Self
+    }
+}
+
+impl Real for f64 {
+    fn from_f64(value: f64) -> Self {
+        value
+    }
+}
 
 /// The five losses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

@@ -11,8 +11,7 @@ use crate::{
     },
     losses::{LossTerms, LossWeights, MutualInformationLoss, Reading, Sums},
     model::active_weights,
-    network::{Networks, style::Style},
-    objective::aggression,
+    network::{Networks, style::aggression},
     params::TrainSettings,
     train::EpochReport,
     training_state::{Moments, Weights},
@@ -281,13 +280,11 @@ impl<'a> Trainer<'a> {
     fn aggression(&mut self) -> Option<f64> {
         let layer = &self.kernel.layout.style[0];
         let d = self.settings.embedding_size;
-        let style = Style::of_size(d);
         let own = layer.embedding_weights(&self.packed);
         let mut parameters: Vec<f32> = own.chunks_exact(layer.width).map(|l| l[0]).collect();
         parameters.push(layer.biases(&self.packed)[0]);
         let mut gradient = vec![0.0; d + 1];
         let l4 = aggression(
-            &style,
             (&parameters, &self.embeddings),
             &self.data.adb,
             self.weights.aggression,

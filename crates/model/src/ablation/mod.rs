@@ -49,7 +49,7 @@ pub enum VariantKind {
 /// likelihood, window lengths, without `w`, and the baselines. The first is `base` as it is.
 ///
 /// # Source
-/// Paper, "Embedding size"; method section 3.
+/// Paper, "Embedding size"; method section 3. Losses cannot choose the size alone: calibration section 3.
 pub fn variants(base: &TrainSettings, sizes: &[usize], windows_s: &[f64]) -> Vec<Variant> {
     let networks = |name: String, change: &dyn Fn(&mut TrainSettings)| {
         let mut settings = base.clone();
@@ -62,7 +62,7 @@ pub fn variants(base: &TrainSettings, sizes: &[usize], windows_s: &[f64]) -> Vec
     let mut all = vec![networks(format!("size {}", base.embedding_size), &|_| {})];
     for &size in sizes.iter().filter(|&&s| s != base.embedding_size) {
         all.push(networks(format!("size {size}"), &|s| {
-            s.embedding_size = size
+            s.embedding_size = size;
         }));
     }
     all.push(networks("without M (no L5)".to_owned(), &|s| {
@@ -76,11 +76,11 @@ pub fn variants(base: &TrainSettings, sizes: &[usize], windows_s: &[f64]) -> Vec
     }));
     for &window_s in windows_s {
         all.push(networks(format!("window {window_s} s"), &|s| {
-            s.window_s = window_s
+            s.window_s = window_s;
         }));
     }
     all.push(networks("without w".to_owned(), &|s| {
-        s.embedding_learning_rate = 0.0
+        s.embedding_learning_rate = 0.0;
     }));
     let baseline = |name: &str, kind| Variant {
         name: name.to_owned(),
@@ -260,12 +260,18 @@ impl<'a> Judge<'a> {
         seed: u64,
     ) -> Result<Self, ModelError> {
         if let VariantKind::Networks(settings) = kind {
-            let params = TrainParams::new((**settings).clone())?;
+            let mut settings = (**settings).clone();
+            // A run that only measures would change nothing here.
+            if settings.patience == 0 && settings.refit {
+                settings.validation_fraction = 0.0;
+            }
+            let with_embedding = settings.embedding_learning_rate > 0.0;
+            let params = TrainParams::new(settings)?;
             let trained = train(seen, &params, seed, &mut |_| ControlFlow::Continue(()))?;
             return Ok(Self::Networks {
                 model: Box::new(trained.model),
                 personalizing,
-                with_embedding: settings.embedding_learning_rate > 0.0,
+                with_embedding,
             });
         }
         let settings = TrainSettings::default();

@@ -2,12 +2,12 @@
 //!
 //! Rows of data lie one after the other, their features along the vectors ([`matrix`]); two products do all the
 //! work ([`product`]); weights are kept as those products read them ([`layout`]); what a first layer makes of a
-//! driver's `w` is a row of a table, made once a batch ([`roster`]); [`through`] takes a stack of layers, [`tile`] all five sub-networks, [`batch`] splits
-//! a batch into lanes whose sums are taken in a fixed order.
+//! driver's `w` is a row of a table, made once a batch ([`roster`]); [`through`] takes a stack of layers, [`tile`] all
+//! five sub-networks, [`batch`] splits a batch into lanes whose sums are taken in a fixed order.
 //!
 //! Every sum runs in one order whatever the vectors' width, so AVX2 and AVX-512 agree to the last bit, and plain
-//! code, which has no fused multiply and add, to rounding. [`crate::objective`] is the same in another layout and
-//! any number type: personalising uses it, and the tests hold this module against it.
+//! code, which has no fused multiply and add, to rounding. The tests hold losses and gradients against the central
+//! differences of plain double-precision loops.
 
 pub(crate) mod batch;
 pub(crate) mod layout;
@@ -18,3 +18,5 @@ pub(crate) mod roster;
 mod tests;
 pub(crate) mod through;
 pub(crate) mod tile;
+#[cfg(test)]
+mod witness;

@@ -1,15 +1,14 @@
-//! The kernel against [`crate::objective`], which is the same in `f64` and held against finite differences.
+//! The kernel against the central differences of [`super::witness`].
 
 use super::{
     batch::{At, Batches},
     layout::Layout,
     tile::{Known, Tile},
+    witness::{self, Row},
 };
 use crate::{
-    kernel,
     losses::{LossWeights, Reading},
-    network::{Architecture, Networks},
-    objective::{Inputs, Objective, Pass},
+    network::{Architecture, Networks, mlp::Mlp},
 };
 use pulp::Arch;
 use rand::{RngExt as _, SeedableRng};
@@ -126,62 +125,81 @@ impl Problem {
         (loss, gradient, batches.embedding_gradient)
     }
 
-    /// The same by [`Objective`] in `f64`.
-    fn reference(&self, weights: LossWeights, reading: Reading) -> (f64, Vec<f64>, Vec<f64>) {
+    /// Every row's loss by the witness, over the number of rows.
+    fn witnessed(
+        &self,
+        parameters: &[f64],
+        embeddings: &[f64],
+        weights: &LossWeights,
+        reading: Reading,
+    ) -> Vec<f64> {
         let a = self.networks.architecture;
-        let d = a.embedding_size;
-        let parameters: Vec<f64> = self.parameters.iter().map(|&p| f64::from(p)).collect();
-        let objective = Objective {
-            networks: &self.networks,
-            parameters: &parameters,
-            weights,
-            reading,
-            raw: None,
+        let (d, numbers) = (a.embedding_size, 4 * a.window_steps);
+        let loss = |row: usize| {
+            let w = &embeddings[self.driver_of[row] as usize * d..][..d];
+            let given = Row {
+                window: &self.windows[row * numbers..][..numbers],
+                noise: &self.noise[row * d..][..d],
+                known: self.known[row],
+            };
+            witness::loss(&self.networks, parameters, w, &given, weights, reading)
+                / self.rows as f64
         };
-        let mut gradient = vec![0.0; parameters.len()];
-        let mut by_embeddings = vec![0.0; self.embeddings.len()];
-        let mut loss = 0.0;
-        let scale = 1.0 / self.rows as f64;
-        for first in (0..self.rows).step_by(kernel::ROWS) {
-            let mut pass = Pass::new(&self.networks);
-            let mut inputs = Inputs::new(d);
-            let numbers = 4 * a.window_steps;
-            let mut windows = kernel::Tile::zeros(numbers);
-            let mut w = kernel::Tile::zeros(d);
-            let rows = first..(first + kernel::ROWS).min(self.rows);
-            for (column, row) in rows.clone().enumerate() {
-                let driver = self.driver_of[row] as usize;
-                for k in 0..numbers {
-                    let value = self.windows[row * numbers + k];
-                    windows.feature_mut(k)[column] = f64::from(value);
-                }
-                for i in 0..d {
-                    inputs.noise.feature_mut(i)[column] = f64::from(self.noise[row * d + i]);
-                    w.feature_mut(i)[column] = f64::from(self.embeddings[driver * d + i]);
-                }
-                let Known { values, weights } = self.known[row];
-                inputs.lead_speed.all_mut()[column] = f64::from(values[0]);
-                for i in 0..3 {
-                    inputs.targets.feature_mut(i)[column] = f64::from(values[i + 1]);
-                }
-                for (i, weight) in weights.into_iter().enumerate() {
-                    inputs.weights.feature_mut(i)[column] = f64::from(weight);
-                }
-            }
-            pass.set_windows(&windows);
-            objective.encode(&mut pass);
-            let sums = objective.evaluate(&w, &inputs, &mut pass, scale, Some(&mut gradient));
-            objective.encoders_backward(&mut pass, &mut gradient);
-            loss += sums.weighted(&weights) * scale;
-            for (column, row) in rows.enumerate() {
-                let driver = self.driver_of[row] as usize;
-                for i in 0..d {
-                    by_embeddings[driver * d + i] += pass.embedding_gradient.feature(i)[column];
-                }
-            }
-        }
-        (loss, gradient, by_embeddings)
+        (0..self.rows).map(loss).collect()
     }
+
+    /// The loss by the witness, and its slopes in directions through all weights of a layer or all embeddings.
+    fn slopes(&self, weights: LossWeights, reading: Reading) -> (f64, Vec<Slope>) {
+        // Small against the distance to the next kink of a ReLU; rounding cancels as rows are compared one by one.
+        const STEP: f64 = 1e-8;
+        let mut rng = Pcg64Mcg::seed_from_u64(6);
+        let parameters = doubles(&self.parameters);
+        let embeddings = doubles(&self.embeddings);
+        let at = self.witnessed(&parameters, &embeddings, &weights, reading);
+        let layers = self.networks.all().into_iter().flat_map(Mlp::layers);
+        let places = layers.map(|layer| Some(layer.offset..layer.end()));
+        let places = places
+            .chain([None])
+            .flat_map(|place| [place.clone(), place]);
+        let slopes = places.map(|layer| {
+            let size = layer
+                .as_ref()
+                .map_or(embeddings.len(), ExactSizeIterator::len);
+            let direction = StandardNormal.sample_iter(&mut rng).take(size);
+            let direction: Vec<f64> = direction.collect();
+            let losses = |step: f64| {
+                let (mut parameters, mut embeddings) = (parameters.clone(), embeddings.clone());
+                let moved = match &layer {
+                    Some(layer) => &mut parameters[layer.clone()],
+                    None => &mut embeddings[..],
+                };
+                for (value, by) in moved.iter_mut().zip(&direction) {
+                    *value += step * by;
+                }
+                self.witnessed(&parameters, &embeddings, &weights, reading)
+            };
+            let (above, below) = (losses(STEP), losses(-STEP));
+            let risen: f64 = above.iter().zip(&below).map(|(a, b)| a - b).sum();
+            Slope {
+                layer,
+                direction,
+                rise: risen / (2.0 * STEP),
+            }
+        });
+        let slopes = slopes.collect();
+        (at.iter().sum(), slopes)
+    }
+}
+
+/// How the loss rises along a direction: numbers of N(0, 1) for every weight of a layer, or for every embedding.
+struct Slope {
+    layer: Option<Range<usize>>,
+    direction: Vec<f64>,
+    rise: f64,
+}
+
+fn doubles(values: &[f32]) -> Vec<f64> {
+    values.iter().map(|&v| f64::from(v)).collect()
 }
 
 fn largest(values: &[f64]) -> f64 {
@@ -195,22 +213,33 @@ fn apart(found: &[f32], expected: &[f64]) -> f64 {
     largest(&differences) / largest(expected).max(1e-30)
 }
 
-fn agrees(problem: &Problem, arch: Arch, weights: LossWeights, reading: Reading) {
-    let (loss, gradient, by_embeddings) = problem.fused(arch, weights, reading);
-    let (expected, by_parameters, by_w) = problem.reference(weights, reading);
-    assert!(
-        (loss - expected).abs() < 1e-5 * expected.abs(),
-        "{loss} {expected}"
-    );
-    for mlp in problem.networks.all() {
-        for layer in mlp.layers() {
-            let range = layer.offset..layer.end();
-            let off = apart(&gradient[range.clone()], &by_parameters[range]);
-            assert!(off < 1e-5, "{layer:?}: {off} ({weights:?})");
+/// Holds the kernel's loss and gradient against the witness's; along a direction through all of them one wrong weight
+/// shows as well as many.
+fn agrees(problem: &Problem, archs: &[Arch], weights: LossWeights, reading: Reading) {
+    let (expected, slopes) = problem.slopes(weights, reading);
+    for &arch in archs {
+        let (loss, gradient, by_embeddings) = problem.fused(arch, weights, reading);
+        assert!(
+            (loss - expected).abs() < 1e-5 * expected.abs(),
+            "{loss} {expected}"
+        );
+        for Slope {
+            layer,
+            direction,
+            rise,
+        } in &slopes
+        {
+            let part = layer.clone().map_or(&by_embeddings[..], |l| &gradient[l]);
+            let pairs = part.iter().zip(direction);
+            let found: f64 = pairs.map(|(&g, d)| f64::from(g) * d).sum();
+            let length = part.iter().map(|&g| f64::from(g).powi(2)).sum::<f64>();
+            let tolerance = 1e-5 * length.sqrt() + 1e-7;
+            assert!(
+                (found - rise).abs() < tolerance,
+                "{layer:?}: {found} {rise} ± {tolerance} ({weights:?}, {reading:?})"
+            );
         }
     }
-    let off = apart(&by_embeddings, &by_w);
-    assert!(off < 1e-5, "embeddings: {off}");
 }
 
 /// Every path that this processor has.
@@ -222,31 +251,51 @@ fn paths() -> Vec<Arch> {
     paths
 }
 
+const NONE: LossWeights = LossWeights {
+    following_distance: 0.0,
+    lane_change: 0.0,
+    velocity: 0.0,
+    aggression: 0.0,
+    mutual_information: 0.0,
+};
+
 #[test]
-fn the_kernel_has_the_losses_and_gradients_of_the_objective_on_every_path() {
+fn the_kernel_has_the_losses_and_gradients_of_the_witness_on_every_path() {
     let problem = Problem::new(ODD, 301, 7);
-    for arch in paths() {
-        for reading in [Reading::Sample, Reading::Likelihood] {
-            agrees(&problem, arch, LossWeights::default(), reading);
-        }
+    for reading in [Reading::Sample, Reading::Likelihood] {
+        agrees(&problem, &paths(), LossWeights::default(), reading);
     }
     let paper = Problem::new(PAPER, 300, 5);
-    agrees(&paper, Arch::new(), LossWeights::default(), Reading::Sample);
+    let weights = LossWeights::default();
+    agrees(&paper, &[Arch::new()], weights, Reading::Sample);
 }
 
 #[test]
-fn without_l5_nothing_flows_back_through_m() {
-    let problem = Problem::new(ODD, 50, 3);
-    let weights = LossWeights {
-        mutual_information: 0.0,
-        ..LossWeights::default()
+fn every_loss_alone_reaches_the_sub_networks_it_is_of_and_no_other() {
+    let problem = Problem::new(ODD, 60, 3);
+    let alone = |change: fn(&mut LossWeights)| {
+        let mut weights = NONE;
+        change(&mut weights);
+        agrees(&problem, &[Arch::new()], weights, Reading::Sample);
+        let (_, gradient, by_embeddings) = problem.fused(Arch::new(), weights, Reading::Sample);
+        assert!(by_embeddings.iter().any(|&g| g != 0.0));
+        problem.networks.all().map(|mlp| {
+            let first = mlp.first();
+            gradient[first.offset..first.end()]
+                .iter()
+                .any(|&g| g != 0.0)
+        })
     };
-    let (_, gradient, _) = problem.fused(Arch::new(), weights, Reading::Sample);
-    let (_, expected, by_w) = problem.reference(weights, Reading::Sample);
-    assert!(apart(&gradient, &expected) < 1e-5);
-    assert!(largest(&by_w) > 0.0);
-    let m = problem.networks.mutual_information.head.first();
-    assert!(gradient[m.offset..m.end()].iter().all(|&g| g == 0.0));
+    // F, C's encoder and head, V's, S, M.
+    let [yes, no] = [true, false];
+    let reached = alone(|w| w.following_distance = 1.0);
+    assert_eq!(reached, [yes, no, no, no, no, no, no]);
+    let reached = alone(|w| w.lane_change = 1.0);
+    assert_eq!(reached, [no, yes, yes, no, no, no, no]);
+    let reached = alone(|w| w.velocity = 1.0);
+    assert_eq!(reached, [no, no, no, yes, yes, no, no]);
+    // L5 flows on through M into every predictor.
+    assert_eq!(alone(|w| w.mutual_information = 1.0), [yes; 7]);
 }
 
 #[test]

@@ -8,7 +8,6 @@ pub(crate) mod mutual_information;
 pub(crate) mod style;
 pub(crate) mod velocity;
 
-use crate::kernel::Real;
 use following_distance::FollowingDistance;
 use lane_change::LaneChange;
 use mlp::Mlp;
@@ -112,8 +111,8 @@ impl Networks {
     }
 
     /// Fresh parameters.
-    pub(crate) fn initialise<T: Real>(&self, rng: &mut impl rand::Rng) -> Vec<T> {
-        let mut parameters = vec![T::default(); self.parameters];
+    pub(crate) fn initialise(&self, rng: &mut impl rand::Rng) -> Vec<f32> {
+        let mut parameters = vec![0.0; self.parameters];
         for mlp in self.all() {
             mlp.initialise(&mut parameters, rng);
         }
