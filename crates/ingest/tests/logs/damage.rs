@@ -9,6 +9,8 @@ use std::collections::BTreeSet;
 
 const FOOTER: u8 = 2;
 const CHUNK: u8 = 6;
+/// A minute, in ns.
+const MINUTE: u64 = 60_000_000_000;
 
 fn read(bytes: &[u8], recover: bool) -> Result<Ingested, IngestError> {
     let file = tempfile::Builder::new().suffix(".mcap").tempfile().unwrap();
@@ -366,7 +368,6 @@ fn clocks_that_run_backwards_differ_or_stand_still_make_no_false_drive() {
     };
     let kinds =
         |found: &Ingested| -> Vec<WarningKind> { found.warnings.iter().map(|w| w.kind).collect() };
-    const MINUTE: u64 = 60_000_000_000;
     // The file is written backwards: sorted.
     let found = read(&with(&|t, _| (MINUTE - t, MINUTE - t)), false).unwrap();
     assert!(kinds(&found).contains(&WarningKind::OutOfOrder));
