@@ -3,7 +3,7 @@
 use crate::{
     differentiate::fill_speeds,
     error::IngestError,
-    lanes::{ego_at, place},
+    lanes::{EgoPath, place},
     mapping::{FrameKind, RoadMapping},
     quality::{Warning, WarningKind},
     raw::{EgoSample, ObjectSample, RawDrive},
@@ -226,8 +226,9 @@ fn tracks(
 /// Leaves out the object that is ego: `/carla/objects` holds it too.
 fn drop_ego(path: &Path, drive: &mut RawDrive) -> Option<Warning> {
     let mut distance: BTreeMap<u32, (f64, f64)> = BTreeMap::new();
+    let mut ego = EgoPath::new(&drive.ego);
     for object in &drive.objects {
-        if let Some((x, y)) = ego_at(&drive.ego, object.stamp_ns) {
+        if let Some((x, y)) = ego.at(object.stamp_ns) {
             let sum = distance.entry(object.id).or_default();
             sum.0 += (object.x_m - x).hypot(object.y_m - y);
             sum.1 += 1.0;
@@ -248,9 +249,10 @@ fn drop_ego(path: &Path, drive: &mut RawDrive) -> Option<Warning> {
 /// Leaves out vehicles more than half a lane aside of ego: on a road of one known lane they would count as ahead.
 fn keep_own_lane(path: &Path, drive: &mut RawDrive, lane_width_m: f64) -> Option<Warning> {
     let before = drive.objects.len();
-    let ego = &drive.ego;
+    let mut ego = EgoPath::new(&drive.ego);
     drive.objects.retain(|o| {
-        ego_at(ego, o.stamp_ns).is_none_or(|(_, y)| (o.y_m - y).abs() <= 0.5 * lane_width_m)
+        let there = ego.at(o.stamp_ns);
+        there.is_none_or(|(_, y)| (o.y_m - y).abs() <= 0.5 * lane_width_m)
     });
     let count = before - drive.objects.len();
     (count > 0).then(|| {

@@ -39,21 +39,45 @@ pub(crate) fn place(
     }
 }
 
-/// Where ego was at `time_ns`, between its samples: `(x, y)` in m; none outside them.
-pub(crate) fn ego_at(ego: &[EgoSample], time_ns: i64) -> Option<(f64, f64)> {
-    let (before, after, w) = bracket(ego, time_ns)?;
-    let mix = |a: f64, b: f64| a + w * (b - a);
-    Some((mix(before.x_m, after.x_m), mix(before.y_m, after.y_m)))
+/// Where ego was, for times that mostly rise: each search starts where the last one ended.
+#[derive(Debug)]
+pub(crate) struct EgoPath<'a> {
+    ego: &'a [EgoSample],
+    /// The first sample after the time that was asked for last.
+    next: usize,
 }
 
-fn bracket(ego: &[EgoSample], time_ns: i64) -> Option<(&EgoSample, &EgoSample, f64)> {
-    let next = ego.partition_point(|s| s.stamp_ns <= time_ns);
-    let before = ego.get(next.checked_sub(1)?)?;
-    let Some(after) = ego.get(next) else {
-        return (before.stamp_ns == time_ns).then_some((before, before, 0.0));
-    };
-    let w = (time_ns - before.stamp_ns) as f64 / (after.stamp_ns - before.stamp_ns) as f64;
-    Some((before, after, w))
+impl<'a> EgoPath<'a> {
+    /// Takes samples that are sorted by time.
+    pub(crate) fn new(ego: &'a [EgoSample]) -> Self {
+        Self { ego, next: 0 }
+    }
+
+    /// Ego at `time_ns`, between its samples: `(x, y)` in m; none outside them.
+    pub(crate) fn at(&mut self, time_ns: i64) -> Option<(f64, f64)> {
+        let (before, after, w) = self.bracket(time_ns)?;
+        let (before, after) = (&self.ego[before], &self.ego[after]);
+        let mix = |a: f64, b: f64| a + w * (b - a);
+        Some((mix(before.x_m, after.x_m), mix(before.y_m, after.y_m)))
+    }
+
+    /// The samples around `time_ns` and the weight of the second.
+    fn bracket(&mut self, time_ns: i64) -> Option<(usize, usize, f64)> {
+        let is_past = |s: &EgoSample| s.stamp_ns <= time_ns;
+        if self.next > 0 && !is_past(&self.ego[self.next - 1]) {
+            self.next = self.ego.partition_point(is_past);
+        }
+        while self.ego.get(self.next).is_some_and(is_past) {
+            self.next += 1;
+        }
+        let before = self.next.checked_sub(1)?;
+        let from = self.ego[before].stamp_ns;
+        let Some(after) = self.ego.get(self.next) else {
+            return (from == time_ns).then_some((before, before, 0.0));
+        };
+        let w = (time_ns - from) as f64 / (after.stamp_ns - from) as f64;
+        Some((before, self.next, w))
+    }
 }
 
 struct Line {
@@ -115,8 +139,9 @@ fn along_line(drive: &mut RawDrive, line: &Line) {
 fn along_path(drive: &mut RawDrive, max_gap_s: f64) {
     let way = driven_way(&drive.ego, max_gap_s);
     let headings = headings(&drive.ego);
+    let mut path = EgoPath::new(&drive.ego);
     for object in &mut drive.objects {
-        if let Some(placed) = beside_path(&drive.ego, &way, &headings, object) {
+        if let Some(placed) = beside_path(&mut path, &way, &headings, object) {
             (object.x_m, object.y_m) = placed;
         } else {
             // Ego was not there: the object cannot be placed, and resampling drops it.
@@ -168,16 +193,13 @@ fn headings(ego: &[EgoSample]) -> Vec<(f64, f64)> {
 }
 
 fn beside_path(
-    ego: &[EgoSample],
+    path: &mut EgoPath<'_>,
     way: &[f64],
     headings: &[(f64, f64)],
     object: &ObjectSample,
 ) -> Option<(f64, f64)> {
-    let (x, y) = ego_at(ego, object.stamp_ns)?;
-    let next = ego.partition_point(|s| s.stamp_ns <= object.stamp_ns);
-    let before = next - 1;
-    let after = next.min(ego.len() - 1);
-    let (_, _, w) = bracket(ego, object.stamp_ns)?;
+    let (x, y) = path.at(object.stamp_ns)?;
+    let (before, after, w) = path.bracket(object.stamp_ns)?;
     let s = way[before] + w * (way[after] - way[before]);
     let (cos, sin) = headings[before];
     let (dx, dy) = (object.x_m - x, object.y_m - y);
@@ -209,6 +231,24 @@ mod tests {
             y_m,
             speed_mps: 10.0,
             length_m: None,
+        }
+    }
+
+    #[test]
+    fn ego_is_found_at_any_time_in_any_order() {
+        let ego = ego(&[(0.0, 0.0), (1.0, 2.0), (3.0, 2.0)]);
+        let mut path = EgoPath::new(&ego);
+        for (ns, expected) in [
+            (-1, None),
+            (50_000_000, Some((0.5, 1.0))),
+            (200_000_000, Some((3.0, 2.0))),
+            (100_000_000, Some((1.0, 2.0))),
+            (150_000_000, Some((2.0, 2.0))),
+            (200_000_001, None),
+            (0, Some((0.0, 0.0))),
+            (-1, None),
+        ] {
+            assert_eq!(path.at(ns), expected, "{ns}");
         }
     }
 

@@ -1,6 +1,6 @@
 //! What a drive was made from.
 
-use crate::{error::IngestError, settings::IngestSettings};
+use crate::{error::IngestError, raw::mcap::parts::parts_of, settings::IngestSettings};
 use std::{
     fs::File,
     path::{Path, PathBuf},
@@ -30,17 +30,16 @@ impl Provenance {
             let name = p.file_name().unwrap_or_default();
             name.to_string_lossy().into_owned()
         };
-        let mut sources: Vec<PathBuf> = vec![log.to_owned()];
-        if log.is_dir() {
-            let signals = settings
-                .mapping
-                .as_ref()
-                .and_then(|m| m.table.as_ref()?.signals.as_ref());
-            let files = signals
-                .map(crate::mapping::Signals::files)
-                .unwrap_or_default();
-            sources = files.into_iter().map(|f| log.join(f)).collect();
-        }
+        let signals = settings
+            .mapping
+            .as_ref()
+            .and_then(|m| m.table.as_ref()?.signals.as_ref());
+        let sources: Vec<PathBuf> = match signals {
+            Some(signals) if log.is_dir() => {
+                signals.files().into_iter().map(|f| log.join(f)).collect()
+            }
+            _ => parts_of(log)?,
+        };
         let hashes: Vec<String> = sources.iter().map(|p| hash(p)).collect::<Result<_, _>>()?;
         let names: Vec<String> = sources.iter().map(|p| name(p)).collect();
         let mut entries = vec![
@@ -86,5 +85,20 @@ mod tests {
         assert_ne!(of("t\n1\n"), of("t\n2\n"));
         let keys: Vec<String> = of("t\n").entries.into_iter().map(|e| e.0).collect();
         assert_eq!(keys[..3], ["source", "source_blake3", "resampled_hz"]);
+    }
+
+    #[test]
+    fn every_file_of_a_split_recording_is_a_source() {
+        let root = tempfile::tempdir().unwrap();
+        let folder = root.path().join("run");
+        std::fs::create_dir(&folder).unwrap();
+        for name in ["run_0.mcap", "run_1.mcap"] {
+            std::fs::write(folder.join(name), name).unwrap();
+        }
+        let found = Provenance::of(&folder, None, &IngestSettings::default()).unwrap();
+        let hash = |name: &str| blake3::hash(name.as_bytes()).to_hex().to_string();
+        let hashes = format!("{} {}", hash("run_0.mcap"), hash("run_1.mcap"));
+        assert_eq!(found.entries[0].1, "run_0.mcap run_1.mcap");
+        assert_eq!(found.entries[1].1, hashes);
     }
 }

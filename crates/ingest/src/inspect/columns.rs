@@ -84,10 +84,7 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<Sheet, IngestError> {
 /// Number of lines above the header: it is the first line as wide as the lines after it, and of words.
 fn likely_header(text: &[u8]) -> usize {
     let lines: Vec<&[u8]> = text.split(|&b| b == b'\n').take(40).collect();
-    let width = |line: &&[u8]| {
-        let widths = b",;\t".iter().map(|c| line.split(|b| b == c).count());
-        widths.max().unwrap_or(1)
-    };
+    let width = |line: &[u8], separator: u8| line.split(|&b| b == separator).count();
     let numeric = |line: &&[u8]| {
         let text = String::from_utf8_lossy(line);
         let mut cells = text
@@ -96,16 +93,21 @@ fn likely_header(text: &[u8]) -> usize {
             .filter(|c| !c.is_empty());
         cells.next().is_some_and(|c| c.parse::<f64>().is_ok())
     };
-    let first_numbers = lines.iter().position(|l| numeric(l) && width(l) > 1);
+    let first_numbers = lines
+        .iter()
+        .position(|l| numeric(l) && b",;\t".iter().any(|&c| width(l, c) > 1));
     let Some(data) = first_numbers.filter(|&i| i > 0) else {
         return 0;
     };
     let above = lines[..data]
         .iter()
         .rposition(|l| !l.trim_ascii().is_empty());
-    above
-        .filter(|&i| width(&lines[i]) >= width(&lines[data]))
-        .unwrap_or(0)
+    // Commas may be decimal ones: widths are compared by one separator at a time.
+    let as_wide = |i: usize| {
+        let by = |&c: &u8| (2..=width(lines[i], c)).contains(&width(lines[data], c));
+        b",;\t".iter().any(by)
+    };
+    above.filter(|&i| as_wide(i)).unwrap_or(0)
 }
 
 fn line(text: &[u8], number: usize) -> &[u8] {

@@ -1,5 +1,9 @@
 //! Whole logs in, recordings out: our own, damaged copies of them, and real ones.
-#![expect(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "helpers of tests fail as tests do"
+)]
 
 mod damage;
 mod fuzz;

@@ -47,7 +47,7 @@ struct Bytes {
 impl Bytes {
     fn put(&mut self, value: &[u8]) -> &mut Self {
         let head = if self.packed { 0 } else { 4 };
-        while !self.packed && (self.bytes.len() - head) % value.len() != 0 {
+        while !self.packed && !(self.bytes.len() - head).is_multiple_of(value.len()) {
             self.bytes.push(0);
         }
         self.bytes.extend(value);
@@ -66,9 +66,9 @@ impl Bytes {
         self.put(&(value as f32).to_le_bytes())
     }
     fn f64s(&mut self, values: &[f64]) -> &mut Self {
-        values.iter().for_each(|v| {
+        for v in values {
             self.put(&v.to_le_bytes());
-        });
+        }
         self
     }
     fn string(&mut self, text: &str) -> &mut Self {
@@ -514,14 +514,14 @@ fn one_drive_of_a_recording_that_was_split() {
         let bytes = super::rewritten(&whole, WriteOptions::new(), |mut message| {
             // Channel numbers are a file's own.
             let mut channel = (*message.channel).clone();
-            channel.id = channel.id + 7 * part as u16;
+            channel.id += 7 * part as u16;
             message.channel = channel.into();
             within.contains(&message.log_time).then_some(message)
         });
         std::fs::write(folder.join(format!("run_{part}.mcap")), bytes).unwrap();
     }
     let files = maveric_ingest::log_files(root.path(), None).unwrap();
-    assert_eq!(files, [folder.clone()]);
+    assert_eq!(files, std::slice::from_ref(&folder));
     let found = read_log(&folder, &IngestSettings::default())
         .unwrap()
         .remove(0);

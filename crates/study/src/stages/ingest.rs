@@ -9,9 +9,13 @@ use crate::{
     },
 };
 use maveric_domain::{Drive, DriveMeta};
-use maveric_ingest::{IngestSettings, Mapping, Provenance, log_files, read_log};
+use maveric_ingest::{IngestSettings, Mapping, Provenance, Warning, log_files, read_log};
 use serde::Serialize;
-use std::{collections::BTreeSet, path::PathBuf};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
+use tempfile::TempDir;
 
 /// What to ingest.
 #[derive(Debug, Clone)]
@@ -39,10 +43,23 @@ pub struct IngestedDrives {
     pub rows: usize,
 }
 
+/// A drive that is written but not yet in its place.
+struct Written {
+    /// The file in the folder aside.
+    file: PathBuf,
+    meta: DriveMeta,
+    rows: usize,
+    duration_s: f64,
+    /// Whether any row has a lead vehicle.
+    led: bool,
+    warnings: Vec<Warning>,
+}
+
 /// Reads logs, finds reference vehicle, lane changes and following rows, and writes the drives.
 ///
-/// A drive that cannot be read refuses the whole call before anything is written; what was repaired or left out
-/// within a log is a warning, and a row of `exclusions.csv`.
+/// Each drive is written as soon as it is read, into a hidden folder on the same disk, and all are renamed into `out`
+/// at the end: memory holds one log a thread, and a log that cannot be read refuses the whole call with nothing
+/// written. What was repaired or left out within a log is a warning, and a row of `exclusions.csv`.
 ///
 /// # Errors
 /// [`StudyError::Ingest`] naming the log; [`StudyError`] if two logs are one drive or a file cannot be written.
@@ -57,7 +74,7 @@ pub fn ingest(
         recover: options.recover,
         ..IngestSettings::default()
     };
-    let mut files = Vec::new();
+    let mut logs = Vec::new();
     for log in &options.logs {
         let found = log_files(log, settings.mapping.as_ref())?;
         if found.is_empty() {
@@ -66,84 +83,188 @@ pub fn ingest(
                 "holds no logs (.mcap, .csv, .tsv, .txt, .parquet)",
             ));
         }
-        files.extend(found);
+        logs.extend(found);
     }
-    let logs = for_each_on(options.jobs, &files, watch, "logs read", |file| {
-        let mut drives = Vec::new();
-        let provenance = Provenance::of(file, options.mapping.as_deref(), &settings)?;
-        for ingested in read_log(file, &settings)? {
-            let drive = Drive::from_recording(ingested.meta, &ingested.recording)?;
-            drives.push((drive, ingested.warnings, provenance.clone()));
-        }
-        Ok(drives)
+    let aside = folder_aside(&options.out)?;
+    let numbered: Vec<(usize, &Path)> = logs.iter().map(PathBuf::as_path).enumerate().collect();
+    let written = for_each_on(options.jobs, &numbered, watch, "logs ingested", |log| {
+        write_log(*log, aside.path(), &settings, options.mapping.as_deref())
     })?;
-    let mut drives: Vec<(Drive, Provenance)> = Vec::new();
-    let mut rows = Vec::new();
+    let mut drives: Vec<Written> = written.into_iter().flatten().collect();
     let mut ids = BTreeSet::new();
-    for (drive, warnings, provenance) in logs.into_iter().flatten() {
-        let id = drive.meta().drive.to_string();
-        if !ids.insert(id.clone()) {
-            return Err(StudyError::NotPossible {
-                problem: format!("two logs, or two vehicles of one, make the drive `{id}`"),
-                help: Some("leave one of them out, or ingest them into two folders".to_owned()),
-            });
-        }
-        rows.extend(warnings.into_iter().map(|w| (id.clone(), w)));
-        drives.push((drive, provenance));
+    if let Some(twice) = drives.iter().find(|d| !ids.insert(&d.meta.drive)) {
+        return Err(StudyError::NotPossible {
+            problem: format!(
+                "two logs, or two vehicles of one, make the drive `{}`",
+                twice.meta.drive
+            ),
+            help: Some("leave one of them out, or ingest them into two folders".to_owned()),
+        });
     }
-    drives.sort_by(|a, b| a.0.meta().drive.cmp(&b.0.meta().drive));
-    for_each_on(options.jobs, &drives, watch, "drives written", |drive| {
-        write_drive_of(&options.out, &drive.0, &drive.1)
-    })?;
-    let drives: Vec<Drive> = drives.into_iter().map(|d| d.0).collect();
-    let list: Vec<(DriveMeta, usize, f64)> = drives
-        .iter()
-        .map(|d| {
-            (
-                d.meta().clone(),
-                d.len(),
-                d.rows().time_s.last().copied().unwrap_or(0.0),
-            )
-        })
-        .collect();
-    write_drive_list(&options.out, &list)?;
-    TableBuilder::default()
-        .text("drive", rows.iter().map(|r| r.0.as_str()))
-        .text(
-            "log",
-            rows.iter().map(|r| {
-                r.1.file
-                    .file_name()
-                    .unwrap_or_default()
-                    .to_string_lossy()
-                    .into_owned()
-            }),
-        )
-        .text("what", rows.iter().map(|r| r.1.what.as_str()))
-        .integers("count", rows.iter().map(|r| i64::try_from(r.1.count).ok()))
-        .write(&options.out.join("exclusions.csv"))?;
-    let total = drives.iter().map(Drive::len).sum();
-    let no_lead = drives
-        .iter()
-        .filter(|d| !d.rows().lead_present.iter().any(|&p| p));
-    let mut said: Vec<String> = rows.iter().map(|r| r.1.to_string()).collect();
-    said.extend(no_lead.map(|d| {
+    watch.check()?;
+    std::fs::create_dir_all(&options.out).map_err(StudyError::write(&options.out))?;
+    for drive in &drives {
+        let place = options.out.join(format!("{}.parquet", drive.meta.drive));
+        std::fs::rename(&drive.file, &place).map_err(StudyError::write(&place))?;
+    }
+    write_exclusions(&options.out, &drives)?;
+    let mut warnings: Vec<String> = Vec::new();
+    for drive in &drives {
+        warnings.extend(drive.warnings.iter().map(Warning::to_string));
+    }
+    drives.sort_by(|a, b| a.meta.drive.cmp(&b.meta.drive));
+    warnings.extend(drives.iter().filter(|d| !d.led).map(|d| {
         format!(
             "drive {}: no lead vehicle in any row; it cannot teach following or lane changes",
-            d.meta().drive
+            d.meta.drive
         )
     }));
+    let rows = drives.iter().map(|d| d.rows).sum();
+    let list: Vec<(DriveMeta, usize, f64)> = drives
+        .into_iter()
+        .map(|d| (d.meta, d.rows, d.duration_s))
+        .collect();
+    write_drive_list(&options.out, &list)?;
     let summary = vec![format!(
-        "{} drives, {total} rows: {}",
-        drives.len(),
+        "{} drives, {rows} rows: {}",
+        list.len(),
         options.out.display()
     )];
     Ok(Outcome {
         value: IngestedDrives {
             drives: list.into_iter().map(|l| l.0).collect(),
-            rows: total,
+            rows,
         },
         summary,
-        warnings: said,
+        warnings,
     })
+}
+
+/// A hidden folder on the disk of `out`, in the nearest folder above that exists; it goes when it is dropped.
+fn folder_aside(out: &Path) -> Result<TempDir, StudyError> {
+    let out = std::path::absolute(out).map_err(StudyError::write(out))?;
+    let exists = out.ancestors().find(|folder| folder.is_dir());
+    let folder = exists.unwrap_or(&out);
+    tempfile::Builder::new()
+        .prefix(".ingest-")
+        .tempdir_in(folder)
+        .map_err(StudyError::write(folder))
+}
+
+/// Writes the drives of one log into a folder of its own in `aside`, so that equal names do not meet there.
+fn write_log(
+    (number, log): (usize, &Path),
+    aside: &Path,
+    settings: &IngestSettings,
+    mapping: Option<&Path>,
+) -> Result<Vec<Written>, StudyError> {
+    let provenance = Provenance::of(log, mapping, settings)?;
+    let mut written = Vec::new();
+    for (vehicle, found) in read_log(log, settings)?.into_iter().enumerate() {
+        let drive = Drive::from_recording(found.meta, &found.recording)?;
+        let folder = aside.join(format!("{number}-{vehicle}"));
+        let rows = drive.rows();
+        written.push(Written {
+            file: write_drive_of(&folder, &drive, &provenance)?,
+            meta: drive.meta().clone(),
+            rows: drive.len(),
+            duration_s: rows.time_s.last().copied().unwrap_or(0.0),
+            led: rows.lead_present.contains(&true),
+            warnings: found.warnings,
+        });
+    }
+    Ok(written)
+}
+
+/// Writes what was repaired or left out, in the order of the logs.
+fn write_exclusions(folder: &Path, drives: &[Written]) -> Result<(), StudyError> {
+    let rows: Vec<(&DriveMeta, &Warning)> = drives
+        .iter()
+        .flat_map(|d| d.warnings.iter().map(move |w| (&d.meta, w)))
+        .collect();
+    let log = |w: &Warning| {
+        w.file
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned()
+    };
+    TableBuilder::default()
+        .text("drive", rows.iter().map(|r| r.0.drive.as_str()))
+        .text("log", rows.iter().map(|r| log(r.1)))
+        .text("what", rows.iter().map(|r| r.1.what.as_str()))
+        .integers("count", rows.iter().map(|r| i64::try_from(r.1.count).ok()))
+        .write(&folder.join("exclusions.csv"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::AtomicBool;
+
+    const LOG: &str =
+        "time_s,ego_x_m,ego_y_m,ego_speed_mps,lead_id,lead_dx_m,lead_dy_m,lead_speed_mps\n";
+
+    fn table(rows: usize) -> String {
+        let row = |i: usize| format!("{},{i},0,20,5,20,0,19\n", i as f64 / 20.0);
+        LOG.to_owned() + &(0..rows).map(row).collect::<String>()
+    }
+
+    fn run(logs: Vec<PathBuf>, out: &Path) -> Result<Outcome<IngestedDrives>, StudyError> {
+        let mappings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
+        let options = IngestOptions {
+            logs,
+            out: out.to_owned(),
+            mapping: Some(mappings.join("ours.toml")),
+            rate_hz: None,
+            recover: false,
+            jobs: 2,
+        };
+        let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
+        ingest(&options, Watch::new(&quiet, &go_on))
+    }
+
+    fn names(folder: &Path) -> BTreeSet<String> {
+        let entries = std::fs::read_dir(folder).unwrap();
+        let name = |e: std::io::Result<std::fs::DirEntry>| e.unwrap().file_name();
+        entries
+            .map(|e| name(e).to_string_lossy().into_owned())
+            .collect()
+    }
+
+    #[test]
+    fn drives_appear_together_and_one_log_that_cannot_be_read_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let (logs, out) = (
+            folder.path().join("logs"),
+            folder.path().join("made/drives"),
+        );
+        std::fs::create_dir(&logs).unwrap();
+        for name in ["a.csv", "b.csv", "c.csv"] {
+            std::fs::write(logs.join(name), table(100)).unwrap();
+        }
+        std::fs::write(logs.join("d.csv"), table(50).replace(",20,", ",fast,")).unwrap();
+        let error = run(vec![logs.clone()], &out).unwrap_err();
+        assert!(error.to_string().contains("d.csv"), "{error}");
+        assert_eq!(names(folder.path()), BTreeSet::from(["logs".to_owned()]));
+
+        std::fs::remove_file(logs.join("d.csv")).unwrap();
+        let made = run(vec![logs.clone()], &out).unwrap();
+        assert_eq!((made.value.drives.len(), made.value.rows), (3, 300));
+        let expected = [
+            "a.parquet",
+            "b.parquet",
+            "c.parquet",
+            "drives.csv",
+            "exclusions.csv",
+        ];
+        assert_eq!(names(&out), expected.map(str::to_owned).into());
+
+        // The same log twice is one drive twice; what stood there before stays.
+        let before = std::fs::read(out.join("a.parquet")).unwrap();
+        let error = run(vec![logs.clone(), logs.join("a.csv")], &out).unwrap_err();
+        assert!(error.to_string().contains("make the drive"), "{error}");
+        assert_eq!(names(&out).len(), 5);
+        assert_eq!(std::fs::read(out.join("a.parquet")).unwrap(), before);
+    }
 }

@@ -78,11 +78,13 @@ impl<'a> Reader<'a> {
     }
 
     /// Bytes not read yet.
+    #[inline]
     pub(crate) fn remaining(&self) -> usize {
         self.bytes.len() - self.at
     }
 
     /// Bytes read.
+    #[inline]
     pub(crate) fn at(&self) -> usize {
         self.at
     }
@@ -103,6 +105,7 @@ impl<'a> Reader<'a> {
     ///
     /// # Errors
     /// [`CdrError::End`] past the end.
+    #[inline]
     pub(crate) fn block(&mut self, length: u64) -> Result<&'a [u8], CdrError> {
         if length > self.remaining() as u64 {
             return Err(CdrError::End);
@@ -112,6 +115,7 @@ impl<'a> Reader<'a> {
         Ok(&self.bytes[start..self.at])
     }
 
+    #[inline]
     fn take<const N: usize>(&mut self) -> Result<[u8; N], CdrError> {
         self.align(N);
         let rest = self.bytes.get(self.at..).ok_or(CdrError::End)?;
@@ -123,6 +127,7 @@ impl<'a> Reader<'a> {
         Ok(value)
     }
 
+    #[inline]
     fn align(&mut self, size: usize) {
         let align = size.min(self.layout.most_align);
         self.at = self.at.next_multiple_of(align).min(self.bytes.len());
@@ -132,6 +137,7 @@ impl<'a> Reader<'a> {
     ///
     /// # Errors
     /// [`CdrError::End`] past the end.
+    #[inline]
     pub(crate) fn number(&mut self, primitive: Primitive) -> Result<f64, CdrError> {
         let size = usize::from(primitive.size());
         self.align(size);
@@ -143,6 +149,7 @@ impl<'a> Reader<'a> {
     ///
     /// # Errors
     /// [`CdrError::End`] past the end.
+    #[inline]
     pub(crate) fn count(&mut self) -> Result<u64, CdrError> {
         Ok(u64::from(u32::from_le_bytes(self.take()?)))
     }
@@ -163,6 +170,7 @@ impl<'a> Reader<'a> {
     ///
     /// # Errors
     /// [`CdrError::End`] past the end.
+    #[inline]
     pub(crate) fn skip(&mut self, size: u8, count: u64) -> Result<(), CdrError> {
         if count == 0 {
             return Ok(());
@@ -178,6 +186,7 @@ impl<'a> Reader<'a> {
 }
 
 /// The number at the start of `bytes`; none where they end early.
+#[inline]
 pub(crate) fn number(bytes: &[u8], primitive: Primitive, big_endian: bool) -> Option<f64> {
     fn of<const N: usize>(bytes: &[u8], big_endian: bool) -> Option<[u8; N]> {
         let mut value = *bytes.first_chunk::<N>()?;

@@ -2,6 +2,7 @@
 
 use super::{
     cdr::{CdrError, Reader, number},
+    definition::Primitive,
     plan::{Block, Step},
 };
 
@@ -102,10 +103,15 @@ fn take_block(block: &Block, reader: &mut Reader<'_>, row: &mut [f64]) -> Result
         .places(reader.at(), reader.layout.most_align)
         .ok_or(CdrError::End)?;
     let bytes = reader.block(places.length)?;
+    let big_endian = reader.layout.big_endian;
     for &(offset, primitive, slot) in &places.takes {
-        let value = bytes.get(offset as usize..);
-        let value = value.and_then(|b| number(b, primitive, reader.layout.big_endian));
-        row[slot as usize] = value.ok_or(CdrError::End)?;
+        let value = bytes.get(offset as usize..).ok_or(CdrError::End)?;
+        // What almost every number is, before the general case.
+        let value = match value.first_chunk() {
+            Some(eight) if primitive == Primitive::F64 && !big_endian => f64::from_le_bytes(*eight),
+            _ => number(value, primitive, big_endian).ok_or(CdrError::End)?,
+        };
+        *row.get_mut(slot as usize).ok_or(CdrError::End)? = value;
     }
     Ok(())
 }

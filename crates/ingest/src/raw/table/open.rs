@@ -225,8 +225,15 @@ impl Table {
         let bytes: Arc<[u8]> = bytes.into();
         let read = |numbers: bool| {
             // The names are ours: the file's may have blanks around them, or stand twice.
+            let own_name = |i: usize| {
+                let name = &self.names[i];
+                if self.names.iter().position(|n| n == name) == Some(i) {
+                    name.clone()
+                } else {
+                    format!("{name}\u{1}{i}")
+                }
+            };
             let field = |(i, name): (usize, &String)| {
-                let first = self.names.iter().position(|n| n == name) == Some(i);
                 let kind = columns.iter().find(|(c, _)| c == name).map(|c| c.1);
                 let number = numbers && kind == Some(Kind::Number);
                 let kind = if number {
@@ -234,14 +241,16 @@ impl Table {
                 } else {
                     DataType::String
                 };
-                if first {
-                    Field::new(name.as_str().into(), kind)
-                } else {
-                    Field::new(format!("{name}\u{1}{i}").into(), kind)
-                }
+                Field::new(own_name(i).into(), kind)
             };
             let schema: Schema = self.names.iter().enumerate().map(field).collect();
-            let names: Vec<PlSmallStr> = columns.iter().map(|c| c.0.as_str().into()).collect();
+            let mut names: Vec<PlSmallStr> = columns.iter().map(|c| c.0.as_str().into()).collect();
+            // With the last column polars sees rows that go on behind it.
+            if let Some(last) = self.names.len().checked_sub(1).map(own_name)
+                && names.iter().all(|n| *n != last)
+            {
+                names.push(last.into());
+            }
             let parse = CsvParseOptions::default()
                 .with_separator(header.separator)
                 .with_decimal_comma(self.decimal_comma);
