@@ -166,7 +166,7 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
     for table in ["identity", "fidelity", "dial", "perpendicular", "line"] {
         assert!(
             study
-                .path(&format!("found/validation-{table}.csv"))
+                .path(&format!("found/tables/validation-{table}.csv"))
                 .exists()
         );
     }
