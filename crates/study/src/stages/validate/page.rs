@@ -24,9 +24,9 @@ pub(super) fn page(
 ) -> Result<Report, StudyError> {
     let context = Context::synthetic(options.seed);
     let dial_tables = tables.split_off(FIRST_TABLES.min(tables.len()));
-    let section = |title: &str, figures, tables| Section {
+    let section = |title: &str, intro: &str, figures, tables| Section {
         title: title.to_owned(),
-        intro: Vec::new(),
+        intro: vec![intro.to_owned()],
         figures,
         tables,
     };
@@ -47,10 +47,16 @@ pub(super) fn page(
         sections: vec![
             section(
                 "Identity and fidelity",
+                "Everybody drove twice, on two days and two roads.",
                 fidelity_of(found, &context)?,
                 tables,
             ),
-            section("The dial", dial_of(found, options, &context)?, dial_tables),
+            section(
+                "The dial",
+                "The figure shows the first model, the tables all of them.",
+                dial_of(found, options, &context)?,
+                dial_tables,
+            ),
         ],
         ledger: None,
         exclusions: Vec::new(),
@@ -124,6 +130,7 @@ fn dial_of(
         // Speeds are read in mph by people.
         let (unit, scale) = match dial.unit {
             "m/s" => ("mph", MetresPerSecond(1.0).mph()),
+            "1" => ("count", 1.0),
             other => (other, 1.0),
         };
         DialPanel {
