@@ -170,6 +170,34 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
                 .exists()
         );
     }
+    let ablate = ["ablate", "--drives", "run/drives/study1", "--out", "parts"];
+    let short = [
+        "--sizes",
+        "1",
+        "--windows",
+        "2",
+        "--folds",
+        "2",
+        "--epochs",
+        "1",
+    ];
+    let ran = study.maveric(&[&ablate[..], &short].concat()).ok();
+    for variant in [
+        "size 3",
+        "size 1",
+        "window 2 s",
+        "without w",
+        "linear with w",
+        "own means",
+    ] {
+        assert!(ran.stdout.contains(variant), "{}", ran.stdout);
+    }
+    let page = std::fs::read_to_string(study.path("parts/index.html")).unwrap();
+    assert!(page.contains("Synthetic participants") && !page.contains("NaN"));
+    assert!(study.path("parts/ablation.json").exists());
+    study
+        .maveric(&[&ablate[..], &["--folds", "40"]].concat())
+        .failed(1, &["40"]);
     study
         .maveric(&[
             "validate",
