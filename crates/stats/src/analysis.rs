@@ -6,7 +6,7 @@ use crate::{
     Adjustment, Conover, Friedman, Mauchly, Named, Nemenyi, PairedT, PooledT, Reasons, RmAnova,
     ShapiroWilk, Sphericity, Wilcoxon, WithinSubjects,
     friedman::{self, Exact, RankTable},
-    normality::shapiro_wilk,
+    normality::{RoystonWeights, shapiro_wilk_with},
     paired,
     rm_anova::{self, Decomposition},
     sphericity,
@@ -405,11 +405,14 @@ fn shapiro(
         .iter()
         .cloned()
         .zip(columns.iter().map(Vec::as_slice));
+    let mut weights = RoystonWeights::default();
     samples
         .chain([residuals])
         .map(|(name, sample)| {
-            let (result, inner) = shapiro_wilk(sample);
-            undefined.absorb(&format!("shapiro.{name}"), inner);
+            let (result, inner) = shapiro_wilk_with(sample, &mut weights);
+            if !inner.is_empty() {
+                undefined.absorb(&format!("shapiro.{name}"), inner);
+            }
             (name, result)
         })
         .collect()

@@ -37,6 +37,7 @@ pub use analysis::{
 pub use bootstrap::{Bootstrap, BootstrapData, BootstrapSettings, Interval, Statistic, bootstrap};
 pub use compare::{
     AssumptionCheck, Comparison, Omnibus, OmnibusP, OmnibusTest, SphericityCorrection, compare,
+    compare_without_exact,
 };
 pub use correlation::{
     Correlation, CorrelationMethod, Kendall, Pearson, RmCorrelation, RmCorrelationAnalysis,

@@ -137,8 +137,32 @@ pub(crate) fn quantile(sorted: &[f64], p: f64) -> f64 {
     sorted[below] + (place - place.floor()) * (sorted[above] - sorted[below])
 }
 
+/// Royston's weights, kept for the next sample of the same size.
+#[derive(Default)]
+pub(crate) struct RoystonWeights {
+    n: usize,
+    half: Vec<f64>,
+}
+
+impl RoystonWeights {
+    fn of(&mut self, n: usize) -> &[f64] {
+        if self.n != n {
+            (self.n, self.half) = (n, royston_weights(n));
+        }
+        &self.half
+    }
+}
+
 /// Shapiro and Wilk's test of a sample of shape `(n,)`.
 pub(crate) fn shapiro_wilk(sample: &[f64]) -> (ShapiroWilk, Reasons) {
+    shapiro_wilk_with(sample, &mut RoystonWeights::default())
+}
+
+/// The same, for one of several samples.
+pub(crate) fn shapiro_wilk_with(
+    sample: &[f64],
+    weights: &mut RoystonWeights,
+) -> (ShapiroWilk, Reasons) {
     let mut reasons = Reasons::default();
     let n = sample.len();
     let reason = if n < 3 {
@@ -156,7 +180,7 @@ pub(crate) fn shapiro_wilk(sample: &[f64]) -> (ShapiroWilk, Reasons) {
     }
     let mut sorted = scaled(&centred(sample)).0;
     sorted.sort_by(f64::total_cmp);
-    let half = royston_weights(n);
+    let half = weights.of(n);
     // 1 - W from a difference of squares, because W itself is close to 1.
     let mean = sorted.iter().sum::<f64>() / n as f64;
     let squares: f64 = sorted.iter().map(|x| (x - mean) * (x - mean)).sum();

@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 use super::{
     roots,
-    special::{beta_tails, gamma_upper},
+    special::{beta_tails, gamma_upper, ln_beta},
 };
 
 /// A tail too small for double precision, as the smallest normal number: Holm can still
@@ -56,7 +56,23 @@ pub(crate) fn t_two_sided(t: f64, df: f64) -> f64 {
 /// t with P(|T| > t) = `p`.
 pub(crate) fn t_quantile_two_sided(p: f64, df: f64) -> Option<f64> {
     let guess = normal_quantile(1.0 - 0.5 * p);
-    roots::upwards(|t| t_two_sided(t, df).ln() - p.ln(), 0.5 * guess, guess)
+    let gap = |t: f64| t_two_sided(t, df).ln() - p.ln();
+    // Newton's steps on the logarithm, from the first term of the expansion in 1/df.
+    let ln_density = |t: f64| -0.5 * (df + 1.0) * (t * t / df).ln_1p() - ln_beta(0.5, 0.5 * df);
+    let mut t = guess + guess * (guess * guess + 1.0) / (4.0 * df);
+    for _ in 0..20 {
+        let slope = 2.0 * ln_density(t).exp() / df.sqrt() / t_two_sided(t, df);
+        let step = gap(t) / slope;
+        t += step;
+        if !(step.is_finite() && t > 0.0) {
+            break;
+        }
+        // The error is squared at each step, so the next would be below rounding.
+        if step.abs() <= 1e-9 * t {
+            return Some(t);
+        }
+    }
+    roots::upwards(gap, 0.5 * guess, guess)
 }
 
 /// P(F > f).

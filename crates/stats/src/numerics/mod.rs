@@ -1,5 +1,6 @@
 //! Distributions and linear algebra that the tests need, accurate in the tails.
 
+mod beta_mixture;
 pub(crate) mod decimal;
 pub(crate) mod distributions;
 pub(crate) mod moments;

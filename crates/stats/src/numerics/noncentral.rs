@@ -4,61 +4,37 @@
 //! at zero, stops at 37.6.
 
 use super::{
+    beta_mixture::BetaMixture,
     distributions::{chi2_upper, normal_density, normal_quantile, normal_upper},
     roots,
-    special::{beta_tails, ln_beta, ln_gamma},
 };
 
-/// Σ w(j) I_x(a + j, b), with `ln w(j) = rate ln-weights` given by `ln_weight` at the start
-/// and by the factor `rate / (j + shift)` from one term to the next.
-struct BetaMixture {
-    a: f64,
-    b: f64,
-    x: f64,
-    y: f64,
-    rate: f64,
-    shift: f64,
+/// The distribution function of the noncentral F at one `f` above 0.
+struct AtF {
+    f: f64,
+    df1: f64,
+    df2: f64,
+    mixture: BetaMixture,
 }
 
-impl BetaMixture {
-    /// `weight(j) = exp(-rate) rate^j / Γ(j + shift)`, so that shift 1 is the Poisson law.
-    fn sum(&self) -> f64 {
-        let start = self.rate.floor();
-        let ln_weight = if self.rate > 0.0 {
-            start * self.rate.ln() - self.rate - ln_gamma(start + self.shift)
-        } else {
-            -ln_gamma(self.shift)
-        };
-        let weight = ln_weight.exp();
-        let a0 = self.a + start;
-        let tail = beta_tails(a0, self.b, self.x, self.y).0;
-        // I(a + 1) = I(a) - x^a y^b / (a B(a, b)).
-        let drop = (a0 * self.x.ln() + self.b * self.y.ln() - ln_beta(a0, self.b)).exp() / a0;
-        let mut total = weight * tail;
-        let (mut w, mut t, mut d, mut j) = (weight, tail, drop, start);
-        loop {
-            t = (t - d).max(0.0);
-            d *= self.x * (self.a + j + self.b) / (self.a + j + 1.0);
-            j += 1.0;
-            w *= self.rate / (j - 1.0 + self.shift);
-            let term = w * t;
-            total += term;
-            if w < 1e-17 * weight || term <= 1e-17 * total || j - start > 1e6 {
-                break;
-            }
+impl AtF {
+    fn new(f: f64, df1: f64, df2: f64) -> Self {
+        let whole = df2 + df1 * f;
+        let mixture = BetaMixture::new([0.5 * df1, 0.5 * df2], [df1 * f / whole, df2 / whole], 1.0);
+        Self {
+            f,
+            df1,
+            df2,
+            mixture,
         }
-        let (mut w, mut t, mut d, mut j) = (weight, tail, drop, start);
-        while j > 0.0 {
-            d *= (self.a + j) / (self.x * (self.a + j - 1.0 + self.b));
-            t = (t + d).min(1.0);
-            w *= (j - 1.0 + self.shift) / self.rate;
-            j -= 1.0;
-            total += w * t;
-            if w < 1e-17 * weight || start - j > 1e6 {
-                break;
-            }
+    }
+
+    fn lower(&self, ncp: f64) -> f64 {
+        let scaled = self.df1 * self.f;
+        if ncp > 1e5 && scaled > 1e5 {
+            return f_lower_large(scaled, self.df1, self.df2, ncp);
         }
-        total
+        self.mixture.sum(0.5 * ncp).clamp(0.0, 1.0)
     }
 }
 
@@ -67,19 +43,7 @@ pub(crate) fn f_lower(f: f64, df1: f64, df2: f64, ncp: f64) -> f64 {
     if f <= 0.0 {
         return 0.0;
     }
-    if ncp > 1e5 && df1 * f > 1e5 {
-        return f_lower_large(df1 * f, df1, df2, ncp);
-    }
-    let whole = df2 + df1 * f;
-    let mixture = BetaMixture {
-        a: 0.5 * df1,
-        b: 0.5 * df2,
-        x: df1 * f / whole,
-        y: df2 / whole,
-        rate: 0.5 * ncp,
-        shift: 1.0,
-    };
-    mixture.sum().clamp(0.0, 1.0)
+    AtF::new(f, df1, df2).lower(ncp)
 }
 
 /// P(F <= f) for a large noncentrality, whose χ² is taken as normal (relative skewness
@@ -97,61 +61,81 @@ fn over_normal(f: impl Fn(f64) -> f64) -> f64 {
     (nodes.map(|z| normal_density(z) * f(z)).sum::<f64>() * STEP).clamp(0.0, 1.0)
 }
 
+/// The distribution function of the noncentral t at one `t` of at least 0.
+struct AtT {
+    t: f64,
+    df: f64,
+    even: BetaMixture,
+    odd: BetaMixture,
+}
+
+impl AtT {
+    fn new(t: f64, df: f64) -> Self {
+        let square = t * t;
+        let share = [square / (df + square), df / (df + square)];
+        Self {
+            t,
+            df,
+            even: BetaMixture::new([0.5, 0.5 * df], share, 1.0),
+            odd: BetaMixture::new([1.0, 0.5 * df], share, 1.5),
+        }
+    }
+
+    fn lower(&self, ncp: f64) -> f64 {
+        let (t, df) = (self.t, self.df);
+        let below = normal_upper(ncp);
+        if t <= 0.0 {
+            return below;
+        }
+        if ncp < -9.0 {
+            return 1.0; // T is negative but for 1e-19.
+        }
+        if t * t > 2500.0 + 50.0 * df && ncp > 9.0 {
+            // T ≤ t means s ≥ (ncp + Z)/t, where s² is χ²/df.
+            return over_normal(|z| chi2_upper(df * ((ncp + z) / t).powi(2), df));
+        }
+        let rate = 0.5 * ncp * ncp;
+        let odd = ncp * std::f64::consts::FRAC_1_SQRT_2 * self.odd.sum(rate);
+        (below + 0.5 * (self.even.sum(rate) + odd)).clamp(0.0, 1.0)
+    }
+}
+
 /// P(T <= t) with noncentrality `ncp`.
 pub(crate) fn t_lower(t: f64, df: f64, ncp: f64) -> f64 {
     if t < 0.0 {
         return 1.0 - t_lower(-t, df, -ncp);
     }
-    let below = normal_upper(ncp);
-    if t <= 0.0 {
-        return below;
-    }
-    if ncp < -9.0 {
-        return 1.0; // T is negative but for 1e-19.
-    }
-    let square = t * t;
-    if square > 2500.0 + 50.0 * df && ncp > 9.0 {
-        // T ≤ t means s ≥ (ncp + Z)/t, where s² is χ²/df.
-        return over_normal(|z| chi2_upper(df * ((ncp + z) / t).powi(2), df));
-    }
-    let even = BetaMixture {
-        a: 0.5,
-        b: 0.5 * df,
-        x: square / (df + square),
-        y: df / (df + square),
-        rate: 0.5 * ncp * ncp,
-        shift: 1.0,
-    };
-    let odd = BetaMixture {
-        a: 1.0,
-        shift: 1.5,
-        ..even
-    };
-    let odd_sum = ncp * std::f64::consts::FRAC_1_SQRT_2 * odd.sum();
-    (below + 0.5 * (even.sum() + odd_sum)).clamp(0.0, 1.0)
+    AtT::new(t, df).lower(ncp)
 }
 
 /// The noncentralities that leave `tail` above and below an observed F; 0 where none does.
 pub(crate) fn f_ncp_interval(f: f64, df1: f64, df2: f64, tail: f64) -> Option<(f64, f64)> {
+    if f <= 0.0 {
+        return Some((0.0, 0.0));
+    }
     let scale = df1 * f;
-    let central = f_lower(f, df1, df2, 0.0);
     // The root of ncp, less that of its expectation, is nearly normal.
     let spread = (1.0 + scale / (2.0 * df2)).sqrt();
+    let centre = (scale - df1).max(0.0).sqrt();
+    let reach = normal_quantile(1.0 - tail) * spread;
+    let mut here = AtF::new(f, df1, df2);
+    here.mixture = here
+        .mixture
+        .tabulated(0.5 * (centre + reach + spread).powi(2));
+    let central = here.lower(0.0);
     let at = |probability: f64, guess: f64| {
         if central <= probability {
             return Some(0.0);
         }
-        let lower_tail = |root: f64| f_lower(f, df1, df2, root * root);
+        let lower_tail = |root: f64| here.lower(root * root);
         let first = guess.max(0.1);
         roots::on_normal_scale(lower_tail, probability, first, first + 0.2 * spread)
             .map(|root| root * root)
             .or_else(|| {
-                let gap = |ncp: f64| f_lower(f, df1, df2, ncp) - probability;
+                let gap = |ncp: f64| here.lower(ncp) - probability;
                 roots::upwards(gap, 0.0, scale.max(1.0))
             })
     };
-    let centre = (scale - df1).max(0.0).sqrt();
-    let reach = normal_quantile(1.0 - tail) * spread;
     Some((at(1.0 - tail, centre - reach)?, at(tail, centre + reach)?))
 }
 
@@ -164,8 +148,12 @@ pub(crate) fn t_ncp_interval(t: f64, df: f64, tail: f64) -> Option<(f64, f64)> {
     // (ncp - t) / √(1 + t²/2df) is nearly normal: a first guess.
     let spread = (1.0 + t * t / (2.0 * df)).sqrt();
     let reach = normal_quantile(1.0 - tail) * spread;
+    let mut here = AtT::new(t, df);
+    let rate = 0.5 * (t + reach + spread).powi(2);
+    here.even = here.even.tabulated(rate);
+    here.odd = here.odd.tabulated(rate);
     let at = |probability: f64, guess: f64| {
-        let lower_tail = |ncp: f64| t_lower(t, df, ncp);
+        let lower_tail = |ncp: f64| here.lower(ncp);
         roots::on_normal_scale(lower_tail, probability, guess, guess + 0.1 * spread)
             .or_else(|| bracketed(|ncp| lower_tail(ncp) - probability, guess, 0.1 * spread))
     };

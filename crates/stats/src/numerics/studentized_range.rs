@@ -10,8 +10,8 @@ use super::distributions::{normal_density, normal_upper};
 pub(crate) fn upper(q: f64, k: usize) -> f64 {
     // The error of the rule is about exp(-2π² / (step² k)): below 1e-17 with this step.
     let step = 0.7 / (k as f64).sqrt();
-    let term = |z: f64| {
-        let (whole, upper) = (normal_upper(-z), normal_upper(q - z));
+    // Φ(z), the upper tail at q - z, and φ(z) make one term.
+    let term = |whole: f64, upper: f64, z: f64| {
         // a^m - b^m = (a - b) Σ a^i b^(m-1-i), where a - b is the upper tail itself.
         let lower = (whole - upper).max(0.0);
         let (mut sum, mut power) = (0.0, 1.0);
@@ -22,15 +22,25 @@ pub(crate) fn upper(q: f64, k: usize) -> f64 {
         normal_density(z) * upper * sum
     };
     let middle = 0.5 * q;
-    let mut total = term(middle);
-    for direction in [-step, step] {
-        for i in 1..10_000 {
-            let more = term(middle + direction * f64::from(i));
-            total += more;
-            // Past the peak the terms fall faster than a geometric series.
-            if more <= 1e-18 * total && f64::from(i) * step > 2.0 {
-                break;
-            }
+    let tail = normal_upper(middle);
+    let mut total = term(1.0 - tail, tail, middle);
+    for i in 1..10_000 {
+        // Two terms as far above the middle as below: their four tails are two and their
+        // complements, each taken from the smaller of the two.
+        let far = step * f64::from(i);
+        let outer = normal_upper(middle + far);
+        let small = normal_upper((middle - far).abs());
+        let (inner, rest) = if far > middle {
+            (1.0 - small, small)
+        } else {
+            (small, 1.0 - small)
+        };
+        let above = term(1.0 - outer, inner, middle + far);
+        let below = term(rest, outer, middle - far);
+        total += above + below;
+        // Past the peak the terms fall faster than a geometric series.
+        if above.max(below) <= 1e-18 * total && far > 2.0 {
+            break;
         }
     }
     (k as f64 * total * step).clamp(f64::MIN_POSITIVE, 1.0)

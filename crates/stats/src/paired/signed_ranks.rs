@@ -107,23 +107,34 @@ impl SignedRanks {
         let unit = if even { 2 } else { 1 };
         let total: i64 = self.ranks.iter().sum::<i64>() / unit;
         let smaller = self.plus.min(self.minus) / unit;
-        // Only sums up to the smaller one matter, and each halving is exact.
-        let mut mass = vec![0.0_f64; smaller as usize + 1];
-        mass[0] = 1.0;
-        let mut order: Vec<usize> = self.ranks.iter().map(|r| (r / unit) as usize).collect();
-        order.sort_unstable();
-        let mut reach = 0;
-        for rank in order {
-            reach = (reach + rank).min(mass.len() - 1);
-            for sum in (0..=reach).rev() {
-                let with = if sum >= rank { mass[sum - rank] } else { 0.0 };
-                mass[sum] = 0.5 * (mass[sum] + with);
-            }
-        }
         if 2 * smaller >= total {
             return Some(1.0);
         }
-        Some((2.0 * mass.iter().sum::<f64>()).min(1.0))
+        // Only sums up to the smaller one matter. Counts are whole numbers until they pass
+        // 2^53, and the last scaling, by a power of two, is exact.
+        let most = smaller as usize;
+        let mut counts = vec![0.0_f64; most + 1];
+        counts[0] = 1.0;
+        let mut order: Vec<usize> = self.ranks.iter().map(|r| (r / unit) as usize).collect();
+        order.sort_unstable();
+        let mut reach = 0;
+        for &rank in order.iter().take_while(|&&rank| rank <= most) {
+            reach = (reach + rank).min(most);
+            // From the top in blocks as long as the rank: a block and the one below it never
+            // overlap, so that its sums do not wait for each other.
+            let mut end = reach + 1;
+            while end > rank {
+                let start = end.saturating_sub(rank).max(rank);
+                let (lower, upper) = counts.split_at_mut(start);
+                let without = &lower[start - rank..end - rank];
+                for (count, without) in upper.iter_mut().zip(without) {
+                    *count += without;
+                }
+                end = start;
+            }
+        }
+        let all = 2.0_f64.powi(order.len() as i32);
+        Some((2.0 * (counts.iter().sum::<f64>() / all)).min(1.0))
     }
 }
 
