@@ -12,7 +12,7 @@ fn stamp_ns(row: &[f64]) -> i64 {
     let part = |value: f64| if value.is_nan() { 0.0 } else { value };
     let (sec, nanosec) = (part(row[0]), part(row[1]));
     let whole = sec as i64;
-    if whole as f64 == sec {
+    if sec - whole as f64 == 0.0 {
         // Almost every stamp: nothing behind the point.
         return whole
             .saturating_mul(1_000_000_000)
