@@ -104,7 +104,7 @@ pub(crate) fn assemble(
     });
     let ego = ego_track(&drive.ego, &time_s, &rows, ego_length_m, target);
     let objects = drive.objects.len();
-    let others = tracks(path, drive.objects, &rows, target, &mut warnings);
+    let others = tracks(path, &drive.objects, &rows, target, &mut warnings);
     if objects > 0 && others.is_empty() {
         let what = "no sample of the others falls on a row of ego: their clocks may differ";
         warnings.push(Warning::new(path, WarningKind::NoOverlap, objects, what));
@@ -154,29 +154,39 @@ fn ego_track(
 /// Tracks of the others on ego's rows: one for every unbroken stay of a vehicle.
 fn tracks(
     path: &Path,
-    objects: Vec<ObjectSample>,
+    objects: &[ObjectSample],
     ego: &Grid,
     target: &Target,
     warnings: &mut Vec<Warning>,
 ) -> Vec<ObjectTrack> {
-    let mut by_id: BTreeMap<u32, Vec<ObjectSample>> = BTreeMap::new();
-    for object in objects {
-        by_id.entry(object.id).or_default().push(object);
+    let mut by_id: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for (i, object) in objects.iter().enumerate() {
+        by_id.entry(object.id).or_default().push(i);
     }
     let mut without_length = 0;
     let mut tracks = Vec::new();
-    for (id, samples) in by_id {
-        let length_m = samples.iter().find_map(|s| s.length_m).unwrap_or_else(|| {
-            without_length += 1;
-            CAR_LENGTH_M
-        });
-        let time_s: Vec<f64> = samples.iter().map(|s| s.stamp_ns as f64 / 1e9).collect();
+    // One vehicle after another is gathered in the same memory.
+    let (mut samples, mut time_s, mut speed): (Vec<ObjectSample>, Vec<f64>, Vec<f64>) =
+        Default::default();
+    for (id, places) in by_id {
+        samples.clear();
+        samples.extend(places.iter().map(|&i| objects[i]));
+        let length_m = samples
+            .iter()
+            .find_map(ObjectSample::known_length_m)
+            .unwrap_or_else(|| {
+                without_length += 1;
+                CAR_LENGTH_M
+            });
+        time_s.clear();
+        time_s.extend(samples.iter().map(|s| s.stamp_ns as f64 / 1e9));
         let own = grid(&time_s, target.rate_hz, target.max_gap_s);
-        let speed: Vec<f64> = samples.iter().map(|s| s.speed_mps).collect();
-        let speed = speeds(&time_s, &speed, &own, target.rate_hz, target.max_gap_s);
+        speed.clear();
+        speed.extend(samples.iter().map(|s| s.speed_mps));
+        let speed_mps = speeds(&time_s, &speed, &own, target.rate_hz, target.max_gap_s);
         let mut current: Option<(ObjectTrack, u32)> = None;
         let mut at = 0;
-        for (row, speed_mps) in own.rows.iter().zip(speed) {
+        for (i, (row, speed_mps)) in own.rows.iter().zip(speed_mps).enumerate() {
             // Ego's rows and the vehicle's are both rising: walk them side by side.
             while ego.rows.get(at).is_some_and(|e| e.tick < row.tick) {
                 at += 1;
@@ -188,13 +198,15 @@ fn tracks(
                 .as_ref()
                 .is_some_and(|(t, s)| *s == row.segment && t.first_row + t.x_m.len() == at);
             if !goes_on {
+                let rest = own.rows[i..].partition_point(|r| r.segment == row.segment);
+                let rows = rest.min(ego.rows.len() - at);
                 let fresh = ObjectTrack {
                     id: VehicleId(id),
                     length_m,
                     first_row: at,
-                    x_m: Vec::new(),
-                    y_m: Vec::new(),
-                    speed_mps: Vec::new(),
+                    x_m: Vec::with_capacity(rows),
+                    y_m: Vec::with_capacity(rows),
+                    speed_mps: Vec::with_capacity(rows),
                 };
                 tracks.extend(current.replace((fresh, row.segment)).map(|(t, _)| t));
             }
@@ -238,7 +250,7 @@ fn drop_ego(path: &Path, drive: &mut RawDrive) -> Option<Warning> {
         .into_iter()
         .find(|(_, (sum, n))| sum / n < EGO_ITSELF_M);
     let (id, _) = near?;
-    let its_length = |o: &ObjectSample| o.length_m.filter(|_| o.id == id);
+    let its_length = |o: &ObjectSample| o.known_length_m().filter(|_| o.id == id);
     let length_m = drive.objects.iter().find_map(its_length);
     drive.ego_length_m = drive.ego_length_m.or(length_m);
     drive.objects.retain(|o| o.id != id);
@@ -291,7 +303,7 @@ mod tests {
             x_m: i as f64 + dx_m,
             y_m,
             speed_mps: 10.0,
-            length_m: Some(5.0),
+            length_m: 5.0,
         }
     }
 

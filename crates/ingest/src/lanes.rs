@@ -31,6 +31,9 @@ pub(crate) fn place(
             None => along_path(drive, max_gap_s),
         },
     }
+    if right_lane_centre_y_m == 0.0 {
+        return;
+    }
     for y in drive.ego.iter_mut().map(|s| &mut s.y_m) {
         *y -= right_lane_centre_y_m;
     }
@@ -45,16 +48,33 @@ pub(crate) struct EgoPath<'a> {
     ego: &'a [EgoSample],
     /// The first sample after the time that was asked for last.
     next: usize,
+    /// What was asked for last, and the answer: a message's objects have one stamp.
+    last: Option<(i64, Option<(f64, f64)>)>,
 }
 
 impl<'a> EgoPath<'a> {
     /// Takes samples that are sorted by time.
     pub(crate) fn new(ego: &'a [EgoSample]) -> Self {
-        Self { ego, next: 0 }
+        Self {
+            ego,
+            next: 0,
+            last: None,
+        }
     }
 
     /// Ego at `time_ns`, between its samples: `(x, y)` in m; none outside them.
     pub(crate) fn at(&mut self, time_ns: i64) -> Option<(f64, f64)> {
+        match self.last {
+            Some((asked, there)) if asked == time_ns => there,
+            _ => {
+                let there = self.between(time_ns);
+                self.last = Some((time_ns, there));
+                there
+            }
+        }
+    }
+
+    fn between(&mut self, time_ns: i64) -> Option<(f64, f64)> {
         let (before, after, w) = self.bracket(time_ns)?;
         let (before, after) = (&self.ego[before], &self.ego[after]);
         let mix = |a: f64, b: f64| a + w * (b - a);
@@ -125,8 +145,12 @@ fn along_line(drive: &mut RawDrive, line: &Line) {
         (s.x_m, s.y_m) = line.along(s.x_m, s.y_m);
         ys.push(s.y_m);
     }
-    ys.sort_by(f64::total_cmp);
-    let median = ys.get(ys.len() / 2).copied().unwrap_or(0.0);
+    let middle = ys.len() / 2;
+    let median = if ys.is_empty() {
+        0.0
+    } else {
+        *ys.select_nth_unstable_by(middle, f64::total_cmp).1
+    };
     for s in &mut drive.ego {
         s.y_m -= median;
     }
@@ -230,7 +254,7 @@ mod tests {
             x_m,
             y_m,
             speed_mps: 10.0,
-            length_m: None,
+            length_m: f64::NAN,
         }
     }
 

@@ -55,7 +55,10 @@ pub(crate) struct Grid {
 /// Between two samples no more than `max_gap_s` apart rows are interpolated linearly; a longer hole stays a
 /// hole and the next row starts a segment.
 pub(crate) fn grid(time_s: &[f64], rate_hz: f64, max_gap_s: f64) -> Grid {
-    let mut grid = Grid::default();
+    let mut grid = Grid {
+        rows: Vec::with_capacity(time_s.len()),
+        holes_s: Vec::new(),
+    };
     let mut segment = 0;
     let mut after_hole = false;
     let first_tick = |t: f64| ((t - SAME_TIME_S) * rate_hz).ceil() as i64;
@@ -106,17 +109,16 @@ pub(crate) fn speeds(
     rate_hz: f64,
     max_gap_s: f64,
 ) -> Vec<f64> {
-    let indices: Vec<usize> = (0..values.len()).collect();
     let mut runs = Runs::new(time_s, max_gap_s);
     let mut row = |row: &Row| {
-        let linear = row.of(&indices, |&i| values[i]);
+        let linear = row.of(values, |v| *v);
         let (first, last) = runs.around(row.before);
         let (from, to) = (time_s[first], time_s[last]);
         let step_s = (to - from) / (last - first).max(1) as f64;
         if last == first || step_s * rate_hz > DENSE_STEPS {
             return linear;
         }
-        let at = row.of(&indices, |&i| time_s[i]);
+        let at = row.of(time_s, |t| *t);
         let half_s = (HALF_WIDTH_STEPS / rate_hz).min(at - from).min(to - at);
         if half_s <= step_s {
             return linear;

@@ -39,8 +39,15 @@ pub(crate) struct ObjectSample {
     pub(crate) y_m: f64,
     /// Speed, in m/s.
     pub(crate) speed_mps: f64,
-    /// Bumper to bumper, in m.
-    pub(crate) length_m: Option<f64>,
+    /// Bumper to bumper, in m; NaN where it is not known: there are many samples, and an `Option` takes twice the room.
+    pub(crate) length_m: f64,
+}
+
+impl ObjectSample {
+    /// Bumper to bumper, in m, where it is known.
+    pub(crate) fn known_length_m(&self) -> Option<f64> {
+        (!self.length_m.is_nan()).then_some(self.length_m)
+    }
 }
 
 /// The samples of one drive.

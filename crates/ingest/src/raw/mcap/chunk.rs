@@ -2,6 +2,7 @@
 
 use super::record::{Fields, HEAD};
 use std::io::Read;
+use zstd::bulk::Decompressor;
 use zstd::stream::raw::{DParameter, Decoder, InBuffer, Operation, OutBuffer};
 
 /// Longest record that is read; a longer one can be no message that we want, and is passed over.
@@ -112,6 +113,7 @@ pub(crate) enum Verdict {
 #[derive(Default)]
 pub(crate) struct Unpacker {
     zstd: Option<Decoder<'static>>,
+    zstd_at_once: Option<Decompressor<'static>>,
     room: Vec<u8>,
 }
 
@@ -201,6 +203,18 @@ impl Unpacker {
     ) -> Result<bool, String> {
         let cannot = |e: std::io::Error| format!("it cannot be unpacked ({e})");
         self.room_for(head);
+        if (1..=MOST_ROOM).contains(&head.uncompressed_size) {
+            // Straight into the room, where the chunk is as it says; else piece by piece, which tells what is wrong.
+            let at_once = match &mut self.zstd_at_once {
+                Some(at_once) => at_once,
+                none => none.insert(Decompressor::new().map_err(cannot)?),
+            };
+            let room = &mut self.room[..head.uncompressed_size as usize];
+            let length = room.len();
+            if at_once.decompress_to_buffer(data, room).ok() == Some(length) {
+                return Ok(splitter.take(&self.room[..length]) == length);
+            }
+        }
         let decoder = match &mut self.zstd {
             Some(decoder) => {
                 decoder.reinit().map_err(cannot)?;

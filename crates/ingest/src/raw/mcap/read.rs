@@ -130,7 +130,10 @@ fn drive_of(
         .filter(|_| told_from_objects || ego_among_objects || choice.mapping.ego_object.is_some())
     {
         let is_ego = |o: &&ObjectSample| o.id == id;
-        ego_length_m = ego_length_m.or(objects.iter().find(is_ego).and_then(|o| o.length_m));
+        ego_length_m = ego_length_m.or(objects
+            .iter()
+            .find(is_ego)
+            .and_then(ObjectSample::known_length_m));
         if told_from_objects {
             ego = objects
                 .iter()
@@ -176,10 +179,13 @@ fn drive_of(
     }
 }
 
+/// First and last time, in ns.
+type Span = (i64, i64);
+
 /// Goes by times of receipt where header stamps cannot be compared: the clock of one channel was set back, or ego and the
 /// others are on two clocks.
 fn one_clock(ego: &mut [EgoSample], objects: &mut [ObjectSample]) -> Option<&'static str> {
-    let stamps = |stamped: &mut dyn Iterator<Item = (i64, i64)>| {
+    fn stamps(stamped: impl Iterator<Item = (i64, i64)>) -> (bool, bool, Span, Span) {
         let (mut back, mut log_back, mut last, mut log_last) = (false, false, i64::MIN, i64::MIN);
         let (mut span, mut log_span) = ((i64::MAX, i64::MIN), (i64::MAX, i64::MIN));
         for (stamp, log) in stamped {
@@ -190,14 +196,14 @@ fn one_clock(ego: &mut [EgoSample], objects: &mut [ObjectSample]) -> Option<&'st
             log_span = (log_span.0.min(log), log_span.1.max(log));
         }
         (back, log_back, span, log_span)
-    };
-    let of_ego = stamps(&mut ego.iter().map(|s| (s.stamp_ns, s.log_ns)));
-    let of_objects = stamps(&mut objects.iter().map(|s| (s.stamp_ns, s.log_ns)));
+    }
+    let of_ego = stamps(ego.iter().map(|s| (s.stamp_ns, s.log_ns)));
+    let of_objects = stamps(objects.iter().map(|s| (s.stamp_ns, s.log_ns)));
     if of_ego.1 || of_objects.1 || ego.is_empty() {
         // Receipt goes back as well: nothing is gained.
         return None;
     }
-    let apart = |a: (i64, i64), b: (i64, i64)| a.1 < b.0 || b.1 < a.0;
+    let apart = |a: Span, b: Span| a.1 < b.0 || b.1 < a.0;
     let two =
         !objects.is_empty() && apart(of_ego.2, of_objects.2) && !apart(of_ego.3, of_objects.3);
     let why = if of_ego.0 {
@@ -325,7 +331,9 @@ impl Stream {
         let (role, convention): (Role, Convention) = (reading.role, reading.convention);
         let walked = decoder.codec.run(message.data, row, &mut |row| {
             if role == Role::Objects {
-                objects.extend(making.sample(row, log_ns, convention, twist));
+                if let Some(object) = making.sample(row, log_ns, convention, twist) {
+                    objects.push(object);
+                }
             }
         });
         if walked.is_err() {

@@ -11,6 +11,13 @@ use std::collections::BTreeMap;
 fn stamp_ns(row: &[f64]) -> i64 {
     let part = |value: f64| if value.is_nan() { 0.0 } else { value };
     let (sec, nanosec) = (part(row[0]), part(row[1]));
+    let whole = sec as i64;
+    if sec - whole as f64 == 0.0 {
+        // Almost every stamp: nothing behind the point.
+        return whole
+            .saturating_mul(1_000_000_000)
+            .saturating_add(nanosec as i64);
+    }
     (sec.trunc() as i64)
         .saturating_mul(1_000_000_000)
         .saturating_add((sec.fract() * 1e9).round() as i64)
@@ -143,7 +150,9 @@ impl Objects {
             x_m: row[2],
             y_m: row[3],
             speed_mps: known(row[11]).unwrap_or(vx.hypot(vy).copysign(forward)),
-            length_m: length_m.filter(|l| l.is_finite() && *l > 0.0),
+            length_m: length_m
+                .filter(|l| l.is_finite() && *l > 0.0)
+                .unwrap_or(f64::NAN),
         })
     }
 }

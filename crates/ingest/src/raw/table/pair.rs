@@ -194,7 +194,7 @@ pub(super) fn drive(path: &Path, couple: &Couple, max_gap_s: f64) -> TableDrive 
             x_m: s.x_m,
             y_m: s.y_m,
             speed_mps: s.speed_mps?,
-            length_m: Some(couple.lead_length_m),
+            length_m: couple.lead_length_m,
         })
     };
     raw.objects = leader.into_iter().zip(numbers).filter_map(object).collect();

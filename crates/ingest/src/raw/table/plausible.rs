@@ -2,7 +2,7 @@
 
 use crate::{
     quality::{Warning, WarningKind},
-    raw::RawDrive,
+    raw::{ObjectSample, RawDrive},
 };
 use std::path::Path;
 
@@ -34,7 +34,7 @@ pub(super) fn doubts(path: &Path, raw: &RawDrive) -> Vec<Warning> {
     let lengths = raw
         .ego_length_m
         .into_iter()
-        .chain(raw.objects.iter().filter_map(|o| o.length_m));
+        .chain(raw.objects.iter().filter_map(ObjectSample::known_length_m));
     let odd = lengths.filter(|l| !(least..=most).contains(l)).count();
     doubt(
         odd,

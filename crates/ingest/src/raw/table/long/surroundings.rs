@@ -90,7 +90,7 @@ impl Surroundings {
                     x_m: lead.x_m,
                     y_m: sample.y_m,
                     speed_mps: lead.speed_mps,
-                    length_m: Some(lead.length_m),
+                    length_m: lead.length_m,
                 });
             }
             let mut near: Vec<(f64, ObjectSample)> = Vec::new();
@@ -131,7 +131,7 @@ impl Surroundings {
                             o.y_m
                         },
                         speed_mps,
-                        length_m: Some(other.length_m),
+                        length_m: other.length_m,
                     };
                     near.push((distance, object));
                 }

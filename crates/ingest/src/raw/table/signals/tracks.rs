@@ -89,7 +89,7 @@ pub(super) fn read(
             x_m: placed.way_m + back_m,
             y_m: placed.left_m,
             speed_mps: placed.ego_speed_mps + relative_mps,
-            length_m: Some(lead_length_m),
+            length_m: lead_length_m,
         });
     }
     let (mut ghosts, mut standing) = (0, 0);
