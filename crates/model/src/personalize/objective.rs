@@ -146,7 +146,7 @@ impl At {
 }
 
 impl<'a> Fit<'a> {
-    /// Encodes `rows`; `rows_per_block` of them on the grid make one of [`Fit::block_gradients`].
+    /// Encodes `rows`; `rows_per_block` of them on the grid make one of [`Close::block_gradients`].
     pub(super) fn with_blocks(
         frozen: &'a Frozen,
         rows: &[Row],
