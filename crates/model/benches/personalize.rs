@@ -44,7 +44,7 @@ fn new_drive() -> Drive {
     drives::drive_at(20.0, "new", &habits, 600.0)
 }
 
-/// Windows, encoding, four starts and the standard error of one driver's 12,000 samples, on one thread.
+/// Windows, encoding, four starts and the standard error of one driver's 12,000 samples.
 #[divan::bench(sample_count = 20, sample_size = 1)]
 fn twelve_thousand_samples(bencher: Bencher<'_, '_>) {
     let (model, drive) = (model(), new_drive());

@@ -9,7 +9,7 @@ pub(crate) struct Evaluated {
     /// Shape `(d,)`.
     pub(crate) gradient: Vec<f64>,
     /// A symmetric matrix that stands for the second derivatives and has no negative eigenvalue, such as Gauss's and
-    /// Newton's; shape `(d, d)`.
+    /// Newton's; shape `(d, d)`, or empty where nobody reads it.
     pub(crate) curvature: Vec<f64>,
 }
 
@@ -17,7 +17,8 @@ pub(crate) struct Evaluated {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Minimum {
     pub(crate) at: Vec<f64>,
-    pub(crate) value: f64,
+    /// The function there.
+    pub(crate) there: Evaluated,
     pub(crate) iterations: usize,
 }
 
@@ -91,7 +92,7 @@ pub(crate) fn minimise(
     }
     Minimum {
         at: x,
-        value: here.value,
+        there: here,
         iterations,
     }
 }

@@ -18,7 +18,7 @@ const LONGEST: f64 = 0.5;
 /// Tries of a line search.
 const TRIES: usize = 12;
 
-/// Minimises `f` from `start`, whose curvature is the first model.
+/// Minimises `f` from `start`, where it is `here`; the curvature there is the first model, and no other is read.
 ///
 /// Free road is the same row again and again, so that kinks of the networks' ReLUs add up and the minimum often lies on
 /// one, where Newton's method creeps. BFGS learns the kink's steepness as curvature and does not.
@@ -28,11 +28,11 @@ const TRIES: usize = 12;
 pub(crate) fn polish(
     mut f: impl FnMut(&[f64]) -> Evaluated,
     start: Vec<f64>,
+    mut here: Evaluated,
     most_iterations: usize,
 ) -> Minimum {
     let d = start.len();
     let mut x = start;
-    let mut here = f(&x);
     let mut inverse = inverse_of(&here.curvature, d);
     let mut idle = 0;
     let mut iterations = 0;
@@ -68,7 +68,7 @@ pub(crate) fn polish(
     }
     Minimum {
         at: x,
-        value: here.value,
+        there: here,
         iterations,
     }
 }
@@ -143,7 +143,9 @@ mod tests {
                 curvature: vec![2.0, 0.0, 0.0, 0.1],
             }
         };
-        let minimum = polish(f, vec![-0.8, 1.0], 200);
+        let start = vec![-0.8, 1.0];
+        let here = f(&start);
+        let minimum = polish(f, start, here, 200);
         assert!((minimum.at[0] - 0.4).abs() < 1e-2, "{minimum:?}");
         assert!((minimum.at[1] - 0.16).abs() < 1e-2, "{minimum:?}");
     }
@@ -155,7 +157,9 @@ mod tests {
             gradient: vec![10.0 * x[0] + x[1], x[0] + x[1]],
             curvature: vec![9.0, 0.5, 0.5, 1.0],
         };
-        let minimum = polish(f, vec![0.7, -0.4], 100);
+        let start = vec![0.7, -0.4];
+        let here = f(&start);
+        let minimum = polish(f, start, here, 100);
         assert!(norm(&minimum.at) < 1e-3, "{minimum:?}");
         assert!(minimum.iterations < 12, "{minimum:?}");
     }

@@ -338,7 +338,7 @@ impl<'a> Judge<'a> {
                 } else {
                     model.mean_embedding().clone()
                 };
-                let (sums, _, _) = personalizer
+                let (sums, _) = personalizer
                     .objective(unseen, None)
                     .sums(embedding.coordinates());
                 let scaling = model.scaling();

@@ -14,6 +14,7 @@ use maveric_domain::{AdbScore, Drive, DriveId, Embedding, stream_seed};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
 
 /// Share of the objective that a further step must promise for a start to go on: some hundredths of an SD of drivers, well below
 /// any standard error. The best start is then polished.
@@ -156,7 +157,7 @@ impl<'a> Personalizer<'a> {
         let settings = self.params.settings();
         let d = self.model.embedding_size();
         let adb = adb.filter(|_| settings.use_adb && self.model.learned().aggression);
-        let mut fit = self.objective(rows, adb);
+        let fit = self.objective(rows, adb);
 
         let stream = stream_seed(seed, &["personalize", drive.as_str()]);
         let mut rng = Pcg64Mcg::seed_from_u64(stream);
@@ -167,10 +168,10 @@ impl<'a> Personalizer<'a> {
             .collect();
         let steps = settings.iterations;
         let ends: Vec<Minimum> = points
-            .iter()
+            .par_iter()
             .map(|from| minimise(|w| fit.value(w), from.clone(), NEAR, steps))
             .collect();
-        let better = |a: &&Minimum, b: &&Minimum| a.value.total_cmp(&b.value);
+        let better = |a: &&Minimum, b: &&Minimum| a.there.value.total_cmp(&b.there.value);
         // There is a start at least; a NaN sorts last.
         let Some(nearest) = ends.iter().min_by(better) else {
             return Err(ModelError::BadSetting {
@@ -179,12 +180,18 @@ impl<'a> Personalizer<'a> {
                 expected: "1 to 64",
             });
         };
-        let best = polish(|w| fit.value(w), nearest.at.clone(), steps);
+        let best = polish(
+            |w| fit.slope(w),
+            nearest.at.clone(),
+            nearest.there.clone(),
+            steps,
+        );
 
         let spread = spread(&ends, &best.at, &training_sd(self.model));
-        let (sums, _, l4) = fit.sums(&best.at);
-        let mut warnings = empty_losses(&sums);
-        let uncertainty = Uncertainty::at(&mut fit, &best.at).map_err(|reason| {
+        let close = fit.close(&best.at);
+        let sums = &close.sums;
+        let mut warnings = empty_losses(sums);
+        let uncertainty = Uncertainty::of(&close).map_err(|reason| {
             warnings.push(ModelWarning::NoStandardError {
                 drive: drive.clone(),
                 reason,
@@ -198,7 +205,7 @@ impl<'a> Personalizer<'a> {
             Ok(Start {
                 from: Embedding::new(from)?,
                 to: Embedding::new(end.at.clone())?,
-                objective: end.value,
+                objective: end.there.value,
                 iterations: end.iterations,
             })
         });
@@ -206,8 +213,8 @@ impl<'a> Personalizer<'a> {
         let axis = crate::style_space::AggressionAxis::of(self.model).ok();
         let count = |which: fn(&&Row) -> bool| rows.iter().filter(which).count();
         Ok(Personalized {
-            objective: best.value,
-            losses: sums.terms(l4, d),
+            objective: best.there.value,
+            losses: sums.terms(close.l4, d),
             uncertainty: uncertainty.ok(),
             start_spread: spread.iter().map(|s| s * s).sum::<f64>().sqrt(),
             start_spread_by_coordinate: spread,
@@ -301,7 +308,9 @@ mod tests {
             curvature: curvature.clone(),
         };
         let nearby = found.embedding.coordinates().iter().map(|w| w + 0.02);
-        let exact = polish(value, nearby.collect(), 60);
+        let nearby: Vec<f64> = nearby.collect();
+        let here = value(&nearby);
+        let exact = polish(value, nearby, here, 60);
         let off: Vec<f64> = exact
             .at
             .iter()
@@ -310,8 +319,8 @@ mod tests {
             .collect();
         // Along a kink of the ReLUs the minimum is flat to rounding; a coordinate's SD is 1.
         assert!(off.iter().all(|x| x.abs() < 2e-3), "{off:?}");
-        let off = found.objective - exact.value;
-        assert!(off.abs() < 1e-4 * exact.value, "{off}");
+        let off = found.objective - exact.there.value;
+        assert!(off.abs() < 1e-4 * exact.there.value, "{off}");
         for start in &found.starts {
             assert!(found.objective <= start.objective + 1e-6);
         }

@@ -174,11 +174,16 @@ impl Head {
 
     /// How the sum over outputs, each times its `seed`, changes with the moving inputs: to `pass.by_moving`, row by row.
     pub(super) fn backward(&self, seeds: &[f32], pass: &mut HeadPass) {
+        fill(&mut pass.seeds, seeds);
+        self.backward_of_seeds(pass);
+    }
+
+    /// As [`Self::backward`] with seeds of their own in each row, those in `pass.seeds`.
+    pub(super) fn backward_of_seeds(&self, pass: &mut HeadPass) {
         let last = self.rest.len() - 1;
         for (index, layer) in self.rest.iter().enumerate().rev() {
             if index == last {
-                fill(&mut pass.output_scratch, seeds);
-                layer.backward(&pass.output_scratch, &mut pass.scratch[index]);
+                layer.backward(&pass.seeds, &mut pass.scratch[index]);
             } else {
                 let (before, after) = pass.scratch.split_at_mut(index + 1);
                 layer.backward(&after[0], &mut before[index]);
@@ -212,7 +217,8 @@ pub(super) struct HeadPass {
     hidden: Vec<Vec<Line>>,
     scratch: Vec<Vec<Line>>,
     pub(super) output: Vec<Line>,
-    output_scratch: Vec<Line>,
+    /// For [`Head::backward_of_seeds`].
+    pub(super) seeds: Vec<Line>,
     /// After [`Head::backward`].
     pub(super) by_moving: Vec<Line>,
 }
@@ -229,7 +235,7 @@ impl HeadPass {
             scratch: hidden.clone(),
             hidden,
             output: lines(outputs),
-            output_scratch: lines(outputs),
+            seeds: lines(outputs),
             by_moving: lines(head.moving.inputs),
         }
     }

@@ -138,12 +138,12 @@ pub fn learning_curve(
             expected_s: model.windows().window_s / settings.held_out,
         });
     }
-    let mut judge = personalizer.objective(&rows[grid[seen]..], None);
+    let judge = personalizer.objective(&rows[grid[seen]..], None);
     let full = personalizer.fit_rows(id, &rows, None, seed)?.embedding;
     let sd = training_sd(model);
-    let mut point = |minutes: f64, embedding: Embedding, standard_error| {
+    let point = |minutes: f64, embedding: Embedding, standard_error| {
         let w = embedding.coordinates();
-        let (sums, _, _) = judge.sums(w);
+        let (sums, _) = judge.sums(w);
         let difference = w.iter().zip(full.coordinates()).zip(&sd);
         CurvePoint {
             minutes,

@@ -1,6 +1,6 @@
 //! How well a drive determines an embedding: its standard error, from the curvature and from blocks of time.
 
-use super::objective::Fit;
+use super::objective::Close;
 use crate::linear_algebra::{dot, of_symmetric, symmetric_eigen, times};
 
 /// Curvatures below this share of the largest count as none: the drive says nothing in that direction.
@@ -48,15 +48,15 @@ impl Uncertainty {
         }
     }
 
-    /// At the minimum `w` of `fit`, or why there is none.
-    pub(super) fn at(fit: &mut Fit<'_>, w: &[f64]) -> Result<Self, &'static str> {
-        let d = w.len();
-        let (gradients, squares) = fit.block_gradients(w);
+    /// From the objective looked at closely at its minimum, or why there is none.
+    pub(super) fn of(close: &Close) -> Result<Self, &'static str> {
+        let d = close.embedding_size;
+        let (gradients, squares) = (&close.block_gradients, &close.squares);
         let blocks = gradients.len();
         if blocks < FEWEST_BLOCKS.max(d + 2) {
             return Err("too few blocks of time; drive longer");
         }
-        let (values, vectors) = symmetric_eigen(&fit.value(w).curvature, d);
+        let (values, vectors) = symmetric_eigen(&close.curvature, d);
         let least = values[0].max(0.0) * LEAST_CURVATURE;
         if values.iter().any(|&v| v <= least) {
             return Err("the drive says nothing in some direction of style space");
@@ -82,7 +82,7 @@ impl Uncertainty {
         let covariance = product(&inverse, &product(&meat, &inverse, d), d);
 
         // As if rows were independent, for the number of rows that they are worth.
-        let rows = fit.grid_rows();
+        let rows = close.grid_rows;
         let alone: f64 = (0..d)
             .map(|i| squares[i * d + i] - (b * mean[i]).powi(2) / rows)
             .sum();

@@ -129,7 +129,7 @@ fn whitening_leaves_every_loss_unchanged() {
             let rows = rows_of(drive, &model.row_settings(), 1.0).unwrap();
             let w = model.training()[index].embedding.coordinates().to_vec();
             let frozen = Frozen::of(model);
-            let (sums, _, l4) = Fit::new(&frozen, &rows, Some(*adb)).sums(&w);
+            let (sums, l4) = Fit::new(&frozen, &rows, Some(*adb)).sums(&w);
             sums.terms(l4, 3)
         };
         let (a, b) = (terms(&raw), terms(&white));

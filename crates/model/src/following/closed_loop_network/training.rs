@@ -144,7 +144,9 @@ pub(super) fn personalize(
             curvature: unit.clone(),
         }
     };
-    polish(value, network.mean_embedding.clone(), MOST_ITERATIONS).at
+    let start = network.mean_embedding.clone();
+    let here = value(&start);
+    polish(value, start, here, MOST_ITERATIONS).at
 }
 
 /// Strength of the prior beside a mean over this driver's rows.
