@@ -330,10 +330,10 @@ impl Stream {
         let (objects, making, twist) = (&mut self.objects, &mut self.making, self.twist);
         let (role, convention): (Role, Convention) = (reading.role, reading.convention);
         let walked = decoder.codec.run(message.data, row, &mut |row| {
-            if role == Role::Objects {
-                if let Some(object) = making.sample(row, log_ns, convention, twist) {
-                    objects.push(object);
-                }
+            if role == Role::Objects
+                && let Some(object) = making.sample(row, log_ns, convention, twist)
+            {
+                objects.push(object);
             }
         });
         if walked.is_err() {
