@@ -1,6 +1,6 @@
 //! Draws every figure and a page from made-up numbers, into a folder.
 //!
-//! `cargo run -p maveric-report --example gallery -- /tmp/gallery`
+//! `cargo run -p maveric-report --example gallery -- target/gallery`
 #![expect(clippy::print_stdout, reason = "an example talks to whoever runs it")]
 
 mod made_up;

@@ -26,6 +26,7 @@ use crate::{
     outcome::{Outcome, Watch},
     stages::{generate::read_scenario, report::write_page, train::read_model},
 };
+use maveric_domain::DrivenBy;
 use maveric_report::tables::Table;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -56,6 +57,8 @@ pub struct ValidateOptions {
 /// What was found.
 #[derive(Debug, Clone, Serialize)]
 pub struct Validated {
+    /// Whether the drivers are made up.
+    pub synthetic: bool,
     /// Drivers of Study 2 who drove twice.
     pub drivers: usize,
     /// Drivers of Study 1 who drove twice.
@@ -109,6 +112,10 @@ pub fn validate(
     atomic_write_bytes(&options.out.join("validation.md"), text.as_bytes())?;
     let collisions: u32 = models.iter().map(|m| m.collisions).sum();
     let value = Validated {
+        synthetic: people
+            .test
+            .iter()
+            .any(|p| p.first.meta().driven_by == DrivenBy::Synthetic),
         drivers: people.test.len(),
         training_drivers: people.training.len(),
         models,

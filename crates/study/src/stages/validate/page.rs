@@ -22,7 +22,16 @@ pub(super) fn page(
     mut tables: Vec<Table>,
     warnings: &[String],
 ) -> Result<Report, StudyError> {
-    let context = Context::synthetic(options.seed);
+    let context = if found.synthetic {
+        Context::synthetic(options.seed)
+    } else {
+        Context::real()
+    };
+    let made_up = if found.synthetic {
+        "Synthetic participants: "
+    } else {
+        ""
+    };
     let dial_tables = tables.split_off(FIRST_TABLES.min(tables.len()));
     let section = |title: &str, intro: &str, figures, tables| Section {
         title: title.to_owned(),
@@ -38,7 +47,7 @@ pub(super) fn page(
     Ok(Report {
         title: "Is the learned style the driver’s?".to_owned(),
         subtitle: format!(
-            "Synthetic participants: {} drivers who drove twice, {} trained models",
+            "{made_up}{} drivers who drove twice, {} trained models",
             found.drivers,
             found.models.len()
         ),
