@@ -13,6 +13,7 @@ use crate::{
     planner::{PLANNING_STEP_S, Planner},
     rollout::Action,
     scenario::{ControllerSettings, VehicleSettings},
+    trace::{LaneActivity as LaneState, TraceRow},
 };
 use maveric_domain::{Road, Scene, Setpoints, Situation, drive::ReferenceTracker};
 
@@ -22,17 +23,6 @@ pub(crate) struct Interventions {
     pub(crate) braked: u32,
     pub(crate) held_changes: u32,
     pub(crate) given_up_changes: u32,
-}
-
-/// What the car is doing about its lane.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum LaneState {
-    Keeping,
-    /// A change is due and waits for a safe gap.
-    Waiting,
-    Changing,
-    /// A change was given up.
-    GoingBack,
 }
 
 /// A planner and the controllers that carry out what it asks.
@@ -50,6 +40,7 @@ pub(crate) struct AutomatedDriver<'a> {
     lane_state: LaneState,
     brake: EmergencyBrake,
     done: Interventions,
+    asked: Option<Setpoints>,
 }
 
 /// Time a change that is given up takes to undo, in s.
@@ -76,6 +67,7 @@ impl<'a> AutomatedDriver<'a> {
             lane_state: LaneState::Keeping,
             brake: EmergencyBrake::default(),
             done: Interventions::default(),
+            asked: None,
         }
     }
 
@@ -84,6 +76,18 @@ impl<'a> AutomatedDriver<'a> {
             braked: self.brake.episodes(),
             ..self.done
         }
+    }
+
+    /// What was decided at the row acted on last; none before the first.
+    pub(crate) fn trace(&self, time_s: f64, steering: &Steering) -> Option<TraceRow> {
+        Some(TraceRow {
+            time_s,
+            asked: self.asked?,
+            acceleration_mps2: self.command_mps2,
+            braked: self.brake.braking(),
+            lane: self.lane_state,
+            path_m: steering.path_m(),
+        })
     }
 
     pub(crate) fn act(
@@ -98,6 +102,7 @@ impl<'a> AutomatedDriver<'a> {
             reference,
         };
         let asked = checked(self.planner.plan(&situation), scene.time_s)?;
+        self.asked = Some(asked);
         let acceleration_mps2 = self.accelerate(scene, steering, &asked);
 
         let manoeuvre = if steering.coming_from().is_some() {

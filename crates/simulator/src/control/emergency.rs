@@ -29,6 +29,11 @@ impl EmergencyBrake {
         self.episodes
     }
 
+    /// Whether it brakes now.
+    pub(super) fn braking(&self) -> bool {
+        self.braking
+    }
+
     /// The command that the car gets where the controllers ask for `wanted_mps2`.
     pub(super) fn override_command(
         &mut self,
