@@ -11,13 +11,13 @@ use crate::{
     neighbours::ahead,
     planner::{PLANNING_RATE_HZ, PLANNING_STEP_S, Planner},
     scenario::{ControllerSettings, Scenario},
-    trace::TraceRow,
     traffic::EgoView,
     vehicle::{KinematicBicycle, kinematic::STEP_S},
     world::World,
 };
 use maveric_domain::{
-    EgoTrack, MetresPerSecond, Recording, Road, Scene, VehicleId, scene::bumper_distance_m,
+    EgoTrack, MetresPerSecond, Recording, Road, Scene, TraceRow, VehicleId,
+    scene::bumper_distance_m,
 };
 
 /// Who drives.
@@ -244,13 +244,10 @@ pub fn rollout(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        scenario::{ScenarioSettings, VehiclePlacement},
-        trace::LaneActivity,
-    };
+    use crate::scenario::{ScenarioSettings, VehiclePlacement};
     use maveric_domain::{
-        Condition, Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Seconds,
-        Setpoints, Situation, Study, drive::Direction,
+        Condition, Drive, DriveId, DriveMeta, DrivenBy, LaneActivity, LatentTraits, ParticipantId,
+        Seconds, Setpoints, Situation, Study, drive::Direction,
     };
     use proptest::prelude::*;
 

@@ -13,9 +13,10 @@ use crate::{
     planner::{PLANNING_STEP_S, Planner},
     rollout::Action,
     scenario::{ControllerSettings, VehicleSettings},
-    trace::{LaneActivity as LaneState, TraceRow},
 };
-use maveric_domain::{Road, Scene, Setpoints, Situation, drive::ReferenceTracker};
+use maveric_domain::{
+    LaneActivity as LaneState, Road, Scene, Setpoints, Situation, TraceRow, drive::ReferenceTracker,
+};
 
 /// What the safety layer did, in episodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
