@@ -21,4 +21,7 @@ pub use error::SimulatorError;
 pub use planner::{PLANNING_RATE_HZ, Planner};
 pub use road::{CentreLine, MapPose, Segment};
 pub use rollout::{Driver, Rollout, RolloutReport, rollout};
-pub use scenario::{ChangeRule, ControllerSettings, Scenario, ScenarioSettings};
+pub use scenario::{
+    ChangeRule, ControllerSettings, DynamicsSettings, Integrator, Scenario, ScenarioSettings,
+    VehicleModel,
+};

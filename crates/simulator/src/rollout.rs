@@ -9,10 +9,10 @@ use crate::{
     drivers::{DriverParams, HumanDriver},
     error::SimulatorError,
     neighbours::ahead,
-    planner::{PLANNING_RATE_HZ, PLANNING_STEP_S, Planner},
+    planner::{PLANNING_RATE_HZ, Planner},
     scenario::{ControllerSettings, Scenario},
     traffic::EgoView,
-    vehicle::{KinematicBicycle, kinematic::STEP_S},
+    vehicle::{Command, build, ego_state},
     world::World,
 };
 use maveric_domain::{
@@ -158,7 +158,7 @@ pub fn rollout(
     let start = &settings.start;
     let start_y_m = road.lane_centre_m(start.lane);
     let start_mps = MetresPerSecond::from_mph(start.speed_mph).0;
-    let mut car = KinematicBicycle::new(&settings.vehicle, start_y_m, start_mps);
+    let mut car = build(&settings.vehicle, start_y_m, start_mps);
     let mut steering = Steering::new(road.lane_width_m, rule.stanley_gain_per_s, start.lane);
     let mut world = World::new(scenario, seed);
     let mut watch = Watch::default();
@@ -172,12 +172,12 @@ pub fn rollout(
     let mut time_s = Vec::with_capacity(rows);
     let mut scene = Scene {
         time_s: 0.0,
-        ego: car.state(),
+        ego: ego_state(car.as_ref(), settings.vehicle.length_m),
         vehicles: Vec::new(),
     };
     for row in 0..rows {
         scene.time_s = row as f64 / PLANNING_RATE_HZ;
-        scene.ego = car.state();
+        scene.ego = ego_state(car.as_ref(), settings.vehicle.length_m);
         world.states(&mut scene.vehicles);
         for vehicle in &mut scene.vehicles {
             vehicle.x_m = line.lane_x_m(scene.ego.x_m, vehicle.x_m, vehicle.y_m);
@@ -205,11 +205,14 @@ pub fn rollout(
         world.decide(&view, row, scene.time_s);
         if let Some(manoeuvre) = action.manoeuvre {
             started_changes += u32::from(matches!(manoeuvre, Manoeuvre::Change { .. }));
-            steering.begin(manoeuvre, &car);
+            steering.begin(manoeuvre, car.pose());
         }
-        for _ in 0..(PLANNING_STEP_S / STEP_S).round() as usize {
-            let angle_rad = steering.angle_rad(&car, line);
-            car.step(action.acceleration_mps2, angle_rad, line);
+        for _ in 0..settings.vehicle.steps_per_row() {
+            let command = Command {
+                acceleration_mps2: action.acceleration_mps2,
+                steering_rad: steering.angle_rad(car.as_ref(), line),
+            };
+            car.step(command, line);
         }
         world.advance();
     }
@@ -245,7 +248,7 @@ pub fn rollout(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{ScenarioSettings, VehiclePlacement};
+    use crate::scenario::{Integrator, ScenarioSettings, VehicleModel, VehiclePlacement};
     use maveric_domain::{
         Condition, Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Seconds,
         Setpoints, Situation, Study, drive::Direction,
@@ -408,21 +411,25 @@ mod tests {
     #[test]
     fn in_bends_the_car_keeps_its_lane_and_the_lateral_acceleration_asked_for() {
         let bends: Bends = toml::from_str(BENDS).unwrap();
-        let mut settings = empty_road(120.0, vec![]).settings().clone();
-        settings.road.segments = bends.segments;
-        let scenario = Scenario::try_from(settings).unwrap();
-        let driven = automated(&scenario, always(32.0, 40.0, 0.0), 1);
-        let ego = driven.recording.ego();
-        let limit = scenario.settings().controllers.curve_acceleration_mps2;
-        let mut slowest = f64::MAX;
-        for row in 0..driven.recording.rows() {
-            let curvature = scenario.centre_line().curvature_per_m(ego.x_m[row]);
-            assert!(ego.y_m[row].abs() < 0.1, "row {row}: {}", ego.y_m[row]);
-            let lateral = ego.speed_mps[row].powi(2) * curvature.abs();
-            assert!(lateral < limit + 0.5, "row {row}: {lateral}");
-            slowest = slowest.min(ego.speed_mps[row]);
+        for model in [VehicleModel::Kinematic, VehicleModel::Dynamic] {
+            let mut settings = empty_road(120.0, vec![]).settings().clone();
+            settings.road.segments.clone_from(&bends.segments);
+            settings.vehicle.model = model;
+            settings.vehicle.integrator = Integrator::Rk4;
+            let scenario = Scenario::try_from(settings).unwrap();
+            let driven = automated(&scenario, always(32.0, 40.0, 0.0), 1);
+            let ego = driven.recording.ego();
+            let limit = scenario.settings().controllers.curve_acceleration_mps2;
+            let mut slowest = f64::MAX;
+            for row in 0..driven.recording.rows() {
+                let curvature = scenario.centre_line().curvature_per_m(ego.x_m[row]);
+                assert!(ego.y_m[row].abs() < 0.1, "row {row}: {}", ego.y_m[row]);
+                let lateral = ego.speed_mps[row].powi(2) * curvature.abs();
+                assert!(lateral < limit + 0.5, "row {row}: {lateral}");
+                slowest = slowest.min(ego.speed_mps[row]);
+            }
+            assert!(slowest < 26.0 && ego.x_m.last().unwrap() > &2500.0);
         }
-        assert!(slowest < 26.0 && ego.x_m.last().unwrap() > &2500.0);
     }
 
     #[test]
