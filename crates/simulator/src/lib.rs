@@ -15,7 +15,7 @@ mod traffic;
 mod vehicle;
 mod world;
 
-pub use control::safe_distance;
+pub use control::{Intervention, InterventionKind, lateral_safe_distance, safe_distance};
 pub use drivers::{DriverParams, EncounterNoise, Law, Population};
 pub use error::SimulatorError;
 pub use planner::{PLANNING_RATE_HZ, Planner};
