@@ -131,6 +131,7 @@ pub fn rollout(
 ) -> Result<Rollout, SimulatorError> {
     let settings = scenario.settings();
     let road = scenario.road();
+    let line = scenario.centre_line();
     let rule = match &driver {
         Driver::Automated(_, settings) => {
             settings.check()?;
@@ -139,14 +140,19 @@ pub fn rollout(
         Driver::Human(_) => settings.controllers.clone(),
     };
     let mut seat = match driver {
-        Driver::Human(params) => {
-            Seat::Human(HumanDriver::new(params, &settings.vehicle, road, seed))
-        }
+        Driver::Human(params) => Seat::Human(HumanDriver::new(
+            params,
+            &settings.vehicle,
+            road,
+            line,
+            seed,
+        )),
         Driver::Automated(planner, controllers) => Seat::Automated(AutomatedDriver::new(
             planner,
             controllers,
             &settings.vehicle,
             road,
+            line,
         )),
     };
     let start = &settings.start;
@@ -173,6 +179,9 @@ pub fn rollout(
         scene.time_s = row as f64 / PLANNING_RATE_HZ;
         scene.ego = car.state();
         world.states(&mut scene.vehicles);
+        for vehicle in &mut scene.vehicles {
+            vehicle.x_m = line.lane_x_m(scene.ego.x_m, vehicle.x_m, vehicle.y_m);
+        }
         time_s.push(scene.time_s);
         ego.x_m.push(scene.ego.x_m);
         ego.y_m.push(scene.ego.y_m);
@@ -199,8 +208,8 @@ pub fn rollout(
             steering.begin(manoeuvre, &car);
         }
         for _ in 0..(PLANNING_STEP_S / STEP_S).round() as usize {
-            let angle_rad = steering.angle_rad(&car);
-            car.step(action.acceleration_mps2, angle_rad);
+            let angle_rad = steering.angle_rad(&car, line);
+            car.step(action.acceleration_mps2, angle_rad, line);
         }
         world.advance();
     }
@@ -380,6 +389,70 @@ mod tests {
         });
         let returned = automated(&scenario, always(28.0, 40.0, 0.0), 1);
         assert!(returned.recording.ego().y_m.last().unwrap().abs() < 0.1);
+    }
+
+    const BENDS: &str = r#"segments = [
+        { kind = "straight", length_m = 300.0 },
+        { kind = "clothoid", length_m = 100.0, to_radius_m = 250.0 },
+        { kind = "arc", length_m = 200.0, radius_m = 250.0 },
+        { kind = "clothoid", length_m = 200.0, to_radius_m = -400.0 },
+        { kind = "arc", length_m = 150.0, radius_m = -400.0 },
+        { kind = "clothoid", length_m = 100.0 },
+    ]"#;
+
+    #[derive(serde::Deserialize)]
+    struct Bends {
+        segments: Vec<crate::road::Segment>,
+    }
+
+    #[test]
+    fn in_bends_the_car_keeps_its_lane_and_the_lateral_acceleration_asked_for() {
+        let bends: Bends = toml::from_str(BENDS).unwrap();
+        let mut settings = empty_road(120.0, vec![]).settings().clone();
+        settings.road.segments = bends.segments;
+        let scenario = Scenario::try_from(settings).unwrap();
+        let driven = automated(&scenario, always(32.0, 40.0, 0.0), 1);
+        let ego = driven.recording.ego();
+        let limit = scenario.settings().controllers.curve_acceleration_mps2;
+        let mut slowest = f64::MAX;
+        for row in 0..driven.recording.rows() {
+            let curvature = scenario.centre_line().curvature_per_m(ego.x_m[row]);
+            assert!(ego.y_m[row].abs() < 0.1, "row {row}: {}", ego.y_m[row]);
+            let lateral = ego.speed_mps[row].powi(2) * curvature.abs();
+            assert!(lateral < limit + 0.5, "row {row}: {lateral}");
+            slowest = slowest.min(ego.speed_mps[row]);
+        }
+        assert!(slowest < 26.0 && ego.x_m.last().unwrap() > &2500.0);
+    }
+
+    #[test]
+    fn a_person_and_the_car_pass_on_the_middle_lanes_of_a_bending_road() {
+        let bends: Bends = toml::from_str(BENDS).unwrap();
+        for (lane, aggressiveness) in [(1, 0.0), (2, 1.0)] {
+            let mut settings = empty_road(100.0, vec![]).settings().clone();
+            settings.road.segments.clone_from(&bends.segments);
+            settings.road.lanes = 4;
+            settings.start.lane = lane;
+            // Somebody on the right, too: nobody goes back before having passed.
+            settings.vehicles = vec![placed(150.0, lane, 19.0), placed(100.0, lane - 1, 19.0)];
+            let scenario = Scenario::try_from(settings).unwrap();
+            let driver = person(aggressiveness, 0.0, 0.5, 3);
+            let by_person = rollout(&scenario, Driver::Human(&driver), 3).unwrap();
+            let by_car = automated(&scenario, passing(26.0), 3);
+            for driven in [by_person, by_car] {
+                let first = drive(&driven).lane_changes()[0];
+                assert_eq!(first.direction, Direction::Left);
+                let reached = driven
+                    .recording
+                    .ego()
+                    .y_m
+                    .iter()
+                    .copied()
+                    .fold(0.0, f64::max);
+                assert_eq!(driven.recording.road().lane_at(reached), lane + 1);
+                assert_eq!(driven.report.collisions, 0);
+            }
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::{
     emergency::EmergencyBrake,
     following::{self, Lead},
-    lane_change::{ReturnRule, Wish, duration_s, gaps_are_safe},
+    lane_change::{ReturnRule, Wish, duration_s, gaps_are_safe, target_lane},
     path::{Manoeuvre, Steering},
     velocity::{VelocityController, bounded_jerk},
 };
@@ -11,6 +11,7 @@ use crate::{
     error::SimulatorError,
     neighbours::ahead,
     planner::{PLANNING_STEP_S, Planner},
+    road::CentreLine,
     rollout::Action,
     scenario::{ControllerSettings, VehicleSettings},
 };
@@ -41,6 +42,7 @@ pub(crate) struct AutomatedDriver<'a> {
     settings: &'a ControllerSettings,
     vehicle: &'a VehicleSettings,
     road: Road,
+    line: &'a CentreLine,
     tracker: ReferenceTracker,
     velocity: VelocityController,
     velocity_leads: bool,
@@ -61,12 +63,14 @@ impl<'a> AutomatedDriver<'a> {
         settings: &'a ControllerSettings,
         vehicle: &'a VehicleSettings,
         road: Road,
+        line: &'a CentreLine,
     ) -> Self {
         Self {
             planner,
             settings,
             vehicle,
             road,
+            line,
             tracker: ReferenceTracker::new(road),
             velocity: VelocityController::default(),
             velocity_leads: true,
@@ -104,11 +108,13 @@ impl<'a> AutomatedDriver<'a> {
             self.give_up_if_unsafe(scene, steering)
         } else {
             self.note_end_of_change();
+            let here = steering.lane();
+            let target = target_lane(&self.road, here, &reference);
             let wish = self.wish.due(
                 self.settings,
                 &reference,
                 asked.change_probability,
-                steering.lane(),
+                target > here,
                 PLANNING_STEP_S,
             );
             let back = self.return_rule.due(
@@ -118,7 +124,12 @@ impl<'a> AutomatedDriver<'a> {
                 &reference,
                 PLANNING_STEP_S,
             );
-            self.start_if_safe(scene, steering, wish || back)
+            let lane = if wish {
+                Some(target)
+            } else {
+                here.checked_sub(1).filter(|_| back)
+            };
+            self.start_if_safe(scene, here, lane)
         };
         Ok(Action {
             acceleration_mps2,
@@ -131,9 +142,14 @@ impl<'a> AutomatedDriver<'a> {
         let s = self.settings;
         let speed = scene.ego.speed_mps;
         let [low, high] = s.speed_range_mps;
+        let bend_mps = self.line.speed_limit_mps(
+            scene.ego.x_m,
+            s.curve_acceleration_mps2,
+            s.curve_braking_mps2,
+        );
         let cruise = self.velocity.command(
             s,
-            asked.speed_mps.clamp(low, high),
+            asked.speed_mps.clamp(low, high).min(bend_mps),
             speed,
             self.velocity_leads,
             PLANNING_STEP_S,
@@ -198,18 +214,11 @@ impl<'a> AutomatedDriver<'a> {
         })
     }
 
-    fn start_if_safe(
-        &mut self,
-        scene: &Scene,
-        steering: &Steering,
-        due: bool,
-    ) -> Option<Manoeuvre> {
-        if !due {
+    fn start_if_safe(&mut self, scene: &Scene, here: u8, due: Option<u8>) -> Option<Manoeuvre> {
+        let Some(lane) = due else {
             self.lane_state = LaneState::Keeping;
             return None;
-        }
-        let here = steering.lane();
-        let lane = if here == 0 { 1 } else { here - 1 };
+        };
         let safe = gaps_are_safe(
             self.settings,
             scene,

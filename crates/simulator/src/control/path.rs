@@ -1,6 +1,6 @@
 //! Where the car steers: a lane's centre, or a Bezier curve to another's, by Stanley's rule.
 
-use crate::vehicle::KinematicBicycle;
+use crate::{road::CentreLine, vehicle::KinematicBicycle};
 
 /// Share of the length at each end over which the curve leaves and meets its lanes.
 const HANDLE: f64 = 0.45;
@@ -153,8 +153,8 @@ impl Steering {
     ///
     /// # Source
     /// Snider 2009, section 2.3: heading error plus atan(k e / v).
-    pub(crate) fn angle_rad(&mut self, car: &KinematicBicycle) -> f64 {
-        let (x, y) = car.front_axle_m();
+    pub(crate) fn angle_rad(&mut self, car: &KinematicBicycle, line: &CentreLine) -> f64 {
+        let (x, y, heading) = car.front_axle(line);
         if self.change.is_some_and(|c| car.x_m >= c.curve.x[3]) {
             self.change = None;
         }
@@ -164,7 +164,7 @@ impl Steering {
         };
         let error = (path_y - y) * path_heading.cos();
         let pull = (self.gain_per_s * error).atan2(car.speed_mps + SOFTENING_MPS);
-        path_heading - car.heading_rad + pull
+        path_heading - heading + pull
     }
 }
 
@@ -176,8 +176,9 @@ mod tests {
     fn drive(car: &mut KinematicBicycle, steering: &mut Steering, seconds: f64) -> f64 {
         let mut furthest = f64::MIN;
         for _ in 0..(seconds * 100.0) as usize {
-            let angle = steering.angle_rad(car);
-            car.step(0.0, angle);
+            let line = CentreLine::default();
+            let angle = steering.angle_rad(car, &line);
+            car.step(0.0, angle, &line);
             furthest = furthest.max(car.y_m);
         }
         furthest

@@ -53,7 +53,7 @@ pub(super) fn bounded_jerk(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{scenario::Scenario, vehicle::KinematicBicycle};
+    use crate::{road::CentreLine, scenario::Scenario, vehicle::KinematicBicycle};
 
     #[test]
     fn it_reaches_the_speed_without_much_overshoot() {
@@ -67,7 +67,7 @@ mod tests {
                 let wanted = controller.command(&settings, to, car.speed_mps, true, 0.05);
                 command = bounded_jerk(&settings, command, wanted.clamp(-8.0, 3.0), 0.05);
                 for _ in 0..5 {
-                    car.step(command, 0.0);
+                    car.step(command, 0.0, &CentreLine::default());
                 }
                 furthest = furthest.max(sign * (car.speed_mps - to));
                 if tick > 400 {

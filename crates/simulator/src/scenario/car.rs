@@ -1,19 +1,22 @@
 //! Settings of the road and of ego's car.
 
 use super::{Range, check};
-use crate::error::SimulatorError;
+use crate::{error::SimulatorError, road::Segment};
 use serde::{Deserialize, Serialize};
 
 /// The road.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RoadSettings {
-    /// Number of lanes: 2.
+    /// Number of lanes: 2 to 4.
     pub lanes: u8,
     /// Width of a lane, in m.
     pub lane_width_m: f64,
     /// Posted speed, in mph, as a person reads it.
     pub posted_speed_mph: f64,
+    /// Course of the centre line of lane 0, piece by piece, repeated as often as needed; straight without.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub segments: Vec<Segment>,
 }
 
 impl RoadSettings {
@@ -21,6 +24,7 @@ impl RoadSettings {
         lanes: 2,
         lane_width_m: 3.66,
         posted_speed_mph: 55.0,
+        segments: Vec::new(),
     };
 
     pub(super) fn check(&self) -> Result<(), SimulatorError> {
@@ -28,7 +32,7 @@ impl RoadSettings {
             "road",
             "lanes",
             f64::from(self.lanes),
-            Range::Within(2.0, 2.0, "2"),
+            Range::Within(2.0, 4.0, "2 to 4"),
         )?;
         check(
             "road",
@@ -37,7 +41,9 @@ impl RoadSettings {
             Range::Within(3.0, 6.0, "3 to 6 m"),
         )?;
         let speed = Range::Within(10.0, 100.0, "10 to 100 mph");
-        check("road", "posted_speed_mph", self.posted_speed_mph, speed)
+        check("road", "posted_speed_mph", self.posted_speed_mph, speed)?;
+        let mut segments = self.segments.iter().enumerate();
+        segments.try_for_each(|(index, segment)| segment.check(index))
     }
 }
 

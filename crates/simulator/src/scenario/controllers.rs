@@ -82,6 +82,20 @@ pub struct ControllerSettings {
     pub return_free_s: f64,
     /// Stanley controller, gain on the cross-track error, in 1/s.
     pub stanley_gain_per_s: f64,
+    /// Lateral acceleration above which the car slows down for a bend, in m/s².
+    #[serde(default = "paper_curve_acceleration")]
+    pub curve_acceleration_mps2: f64,
+    /// Braking with which it does, in m/s².
+    #[serde(default = "paper_curve_braking")]
+    pub curve_braking_mps2: f64,
+}
+
+fn paper_curve_acceleration() -> f64 {
+    ControllerSettings::PAPER.curve_acceleration_mps2
+}
+
+fn paper_curve_braking() -> f64 {
+    ControllerSettings::PAPER.curve_braking_mps2
 }
 
 impl ControllerSettings {
@@ -115,6 +129,8 @@ impl ControllerSettings {
         return_after_s: 8.0,
         return_free_s: 4.0,
         stanley_gain_per_s: 1.5,
+        curve_acceleration_mps2: 2.5,
+        curve_braking_mps2: 1.0,
     };
 
     /// Whether every number is in its range.
@@ -248,6 +264,16 @@ impl ControllerSettings {
                 "stanley_gain_per_s",
                 self.stanley_gain_per_s,
                 Range::Within(0.3, 4.0, "0.3 to 4 1/s"),
+            ),
+            (
+                "curve_acceleration_mps2",
+                self.curve_acceleration_mps2,
+                Range::Within(0.5, 5.0, "0.5 to 5 m/s²"),
+            ),
+            (
+                "curve_braking_mps2",
+                self.curve_braking_mps2,
+                Range::Within(0.3, 3.0, "0.3 to 3 m/s²"),
             ),
         ];
         ranges

@@ -5,7 +5,7 @@ mod check;
 mod controllers;
 mod traffic;
 
-use crate::{drivers::Population, error::SimulatorError};
+use crate::{drivers::Population, error::SimulatorError, road::CentreLine};
 pub use car::{RoadSettings, StartSettings, VehicleSettings};
 use check::{Range, check};
 pub use controllers::{ChangeRule, ControllerSettings};
@@ -53,6 +53,7 @@ pub struct ScenarioSettings {
 #[serde(try_from = "ScenarioSettings", into = "ScenarioSettings")]
 pub struct Scenario {
     settings: ScenarioSettings,
+    centre_line: CentreLine,
 }
 
 impl Scenario {
@@ -71,6 +72,7 @@ impl Scenario {
                 drivers: Population::PAPER,
                 vehicles: Vec::new(),
             },
+            centre_line: CentreLine::default(),
         }
     }
 
@@ -89,6 +91,11 @@ impl Scenario {
     /// The numbers.
     pub fn settings(&self) -> &ScenarioSettings {
         &self.settings
+    }
+
+    /// The road's course.
+    pub fn centre_line(&self) -> &CentreLine {
+        &self.centre_line
     }
 
     /// The road, as recordings have it.
@@ -122,7 +129,11 @@ impl TryFrom<ScenarioSettings> for Scenario {
         for vehicle in &settings.vehicles {
             vehicle.check(&settings.road, settings.vehicle.length_m)?;
         }
-        Ok(Self { settings })
+        let centre_line = CentreLine::new(&settings.road.segments);
+        Ok(Self {
+            settings,
+            centre_line,
+        })
     }
 }
 
