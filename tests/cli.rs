@@ -259,8 +259,13 @@ fn generated_logs_are_watched_side_by_side() {
     let generate = "generate --out g --study1 1 --study2 1 --duration 40 --scene S2P01";
     let args: Vec<&str> = generate.split(' ').collect();
     study.maveric(&args).ok();
-    let [plain, scene] = ["g/logs/study1/S1P01-own.mcap", "g/logs/study2/S2P01-own.mcap"];
-    let text = |path: &str| String::from_utf8_lossy(&std::fs::read(study.path(path)).unwrap()).into_owned();
+    let [plain, scene] = [
+        "g/logs/study1/S1P01-own.mcap",
+        "g/logs/study2/S2P01-own.mcap",
+    ];
+    let text = |path: &str| {
+        String::from_utf8_lossy(&std::fs::read(study.path(path)).unwrap()).into_owned()
+    };
     assert!(text(scene).contains("foxglove.SceneUpdate"));
     assert!(!text(plain).contains("foxglove.SceneUpdate"));
     study
@@ -270,7 +275,12 @@ fn generated_logs_are_watched_side_by_side() {
     assert_eq!(page.matches("<li class=\"pl-row").count(), 2);
     assert!(page.contains("Synthetic participants.") && page.contains("<b>S1P01-own</b>"));
     study
-        .maveric(&["inspect", "study_data/scenarios/paper.toml", "--watch", "none.html"])
+        .maveric(&[
+            "inspect",
+            "study_data/scenarios/paper.toml",
+            "--watch",
+            "none.html",
+        ])
         .failed(1, &["paper.toml"]);
     assert!(!study.path("none.html").exists());
 }

@@ -5,7 +5,7 @@ use maveric_domain::{Condition, Drive, DriveMeta, DrivenBy, Recording, TraceRow}
 use maveric_ingest::{Decision, DecisionKind, IngestSettings, read_decisions, read_log};
 use maveric_report::{
     Context,
-    html::{InterventionSpan, PlayerDrive, PlayerMeta, WatchPlayer, watch_page},
+    html::{CentreLine, InterventionSpan, PlayerDrive, PlayerMeta, WatchPlayer, watch_page},
 };
 use std::path::Path;
 
@@ -19,7 +19,8 @@ pub struct WatchedDrive {
 }
 
 impl WatchedDrive {
-    /// Makes a drive to watch of a recording; `interventions` as far as they are known.
+    /// Makes a drive to watch of a recording; `interventions` as far as they are known, `centre_line` of a
+    /// road that is not straight.
     ///
     /// # Errors
     /// [`StudyError::Domain`] where the recording makes no drive.
@@ -27,6 +28,7 @@ impl WatchedDrive {
         meta: DriveMeta,
         recording: &Recording,
         interventions: Option<Vec<InterventionSpan>>,
+        centre_line: Option<CentreLine>,
     ) -> Result<Self, StudyError> {
         let drive = Drive::from_recording(meta.clone(), recording)?;
         Ok(Self {
@@ -38,6 +40,7 @@ impl WatchedDrive {
                     note: driven(meta.driven_by).to_owned(),
                     condition: meta.condition,
                     interventions,
+                    centre_line,
                 },
             ),
             meta,
@@ -75,7 +78,8 @@ pub fn read_watched(
     let watched = drives.into_iter().map(|found| {
         let end_s = found.recording.time_s().last().copied().unwrap_or(0.0);
         let interventions = decisions.as_ref().map(|list| interventions(list, end_s));
-        WatchedDrive::new(found.meta, &found.recording, interventions)
+        // A log is in the road frame, in which every road is straight.
+        WatchedDrive::new(found.meta, &found.recording, interventions, None)
     });
     watched.collect()
 }

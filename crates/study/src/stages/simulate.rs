@@ -13,10 +13,13 @@ use crate::{
     },
     watching::{WatchedDrive, braking, read_watched, write_watch_page},
 };
-use maveric_domain::{Drive, DriveMeta, DrivenBy, ParticipantId, Study, stream_seed};
+use maveric_domain::{
+    Drive, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording, Study, stream_seed,
+};
 use maveric_ingest::{Beside, IngestSettings, write_mcap_with};
 use maveric_model::Model;
-use maveric_simulator::{Driver, RolloutReport, Scenario, rollout};
+use maveric_report::html::CentreLine;
+use maveric_simulator::{Driver, RolloutReport, Scenario, SimulatorError, rollout};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -141,8 +144,11 @@ pub struct Simulated {
 
 /// Drives every condition and writes logs, drives and what was counted in each.
 ///
+/// A drive that a set-point which is no number ended early is left out, with a row of `drives/exclusions.csv`.
+///
 /// # Errors
-/// [`StudyError`] if model, conditions or scenario cannot be read, or an embedding does not fit the model.
+/// [`StudyError`] if model, conditions or scenario cannot be read, an embedding does not fit the model, or every drive
+/// ended early.
 pub fn simulate(
     options: &SimulateOptions,
     watch: Watch<'_>,
@@ -177,6 +183,19 @@ pub fn simulate(
             watched.as_deref() == Some(row.participant.as_str()),
         )
     })?;
+    let mut stopped = Vec::new();
+    let driven: Vec<Driven> = driven
+        .into_iter()
+        .filter_map(|ended| ended.map_err(|why| stopped.push(why)).ok())
+        .collect();
+    TableBuilder::default()
+        .text("drive", stopped.iter().map(|(drive, _)| drive.as_str()))
+        .text("what", stopped.iter().map(|(_, why)| why.to_string()))
+        .write(&options.out.join("drives").join("exclusions.csv"))?;
+    let ended_early = stopped.len();
+    if let (true, Some((_, why))) = (driven.is_empty(), stopped.pop()) {
+        return Err(why.into());
+    }
     let list: Vec<(DriveMeta, usize, f64)> =
         driven.iter().map(|d| (d.0.clone(), d.1, d.2)).collect();
     write_drive_list(&options.out.join("drives"), &list)?;
@@ -203,8 +222,11 @@ pub fn simulate(
         rule_violations: total(|r| r.rule_violations),
         interventions: total(|r| r.interventions),
     };
-    let warnings = (value.collisions > 0)
+    let collisions = (value.collisions > 0)
         .then(|| format!("{} collisions: see rollouts.csv", value.collisions));
+    let early = (ended_early > 0).then(|| {
+        format!("{ended_early} drives ended early and are left out: see drives/exclusions.csv")
+    });
     let mut summary = vec![format!(
         "{} AV drives, {} collisions, {} safety interventions: {}",
         value.drives,
@@ -221,7 +243,7 @@ pub fn simulate(
     Ok(Outcome {
         value,
         summary,
-        warnings: warnings.into_iter().collect(),
+        warnings: collisions.into_iter().chain(early).collect(),
     })
 }
 
@@ -253,13 +275,16 @@ fn write_page(
     write_watch_page(&page.page, drives, Some(options.seed), &provenance)
 }
 
+/// A drive that ended early, and why.
+type Stopped = (DriveId, SimulatorError);
+
 fn drive(
     options: &SimulateOptions,
     model: &Model,
     scenario: &Scenario,
     row: &ConditionRow,
     watched: bool,
-) -> Result<Driven, StudyError> {
+) -> Result<Result<Driven, Stopped>, StudyError> {
     let mut planner = ModelPlanner::new(model, &row.embedding)?;
     let id = row.drive()?;
     let seed = stream_seed(options.seed, &[id.as_str(), "world"]);
@@ -270,6 +295,9 @@ fn drive(
     )?;
     if let Some(error) = planner.failure() {
         return Err(error.into());
+    }
+    if let Some(why) = driven.stopped {
+        return Ok(Err((id, why)));
     }
     let meta = DriveMeta {
         drive: id,
@@ -294,7 +322,32 @@ fn drive(
     let duration = made.rows().time_s.last().copied().unwrap_or(0.0);
     let kept = watched.then(|| {
         let interventions = Some(braking(&driven.trace));
-        WatchedDrive::new(meta.clone(), &driven.recording, interventions)
+        let road = centre_line(scenario, &driven.recording);
+        WatchedDrive::new(meta.clone(), &driven.recording, interventions, road)
     });
-    Ok((meta, made.len(), duration, driven.report, kept.transpose()?))
+    let kept = kept.transpose()?;
+    Ok(Ok((meta, made.len(), duration, driven.report, kept)))
+}
+
+/// Where a road that bends lies on the map, over the stretch that is driven and seen.
+fn centre_line(scenario: &Scenario, recording: &Recording) -> Option<CentreLine> {
+    const STEP_M: f64 = 10.0;
+    const SIGHT_M: f64 = 200.0;
+    let line = scenario.centre_line();
+    if line.is_straight() {
+        return None;
+    }
+    let x_m = &recording.ego().x_m;
+    let start_m = x_m.iter().copied().fold(f64::MAX, f64::min) - SIGHT_M;
+    let end_m = x_m.iter().copied().fold(f64::MIN, f64::max) + SIGHT_M;
+    let places = ((end_m - start_m) / STEP_M).ceil() as usize + 1;
+    let place = |i: usize| {
+        let pose = line.map_pose(start_m + i as f64 * STEP_M, 0.0);
+        (pose.x_m, pose.y_m)
+    };
+    Some(CentreLine {
+        start_m,
+        step_m: STEP_M,
+        map_m: (0..places).map(place).collect(),
+    })
 }
