@@ -12,6 +12,7 @@ pub mod planner;
 pub mod road;
 mod rollout;
 pub mod scenario;
+mod trace;
 mod traffic;
 mod vehicle;
 mod world;
@@ -26,3 +27,4 @@ pub use scenario::{
     ChangeRule, ControllerSettings, DynamicsSettings, Integrator, Scenario, ScenarioSettings,
     VehicleModel,
 };
+pub use trace::{LaneActivity, TraceRow};

@@ -11,6 +11,7 @@ use crate::{
     neighbours::ahead,
     planner::{PLANNING_RATE_HZ, Planner},
     scenario::{ControllerSettings, Scenario},
+    trace::TraceRow,
     traffic::EgoView,
     vehicle::{Command, build, ego_state},
     world::World,
@@ -38,6 +39,8 @@ pub struct Rollout {
     pub interventions: Vec<Intervention>,
     /// Why the drive ended early: a set-point that no controller can follow. The recording then ends with that row.
     pub stopped: Option<SimulatorError>,
+    /// What the automated car decided at each row; empty for people.
+    pub trace: Vec<TraceRow>,
 }
 
 impl Rollout {
@@ -187,6 +190,7 @@ pub fn rollout(
     let mut watch = Watch::default();
     let mut started_changes = 0;
     let mut stopped = None;
+    let mut trace = Vec::new();
 
     let rows = (settings.duration_s * PLANNING_RATE_HZ).round() as usize;
     let mut ego = EgoTrack {
@@ -242,6 +246,9 @@ pub fn rollout(
             started_changes += u32::from(matches!(manoeuvre, Manoeuvre::Change { .. }));
             steering.begin(manoeuvre, car.pose());
         }
+        if let Seat::Automated(automated) = &seat {
+            trace.extend(automated.trace(scene.time_s, &steering));
+        }
         for _ in 0..settings.vehicle.steps_per_row() {
             let command = Command {
                 acceleration_mps2: action.acceleration_mps2,
@@ -283,13 +290,17 @@ pub fn rollout(
         },
         interventions,
         stopped,
+        trace,
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{Integrator, ScenarioSettings, VehicleModel, VehiclePlacement};
+    use crate::{
+        scenario::{Integrator, ScenarioSettings, VehicleModel, VehiclePlacement},
+        trace::LaneActivity,
+    };
     use maveric_domain::{
         Condition, Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Seconds,
         Setpoints, Situation, Study, drive::Direction,
@@ -409,6 +420,37 @@ mod tests {
         assert!(changes.iter().all(|c| c.completed));
         assert!(passed.recording.ego().y_m.last().unwrap().abs() < 0.05);
         assert_eq!(passed.report.collisions + passed.report.interventions, 0);
+    }
+
+    #[test]
+    fn the_trace_says_what_was_asked_and_where_the_car_goes() {
+        let scenario = empty_road(120.0, vec![placed(200.0, 0, 24.0)]);
+        let passed = automated(&scenario, passing(30.0), 1);
+        assert_eq!(passed.trace.len(), passed.recording.rows());
+        assert!(
+            passed
+                .trace
+                .iter()
+                .all(|row| (row.asked.speed_mps - 30.0).abs() < 1e-12)
+        );
+        let first = passed
+            .trace
+            .iter()
+            .find(|row| row.path_m.is_some())
+            .unwrap();
+        assert_eq!(first.lane, LaneActivity::Changing);
+        let path = first.path_m.unwrap();
+        assert!(
+            path[0].1.abs() < 0.1 && (path[3].1 - 3.66).abs() < 1e-9,
+            "{path:?}"
+        );
+        let person = person(0.0, 0.0, 0.0, 1);
+        assert!(
+            rollout(&scenario, Driver::Human(&person), 1)
+                .unwrap()
+                .trace
+                .is_empty()
+        );
     }
 
     #[test]

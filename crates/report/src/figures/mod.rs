@@ -2,7 +2,7 @@
 
 mod axes;
 mod canvas;
-mod check;
+pub(crate) mod check;
 mod fit;
 mod font;
 mod page;
@@ -54,4 +54,4 @@ pub use training_curves::training_curves;
 
 pub(crate) use figure::{Plan, Shows, draw};
 pub(crate) use font::font_face_css;
-pub(crate) use theme::{DARK, hex};
+pub(crate) use theme::{DARK, colour as condition_colour, hex};

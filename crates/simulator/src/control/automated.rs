@@ -16,19 +16,9 @@ use crate::{
     road::CentreLine,
     rollout::Action,
     scenario::{ControllerSettings, VehicleSettings},
+    trace::{LaneActivity as LaneState, TraceRow},
 };
 use maveric_domain::{Road, Scene, Setpoints, Situation, drive::ReferenceTracker};
-
-/// What the car is doing about its lane.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum LaneState {
-    Keeping,
-    /// A change is due and waits for a safe gap.
-    Waiting,
-    Changing,
-    /// A change was given up.
-    GoingBack,
-}
 
 /// A planner and the controllers that carry out what it asks.
 pub(crate) struct AutomatedDriver<'a> {
@@ -47,6 +37,7 @@ pub(crate) struct AutomatedDriver<'a> {
     brake: EmergencyBrake,
     sideways: Sideways,
     interventions: Vec<Intervention>,
+    asked: Option<Setpoints>,
 }
 
 /// Time a change that is given up takes to undo, in s.
@@ -76,12 +67,25 @@ impl<'a> AutomatedDriver<'a> {
             brake: EmergencyBrake::default(),
             sideways: Sideways::default(),
             interventions: Vec::new(),
+            asked: None,
         }
     }
 
     /// What the safety layer did, in order of time.
     pub(crate) fn into_interventions(self) -> Vec<Intervention> {
         self.interventions
+    }
+
+    /// What was decided at the row acted on last; none before the first.
+    pub(crate) fn trace(&self, time_s: f64, steering: &Steering) -> Option<TraceRow> {
+        Some(TraceRow {
+            time_s,
+            asked: self.asked?,
+            acceleration_mps2: self.command_mps2,
+            braked: self.brake.braking(),
+            lane: self.lane_state,
+            path_m: steering.path_m(),
+        })
     }
 
     pub(crate) fn act(
@@ -98,6 +102,7 @@ impl<'a> AutomatedDriver<'a> {
         let asked = checked(self.planner.plan(&situation), scene.time_s)?;
         self.sideways
             .observe(self.settings, scene, &self.road, self.vehicle.width_m);
+        self.asked = Some(asked);
         let acceleration_mps2 = self.accelerate(scene, steering, &asked);
 
         let manoeuvre = if steering.coming_from().is_some() {

@@ -26,6 +26,11 @@ pub(super) struct EmergencyBrake {
 }
 
 impl EmergencyBrake {
+    /// Whether it brakes now.
+    pub(super) fn braking(&self) -> bool {
+        self.braking
+    }
+
     /// The command that the car gets where the controllers ask for `wanted_mps2`, and a note where it begins to differ.
     pub(super) fn override_command(
         &mut self,

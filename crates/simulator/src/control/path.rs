@@ -132,6 +132,12 @@ impl Steering {
         })
     }
 
+    /// Control points of the change under way, in m.
+    pub(crate) fn path_m(&self) -> Option<[(f64, f64); 4]> {
+        self.change
+            .map(|change| std::array::from_fn(|i| (change.curve.x[i], change.curve.y[i])))
+    }
+
     /// Begins what the driver asks.
     pub(crate) fn begin(&mut self, manoeuvre: Manoeuvre, car: Pose) {
         let (lane, duration_s) = match manoeuvre {
