@@ -44,16 +44,10 @@ pub struct AdbModel {
     pub item_sd: f64,
 }
 
-/// A subscale answered before the drives.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// A subscale answered before the drives; how its answers are spread is in the scale's norms.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FactorModel {
-    /// Mean answer after reversal, in points.
-    pub mean: f64,
-    /// Standard deviation of an item's latent answer, in points.
-    pub sd: f64,
-    /// Correlation of an item's latent answer with the subscale's factor, 0 to 1.
-    pub item_loading: f64,
     /// Effects: loadings of the factor on traits; their squares add up to at most 1.
     #[serde(default)]
     pub loadings: Loadings,
@@ -184,10 +178,6 @@ impl Effects {
         for (scale, models) in &self.answers {
             for (subscale, model) in models {
                 let key = |field: &str| format!("answers.{scale}.{subscale}.{field}");
-                finite(&key("mean"), model.mean)?;
-                not_negative(&key("sd"), model.sd)?;
-                let r = model.item_loading;
-                within(&key("item_loading"), r, 0.0, 1.0, "0 to 1")?;
                 let explained: f64 = model.loadings.values().map(|l| l * l).sum();
                 let key = key("loadings");
                 let expected = "squares that add up to at most 1";
