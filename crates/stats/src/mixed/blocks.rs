@@ -92,17 +92,6 @@ impl Blocks {
         }
         Some(sums)
     }
-
-    /// What the random effects of subject `i` are expected to be, given β: Γ Zᵀ W⁻¹ (y − X β).
-    pub(crate) fn predicted(&self, i: usize, l: &Matrix, beta: &Matrix) -> Option<Matrix> {
-        let block = &self.subjects[i];
-        let lt = l.transposed();
-        let mut rest = block.zy.clone();
-        rest.add(&block.zx.times(beta), -1.0);
-        let mut inner = lt.times(&block.zz).times(l);
-        inner.add(&Matrix::identity(self.q), 1.0);
-        Some(l.times(&inner.cholesky()?.solve(&lt.times(&rest))))
-    }
 }
 
 /// a − bᵀb, the symmetric half at a time.
