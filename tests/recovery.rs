@@ -44,6 +44,40 @@ fn correlation(pairs: &[(f64, f64)]) -> f64 {
     xy / (sum(&|p| (p.0 - mx).powi(2)) * sum(&|p| (p.1 - my).powi(2))).sqrt()
 }
 
+/// The page shows the own drive and the four conditions, the scene stands in the logs of that participant alone, and what
+/// is read back from the logs is the same drive.
+fn one_participant_is_watched(study: &TempStudy) {
+    let read = |path: &str| std::fs::read(study.path(path)).unwrap();
+    let page = String::from_utf8(read("d/watch.html")).unwrap();
+    let labels: Vec<&str> = page
+        .split("<i class=\"pl-swatch\"></i><b>")
+        .skip(1)
+        .map(|rest| rest.split_once('<').unwrap().0)
+        .collect();
+    assert_eq!(
+        labels,
+        ["Own", "Mimic", "Aggressive", "Cautious", "Perpendicular"]
+    );
+    assert!(page.contains("Synthetic participants."));
+    let has = |path: &str, topic: &[u8]| {
+        let log = read(path);
+        log.windows(topic.len()).any(|part| part == topic)
+    };
+    assert!(has("d/av/logs/S2P02-mimic.mcap", b"/maveric/scene/cars"));
+    assert!(!has("d/av/logs/S2P01-mimic.mcap", b"/maveric/scene/cars"));
+    assert!(has("d/av/logs/S2P01-mimic.mcap", b"/maveric/decisions"));
+    let logs = "inspect d/logs/study2/S2P02-own.mcap d/av/logs/S2P02-mimic.mcap d/av/logs/S2P02-aggressive.mcap d/av/logs/S2P02-cautious.mcap d/av/logs/S2P02-perpendicular.mcap --watch d/again.html";
+    study
+        .maveric(&logs.split_whitespace().collect::<Vec<_>>())
+        .ok();
+    let again = String::from_utf8(read("d/again.html")).unwrap();
+    let data = |page: &str| {
+        let rest = page.split_once("class=\"pl-data\">").unwrap().1;
+        rest.split_once("</script>").unwrap().0.to_owned()
+    };
+    assert_eq!(data(&page), data(&again));
+}
+
 #[test]
 fn the_car_drives_like_its_owner_and_the_dial_turns_the_right_way() {
     let study = TempStudy::new();
@@ -62,7 +96,10 @@ fn the_car_drives_like_its_owner_and_the_dial_turns_the_right_way() {
     );
     run("steer --model d/model.maveric --embeddings d/embeddings.csv --out d/conditions.csv");
     sweeps_and_attributes(&study);
-    run("simulate --model d/model.maveric --conditions d/conditions.csv --out d/av --duration 300");
+    run(
+        "simulate --model d/model.maveric --conditions d/conditions.csv --out d/av --duration 300 --scene S2P02 --watch d/watch.html --watch-participant S2P02 --watch-own d/logs/study2/S2P02-own.mcap",
+    );
+    one_participant_is_watched(&study);
     run("measure --drives d/drives/study2 --drives d/av/drives --out d/measurements.csv");
 
     let found = velocities(&std::fs::read_to_string(study.path("d/measurements.csv")).unwrap());

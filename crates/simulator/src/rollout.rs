@@ -35,12 +35,12 @@ pub struct Rollout {
     pub recording: Recording,
     /// What was counted.
     pub report: RolloutReport,
-    /// What the automated car decided at each row; empty for people.
-    pub trace: Vec<TraceRow>,
     /// What the safety layer did, in order of time; nothing for people.
     pub interventions: Vec<Intervention>,
     /// Why the drive ended early: a set-point that no controller can follow. The recording then ends with that row.
     pub stopped: Option<SimulatorError>,
+    /// What the automated car decided at each row; empty for people.
+    pub trace: Vec<TraceRow>,
 }
 
 impl Rollout {
@@ -189,8 +189,8 @@ pub fn rollout(
     let mut world = World::new(scenario, seed);
     let mut watch = Watch::default();
     let mut started_changes = 0;
-    let mut trace = Vec::new();
     let mut stopped = None;
+    let mut trace = Vec::new();
 
     let rows = (settings.duration_s * PLANNING_RATE_HZ).round() as usize;
     let mut ego = EgoTrack {
@@ -246,9 +246,7 @@ pub fn rollout(
             started_changes += u32::from(matches!(manoeuvre, Manoeuvre::Change { .. }));
             steering.begin(manoeuvre, car.pose());
         }
-        if let Seat::Automated(automated) = &seat
-            && stopped.is_none()
-        {
+        if let Seat::Automated(automated) = &seat {
             trace.extend(automated.trace(scene.time_s, &steering));
         }
         for _ in 0..settings.vehicle.steps_per_row() {
@@ -290,9 +288,9 @@ pub fn rollout(
             leads,
             blocked_encounters,
         },
-        trace,
         interventions,
         stopped,
+        trace,
     })
 }
 
