@@ -1,8 +1,14 @@
 //! The page and the files around it, as bytes: whoever calls writes them.
 
 mod files;
+mod ledger;
+mod live;
 mod page;
 mod report;
+mod scripts;
+mod space;
 
 pub use files::{RenderedFile, render};
-pub use report::{Input, Provenance, Report, Section};
+pub use live::{Live, LiveContent};
+pub use report::{Input, Methods, ParameterFile, Provenance, Report, Section};
+pub use space::{SpaceDrive, SpacePerson, StyleSpace};
