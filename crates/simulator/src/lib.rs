@@ -12,7 +12,6 @@ pub mod planner;
 pub mod road;
 mod rollout;
 pub mod scenario;
-mod trace;
 mod traffic;
 mod vehicle;
 mod world;
@@ -27,4 +26,3 @@ pub use scenario::{
     ChangeRule, ControllerSettings, DynamicsSettings, Integrator, Scenario, ScenarioSettings,
     VehicleModel,
 };
-pub use trace::{LaneActivity, TraceRow};

@@ -11,13 +11,13 @@ use crate::{
     neighbours::ahead,
     planner::{PLANNING_RATE_HZ, Planner},
     scenario::{ControllerSettings, Scenario},
-    trace::TraceRow,
     traffic::EgoView,
     vehicle::{Command, build, ego_state},
     world::World,
 };
 use maveric_domain::{
-    EgoTrack, MetresPerSecond, Recording, Road, Scene, VehicleId, scene::bumper_distance_m,
+    EgoTrack, MetresPerSecond, Recording, Road, Scene, TraceRow, VehicleId,
+    scene::bumper_distance_m,
 };
 
 /// Who drives.
@@ -35,6 +35,8 @@ pub struct Rollout {
     pub recording: Recording,
     /// What was counted.
     pub report: RolloutReport,
+    /// What the automated car decided at each row; empty for people.
+    pub trace: Vec<TraceRow>,
     /// What the safety layer did, in order of time; nothing for people.
     pub interventions: Vec<Intervention>,
     /// Why the drive ended early: a set-point that no controller can follow. The recording then ends with that row.
@@ -189,8 +191,8 @@ pub fn rollout(
     let mut world = World::new(scenario, seed);
     let mut watch = Watch::default();
     let mut started_changes = 0;
-    let mut stopped = None;
     let mut trace = Vec::new();
+    let mut stopped = None;
 
     let rows = (settings.duration_s * PLANNING_RATE_HZ).round() as usize;
     let mut ego = EgoTrack {
@@ -246,7 +248,9 @@ pub fn rollout(
             started_changes += u32::from(matches!(manoeuvre, Manoeuvre::Change { .. }));
             steering.begin(manoeuvre, car.pose());
         }
-        if let Seat::Automated(automated) = &seat {
+        if let Seat::Automated(automated) = &seat
+            && stopped.is_none()
+        {
             trace.extend(automated.trace(scene.time_s, &steering));
         }
         for _ in 0..settings.vehicle.steps_per_row() {
@@ -288,22 +292,19 @@ pub fn rollout(
             leads,
             blocked_encounters,
         },
+        trace,
         interventions,
         stopped,
-        trace,
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        scenario::{Integrator, ScenarioSettings, VehicleModel, VehiclePlacement},
-        trace::LaneActivity,
-    };
+    use crate::scenario::{Integrator, ScenarioSettings, VehicleModel, VehiclePlacement};
     use maveric_domain::{
-        Condition, Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Seconds,
-        Setpoints, Situation, Study, drive::Direction,
+        Condition, Drive, DriveId, DriveMeta, DrivenBy, LaneActivity, LatentTraits, ParticipantId,
+        Seconds, Setpoints, Situation, Study, drive::Direction,
     };
     use proptest::prelude::*;
 

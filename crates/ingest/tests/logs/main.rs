@@ -12,6 +12,7 @@ mod layouts;
 mod rigs;
 mod round_trip;
 mod samples;
+mod scene;
 mod tables;
 
 use maveric_domain::{

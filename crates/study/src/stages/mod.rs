@@ -32,7 +32,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("train", 2),
         ("personalize", 2),
         ("steer", 1),
-        ("simulate", 2),
+        ("simulate", 3),
         ("measure", 1),
         ("rate", 1),
         ("evaluate", 2),
