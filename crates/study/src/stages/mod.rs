@@ -27,7 +27,7 @@ use std::collections::BTreeMap;
 pub fn versions() -> BTreeMap<String, String> {
     [
         ("generate", 1),
-        ("ingest", 2),
+        ("ingest", 3),
         ("score", 1),
         ("train", 2),
         ("personalize", 2),
