@@ -35,8 +35,6 @@ pub struct Rollout {
     pub recording: Recording,
     /// What was counted.
     pub report: RolloutReport,
-    /// What the automated car decided at each row; empty for people.
-    pub trace: Vec<TraceRow>,
     /// What the safety layer did, in order of time; nothing for people.
     pub interventions: Vec<Intervention>,
     /// Why the drive ended early: a set-point that no controller can follow. The recording then ends with that row.
