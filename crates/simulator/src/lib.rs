@@ -8,6 +8,7 @@ mod drivers;
 pub mod error;
 mod neighbours;
 pub mod planner;
+mod response;
 pub mod road;
 mod rollout;
 pub mod scenario;
@@ -19,6 +20,7 @@ pub use control::{Intervention, InterventionKind, lateral_safe_distance, safe_di
 pub use drivers::{DriverParams, EncounterNoise, Law, Population};
 pub use error::SimulatorError;
 pub use planner::{PLANNING_RATE_HZ, Planner};
+pub use response::{LaneChangeTracking, StepResponse, lane_change_tracking, step_responses};
 pub use road::{CentreLine, MapPose, Segment};
 pub use rollout::{Driver, Rollout, RolloutReport, rollout};
 pub use scenario::{
