@@ -6,6 +6,7 @@
 mod control;
 mod drivers;
 pub mod error;
+pub mod flow;
 mod neighbours;
 pub mod planner;
 mod response;
