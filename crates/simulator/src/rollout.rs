@@ -183,7 +183,7 @@ pub fn rollout(
     let start_mps = MetresPerSecond::from_mph(start.speed_mph).0;
     let mut car = build(&settings.vehicle, start_y_m, start_mps);
     let mut steering = Steering::new(road.lane_width_m, rule.stanley_gain_per_s, start.lane);
-    let mut world = World::new(scenario, seed);
+    let mut world = World::new(scenario, seed)?;
     let mut watch = Watch::default();
     let mut started_changes = 0;
     let mut stopped = None;

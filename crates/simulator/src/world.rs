@@ -1,6 +1,8 @@
 //! The road and everybody on it but ego.
 
 use crate::{
+    error::SimulatorError,
+    flow::AroundEgo,
     planner::PLANNING_STEP_S,
     road::CentreLine,
     scenario::{Scenario, ScenarioSettings},
@@ -45,10 +47,11 @@ pub(crate) struct World<'a> {
     off_lane: OffLaneTraffic,
     blockade: Option<Blockade>,
     blockades: u32,
+    background: Option<AroundEgo>,
 }
 
 impl<'a> World<'a> {
-    pub(crate) fn new(scenario: &'a Scenario, seed: u64) -> Self {
+    pub(crate) fn new(scenario: &'a Scenario, seed: u64) -> Result<Self, SimulatorError> {
         let settings = scenario.settings();
         let road = scenario.road();
         let stream = |name| stream_seed(seed, &["world", name]);
@@ -67,6 +70,7 @@ impl<'a> World<'a> {
             off_lane: OffLaneTraffic::new(&settings.off_lane, stream("off_lane")),
             blockade: None,
             blockades: 0,
+            background: None,
         };
         for placed in &settings.vehicles {
             let arrival = Arrival {
@@ -80,13 +84,19 @@ impl<'a> World<'a> {
             };
             world.arrive(arrival, 0);
         }
-        world
+        if let Some(background) = &settings.background {
+            let seed = stream("background");
+            let around = AroundEgo::new(background, settings, road, seed, &mut world.tracks)?;
+            world.background = Some(around);
+        }
+        Ok(world)
     }
 
     /// Everybody's state, into `vehicles`.
     pub(crate) fn states(&self, vehicles: &mut Vec<VehicleState>) {
         vehicles.clear();
         vehicles.extend(self.cars.iter().map(|car| car.state));
+        vehicles.extend(self.background.iter().flat_map(AroundEgo::states));
     }
 
     /// v_e, in m/s.
@@ -141,6 +151,9 @@ impl<'a> World<'a> {
             track.y_m.push(car.state.y_m);
             track.speed_mps.push(car.state.speed_mps);
         }
+        if let Some(background) = &self.background {
+            background.record(&mut self.tracks);
+        }
     }
 
     /// Decides what everybody does until the next row: who comes, who leaves, who speeds up.
@@ -148,6 +161,9 @@ impl<'a> World<'a> {
     /// `row` is the present row of the recording; arrivals are in the next.
     pub(crate) fn decide(&mut self, ego: &EgoView, row: usize, time_s: f64) {
         self.note_target_speed(ego, time_s);
+        if let Some(background) = &mut self.background {
+            background.place_ego(ego, row);
+        }
         let limit_m = self.settings.leads.removed_m;
         self.cars.retain(|car| {
             let stays = matches!(
@@ -201,6 +217,7 @@ impl<'a> World<'a> {
             }
         }
         if self.blockade.is_none()
+            && self.background.is_none()
             && let Some(car) = self.off_lane.next(&self.cars, ego, time_s)
         {
             self.arrive(car, row);
@@ -224,6 +241,9 @@ impl<'a> World<'a> {
 
     /// Moves everybody on by one row.
     pub(crate) fn advance(&mut self) {
+        if let Some(background) = &mut self.background {
+            background.advance(&mut self.tracks);
+        }
         for car in &mut self.cars {
             let before = car.state.speed_mps;
             let after = (before + car.acceleration_mps2 * PLANNING_STEP_S).max(0.0);

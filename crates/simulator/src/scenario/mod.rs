@@ -1,5 +1,6 @@
 //! Every number of the world a user may change, checked once.
 
+mod background;
 mod check;
 mod controllers;
 mod road;
@@ -7,6 +8,7 @@ mod traffic;
 mod vehicle;
 
 use crate::{drivers::Population, error::SimulatorError, road::CentreLine};
+pub use background::{BackgroundSettings, WaveSettings};
 use check::{Range, check};
 pub use controllers::{ChangeRule, ControllerSettings};
 use maveric_domain::{MetresPerSecond, Road};
@@ -40,6 +42,9 @@ pub struct ScenarioSettings {
     /// Further vehicles, there from the start, each keeping its speed and lane.
     #[serde(default)]
     pub vehicles: Vec<VehiclePlacement>,
+    /// Background traffic in place of leads and off-lane vehicles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub background: Option<BackgroundSettings>,
 }
 
 /// A checked scenario: the world, the car, its controllers and who may drive it.
@@ -73,6 +78,7 @@ impl Scenario {
                 controllers: ControllerSettings::PAPER,
                 drivers: Population::PAPER,
                 vehicles: Vec::new(),
+                background: None,
             },
             centre_line: CentreLine::default(),
         }
@@ -130,6 +136,9 @@ impl TryFrom<ScenarioSettings> for Scenario {
         settings.drivers.check()?;
         for vehicle in &settings.vehicles {
             vehicle.check(&settings.road, settings.vehicle.length_m)?;
+        }
+        if let Some(background) = &settings.background {
+            background.check(&settings)?;
         }
         let centre_line = CentreLine::new(&settings.road.segments);
         Ok(Self {
