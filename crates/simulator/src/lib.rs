@@ -3,6 +3,7 @@
 //! A [`Scenario`] and a [`Driver`] go in, [`rollout`] gives a recording. The driver is a synthetic person
 //! ([`DriverParams`]) or a [`Planner`] whose set-points the controllers carry out.
 
+mod collision;
 mod control;
 mod drivers;
 pub mod error;
@@ -17,6 +18,7 @@ mod traffic;
 mod vehicle;
 mod world;
 
+pub use collision::{Collision, CollisionCause};
 pub use control::{Intervention, InterventionKind, lateral_safe_distance, safe_distance};
 pub use drivers::{DriverParams, EncounterNoise, Law, Population};
 pub use error::SimulatorError;
@@ -26,5 +28,5 @@ pub use road::{CentreLine, MapPose, Segment};
 pub use rollout::{Driver, Rollout, RolloutReport, rollout};
 pub use scenario::{
     ChangeRule, ControllerSettings, DynamicsSettings, Integrator, Scenario, ScenarioSettings,
-    VehicleModel,
+    ScriptStep, VehicleModel, VehiclePlacement,
 };

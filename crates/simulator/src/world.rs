@@ -7,7 +7,7 @@ use crate::{
     road::CentreLine,
     scenario::{Scenario, ScenarioSettings},
     traffic::{
-        Arrival, Blockade, Car, EgoView, LeadSchedule, OffLaneTraffic, Role, acceleration,
+        Arrival, Blockade, Car, EgoView, LeadSchedule, OffLaneTraffic, Role, Script, acceleration,
         distance_m,
     },
 };
@@ -72,14 +72,18 @@ impl<'a> World<'a> {
             blockades: 0,
             background: None,
         };
-        for placed in &settings.vehicles {
+        for (index, placed) in settings.vehicles.iter().enumerate() {
             let arrival = Arrival {
                 x_m: placed.ahead_m,
                 lane: placed.lane,
                 speed_mps: placed.speed_mps,
-                role: Role::Steady {
-                    speed_mps: placed.speed_mps,
-                    passing_by: false,
+                role: if placed.script.is_empty() {
+                    Role::Steady {
+                        speed_mps: placed.speed_mps,
+                        passing_by: false,
+                    }
+                } else {
+                    Role::Scripted(Script::new(index, placed.speed_mps))
                 },
             };
             world.arrive(arrival, 0);
@@ -168,15 +172,22 @@ impl<'a> World<'a> {
         self.cars.retain(|car| {
             let stays = matches!(
                 car.role,
-                Role::Steady {
-                    passing_by: false,
-                    ..
-                }
+                Role::Scripted(_)
+                    | Role::Steady {
+                        passing_by: false,
+                        ..
+                    }
             );
             stays || distance_m(ego, &car.state).abs() <= limit_m
         });
         self.let_arrive(ego, row + 1, time_s);
         self.end_blockade(ego, time_s);
+        for car in &mut self.cars {
+            if let Role::Scripted(script) = &mut car.role {
+                let vehicles = &self.settings.vehicles;
+                car.lane = script.follow(vehicles, &mut car.state, ego, &self.road, time_s);
+            }
+        }
         let accelerations: Vec<f64> = self
             .cars
             .iter()
