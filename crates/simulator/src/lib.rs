@@ -17,7 +17,7 @@ mod vehicle;
 mod world;
 
 pub use control::safe_distance;
-pub use drivers::{DriverParams, EncounterNoise, Law, Population};
+pub use drivers::{Distribution, DriverParams, EncounterNoise, Law, Population, population_table};
 pub use error::SimulatorError;
 pub use planner::{PLANNING_RATE_HZ, Planner};
 pub use road::{CentreLine, MapPose, Segment};
