@@ -9,6 +9,7 @@ pub mod inspect;
 pub mod measure;
 pub mod personalize;
 pub mod rate;
+pub mod recommend;
 pub mod rehearse;
 pub mod report;
 pub mod score;
@@ -39,7 +40,9 @@ pub fn versions() -> BTreeMap<String, String> {
         ("stats", 3),
         ("ablate", 1),
         ("validate", 1),
+        ("recommend", 1),
         ("rehearse", 1),
+        ("rehearse-dial", 1),
         ("report", 2),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
