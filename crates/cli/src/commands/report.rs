@@ -16,6 +16,9 @@ pub(crate) struct Report {
     /// What the paper reported (TOML)
     #[arg(long, default_value = "study_data/claims.toml")]
     claims: std::path::PathBuf,
+    /// Table of who took part; RESULTS/participants.csv when not given
+    #[arg(long)]
+    participants: Option<std::path::PathBuf>,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -27,6 +30,7 @@ impl Report {
             results: self.results,
             out: self.out,
             claims: self.claims,
+            participants: self.participants,
         };
         print_outcome(self.format, "could not write the report", |watch| {
             report::report(&options, watch)

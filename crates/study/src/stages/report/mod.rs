@@ -24,6 +24,8 @@ pub struct ReportOptions {
     pub out: PathBuf,
     /// What the paper reported.
     pub claims: PathBuf,
+    /// Who took part; `participants.csv` among the results without.
+    pub participants: Option<PathBuf>,
 }
 
 /// What was written.
@@ -47,7 +49,9 @@ pub fn report(options: &ReportOptions, watch: Watch<'_>) -> Result<Outcome<Repor
     let folder = &options.results;
     let (page, findings) = if folder.join("analysis.json").exists() {
         let claims = read_text(&options.claims)?;
-        synthetic::page(folder, &claims, watch)?
+        let beside = folder.join("participants.csv");
+        let participants = options.participants.as_deref().unwrap_or(&beside);
+        synthetic::page(folder, participants, &claims, watch)?
     } else if folder.join("following.json").exists() {
         real::page(folder)?
     } else {

@@ -46,6 +46,7 @@ struct Run {
 
 pub(super) fn page(
     folder: &Path,
+    participants: &Path,
     claims: &str,
     watch: Watch<'_>,
 ) -> Result<(Report, Vec<String>), StudyError> {
@@ -65,7 +66,7 @@ pub(super) fn page(
         measured,
         context,
     };
-    let people = People::read(folder, &run.measured)?;
+    let people = People::read(folder, participants, &run.measured)?;
     let list = File::read(&folder.join("drives/study2/drives.csv"))?;
     let durations = list.all_numbers("duration_s")?;
     let minutes = durations.iter().sum::<f64>() / durations.len() as f64 / 60.0;
