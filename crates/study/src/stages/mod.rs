@@ -2,9 +2,13 @@
 
 pub mod ablate;
 pub mod analyse;
+pub mod codebook;
 pub mod evaluate;
+pub mod export;
 pub mod generate;
+pub mod import;
 pub mod ingest;
+pub mod init;
 pub mod inspect;
 pub mod measure;
 pub mod personalize;
@@ -27,9 +31,12 @@ use std::collections::BTreeMap;
 /// does not retrain a model.
 pub fn versions() -> BTreeMap<String, String> {
     [
-        ("generate", 1),
+        ("generate", 2),
+        ("import", 1),
+        ("codebook", 1),
+        ("export", 1),
         ("ingest", 3),
-        ("score", 1),
+        ("score", 2),
         ("train", 2),
         ("personalize", 2),
         ("steer", 1),

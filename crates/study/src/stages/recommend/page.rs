@@ -8,7 +8,7 @@ use maveric_report::{
         curves::{CurvePanel, CurvePoint, Curves, curves},
         recommendation::{Recommendations, recommendation},
     },
-    html::{Provenance, Section},
+    html::{Methods, Provenance, Section},
     tables::{Cell, Column, Table},
 };
 
@@ -40,6 +40,11 @@ pub(super) fn page(
         ),
         context: context.clone(),
         summary: Vec::new(),
+        live: Vec::new(),
+        methods: Methods {
+            text: vec!["A Bayesian linear regression with shrinkage, learned from one study and tried on people of another; docs/how-far-to-turn-the-dial.md gives the model.".to_owned()],
+            files: Vec::new(),
+        },
         sections: vec![
             section(
                 "After the four conditions",
