@@ -23,10 +23,13 @@ fn wrong_usage_is_status_2_and_help_has_an_example() {
         "diff",
         "trace",
         "clean",
+        "init",
         "generate",
         "ingest",
         "inspect",
+        "import",
         "score",
+        "codebook",
         "train",
         "personalize",
         "steer",
@@ -36,6 +39,7 @@ fn wrong_usage_is_status_2_and_help_has_an_example() {
         "evaluate",
         "stats",
         "report",
+        "export",
     ] {
         let help = study.maveric(&[command, "--help"]).ok().stdout;
         assert!(help.contains("Example"), "{command}: {help}");

@@ -7,9 +7,11 @@
 
 mod assemble;
 mod centre_line;
+mod clock;
 mod differentiate;
 mod drive_file;
 mod error;
+mod foreign;
 mod inspect;
 mod lanes;
 mod mapping;

@@ -122,7 +122,7 @@ impl Reader {
             let byte = self.bytes.next().unwrap();
             value |= u64::from(byte & 0x7f) << shift;
             if byte < 0x80 {
-                return (value >> 1) as i64 ^ -((value & 1) as i64);
+                return (value >> 1).cast_signed() ^ -(value & 1).cast_signed();
             }
             shift += 7;
         }

@@ -5,10 +5,12 @@
     reason = "helpers of tests fail as tests do"
 )]
 
+mod clocks;
 mod damage;
 mod fuzz;
 mod independent;
 mod layouts;
+mod other_files;
 mod rigs;
 mod round_trip;
 mod samples;

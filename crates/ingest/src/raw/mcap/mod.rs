@@ -1,5 +1,6 @@
 //! MCAP: the container, and the drives that ROS 2 rigs put into it.
 
+mod ahead;
 pub(crate) mod channels;
 pub(crate) mod choice;
 pub(crate) mod chunk;
