@@ -31,21 +31,18 @@ impl WatchedDrive {
         centre_line: Option<CentreLine>,
     ) -> Result<Self, StudyError> {
         let drive = Drive::from_recording(meta.clone(), recording)?;
-        let watched = PlayerDrive::from_recording(
-            recording,
-            &drive,
-            PlayerMeta {
-                label: title_case(meta.condition),
-                note: driven(meta.driven_by).to_owned(),
-                condition: meta.condition,
-                interventions,
-            },
-        );
         Ok(Self {
-            drive: PlayerDrive {
-                centre_line,
-                ..watched
-            },
+            drive: PlayerDrive::from_recording(
+                recording,
+                &drive,
+                PlayerMeta {
+                    label: title_case(meta.condition),
+                    note: driven(meta.driven_by).to_owned(),
+                    condition: meta.condition,
+                    interventions,
+                    centre_line,
+                },
+            ),
             meta,
         })
     }
