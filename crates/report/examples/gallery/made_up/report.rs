@@ -1,0 +1,102 @@
+//! A whole report of made-up figures and tables.
+
+use super::{PARTICIPANTS, figures};
+use maveric_report::claims::{join, load};
+use maveric_report::html::{Input, Provenance, Section};
+use maveric_report::tables::{
+    AccuracyRow, Coefficient, Correlation, CorrelationRow, Exclusion, Table, correlations,
+    mimic_accuracy,
+};
+use maveric_report::{Context, Report, ReportError};
+use std::collections::BTreeMap;
+
+fn tables() -> Vec<Table> {
+    let correlation = |coefficient, value, df, p| {
+        Some(Correlation {
+            coefficient,
+            value,
+            df,
+            p,
+        })
+    };
+    let accuracy = [
+        ("Mean velocity", 0.96, 0.936),
+        ("Mean headway time", 0.79, 0.802),
+    ]
+    .map(|(measure, ours, paper)| AccuracyRow {
+        measure: measure.into(),
+        n: PARTICIPANTS,
+        ours: Some(ours),
+        paper: Some(paper),
+        population_mean: Some(0.8 * ours),
+        test_retest: None,
+    });
+    vec![
+        mimic_accuracy(&accuracy),
+        correlations(
+            &[CorrelationRow {
+                independent: "Conscientiousness <script>".into(),
+                dependent: "M−C competence".into(),
+                ours: correlation(Coefficient::Spearman, -0.51, 22, 0.011),
+                repeated: None,
+                paper: correlation(Coefficient::Spearman, -0.71, 22, 0.0001),
+            }],
+            PARTICIPANTS,
+        ),
+    ]
+}
+
+pub(crate) fn report(context: &Context) -> Result<Report, ReportError> {
+    let claims = load(include_str!("../../../../../study_data/claims.toml"))?;
+    let results = BTreeMap::from([
+        ("line.mean_velocity.r".to_owned(), 0.3),
+        ("line.mean_velocity.p".to_owned(), 0.154),
+        ("mimic_accuracy.mean_velocity".to_owned(), 96.0),
+        ("participants.study2.n".to_owned(), 24.0),
+        ("nearer.mean_velocity.aggressive.p".to_owned(), 0.02),
+        ("nearer.mean_velocity.aggressive.direction".to_owned(), 1.0),
+        ("correlation.openness.ma_discomfort.r".to_owned(), -0.1),
+    ]);
+    Ok(Report {
+        title: "Gallery of made-up numbers".into(),
+        subtitle: "Every figure and table that a report can have, drawn from sines.".into(),
+        context: context.clone(),
+        summary: vec![
+            "Made up: position on the aggression line with ADB, *r*(22) = .30, *p* = .154".into(),
+            "Made up: mimic accuracy of mean velocity, 96.0%".into(),
+        ],
+        sections: vec![
+            Section {
+                title: "Figures".into(),
+                intro: vec!["All of these are drawn from sines, and mean nothing.".into()],
+                figures: figures(context)?,
+                tables: Vec::new(),
+            },
+            Section {
+                title: "Tables".into(),
+                tables: tables(),
+                ..Section::default()
+            },
+        ],
+        ledger: Some(join(&claims, &results)?),
+        exclusions: vec![Exclusion {
+            who: "P03 \u{202e}<b>&".into(),
+            what: "time headway merge back".into(),
+            why: "never merged back in Cautious".into(),
+        }],
+        warnings: vec!["Two drives met only five of the six lead vehicles.".into()],
+        provenance: Provenance {
+            version: env!("CARGO_PKG_VERSION").into(),
+            seed: context.seed,
+            command: "cargo run -p maveric-report --example gallery -- FOLDER".into(),
+            parameters: vec![
+                ("window_s".into(), "4.0".into()),
+                ("embedding.size".into(), "3".into()),
+            ],
+            inputs: vec![Input {
+                path: "study_data/claims.toml".into(),
+                hash: "0f1e2d3c4b5a".into(),
+            }],
+        },
+    })
+}
