@@ -1,6 +1,6 @@
 //! How long figures and tables take: `cargo bench -p maveric-report`.
 
-#[path = "../examples/gallery/made_up/mod.rs"]
+#[path = "../examples/gallery/made_up.rs"]
 mod made_up;
 
 use maveric_report::{Context, Figure, render};
@@ -29,7 +29,7 @@ const PAPER: [&str; 11] = [
 ];
 
 fn paper() -> Vec<Figure> {
-    let drawn = made_up::KINDS
+    let drawn = made_up::kinds::KINDS
         .iter()
         .filter(|(name, _)| PAPER.contains(name));
     drawn
@@ -44,7 +44,7 @@ fn svg_of_the_paper() -> Vec<Figure> {
 
 #[divan::bench(name = "report/svg/every", sample_count = 10)]
 fn svg_of_every_figure() -> Option<Vec<Figure>> {
-    made_up::figures(&context()).ok()
+    made_up::kinds::figures(&context()).ok()
 }
 
 #[divan::bench(name = "report/png/paper", sample_count = 5)]

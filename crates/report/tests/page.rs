@@ -4,7 +4,7 @@
     reason = "a helper of a test stops at the first surprise"
 )]
 
-#[path = "../examples/gallery/made_up/mod.rs"]
+#[path = "../examples/gallery/made_up.rs"]
 mod made_up;
 
 use maveric_report::html::RenderedFile;

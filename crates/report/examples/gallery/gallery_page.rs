@@ -1,6 +1,6 @@
 //! `docs/gallery.md`: every figure with the function that makes it.
 
-use crate::made_up::KINDS;
+use crate::kinds::KINDS;
 use maveric_report::html::RenderedFile;
 use maveric_report::{Context, ReportError, markup};
 use std::fmt::Write as _;
@@ -36,7 +36,7 @@ pub(crate) fn text(context: &Context) -> Result<String, ReportError> {
         let figure = draw(context)?;
         let _ = write!(
             out,
-            "## {}\n\n`figures::{name}` · [example](../crates/report/examples/gallery/made_up/{name}.rs) · \
+            "## {}\n\n`figures::{name}` · [example](../crates/report/examples/gallery/kinds/{name}.rs) · \
              [SVG](../crates/report/tests/golden/{}.svg)\n\n![{}](gallery/{}.png)\n\n{}\n\n",
             markup::plain(&figure.title),
             figure.name,

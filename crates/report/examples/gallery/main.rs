@@ -2,13 +2,14 @@
 //!
 //! - `cargo run -p maveric-report --example gallery -- FOLDER`: the page of all figures and tables
 //! - `cargo run -p maveric-report --example gallery -- FOLDER preference`: one kind, as SVG and PNG; how its plain
-//!   numbers are put together stands in `made_up/preference.rs`
+//!   numbers are put together stands in `kinds/preference.rs`
 //! - `cargo run -p maveric-report --example gallery -- --docs docs`: `docs/gallery.md` and its pictures
 #![expect(clippy::print_stdout, reason = "an example talks to whoever runs it")]
 
 mod gallery_page;
 mod made_up;
 
+use made_up::kinds;
 use maveric_report::html::RenderedFile;
 use maveric_report::{Context, render};
 use std::{error::Error, fs, path::Path};
@@ -37,8 +38,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn one(kind: &str, context: &Context) -> Result<Vec<RenderedFile>, Box<dyn Error>> {
-    let Some((_, draw)) = made_up::KINDS.iter().find(|(name, _)| *name == kind) else {
-        let names = made_up::KINDS.map(|(name, _)| name).join(", ");
+    let Some((_, draw)) = kinds::KINDS.iter().find(|(name, _)| *name == kind) else {
+        let names = kinds::KINDS.map(|(name, _)| name).join(", ");
         return Err(format!("no kind `{kind}`; there are {names}").into());
     };
     let figure = draw(context)?;

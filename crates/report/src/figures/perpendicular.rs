@@ -92,6 +92,11 @@ pub fn perpendicular(
             )
         })
         .collect();
+    let repeated = if most > crowd::MOST_POINTS {
+        ""
+    } else {
+        "The first 30° are repeated in grey. "
+    };
     let plan = Plan {
         name: NAME.to_owned(),
         size_mm: (if count == 1 { 85.0 } else { TWO_COLUMNS_MM }, 66.0),
@@ -99,8 +104,7 @@ pub fn perpendicular(
         caption: format!(
             "Change from Mimic to Perpendicular against the angle on the ellipse at which each \
              participant’s Perpendicular embedding lies. Predicted aggression is the same all \
-             round. Line: least squares on cosine and sine of the angle. The first 30° are \
-             repeated in grey. *n* = {}; the multiple correlation *R* with cosine and sine and its \
+             round. Line: least squares on cosine and sine of the angle. {repeated}*n* = {}; the multiple correlation *R* with cosine and sine and its \
              *p* (*F* test) stand below each title.{}",
             sizes.join(", "),
             crowd::words(most)

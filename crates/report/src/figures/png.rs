@@ -7,6 +7,7 @@ use std::sync::{Arc, OnceLock};
 
 const CSS_PIXELS_PER_INCH: f32 = 96.0;
 const INCHES_PER_METRE: f64 = 1.0 / 0.0254;
+const COARSE_BELOW: f64 = 150.0;
 /// On a side: A0 at 300 dots per inch.
 const MOST_PIXELS: f32 = 14_100.0;
 
@@ -70,7 +71,12 @@ pub(crate) fn render(
     let mut encoder = png::Encoder::new(&mut out, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::Fast);
+    // A coarse picture is made to be kept or sent, and quickly packed; a fine one costs ten times as much.
+    encoder.set_compression(if dots_per_inch < COARSE_BELOW {
+        png::Compression::High
+    } else {
+        png::Compression::Fast
+    });
     encoder.set_pixel_dims(Some(png::PixelDimensions {
         xppu: dots_per_metre,
         yppu: dots_per_metre,

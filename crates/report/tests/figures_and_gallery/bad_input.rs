@@ -1,7 +1,7 @@
 //! Whatever a figure is given, it draws, or says in words why not: no panic, no hang, no empty picture, no markup of
 //! somebody else's.
 
-use crate::made_up;
+use crate::kinds;
 use maveric_report::{Context, Figure, ReportError, figures};
 use resvg::usvg;
 use serde_json::Value;
@@ -18,7 +18,7 @@ macro_rules! kinds {
     ($($name:ident),* $(,)?) => {
         vec![$(Kind {
             name: stringify!($name),
-            input: serde_json::to_value(made_up::$name::input()).unwrap(),
+            input: serde_json::to_value(kinds::$name::input()).unwrap(),
             // None: the changed JSON is no input at all, as when a list is where a number should be.
             draw: |value| {
                 let input = serde_json::from_value(value).ok()?;
@@ -246,7 +246,7 @@ fn no_name_becomes_markup() {
 
 #[test]
 fn signs_that_the_font_lacks_are_owned_up_to() {
-    let mut input = made_up::following_errors::input();
+    let mut input = kinds::following_errors::input();
     input.drivers[0] = "\u{0645}\u{0631}\u{062d}\u{0628}\u{0627} \u{1f697}".into();
     let figure = figures::following_errors(&input, &Context::real()).unwrap();
     assert!(figure.svg.contains(">????? ?</text>"));
@@ -265,7 +265,7 @@ fn what_is_not_a_number_is_refused_by_name() {
         ($($name:ident: |$input:ident, $value:ident| $change:expr),* $(,)?) => {
             vec![$((stringify!($name), {
                 fn draw($value: f64) -> Result<Figure, ReportError> {
-                    let mut $input = made_up::$name::input();
+                    let mut $input = kinds::$name::input();
                     $change;
                     figures::$name(&$input, &Context::real())
                 }

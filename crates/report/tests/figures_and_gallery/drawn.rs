@@ -1,6 +1,6 @@
 //! Every figure, as a file: well-formed, all texts inside, none on another, the same every time.
 
-use crate::made_up;
+use crate::kinds;
 use maveric_report::figures::embedding_space;
 use maveric_report::{Context, Figure};
 use resvg::usvg;
@@ -36,8 +36,8 @@ fn texts(group: &usvg::Group, found: &mut Vec<(String, usvg::Rect)>) {
 }
 
 fn all() -> Vec<Figure> {
-    let mut figures = made_up::figures(&Context::synthetic(7)).unwrap();
-    figures.push(embedding_space(&made_up::embedding_space::input(), &Context::real()).unwrap());
+    let mut figures = kinds::figures(&Context::synthetic(7)).unwrap();
+    figures.push(embedding_space(&kinds::embedding_space::input(), &Context::real()).unwrap());
     figures
 }
 
@@ -89,7 +89,7 @@ fn the_same_numbers_give_the_same_bytes() {
 
 #[test]
 fn what_shows_synthetic_participants_says_so_in_three_places() {
-    for figure in made_up::figures(&Context::synthetic(7)).unwrap() {
+    for figure in kinds::figures(&Context::synthetic(7)).unwrap() {
         let explains = [
             "domain",
             "architecture",

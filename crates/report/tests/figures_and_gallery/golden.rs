@@ -2,7 +2,7 @@
 //!
 //! `UPDATE_GOLDEN=1 cargo test -p maveric-report --test figures_and_gallery golden` writes them anew: look at what changed.
 
-use crate::made_up;
+use crate::kinds;
 use maveric_report::{Context, Figure};
 use std::{fmt::Write as _, fs, path::PathBuf};
 
@@ -81,7 +81,7 @@ fn difference(name: &str, now: &str, before: &str) -> Option<String> {
 }
 
 fn figures() -> Vec<Figure> {
-    made_up::figures(&Context::synthetic(7)).unwrap()
+    kinds::figures(&Context::synthetic(7)).unwrap()
 }
 
 #[test]

@@ -7,14 +7,8 @@
 
 #[path = "../../examples/gallery/gallery_page.rs"]
 mod gallery_page;
-#[path = "../../examples/gallery/made_up/mod.rs"]
-// Not `expect`: that alone makes what is unused count as used, and then finds nothing to expect.
-#[allow(
-    dead_code,
-    unused_imports,
-    reason = "the page is drawn by another test"
-)]
-mod made_up;
+#[path = "../../examples/gallery/kinds/mod.rs"]
+mod kinds;
 
 mod bad_input;
 mod drawn;

@@ -1,7 +1,7 @@
 //! Ten thousand participants: a density instead of points, in a file of bounded size, and a caption that says so.
 
-use crate::made_up;
-use crate::made_up::wobble;
+use crate::kinds;
+use crate::kinds::wobble;
 use maveric_report::{Context, Figure, figures};
 
 const MANY: usize = 10_000;
@@ -33,24 +33,24 @@ fn context() -> Context {
 }
 
 fn crowds() -> Vec<Figure> {
-    let mut line = made_up::aggression_line::input();
+    let mut line = kinds::aggression_line::input();
     for panel in &mut line.panels {
         panel.points = grown(&panel.points, |p, by| *p = (p.0 * by, p.1 * by));
     }
-    let mut axes = made_up::axis_regressions::input();
+    let mut axes = kinds::axis_regressions::input();
     for axis in &mut axes.axes {
         axis.positions = numbers(&axis.positions);
     }
     for measure in &mut axes.measures {
         measure.values = options(&measure.values);
     }
-    let mut differences = made_up::difference_panels::input();
+    let mut differences = kinds::difference_panels::input();
     for panel in &mut differences.panels {
         panel.rows = grown(&panel.rows, |row, by| {
             row.iter_mut().flatten().for_each(|value| *value *= by);
         });
     }
-    let mut space = made_up::embedding_space::input();
+    let mut space = kinds::embedding_space::input();
     space.points = grown(&space.points, |p, by| {
         p.embedding.iter_mut().for_each(|w| *w *= by);
     });
@@ -58,25 +58,25 @@ fn crowds() -> Vec<Figure> {
     flat.points.iter_mut().for_each(|p| p.embedding.truncate(2));
     flat.gradient.truncate(2);
     flat.example = None;
-    let mut round = made_up::perpendicular::input();
+    let mut round = kinds::perpendicular::input();
     for panel in &mut round.panels {
         panel.points = grown(&panel.points, |p, by| {
             p.angle_rad *= by;
             p.change *= by;
         });
     }
-    let mut sweep = made_up::dial_sweep::input();
+    let mut sweep = kinds::dial_sweep::input();
     for panel in &mut sweep.panels {
         panel.drivers = grown(&panel.drivers, |values, by| {
             values.iter_mut().flatten().for_each(|value| *value *= by);
         });
     }
-    let mut errors = made_up::following_errors::input();
+    let mut errors = kinds::following_errors::input();
     errors.drivers = (0..MANY).map(|i| format!("driver {i}")).collect();
     for model in &mut errors.models {
         model.gap_rmse_m = numbers(&model.gap_rmse_m);
     }
-    let mut changes = made_up::lane_change_quality::input();
+    let mut changes = kinds::lane_change_quality::input();
     changes.speed_mps = numbers(&changes.speed_mps);
     for panel in &mut changes.panels {
         panel.values = numbers(&panel.values);
@@ -120,18 +120,18 @@ fn a_crowd_is_a_density_and_the_caption_says_so() {
 
 #[test]
 fn means_of_a_crowd_grow_no_picture() {
-    let mut twice = made_up::test_retest::input();
+    let mut twice = kinds::test_retest::input();
     for measure in &mut twice.measures {
         measure.drivers = grown(&measure.drivers, |(own, mimic), by| {
             *own = own.map(|value| value * by);
             *mimic = mimic.map(|value| value * by);
         });
     }
-    let mut variants = made_up::ablation::input();
+    let mut variants = kinds::ablation::input();
     for values in variants.variants.iter_mut().flat_map(|v| &mut v.losses) {
         *values = options(values);
     }
-    let mut bars = made_up::preference::input();
+    let mut bars = kinds::preference::input();
     bars.scales.iter_mut().for_each(|scale| scale.n = MANY);
     for figure in [
         figures::test_retest(&twice, &context()).unwrap(),
@@ -149,7 +149,7 @@ fn means_of_a_crowd_grow_no_picture() {
 
 #[test]
 fn a_long_drive_in_dense_traffic_is_thinned_and_what_is_left_out_is_counted() {
-    let mut drive = made_up::time_space::input();
+    let mut drive = kinds::time_space::input();
     let other = drive.others[0].clone();
     drive.others = vec![other; MANY];
     let figure = figures::time_space(&drive, &context()).unwrap();

@@ -1,6 +1,6 @@
 //! `docs/gallery.md` names every figure there is, with its pictures beside it.
 
-use crate::{gallery_page, golden, made_up};
+use crate::{gallery_page, golden, kinds};
 use maveric_report::Context;
 use std::path::Path;
 
@@ -21,7 +21,7 @@ fn the_page_is_what_the_example_writes() {
         committed == now,
         "docs/gallery.md is old, at {differs:?}: cargo run -p maveric-report --example gallery -- --docs docs"
     );
-    for (_, draw) in made_up::KINDS {
+    for (_, draw) in kinds::KINDS {
         let name = draw(&Context::real()).unwrap().name;
         let picture = docs.join(format!("gallery/{name}.png"));
         assert!(picture.is_file(), "{} is missing", picture.display());
@@ -43,10 +43,10 @@ fn every_figure_function_of_the_library_is_in_the_gallery() {
         .collect();
     assert!(functions.len() > 20, "{functions:?}");
     for function in functions {
-        let known = made_up::KINDS.iter().any(|(name, _)| *name == function);
+        let known = kinds::KINDS.iter().any(|(name, _)| *name == function);
         assert!(
             known,
-            "figures::{function} is not in examples/gallery/made_up/mod.rs"
+            "figures::{function} is not in examples/gallery/kinds/mod.rs"
         );
     }
 }

@@ -1,4 +1,4 @@
-//! Made-up input for every figure, and a report of them all. The numbers come from sines and mean nothing.
+//! Made-up input for every kind of figure. The numbers come from sines and mean nothing.
 
 use maveric_report::{Context, Figure, ReportError, apa};
 use maveric_stats::linear_fit;
@@ -23,15 +23,12 @@ pub(crate) mod perpendicular;
 pub(crate) mod perpendicular_circle;
 pub(crate) mod population_distributions;
 pub(crate) mod preference;
-mod report;
 pub(crate) mod residuals;
 pub(crate) mod simulator_view;
 pub(crate) mod step_responses;
 pub(crate) mod test_retest;
 pub(crate) mod time_space;
 pub(crate) mod training_curves;
-
-pub(crate) use report::report;
 
 pub(crate) const PARTICIPANTS: usize = 24;
 
