@@ -2,17 +2,17 @@
 
 use crate::{
     control::{
-        AutomatedDriver, Interventions,
+        AutomatedDriver, Intervention, InterventionKind,
         path::{Manoeuvre, Steering},
         safe_distance,
     },
     drivers::{DriverParams, HumanDriver},
     error::SimulatorError,
     neighbours::ahead,
-    planner::{PLANNING_RATE_HZ, PLANNING_STEP_S, Planner},
+    planner::{PLANNING_RATE_HZ, Planner},
     scenario::{ControllerSettings, Scenario},
     traffic::EgoView,
-    vehicle::{KinematicBicycle, kinematic::STEP_S},
+    vehicle::{Command, build, ego_state},
     world::World,
 };
 use maveric_domain::{
@@ -34,6 +34,23 @@ pub struct Rollout {
     pub recording: Recording,
     /// What was counted.
     pub report: RolloutReport,
+    /// What the safety layer did, in order of time; nothing for people.
+    pub interventions: Vec<Intervention>,
+    /// Why the drive ended early: a set-point that no controller can follow. The recording then ends with that row.
+    pub stopped: Option<SimulatorError>,
+}
+
+impl Rollout {
+    /// The drive, if it went on to its end.
+    ///
+    /// # Errors
+    /// [`SimulatorError::Setpoint`] if the planner's set-points ended it.
+    pub fn completed(self) -> Result<Self, SimulatorError> {
+        match self.stopped {
+            Some(error) => Err(error),
+            None => Ok(self),
+        }
+    }
 }
 
 /// Counts over one drive; an episode is counted once, however long it lasts.
@@ -62,6 +79,13 @@ pub struct RolloutReport {
 pub(crate) struct Action {
     pub(crate) acceleration_mps2: f64,
     pub(crate) manoeuvre: Option<Manoeuvre>,
+}
+
+impl Action {
+    const NOTHING: Self = Self {
+        acceleration_mps2: 0.0,
+        manoeuvre: None,
+    };
 }
 
 enum Seat<'a> {
@@ -103,11 +127,10 @@ impl Watch {
 /// Drives `scenario` once and records it.
 ///
 /// The recording has duration · [`PLANNING_RATE_HZ`] rows and one segment. The same scenario, driver and seed give the same
-/// bytes; traffic, perception, wander and encounters each have a stream of their own, derived from `seed`.
+/// bytes; a planner that gives a set-point that is not a number or not a probability ends the drive, see [`Rollout::stopped`]; traffic, perception, wander and encounters each have a stream of their own, derived from `seed`.
 ///
 /// # Errors
 /// [`SimulatorError::Setting`] if the controller settings given with a planner are out of range,
-/// [`SimulatorError::Setpoint`] if the planner gives a set-point that is not a number or not a probability,
 /// [`SimulatorError::Recording`] if the drive is shorter than two rows.
 ///
 /// # Source
@@ -158,11 +181,12 @@ pub fn rollout(
     let start = &settings.start;
     let start_y_m = road.lane_centre_m(start.lane);
     let start_mps = MetresPerSecond::from_mph(start.speed_mph).0;
-    let mut car = KinematicBicycle::new(&settings.vehicle, start_y_m, start_mps);
+    let mut car = build(&settings.vehicle, start_y_m, start_mps);
     let mut steering = Steering::new(road.lane_width_m, rule.stanley_gain_per_s, start.lane);
     let mut world = World::new(scenario, seed)?;
     let mut watch = Watch::default();
     let mut started_changes = 0;
+    let mut stopped = None;
 
     let rows = (settings.duration_s * PLANNING_RATE_HZ).round() as usize;
     let mut ego = EgoTrack {
@@ -172,12 +196,16 @@ pub fn rollout(
     let mut time_s = Vec::with_capacity(rows);
     let mut scene = Scene {
         time_s: 0.0,
-        ego: car.state(),
+        ego: ego_state(car.as_ref(), settings.vehicle.length_m),
         vehicles: Vec::new(),
     };
     for row in 0..rows {
+        // A recording has at least two rows.
+        if stopped.is_some() && row >= 2 {
+            break;
+        }
         scene.time_s = row as f64 / PLANNING_RATE_HZ;
-        scene.ego = car.state();
+        scene.ego = ego_state(car.as_ref(), settings.vehicle.length_m);
         world.states(&mut scene.vehicles);
         for vehicle in &mut scene.vehicles {
             vehicle.x_m = line.lane_x_m(scene.ego.x_m, vehicle.x_m, vehicle.y_m);
@@ -191,7 +219,14 @@ pub fn rollout(
 
         let action = match &mut seat {
             Seat::Human(human) => human.act(&scene, &steering),
-            Seat::Automated(automated) => automated.act(&scene, &steering)?,
+            Seat::Automated(_) if stopped.is_some() => Action::NOTHING,
+            Seat::Automated(automated) => match automated.act(&scene, &steering) {
+                Ok(action) => action,
+                Err(error) => {
+                    stopped = Some(error);
+                    Action::NOTHING
+                }
+            },
         };
         let view = EgoView {
             x_m: scene.ego.x_m,
@@ -205,25 +240,32 @@ pub fn rollout(
         world.decide(&view, row, scene.time_s);
         if let Some(manoeuvre) = action.manoeuvre {
             started_changes += u32::from(matches!(manoeuvre, Manoeuvre::Change { .. }));
-            steering.begin(manoeuvre, &car);
+            steering.begin(manoeuvre, car.pose());
         }
-        for _ in 0..(PLANNING_STEP_S / STEP_S).round() as usize {
-            let angle_rad = steering.angle_rad(&car, line);
-            car.step(action.acceleration_mps2, angle_rad, line);
+        for _ in 0..settings.vehicle.steps_per_row() {
+            let command = Command {
+                acceleration_mps2: action.acceleration_mps2,
+                steering_rad: steering.angle_rad(car.as_ref(), line),
+            };
+            car.step(command, line);
         }
         world.advance();
     }
 
-    let done = match &seat {
-        Seat::Human(_) => Interventions::default(),
-        Seat::Automated(automated) => automated.interventions(),
+    let interventions = match seat {
+        Seat::Human(_) => Vec::new(),
+        Seat::Automated(automated) => automated.into_interventions(),
+    };
+    let counted = |of: fn(&InterventionKind) -> bool| {
+        interventions.iter().filter(|i| of(&i.kind)).count() as u32
     };
     let (leads, blocked_encounters) = world.counts();
+    let segment = vec![0; time_s.len()];
     let recording = Recording::new(
         road,
         PLANNING_RATE_HZ,
         time_s,
-        vec![0; rows],
+        segment,
         ego,
         world.into_tracks(),
     )?;
@@ -232,20 +274,22 @@ pub fn rollout(
         report: RolloutReport {
             collisions: watch.collisions,
             rule_violations: watch.violations,
-            interventions: done.braked,
-            held_changes: done.held_changes,
-            given_up_changes: done.given_up_changes,
+            interventions: counted(|k| matches!(k, InterventionKind::Braked { .. })),
+            held_changes: counted(|k| matches!(k, InterventionKind::HeldChange { .. })),
+            given_up_changes: counted(|k| matches!(k, InterventionKind::GaveUpChange { .. })),
             started_changes,
             leads,
             blocked_encounters,
         },
+        interventions,
+        stopped,
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{ScenarioSettings, VehiclePlacement};
+    use crate::scenario::{Integrator, ScenarioSettings, VehicleModel, VehiclePlacement};
     use maveric_domain::{
         Condition, Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Seconds,
         Setpoints, Situation, Study, drive::Direction,
@@ -408,21 +452,25 @@ mod tests {
     #[test]
     fn in_bends_the_car_keeps_its_lane_and_the_lateral_acceleration_asked_for() {
         let bends: Bends = toml::from_str(BENDS).unwrap();
-        let mut settings = empty_road(120.0, vec![]).settings().clone();
-        settings.road.segments = bends.segments;
-        let scenario = Scenario::try_from(settings).unwrap();
-        let driven = automated(&scenario, always(32.0, 40.0, 0.0), 1);
-        let ego = driven.recording.ego();
-        let limit = scenario.settings().controllers.curve_acceleration_mps2;
-        let mut slowest = f64::MAX;
-        for row in 0..driven.recording.rows() {
-            let curvature = scenario.centre_line().curvature_per_m(ego.x_m[row]);
-            assert!(ego.y_m[row].abs() < 0.1, "row {row}: {}", ego.y_m[row]);
-            let lateral = ego.speed_mps[row].powi(2) * curvature.abs();
-            assert!(lateral < limit + 0.5, "row {row}: {lateral}");
-            slowest = slowest.min(ego.speed_mps[row]);
+        for model in [VehicleModel::Kinematic, VehicleModel::Dynamic] {
+            let mut settings = empty_road(120.0, vec![]).settings().clone();
+            settings.road.segments.clone_from(&bends.segments);
+            settings.vehicle.model = model;
+            settings.vehicle.integrator = Integrator::Rk4;
+            let scenario = Scenario::try_from(settings).unwrap();
+            let driven = automated(&scenario, always(32.0, 40.0, 0.0), 1);
+            let ego = driven.recording.ego();
+            let limit = scenario.settings().controllers.curve_acceleration_mps2;
+            let mut slowest = f64::MAX;
+            for row in 0..driven.recording.rows() {
+                let curvature = scenario.centre_line().curvature_per_m(ego.x_m[row]);
+                assert!(ego.y_m[row].abs() < 0.1, "row {row}: {}", ego.y_m[row]);
+                let lateral = ego.speed_mps[row].powi(2) * curvature.abs();
+                assert!(lateral < limit + 0.5, "row {row}: {lateral}");
+                slowest = slowest.min(ego.speed_mps[row]);
+            }
+            assert!(slowest < 26.0 && ego.x_m.last().unwrap() > &2500.0);
         }
-        assert!(slowest < 26.0 && ego.x_m.last().unwrap() > &2500.0);
     }
 
     #[test]
@@ -589,15 +637,25 @@ mod tests {
     }
 
     #[test]
-    fn a_set_point_that_is_no_number_is_refused_by_name_and_time() {
-        let mut planner = always(f64::NAN, 30.0, 0.0);
-        let scenario = Scenario::paper();
-        let settings = &scenario.settings().controllers;
-        let error = rollout(&scenario, Driver::Automated(&mut planner, settings), 1).unwrap_err();
-        assert!(
-            error.to_string().contains("`speed_mps` = NaN at 0 s"),
-            "{error}"
-        );
+    fn a_set_point_that_is_no_number_ends_the_drive_and_says_when() {
+        for (row, rows) in [(0, 2), (1, 2), (57, 58)] {
+            let planner = move |s: &Situation| Setpoints {
+                speed_mps: 25.0,
+                following_distance_m: 30.0,
+                change_probability: if s.time_s > 0.05 * f64::from(row) - 0.01 {
+                    f64::NAN
+                } else {
+                    0.0
+                },
+            };
+            let driven = automated(&Scenario::paper(), planner, 1);
+            assert_eq!(driven.recording.rows(), rows);
+            let error = driven.completed().unwrap_err().to_string();
+            let moment = format!("`change_probability` = NaN at {} s", f64::from(row) / 20.0);
+            assert!(error.contains(&moment), "{error}");
+        }
+        let whole = automated(&empty_road(5.0, vec![]), always(25.0, 30.0, 0.0), 1);
+        assert!(whole.completed().is_ok());
     }
 
     #[test]

@@ -3,27 +3,21 @@
 use super::{
     emergency::EmergencyBrake,
     following::{self, Lead},
+    intervention::{Intervention, InterventionKind},
     lane_change::{ReturnRule, Wish, duration_s, gaps_are_safe, target_lane},
     path::{Manoeuvre, Steering},
+    sideways::Sideways,
     velocity::{VelocityController, bounded_jerk},
 };
 use crate::{
     error::SimulatorError,
-    neighbours::ahead,
+    neighbours::{ahead, ahead_or_entering},
     planner::{PLANNING_STEP_S, Planner},
     road::CentreLine,
     rollout::Action,
     scenario::{ControllerSettings, VehicleSettings},
 };
 use maveric_domain::{Road, Scene, Setpoints, Situation, drive::ReferenceTracker};
-
-/// What the safety layer did, in episodes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct Interventions {
-    pub(crate) braked: u32,
-    pub(crate) held_changes: u32,
-    pub(crate) given_up_changes: u32,
-}
 
 /// What the car is doing about its lane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,7 +45,8 @@ pub(crate) struct AutomatedDriver<'a> {
     command_mps2: f64,
     lane_state: LaneState,
     brake: EmergencyBrake,
-    done: Interventions,
+    sideways: Sideways,
+    interventions: Vec<Intervention>,
 }
 
 /// Time a change that is given up takes to undo, in s.
@@ -79,15 +74,14 @@ impl<'a> AutomatedDriver<'a> {
             command_mps2: 0.0,
             lane_state: LaneState::Keeping,
             brake: EmergencyBrake::default(),
-            done: Interventions::default(),
+            sideways: Sideways::default(),
+            interventions: Vec::new(),
         }
     }
 
-    pub(crate) fn interventions(&self) -> Interventions {
-        Interventions {
-            braked: self.brake.episodes(),
-            ..self.done
-        }
+    /// What the safety layer did, in order of time.
+    pub(crate) fn into_interventions(self) -> Vec<Intervention> {
+        self.interventions
     }
 
     pub(crate) fn act(
@@ -102,6 +96,8 @@ impl<'a> AutomatedDriver<'a> {
             reference,
         };
         let asked = checked(self.planner.plan(&situation), scene.time_s)?;
+        self.sideways
+            .observe(self.settings, scene, &self.road, self.vehicle.width_m);
         let acceleration_mps2 = self.accelerate(scene, steering, &asked);
 
         let manoeuvre = if steering.coming_from().is_some() {
@@ -162,7 +158,7 @@ impl<'a> AutomatedDriver<'a> {
         let wanted = lanes
             .into_iter()
             .flatten()
-            .filter_map(|lane| ahead(scene, &self.road, lane))
+            .filter_map(|lane| ahead_or_entering(scene, &self.road, lane, self.sideways.claims()))
             .map(|n| {
                 let lead = Lead {
                     gap_m: n.gap_m,
@@ -183,8 +179,17 @@ impl<'a> AutomatedDriver<'a> {
         let limit = self.vehicle.braking_limit_mps2;
         let wanted = wanted.clamp(-limit, self.vehicle.acceleration_limit_mps2);
         let smooth = bounded_jerk(s, self.command_mps2, wanted, PLANNING_STEP_S);
-        self.command_mps2 = self.brake.override_command(s, self.vehicle, scene, smooth);
-        self.command_mps2
+        let (command, note) = self.brake.override_command(
+            s,
+            self.vehicle,
+            scene,
+            &self.road,
+            self.sideways.claims(),
+            smooth,
+        );
+        self.interventions.extend(note);
+        self.command_mps2 = command;
+        command
     }
 
     /// A change carried out starts the count again; one given up is still wanted.
@@ -204,14 +209,35 @@ impl<'a> AutomatedDriver<'a> {
             return None;
         }
         // Without the margin that starting needs: a change does not flutter at the edge of the rule.
-        if gaps_are_safe(self.settings, scene, &self.road, steering.lane(), 0.0) {
+        if gaps_are_safe(
+            self.settings,
+            scene,
+            &self.road,
+            steering.lane(),
+            self.sideways.claims(),
+            0.0,
+        ) {
             return None;
         }
         self.lane_state = LaneState::GoingBack;
-        self.done.given_up_changes += 1;
+        self.note(
+            scene,
+            InterventionKind::GaveUpChange {
+                asked_lane: steering.lane(),
+                kept_lane: steering.coming_from().unwrap_or(steering.lane()),
+            },
+        );
         Some(Manoeuvre::GoBack {
             duration_s: GO_BACK_S,
         })
+    }
+
+    fn note(&mut self, scene: &Scene, kind: InterventionKind) {
+        self.interventions.push(Intervention {
+            time_s: scene.time_s,
+            vehicle: None,
+            kind,
+        });
     }
 
     fn start_if_safe(&mut self, scene: &Scene, here: u8, due: Option<u8>) -> Option<Manoeuvre> {
@@ -224,6 +250,7 @@ impl<'a> AutomatedDriver<'a> {
             scene,
             &self.road,
             lane,
+            self.sideways.claims(),
             self.settings.margin_m,
         );
         let duration = duration_s(
@@ -232,7 +259,15 @@ impl<'a> AutomatedDriver<'a> {
             ahead(scene, &self.road, here),
         );
         let Some(duration_s) = duration.filter(|_| safe) else {
-            self.done.held_changes += u32::from(self.lane_state != LaneState::Waiting);
+            if self.lane_state != LaneState::Waiting {
+                self.note(
+                    scene,
+                    InterventionKind::HeldChange {
+                        asked_lane: lane,
+                        kept_lane: here,
+                    },
+                );
+            }
             self.lane_state = LaneState::Waiting;
             return None;
         };

@@ -2,7 +2,7 @@
 
 use super::safety::safe_distance_m;
 use crate::{
-    neighbours::{Neighbour, ahead, behind},
+    neighbours::{Neighbour, ahead, ahead_or_entering, behind_or_entering},
     scenario::{ChangeRule, ControllerSettings},
 };
 use maveric_domain::{Reference, Road, Scene, VehicleId};
@@ -66,18 +66,19 @@ pub(super) fn target_lane(road: &Road, here: u8, reference: &Reference) -> u8 {
     }
 }
 
-/// Whether the gaps in `lane` pass the safety rule with `margin_m` on top.
+/// Whether the gaps in `lane` pass the safety rule with `margin_m` on top: to who is there and to who is about to be, by `claims`.
 pub(super) fn gaps_are_safe(
     settings: &ControllerSettings,
     scene: &Scene,
     road: &Road,
     lane: u8,
+    claims: &[Option<u8>],
     margin_m: f64,
 ) -> bool {
     let ego = scene.ego.speed_mps;
-    let ahead_safe = ahead(scene, road, lane)
+    let ahead_safe = ahead_or_entering(scene, road, lane, claims)
         .is_none_or(|n| n.gap_m > safe_distance_m(settings, ego, n.vehicle.speed_mps) + margin_m);
-    let behind_safe = behind(scene, road, lane)
+    let behind_safe = behind_or_entering(scene, road, lane, claims)
         .is_none_or(|n| n.gap_m > safe_distance_m(settings, n.vehicle.speed_mps, ego) + margin_m);
     ahead_safe && behind_safe
 }

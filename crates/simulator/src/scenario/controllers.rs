@@ -60,6 +60,15 @@ pub struct ControllerSettings {
     pub margin_m: f64,
     /// Braking that must be needed before the safety layer overrides the controllers, in m/s².
     pub intervenes_above_mps2: f64,
+    /// Lateral safe distance: what is left between the sides, in m.
+    #[serde(default = "paper_lateral_margin")]
+    pub lateral_margin_m: f64,
+    /// Lateral safe distance: acceleration towards the other during the reaction, in m/s².
+    #[serde(default = "paper_lateral_reaction")]
+    pub lateral_reaction_mps2: f64,
+    /// Lateral safe distance: lateral braking, in m/s².
+    #[serde(default = "paper_lateral_braking")]
+    pub lateral_braking_mps2: f64,
     /// Which rule starts a lane change.
     pub change_rule: ChangeRule,
     /// Λ above which the car moves out of the right lane.
@@ -90,6 +99,18 @@ pub struct ControllerSettings {
     pub curve_braking_mps2: f64,
 }
 
+fn paper_lateral_margin() -> f64 {
+    ControllerSettings::PAPER.lateral_margin_m
+}
+
+fn paper_lateral_reaction() -> f64 {
+    ControllerSettings::PAPER.lateral_reaction_mps2
+}
+
+fn paper_lateral_braking() -> f64 {
+    ControllerSettings::PAPER.lateral_braking_mps2
+}
+
 fn paper_curve_acceleration() -> f64 {
     ControllerSettings::PAPER.curve_acceleration_mps2
 }
@@ -118,6 +139,9 @@ impl ControllerSettings {
         other_braking_mps2: 8.0,
         margin_m: 2.0,
         intervenes_above_mps2: 3.5,
+        lateral_margin_m: 0.2,
+        lateral_reaction_mps2: 0.2,
+        lateral_braking_mps2: 0.8,
         change_rule: ChangeRule::Accumulated,
         hazard_threshold: 0.4,
         merge_back_hazard_threshold: 1.2,
@@ -218,6 +242,21 @@ impl ControllerSettings {
                 "intervenes_above_mps2",
                 self.intervenes_above_mps2,
                 Range::Within(1.0, 5.0, "1 to 5 m/s²"),
+            ),
+            (
+                "lateral_margin_m",
+                self.lateral_margin_m,
+                Range::Within(0.0, 1.0, "0 to 1 m"),
+            ),
+            (
+                "lateral_reaction_mps2",
+                self.lateral_reaction_mps2,
+                Range::Within(0.0, 2.0, "0 to 2 m/s²"),
+            ),
+            (
+                "lateral_braking_mps2",
+                self.lateral_braking_mps2,
+                Range::Within(0.3, 4.0, "0.3 to 4 m/s²"),
             ),
             ("hazard_threshold", self.hazard_threshold, Range::Positive),
             (

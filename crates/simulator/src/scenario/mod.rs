@@ -1,19 +1,21 @@
 //! Every number of the world a user may change, checked once.
 
 mod background;
-mod car;
 mod check;
 mod controllers;
+mod road;
 mod traffic;
+mod vehicle;
 
 use crate::{drivers::Population, error::SimulatorError, road::CentreLine};
 pub use background::{BackgroundSettings, WaveSettings};
-pub use car::{RoadSettings, StartSettings, VehicleSettings};
 use check::{Range, check};
 pub use controllers::{ChangeRule, ControllerSettings};
 use maveric_domain::{MetresPerSecond, Road};
+pub use road::{RoadSettings, StartSettings};
 use serde::{Deserialize, Serialize};
 pub use traffic::{BlockedSettings, LeadSettings, OffLaneSettings, VehiclePlacement};
+pub use vehicle::{DynamicsSettings, Integrator, VehicleModel, VehicleSettings};
 
 /// A scenario as its file has it; [`Scenario`] is the checked form.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -265,6 +265,15 @@ pub struct VehiclePlacement {
 }
 
 impl VehiclePlacement {
+    /// One that keeps its speed.
+    pub(crate) fn steady(ahead_m: f64, lane: u8, speed_mps: f64) -> Self {
+        Self {
+            ahead_m,
+            lane,
+            speed_mps,
+        }
+    }
+
     pub(super) fn check(&self, road: &RoadSettings, length_m: f64) -> Result<(), SimulatorError> {
         check("vehicles", "ahead_m", self.ahead_m, Range::Finite)?;
         let apart = Range::Within(length_m + 1.0, f64::MAX, "clear of ego by a metre");
