@@ -5,6 +5,7 @@ pub(crate) mod channels;
 pub(crate) mod choice;
 pub(crate) mod chunk;
 pub(crate) mod container;
+mod frames;
 pub(crate) mod metadata;
 pub(crate) mod parts;
 pub(crate) mod read;
