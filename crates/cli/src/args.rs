@@ -46,6 +46,9 @@ pub(crate) enum Command {
     Stats(commands::stats::Stats),
     Ablate(commands::ablate::Ablate),
     Validate(commands::validate::Validate),
+    Recommend(commands::recommend::Recommend),
+    Rehearse(commands::rehearse::Rehearse),
+    RehearseDial(commands::rehearse_dial::RehearseDial),
     Report(commands::report::Report),
     Export(commands::export::Export),
 }

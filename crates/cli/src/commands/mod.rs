@@ -15,6 +15,9 @@ pub(crate) mod inspect;
 pub(crate) mod measure;
 pub(crate) mod personalize;
 pub(crate) mod rate;
+pub(crate) mod recommend;
+pub(crate) mod rehearse;
+pub(crate) mod rehearse_dial;
 pub(crate) mod report;
 pub(crate) mod run;
 pub(crate) mod score;
@@ -62,6 +65,9 @@ pub(crate) fn run(command: Command) -> Result<(), Failure> {
         Command::Stats(c) => c.run(),
         Command::Ablate(c) => c.run(),
         Command::Validate(c) => c.run(),
+        Command::Recommend(c) => c.run(),
+        Command::Rehearse(c) => c.run(),
+        Command::RehearseDial(c) => c.run(),
         Command::Report(c) => c.run(),
         Command::Export(c) => c.run(),
     }

@@ -29,7 +29,7 @@ pub fn render(report: &Report) -> Result<Vec<RenderedFile>, ReportError> {
     let ledger = report.ledger.as_deref().map(ledger_table);
     let mut files = vec![RenderedFile {
         path: "index.html".to_owned(),
-        bytes: page(report, &left_out, ledger.as_ref())?.into_bytes(),
+        bytes: page(report, &left_out)?.into_bytes(),
     }];
     for figure in report.sections.iter().flat_map(|section| &section.figures) {
         files.extend(figure_files(figure)?);

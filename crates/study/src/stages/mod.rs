@@ -13,6 +13,8 @@ pub mod inspect;
 pub mod measure;
 pub mod personalize;
 pub mod rate;
+pub mod recommend;
+pub mod rehearse;
 pub mod report;
 pub mod score;
 pub mod simulate;
@@ -33,18 +35,21 @@ pub fn versions() -> BTreeMap<String, String> {
         ("import", 1),
         ("codebook", 1),
         ("export", 1),
-        ("ingest", 2),
+        ("ingest", 3),
         ("score", 2),
         ("train", 2),
         ("personalize", 2),
         ("steer", 1),
-        ("simulate", 2),
+        ("simulate", 3),
         ("measure", 1),
         ("rate", 1),
         ("evaluate", 2),
-        ("stats", 2),
+        ("stats", 3),
         ("ablate", 1),
         ("validate", 1),
+        ("recommend", 1),
+        ("rehearse", 1),
+        ("rehearse-dial", 1),
         ("report", 2),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
