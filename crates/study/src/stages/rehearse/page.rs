@@ -92,8 +92,6 @@ pub(super) fn page(found: &Rehearsal, options: &RehearseOptions) -> Result<Repor
             files: Vec::new(),
         },
         sections,
-        live: Vec::new(),
-        methods: Methods::default(),
         ledger: None,
         exclusions: Vec::new(),
         warnings: Vec::new(),
