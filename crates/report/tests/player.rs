@@ -292,7 +292,7 @@ fn without_a_script_there_are_a_still_time_lines_and_a_table() {
     let html = html(vec![drive(400, 2)]);
     assert!(html.contains("class=\"pl-controls\" hidden"));
     assert!(html.contains("<path class=\"pl-ego\"") && html.contains("<path class=\"pl-speed\""));
-    assert!(html.contains("class=\"pl-mark pl-right\" style=\"left:15.04%;width:20.05%\""));
+    assert!(html.contains("class=\"pl-mark pl-right\" style=\"left:15.15%;width:20.20%\""));
     let table = html.split_once("<tbody>").unwrap().1;
     assert!(table.contains(
         "<td class=\"number\">0</td><td class=\"number\">1</td><td class=\"number\">1</td>"
