@@ -66,7 +66,7 @@ impl Belief {
         &self.mean
     }
 
-    /// Mean of the sum of `weights` · numbers, shape `(k,)`.
+    /// Mean of the sum of `weights` · numbers, shape `(k,)`; weights that are left off at the end count as 0.
     pub fn mean_of(&self, weights: &[f64]) -> f64 {
         self.mean.iter().zip(weights).map(|(m, w)| m * w).sum()
     }
@@ -79,6 +79,23 @@ impl Belief {
             .zip(a)
             .map(|(row, a)| a * with_b(row))
             .sum()
+    }
+
+    /// The same belief with further numbers, each N(0, sd²) and independent of all others, behind those there are.
+    #[must_use]
+    pub fn extended(&self, sds: &[f64]) -> Self {
+        let (size, more) = (self.len(), sds.len());
+        let mut wider = self.clone();
+        wider.mean.resize(size + more, 0.0);
+        for row in &mut wider.covariance {
+            row.resize(size + more, 0.0);
+        }
+        for (i, sd) in sds.iter().enumerate() {
+            let mut row = vec![0.0; size + more];
+            row[size + i] = sd * sd;
+            wider.covariance.push(row);
+        }
+        wider
     }
 
     /// Takes in y = `row` · numbers + ε with the variance of ε given: Bayes' rule, in closed form.
@@ -139,6 +156,18 @@ mod tests {
         assert!((belief.mean()[0] - 2.0).abs() < 1e-12);
         assert!((belief.mean()[1] - 5.0).abs() < 1e-12);
         assert!((belief.covariance_of(&[1.0, 0.0], &[1.0, 0.0]) - 1.0 / 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_shared_error_makes_a_repetition_worth_less() {
+        let belief = Belief::new(vec![0.0], vec![vec![1.0]])
+            .unwrap()
+            .extended(&[1.0, 1.0]);
+        let mut seen = belief.clone();
+        seen.observe(&[1.0, 1.0, 0.0], 0.3, 0.1);
+        let (again, elsewhere) = ([1.0, 1.0, 0.0], [1.0, 0.0, 1.0]);
+        let told = |row: &[f64]| seen.information(&[1.0], row, 0.1);
+        assert!(told(&again) < 0.5 * told(&elsewhere));
     }
 
     #[test]

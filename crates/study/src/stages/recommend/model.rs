@@ -1,6 +1,9 @@
 //! The model: a person's rating of a drive from how it is shifted, how far it is from their own, and who they are.
 
-use super::percept::{Dial, Percept};
+use super::{
+    SETTINGS,
+    percept::{Dial, Percept},
+};
 use crate::{error::StudyError, stages::analyse::data::StudyData};
 use maveric_domain::{Condition, ParticipantId};
 use maveric_stats::{Belief, Hierarchical, PersonRows, hierarchical};
@@ -86,6 +89,15 @@ fn standard(name: String, values: &[f64]) -> Option<Standard> {
     let mean = values.iter().sum::<f64>() / n;
     let sd = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
     (sd.is_finite() && sd > 1e-9).then_some(Standard { name, mean, sd })
+}
+
+/// Which setting a condition of the study showed.
+fn setting_of(condition: Condition, moved_points: Option<f64>) -> Option<usize> {
+    if condition == Condition::Perpendicular {
+        return None;
+    }
+    let moved = moved_points?;
+    SETTINGS.iter().position(|s| (s - moved).abs() <= 2.5)
 }
 
 impl Learned {
@@ -196,10 +208,11 @@ impl Learned {
         x
     }
 
-    /// The whole row of a drive, x and z, for a belief about somebody.
-    pub(crate) fn row(traits: &[f64], perceived: (f64, f64)) -> Vec<f64> {
+    /// The whole row of a drive for a belief about somebody: x, z, and which of [`SETTINGS`] it showed, if one.
+    pub(crate) fn row(traits: &[f64], perceived: (f64, f64), setting: Option<usize>) -> Vec<f64> {
         let mut row = Self::columns(traits, perceived);
         row.extend([1.0, perceived.0, perceived.1]);
+        row.extend((0..SETTINGS.len()).map(|i| if setting == Some(i) { 1.0 } else { 0.0 }));
         row
     }
 
@@ -218,12 +231,24 @@ impl Learned {
     }
 
     /// What is believed of a person: by their traits alone, or by their ratings of the study's conditions too.
+    ///
+    /// Behind β and u stands an error of each setting that its repetitions share, as large as that of a single rating: what the model gets
+    /// wrong about a setting it gets wrong each time, so that showing it again tells less than showing another.
     pub(crate) fn belief(&self, data: &StudyData, p: &ParticipantId, with_ratings: bool) -> Belief {
-        let mut belief = self.fit.somebody();
+        let mut belief = self
+            .fit
+            .somebody()
+            .extended(&[self.fit.residual_sd; SETTINGS.len()]);
         if with_ratings {
-            let rows = self.rows(data, p);
-            for ((y, x), z) in rows.y.iter().zip(&rows.x).zip(&rows.z) {
-                self.observe(&mut belief, &[&x[..], z].concat(), *y);
+            let traits = self.traits(data, p);
+            for c in Condition::AV {
+                let regard = self.regard(|scale, subscale| data.post(p, c, scale, subscale));
+                if let (Some(y), Some(perceived)) = (regard, self.percept.of_condition(data, p, c))
+                {
+                    let moved = data.condition(p, c).map(|row| row.moved_points);
+                    let row = Self::row(&traits, perceived, setting_of(c, moved));
+                    self.observe(&mut belief, &row, y);
+                }
             }
         }
         belief
@@ -278,7 +303,8 @@ impl Learned {
             .zip(&square)
             .map(|(l, s)| -l / (2.0 * g) + s * b / (2.0 * g * g))
             .collect();
-        let row = Self::row(traits, self.dial.expected(points));
+        let setting = SETTINGS.iter().position(|s| (s - points).abs() < 0.5);
+        let row = Self::row(traits, self.dial.expected(points), setting);
         belief.information(&target, &row, self.fit.residual_sd.powi(2))
     }
 }

@@ -195,17 +195,20 @@ fn reached(search: &[TrialError], of: fn(&TrialError) -> (f64, f64), wanted: f64
     search.iter().find(|t| of(t).0 <= wanted).map(|t| t.trials)
 }
 
-/// How many trials active learning saves.
+/// How many trials active learning saves on the way to half of what the grid gains.
 fn saved(search: &[TrialError]) -> String {
-    let Some(last) = search.last() else {
+    let (Some(first), Some(last)) = (search.first(), search.last()) else {
         return String::new();
     };
-    let wanted = last.grid.0;
-    let active = reached(search, |t| t.active, wanted);
+    let wanted = f64::midpoint(first.grid.0, last.grid.0);
+    let after = |of: fn(&TrialError) -> (f64, f64)| {
+        reached(search, of, wanted).map_or_else(|| "more".to_owned(), |n| n.to_string())
+    };
     format!(
-        "the grid's mean error after {} trials, {wanted:.2} points, is reached by the active choice after {}",
+        "half of what {} trials of the grid gain, a mean error of {wanted:.2} points, is reached by the active choice after {}, by the grid after {}",
         last.trials,
-        active.map_or_else(|| "more".to_owned(), |n| n.to_string())
+        after(|t| t.active),
+        after(|t| t.grid)
     )
 }
 
@@ -309,6 +312,10 @@ mod tests {
         let search = [trial(0, 9.0, 9.0), trial(1, 6.0, 8.0), trial(2, 5.0, 6.0)];
         assert_eq!(reached(&search, |t| t.active, 6.0), Some(1));
         assert_eq!(reached(&search, |t| t.grid, 5.5), None);
-        assert!(saved(&search).ends_with("after 1"), "{}", saved(&search));
+        let said = saved(&search);
+        assert!(
+            said.ends_with("active choice after 1, by the grid after 2"),
+            "{said}"
+        );
     }
 }

@@ -368,7 +368,8 @@ impl Rider<'_> {
             };
             if let Some(regard) = learned.regard(score) {
                 let perceived = learned.percept.of(&drives.own, &drives.trials[0]);
-                let row = Learned::row(&traits, perceived);
+                let setting = SETTINGS.iter().position(|s| (s - points).abs() < 0.5);
+                let row = Learned::row(&traits, perceived, setting);
                 learned.observe(&mut belief, &row, regard);
             }
             errors.push(error(&belief));
