@@ -4,7 +4,7 @@
 //! cargo run --release -p maveric-simulator --example fundamental_diagram
 //! fundamental_diagram ring 1000 300 900 vehicles.csv    # samples of a ring, one line a vehicle and second
 //! fundamental_diagram open 10000 900 1800 vehicles.csv  # the same of an open road
-//! fundamental_diagram speed 3 1000                      # lanes, vehicles: vehicle-steps a second
+//! fundamental_diagram speed 3 1000                      # lanes, vehicles: vehicle-steps a second, and steps driven
 //! ```
 //!
 //! Numbers: length in m, first and last second that is printed. `vehicles.csv` has a header and the columns lane, front_m
@@ -153,7 +153,11 @@ fn speed(lanes: u8, count: usize) -> Result<(), Box<dyn Error>> {
         (0..steps).for_each(|_| flow.step());
         best = best.min(start.elapsed().as_secs_f64());
     }
-    println!("{:.0}", (steps * count) as f64 / best);
+    println!(
+        "{:.0},{}",
+        (steps * count) as f64 / best,
+        (15 * steps + 600) * count
+    );
     Ok(())
 }
 

@@ -118,9 +118,16 @@ impl AroundEgo {
     fn look(&mut self, tracks: &mut Vec<ObjectTrack>) {
         let (ego, row) = (self.ego, self.row);
         let half_m = 0.5 * self.ring_m;
+        let ego_m = (ego.x_m + self.origin_m).rem_euclid(self.ring_m);
         for vehicle in self.flow.vehicles() {
-            let centre_m = vehicle.front_m - 0.5 * vehicle.length_m - self.origin_m;
-            let ahead_m = (centre_m - ego.x_m + half_m).rem_euclid(self.ring_m) - half_m;
+            let straight_m = vehicle.front_m - 0.5 * vehicle.length_m - ego_m;
+            let ahead_m = if straight_m > half_m {
+                straight_m - self.ring_m
+            } else if straight_m < -half_m {
+                straight_m + self.ring_m
+            } else {
+                straight_m
+            };
             let slot = &mut self.shown[vehicle.id as usize];
             let limit_m = self.seen_m + if slot.is_some() { EDGE_M } else { 0.0 };
             if ahead_m.abs() > limit_m {
