@@ -86,12 +86,12 @@ impl ItemModel {
                 sd,
                 ..*self
             };
-            let m = bisect(middle - 50.0 * width, middle + 50.0 * width, |m| {
+            let m = crossing(middle - 50.0 * width, middle + 50.0 * width, |m| {
                 ticked(m).moments().0 - mean
             });
             ticked(m)
         };
-        let sd = bisect(1e-3, 20.0 * width, |sd| centred(sd).moments().1 - variance);
+        let sd = crossing(1e-3, 20.0 * width, |sd| centred(sd).moments().1 - variance);
         *self = centred(sd);
         let found = self.moments();
         let met = (found.0 - mean).abs() < 1e-6 && (found.1 - variance).abs() < 1e-6;
@@ -146,7 +146,7 @@ impl ItemModel {
     /// The latent correlation that gives ticked answers this covariance.
     fn latent_correlation(&self, other: &Self, covariance: f64) -> Option<f64> {
         const LARGEST: f64 = 0.995;
-        let r = bisect(-LARGEST, LARGEST, |r| {
+        let r = crossing(-LARGEST, LARGEST, |r| {
             self.covariance(other, r) - covariance
         });
         let met = (self.covariance(other, r) - covariance).abs() < 1e-6;
@@ -161,13 +161,36 @@ impl ItemModel {
 }
 
 /// Where a rising function crosses zero between `low` and `high`; the nearer end where it does not.
-fn bisect(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
-    for _ in 0..44 {
-        let middle = 0.5 * (low + high);
-        if f(middle) < 0.0 {
-            low = middle;
+///
+/// Regula falsi in the Illinois variant (Dowell and Jarratt 1971), which halves the value at an end that stays.
+fn crossing(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
+    const CLOSE: f64 = 1e-11;
+    let (mut below, mut above) = (f(low), f(high));
+    if below >= 0.0 {
+        return low;
+    }
+    if above <= 0.0 {
+        return high;
+    }
+    let mut stayed = 0;
+    for _ in 0..100 {
+        let middle = (low * above - high * below) / (above - below);
+        let value = f(middle);
+        if value.abs() < CLOSE || high - low < CLOSE {
+            return middle;
+        }
+        if value < 0.0 {
+            (low, below) = (middle, value);
+            if stayed < 0 {
+                above *= 0.5;
+            }
+            stayed = -1;
         } else {
-            high = middle;
+            (high, above) = (middle, value);
+            if stayed > 0 {
+                below *= 0.5;
+            }
+            stayed = 1;
         }
     }
     0.5 * (low + high)
