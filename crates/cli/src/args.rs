@@ -43,6 +43,7 @@ pub(crate) enum Command {
     Stats(commands::stats::Stats),
     Ablate(commands::ablate::Ablate),
     Validate(commands::validate::Validate),
+    Rehearse(commands::rehearse::Rehearse),
     Report(commands::report::Report),
 }
 

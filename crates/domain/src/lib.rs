@@ -27,6 +27,6 @@ pub use recording::{EgoTrack, ObjectTrack, Recording};
 pub use scene::{EgoState, Reference, Road, Scene, Situation, VehicleState};
 pub use seed::stream_seed;
 pub use setpoints::Setpoints;
-pub use survey::{AdbScore, Answer, Moment, Scale, Score, Subscale};
+pub use survey::{AdbScore, Answer, Moment, NormCorrelation, Norms, Scale, Score, Subscale};
 pub use traits::LatentTraits;
 pub use units::{Metres, MetresPerSecond, MetresPerSecond2, Seconds};

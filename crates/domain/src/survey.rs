@@ -66,6 +66,40 @@ pub struct Subscale {
     /// Items reversed in this subscale only, beside those of the scale.
     #[serde(default)]
     pub reversed: Vec<u32>,
+    /// What a sample usually scores; made-up people are made to.
+    #[serde(default)]
+    pub norms: Option<Norms>,
+}
+
+/// What samples score on a subscale, in the unit of its score.
+///
+/// A number that was looked up names its publication; one that was not says `chosen`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Norms {
+    /// Mean score.
+    pub mean: f64,
+    /// Standard deviation of the score.
+    pub sd: f64,
+    /// Cronbach's alpha.
+    pub alpha: f64,
+    /// Where mean and standard deviation are from: a publication, or `chosen`.
+    pub source: String,
+    /// Where alpha is from, if from elsewhere.
+    #[serde(default)]
+    pub alpha_source: Option<String>,
+}
+
+/// The usual correlation of two subscales' scores.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NormCorrelation {
+    /// The two subscales.
+    pub of: [String; 2],
+    /// Pearson's r.
+    pub r: f64,
+    /// A publication, or `chosen`.
+    pub source: String,
 }
 
 /// How the answers of a subscale become one score.
@@ -107,6 +141,12 @@ pub struct Scale {
     /// Item wording, where it is in the public domain; empty, or one text an item.
     #[serde(default)]
     pub wording: Vec<String>,
+    /// How survey software names the column of an item: a pattern with `{item}`; without it `ID_{item}`.
+    #[serde(default)]
+    pub column: Option<String>,
+    /// Usual correlations between subscales; made-up people are made to have them.
+    #[serde(default)]
+    pub correlations: Vec<NormCorrelation>,
 }
 
 fn default_min_answered() -> f64 {
@@ -171,8 +211,88 @@ impl Scale {
                     sub.id
                 )));
             }
+            if let Some(norms) = &sub.norms {
+                self.check_norms(sub, norms).map_err(bad)?;
+            }
+        }
+        if let Some(column) = self.column.as_deref().filter(|c| !c.contains("{item}")) {
+            return Err(bad(format!(
+                "column `{column}` has no `{{item}}` where the item's number stands"
+            )));
+        }
+        self.check_correlations().map_err(bad)
+    }
+
+    /// Lowest and highest possible score of a subscale.
+    pub fn score_range(&self, subscale: &Subscale) -> (f64, f64) {
+        let times = match self.scoring {
+            Scoring::Mean => 1.0,
+            Scoring::Sum => subscale.items.len() as f64,
+        };
+        (times * f64::from(self.min), times * f64::from(self.max))
+    }
+
+    fn check_norms(&self, sub: &Subscale, norms: &Norms) -> Result<(), String> {
+        let (low, high) = self.score_range(sub);
+        let key = |field: &str| format!("subscale `{}`: norms.{field}", sub.id);
+        if !(norms.mean > low && norms.mean < high) {
+            let (key, found) = (key("mean"), norms.mean);
+            return Err(format!(
+                "{key} is {found}, expected between {low} and {high}"
+            ));
+        }
+        let widest = (high - low) / 2.0;
+        if !(norms.sd > 0.0 && norms.sd < widest) {
+            let (key, found) = (key("sd"), norms.sd);
+            return Err(format!(
+                "{key} is {found}, expected above 0 and below {widest}"
+            ));
+        }
+        if !(norms.alpha > 0.0 && norms.alpha < 1.0) {
+            let (key, found) = (key("alpha"), norms.alpha);
+            return Err(format!("{key} is {found}, expected between 0 and 1"));
+        }
+        if norms.source.trim().is_empty() {
+            let key = key("source");
+            return Err(format!(
+                "{key} is empty, expected a publication or `chosen`"
+            ));
         }
         Ok(())
+    }
+
+    fn check_correlations(&self) -> Result<(), String> {
+        for (n, found) in self.correlations.iter().enumerate() {
+            let [a, b] = &found.of;
+            let pair = format!("correlation of `{a}` and `{b}`");
+            for id in [a, b] {
+                if !self.subscales.iter().any(|s| s.id == *id) {
+                    return Err(format!("{pair}: there is no subscale `{id}`"));
+                }
+            }
+            let same = |c: &NormCorrelation| {
+                c.of == [a.clone(), b.clone()] || c.of == [b.clone(), a.clone()]
+            };
+            if a == b || self.correlations[..n].iter().any(same) {
+                return Err(format!("{pair} is given twice, or of one subscale"));
+            }
+            if !(found.r > -1.0 && found.r < 1.0) {
+                return Err(format!("{pair} is {}, expected between -1 and 1", found.r));
+            }
+            if found.source.trim().is_empty() {
+                return Err(format!(
+                    "{pair}: source is empty, expected a publication or `chosen`"
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// The column in which survey software keeps an item's answer, by the scale's pattern.
+    pub fn column_of(&self, item: u32) -> String {
+        let pattern = self.column.clone();
+        let pattern = pattern.unwrap_or_else(|| format!("{}_{{item}}", self.id));
+        pattern.replace("{item}", &item.to_string())
     }
 
     /// Whether `item` is reversed in `subscale`.

@@ -2,9 +2,10 @@
 
 use crate::{
     error::ParticipantError,
-    person::{Gender, Participant, Personality, Population},
+    person::{Gender, Participant, Personality, Population, Trait},
     response::{normal, stream},
     settings::{CohortSettings, Group},
+    trait_mixing::TraitMixing,
 };
 use maveric_domain::{Condition, DriveId, LatentTraits, ParticipantId, Study};
 use serde::{Deserialize, Serialize};
@@ -31,6 +32,8 @@ pub struct Cohort {
     pub participants: Vec<Participant>,
     /// In the order of the participants; own drive first, then a professional's roles.
     pub drives: Vec<PlannedDrive>,
+    /// What they were drawn by.
+    pub settings: CohortSettings,
 }
 
 impl Cohort {
@@ -53,10 +56,12 @@ impl Cohort {
         let mut cohort = Self {
             participants: Vec::new(),
             drives: Vec::new(),
+            settings: settings.clone(),
         };
+        let mixing = TraitMixing::of(settings)?;
         for (study, n) in [(Study::One, n_study1), (Study::Two, n_study2)] {
             for index in 0..n {
-                let participant = person(study, index, seed, settings)?;
+                let participant = person(study, index, seed, settings, &mixing)?;
                 cohort.drives.extend(drives(&participant, seed, settings)?);
                 cohort.participants.push(participant);
             }
@@ -81,6 +86,7 @@ fn person(
     index: usize,
     seed: u64,
     settings: &CohortSettings,
+    mixing: &TraitMixing,
 ) -> Result<Participant, ParticipantError> {
     let id = ParticipantId::new(format!("S{}P{:02}", study.as_str(), index + 1))?;
     let (population, within) = match study {
@@ -90,27 +96,20 @@ fn person(
     };
     let group = settings.group(study, population);
     let mut rng = stream(seed, &[id.as_str(), "latents"]);
-    let mut own = || normal(&mut rng);
+    let draws = std::array::from_fn(|_| normal(&mut rng));
+    let latent = |name| mixing.mix(name, &draws);
     let traits = LatentTraits {
-        aggressiveness: own(),
-        spacing: own(),
-        pace: own(),
+        aggressiveness: latent(Trait::Aggressiveness),
+        spacing: latent(Trait::Spacing),
+        pace: latent(Trait::Pace),
     };
-    let mixed = |r: f64, with: f64, own: f64| r * with + (1.0 - r * r).max(0.0).sqrt() * own;
-    let a = traits.aggressiveness;
     let personality = Personality {
-        extraversion: own(),
-        agreeableness: mixed(settings.agreeableness_aggressiveness, a, own()),
-        conscientiousness: mixed(settings.conscientiousness_aggressiveness, a, own()),
-        neuroticism: own(),
-        openness: own(),
+        extraversion: latent(Trait::Extraversion),
+        agreeableness: latent(Trait::Agreeableness),
+        conscientiousness: latent(Trait::Conscientiousness),
+        neuroticism: latent(Trait::Neuroticism),
+        openness: latent(Trait::Openness),
     };
-    let (r_a, r_c) = (
-        settings.high_velocity_aggressiveness,
-        settings.high_velocity_pace,
-    );
-    let rest = (1.0 - r_a * r_a - r_c * r_c).max(0.0).sqrt();
-    let high_velocity = r_a * a + r_c * traits.pace + rest * own();
     Ok(Participant {
         study,
         population,
@@ -127,7 +126,7 @@ fn person(
         },
         traits,
         personality,
-        high_velocity,
+        high_velocity: latent(Trait::HighVelocity),
         id,
     })
 }

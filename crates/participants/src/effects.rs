@@ -44,16 +44,10 @@ pub struct AdbModel {
     pub item_sd: f64,
 }
 
-/// A subscale answered before the drives.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// A subscale answered before the drives; how its answers are spread is in the scale's norms.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FactorModel {
-    /// Mean answer after reversal, in points.
-    pub mean: f64,
-    /// Standard deviation of an item's latent answer, in points.
-    pub sd: f64,
-    /// Correlation of an item's latent answer with the subscale's factor, 0 to 1.
-    pub item_loading: f64,
     /// Effects: loadings of the factor on traits; their squares add up to at most 1.
     #[serde(default)]
     pub loadings: Loadings,
@@ -144,8 +138,8 @@ pub struct RatingModel {
 }
 
 impl Effects {
-    /// The same people without any effect: ratings know nothing of condition or person, questionnaires nothing of traits.
-    /// Means, noise and halo stay.
+    /// The same people without any effect: ratings know nothing of condition, order or person, questionnaires nothing of traits, and
+    /// no halo ties ratings together. Means and noise stay, a person's habit with a scale among it.
     ///
     /// # Source
     /// Method section 7: with all effects zero, no more significant results than chance.
@@ -166,8 +160,28 @@ impl Effects {
             (model.preference, model.homophily) = (0.0, 0.0);
             (model.shift, model.distance) = (0.0, 0.0);
             (model.order, model.liking) = (0.0, 0.0);
+            (model.halo_person, model.halo_condition) = (0.0, 0.0);
         }
         null
+    }
+
+    /// The same people, whose ratings follow what the car did `factor` times as strongly: every effect of a drive on a rating is
+    /// multiplied. Order, halo, noise and what questionnaires know of traits stay.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let mut scaled = self.clone();
+        for model in scaled.ratings.values_mut().flat_map(BTreeMap::values_mut) {
+            for effect in [
+                &mut model.preference,
+                &mut model.homophily,
+                &mut model.shift,
+                &mut model.distance,
+                &mut model.liking,
+            ] {
+                *effect *= factor;
+            }
+        }
+        scaled
     }
 
     /// Says whether the numbers make sense.
@@ -184,10 +198,6 @@ impl Effects {
         for (scale, models) in &self.answers {
             for (subscale, model) in models {
                 let key = |field: &str| format!("answers.{scale}.{subscale}.{field}");
-                finite(&key("mean"), model.mean)?;
-                not_negative(&key("sd"), model.sd)?;
-                let r = model.item_loading;
-                within(&key("item_loading"), r, 0.0, 1.0, "0 to 1")?;
                 let explained: f64 = model.loadings.values().map(|l| l * l).sum();
                 let key = key("loadings");
                 let expected = "squares that add up to at most 1";
@@ -296,6 +306,16 @@ mod tests {
         null.check().unwrap();
         assert_eq!(null.without_effects(), null);
         assert!((null.adb.mean_points - 28.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn scaling_multiplies_the_effects_of_a_drive_alone() {
+        let (full, half) = (effects(), effects().scaled(0.5));
+        let of = |e: &Effects| e.ratings["rosas"]["competence"];
+        assert!((of(&half).homophily - 0.5 * of(&full).homophily).abs() < 1e-12);
+        assert!((of(&half).halo_person - of(&full).halo_person).abs() < 1e-12);
+        assert_eq!(half.answers, full.answers);
+        assert_eq!(full.scaled(1.0), full);
     }
 
     #[test]

@@ -40,6 +40,24 @@ pub enum ParticipantError {
         /// The item.
         item: u32,
     },
+    /// A subscale with effects but without norms: nothing says how its answers are spread.
+    #[error("subscale `{scale}.{subscale}` has effects but no norms in its scale's file")]
+    NoNorms {
+        /// Code name of the scale.
+        scale: String,
+        /// Code name of the subscale.
+        subscale: String,
+    },
+    /// Norms that no answers can have.
+    #[error("norms of `{scale}.{subscale}` ask for {problem}")]
+    BadNorms {
+        /// Code name of the scale.
+        scale: String,
+        /// Code name of the subscale, or `correlations`.
+        subscale: String,
+        /// What is impossible.
+        problem: &'static str,
+    },
     /// A condition rated twice, or one that is not rated.
     #[error("participant {participant}: condition {condition} {problem}")]
     BadTrial {

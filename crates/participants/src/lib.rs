@@ -8,10 +8,14 @@ pub mod cohort;
 pub mod effects;
 pub mod error;
 pub mod impression;
+mod item_model;
+mod linear;
 pub mod person;
 pub mod ratings;
 mod response;
+mod scale_model;
 pub mod settings;
+mod trait_mixing;
 
 pub use answers::answer_before;
 pub use cohort::{Cohort, PlannedDrive};

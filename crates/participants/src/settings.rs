@@ -1,6 +1,6 @@
 //! How a cohort is made up.
 
-use crate::{error::ParticipantError, person::Population};
+use crate::{error::ParticipantError, person::Population, trait_mixing::TraitMixing};
 use maveric_domain::Study;
 use serde::{Deserialize, Serialize};
 
@@ -40,6 +40,18 @@ pub struct CohortSettings {
     pub conscientiousness_aggressiveness: f64,
     /// Correlation of agreeableness with aggressiveness.
     pub agreeableness_aggressiveness: f64,
+    /// Correlation of extraversion with openness.
+    pub extraversion_openness: f64,
+    /// Correlation of extraversion with agreeableness.
+    pub extraversion_agreeableness: f64,
+    /// Correlation of extraversion with neuroticism.
+    pub extraversion_neuroticism: f64,
+    /// Correlation of agreeableness with openness.
+    pub agreeableness_openness: f64,
+    /// Correlation of agreeableness with conscientiousness.
+    pub agreeableness_conscientiousness: f64,
+    /// Correlation of conscientiousness with neuroticism.
+    pub conscientiousness_neuroticism: f64,
     /// Correlation of the high-velocity style with aggressiveness.
     pub high_velocity_aggressiveness: f64,
     /// Correlation of the high-velocity style with pace.
@@ -62,6 +74,13 @@ impl Default for CohortSettings {
             role_sd: 0.2,
             conscientiousness_aggressiveness: -0.15,
             agreeableness_aggressiveness: -0.2,
+            // The correlations of the scores (scale file) over the roots of their reliabilities.
+            extraversion_openness: 0.28,
+            extraversion_agreeableness: 0.27,
+            extraversion_neuroticism: -0.21,
+            agreeableness_openness: 0.22,
+            agreeableness_conscientiousness: 0.14,
+            conscientiousness_neuroticism: -0.22,
             high_velocity_aggressiveness: 0.5,
             high_velocity_pace: 0.4,
         }
@@ -130,6 +149,21 @@ impl CohortSettings {
                 "agreeableness_aggressiveness",
                 self.agreeableness_aggressiveness,
             ),
+            ("extraversion_openness", self.extraversion_openness),
+            (
+                "extraversion_agreeableness",
+                self.extraversion_agreeableness,
+            ),
+            ("extraversion_neuroticism", self.extraversion_neuroticism),
+            ("agreeableness_openness", self.agreeableness_openness),
+            (
+                "agreeableness_conscientiousness",
+                self.agreeableness_conscientiousness,
+            ),
+            (
+                "conscientiousness_neuroticism",
+                self.conscientiousness_neuroticism,
+            ),
         ] {
             within(name, r, -1.0, 1.0, "-1 to 1")?;
         }
@@ -140,7 +174,8 @@ impl CohortSettings {
             0.0,
             1.0,
             "0 to 1",
-        )
+        )?;
+        TraitMixing::of(self).map(|_| ())
     }
 
     pub(crate) fn group(&self, study: Study, population: Population) -> &Group {

@@ -6,17 +6,25 @@
 mod control;
 mod drivers;
 pub mod error;
+pub mod flow;
 mod neighbours;
 pub mod planner;
+pub mod road;
 mod rollout;
 pub mod scenario;
+mod trace;
 mod traffic;
 mod vehicle;
 mod world;
 
-pub use control::safe_distance;
+pub use control::{Intervention, InterventionKind, lateral_safe_distance, safe_distance};
 pub use drivers::{DriverParams, EncounterNoise, Law, Population};
 pub use error::SimulatorError;
 pub use planner::{PLANNING_RATE_HZ, Planner};
+pub use road::{CentreLine, MapPose, Segment};
 pub use rollout::{Driver, Rollout, RolloutReport, rollout};
-pub use scenario::{ChangeRule, ControllerSettings, Scenario, ScenarioSettings};
+pub use scenario::{
+    ChangeRule, ControllerSettings, DynamicsSettings, Integrator, Scenario, ScenarioSettings,
+    VehicleModel,
+};
+pub use trace::{LaneActivity, TraceRow};

@@ -2,17 +2,18 @@
 
 use crate::{
     control::{
-        AutomatedDriver, Interventions,
+        AutomatedDriver, Intervention, InterventionKind,
         path::{Manoeuvre, Steering},
         safe_distance,
     },
     drivers::{DriverParams, HumanDriver},
     error::SimulatorError,
     neighbours::ahead,
-    planner::{PLANNING_RATE_HZ, PLANNING_STEP_S, Planner},
+    planner::{PLANNING_RATE_HZ, Planner},
     scenario::{ControllerSettings, Scenario},
+    trace::TraceRow,
     traffic::EgoView,
-    vehicle::{KinematicBicycle, kinematic::STEP_S},
+    vehicle::{Command, build, ego_state},
     world::World,
 };
 use maveric_domain::{
@@ -34,6 +35,25 @@ pub struct Rollout {
     pub recording: Recording,
     /// What was counted.
     pub report: RolloutReport,
+    /// What the safety layer did, in order of time; nothing for people.
+    pub interventions: Vec<Intervention>,
+    /// Why the drive ended early: a set-point that no controller can follow. The recording then ends with that row.
+    pub stopped: Option<SimulatorError>,
+    /// What the automated car decided at each row; empty for people.
+    pub trace: Vec<TraceRow>,
+}
+
+impl Rollout {
+    /// The drive, if it went on to its end.
+    ///
+    /// # Errors
+    /// [`SimulatorError::Setpoint`] if the planner's set-points ended it.
+    pub fn completed(self) -> Result<Self, SimulatorError> {
+        match self.stopped {
+            Some(error) => Err(error),
+            None => Ok(self),
+        }
+    }
 }
 
 /// Counts over one drive; an episode is counted once, however long it lasts.
@@ -62,6 +82,13 @@ pub struct RolloutReport {
 pub(crate) struct Action {
     pub(crate) acceleration_mps2: f64,
     pub(crate) manoeuvre: Option<Manoeuvre>,
+}
+
+impl Action {
+    const NOTHING: Self = Self {
+        acceleration_mps2: 0.0,
+        manoeuvre: None,
+    };
 }
 
 enum Seat<'a> {
@@ -103,11 +130,10 @@ impl Watch {
 /// Drives `scenario` once and records it.
 ///
 /// The recording has duration · [`PLANNING_RATE_HZ`] rows and one segment. The same scenario, driver and seed give the same
-/// bytes; traffic, perception, wander and encounters each have a stream of their own, derived from `seed`.
+/// bytes; a planner that gives a set-point that is not a number or not a probability ends the drive, see [`Rollout::stopped`]; traffic, perception, wander and encounters each have a stream of their own, derived from `seed`.
 ///
 /// # Errors
 /// [`SimulatorError::Setting`] if the controller settings given with a planner are out of range,
-/// [`SimulatorError::Setpoint`] if the planner gives a set-point that is not a number or not a probability,
 /// [`SimulatorError::Recording`] if the drive is shorter than two rows.
 ///
 /// # Source
@@ -131,6 +157,7 @@ pub fn rollout(
 ) -> Result<Rollout, SimulatorError> {
     let settings = scenario.settings();
     let road = scenario.road();
+    let line = scenario.centre_line();
     let rule = match &driver {
         Driver::Automated(_, settings) => {
             settings.check()?;
@@ -139,24 +166,31 @@ pub fn rollout(
         Driver::Human(_) => settings.controllers.clone(),
     };
     let mut seat = match driver {
-        Driver::Human(params) => {
-            Seat::Human(HumanDriver::new(params, &settings.vehicle, road, seed))
-        }
+        Driver::Human(params) => Seat::Human(HumanDriver::new(
+            params,
+            &settings.vehicle,
+            road,
+            line,
+            seed,
+        )),
         Driver::Automated(planner, controllers) => Seat::Automated(AutomatedDriver::new(
             planner,
             controllers,
             &settings.vehicle,
             road,
+            line,
         )),
     };
     let start = &settings.start;
     let start_y_m = road.lane_centre_m(start.lane);
     let start_mps = MetresPerSecond::from_mph(start.speed_mph).0;
-    let mut car = KinematicBicycle::new(&settings.vehicle, start_y_m, start_mps);
+    let mut car = build(&settings.vehicle, start_y_m, start_mps);
     let mut steering = Steering::new(road.lane_width_m, rule.stanley_gain_per_s, start.lane);
     let mut world = World::new(scenario, seed);
     let mut watch = Watch::default();
     let mut started_changes = 0;
+    let mut stopped = None;
+    let mut trace = Vec::new();
 
     let rows = (settings.duration_s * PLANNING_RATE_HZ).round() as usize;
     let mut ego = EgoTrack {
@@ -166,13 +200,20 @@ pub fn rollout(
     let mut time_s = Vec::with_capacity(rows);
     let mut scene = Scene {
         time_s: 0.0,
-        ego: car.state(),
+        ego: ego_state(car.as_ref(), settings.vehicle.length_m),
         vehicles: Vec::new(),
     };
     for row in 0..rows {
+        // A recording has at least two rows.
+        if stopped.is_some() && row >= 2 {
+            break;
+        }
         scene.time_s = row as f64 / PLANNING_RATE_HZ;
-        scene.ego = car.state();
+        scene.ego = ego_state(car.as_ref(), settings.vehicle.length_m);
         world.states(&mut scene.vehicles);
+        for vehicle in &mut scene.vehicles {
+            vehicle.x_m = line.lane_x_m(scene.ego.x_m, vehicle.x_m, vehicle.y_m);
+        }
         time_s.push(scene.time_s);
         ego.x_m.push(scene.ego.x_m);
         ego.y_m.push(scene.ego.y_m);
@@ -182,7 +223,14 @@ pub fn rollout(
 
         let action = match &mut seat {
             Seat::Human(human) => human.act(&scene, &steering),
-            Seat::Automated(automated) => automated.act(&scene, &steering)?,
+            Seat::Automated(_) if stopped.is_some() => Action::NOTHING,
+            Seat::Automated(automated) => match automated.act(&scene, &steering) {
+                Ok(action) => action,
+                Err(error) => {
+                    stopped = Some(error);
+                    Action::NOTHING
+                }
+            },
         };
         let view = EgoView {
             x_m: scene.ego.x_m,
@@ -196,25 +244,35 @@ pub fn rollout(
         world.decide(&view, row, scene.time_s);
         if let Some(manoeuvre) = action.manoeuvre {
             started_changes += u32::from(matches!(manoeuvre, Manoeuvre::Change { .. }));
-            steering.begin(manoeuvre, &car);
+            steering.begin(manoeuvre, car.pose());
         }
-        for _ in 0..(PLANNING_STEP_S / STEP_S).round() as usize {
-            let angle_rad = steering.angle_rad(&car);
-            car.step(action.acceleration_mps2, angle_rad);
+        if let Seat::Automated(automated) = &seat {
+            trace.extend(automated.trace(scene.time_s, &steering));
+        }
+        for _ in 0..settings.vehicle.steps_per_row() {
+            let command = Command {
+                acceleration_mps2: action.acceleration_mps2,
+                steering_rad: steering.angle_rad(car.as_ref(), line),
+            };
+            car.step(command, line);
         }
         world.advance();
     }
 
-    let done = match &seat {
-        Seat::Human(_) => Interventions::default(),
-        Seat::Automated(automated) => automated.interventions(),
+    let interventions = match seat {
+        Seat::Human(_) => Vec::new(),
+        Seat::Automated(automated) => automated.into_interventions(),
+    };
+    let counted = |of: fn(&InterventionKind) -> bool| {
+        interventions.iter().filter(|i| of(&i.kind)).count() as u32
     };
     let (leads, blocked_encounters) = world.counts();
+    let segment = vec![0; time_s.len()];
     let recording = Recording::new(
         road,
         PLANNING_RATE_HZ,
         time_s,
-        vec![0; rows],
+        segment,
         ego,
         world.into_tracks(),
     )?;
@@ -223,20 +281,26 @@ pub fn rollout(
         report: RolloutReport {
             collisions: watch.collisions,
             rule_violations: watch.violations,
-            interventions: done.braked,
-            held_changes: done.held_changes,
-            given_up_changes: done.given_up_changes,
+            interventions: counted(|k| matches!(k, InterventionKind::Braked { .. })),
+            held_changes: counted(|k| matches!(k, InterventionKind::HeldChange { .. })),
+            given_up_changes: counted(|k| matches!(k, InterventionKind::GaveUpChange { .. })),
             started_changes,
             leads,
             blocked_encounters,
         },
+        interventions,
+        stopped,
+        trace,
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{ScenarioSettings, VehiclePlacement};
+    use crate::{
+        scenario::{Integrator, ScenarioSettings, VehicleModel, VehiclePlacement},
+        trace::LaneActivity,
+    };
     use maveric_domain::{
         Condition, Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Seconds,
         Setpoints, Situation, Study, drive::Direction,
@@ -359,6 +423,37 @@ mod tests {
     }
 
     #[test]
+    fn the_trace_says_what_was_asked_and_where_the_car_goes() {
+        let scenario = empty_road(120.0, vec![placed(200.0, 0, 24.0)]);
+        let passed = automated(&scenario, passing(30.0), 1);
+        assert_eq!(passed.trace.len(), passed.recording.rows());
+        assert!(
+            passed
+                .trace
+                .iter()
+                .all(|row| (row.asked.speed_mps - 30.0).abs() < 1e-12)
+        );
+        let first = passed
+            .trace
+            .iter()
+            .find(|row| row.path_m.is_some())
+            .unwrap();
+        assert_eq!(first.lane, LaneActivity::Changing);
+        let path = first.path_m.unwrap();
+        assert!(
+            path[0].1.abs() < 0.1 && (path[3].1 - 3.66).abs() < 1e-9,
+            "{path:?}"
+        );
+        let person = person(0.0, 0.0, 0.0, 1);
+        assert!(
+            rollout(&scenario, Driver::Human(&person), 1)
+                .unwrap()
+                .trace
+                .is_empty()
+        );
+    }
+
+    #[test]
     fn the_car_waits_while_the_passing_lane_is_taken() {
         let beside = vec![
             placed(45.0, 0, 24.5),
@@ -380,6 +475,74 @@ mod tests {
         });
         let returned = automated(&scenario, always(28.0, 40.0, 0.0), 1);
         assert!(returned.recording.ego().y_m.last().unwrap().abs() < 0.1);
+    }
+
+    const BENDS: &str = r#"segments = [
+        { kind = "straight", length_m = 300.0 },
+        { kind = "clothoid", length_m = 100.0, to_radius_m = 250.0 },
+        { kind = "arc", length_m = 200.0, radius_m = 250.0 },
+        { kind = "clothoid", length_m = 200.0, to_radius_m = -400.0 },
+        { kind = "arc", length_m = 150.0, radius_m = -400.0 },
+        { kind = "clothoid", length_m = 100.0 },
+    ]"#;
+
+    #[derive(serde::Deserialize)]
+    struct Bends {
+        segments: Vec<crate::road::Segment>,
+    }
+
+    #[test]
+    fn in_bends_the_car_keeps_its_lane_and_the_lateral_acceleration_asked_for() {
+        let bends: Bends = toml::from_str(BENDS).unwrap();
+        for model in [VehicleModel::Kinematic, VehicleModel::Dynamic] {
+            let mut settings = empty_road(120.0, vec![]).settings().clone();
+            settings.road.segments.clone_from(&bends.segments);
+            settings.vehicle.model = model;
+            settings.vehicle.integrator = Integrator::Rk4;
+            let scenario = Scenario::try_from(settings).unwrap();
+            let driven = automated(&scenario, always(32.0, 40.0, 0.0), 1);
+            let ego = driven.recording.ego();
+            let limit = scenario.settings().controllers.curve_acceleration_mps2;
+            let mut slowest = f64::MAX;
+            for row in 0..driven.recording.rows() {
+                let curvature = scenario.centre_line().curvature_per_m(ego.x_m[row]);
+                assert!(ego.y_m[row].abs() < 0.1, "row {row}: {}", ego.y_m[row]);
+                let lateral = ego.speed_mps[row].powi(2) * curvature.abs();
+                assert!(lateral < limit + 0.5, "row {row}: {lateral}");
+                slowest = slowest.min(ego.speed_mps[row]);
+            }
+            assert!(slowest < 26.0 && ego.x_m.last().unwrap() > &2500.0);
+        }
+    }
+
+    #[test]
+    fn a_person_and_the_car_pass_on_the_middle_lanes_of_a_bending_road() {
+        let bends: Bends = toml::from_str(BENDS).unwrap();
+        for (lane, aggressiveness) in [(1, 0.0), (2, 1.0)] {
+            let mut settings = empty_road(100.0, vec![]).settings().clone();
+            settings.road.segments.clone_from(&bends.segments);
+            settings.road.lanes = 4;
+            settings.start.lane = lane;
+            // Somebody on the right, too: nobody goes back before having passed.
+            settings.vehicles = vec![placed(150.0, lane, 19.0), placed(100.0, lane - 1, 19.0)];
+            let scenario = Scenario::try_from(settings).unwrap();
+            let driver = person(aggressiveness, 0.0, 0.5, 3);
+            let by_person = rollout(&scenario, Driver::Human(&driver), 3).unwrap();
+            let by_car = automated(&scenario, passing(26.0), 3);
+            for driven in [by_person, by_car] {
+                let first = drive(&driven).lane_changes()[0];
+                assert_eq!(first.direction, Direction::Left);
+                let reached = driven
+                    .recording
+                    .ego()
+                    .y_m
+                    .iter()
+                    .copied()
+                    .fold(0.0, f64::max);
+                assert_eq!(driven.recording.road().lane_at(reached), lane + 1);
+                assert_eq!(driven.report.collisions, 0);
+            }
+        }
     }
 
     #[test]
@@ -516,15 +679,25 @@ mod tests {
     }
 
     #[test]
-    fn a_set_point_that_is_no_number_is_refused_by_name_and_time() {
-        let mut planner = always(f64::NAN, 30.0, 0.0);
-        let scenario = Scenario::paper();
-        let settings = &scenario.settings().controllers;
-        let error = rollout(&scenario, Driver::Automated(&mut planner, settings), 1).unwrap_err();
-        assert!(
-            error.to_string().contains("`speed_mps` = NaN at 0 s"),
-            "{error}"
-        );
+    fn a_set_point_that_is_no_number_ends_the_drive_and_says_when() {
+        for (row, rows) in [(0, 2), (1, 2), (57, 58)] {
+            let planner = move |s: &Situation| Setpoints {
+                speed_mps: 25.0,
+                following_distance_m: 30.0,
+                change_probability: if s.time_s > 0.05 * f64::from(row) - 0.01 {
+                    f64::NAN
+                } else {
+                    0.0
+                },
+            };
+            let driven = automated(&Scenario::paper(), planner, 1);
+            assert_eq!(driven.recording.rows(), rows);
+            let error = driven.completed().unwrap_err().to_string();
+            let moment = format!("`change_probability` = NaN at {} s", f64::from(row) / 20.0);
+            assert!(error.contains(&moment), "{error}");
+        }
+        let whole = automated(&empty_road(5.0, vec![]), always(25.0, 30.0, 0.0), 1);
+        assert!(whole.completed().is_ok());
     }
 
     #[test]

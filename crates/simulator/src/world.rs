@@ -2,6 +2,7 @@
 
 use crate::{
     planner::PLANNING_STEP_S,
+    road::CentreLine,
     scenario::{Scenario, ScenarioSettings},
     traffic::{
         Arrival, Blockade, Car, EgoView, LeadSchedule, OffLaneTraffic, Role, acceleration,
@@ -36,6 +37,7 @@ impl TargetSpeed {
 pub(crate) struct World<'a> {
     settings: &'a ScenarioSettings,
     road: Road,
+    line: &'a CentreLine,
     cars: Vec<Car>,
     tracks: Vec<ObjectTrack>,
     target: TargetSpeed,
@@ -53,6 +55,7 @@ impl<'a> World<'a> {
         let mut world = Self {
             settings,
             road,
+            line: scenario.centre_line(),
             cars: Vec::new(),
             tracks: Vec::new(),
             target: TargetSpeed {
@@ -164,7 +167,7 @@ impl<'a> World<'a> {
             .map(|car| acceleration::held_back(car, &self.cars, ego))
             .collect();
         for (car, held_back) in self.cars.iter_mut().zip(accelerations) {
-            let free = acceleration::wanted(car, self.settings, ego, time_s);
+            let free = acceleration::wanted(car, self.settings, self.line, ego, time_s);
             car.acceleration_mps2 = free.min(held_back);
         }
     }
@@ -225,7 +228,8 @@ impl<'a> World<'a> {
             let before = car.state.speed_mps;
             let after = (before + car.acceleration_mps2 * PLANNING_STEP_S).max(0.0);
             car.state.speed_mps = after;
-            car.state.x_m += 0.5 * (before + after) * PLANNING_STEP_S;
+            let travelled = 0.5 * (before + after) * PLANNING_STEP_S;
+            car.state.x_m += travelled * self.line.stretch(car.state.x_m, car.state.y_m);
         }
     }
 }

@@ -12,6 +12,8 @@ mod complete;
 mod correlation;
 mod error;
 mod friedman;
+mod hierarchical;
+mod mixed;
 mod named;
 mod normality;
 mod numerics;
@@ -45,6 +47,8 @@ pub use correlation::{
 };
 pub use error::StatsError;
 pub use friedman::Friedman;
+pub use hierarchical::{Belief, Hierarchical, PersonRows, hierarchical};
+pub use mixed::{FixedEffect, MixedMethod, MixedModel, mixed_model};
 pub use named::Named;
 pub use normality::{Normality, SampleShape, ShapiroWilk, normality};
 pub use paired::{

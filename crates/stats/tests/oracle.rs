@@ -108,6 +108,7 @@ fn answer(case: &Value, table: &Table) -> Value {
             let (x, y) = (table.numbers("x"), table.numbers("y"));
             json(&stats::rm_correlation(&table.text("subject"), &x, &y).unwrap())
         }
+        "mixed" => mixed(case, table),
         "items" => {
             let columns: Vec<_> = table
                 .header
@@ -124,6 +125,32 @@ fn answer(case: &Value, table: &Table) -> Value {
         "reported" => json(&stats::recheck(&table.reported()).unwrap()),
         other => panic!("no call for design {other}"),
     }
+}
+
+/// Both likelihoods of one model, under `reml` and `ml`.
+fn mixed(case: &Value, table: &Table) -> Value {
+    let names = |key: &str| -> Vec<String> {
+        let list = case[key].as_array().unwrap();
+        list.iter()
+            .map(|n| n.as_str().unwrap().to_owned())
+            .collect()
+    };
+    let (fixed, random) = (names("fixed"), names("random"));
+    let columns: Vec<Vec<Option<f64>>> = fixed.iter().map(|name| table.numbers(name)).collect();
+    let fixed: Vec<(&str, &[Option<f64>])> = fixed
+        .iter()
+        .zip(&columns)
+        .map(|(name, column)| (name.as_str(), &column[..]))
+        .collect();
+    let random: Vec<&str> = random.iter().map(String::as_str).collect();
+    let run = |method| {
+        let (people, y) = (table.text("subject"), table.numbers("y"));
+        stats::mixed_model(&people, &y, &fixed, &random, method).unwrap()
+    };
+    serde_json::json!({
+        "reml": run(stats::MixedMethod::Reml),
+        "ml": run(stats::MixedMethod::Ml),
+    })
 }
 
 fn bootstrap(words: &str, table: &Table) -> Value {

@@ -11,6 +11,7 @@ pub(crate) mod inspect;
 pub(crate) mod measure;
 pub(crate) mod personalize;
 pub(crate) mod rate;
+pub(crate) mod rehearse;
 pub(crate) mod report;
 pub(crate) mod run;
 pub(crate) mod score;
@@ -55,6 +56,7 @@ pub(crate) fn run(command: Command) -> Result<(), Failure> {
         Command::Stats(c) => c.run(),
         Command::Ablate(c) => c.run(),
         Command::Validate(c) => c.run(),
+        Command::Rehearse(c) => c.run(),
         Command::Report(c) => c.run(),
     }
 }

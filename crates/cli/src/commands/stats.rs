@@ -4,7 +4,7 @@ use super::print_outcome;
 use crate::{args::Format, diagnostics::Failure};
 use clap::{Args, Subcommand, ValueEnum};
 use maveric_study::stages::{
-    analyse::{self, AnalyseOptions},
+    analyse::{self, AnalyseOptions, Family},
     stats::{
         self, Adjustment, CorrelationMethod, PosthocTest, Resampled, Statistic, Test, WithinColumns,
     },
@@ -237,6 +237,9 @@ enum TestArgs {
         /// Analysis to write (JSON)
         #[arg(long)]
         out: PathBuf,
+        /// Scales and factors of the homophily tests, one family: mini_ipip,mdsi.high_velocity
+        #[arg(long, default_value_t)]
+        family: Family,
         /// How to print the result
         #[arg(long, value_enum, default_value_t)]
         format: Format,
@@ -249,9 +252,14 @@ impl Stats {
             TestArgs::Paper {
                 results,
                 out,
+                family,
                 format,
             } => {
-                let options = AnalyseOptions { results, out };
+                let options = AnalyseOptions {
+                    results,
+                    out,
+                    family,
+                };
                 return print_outcome(format, "could not analyse the study", |watch| {
                     analyse::analyse(&options, watch)
                 });

@@ -161,6 +161,37 @@ mod tests {
     }
 
     #[test]
+    fn norms_that_cannot_be_are_refused_by_their_key() {
+        let text = FILES[2].1;
+        let with = |from: &str, to: &str| {
+            assert!(text.contains(from), "{from}");
+            parse_scale(&text.replacen(from, to, 1))
+                .unwrap_err()
+                .to_string()
+        };
+        let first = "norms = { mean = 3.3";
+        for (to, said) in [
+            (
+                "norms = { mean = 5.3",
+                "`extraversion`: norms.mean is 5.3, expected between 1 and 5",
+            ),
+            ("norms = { mean = nan", "norms.mean is NaN"),
+        ] {
+            let error = with(first, to);
+            assert!(error.contains(said), "{error}");
+        }
+        let error = with(
+            "of = [\"extraversion\", \"openness\"]",
+            "of = [\"extraversion\", \"opennes\"]",
+        );
+        assert!(error.contains("there is no subscale `opennes`"), "{error}");
+        let error = parse_scale(&format!("column = \"q\"\n{text}"))
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("{item}"), "{error}");
+    }
+
+    #[test]
     fn contradictions_are_refused() {
         let swap = |from: &str, to: &str| {
             assert!(FILES[6].1.contains(from), "{from}");
@@ -169,6 +200,12 @@ mod tests {
         for (from, to, said) in [
             ("reversed = [2, 4]", "reversed = [2, 9]", "reversed item 9"),
             ("min = 1", "min = 7", "not below max"),
+            (
+                "min = 1\nmax = 7",
+                "min = 7\nmax = 1",
+                "min 7 is not below max 1",
+            ),
+            ("items = 4", "items = 0", "at least one item"),
             ("items = [1, 2, 3, 4]", "items = []", "has no items"),
             (
                 "items = [1, 2, 3, 4]",

@@ -284,8 +284,11 @@ mod tests {
                 title: "Calm".to_owned(),
                 items: vec![1, 2, 3, 4, 5],
                 reversed: vec![],
+                norms: None,
             }],
             wording: vec![],
+            column: None,
+            correlations: vec![],
         }
     }
 

@@ -1,9 +1,9 @@
-//! What scoring leaves out.
+//! What scoring leaves out, and what it doubts.
 
 use maveric_domain::{Moment, ParticipantId};
 use std::fmt;
 
-/// What was left out of the scores, and why.
+/// What was left out of the scores, or is doubtful, and why.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum ScoreWarning {
@@ -36,6 +36,47 @@ pub enum ScoreWarning {
         /// Items of the subscale.
         items: u32,
     },
+    /// One answer to items of which some are reversed: it contradicts itself. Kept.
+    OneAnswer {
+        /// Who.
+        participant: ParticipantId,
+        /// When.
+        moment: Moment,
+        /// Code name of the scale.
+        scale: String,
+        /// The answer.
+        answer: i32,
+        /// Items answered.
+        items: u32,
+    },
+    /// The same answer to many items running. Kept.
+    LongString {
+        /// Who.
+        participant: ParticipantId,
+        /// When.
+        moment: Moment,
+        /// Code name of the scale.
+        scale: String,
+        /// The answer.
+        answer: i32,
+        /// Items running.
+        run: u32,
+        /// The first of them.
+        first: u32,
+        /// Items of the scale.
+        items: u32,
+    },
+    /// Answers given faster than the items can be read. Kept.
+    TooFast {
+        /// Who.
+        participant: ParticipantId,
+        /// When.
+        moment: Moment,
+        /// Code name of the scale.
+        scale: String,
+        /// Seconds an item, mean.
+        seconds_an_item: f64,
+    },
     /// Answers of somebody who is not in the study: left out.
     UnknownParticipant {
         /// Who.
@@ -43,6 +84,21 @@ pub enum ScoreWarning {
         /// Their answers.
         answers: usize,
     },
+}
+
+impl ScoreWarning {
+    /// Whom it is about.
+    pub fn participant(&self) -> &ParticipantId {
+        match self {
+            Self::NoAnswers { participant }
+            | Self::Unanswered { participant, .. }
+            | Self::TooFewAnswers { participant, .. }
+            | Self::OneAnswer { participant, .. }
+            | Self::LongString { participant, .. }
+            | Self::TooFast { participant, .. }
+            | Self::UnknownParticipant { participant, .. } => participant,
+        }
+    }
 }
 
 impl fmt::Display for ScoreWarning {
@@ -69,6 +125,37 @@ impl fmt::Display for ScoreWarning {
             } => write!(
                 f,
                 "participant {participant} ({moment}) answered {answered} of {items} items of `{scale}` {subscale}: no score"
+            ),
+            Self::OneAnswer {
+                participant,
+                moment,
+                scale,
+                answer,
+                items,
+            } => write!(
+                f,
+                "participant {participant} ({moment}) answered all {items} items of `{scale}` with {answer}, reversed ones too: straight-lining? kept"
+            ),
+            Self::LongString {
+                participant,
+                moment,
+                scale,
+                answer,
+                run,
+                first,
+                items,
+            } => write!(
+                f,
+                "participant {participant} ({moment}) answered {answer} to {run} of the {items} items of `{scale}` running, from item {first}: straight-lining? kept"
+            ),
+            Self::TooFast {
+                participant,
+                moment,
+                scale,
+                seconds_an_item,
+            } => write!(
+                f,
+                "participant {participant} ({moment}) answered `{scale}` in {seconds_an_item:.1} s an item, faster than it can be read: kept"
             ),
             Self::UnknownParticipant {
                 participant,

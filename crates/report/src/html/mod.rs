@@ -2,7 +2,12 @@
 
 mod files;
 mod page;
+pub mod player;
 mod report;
 
 pub use files::{RenderedFile, render};
+pub use player::{
+    CentreLine, ChangeSpan, InterventionSpan, PlayerDrive, PlayerFragment, PlayerMeta, Track,
+    WatchPlayer, player, watch_page,
+};
 pub use report::{Input, Provenance, Report, Section};

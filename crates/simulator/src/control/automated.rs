@@ -3,37 +3,22 @@
 use super::{
     emergency::EmergencyBrake,
     following::{self, Lead},
-    lane_change::{ReturnRule, Wish, duration_s, gaps_are_safe},
+    intervention::{Intervention, InterventionKind},
+    lane_change::{ReturnRule, Wish, duration_s, gaps_are_safe, target_lane},
     path::{Manoeuvre, Steering},
+    sideways::Sideways,
     velocity::{VelocityController, bounded_jerk},
 };
 use crate::{
     error::SimulatorError,
-    neighbours::ahead,
+    neighbours::{ahead, ahead_or_entering},
     planner::{PLANNING_STEP_S, Planner},
+    road::CentreLine,
     rollout::Action,
     scenario::{ControllerSettings, VehicleSettings},
+    trace::{LaneActivity as LaneState, TraceRow},
 };
 use maveric_domain::{Road, Scene, Setpoints, Situation, drive::ReferenceTracker};
-
-/// What the safety layer did, in episodes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct Interventions {
-    pub(crate) braked: u32,
-    pub(crate) held_changes: u32,
-    pub(crate) given_up_changes: u32,
-}
-
-/// What the car is doing about its lane.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum LaneState {
-    Keeping,
-    /// A change is due and waits for a safe gap.
-    Waiting,
-    Changing,
-    /// A change was given up.
-    GoingBack,
-}
 
 /// A planner and the controllers that carry out what it asks.
 pub(crate) struct AutomatedDriver<'a> {
@@ -41,6 +26,7 @@ pub(crate) struct AutomatedDriver<'a> {
     settings: &'a ControllerSettings,
     vehicle: &'a VehicleSettings,
     road: Road,
+    line: &'a CentreLine,
     tracker: ReferenceTracker,
     velocity: VelocityController,
     velocity_leads: bool,
@@ -49,7 +35,9 @@ pub(crate) struct AutomatedDriver<'a> {
     command_mps2: f64,
     lane_state: LaneState,
     brake: EmergencyBrake,
-    done: Interventions,
+    sideways: Sideways,
+    interventions: Vec<Intervention>,
+    asked: Option<Setpoints>,
 }
 
 /// Time a change that is given up takes to undo, in s.
@@ -61,12 +49,14 @@ impl<'a> AutomatedDriver<'a> {
         settings: &'a ControllerSettings,
         vehicle: &'a VehicleSettings,
         road: Road,
+        line: &'a CentreLine,
     ) -> Self {
         Self {
             planner,
             settings,
             vehicle,
             road,
+            line,
             tracker: ReferenceTracker::new(road),
             velocity: VelocityController::default(),
             velocity_leads: true,
@@ -75,15 +65,27 @@ impl<'a> AutomatedDriver<'a> {
             command_mps2: 0.0,
             lane_state: LaneState::Keeping,
             brake: EmergencyBrake::default(),
-            done: Interventions::default(),
+            sideways: Sideways::default(),
+            interventions: Vec::new(),
+            asked: None,
         }
     }
 
-    pub(crate) fn interventions(&self) -> Interventions {
-        Interventions {
-            braked: self.brake.episodes(),
-            ..self.done
-        }
+    /// What the safety layer did, in order of time.
+    pub(crate) fn into_interventions(self) -> Vec<Intervention> {
+        self.interventions
+    }
+
+    /// What was decided at the row acted on last; none before the first.
+    pub(crate) fn trace(&self, time_s: f64, steering: &Steering) -> Option<TraceRow> {
+        Some(TraceRow {
+            time_s,
+            asked: self.asked?,
+            acceleration_mps2: self.command_mps2,
+            braked: self.brake.braking(),
+            lane: self.lane_state,
+            path_m: steering.path_m(),
+        })
     }
 
     pub(crate) fn act(
@@ -98,17 +100,22 @@ impl<'a> AutomatedDriver<'a> {
             reference,
         };
         let asked = checked(self.planner.plan(&situation), scene.time_s)?;
+        self.sideways
+            .observe(self.settings, scene, &self.road, self.vehicle.width_m);
+        self.asked = Some(asked);
         let acceleration_mps2 = self.accelerate(scene, steering, &asked);
 
         let manoeuvre = if steering.coming_from().is_some() {
             self.give_up_if_unsafe(scene, steering)
         } else {
             self.note_end_of_change();
+            let here = steering.lane();
+            let target = target_lane(&self.road, here, &reference);
             let wish = self.wish.due(
                 self.settings,
                 &reference,
                 asked.change_probability,
-                steering.lane(),
+                target > here,
                 PLANNING_STEP_S,
             );
             let back = self.return_rule.due(
@@ -118,7 +125,12 @@ impl<'a> AutomatedDriver<'a> {
                 &reference,
                 PLANNING_STEP_S,
             );
-            self.start_if_safe(scene, steering, wish || back)
+            let lane = if wish {
+                Some(target)
+            } else {
+                here.checked_sub(1).filter(|_| back)
+            };
+            self.start_if_safe(scene, here, lane)
         };
         Ok(Action {
             acceleration_mps2,
@@ -131,9 +143,14 @@ impl<'a> AutomatedDriver<'a> {
         let s = self.settings;
         let speed = scene.ego.speed_mps;
         let [low, high] = s.speed_range_mps;
+        let bend_mps = self.line.speed_limit_mps(
+            scene.ego.x_m,
+            s.curve_acceleration_mps2,
+            s.curve_braking_mps2,
+        );
         let cruise = self.velocity.command(
             s,
-            asked.speed_mps.clamp(low, high),
+            asked.speed_mps.clamp(low, high).min(bend_mps),
             speed,
             self.velocity_leads,
             PLANNING_STEP_S,
@@ -146,7 +163,7 @@ impl<'a> AutomatedDriver<'a> {
         let wanted = lanes
             .into_iter()
             .flatten()
-            .filter_map(|lane| ahead(scene, &self.road, lane))
+            .filter_map(|lane| ahead_or_entering(scene, &self.road, lane, self.sideways.claims()))
             .map(|n| {
                 let lead = Lead {
                     gap_m: n.gap_m,
@@ -167,8 +184,17 @@ impl<'a> AutomatedDriver<'a> {
         let limit = self.vehicle.braking_limit_mps2;
         let wanted = wanted.clamp(-limit, self.vehicle.acceleration_limit_mps2);
         let smooth = bounded_jerk(s, self.command_mps2, wanted, PLANNING_STEP_S);
-        self.command_mps2 = self.brake.override_command(s, self.vehicle, scene, smooth);
-        self.command_mps2
+        let (command, note) = self.brake.override_command(
+            s,
+            self.vehicle,
+            scene,
+            &self.road,
+            self.sideways.claims(),
+            smooth,
+        );
+        self.interventions.extend(note);
+        self.command_mps2 = command;
+        command
     }
 
     /// A change carried out starts the count again; one given up is still wanted.
@@ -188,33 +214,48 @@ impl<'a> AutomatedDriver<'a> {
             return None;
         }
         // Without the margin that starting needs: a change does not flutter at the edge of the rule.
-        if gaps_are_safe(self.settings, scene, &self.road, steering.lane(), 0.0) {
+        if gaps_are_safe(
+            self.settings,
+            scene,
+            &self.road,
+            steering.lane(),
+            self.sideways.claims(),
+            0.0,
+        ) {
             return None;
         }
         self.lane_state = LaneState::GoingBack;
-        self.done.given_up_changes += 1;
+        self.note(
+            scene,
+            InterventionKind::GaveUpChange {
+                asked_lane: steering.lane(),
+                kept_lane: steering.coming_from().unwrap_or(steering.lane()),
+            },
+        );
         Some(Manoeuvre::GoBack {
             duration_s: GO_BACK_S,
         })
     }
 
-    fn start_if_safe(
-        &mut self,
-        scene: &Scene,
-        steering: &Steering,
-        due: bool,
-    ) -> Option<Manoeuvre> {
-        if !due {
+    fn note(&mut self, scene: &Scene, kind: InterventionKind) {
+        self.interventions.push(Intervention {
+            time_s: scene.time_s,
+            vehicle: None,
+            kind,
+        });
+    }
+
+    fn start_if_safe(&mut self, scene: &Scene, here: u8, due: Option<u8>) -> Option<Manoeuvre> {
+        let Some(lane) = due else {
             self.lane_state = LaneState::Keeping;
             return None;
-        }
-        let here = steering.lane();
-        let lane = if here == 0 { 1 } else { here - 1 };
+        };
         let safe = gaps_are_safe(
             self.settings,
             scene,
             &self.road,
             lane,
+            self.sideways.claims(),
             self.settings.margin_m,
         );
         let duration = duration_s(
@@ -223,7 +264,15 @@ impl<'a> AutomatedDriver<'a> {
             ahead(scene, &self.road, here),
         );
         let Some(duration_s) = duration.filter(|_| safe) else {
-            self.done.held_changes += u32::from(self.lane_state != LaneState::Waiting);
+            if self.lane_state != LaneState::Waiting {
+                self.note(
+                    scene,
+                    InterventionKind::HeldChange {
+                        asked_lane: lane,
+                        kept_lane: here,
+                    },
+                );
+            }
             self.lane_state = LaneState::Waiting;
             return None;
         };

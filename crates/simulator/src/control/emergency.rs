@@ -1,12 +1,15 @@
 //! The safety layer's brake: harder than the controllers asked, where that alone avoids a vehicle.
 
-use super::safety::needed_braking_mps2;
+use super::{
+    intervention::{Intervention, InterventionKind},
+    safety::needed_braking_mps2,
+};
 use crate::{
-    neighbours::in_the_way,
+    neighbours::{ahead_or_entering, in_the_way},
     planner::PLANNING_STEP_S,
     scenario::{ControllerSettings, VehicleSettings},
 };
-use maveric_domain::{Scene, VehicleId};
+use maveric_domain::{Road, Scene, VehicleId};
 
 /// Sideways room beside a vehicle below which it is in the way, in m.
 const SIDE_CLEARANCE_M: f64 = 0.2;
@@ -20,24 +23,27 @@ const RELEASE: f64 = 0.5;
 pub(super) struct EmergencyBrake {
     seen: Option<(VehicleId, f64)>,
     braking: bool,
-    episodes: u32,
 }
 
 impl EmergencyBrake {
-    /// How often it braked.
-    pub(super) fn episodes(&self) -> u32 {
-        self.episodes
+    /// Whether it brakes now.
+    pub(super) fn braking(&self) -> bool {
+        self.braking
     }
 
-    /// The command that the car gets where the controllers ask for `wanted_mps2`.
+    /// The command that the car gets where the controllers ask for `wanted_mps2`, and a note where it begins to differ.
     pub(super) fn override_command(
         &mut self,
         settings: &ControllerSettings,
         vehicle: &VehicleSettings,
         scene: &Scene,
+        road: &Road,
+        claims: &[Option<u8>],
         wanted_mps2: f64,
-    ) -> f64 {
-        let needed = self.needed_mps2(settings, vehicle, scene);
+    ) -> (f64, Option<Intervention>) {
+        let needed = self
+            .needed_mps2(settings, vehicle, scene)
+            .max(needed_for_entering_mps2(settings, scene, road, claims));
         let threshold = if self.braking {
             RELEASE * settings.intervenes_above_mps2
         } else {
@@ -49,9 +55,16 @@ impl EmergencyBrake {
             wanted_mps2
         };
         let overrides = command < wanted_mps2;
-        self.episodes += u32::from(overrides && !self.braking);
+        let begins = (overrides && !self.braking).then_some(Intervention {
+            time_s: scene.time_s,
+            vehicle: self.seen.map(|(id, _)| id),
+            kind: InterventionKind::Braked {
+                asked_mps2: wanted_mps2,
+                given_mps2: command,
+            },
+        });
         self.braking = overrides;
-        command
+        (command, begins)
     }
 
     fn needed_mps2(
@@ -75,6 +88,28 @@ impl EmergencyBrake {
     }
 }
 
+/// Braking for a vehicle that is about to take ego's lane, in m/s², positive.
+///
+/// One that is beside ego with its centre ahead gets room: ego is the one behind, and the rule has that one brake.
+fn needed_for_entering_mps2(
+    settings: &ControllerSettings,
+    scene: &Scene,
+    road: &Road,
+    claims: &[Option<u8>],
+) -> f64 {
+    let lane = road.lane_at(scene.ego.y_m);
+    if claims.iter().all(|claim| *claim != Some(lane)) {
+        return 0.0;
+    }
+    ahead_or_entering(scene, road, lane, claims).map_or(0.0, |n| {
+        if n.gap_m <= 0.0 {
+            return 1.1 * settings.intervenes_above_mps2;
+        }
+        let (ego, other) = (scene.ego.speed_mps, n.vehicle.speed_mps);
+        needed_braking_mps2(n.gap_m, settings.margin_m, ego, other, 0.0)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -86,6 +121,7 @@ mod tests {
         let scenario = Scenario::paper();
         let s = scenario.settings();
         let mut brake = EmergencyBrake::default();
+        let mut noted = Vec::new();
         let mut command = |gap_m: f64| {
             let scene = Scene {
                 time_s: 0.0,
@@ -103,10 +139,22 @@ mod tests {
                     length_m: 4.7,
                 }],
             };
-            brake.override_command(&s.controllers, &s.vehicle, &scene, 0.5)
+            let road = scenario.road();
+            let (command, note) =
+                brake.override_command(&s.controllers, &s.vehicle, &scene, &road, &[None], 0.5);
+            noted.extend(note);
+            command
         };
         assert!((command(40.0) - 0.5).abs() < 1e-12);
         assert!(command(9.0) < -5.0 && command(8.9) < -5.0);
-        assert_eq!(brake.episodes(), 1);
+        assert_eq!(noted.len(), 1);
+        let InterventionKind::Braked {
+            asked_mps2,
+            given_mps2,
+        } = noted[0].kind
+        else {
+            panic!("{noted:?}");
+        };
+        assert!(asked_mps2 > 0.4 && given_mps2 < -5.0 && noted[0].vehicle == Some(VehicleId(1)));
     }
 }

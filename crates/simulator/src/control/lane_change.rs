@@ -2,7 +2,7 @@
 
 use super::safety::safe_distance_m;
 use crate::{
-    neighbours::{Neighbour, ahead, behind},
+    neighbours::{Neighbour, ahead, ahead_or_entering, behind_or_entering},
     scenario::{ChangeRule, ControllerSettings},
 };
 use maveric_domain::{Reference, Road, Scene, VehicleId};
@@ -33,7 +33,7 @@ impl Wish {
         settings: &ControllerSettings,
         reference: &Reference,
         probability: f64,
-        lane: u8,
+        moving_out: bool,
         step_s: f64,
     ) -> bool {
         if reference.vehicle != self.reference {
@@ -44,25 +44,41 @@ impl Wish {
             self.hazard -= (-probability.min(SUREST)).ln_1p() * step_s;
         }
         match settings.change_rule {
-            ChangeRule::Accumulated if lane == 0 => self.hazard > settings.hazard_threshold,
+            ChangeRule::Accumulated if moving_out => self.hazard > settings.hazard_threshold,
             ChangeRule::Accumulated => self.hazard > settings.merge_back_hazard_threshold,
             ChangeRule::Paper => probability > settings.probability_threshold,
         }
     }
 }
 
-/// Whether the gaps in `lane` pass the safety rule with `margin_m` on top.
+/// The lane that a change due now goes to, from `here`.
+///
+/// Out of the right lane to the left, out of the leftmost to the right, as on the paper's two lanes; in between to the
+/// left while the reference vehicle is ahead in ego's lane, and back once it is not (ours).
+pub(super) fn target_lane(road: &Road, here: u8, reference: &Reference) -> u8 {
+    let own_lane = reference.dy_m.abs() < 0.5 * road.lane_width_m;
+    let to_pass = reference.vehicle.is_some() && own_lane && reference.dx_m > 0.0;
+    let leftmost = here + 1 >= road.lanes;
+    if here == 0 || (to_pass && !leftmost) {
+        here + 1
+    } else {
+        here - 1
+    }
+}
+
+/// Whether the gaps in `lane` pass the safety rule with `margin_m` on top: to who is there and to who is about to be, by `claims`.
 pub(super) fn gaps_are_safe(
     settings: &ControllerSettings,
     scene: &Scene,
     road: &Road,
     lane: u8,
+    claims: &[Option<u8>],
     margin_m: f64,
 ) -> bool {
     let ego = scene.ego.speed_mps;
-    let ahead_safe = ahead(scene, road, lane)
+    let ahead_safe = ahead_or_entering(scene, road, lane, claims)
         .is_none_or(|n| n.gap_m > safe_distance_m(settings, ego, n.vehicle.speed_mps) + margin_m);
-    let behind_safe = behind(scene, road, lane)
+    let behind_safe = behind_or_entering(scene, road, lane, claims)
         .is_none_or(|n| n.gap_m > safe_distance_m(settings, n.vehicle.speed_mps, ego) + margin_m);
     ahead_safe && behind_safe
 }
@@ -106,7 +122,7 @@ pub(super) struct ReturnRule {
 }
 
 impl ReturnRule {
-    /// Whether to go back to lane 0 now.
+    /// Whether to go back one lane to the right now.
     pub(super) fn due(
         &mut self,
         settings: &ControllerSettings,
@@ -116,14 +132,15 @@ impl ReturnRule {
         step_s: f64,
     ) -> bool {
         let reference_lane = road.lane_at(scene.ego.y_m + reference.dy_m);
-        let passing = reference.vehicle.is_some() && reference_lane == 0;
-        if road.lane_at(scene.ego.y_m) == 0 || passing {
+        let here = road.lane_at(scene.ego.y_m);
+        let passing = reference.vehicle.is_some() && reference_lane < here;
+        if here == 0 || passing {
             self.idle_s = 0.0;
             return false;
         }
         self.idle_s += step_s;
         self.idle_s > settings.return_after_s
-            && ahead(scene, road, 0)
+            && ahead(scene, road, here - 1)
                 .is_none_or(|n| n.gap_m > settings.return_free_s * scene.ego.speed_mps)
     }
 }
@@ -156,7 +173,7 @@ mod tests {
     #[test]
     fn small_probabilities_add_up_to_a_change() {
         let mut wish = Wish::default();
-        let due = |wish: &mut Wish| wish.due(&SETTINGS, &reference(1), 0.1, 0, 0.05);
+        let due = |wish: &mut Wish| wish.due(&SETTINGS, &reference(1), 0.1, true, 0.05);
         let ticks = (0..1000).take_while(|_| !due(&mut wish)).count();
         // 0.4 / -ln(0.9) = 3.8 s.
         assert!((ticks as f64 * 0.05 - 3.8).abs() < 0.1, "{ticks}");
@@ -168,22 +185,22 @@ mod tests {
             merge_back_hazard_threshold: 0.8,
             ..SETTINGS
         };
-        let ticks = |lane| {
+        let ticks = |moving_out| {
             let mut wish = Wish::default();
-            let due = |wish: &mut Wish| wish.due(&later, &reference(1), 0.1, lane, 0.05);
+            let due = |wish: &mut Wish| wish.due(&later, &reference(1), 0.1, moving_out, 0.05);
             (0..1000).take_while(|_| !due(&mut wish)).count()
         };
-        assert!(ticks(1).abs_diff(2 * ticks(0)) <= 2);
+        assert!(ticks(false).abs_diff(2 * ticks(true)) <= 2);
     }
 
     #[test]
     fn another_reference_vehicle_starts_the_count_again() {
         let mut wish = Wish::default();
         for _ in 0..70 {
-            assert!(!wish.due(&SETTINGS, &reference(1), 0.1, 0, 0.05));
+            assert!(!wish.due(&SETTINGS, &reference(1), 0.1, true, 0.05));
         }
         for _ in 0..70 {
-            assert!(!wish.due(&SETTINGS, &reference(2), 0.1, 0, 0.05));
+            assert!(!wish.due(&SETTINGS, &reference(2), 0.1, true, 0.05));
         }
     }
 
@@ -195,9 +212,27 @@ mod tests {
         };
         let mut wish = Wish::default();
         for _ in 0..2000 {
-            assert!(!wish.due(&settings, &reference(1), 0.19, 0, 0.05));
+            assert!(!wish.due(&settings, &reference(1), 0.19, true, 0.05));
         }
-        assert!(wish.due(&settings, &reference(1), 0.21, 0, 0.05));
+        assert!(wish.due(&settings, &reference(1), 0.21, true, 0.05));
+    }
+
+    #[test]
+    fn between_two_lanes_a_change_passes_what_is_ahead_and_else_goes_back() {
+        let road = Road {
+            lanes: 4,
+            ..Road::PAPER
+        };
+        let seen = |dx_m, dy_m| Reference {
+            dx_m,
+            dy_m,
+            ..reference(1)
+        };
+        assert_eq!(target_lane(&road, 0, &Reference::free_road(&road)), 1);
+        assert_eq!(target_lane(&road, 1, &seen(30.0, 0.1)), 2);
+        assert_eq!(target_lane(&road, 2, &seen(-30.0, -3.6)), 1);
+        assert_eq!(target_lane(&road, 3, &seen(30.0, 0.0)), 2);
+        assert_eq!(target_lane(&Road::PAPER, 1, &seen(30.0, 0.0)), 0);
     }
 
     #[test]

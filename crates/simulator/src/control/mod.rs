@@ -3,10 +3,13 @@
 mod automated;
 mod emergency;
 mod following;
+mod intervention;
 mod lane_change;
 pub(crate) mod path;
 mod safety;
+mod sideways;
 mod velocity;
 
-pub(crate) use automated::{AutomatedDriver, Interventions};
-pub use safety::safe_distance;
+pub(crate) use automated::AutomatedDriver;
+pub use intervention::{Intervention, InterventionKind};
+pub use safety::{lateral_safe_distance, safe_distance};

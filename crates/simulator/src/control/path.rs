@@ -1,6 +1,9 @@
 //! Where the car steers: a lane's centre, or a Bezier curve to another's, by Stanley's rule.
 
-use crate::vehicle::KinematicBicycle;
+use crate::{
+    road::CentreLine,
+    vehicle::{Pose, Vehicle},
+};
 
 /// Share of the length at each end over which the curve leaves and meets its lanes.
 const HANDLE: f64 = 0.45;
@@ -129,8 +132,14 @@ impl Steering {
         })
     }
 
+    /// Control points of the change under way, in m.
+    pub(crate) fn path_m(&self) -> Option<[(f64, f64); 4]> {
+        self.change
+            .map(|change| std::array::from_fn(|i| (change.curve.x[i], change.curve.y[i])))
+    }
+
     /// Begins what the driver asks.
-    pub(crate) fn begin(&mut self, manoeuvre: Manoeuvre, car: &KinematicBicycle) {
+    pub(crate) fn begin(&mut self, manoeuvre: Manoeuvre, car: Pose) {
         let (lane, duration_s) = match manoeuvre {
             Manoeuvre::Change { lane, duration_s } => (lane, duration_s),
             Manoeuvre::GoBack { duration_s } => match self.change {
@@ -152,75 +161,96 @@ impl Steering {
     /// Angle of the front wheels, in rad: Stanley's rule at the front axle.
     ///
     /// # Source
-    /// Snider 2009, section 2.3: heading error plus atan(k e / v).
-    pub(crate) fn angle_rad(&mut self, car: &KinematicBicycle) -> f64 {
-        let (x, y) = car.front_axle_m();
-        if self.change.is_some_and(|c| car.x_m >= c.curve.x[3]) {
+    /// Snider 2009, section 2.3: heading error plus atan(k e / v); plus the slip of the front tyres in the road's bend (ours),
+    /// without which a car with tyres runs wide.
+    pub(crate) fn angle_rad(&mut self, car: &dyn Vehicle, line: &CentreLine) -> f64 {
+        let axle = car.front_axle(line);
+        let pose = car.pose();
+        if self.change.is_some_and(|c| pose.x_m >= c.curve.x[3]) {
             self.change = None;
         }
         let (path_y, path_heading) = match &self.change {
-            Some(change) => change.curve.at(x),
+            Some(change) => change.curve.at(axle.x_m),
             None => (f64::from(self.lane) * self.lane_width_m, 0.0),
         };
-        let error = (path_y - y) * path_heading.cos();
-        let pull = (self.gain_per_s * error).atan2(car.speed_mps + SOFTENING_MPS);
-        path_heading - car.heading_rad + pull
+        let error = (path_y - axle.y_m) * path_heading.cos();
+        let pull = (self.gain_per_s * error).atan2(pose.speed_mps + SOFTENING_MPS);
+        let slip = car.front_slip_rad(line.curvature_per_m(pose.x_m));
+        path_heading - axle.heading_rad + pull + slip
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Scenario;
+    use crate::{
+        scenario::{Scenario, VehicleModel, VehicleSettings},
+        vehicle::{Command, build},
+    };
 
-    fn drive(car: &mut KinematicBicycle, steering: &mut Steering, seconds: f64) -> f64 {
+    fn cars(speed_mps: f64) -> [Box<dyn Vehicle>; 2] {
+        [VehicleModel::Kinematic, VehicleModel::Dynamic].map(|model| {
+            let settings = VehicleSettings {
+                model,
+                ..Scenario::paper().settings().vehicle.clone()
+            };
+            build(&settings, 0.0, speed_mps)
+        })
+    }
+
+    fn drive(car: &mut dyn Vehicle, steering: &mut Steering, seconds: f64) -> f64 {
         let mut furthest = f64::MIN;
+        let line = CentreLine::default();
         for _ in 0..(seconds * 100.0) as usize {
-            let angle = steering.angle_rad(car);
-            car.step(0.0, angle);
-            furthest = furthest.max(car.y_m);
+            let steering_rad = steering.angle_rad(car, &line);
+            let command = Command {
+                acceleration_mps2: 0.0,
+                steering_rad,
+            };
+            car.step(command, &line);
+            furthest = furthest.max(car.pose().y_m);
         }
         furthest
     }
 
+    const OUT: Manoeuvre = Manoeuvre::Change {
+        lane: 1,
+        duration_s: 4.8,
+    };
+
     #[test]
     fn a_lane_change_ends_in_the_lane_centre_without_swinging_past_it() {
         for (speed, duration_s) in [(15.0, 4.8), (30.0, 4.8), (38.0, 2.5), (30.0, 2.5)] {
-            let mut car = KinematicBicycle::new(&Scenario::paper().settings().vehicle, 0.0, speed);
-            let mut steering = Steering::new(3.66, 1.5, 0);
-            steering.begin(
-                Manoeuvre::Change {
+            for mut car in cars(speed) {
+                let mut steering = Steering::new(3.66, 1.5, 0);
+                let out = Manoeuvre::Change {
                     lane: 1,
                     duration_s,
-                },
-                &car,
-            );
-            let furthest = drive(&mut car, &mut steering, duration_s + 4.0);
-            assert!(
-                (car.y_m - 3.66).abs() < 0.05,
-                "{speed} {duration_s}: {}",
-                car.y_m
-            );
-            assert!(furthest < 3.66 + 0.3, "{speed} {duration_s}: {furthest}");
-            assert!(car.heading_rad.abs() < 0.005 && steering.coming_from().is_none());
+                };
+                steering.begin(out, car.pose());
+                let furthest = drive(car.as_mut(), &mut steering, duration_s + 4.0);
+                let end = car.pose();
+                assert!(
+                    (end.y_m - 3.66).abs() < 0.05,
+                    "{speed} {duration_s}: {}",
+                    end.y_m
+                );
+                assert!(furthest < 3.66 + 0.35, "{speed} {duration_s}: {furthest}");
+                assert!(end.heading_rad.abs() < 0.005 && steering.coming_from().is_none());
+            }
         }
     }
 
     #[test]
     fn a_change_given_up_halfway_ends_in_the_lane_it_came_from() {
-        let mut car = KinematicBicycle::new(&Scenario::paper().settings().vehicle, 0.0, 30.0);
-        let mut steering = Steering::new(3.66, 1.5, 0);
-        steering.begin(
-            Manoeuvre::Change {
-                lane: 1,
-                duration_s: 4.8,
-            },
-            &car,
-        );
-        drive(&mut car, &mut steering, 2.0);
-        assert!(car.y_m > 0.5);
-        steering.begin(Manoeuvre::GoBack { duration_s: 3.0 }, &car);
-        drive(&mut car, &mut steering, 8.0);
-        assert!(car.y_m.abs() < 0.05 && steering.lane() == 0);
+        for mut car in cars(30.0) {
+            let mut steering = Steering::new(3.66, 1.5, 0);
+            steering.begin(OUT, car.pose());
+            drive(car.as_mut(), &mut steering, 2.0);
+            assert!(car.pose().y_m > 0.5);
+            steering.begin(Manoeuvre::GoBack { duration_s: 3.0 }, car.pose());
+            drive(car.as_mut(), &mut steering, 8.0);
+            assert!(car.pose().y_m.abs() < 0.05 && steering.lane() == 0);
+        }
     }
 }

@@ -29,6 +29,31 @@ pub(crate) fn safe_distance_m(s: &ControllerSettings, rear_mps: f64, front_mps: 
     (rolled + braked - front).max(0.0)
 }
 
+/// Distance between the sides of two vehicles that move towards each other with these lateral speeds, at which both can still
+/// stop moving sideways without touching.
+///
+/// d = μ + Σ over both of (t + t_ρ)/2 · ρ + t_ρ |t_ρ| / (2 b), with t the speed towards the other, t_ρ = t + ρ a, at least μ.
+///
+/// # Source
+/// Shalev-Shwartz, Shammah and Shashua 2017, Definition 6 (lateral safe distance); the numbers are chosen.
+pub fn lateral_safe_distance(
+    settings: &ControllerSettings,
+    one: MetresPerSecond,
+    other: MetresPerSecond,
+) -> Metres {
+    Metres(lateral_safe_distance_m(settings, one.0, other.0))
+}
+
+/// The same in m and m/s.
+pub(super) fn lateral_safe_distance_m(s: &ControllerSettings, one_mps: f64, other_mps: f64) -> f64 {
+    let needs = |towards_mps: f64| {
+        let then = towards_mps + s.reaction_s * s.lateral_reaction_mps2;
+        0.5 * (towards_mps + then) * s.reaction_s
+            + then * then.abs() / (2.0 * s.lateral_braking_mps2)
+    };
+    s.lateral_margin_m + (needs(one_mps) + needs(other_mps)).max(0.0)
+}
+
 /// Braking that is needed not to come nearer than `margin_m`, in m/s², positive.
 ///
 /// Counts on the lead keeping its braking `lead_braking_mps2` (positive) until it stands.
@@ -76,6 +101,28 @@ mod tests {
         let settings = ControllerSettings::PAPER;
         let d = safe_distance(&settings, MetresPerSecond(20.0), MetresPerSecond(35.0));
         assert!((d.0 - settings.margin_m).abs() < 1e-12);
+    }
+
+    #[test]
+    fn two_that_brake_sideways_in_time_come_no_nearer_than_the_lateral_margin() {
+        let s = ControllerSettings::PAPER;
+        for (mut one, mut other) in [(1.2_f64, 0.0_f64), (0.6, 0.9), (1.0, -0.3)] {
+            let mut apart = lateral_safe_distance_m(&s, one, other);
+            let step = 1e-4;
+            for tick in 0..40_000 {
+                let reacting = f64::from(tick) * step < s.reaction_s;
+                for speed in [&mut one, &mut other] {
+                    *speed += step
+                        * if reacting {
+                            s.lateral_reaction_mps2
+                        } else {
+                            -s.lateral_braking_mps2 * speed.signum()
+                        };
+                }
+                apart -= (one + other) * step;
+                assert!(apart > s.lateral_margin_m - 1e-3, "{apart}");
+            }
+        }
     }
 
     #[test]

@@ -53,25 +53,36 @@ pub(super) fn bounded_jerk(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{scenario::Scenario, vehicle::KinematicBicycle};
+    use crate::{
+        road::CentreLine,
+        scenario::Scenario,
+        vehicle::{Command, build},
+    };
 
     #[test]
     fn it_reaches_the_speed_without_much_overshoot() {
         let settings = ControllerSettings::PAPER;
         for (from, to) in [(20.0, 30.0), (30.0, 20.0), (25.0, 26.0)] {
-            let mut car = KinematicBicycle::new(&Scenario::paper().settings().vehicle, 0.0, from);
+            let mut car = build(&Scenario::paper().settings().vehicle, 0.0, from);
             let mut controller = VelocityController::default();
             let (mut command, mut furthest) = (0.0, f64::MIN);
             let sign: f64 = if to > from { 1.0 } else { -1.0 };
             for tick in 0..1200 {
-                let wanted = controller.command(&settings, to, car.speed_mps, true, 0.05);
+                let wanted = controller.command(&settings, to, car.pose().speed_mps, true, 0.05);
                 command = bounded_jerk(&settings, command, wanted.clamp(-8.0, 3.0), 0.05);
                 for _ in 0..5 {
-                    car.step(command, 0.0);
+                    let command = Command {
+                        acceleration_mps2: command,
+                        steering_rad: 0.0,
+                    };
+                    car.step(command, &CentreLine::default());
                 }
-                furthest = furthest.max(sign * (car.speed_mps - to));
+                furthest = furthest.max(sign * (car.pose().speed_mps - to));
                 if tick > 400 {
-                    assert!((car.speed_mps - to).abs() < 0.2, "{from} {to} {tick}");
+                    assert!(
+                        (car.pose().speed_mps - to).abs() < 0.2,
+                        "{from} {to} {tick}"
+                    );
                 }
             }
             assert!(furthest < 0.6, "{from} -> {to}: {furthest}");

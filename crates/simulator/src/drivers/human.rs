@@ -11,6 +11,7 @@ use crate::{
     control::path::{Manoeuvre, Steering},
     neighbours::{Neighbour, ahead, in_the_way},
     planner::PLANNING_STEP_S,
+    road::CentreLine,
     rollout::Action,
     scenario::VehicleSettings,
 };
@@ -30,6 +31,8 @@ const EMERGENCY_MARGIN_M: f64 = 2.0;
 const GETS_PAST_SHARE: f64 = 0.7;
 /// Room ahead below which nobody begins a lane change, in m.
 const LEAST_ROOM_M: f64 = 8.0;
+/// Lateral acceleration a person takes in a bend, and braking before it, in m/s²: chosen.
+const BEND_MPS2: (f64, f64) = (3.0, 1.5);
 /// Slowest desired speed, in m/s, so that the car-following model stays defined.
 const SLOWEST_MPS: f64 = 5.0;
 
@@ -38,6 +41,7 @@ pub(crate) struct HumanDriver<'a> {
     params: &'a DriverParams,
     vehicle: &'a VehicleSettings,
     road: Road,
+    line: &'a CentreLine,
     perception: Perception,
     wander: OrnsteinUhlenbeck,
     passing: Passing,
@@ -49,6 +53,7 @@ impl<'a> HumanDriver<'a> {
         params: &'a DriverParams,
         vehicle: &'a VehicleSettings,
         road: Road,
+        line: &'a CentreLine,
         seed: u64,
     ) -> Self {
         let stream = |name| Pcg64Mcg::seed_from_u64(stream_seed(seed, &["driver", name]));
@@ -57,6 +62,7 @@ impl<'a> HumanDriver<'a> {
             params,
             vehicle,
             road,
+            line,
             perception: Perception::new(noise, stream("perception")),
             wander: OrnsteinUhlenbeck::new(
                 noise.speed_wander_sd_mps,
@@ -77,8 +83,12 @@ impl<'a> HumanDriver<'a> {
         let keeping = steering.coming_from().is_none();
         let lead = ahead(scene, &self.road, lane);
         let seen = self.perception.see(lead, speed, error);
+        let (lateral, braking) = BEND_MPS2;
+        let bend_mps = self.line.speed_limit_mps(scene.ego.x_m, lateral, braking);
         let mut idm = Idm {
-            desired_speed_mps: (self.params.desired_speed_mps + wander).max(SLOWEST_MPS),
+            desired_speed_mps: (self.params.desired_speed_mps + wander)
+                .min(bend_mps)
+                .max(SLOWEST_MPS),
             time_gap_s: self.params.following_time_gap_s,
             standstill_m: self.params.standstill_m,
             acceleration_mps2: self.params.acceleration_mps2,
@@ -86,11 +96,15 @@ impl<'a> HumanDriver<'a> {
             gap_factor: 1.0,
         };
 
-        let manoeuvre = if lane == 0 {
-            self.in_the_right_lane(scene, lead, seen, keeping, &mut idm)
+        let out = (lane == 0 || lane + 1 < self.road.lanes)
+            .then(|| self.moves_out(scene, lane, lead, seen, keeping, &mut idm))
+            .flatten();
+        let manoeuvre = if lane == 0 || out.is_some() {
+            out
         } else {
-            self.in_the_passing_lane(scene, lane, keeping, error, &mut idm)
+            self.in_a_passing_lane(scene, lane, keeping, error, &mut idm)
         };
+        idm.desired_speed_mps = idm.desired_speed_mps.min(bend_mps.max(SLOWEST_MPS));
         let wanted = idm.acceleration(speed, seen);
         Action {
             acceleration_mps2: wanted.min(-self.emergency(scene)),
@@ -98,9 +112,10 @@ impl<'a> HumanDriver<'a> {
         }
     }
 
-    fn in_the_right_lane(
+    fn moves_out(
         &mut self,
         scene: &Scene,
+        lane: u8,
         lead: Option<Neighbour>,
         seen: Option<SeenLead>,
         keeping: bool,
@@ -108,7 +123,7 @@ impl<'a> HumanDriver<'a> {
     ) -> Option<Manoeuvre> {
         let speed = scene.ego.speed_mps;
         let pass_at_s = self.passing.wanted_at(self.params, lead, speed)?;
-        let left = 1;
+        let left = lane + 1;
         if !(is_clear(scene, &self.road, left) && self.gets_past(lead?, speed)) {
             return None;
         }
@@ -133,7 +148,7 @@ impl<'a> HumanDriver<'a> {
         lead.gap_m > LEAST_ROOM_M && meets_late
     }
 
-    fn in_the_passing_lane(
+    fn in_a_passing_lane(
         &mut self,
         scene: &Scene,
         lane: u8,

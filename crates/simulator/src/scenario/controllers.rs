@@ -60,6 +60,15 @@ pub struct ControllerSettings {
     pub margin_m: f64,
     /// Braking that must be needed before the safety layer overrides the controllers, in m/s².
     pub intervenes_above_mps2: f64,
+    /// Lateral safe distance: what is left between the sides, in m.
+    #[serde(default = "paper_lateral_margin")]
+    pub lateral_margin_m: f64,
+    /// Lateral safe distance: acceleration towards the other during the reaction, in m/s².
+    #[serde(default = "paper_lateral_reaction")]
+    pub lateral_reaction_mps2: f64,
+    /// Lateral safe distance: lateral braking, in m/s².
+    #[serde(default = "paper_lateral_braking")]
+    pub lateral_braking_mps2: f64,
     /// Which rule starts a lane change.
     pub change_rule: ChangeRule,
     /// Λ above which the car moves out of the right lane.
@@ -82,6 +91,32 @@ pub struct ControllerSettings {
     pub return_free_s: f64,
     /// Stanley controller, gain on the cross-track error, in 1/s.
     pub stanley_gain_per_s: f64,
+    /// Lateral acceleration above which the car slows down for a bend, in m/s².
+    #[serde(default = "paper_curve_acceleration")]
+    pub curve_acceleration_mps2: f64,
+    /// Braking with which it does, in m/s².
+    #[serde(default = "paper_curve_braking")]
+    pub curve_braking_mps2: f64,
+}
+
+fn paper_lateral_margin() -> f64 {
+    ControllerSettings::PAPER.lateral_margin_m
+}
+
+fn paper_lateral_reaction() -> f64 {
+    ControllerSettings::PAPER.lateral_reaction_mps2
+}
+
+fn paper_lateral_braking() -> f64 {
+    ControllerSettings::PAPER.lateral_braking_mps2
+}
+
+fn paper_curve_acceleration() -> f64 {
+    ControllerSettings::PAPER.curve_acceleration_mps2
+}
+
+fn paper_curve_braking() -> f64 {
+    ControllerSettings::PAPER.curve_braking_mps2
 }
 
 impl ControllerSettings {
@@ -104,6 +139,9 @@ impl ControllerSettings {
         other_braking_mps2: 8.0,
         margin_m: 2.0,
         intervenes_above_mps2: 3.5,
+        lateral_margin_m: 0.2,
+        lateral_reaction_mps2: 0.2,
+        lateral_braking_mps2: 0.8,
         change_rule: ChangeRule::Accumulated,
         hazard_threshold: 0.4,
         merge_back_hazard_threshold: 1.2,
@@ -115,6 +153,8 @@ impl ControllerSettings {
         return_after_s: 8.0,
         return_free_s: 4.0,
         stanley_gain_per_s: 1.5,
+        curve_acceleration_mps2: 2.5,
+        curve_braking_mps2: 1.0,
     };
 
     /// Whether every number is in its range.
@@ -203,6 +243,21 @@ impl ControllerSettings {
                 self.intervenes_above_mps2,
                 Range::Within(1.0, 5.0, "1 to 5 m/s²"),
             ),
+            (
+                "lateral_margin_m",
+                self.lateral_margin_m,
+                Range::Within(0.0, 1.0, "0 to 1 m"),
+            ),
+            (
+                "lateral_reaction_mps2",
+                self.lateral_reaction_mps2,
+                Range::Within(0.0, 2.0, "0 to 2 m/s²"),
+            ),
+            (
+                "lateral_braking_mps2",
+                self.lateral_braking_mps2,
+                Range::Within(0.3, 4.0, "0.3 to 4 m/s²"),
+            ),
             ("hazard_threshold", self.hazard_threshold, Range::Positive),
             (
                 "merge_back_hazard_threshold",
@@ -248,6 +303,16 @@ impl ControllerSettings {
                 "stanley_gain_per_s",
                 self.stanley_gain_per_s,
                 Range::Within(0.3, 4.0, "0.3 to 4 1/s"),
+            ),
+            (
+                "curve_acceleration_mps2",
+                self.curve_acceleration_mps2,
+                Range::Within(0.5, 5.0, "0.5 to 5 m/s²"),
+            ),
+            (
+                "curve_braking_mps2",
+                self.curve_braking_mps2,
+                Range::Within(0.3, 3.0, "0.3 to 3 m/s²"),
             ),
         ];
         ranges

@@ -1,17 +1,19 @@
 //! Every number of the world a user may change, checked once.
 
-mod car;
 mod check;
 mod controllers;
+mod road;
 mod traffic;
+mod vehicle;
 
-use crate::{drivers::Population, error::SimulatorError};
-pub use car::{RoadSettings, StartSettings, VehicleSettings};
+use crate::{drivers::Population, error::SimulatorError, road::CentreLine};
 use check::{Range, check};
 pub use controllers::{ChangeRule, ControllerSettings};
 use maveric_domain::{MetresPerSecond, Road};
+pub use road::{RoadSettings, StartSettings};
 use serde::{Deserialize, Serialize};
 pub use traffic::{BlockedSettings, LeadSettings, OffLaneSettings, VehiclePlacement};
+pub use vehicle::{DynamicsSettings, Integrator, VehicleModel, VehicleSettings};
 
 /// A scenario as its file has it; [`Scenario`] is the checked form.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -53,6 +55,7 @@ pub struct ScenarioSettings {
 #[serde(try_from = "ScenarioSettings", into = "ScenarioSettings")]
 pub struct Scenario {
     settings: ScenarioSettings,
+    centre_line: CentreLine,
 }
 
 impl Scenario {
@@ -71,6 +74,7 @@ impl Scenario {
                 drivers: Population::PAPER,
                 vehicles: Vec::new(),
             },
+            centre_line: CentreLine::default(),
         }
     }
 
@@ -89,6 +93,11 @@ impl Scenario {
     /// The numbers.
     pub fn settings(&self) -> &ScenarioSettings {
         &self.settings
+    }
+
+    /// The road's course.
+    pub fn centre_line(&self) -> &CentreLine {
+        &self.centre_line
     }
 
     /// The road, as recordings have it.
@@ -122,7 +131,11 @@ impl TryFrom<ScenarioSettings> for Scenario {
         for vehicle in &settings.vehicles {
             vehicle.check(&settings.road, settings.vehicle.length_m)?;
         }
-        Ok(Self { settings })
+        let centre_line = CentreLine::new(&settings.road.segments);
+        Ok(Self {
+            settings,
+            centre_line,
+        })
     }
 }
 

@@ -1,8 +1,10 @@
 //! How the other vehicles speed up and slow down.
 
 use super::{Car, EgoView, Role, blocked, distance_m};
-use crate::scenario::ScenarioSettings;
+use crate::{road::CentreLine, scenario::ScenarioSettings};
 
+/// Lateral acceleration at most in a bend, and braking before it, in m/s²: chosen.
+const BEND_MPS2: (f64, f64) = (3.0, 1.0);
 /// Acceleration of off-lane vehicles and of cars riding beside ego, at most, in m/s².
 const ACCELERATION_MPS2: f64 = 2.0;
 /// Sideways distance of centres below which a vehicle is in another's way, in m.
@@ -20,6 +22,7 @@ const BRAKING_MPS2: f64 = 8.0;
 pub(crate) fn wanted(
     car: &mut Car,
     settings: &ScenarioSettings,
+    line: &CentreLine,
     ego: &EgoView,
     time_s: f64,
 ) -> f64 {
@@ -37,7 +40,9 @@ pub(crate) fn wanted(
         }
         Role::Steady { speed_mps, .. } => (*speed_mps, ACCELERATION_MPS2),
     };
-    (wanted_mps - car.state.speed_mps).clamp(-limit, limit)
+    let (lateral, braking) = BEND_MPS2;
+    let bend_mps = line.speed_limit_mps(car.state.x_m, lateral, braking);
+    (wanted_mps.min(bend_mps) - car.state.speed_mps).clamp(-limit, limit)
 }
 
 /// Acceleration that keeps the car off whatever is ahead of it, in m/s²; infinite on free road.

@@ -3,6 +3,8 @@
 mod beta_mixture;
 pub(crate) mod decimal;
 pub(crate) mod distributions;
+pub(crate) mod matrix;
+pub(crate) mod minimise;
 pub(crate) mod moments;
 pub(crate) mod noncentral;
 pub(crate) mod roots;

@@ -9,6 +9,7 @@ pub mod inspect;
 pub mod measure;
 pub mod personalize;
 pub mod rate;
+pub mod rehearse;
 pub mod report;
 pub mod score;
 pub mod simulate;
@@ -35,9 +36,10 @@ pub fn versions() -> BTreeMap<String, String> {
         ("measure", 1),
         ("rate", 1),
         ("evaluate", 2),
-        ("stats", 2),
+        ("stats", 3),
         ("ablate", 1),
         ("validate", 1),
+        ("rehearse", 1),
         ("report", 2),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))

@@ -12,10 +12,10 @@ use crate::{
         drives::{write_drive, write_drive_list},
     },
 };
-use maveric_domain::{Drive, DriveMeta, DrivenBy, Study, stream_seed};
+use maveric_domain::{Drive, DriveId, DriveMeta, DrivenBy, Study, stream_seed};
 use maveric_ingest::write_mcap;
 use maveric_model::Model;
-use maveric_simulator::{Driver, RolloutReport, Scenario, rollout};
+use maveric_simulator::{Driver, RolloutReport, Scenario, SimulatorError, rollout};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -53,8 +53,11 @@ pub struct Simulated {
 
 /// Drives every condition and writes logs, drives and what was counted in each.
 ///
+/// A drive that a set-point which is no number ended early is left out, with a row of `drives/exclusions.csv`.
+///
 /// # Errors
-/// [`StudyError`] if model, conditions or scenario cannot be read, or an embedding does not fit the model.
+/// [`StudyError`] if model, conditions or scenario cannot be read, an embedding does not fit the model, or every drive
+/// ended early.
 pub fn simulate(
     options: &SimulateOptions,
     watch: Watch<'_>,
@@ -73,6 +76,19 @@ pub fn simulate(
     let driven = for_each_on(options.jobs, &conditions, watch, "drives", |row| {
         drive(options, &model, &scenario, row)
     })?;
+    let mut stopped = Vec::new();
+    let driven: Vec<Driven> = driven
+        .into_iter()
+        .filter_map(|ended| ended.map_err(|why| stopped.push(why)).ok())
+        .collect();
+    TableBuilder::default()
+        .text("drive", stopped.iter().map(|(drive, _)| drive.as_str()))
+        .text("what", stopped.iter().map(|(_, why)| why.to_string()))
+        .write(&options.out.join("drives").join("exclusions.csv"))?;
+    let ended_early = stopped.len();
+    if let (true, Some((_, why))) = (driven.is_empty(), stopped.pop()) {
+        return Err(why.into());
+    }
     let list: Vec<(DriveMeta, usize, f64)> =
         driven.iter().map(|d| (d.0.clone(), d.1, d.2)).collect();
     write_drive_list(&options.out.join("drives"), &list)?;
@@ -96,8 +112,11 @@ pub fn simulate(
         rule_violations: total(|r| r.rule_violations),
         interventions: total(|r| r.interventions),
     };
-    let warnings = (value.collisions > 0)
+    let collisions = (value.collisions > 0)
         .then(|| format!("{} collisions: see rollouts.csv", value.collisions));
+    let early = (ended_early > 0).then(|| {
+        format!("{ended_early} drives ended early and are left out: see drives/exclusions.csv")
+    });
     let summary = vec![format!(
         "{} AV drives, {} collisions, {} safety interventions: {}",
         value.drives,
@@ -108,18 +127,21 @@ pub fn simulate(
     Ok(Outcome {
         value,
         summary,
-        warnings: warnings.into_iter().collect(),
+        warnings: collisions.into_iter().chain(early).collect(),
     })
 }
 
 type Driven = (DriveMeta, usize, f64, RolloutReport);
+
+/// A drive that ended early, and why.
+type Stopped = (DriveId, SimulatorError);
 
 fn drive(
     options: &SimulateOptions,
     model: &Model,
     scenario: &Scenario,
     row: &ConditionRow,
-) -> Result<Driven, StudyError> {
+) -> Result<Result<Driven, Stopped>, StudyError> {
     let mut planner = ModelPlanner::new(model, &row.embedding)?;
     let id = row.drive()?;
     let seed = stream_seed(options.seed, &[id.as_str(), "world"]);
@@ -130,6 +152,9 @@ fn drive(
     )?;
     if let Some(error) = planner.failure() {
         return Err(error.into());
+    }
+    if let Some(why) = driven.stopped {
+        return Ok(Err((id, why)));
     }
     let meta = DriveMeta {
         drive: id,
@@ -146,5 +171,5 @@ fn drive(
     let made = Drive::from_recording(meta.clone(), &driven.recording)?;
     write_drive(&options.out.join("drives"), &made)?;
     let duration = made.rows().time_s.last().copied().unwrap_or(0.0);
-    Ok((meta, made.len(), duration, driven.report))
+    Ok(Ok((meta, made.len(), duration, driven.report)))
 }

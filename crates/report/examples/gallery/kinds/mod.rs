@@ -10,11 +10,13 @@ pub(crate) mod axis_regressions;
 pub(crate) mod calibration;
 pub(crate) mod car_following;
 pub(crate) mod correlation_heatmap;
+pub(crate) mod curves;
 pub(crate) mod dial_sweep;
 pub(crate) mod difference_panels;
 pub(crate) mod domain;
 pub(crate) mod drive_overview;
 pub(crate) mod embedding_space;
+pub(crate) mod false_positives;
 pub(crate) mod fidelity;
 pub(crate) mod following_errors;
 pub(crate) mod lane_change_quality;
@@ -36,7 +38,7 @@ pub(crate) const PARTICIPANTS: usize = 24;
 pub(crate) type Draw = fn(&Context) -> Result<Figure, ReportError>;
 
 /// Every kind: the name of its function, and one that draws it from made-up numbers.
-pub(crate) const KINDS: [(&str, Draw); 26] = [
+pub(crate) const KINDS: [(&str, Draw); 28] = [
     ("domain", domain::draw),
     ("architecture", architecture::draw),
     ("simulator_view", simulator_view::draw),
@@ -54,6 +56,8 @@ pub(crate) const KINDS: [(&str, Draw); 26] = [
     ("difference_panels", difference_panels::draw),
     ("preference", preference::draw),
     ("correlation_heatmap", correlation_heatmap::draw),
+    ("curves", curves::draw),
+    ("false_positives", false_positives::draw),
     ("fidelity", fidelity::draw),
     ("test_retest", test_retest::draw),
     ("dial_sweep", dial_sweep::draw),

@@ -10,9 +10,56 @@ use crate::{
     },
 };
 use maveric_domain::{Condition, DrivenBy, Moment, ParticipantId, Score, Study};
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
-/// What the analyses of a study read, as the pipeline left it in one folder.
+/// Scores by scale, subscale, moment and participant.
+#[derive(Debug, Clone, Default)]
+struct Scores(BTreeMap<String, BTreeMap<String, BTreeMap<Moment, BTreeMap<ParticipantId, f64>>>>);
+
+impl Scores {
+    fn of(scores: &[Score]) -> Self {
+        let mut sorted = Self::default();
+        for score in scores {
+            if let Some(value) = score.value {
+                sorted
+                    .0
+                    .entry(score.scale.clone())
+                    .or_default()
+                    .entry(score.subscale.clone())
+                    .or_default()
+                    .entry(score.moment)
+                    .or_default()
+                    .entry(score.participant.clone())
+                    // The first of several, as a reader of the table would find it.
+                    .or_insert(value);
+            }
+        }
+        sorted
+    }
+
+    fn get(&self, p: &ParticipantId, moment: Moment, scale: &str, subscale: &str) -> Option<f64> {
+        self.0
+            .get(scale)?
+            .get(subscale)?
+            .get(&moment)?
+            .get(p)
+            .copied()
+    }
+}
+
+/// The tables of a study, as stages write them: made by a run, or in memory.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Tables {
+    pub(crate) measurements: Vec<MeasuredDrive>,
+    pub(crate) embeddings: Vec<EmbeddingRow>,
+    pub(crate) conditions: Vec<ConditionRow>,
+    /// Scores of the questionnaires before the drives.
+    pub(crate) pre: Vec<Score>,
+    /// Scores of the ratings after the conditions.
+    pub(crate) post: Vec<Score>,
+}
+
+/// What the analyses of a study read.
 #[derive(Debug, Clone)]
 pub(crate) struct StudyData {
     /// Study 2's participants: those with an own drive, in order.
@@ -20,37 +67,72 @@ pub(crate) struct StudyData {
     pub(crate) measurements: Vec<MeasuredDrive>,
     pub(crate) embeddings: Vec<EmbeddingRow>,
     pub(crate) conditions: Vec<ConditionRow>,
-    pre: Vec<Score>,
-    post: Vec<Score>,
+    /// Study 2's drives by condition and participant.
+    drives: BTreeMap<Condition, BTreeMap<ParticipantId, usize>>,
+    /// Subscales of the pre-study scales, in the order in which they were scored.
+    subscales: Vec<(String, String)>,
+    pre: Scores,
+    post: Scores,
 }
 
 impl StudyData {
+    /// Reads the tables that a pipeline left in a folder.
+    ///
+    /// # Errors
+    /// [`StudyError`] if one cannot be read, or as [`StudyData::new`].
     pub(crate) fn read(folder: &Path) -> Result<Self, StudyError> {
-        let measurements = read_measurements(&folder.join("measurements.parquet"))?;
-        let mut participants: Vec<ParticipantId> = measurements
-            .iter()
-            .filter(|d| d.meta.study == Study::Two && d.meta.condition == Condition::Own)
-            .map(|d| d.meta.participant.clone())
-            .collect();
-        participants.sort();
-        participants.dedup();
+        let tables = Tables {
+            measurements: read_measurements(&folder.join("measurements.parquet"))?,
+            embeddings: read_embeddings(&folder.join("embeddings.csv"))?,
+            conditions: read_conditions(&folder.join("conditions.csv"))?,
+            pre: read_scores(&folder.join("scores.csv"))?,
+            post: read_scores(&folder.join("rating_scores.csv"))?,
+        };
+        Self::new(tables, &folder.display().to_string())
+    }
+
+    /// Puts the tables of a study side by side; `whence` stands in the error message.
+    ///
+    /// # Errors
+    /// [`StudyError::NotPossible`] for fewer than three participants of Study 2.
+    pub(crate) fn new(tables: Tables, whence: &str) -> Result<Self, StudyError> {
+        let mut drives: BTreeMap<Condition, BTreeMap<ParticipantId, usize>> = BTreeMap::new();
+        for (at, drive) in tables.measurements.iter().enumerate() {
+            if drive.meta.study == Study::Two {
+                let of = drives.entry(drive.meta.condition).or_default();
+                of.entry(drive.meta.participant.clone()).or_insert(at);
+            }
+        }
+        let own = drives.get(&Condition::Own);
+        let participants: Vec<ParticipantId> =
+            own.into_iter().flat_map(BTreeMap::keys).cloned().collect();
         if participants.len() < 3 {
             return Err(StudyError::NotPossible {
                 problem: format!(
-                    "{}: {} participants of Study 2 have an own drive, expected at least 3",
-                    folder.display(),
+                    "{whence}: {} participants of Study 2 have an own drive, expected at least 3",
                     participants.len()
                 ),
                 help: Some("run the pipeline with more participants: --set study2=6".to_owned()),
             });
         }
+        let mut subscales: Vec<(String, String)> = Vec::new();
+        for score in &tables.pre {
+            let known = |(scale, subscale): &(String, String)| {
+                *scale == score.scale && *subscale == score.subscale
+            };
+            if !subscales.iter().any(known) {
+                subscales.push((score.scale.clone(), score.subscale.clone()));
+            }
+        }
         Ok(Self {
             participants,
-            measurements,
-            embeddings: read_embeddings(&folder.join("embeddings.csv"))?,
-            conditions: read_conditions(&folder.join("conditions.csv"))?,
-            pre: read_scores(&folder.join("scores.csv"))?,
-            post: read_scores(&folder.join("rating_scores.csv"))?,
+            drives,
+            subscales,
+            pre: Scores::of(&tables.pre),
+            post: Scores::of(&tables.post),
+            measurements: tables.measurements,
+            embeddings: tables.embeddings,
+            conditions: tables.conditions,
         })
     }
 
@@ -68,12 +150,8 @@ impl StudyData {
         condition: Condition,
         measure: &str,
     ) -> Option<f64> {
-        let drive = self.measurements.iter().find(|d| {
-            d.meta.study == Study::Two
-                && d.meta.participant == *participant
-                && d.meta.condition == condition
-        })?;
-        drive.values.get(measure).copied().flatten()
+        let at = *self.drives.get(&condition)?.get(participant)?;
+        self.measurements[at].values.get(measure).copied().flatten()
     }
 
     /// A measure of every own drive of Study 1 that has it.
@@ -105,7 +183,7 @@ impl StudyData {
         scale: &str,
         subscale: &str,
     ) -> Option<f64> {
-        find(&self.pre, participant, Moment::Pre, scale, subscale)
+        self.pre.get(participant, Moment::Pre, scale, subscale)
     }
 
     /// A questionnaire score about a condition.
@@ -116,41 +194,23 @@ impl StudyData {
         scale: &str,
         subscale: &str,
     ) -> Option<f64> {
-        find(
-            &self.post,
-            participant,
-            Moment::After(condition),
-            scale,
-            subscale,
-        )
+        self.post
+            .get(participant, Moment::After(condition), scale, subscale)
+    }
+
+    /// A participant's row of the conditions.
+    pub(crate) fn condition(
+        &self,
+        participant: &ParticipantId,
+        condition: Condition,
+    ) -> Option<&ConditionRow> {
+        let row = |c: &&ConditionRow| c.participant == *participant && c.condition == condition;
+        self.conditions.iter().find(row)
     }
 
     /// Subscales of a pre-study scale, in the order in which they were scored.
     pub(crate) fn pre_subscales(&self, scale: &str) -> Vec<String> {
-        let mut found: Vec<String> = Vec::new();
-        for score in self.pre.iter().filter(|s| s.scale == scale) {
-            if !found.contains(&score.subscale) {
-                found.push(score.subscale.clone());
-            }
-        }
-        found
+        let of = self.subscales.iter().filter(|(s, _)| s == scale);
+        of.map(|(_, subscale)| subscale.clone()).collect()
     }
-}
-
-fn find(
-    scores: &[Score],
-    participant: &ParticipantId,
-    moment: Moment,
-    scale: &str,
-    subscale: &str,
-) -> Option<f64> {
-    scores
-        .iter()
-        .find(|s| {
-            s.participant == *participant
-                && s.moment == moment
-                && s.scale == scale
-                && s.subscale == subscale
-        })?
-        .value
 }

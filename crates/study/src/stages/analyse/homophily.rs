@@ -3,14 +3,15 @@
 use super::{
     adapt::{correlate, correlate_within},
     data::StudyData,
+    family::Family,
     result::{HomophilyRow, Preference, SimilarityRow},
 };
 use crate::error::StudyError;
 use maveric_domain::{Condition, ParticipantId};
-use maveric_stats::{CorrelationMethod, adjust};
+use maveric_stats::{CorrelationMethod, adjust, proportion};
 
 /// The ratings of a condition: code name, scale, subscale, and whether more of it is better.
-const RATINGS: [(&str, &str, &str, bool); 4] = [
+pub(super) const RATINGS: [(&str, &str, &str, bool); 4] = [
     ("competence", "rosas", "competence", true),
     (
         "intelligence",
@@ -22,40 +23,47 @@ const RATINGS: [(&str, &str, &str, bool); 4] = [
     ("trust", "jian_trust", "overall", true),
 ];
 
-fn rating(data: &StudyData, p: &ParticipantId, condition: Condition, name: &str) -> Option<f64> {
+pub(super) fn rating(
+    data: &StudyData,
+    p: &ParticipantId,
+    condition: Condition,
+    name: &str,
+) -> Option<f64> {
     let (_, scale, subscale, _) = RATINGS.iter().find(|r| r.0 == name)?;
     data.post(p, condition, scale, subscale)
 }
 
-/// Every factor against every rating difference: one family.
-pub(super) fn homophily(data: &StudyData) -> Result<Vec<HomophilyRow>, StudyError> {
+/// Every factor of the family against every rating difference.
+pub(super) fn homophily(
+    data: &StudyData,
+    family: &Family,
+) -> Result<Vec<HomophilyRow>, StudyError> {
+    // Mimic minus the other, once for all factors.
+    let mut differences = Vec::new();
+    for versus in [Condition::Cautious, Condition::Aggressive] {
+        for (name, ..) in RATINGS {
+            let difference =
+                |p| Some(rating(data, p, Condition::Mimic, name)? - rating(data, p, versus, name)?);
+            let y: Vec<Option<f64>> = data.participants.iter().map(difference).collect();
+            differences.push((versus, name, y));
+        }
+    }
     let mut rows = Vec::new();
-    for scale in ["mini_ipip", "mdsi"] {
-        for factor in data.pre_subscales(scale) {
-            let x: Vec<Option<f64>> = data
-                .participants
-                .iter()
-                .map(|p| data.pre(p, scale, &factor))
-                .collect();
-            for versus in [Condition::Cautious, Condition::Aggressive] {
-                for (name, ..) in RATINGS {
-                    let difference = |p| {
-                        Some(
-                            rating(data, p, Condition::Mimic, name)?
-                                - rating(data, p, versus, name)?,
-                        )
-                    };
-                    let y: Vec<Option<f64>> = data.participants.iter().map(difference).collect();
-                    rows.push(HomophilyRow {
-                        factor: factor.clone(),
-                        versus,
-                        rating: name.to_owned(),
-                        correlation: correlate(&x, &y, CorrelationMethod::Auto)?,
-                        p_holm: None,
-                        p_bh: None,
-                    });
-                }
-            }
+    for (scale, factor) in family.factors(data)? {
+        let x: Vec<Option<f64>> = data
+            .participants
+            .iter()
+            .map(|p| data.pre(p, &scale, &factor))
+            .collect();
+        for (versus, name, y) in &differences {
+            rows.push(HomophilyRow {
+                factor: factor.clone(),
+                versus: *versus,
+                rating: (*name).to_owned(),
+                correlation: correlate(&x, y, CorrelationMethod::Auto)?,
+                p_holm: None,
+                p_bh: None,
+            });
         }
     }
     let tested: Vec<usize> = (0..rows.len())
@@ -113,6 +121,9 @@ pub(super) fn preferences(data: &StudyData) -> Vec<Preference> {
             aggressive_above: 0,
             cautious_above: 0,
             mimic_not_above_cautious: 0,
+            aggressive_share: None,
+            cautious_share: None,
+            mimic_not_above_cautious_share: None,
         };
         let sign = if more_is_better { 1.0 } else { -1.0 };
         for p in &data.participants {
@@ -129,6 +140,10 @@ pub(super) fn preferences(data: &StudyData) -> Vec<Preference> {
             found.cautious_above += usize::from(cautious > mimic);
             found.mimic_not_above_cautious += usize::from(mimic <= cautious);
         }
+        let share = |count: usize| proportion(count, found.n, 0.95).ok();
+        found.aggressive_share = share(found.aggressive_above);
+        found.cautious_share = share(found.cautious_above);
+        found.mimic_not_above_cautious_share = share(found.mimic_not_above_cautious);
         found
     };
     RATINGS.iter().map(one).collect()

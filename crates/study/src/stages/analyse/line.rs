@@ -93,12 +93,7 @@ pub(super) fn line(data: &StudyData, adb_used: bool) -> Result<AggressionLine, S
 /// Habits along the line and round the ellipse.
 pub(super) fn kept(data: &StudyData) -> Result<Vec<Kept>, StudyError> {
     let positions = position(data, true);
-    let angle = |p: &_| {
-        data.conditions
-            .iter()
-            .find(|c| c.participant == *p && c.condition == Condition::Perpendicular)?
-            .angle_rad
-    };
+    let angle = |p: &_| data.condition(p, Condition::Perpendicular)?.angle_rad;
     let angles: Vec<Option<f64>> = data
         .participants
         .iter()

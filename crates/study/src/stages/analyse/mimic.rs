@@ -8,7 +8,7 @@ use super::{
 use crate::error::StudyError;
 use maveric_domain::Condition;
 use maveric_measures::mean_accuracy;
-use maveric_stats::{WithinSubjects, adjust, within};
+use maveric_stats::{Adjustment, PosthocTest, WithinSubjects, adjust, posthoc};
 
 /// Mimic accuracy of each measure, beside what the mean of the training drivers would have reached.
 pub(super) fn accuracy(data: &StudyData) -> Vec<MimicAccuracy> {
@@ -63,7 +63,9 @@ pub(super) fn nearer(data: &StudyData) -> Result<Vec<Nearer>, StudyError> {
                 &distances,
             )
             .ok();
-            let p = tested.and_then(|t| within(&t).wilcoxon.get("mimic|other").and_then(|w| w.p));
+            let compared = tested
+                .and_then(|t| posthoc(&t, PosthocTest::Wilcoxon, Adjustment::None, 0.05).ok());
+            let p = compared.and_then(|c| c.pairs.get("mimic|other").and_then(|w| w.p));
             rows.push(Nearer {
                 measure: measure.to_owned(),
                 title: title(measure),

@@ -1,16 +1,19 @@
 //! `stats paper`: every analysis of the paper over the results of a run (method section 9).
 
 mod adapt;
-mod data;
+pub(crate) mod data;
+mod family;
 mod homophily;
 mod line;
 mod mimic;
+mod mixed;
 mod panels;
 mod result;
 
+pub use family::Family;
 pub use result::{
     AggressionLine, Analysis, Correlation, Exclusion, HomophilyRow, Kept, LineRow, MimicAccuracy,
-    Nearer, Panel, PanelPair, Preference, SimilarityRow,
+    MixedRow, Nearer, Panel, PanelPair, Preference, SimilarityRow,
 };
 
 use crate::{
@@ -29,6 +32,17 @@ pub struct AnalyseOptions {
     pub results: PathBuf,
     /// Analysis to write (JSON).
     pub out: PathBuf,
+    /// The factors of the homophily tests.
+    pub family: Family,
+}
+
+/// How much work Friedman's p is worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Friedman {
+    /// Exact where it is feasible, as a study is reported.
+    Exact,
+    /// By Iman and Davenport's F: a thousand times faster, for many studies.
+    Approximate,
 }
 
 /// Runs every analysis of the paper and writes the results.
@@ -43,42 +57,7 @@ pub fn analyse(
     watch: Watch<'_>,
 ) -> Result<Outcome<Analysis>, StudyError> {
     let data = StudyData::read(&options.results)?;
-    let steps = 6;
-    watch.step(1, steps, "aggression line")?;
-    let line = line::line(&data, true)?;
-    let line_without_adb = line::line(&data, false)?;
-    watch.step(2, steps, "mimic accuracy")?;
-    let accuracy = mimic::accuracy(&data);
-    let nearer = mimic::nearer(&data)?;
-    watch.step(3, steps, "six panels")?;
-    let panels = panels::panels(&data)?;
-    watch.step(4, steps, "other habits")?;
-    let kept = line::kept(&data)?;
-    watch.step(5, steps, "homophily")?;
-    let shifted: Vec<bool> = data
-        .conditions
-        .iter()
-        .filter(|c| matches!(c.condition, Condition::Aggressive | Condition::Cautious))
-        .map(|c| c.beyond_training)
-        .collect();
-    let beyond = shifted.iter().filter(|b| **b).count() as f64 / shifted.len() as f64;
-    let exclusions = exclusions(&panels, &accuracy);
-    let analysis = Analysis {
-        synthetic: data.is_synthetic(),
-        participants: data.participants.len(),
-        line,
-        line_without_adb,
-        accuracy,
-        panels,
-        nearer,
-        kept,
-        homophily: homophily::homophily(&data)?,
-        similarity: homophily::similarity(&data)?,
-        preferences: homophily::preferences(&data),
-        beyond_training: Some(beyond).filter(|b| b.is_finite()),
-        exclusions,
-    };
-    watch.step(steps, steps, "analyses")?;
+    let analysis = analysis(&data, &options.family, Friedman::Exact, watch)?;
     write_json(&options.out, &analysis)?;
     let warnings = analysis
         .exclusions
@@ -94,6 +73,56 @@ pub fn analyse(
         value: analysis,
         summary,
         warnings,
+    })
+}
+
+/// Every analysis of method section 9 over the tables of one study: what [`analyse`] writes, and what a rehearsal repeats.
+///
+/// # Errors
+/// [`StudyError`] if the family names what nobody answered, a test refuses its data, or the work was interrupted.
+pub(crate) fn analysis(
+    data: &StudyData,
+    family: &Family,
+    friedman: Friedman,
+    watch: Watch<'_>,
+) -> Result<Analysis, StudyError> {
+    let steps = 6;
+    watch.step(1, steps, "aggression line")?;
+    let line = line::line(data, true)?;
+    let line_without_adb = line::line(data, false)?;
+    watch.step(2, steps, "mimic accuracy")?;
+    let accuracy = mimic::accuracy(data);
+    let nearer = mimic::nearer(data)?;
+    watch.step(3, steps, "six panels")?;
+    let panels = panels::panels(data, friedman)?;
+    watch.step(4, steps, "other habits")?;
+    let kept = line::kept(data)?;
+    watch.step(5, steps, "homophily")?;
+    let shifted: Vec<bool> = data
+        .conditions
+        .iter()
+        .filter(|c| matches!(c.condition, Condition::Aggressive | Condition::Cautious))
+        .map(|c| c.beyond_training)
+        .collect();
+    let beyond = shifted.iter().filter(|b| **b).count() as f64 / shifted.len() as f64;
+    let exclusions = exclusions(&panels, &accuracy);
+    watch.step(steps, steps, "analyses")?;
+    Ok(Analysis {
+        synthetic: data.is_synthetic(),
+        participants: data.participants.len(),
+        line,
+        line_without_adb,
+        accuracy,
+        panels,
+        nearer,
+        kept,
+        homophily: homophily::homophily(data, family)?,
+        family: family.clone(),
+        mixed: mixed::mixed(data)?,
+        similarity: homophily::similarity(data)?,
+        preferences: homophily::preferences(data),
+        beyond_training: Some(beyond).filter(|b| b.is_finite()),
+        exclusions,
     })
 }
 

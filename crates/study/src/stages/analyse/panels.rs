@@ -1,6 +1,7 @@
 //! 9.3: differences from the own drive in the four conditions, six panels.
 
 use super::{
+    Friedman,
     data::StudyData,
     line::{FOLLOWS, title, unit},
     result::{Panel, PanelPair},
@@ -8,7 +9,7 @@ use super::{
 use crate::{error::StudyError, stages::stats::apa_omnibus};
 use maveric_domain::{Condition, MetresPerSecond};
 use maveric_measures::difference_from_own;
-use maveric_stats::{WithinSubjects, compare};
+use maveric_stats::{WithinSubjects, compare, compare_without_exact};
 
 /// Level of the assumption checks and of `reject`.
 const ALPHA: f64 = 0.05;
@@ -16,7 +17,7 @@ const ALPHA: f64 = 0.05;
 const SAME_AGGRESSIVENESS: f64 = 4.0;
 
 /// The six panels of the paper, in its order.
-pub(super) fn panels(data: &StudyData) -> Result<Vec<Panel>, StudyError> {
+pub(super) fn panels(data: &StudyData, friedman: Friedman) -> Result<Vec<Panel>, StudyError> {
     let mut panels = Vec::new();
     for measure in FOLLOWS {
         let value = |p: &_, c| {
@@ -36,7 +37,15 @@ pub(super) fn panels(data: &StudyData) -> Result<Vec<Panel>, StudyError> {
                 .to_vec()
         };
         let rows = data.participants.iter().map(row).collect();
-        panels.push(panel(data, measure, title(measure), unit, 0.0, rows)?);
+        panels.push(panel(
+            data,
+            friedman,
+            measure,
+            title(measure),
+            unit,
+            0.0,
+            rows,
+        )?);
     }
     let rated = |p| {
         Condition::AV
@@ -47,6 +56,7 @@ pub(super) fn panels(data: &StudyData) -> Result<Vec<Panel>, StudyError> {
     let name = "Subjective aggressiveness".to_owned();
     panels.push(panel(
         data,
+        friedman,
         "aggressiveness",
         name,
         "rating, 1 to 7".to_owned(),
@@ -58,6 +68,7 @@ pub(super) fn panels(data: &StudyData) -> Result<Vec<Panel>, StudyError> {
 
 fn panel(
     data: &StudyData,
+    friedman: Friedman,
     measure: &str,
     title: String,
     unit: String,
@@ -101,7 +112,10 @@ fn panel(
     }
     let names = Condition::AV.map(|c| c.to_string());
     let tested = WithinSubjects::from_rows(&names, &subjects, &values)?;
-    let found = compare(&tested, ALPHA)?;
+    let found = match friedman {
+        Friedman::Exact => compare(&tested, ALPHA)?,
+        Friedman::Approximate => compare_without_exact(&tested, ALPHA)?,
+    };
     panel.chosen = serde_json::to_value(found.chosen)
         .ok()
         .and_then(|v| v.as_str().map(str::to_owned));

@@ -1,6 +1,8 @@
 //! What the analyses of the paper give: everything that a figure, a table or a claim is made from.
 
+use super::family::Family;
 use maveric_domain::Condition;
+use maveric_stats::{MixedModel, Proportion};
 use serde::{Deserialize, Serialize};
 
 /// Every analysis of the paper over one study (method section 9).
@@ -22,10 +24,16 @@ pub struct Analysis {
     pub nearer: Vec<Nearer>,
     /// 9.4, a row a measure.
     pub kept: Vec<Kept>,
+    /// 9.5, the family of tests as declared, such as `mini_ipip,mdsi`.
+    #[serde(default)]
+    pub family: Family,
     /// 9.5, a row a pair of factor and rating difference.
     pub homophily: Vec<HomophilyRow>,
     /// 9.5, perceived similarity against the ratings, over all answers.
     pub similarity: Vec<SimilarityRow>,
+    /// 9.5, each rating on the shift of the dial, with people as random effects.
+    #[serde(default)]
+    pub mixed: Vec<MixedRow>,
     /// 9.5, who preferred another style to their own.
     pub preferences: Vec<Preference>,
     /// Share of Aggressive and Cautious embeddings that lie further out than any training driver's.
@@ -214,6 +222,22 @@ pub struct SimilarityRow {
     pub within: Correlation,
 }
 
+/// A rating on the shift of the dial: the linear mixed model with random intercept and slope a participant.
+///
+/// Keys of `model.fixed`: `intercept` (the rating at Mimic), `shift` (change a unit towards aggressive) and `shift_squared` (negative:
+/// away from the own style on either side it falls, which is homophily). Unit: `unit_points` points of the ADB scale.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct MixedRow {
+    /// `competence`, `intelligence`, `discomfort` or `trust`.
+    pub rating: String,
+    /// ADB points in one unit of the shift.
+    pub unit_points: f64,
+    /// The fit (REML; tests by Satterthwaite's degrees of freedom).
+    pub model: Option<MixedModel>,
+    /// Why there is none.
+    pub why_not: Option<String>,
+}
+
 /// How many rated another style above their own.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Preference {
@@ -227,6 +251,15 @@ pub struct Preference {
     pub cautious_above: usize,
     /// Rated Mimic no better than Cautious.
     pub mimic_not_above_cautious: usize,
+    /// Share of `aggressive_above` in `n`, with Wilson's 95 % interval.
+    #[serde(default)]
+    pub aggressive_share: Option<Proportion>,
+    /// Share of `cautious_above`.
+    #[serde(default)]
+    pub cautious_share: Option<Proportion>,
+    /// Share of `mimic_not_above_cautious`.
+    #[serde(default)]
+    pub mimic_not_above_cautious_share: Option<Proportion>,
 }
 
 /// Who or what was left out.

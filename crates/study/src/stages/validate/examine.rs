@@ -305,7 +305,8 @@ impl Bench<'_> {
             self.scenario,
             Driver::Automated(&mut planner, controllers),
             world,
-        )?;
+        )?
+        .completed()?;
         if let Some(error) = planner.failure() {
             return Err(error.into());
         }

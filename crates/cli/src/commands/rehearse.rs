@@ -1,0 +1,73 @@
+//! `maveric rehearse`.
+
+use super::print_outcome;
+use crate::{args::Format, diagnostics::Failure};
+use maveric_study::stages::{
+    analyse::Family,
+    rehearse::{self, RehearseOptions},
+};
+
+/// Run the paper's whole analysis on many made-up studies without driving: false-positive rates, power, sample sizes
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples: maveric rehearse --effects-times 0 --studies 4000 --out reports/null
+          maveric rehearse --participants 12,24,48,96 --effects-times 0.5,1 --studies 300 --out reports/power")]
+pub(crate) struct Rehearse {
+    /// What drives look like (TOML)
+    #[arg(long, default_value = "study_data/population.toml")]
+    population: std::path::PathBuf,
+    /// Sizes of the effects (TOML)
+    #[arg(long, default_value = "study_data/effects.toml")]
+    effects: std::path::PathBuf,
+    /// Folder of questionnaire definitions
+    #[arg(long, default_value = "study_data/scales")]
+    scales: std::path::PathBuf,
+    /// What the paper reported (TOML): signs are compared with it
+    #[arg(long)]
+    claims: Option<std::path::PathBuf>,
+    /// Participants of a study; several sizes, ascending
+    #[arg(long, value_delimiter = ',', default_value = "24")]
+    participants: Vec<usize>,
+    /// What every effect is multiplied with; 0 for none at all
+    #[arg(long, value_delimiter = ',', default_value = "0")]
+    effects_times: Vec<f64>,
+    /// Studies of each size and scale of the effects
+    #[arg(long, default_value_t = 1000)]
+    studies: usize,
+    /// Scales and factors of the homophily tests, one family
+    #[arg(long, default_value_t)]
+    family: Family,
+    /// Folder to write into: rehearsal.json and a page with figures and tables
+    #[arg(long)]
+    out: std::path::PathBuf,
+    /// Root of every random choice
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Threads
+    #[arg(short, long, default_value_t = super::all_cores())]
+    jobs: usize,
+    /// How to print the result
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Rehearse {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let options = RehearseOptions {
+            population: self.population,
+            effects: self.effects,
+            scales: self.scales,
+            claims: self.claims,
+            participants: self.participants,
+            effect_scales: self.effects_times,
+            studies: self.studies,
+            family: self.family,
+            out: self.out,
+            seed: self.seed,
+            jobs: self.jobs,
+        };
+        print_outcome(self.format, "could not rehearse", |watch| {
+            rehearse::rehearse(&options, watch)
+        })
+    }
+}

@@ -1,0 +1,203 @@
+//! Curves with intervals against a number, panel by panel: power against participants, errors against trials.
+
+use super::axes::{Frame, Labels, Scale};
+use super::canvas::{Key, Pen, cap_height};
+use super::check::Check;
+use super::theme::{GREY, INK, MUTED, Marker, TWO_COLUMNS_MM, size, stroke};
+use super::{Context, Figure, Plan, Shows, draw};
+use crate::error::ReportError;
+use maveric_domain::Condition;
+use serde::{Deserialize, Serialize};
+
+/// Curves to be drawn, and everything said about them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Curves {
+    /// Stem of the files.
+    pub name: String,
+    /// One line.
+    pub title: String,
+    /// With marks.
+    pub caption: String,
+    /// The finding in words.
+    pub alt: String,
+    /// Title of every x axis.
+    pub x: String,
+    /// Names of the curves, at most five, the same in every panel.
+    pub curves: Vec<String>,
+    /// A dashed line across every panel, such as a power of .8.
+    pub rule: Option<f64>,
+    /// Lowest and highest y of every panel; from the points without.
+    pub range: Option<(f64, f64)>,
+    /// The panels, in rows of three.
+    pub panels: Vec<CurvePanel>,
+}
+
+/// One panel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CurvePanel {
+    /// With marks.
+    pub title: String,
+    /// Title of the y axis.
+    pub y: String,
+    /// The points of each curve, ascending in x; in the order of [`Curves::curves`].
+    pub curves: Vec<Vec<CurvePoint>>,
+}
+
+/// A value with its interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CurvePoint {
+    /// Where.
+    pub x: f64,
+    /// The value.
+    pub y: f64,
+    /// Low end of its 95 % interval.
+    pub low: f64,
+    /// High end.
+    pub high: f64,
+}
+
+const MARKERS: [Marker; 5] = [
+    Marker::Circle,
+    Marker::Square,
+    Marker::TriangleUp,
+    Marker::Diamond,
+    Marker::TriangleDown,
+];
+
+/// Draws every panel's curves.
+///
+/// # Errors
+/// [`ReportError`] if there is no panel or no curve, more than five curves, a panel has another number of curves, x does not ascend, or a value is not finite.
+pub fn curves(input: &Curves, context: &Context) -> Result<Figure, ReportError> {
+    let check = Check("curves");
+    check.at_least(1, "panels", input.panels.len())?;
+    check.at_least(1, "curves", input.curves.len())?;
+    let count = input.curves.len();
+    check.that(count <= MARKERS.len(), "curves", count as f64, "at most 5")?;
+    check.finite("rule", input.rule)?;
+    check.finite(
+        "range",
+        input.range.into_iter().flat_map(|(low, high)| [low, high]),
+    )?;
+    for panel in &input.panels {
+        check.length("curves", panel.curves.len(), count)?;
+        for curve in &panel.curves {
+            check.finite(
+                "a point",
+                curve.iter().flat_map(|p| [p.x, p.y, p.low, p.high]),
+            )?;
+            for pair in curve.windows(2) {
+                check.that(pair[0].x < pair[1].x, "x", pair[1].x, "ascending x")?;
+            }
+        }
+    }
+    let colours = [
+        INK,
+        super::theme::colour(Condition::Aggressive),
+        super::theme::colour(Condition::Cautious),
+        GREY,
+        super::theme::colour(Condition::Perpendicular),
+    ];
+    let columns = input.panels.len().clamp(1, 3);
+    let rows = input.panels.len().div_ceil(columns);
+    let plan = Plan {
+        name: input.name.clone(),
+        size_mm: (TWO_COLUMNS_MM, 54.0 * rows as f64 + 8.0),
+        title: input.title.clone(),
+        caption: input.caption.clone(),
+        alt: input.alt.clone(),
+        shows: Shows::Participants,
+    };
+    let points = || input.panels.iter().flat_map(|p| &p.curves).flatten();
+    let x_ends = points().map(|p| p.x).collect::<Vec<_>>();
+    draw(plan, context, |canvas, mut whole| {
+        let keys: Vec<(Key, &str)> = input
+            .curves
+            .iter()
+            .enumerate()
+            .map(|(i, name)| (Key::Point(MARKERS[i], colours[i]), name.as_str()))
+            .collect();
+        canvas.legend_row((whole.left, whole.top + 4.0), &keys);
+        whole.top += cap_height(size::TICK) + 8.0;
+        for (index, panel) in input.panels.iter().enumerate() {
+            let cell = (index % columns, index / columns);
+            let place = whole.cell(cell, (columns, rows), (10.0, 9.0));
+            let values = panel.curves.iter().flatten().flat_map(|p| [p.low, p.high]);
+            let y = match input.range {
+                Some((low, high)) => Scale::between(low, high, 5),
+                None => Scale::over(values.chain([0.0]), 5),
+            };
+            let labels = Labels {
+                title: &panel.title,
+                x: &input.x,
+                y: &panel.y,
+                ..Labels::default()
+            };
+            let frame = Frame::draw(
+                canvas,
+                place,
+                &labels,
+                Scale::over(x_ends.iter().copied(), 5),
+                y,
+            );
+            if let Some(rule) = input.rule {
+                let ends = [frame.x.low(), frame.x.high()];
+                canvas.line(
+                    frame.at(ends[0], rule),
+                    frame.at(ends[1], rule),
+                    Pen::new(MUTED, stroke::AXIS).dashed(2.0, 2.0),
+                );
+            }
+            for (i, curve) in panel.curves.iter().enumerate() {
+                let path: Vec<(f64, f64)> = curve.iter().map(|p| frame.at(p.x, p.y)).collect();
+                canvas.path(&path, Pen::new(colours[i], stroke::STRONG));
+                for p in curve {
+                    let ends = [frame.at(p.x, p.low), frame.at(p.x, p.high)];
+                    canvas.line(ends[0], ends[1], Pen::new(colours[i], stroke::AXIS));
+                    canvas.marker(frame.at(p.x, p.y), 1.7, MARKERS[i], colours[i]);
+                }
+            }
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn input(x: [f64; 2]) -> Curves {
+        let point = |x| CurvePoint {
+            x,
+            y: 0.5,
+            low: 0.4,
+            high: 0.6,
+        };
+        Curves {
+            name: "power-curves".into(),
+            title: "Power".into(),
+            caption: String::new(),
+            alt: String::new(),
+            x: "Participants".into(),
+            curves: vec!["as planted".into()],
+            rule: Some(0.8),
+            range: Some((0.0, 1.0)),
+            panels: vec![CurvePanel {
+                title: "r".into(),
+                y: "Power".into(),
+                curves: vec![x.map(point).to_vec()],
+            }],
+        }
+    }
+
+    #[test]
+    fn curves_are_drawn_and_say_whose_they_are() {
+        let figure = curves(&input([12.0, 24.0]), &Context::synthetic(1)).unwrap();
+        assert!(figure.svg.contains("synthetic participants") && !figure.svg.contains("NaN"));
+    }
+
+    #[test]
+    fn sizes_out_of_order_are_refused() {
+        let refused = curves(&input([24.0, 12.0]), &Context::real());
+        assert!(matches!(refused, Err(ReportError::OutOfRange { .. })));
+    }
+}

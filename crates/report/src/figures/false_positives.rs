@@ -1,0 +1,162 @@
+//! How often each test says yes where there is nothing to find.
+
+use super::axes::{Frame, Labels, Scale};
+use super::canvas::{Key, Pen, cap_height};
+use super::check::Check;
+use super::theme::{GREY, INK, MUTED, Marker, PALE, TWO_COLUMNS_MM, colour, size, stroke};
+use super::{Context, Figure, Plan, Shows, draw};
+use crate::error::ReportError;
+use maveric_domain::Condition;
+use serde::{Deserialize, Serialize};
+
+/// False-positive rates by part of the report.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FalsePositives {
+    /// The parts from top to bottom.
+    pub parts: Vec<PartRates>,
+    /// Families of tests after Holm's correction: name, rate of any false positive, its 95 % interval.
+    pub families: Vec<(String, f64, (f64, f64))>,
+    /// Simulated studies.
+    pub studies: usize,
+    /// Participants of each.
+    pub participants: usize,
+}
+
+/// The tests of one part.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PartRates {
+    /// Such as `Six panels, pairs`.
+    pub name: String,
+    /// Rate of each test, 0 to 1.
+    pub rates: Vec<f64>,
+}
+
+const NAME: &str = "false-positives";
+const LEVEL: f64 = 0.05;
+const TOLERANCE: f64 = 0.01;
+
+/// Draws a point a test, with the level and ±.01 around it, and the families' rates after Holm below.
+///
+/// # Errors
+/// [`ReportError`] if there is no part or no study, or a rate is not between 0 and 1.
+pub fn false_positives(input: &FalsePositives, context: &Context) -> Result<Figure, ReportError> {
+    let check = Check(NAME);
+    check.at_least(1, "parts", input.parts.len())?;
+    check.at_least(1, "studies", input.studies)?;
+    let rates = || input.parts.iter().flat_map(|p| p.rates.iter().copied());
+    let families = || {
+        input
+            .families
+            .iter()
+            .flat_map(|(_, rate, ends)| [*rate, ends.0, ends.1])
+    };
+    for rate in rates().chain(families()) {
+        check.that((0.0..=1.0).contains(&rate), "a rate", rate, "0 to 1")?;
+    }
+    let tests = rates().count();
+    let within = rates().filter(|r| (r - LEVEL).abs() <= TOLERANCE).count();
+    let rows = input.parts.len() + input.families.len();
+    let plan = Plan {
+        name: NAME.to_owned(),
+        size_mm: (TWO_COLUMNS_MM, 26.0 + 5.4 * rows as f64),
+        title: "False positives where there is nothing to find".to_owned(),
+        caption: format!(
+            "Points: a test each, share of the simulated studies without any effect in which *p* < .05; \
+             band: .05 ± .01. Squares: share of studies with any false positive in a family after Holm, 95% intervals. \
+             *n* = {} studies of {} participants.",
+            input.studies, input.participants
+        ),
+        alt: format!("{within} of {tests} tests have a rate of .05 within .01."),
+        shows: Shows::Participants,
+    };
+    draw(plan, context, |canvas, mut whole| {
+        let keys = [
+            (Key::Point(Marker::Circle, INK), "a test, uncorrected"),
+            (
+                Key::Point(Marker::Square, colour(Condition::Mimic)),
+                "a family, after Holm",
+            ),
+        ];
+        canvas.legend_row((whole.left, whole.top + 4.0), &keys);
+        whole.top += cap_height(size::TICK) + 8.0;
+        let last = rows as f64 - 1.0;
+        let names = input
+            .parts
+            .iter()
+            .map(|p| format!("{} ({})", p.name, p.rates.len()))
+            .chain(
+                input
+                    .families
+                    .iter()
+                    .map(|(name, ..)| format!("Any in {name}")),
+            );
+        let ticks: Vec<(f64, String)> = names
+            .enumerate()
+            .map(|(row, name)| (last - row as f64, crate::markup::literal(&name)))
+            .collect();
+        let labels = Labels {
+            x: "Share of studies with p < .05",
+            ..Labels::default()
+        };
+        let x = Scale::over(rates().chain(families()).chain([0.0, 0.08]), 6);
+        let y = Scale::labelled(-0.7, last + 0.7, ticks);
+        let frame = Frame::draw(canvas, whole, &labels, x, y);
+        let corners = [
+            frame.at(LEVEL - TOLERANCE, last + 0.7),
+            frame.at(LEVEL + TOLERANCE, -0.7),
+        ];
+        canvas.fill_rect(corners[0], corners[1], PALE, 1.0);
+        canvas.line(
+            frame.at(LEVEL, -0.7),
+            frame.at(LEVEL, last + 0.7),
+            Pen::new(MUTED, stroke::AXIS).dashed(2.0, 2.0),
+        );
+        for (row, part) in input.parts.iter().enumerate() {
+            let middle = last - row as f64;
+            let count = part.rates.len().max(1) as f64;
+            for (i, rate) in part.rates.iter().enumerate() {
+                // Spread over the row in the order of the tests, so that none hides another.
+                let off = ((i as f64 + 0.5) / count - 0.5) * 0.6;
+                let tone = if (rate - LEVEL).abs() <= TOLERANCE {
+                    GREY
+                } else {
+                    INK
+                };
+                canvas.marker(frame.at(*rate, middle + off), 1.2, Marker::Circle, tone);
+            }
+        }
+        for (i, (_, rate, (low, high))) in input.families.iter().enumerate() {
+            let middle = last - (input.parts.len() + i) as f64;
+            let ends = [frame.at(*low, middle), frame.at(*high, middle)];
+            canvas.line(ends[0], ends[1], Pen::new(INK, stroke::BOX));
+            canvas.marker(
+                frame.at(*rate, middle),
+                2.0,
+                Marker::Square,
+                colour(Condition::Mimic),
+            );
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rate_above_one_is_refused_and_others_are_drawn() {
+        let input = |rate| FalsePositives {
+            parts: vec![PartRates {
+                name: "pairs".into(),
+                rates: vec![0.04, rate],
+            }],
+            families: vec![("panel".into(), 0.03, (0.02, 0.05))],
+            studies: 400,
+            participants: 24,
+        };
+        let figure = false_positives(&input(0.2), &Context::synthetic(1)).unwrap();
+        assert!(figure.alt.starts_with("1 of 2"), "{}", figure.alt);
+        let refused = false_positives(&input(1.2), &Context::real());
+        assert!(matches!(refused, Err(ReportError::OutOfRange { .. })));
+    }
+}

@@ -1,0 +1,119 @@
+//! Speed and gap over time as SVG that stretches with the page: no text, lines that keep their width.
+
+use super::pack::{SAMPLES_PER_S, Sampled};
+use maveric_domain::units::MPS_PER_MPH;
+use std::fmt::Write as _;
+
+/// Size of the picture, in its own units.
+const WIDTH: f64 = 1000.0;
+const HEIGHT: f64 = 64.0;
+/// Where speed and gap are drawn, from top to bottom.
+const SPEED: (f64, f64) = (3.0, 29.0);
+const GAP: (f64, f64) = (36.0, 62.0);
+/// Points that a line has at most.
+const MOST_POINTS: usize = 600;
+/// Gaps above this are not drawn, in m.
+pub(super) const GAP_AXIS_M: f64 = 120.0;
+
+/// What all rows share.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Axes {
+    /// The longest drive, in s.
+    pub(super) duration_s: f64,
+    /// Time between two grid lines, in s.
+    pub(super) step_s: f64,
+    /// Lowest and highest speed, in mph, multiples of 10.
+    pub(super) speed_mph: (f64, f64),
+}
+
+impl Axes {
+    pub(super) fn of(drives: &[Sampled]) -> Self {
+        let longest = drives.iter().map(|d| d.samples - 1).max().unwrap_or(0);
+        let duration_s = (longest as f64 / SAMPLES_PER_S).max(1.0 / SAMPLES_PER_S);
+        let steps = [
+            1.0, 5.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0,
+        ];
+        let fits = steps.into_iter().find(|step| duration_s / step <= 10.5);
+        let speeds = || {
+            let of = |d: &Sampled| {
+                let there = (0..d.samples).filter(|&i| d.has(i));
+                there
+                    .map(|i| d.speed_mps[i] / MPS_PER_MPH)
+                    .collect::<Vec<_>>()
+            };
+            drives.iter().flat_map(of)
+        };
+        let low = (speeds().fold(f64::MAX, f64::min) / 10.0).floor() * 10.0;
+        let high = (speeds().fold(f64::MIN, f64::max) / 10.0).ceil() * 10.0;
+        Self {
+            duration_s,
+            step_s: fits.unwrap_or(7200.0),
+            speed_mph: (low, high.max(low + 10.0)),
+        }
+    }
+
+    /// Times of the grid lines, in s.
+    pub(super) fn ticks(&self) -> Vec<f64> {
+        let count = (self.duration_s / self.step_s + 1e-9).floor() as usize;
+        (0..=count).map(|i| i as f64 * self.step_s).collect()
+    }
+}
+
+/// Draws one drive's speed and gap.
+pub(super) fn timeline(sampled: &Sampled, axes: &Axes) -> String {
+    let mut out = format!(
+        "<svg class=\"pl-lines\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" preserveAspectRatio=\"none\" aria-hidden=\"true\" focusable=\"false\">"
+    );
+    let x = |s: f64| s / axes.duration_s * WIDTH;
+    out.push_str("<path class=\"pl-grid\" d=\"");
+    for tick in axes.ticks() {
+        let _ = write!(out, "M{:.1} 0V{HEIGHT}", x(tick));
+    }
+    for y in [SPEED.0, SPEED.1, GAP.0, GAP.1] {
+        let _ = write!(out, "M0 {y}H{WIDTH}");
+    }
+    out.push_str("\"/>");
+    let stride = sampled
+        .samples
+        .div_ceil(MOST_POINTS)
+        .max(SAMPLES_PER_S as usize / 2);
+    let (low, high) = axes.speed_mph;
+    let height = |(top, bottom): (f64, f64), share: f64| bottom - share * (bottom - top);
+    let speed = |i: usize| {
+        let mph = sampled.speed_mps[i] / MPS_PER_MPH;
+        sampled
+            .has(i)
+            .then(|| height(SPEED, (mph - low) / (high - low)))
+    };
+    let gap = |i: usize| {
+        let gap = sampled.gap_m[i].filter(|gap| sampled.has(i) && (0.0..=GAP_AXIS_M).contains(gap));
+        gap.map(|gap| height(GAP, gap / GAP_AXIS_M))
+    };
+    line(&mut out, "pl-speed", sampled.samples, stride, axes, speed);
+    line(&mut out, "pl-gaps", sampled.samples, stride, axes, gap);
+    out.push_str("</svg>");
+    out
+}
+
+fn line(
+    out: &mut String,
+    class: &str,
+    samples: usize,
+    stride: usize,
+    axes: &Axes,
+    height: impl Fn(usize) -> Option<f64>,
+) {
+    let _ = write!(out, "<path class=\"{class}\" d=\"");
+    let mut drawing = false;
+    for i in (0..samples).step_by(stride) {
+        let Some(y) = height(i) else {
+            drawing = false;
+            continue;
+        };
+        let letter = if drawing { 'L' } else { 'M' };
+        let x = i as f64 / SAMPLES_PER_S / axes.duration_s * WIDTH;
+        let _ = write!(out, "{letter}{x:.1} {y:.1}");
+        drawing = true;
+    }
+    out.push_str("\"/>");
+}

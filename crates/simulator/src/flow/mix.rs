@@ -1,0 +1,176 @@
+//! Who drives: cars and trucks with desired speeds and time gaps of their own.
+
+use super::{
+    driver::IdmDriver,
+    settings::{Departure, FlowSettings, Placed},
+};
+use crate::{
+    error::SimulatorError,
+    scenario::{SettingRange, check_setting},
+};
+use rand::{RngExt, SeedableRng};
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64Mcg;
+use serde::{Deserialize, Serialize};
+
+/// The drivers of the background.
+///
+/// The spreads are chosen; the means are those of [`IdmDriver::CAR`] and [`IdmDriver::TRUCK`] unless a scenario says
+/// otherwise.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrafficMix {
+    /// Share of trucks.
+    pub truck_share: f64,
+    /// The average car.
+    pub car: IdmDriver,
+    /// The average truck.
+    pub truck: IdmDriver,
+    /// SD of the desired speed, as a share of the mean; cut at two SD.
+    pub desired_speed_spread: f64,
+    /// SD of the time gap, as a share of the mean; cut at two SD.
+    pub time_gap_spread: f64,
+}
+
+impl Default for TrafficMix {
+    fn default() -> Self {
+        Self {
+            truck_share: 0.1,
+            car: IdmDriver::CAR,
+            truck: IdmDriver::TRUCK,
+            desired_speed_spread: 0.1,
+            time_gap_spread: 0.15,
+        }
+    }
+}
+
+impl TrafficMix {
+    /// Everybody the same.
+    pub fn alike(driver: IdmDriver) -> Self {
+        Self {
+            truck_share: 0.0,
+            car: driver,
+            truck: driver,
+            desired_speed_spread: 0.0,
+            time_gap_spread: 0.0,
+        }
+    }
+
+    pub(crate) fn check(&self, section: &str) -> Result<(), SimulatorError> {
+        let share = SettingRange::Within(0.0, 1.0, "0 to 1");
+        check_setting(section, "truck_share", self.truck_share, share)?;
+        let spread = SettingRange::Within(0.0, 0.3, "0 to 0.3");
+        let speeds = self.desired_speed_spread;
+        check_setting(section, "desired_speed_spread", speeds, spread)?;
+        check_setting(section, "time_gap_spread", self.time_gap_spread, spread)?;
+        self.car.check(&format!("{section}.car"))?;
+        self.truck.check(&format!("{section}.truck"))
+    }
+
+    pub(crate) fn draw(&self, rng: &mut Pcg64Mcg) -> IdmDriver {
+        let truck = rng.random::<f64>() < self.truck_share;
+        let mut factor = |spread: f64| {
+            let normal: f64 = StandardNormal.sample(rng);
+            1.0 + spread * normal.clamp(-2.0, 2.0)
+        };
+        let (speed, gap) = (
+            factor(self.desired_speed_spread),
+            factor(self.time_gap_spread),
+        );
+        let mean = if truck { self.truck } else { self.car };
+        IdmDriver {
+            desired_speed_mps: mean.desired_speed_mps * speed,
+            time_gap_s: mean.time_gap_s * gap,
+            ..mean
+        }
+    }
+}
+
+/// `count` vehicles of `mix`, lane by lane in turn, at even gaps and at the speed that suits the gap.
+///
+/// The same `seed` gives the same vehicles.
+///
+/// # Errors
+/// [`SimulatorError::Setting`] if a number is out of range or the vehicles do not fit on the road with 1 m between them.
+pub fn evenly(
+    settings: &FlowSettings,
+    count: usize,
+    mix: &TrafficMix,
+    seed: u64,
+) -> Result<Vec<Placed>, SimulatorError> {
+    settings.check()?;
+    mix.check("mix")?;
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let drivers: Vec<IdmDriver> = (0..count).map(|_| mix.draw(&mut rng)).collect();
+    let lanes = usize::from(settings.lanes);
+    let mut placed = Vec::with_capacity(count);
+    for lane in 0..lanes {
+        let own = || drivers.iter().skip(lane).step_by(lanes);
+        let n = own().count();
+        let taken: f64 = own().map(|d| d.length_m).sum();
+        let gap_m = (settings.length_m - taken) / n.max(1) as f64;
+        let room = SettingRange::Within(1.0, f64::MAX, "at least 1 m between vehicles");
+        if n > 0 {
+            check_setting(&format!("lane[{lane}]"), "gap_m", gap_m, room)?;
+        }
+        let slowest = own().map(|d| d.equilibrium_speed_mps(gap_m));
+        let speed_mps = slowest.fold(f64::INFINITY, f64::min);
+        // Lanes start at shifted places, so that nobody has a neighbour exactly beside it.
+        let mut rear_m = gap_m * lane as f64 / lanes as f64;
+        for driver in own() {
+            placed.push(Placed {
+                lane: lane as u8,
+                front_m: (rear_m + driver.length_m) % settings.length_m,
+                speed_mps,
+                driver: *driver,
+            });
+            rear_m += driver.length_m + gap_m;
+        }
+    }
+    Ok(placed)
+}
+
+/// Least time between two departures of one lane, in s.
+const LEAST_HEADWAY_S: f64 = 1.5;
+
+/// Departures of `duration_s` at `per_hour_and_lane` vehicles, drivers of `mix`, in order of time.
+///
+/// The time between two of a lane is 1.5 s and an exponential rest (chosen; at most 2,400 an hour).
+///
+/// # Errors
+/// [`SimulatorError::Setting`] if a number is out of range.
+pub fn departures(
+    settings: &FlowSettings,
+    per_hour_and_lane: f64,
+    duration_s: f64,
+    mix: &TrafficMix,
+    seed: u64,
+) -> Result<Vec<Departure>, SimulatorError> {
+    settings.check()?;
+    mix.check("mix")?;
+    let rate = SettingRange::Within(1.0, 2350.0, "1 to 2350 vehicles per hour and lane");
+    check_setting("inflow", "per_hour_and_lane", per_hour_and_lane, rate)?;
+    let time = SettingRange::Within(0.0, 1e6, "0 to 1000000 s");
+    check_setting("inflow", "duration_s", duration_s, time)?;
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let rest_s = 3600.0 / per_hour_and_lane - LEAST_HEADWAY_S;
+    let mut all = Vec::new();
+    for lane in 0..settings.lanes {
+        let mut time_s = 0.0;
+        loop {
+            let uniform: f64 = rng.random();
+            time_s += LEAST_HEADWAY_S - rest_s * (1.0 - uniform).ln();
+            if time_s > duration_s {
+                break;
+            }
+            let driver = mix.draw(&mut rng);
+            all.push(Departure {
+                time_s,
+                lane,
+                driver,
+            });
+        }
+    }
+    all.sort_by(|a, b| a.time_s.total_cmp(&b.time_s).then(a.lane.cmp(&b.lane)));
+    Ok(all)
+}

@@ -1,0 +1,214 @@
+//! When a driver of the background changes lane: MOBIL.
+
+use super::lane::{Ends, Lane, Role};
+use crate::{
+    error::SimulatorError,
+    scenario::{SettingRange, check_setting},
+};
+use serde::{Deserialize, Serialize};
+
+/// How the background changes lane.
+///
+/// # Source
+/// Kesting, Treiber and Helbing 2007: politeness 0 to 0.5, threshold 0.1 m/s², safe braking 4 m/s². Their model is
+/// instantaneous and asks at every moment; the last three settings are ours.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Mobil {
+    /// p, the weight of what the two followers gain or lose.
+    pub politeness: f64,
+    /// Gain below which nobody bothers, in m/s².
+    pub threshold_mps2: f64,
+    /// Braking that a change may force on the new follower, in m/s², positive.
+    pub safe_braking_mps2: f64,
+    /// Advantage of the lane to the right, in m/s²; 0: every lane is as good.
+    pub keep_right_mps2: f64,
+    /// Each vehicle considers each side once in this time, in s.
+    pub considers_every_s: f64,
+    /// Time for which a changing vehicle takes up both lanes, in s; 0: it jumps.
+    pub duration_s: f64,
+    /// Time after a change before the next is considered, in s.
+    pub pause_s: f64,
+}
+
+impl Mobil {
+    /// The published parameters, politeness in the middle of its range; a change takes 4 s.
+    pub const PUBLISHED: Self = Self {
+        politeness: 0.25,
+        threshold_mps2: 0.1,
+        safe_braking_mps2: 4.0,
+        keep_right_mps2: 0.0,
+        considers_every_s: 1.0,
+        duration_s: 4.0,
+        pause_s: 4.0,
+    };
+
+    pub(crate) fn check(&self, section: &str) -> Result<(), SimulatorError> {
+        let ranges = [
+            (
+                "politeness",
+                self.politeness,
+                SettingRange::Within(0.0, 1.0, "0 to 1"),
+            ),
+            (
+                "threshold_mps2",
+                self.threshold_mps2,
+                SettingRange::Within(0.0, 2.0, "0 to 2 m/s²"),
+            ),
+            (
+                "safe_braking_mps2",
+                self.safe_braking_mps2,
+                SettingRange::Within(0.5, 6.0, "0.5 to 6 m/s²"),
+            ),
+            (
+                "keep_right_mps2",
+                self.keep_right_mps2,
+                SettingRange::Within(0.0, 1.0, "0 to 1 m/s²"),
+            ),
+            (
+                "considers_every_s",
+                self.considers_every_s,
+                SettingRange::Within(0.01, 10.0, "0.01 to 10 s"),
+            ),
+            (
+                "duration_s",
+                self.duration_s,
+                SettingRange::Within(0.0, 15.0, "0 to 15 s"),
+            ),
+            (
+                "pause_s",
+                self.pause_s,
+                SettingRange::Within(0.0, 60.0, "0 to 60 s"),
+            ),
+        ];
+        ranges
+            .into_iter()
+            .try_for_each(|(key, found, range)| check_setting(section, key, found, range))
+    }
+
+    /// Whether entry `i` of `own` would do well, and no harm, between `behind` and `ahead` in `target`.
+    ///
+    /// Accelerations of both lanes are those of this moment. `sign` is 1 for a change to the left, -1 to the right.
+    pub(super) fn wants(
+        &self,
+        own: &Lane,
+        i: usize,
+        target: &Lane,
+        (behind, ahead): (Option<usize>, Option<usize>),
+        sign: f64,
+        ends: Ends,
+    ) -> bool {
+        let (x, v) = (own.x[i], own.v[i]);
+        let (gap, lead_v) = ahead.map_or((f64::INFINITY, v), |j| {
+            (ends.forward(x, target.x[j]) - target.length[j], target.v[j])
+        });
+        if gap < LEAST_ROOM_M {
+            return false;
+        }
+        let gained = own.toward(i, gap, lead_v) - own.acc[i];
+        let mut others = 0.0;
+        if let Some(f) = behind {
+            let gap = ends.forward(target.x[f], x) - own.length[i];
+            if gap < LEAST_ROOM_M {
+                return false;
+            }
+            let after = target.toward(f, gap, v);
+            if after < -self.safe_braking_mps2 {
+                return false;
+            }
+            others += after - target.acc[f];
+        }
+        if gained + own.acc[i] < -self.safe_braking_mps2 {
+            return false;
+        }
+        if let Some(o) = own.previous(i, ends) {
+            let (gap, lead_v) = own.lead(i, ends);
+            // Its gap to the vehicle ahead of the one that goes.
+            let after = own.toward(o, gap + own.ahead_of(o, i, ends), lead_v);
+            others += after - own.acc[o];
+        }
+        gained + self.politeness * others > self.threshold_mps2 + sign * self.keep_right_mps2
+    }
+}
+
+/// Room that must be free ahead and behind, in m.
+const LEAST_ROOM_M: f64 = 2.0;
+/// Distance to a guest on the far side of a lane within which nobody moves into that lane, in m: the guest may
+/// be about to move into it from there.
+const COURTESY_M: f64 = 60.0;
+
+/// One lane looking at the next.
+pub(super) struct Considering<'a> {
+    pub(super) own: &'a Lane,
+    pub(super) target: &'a Lane,
+    /// Lane on the far side of the target, if there is one.
+    pub(super) far: Option<&'a Lane>,
+    pub(super) ends: Ends,
+    pub(super) step: u32,
+    /// Each vehicle is asked once in so many steps of this direction.
+    pub(super) every: u32,
+    pub(super) sign: f64,
+}
+
+impl Considering<'_> {
+    /// Indices in `own` of those who change now, in order from its head; one for each gap of the target at most.
+    pub(super) fn decide(&self, mobil: &Mobil, changes: &mut Vec<usize>) {
+        let (own, target) = (self.own, self.target);
+        let n = target.len();
+        let mut rank = 0;
+        let mut claimed: Option<(usize, usize)> = None;
+        let turn = self.step / 2 % self.every;
+        for place in 0..own.len() {
+            let i = own.at(place);
+            let x = own.x[i];
+            while rank < n && target.x[target.at(rank)] <= x {
+                rank += 1;
+            }
+            let its_turn = own.id[i] % self.every == turn;
+            if !its_turn || own.role[i] != Role::Moving || own.busy_until[i] > self.step {
+                continue;
+            }
+            let gap = if n > 0 && rank == n && self.ends != Ends::Open {
+                0
+            } else {
+                rank
+            };
+            if claimed.is_some_and(|(first, last)| first == gap || last == gap) {
+                continue;
+            }
+            let neighbours = self.neighbours(rank);
+            if mobil.wants(own, i, target, neighbours, self.sign, self.ends)
+                && !self.guest_beyond(x)
+            {
+                changes.push(i);
+                claimed = Some((claimed.map_or(gap, |(first, _)| first), gap));
+            }
+        }
+    }
+
+    fn neighbours(&self, rank: usize) -> (Option<usize>, Option<usize>) {
+        let n = self.target.len();
+        if n == 0 {
+            return (None, None);
+        }
+        match self.ends {
+            Ends::Ring(_) => {
+                let ahead = if rank == n { 0 } else { rank };
+                let behind = if rank == 0 { n - 1 } else { rank - 1 };
+                (Some(self.target.at(behind)), Some(self.target.at(ahead)))
+            }
+            Ends::Open => (rank.checked_sub(1), (rank < n).then_some(rank)),
+        }
+    }
+
+    fn guest_beyond(&self, x: f64) -> bool {
+        let Some(far) = self.far else {
+            return false;
+        };
+        (0..far.len()).any(|k| {
+            let ahead = self.ends.forward(x, far.x[k]).abs();
+            let behind = self.ends.forward(far.x[k], x).abs();
+            far.role[k] == Role::Guest && ahead.min(behind) < COURTESY_M
+        })
+    }
+}

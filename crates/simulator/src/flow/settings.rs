@@ -1,0 +1,158 @@
+//! What a road of background traffic is made of, checked.
+
+use super::{driver::IdmDriver, mobil::Mobil};
+use crate::{
+    error::SimulatorError,
+    scenario::{SettingRange, check_setting},
+};
+
+/// Whether a road closes on itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// The end is the start: nobody enters or leaves.
+    Ring,
+    /// Vehicles enter at the start and leave at the end.
+    Open,
+}
+
+/// A road of background traffic.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlowSettings {
+    /// Number of lanes, 1 to 8.
+    pub lanes: u8,
+    /// Length, in m.
+    pub length_m: f64,
+    /// Ring or open road.
+    pub shape: Shape,
+    /// Time of one step, in s.
+    pub step_s: f64,
+    /// How drivers change lane; `None`: they do not.
+    pub mobil: Option<Mobil>,
+}
+
+impl Default for FlowSettings {
+    /// A ring of 1 km with three lanes, lane changes as published, ten steps a second.
+    fn default() -> Self {
+        Self {
+            lanes: 3,
+            length_m: 1000.0,
+            shape: Shape::Ring,
+            step_s: 0.1,
+            mobil: Some(Mobil::PUBLISHED),
+        }
+    }
+}
+
+/// A vehicle that is there from the start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placed {
+    /// Lane, 0 the right one.
+    pub lane: u8,
+    /// Front bumper, in m from the start of the road.
+    pub front_m: f64,
+    /// Speed, in m/s.
+    pub speed_mps: f64,
+    /// Who drives.
+    pub driver: IdmDriver,
+}
+
+/// A vehicle that enters an open road as soon as there is room.
+///
+/// It enters with its rear at the start of the road, at its desired speed or that of the vehicle ahead if that is
+/// slower and within 200 m, once the gap there is at least s0 + vT.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Departure {
+    /// Earliest time, in s.
+    pub time_s: f64,
+    /// Lane.
+    pub lane: u8,
+    /// Who drives.
+    pub driver: IdmDriver,
+}
+
+/// Least gap between two vehicles at the start, in m.
+const LEAST_GAP_M: f64 = 0.5;
+
+impl FlowSettings {
+    pub(super) fn check(&self) -> Result<(), SimulatorError> {
+        let ranges = [
+            (
+                "lanes",
+                f64::from(self.lanes),
+                SettingRange::Within(1.0, 8.0, "1 to 8"),
+            ),
+            (
+                "length_m",
+                self.length_m,
+                SettingRange::Within(100.0, 1e6, "100 to 1000000 m"),
+            ),
+            (
+                "step_s",
+                self.step_s,
+                SettingRange::Within(0.01, 0.5, "0.01 to 0.5 s"),
+            ),
+        ];
+        for (key, found, range) in ranges {
+            check_setting("flow", key, found, range)?;
+        }
+        self.mobil.map_or(Ok(()), |m| m.check("flow.mobil"))
+    }
+
+    fn check_lane(&self, section: &str, lane: u8) -> Result<(), SimulatorError> {
+        let range = SettingRange::Within(0.0, f64::from(self.lanes) - 1.0, "a lane of the road");
+        check_setting(section, "lane", f64::from(lane), range)
+    }
+
+    pub(super) fn check_departures(&self, departures: &[Departure]) -> Result<(), SimulatorError> {
+        let mut last = 0.0;
+        for (i, departure) in departures.iter().enumerate() {
+            let section = format!("departures[{i}]");
+            if self.shape == Shape::Ring {
+                let none = SettingRange::Within(-1.0, -1.0, "no departure: a ring has no start");
+                check_setting(&section, "lane", f64::from(departure.lane), none)?;
+            }
+            departure.driver.check(&section)?;
+            self.check_lane(&section, departure.lane)?;
+            let later = SettingRange::Within(last, 1e9, "no earlier than the departure before");
+            check_setting(&section, "time_s", departure.time_s, later)?;
+            last = departure.time_s;
+        }
+        Ok(())
+    }
+
+    /// The order of `vehicles` along the road, if none overlaps another.
+    pub(super) fn check_placed(&self, vehicles: &[Placed]) -> Result<Vec<usize>, SimulatorError> {
+        for (i, placed) in vehicles.iter().enumerate() {
+            let section = format!("vehicles[{i}]");
+            placed.driver.check(&section)?;
+            self.check_lane(&section, placed.lane)?;
+            let on_road = SettingRange::Within(0.0, self.length_m.next_down(), "on the road");
+            check_setting(&section, "front_m", placed.front_m, on_road)?;
+            let speed = SettingRange::Within(0.0, 70.0, "0 to 70 m/s");
+            check_setting(&section, "speed_mps", placed.speed_mps, speed)?;
+        }
+        let mut order: Vec<usize> = (0..vehicles.len()).collect();
+        order.sort_by(|&i, &j| {
+            let lanes = vehicles[i].lane.cmp(&vehicles[j].lane);
+            lanes.then(vehicles[i].front_m.total_cmp(&vehicles[j].front_m))
+        });
+        for (place, &i) in order.iter().enumerate() {
+            let lane = vehicles[i].lane;
+            let next = order.get(place + 1).filter(|&&j| vehicles[j].lane == lane);
+            let (lead, round_m) = match (next, self.shape) {
+                (Some(&j), _) => (j, 0.0),
+                (None, Shape::Open) => continue,
+                (None, Shape::Ring) => {
+                    let first = order.iter().find(|&&j| vehicles[j].lane == lane);
+                    (first.copied().unwrap_or(i), self.length_m)
+                }
+            };
+            let ahead = &vehicles[lead];
+            let gap_m = ahead.front_m + round_m - ahead.driver.length_m - vehicles[i].front_m;
+            let apart =
+                SettingRange::Within(LEAST_GAP_M, f64::MAX, "at least 0.5 m to the vehicle ahead");
+            check_setting(&format!("vehicles[{i}]"), "gap_m", gap_m, apart)?;
+        }
+        Ok(order)
+    }
+}

@@ -1,0 +1,160 @@
+//! What is believed of some numbers, and what an observation would add.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{StatsError, numerics::matrix::Matrix};
+
+/// A normal distribution over `k` numbers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Belief {
+    mean: Vec<f64>,
+    /// k × k, row by row.
+    covariance: Vec<Vec<f64>>,
+}
+
+impl Belief {
+    /// Mean of shape `(k,)`, covariance of shape `(k, k)`.
+    ///
+    /// # Errors
+    /// [`StatsError::LengthMismatch`] if the shapes differ; [`StatsError::NotFinite`].
+    pub fn new(mean: Vec<f64>, covariance: Vec<Vec<f64>>) -> Result<Self, StatsError> {
+        let size = mean.len();
+        let wrong = |found: usize| StatsError::LengthMismatch {
+            name: "covariance".to_owned(),
+            found,
+            expected: size,
+        };
+        if covariance.len() != size {
+            return Err(wrong(covariance.len()));
+        }
+        for (row, values) in std::iter::once(&mean).chain(&covariance).enumerate() {
+            if values.len() != size {
+                return Err(wrong(values.len()));
+            }
+            if let Some(&value) = values.iter().find(|v| !v.is_finite()) {
+                return Err(StatsError::NotFinite {
+                    name: "belief".to_owned(),
+                    row,
+                    value,
+                });
+            }
+        }
+        Ok(Self { mean, covariance })
+    }
+
+    pub(crate) fn from_matrix(mean: Vec<f64>, covariance: &Matrix) -> Self {
+        Self {
+            mean,
+            covariance: (0..covariance.rows)
+                .map(|i| covariance.row(i).to_vec())
+                .collect(),
+        }
+    }
+
+    /// How many numbers.
+    pub fn len(&self) -> usize {
+        self.mean.len()
+    }
+
+    /// Whether it is about nothing.
+    pub fn is_empty(&self) -> bool {
+        self.mean.is_empty()
+    }
+
+    /// Their means.
+    pub fn mean(&self) -> &[f64] {
+        &self.mean
+    }
+
+    /// Mean of the sum of `weights` · numbers, shape `(k,)`.
+    pub fn mean_of(&self, weights: &[f64]) -> f64 {
+        self.mean.iter().zip(weights).map(|(m, w)| m * w).sum()
+    }
+
+    /// Covariance of two such sums.
+    pub fn covariance_of(&self, a: &[f64], b: &[f64]) -> f64 {
+        let with_b = |row: &Vec<f64>| row.iter().zip(b).map(|(c, b)| c * b).sum::<f64>();
+        self.covariance
+            .iter()
+            .zip(a)
+            .map(|(row, a)| a * with_b(row))
+            .sum()
+    }
+
+    /// Takes in y = `row` · numbers + ε with the variance of ε given: Bayes' rule, in closed form.
+    pub fn observe(&mut self, row: &[f64], y: f64, variance: f64) {
+        let along: Vec<f64> = self
+            .covariance
+            .iter()
+            .map(|c| c.iter().zip(row).map(|(c, r)| c * r).sum())
+            .collect();
+        let expected = self.mean_of(row);
+        let spread: f64 = variance + along.iter().zip(row).map(|(a, r)| a * r).sum::<f64>();
+        if spread.is_nan() || spread <= 0.0 {
+            return; // known already
+        }
+        let surprise = (y - expected) / spread;
+        for (i, a) in along.iter().enumerate() {
+            self.mean[i] += a * surprise;
+            for (j, b) in along.iter().enumerate() {
+                self.covariance[i][j] -= a * b / spread;
+            }
+        }
+    }
+
+    /// What observing y = `row` · numbers + ε is expected to tell of `target` · numbers, in nats: the same whatever y turns out to be.
+    ///
+    /// # Source
+    /// Lindley (1956): the mutual information ½ ln(variance before / variance after).
+    ///
+    /// # Example
+    /// ```
+    /// let belief = maveric_stats::Belief::new(vec![0.0], vec![vec![1.0]])?;
+    /// // An observation as uncertain as the number halves its variance.
+    /// let nats = belief.information(&[1.0], &[1.0], 1.0);
+    /// assert!((nats - 0.5 * 2.0_f64.ln()).abs() < 1e-12);
+    /// # Ok::<(), maveric_stats::StatsError>(())
+    /// ```
+    pub fn information(&self, target: &[f64], row: &[f64], variance: f64) -> f64 {
+        let before = self.covariance_of(target, target);
+        let shared = self.covariance_of(target, row);
+        let spread = variance + self.covariance_of(row, row);
+        if before <= 0.0 || spread <= 0.0 {
+            return 0.0;
+        }
+        let left = (1.0 - shared * shared / (before * spread)).max(1e-12);
+        -0.5 * left.ln()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_observations_average_with_the_prior() {
+        let mut belief = Belief::new(vec![0.0, 5.0], vec![vec![1.0, 0.0], vec![0.0, 1.0]]).unwrap();
+        belief.observe(&[1.0, 0.0], 3.0, 1.0);
+        belief.observe(&[1.0, 0.0], 3.0, 1.0);
+        assert!((belief.mean()[0] - 2.0).abs() < 1e-12);
+        assert!((belief.mean()[1] - 5.0).abs() < 1e-12);
+        assert!((belief.covariance_of(&[1.0, 0.0], &[1.0, 0.0]) - 1.0 / 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn information_is_what_the_variance_loses() {
+        let belief = Belief::new(vec![0.0, 0.0], vec![vec![2.0, 0.5], vec![0.5, 1.0]]).unwrap();
+        let (target, row) = ([1.0, 0.0], [1.0, -1.0]);
+        let told = belief.information(&target, &row, 0.3);
+        let mut after = belief.clone();
+        after.observe(&row, 7.0, 0.3);
+        let ratio = belief.covariance_of(&target, &target) / after.covariance_of(&target, &target);
+        assert!((told - 0.5 * ratio.ln()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn shapes_that_do_not_fit_are_refused() {
+        assert!(Belief::new(vec![0.0], vec![]).is_err());
+        assert!(Belief::new(vec![0.0], vec![vec![f64::NAN]]).is_err());
+    }
+}

@@ -1,0 +1,107 @@
+//! Sums over subjects that every evaluation of a mixed model needs.
+
+use crate::numerics::matrix::Matrix;
+
+/// One subject's rows: y, fixed and random columns.
+#[derive(Debug, Clone)]
+pub(crate) struct Block {
+    pub(crate) x: Matrix,
+    pub(crate) z: Matrix,
+    pub(crate) y: Matrix,
+    zz: Matrix,
+    zx: Matrix,
+    zy: Matrix,
+}
+
+/// All subjects' rows.
+#[derive(Debug, Clone)]
+pub(crate) struct Blocks {
+    pub(crate) subjects: Vec<Block>,
+    pub(crate) rows: usize,
+    pub(crate) p: usize,
+    pub(crate) q: usize,
+    xx: Matrix,
+    xy: Matrix,
+    yy: f64,
+}
+
+/// With W = I + Z Γ Zᵀ: XᵀW⁻¹X, XᵀW⁻¹y, yᵀW⁻¹y and ln |W|.
+#[derive(Debug, Clone)]
+pub(crate) struct Weighted {
+    pub(crate) xx: Matrix,
+    pub(crate) xy: Matrix,
+    pub(crate) yy: f64,
+    pub(crate) ln_determinant: f64,
+}
+
+impl Block {
+    pub(crate) fn new(x: Matrix, z: Matrix, y: Matrix) -> Self {
+        Self {
+            zz: z.transposed_times(&z),
+            zx: z.transposed_times(&x),
+            zy: z.transposed_times(&y),
+            x,
+            z,
+            y,
+        }
+    }
+}
+
+impl Blocks {
+    pub(crate) fn new(subjects: Vec<Block>) -> Self {
+        let (p, q) = subjects
+            .first()
+            .map_or((0, 0), |b| (b.x.columns, b.z.columns));
+        let mut sums = Self {
+            rows: subjects.iter().map(|b| b.y.rows).sum(),
+            p,
+            q,
+            xx: Matrix::zeros(p, p),
+            xy: Matrix::zeros(p, 1),
+            yy: 0.0,
+            subjects: Vec::new(),
+        };
+        for block in &subjects {
+            sums.xx.add(&block.x.transposed_times(&block.x), 1.0);
+            sums.xy.add(&block.x.transposed_times(&block.y), 1.0);
+            sums.yy += block.y.transposed_times(&block.y)[(0, 0)];
+        }
+        sums.subjects = subjects;
+        sums
+    }
+
+    /// The sums for Γ = L Lᵀ, by Woodbury's identity: Γ may be singular.
+    pub(crate) fn weighted(&self, l: &Matrix) -> Option<Weighted> {
+        let mut sums = Weighted {
+            xx: self.xx.clone(),
+            xy: self.xy.clone(),
+            yy: self.yy,
+            ln_determinant: 0.0,
+        };
+        let lt = l.transposed();
+        for block in &self.subjects {
+            let mut inner = lt.times(&block.zz).times(l);
+            inner.add(&Matrix::identity(self.q), 1.0);
+            let factor = inner.cholesky()?;
+            let x = factor.half_solve(&lt.times(&block.zx));
+            let y = factor.half_solve(&lt.times(&block.zy));
+            subtract_square(&mut sums.xx, &x);
+            sums.xy.add(&x.transposed_times(&y), -1.0);
+            sums.yy -= y.transposed_times(&y)[(0, 0)];
+            sums.ln_determinant += factor.ln_determinant();
+        }
+        Some(sums)
+    }
+}
+
+/// a − bᵀb, the symmetric half at a time.
+fn subtract_square(a: &mut Matrix, b: &Matrix) {
+    for k in 0..b.rows {
+        let row = b.row(k).to_vec();
+        for (i, bi) in row.iter().enumerate() {
+            for (j, bj) in row.iter().enumerate() {
+                a[(i, j)] -= bi * bj;
+            }
+        }
+    }
+}

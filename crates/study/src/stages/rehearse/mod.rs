@@ -1,0 +1,251 @@
+//! `rehearse`: the paper's whole analysis on many synthetic studies that are not driven. How often does each test say yes
+//! when there is nothing, and how many people would it need when there is something?
+
+mod outcomes;
+mod page;
+pub(crate) mod population;
+mod rates;
+mod signs;
+pub(crate) mod study;
+mod tables;
+
+pub use outcomes::Part;
+pub use population::{
+    DerivedMeasure, DrawnMeasure, LineModel, MeasureModel, PopulationModel, Round, Step,
+};
+pub use rates::{Cell, FamilyRate, TestRate};
+pub use signs::SignRow;
+
+use crate::{
+    atomic_write::write_json,
+    error::StudyError,
+    outcome::{Outcome, Watch, for_each_on},
+    stages::{
+        analyse::{self, Family, Friedman},
+        rate::read_effects,
+        report::write_page,
+        score::read_scales,
+    },
+};
+use maveric_domain::stream_seed;
+use serde::Serialize;
+use std::{path::PathBuf, sync::atomic::AtomicBool};
+use study::World;
+
+/// What to rehearse.
+#[derive(Debug, Clone)]
+pub struct RehearseOptions {
+    /// What drives look like (TOML).
+    pub population: PathBuf,
+    /// Sizes of the effects.
+    pub effects: PathBuf,
+    /// Folder of questionnaire definitions.
+    pub scales: PathBuf,
+    /// What the paper reported, to compare signs with.
+    pub claims: Option<PathBuf>,
+    /// Sizes of the studies.
+    pub participants: Vec<usize>,
+    /// What every effect is multiplied with; 0 is a study without any.
+    pub effect_scales: Vec<f64>,
+    /// Studies of each size and scale.
+    pub studies: usize,
+    /// The factors of the homophily tests.
+    pub family: Family,
+    /// Folder to write into.
+    pub out: PathBuf,
+    /// Root of every random choice.
+    pub seed: u64,
+    /// Threads.
+    pub jobs: usize,
+}
+
+/// What was found.
+#[derive(Debug, Clone, Serialize)]
+pub struct Rehearsal {
+    /// The people are made up.
+    pub synthetic: bool,
+    /// Size by size, scale by scale.
+    pub cells: Vec<Cell>,
+    /// The paper's correlations, for the cells at scale 1 with the fewest participants not below 24.
+    pub signs: Vec<SignRow>,
+}
+
+impl Rehearsal {
+    fn is_null(&self) -> bool {
+        self.cells.iter().all(|c| c.effect_scale == 0.0)
+    }
+}
+
+/// Runs the analysis of `stats paper` on `studies` made-up studies of each size and scale of the effects; writes `rehearsal.json` and a
+/// page with figures and tables.
+///
+/// # Errors
+/// [`StudyError`] if an input cannot be read, a size, scale or count makes no study, or a file cannot be written.
+///
+/// # Source
+/// Method, end of section 7: without effects no more significant results than chance.
+pub fn rehearse(
+    options: &RehearseOptions,
+    watch: Watch<'_>,
+) -> Result<Outcome<Rehearsal>, StudyError> {
+    check(options)?;
+    let world = World {
+        population: PopulationModel::read(&options.population)?,
+        effects: read_effects(&options.effects)?,
+        scales: read_scales(&options.scales)?,
+    };
+    let mut grid = Vec::new();
+    for &scale in &options.effect_scales {
+        grid.extend(options.participants.iter().map(|n| (scale, *n)));
+    }
+    let worlds: Vec<World> = options
+        .effect_scales
+        .iter()
+        .map(|s| world.scaled(*s))
+        .collect();
+    let mut items = Vec::new();
+    for (cell, _) in grid.iter().enumerate() {
+        items.extend((0..options.studies).map(|index| (cell, index)));
+    }
+    let found = for_each_on(options.jobs, &items, watch, "studies", |&(cell, index)| {
+        let (scale, n) = grid[cell];
+        let labels = [format!("{scale}"), n.to_string(), index.to_string()];
+        let [scale, size, index] = labels.each_ref().map(String::as_str);
+        let seed = stream_seed(options.seed, &["rehearsal", scale, size, index]);
+        let study = worlds[cell / options.participants.len()].study(n, seed)?;
+        let quiet = AtomicBool::new(false);
+        let watch = Watch::new(&|_, _, _| {}, &quiet);
+        let analysis =
+            analyse::analysis(&study.data, &options.family, Friedman::Approximate, watch)?;
+        Ok(outcomes::outcomes(&analysis))
+    })?;
+    let cells: Vec<Cell> = grid
+        .iter()
+        .zip(found.chunks(options.studies))
+        .map(|((scale, n), studies)| rates::cell(*n, *scale, studies))
+        .collect();
+    let signs = match &options.claims {
+        Some(path) => signs::signs(path, &cells)?,
+        None => Vec::new(),
+    };
+    let value = Rehearsal {
+        synthetic: true,
+        cells,
+        signs,
+    };
+    write_json(&options.out.join("rehearsal.json"), &value)?;
+    let page = write_page(&options.out, &page::page(&value, options)?)?;
+    let mut summary = tables::summary(&value);
+    summary.push(format!(
+        "{} synthetic studies: {}",
+        items.len(),
+        page.display()
+    ));
+    Ok(Outcome {
+        value,
+        summary,
+        warnings: Vec::new(),
+    })
+}
+
+fn check(options: &RehearseOptions) -> Result<(), StudyError> {
+    let refuse = |problem: String| {
+        Err(StudyError::NotPossible {
+            problem,
+            help: Some("such as --participants 24 --effects-times 0 --studies 4000".to_owned()),
+        })
+    };
+    if options.participants.is_empty() || options.effect_scales.is_empty() || options.studies == 0 {
+        return refuse("no size, no scale of the effects or no study to rehearse".to_owned());
+    }
+    if let Some(n) = options
+        .participants
+        .iter()
+        .find(|n| !(4..=500).contains(*n))
+    {
+        return refuse(format!("a study of {n} participants, expected 4 to 500"));
+    }
+    if !options.participants.is_sorted_by(|a, b| a < b) {
+        return refuse("sizes of studies must ascend".to_owned());
+    }
+    if let Some(scale) = options
+        .effect_scales
+        .iter()
+        .find(|s| !(0.0..=10.0).contains(*s))
+    {
+        return refuse(format!("effects times {scale}, expected 0 to 10"));
+    }
+    if options
+        .effect_scales
+        .iter()
+        .enumerate()
+        .any(|(i, s)| options.effect_scales[..i].contains(s))
+    {
+        return refuse("a scale of the effects stands twice".to_owned());
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    pub(super) fn world() -> World {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data");
+        World {
+            population: population::tests::shipped(),
+            effects: read_effects(&root.join("effects.toml")).unwrap(),
+            scales: read_scales(&root.join("scales")).unwrap(),
+        }
+    }
+
+    fn run(world: &World, n: usize, studies: u64) -> Cell {
+        let quiet = AtomicBool::new(false);
+        let found: Vec<_> = (0..studies)
+            .map(|seed| {
+                let study = world.study(n, 1000 + seed).unwrap();
+                let watch = Watch::new(&|_, _, _| {}, &quiet);
+                let family = Family::default();
+                let a = analyse::analysis(&study.data, &family, Friedman::Approximate, watch);
+                outcomes::outcomes(&a.unwrap())
+            })
+            .collect();
+        rates::cell(n, 1.0, &found)
+    }
+
+    #[test]
+    fn without_effects_tests_say_yes_about_one_time_in_twenty() {
+        let cell = run(&world().scaled(0.0), 12, 40);
+        let (yes, all) = cell
+            .tests
+            .iter()
+            .fold((0, 0), |(yes, all), t| (yes + t.rejected, all + t.studies));
+        let rate = yes as f64 / all as f64;
+        assert!((0.03..0.07).contains(&rate), "{rate} of {all}");
+    }
+
+    #[test]
+    fn planted_effects_are_found() {
+        let cell = run(&world(), 24, 6);
+        let of = |key: &str| cell.tests.iter().find(|t| t.key == key).unwrap();
+        assert_eq!(of("panel.mean_velocity_mps.omnibus").rejected, 6);
+        let r = of("conscientiousness.mc_competence").mean_estimate.unwrap();
+        assert!(r < -0.2, "{r}");
+    }
+
+    #[test]
+    fn a_study_depends_on_its_seed_alone() {
+        let world = world();
+        let scores = |seed| {
+            let study = world.study(5, seed).unwrap();
+            let p = study.data.participants[2].clone();
+            study
+                .data
+                .post(&p, maveric_domain::Condition::Mimic, "rosas", "competence")
+        };
+        assert_eq!(scores(3), scores(3));
+        let all: std::collections::BTreeSet<String> =
+            (0..8).map(|seed| format!("{:?}", scores(seed))).collect();
+        assert!(all.len() > 2);
+    }
+}

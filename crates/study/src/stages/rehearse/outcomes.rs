@@ -1,0 +1,205 @@
+//! Every test that a report prints, by name.
+
+use crate::stages::analyse::{Analysis, Correlation};
+use maveric_domain::Condition;
+use serde::Serialize;
+
+/// Which part of the report a test belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Part {
+    /// 9.1, aggression line.
+    Line,
+    /// 9.3, the omnibus test of a panel.
+    Omnibus,
+    /// 9.3, a pair of conditions within a panel.
+    Pairs,
+    /// 9.3, whether Mimic is nearer to the own drive.
+    Nearer,
+    /// 9.4, habits kept along the line and round the ellipse.
+    Kept,
+    /// 9.5, factors against rating differences.
+    Homophily,
+    /// 9.5, perceived similarity, every answer a pair of its own.
+    SimilarityPooled,
+    /// 9.5, perceived similarity within people.
+    SimilarityWithin,
+    /// 9.5, the mixed model.
+    Mixed,
+}
+
+impl Part {
+    /// All, in the order of the report.
+    pub const ALL: [Self; 9] = [
+        Self::Line,
+        Self::Omnibus,
+        Self::Pairs,
+        Self::Nearer,
+        Self::Kept,
+        Self::Homophily,
+        Self::SimilarityPooled,
+        Self::SimilarityWithin,
+        Self::Mixed,
+    ];
+
+    /// Name for people.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Line => "Aggression line (Pearson)",
+            Self::Omnibus => "Six panels, omnibus (RM-ANOVA or Friedman)",
+            Self::Pairs => "Six panels, pairs (t or Wilcoxon)",
+            Self::Nearer => "Mimic nearer to own (Wilcoxon)",
+            Self::Kept => "Habits kept: line, angle, circle",
+            Self::Homophily => "Factors × rating differences (Pearson or Spearman)",
+            Self::SimilarityPooled => "Similarity × rating, all rows (Spearman)",
+            Self::SimilarityWithin => "Similarity × rating, within people",
+            Self::Mixed => "Rating on shift (mixed model)",
+        }
+    }
+}
+
+/// One test of one study.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Found {
+    pub(crate) part: Part,
+    /// Such as `homophily.conscientiousness.mc_trust`; the claims ledger's key for the homophily rows, after `correlation.`.
+    pub(crate) key: String,
+    /// Tests corrected together; none of a test that stands alone.
+    pub(crate) family: Option<String>,
+    pub(crate) estimate: Option<f64>,
+    pub(crate) p: Option<f64>,
+    pub(crate) p_holm: Option<f64>,
+}
+
+/// Name of a contrast in keys: `mc` is Mimic minus Cautious.
+pub(crate) fn versus(condition: Condition) -> &'static str {
+    if condition == Condition::Cautious {
+        "mc"
+    } else {
+        "ma"
+    }
+}
+
+/// Every test of a study, always in the same order.
+pub(crate) fn outcomes(a: &Analysis) -> Vec<Found> {
+    let mut found = Vec::new();
+    let mut add = |part, key: String, estimate, p| {
+        found.push(Found {
+            part,
+            key,
+            family: None,
+            estimate,
+            p,
+            p_holm: None,
+        });
+    };
+    let of = |c: &Correlation| (c.r, c.p);
+    for line in [&a.line, &a.line_without_adb] {
+        let fit = if line.adb_used {
+            "with_adb"
+        } else {
+            "without_adb"
+        };
+        for row in &line.rows {
+            let (r, p) = of(&row.correlation);
+            add(Part::Line, format!("line.{fit}.{}", row.measure), r, p);
+        }
+    }
+    for panel in &a.panels {
+        add(
+            Part::Omnibus,
+            format!("panel.{}.omnibus", panel.measure),
+            None,
+            panel.omnibus_p,
+        );
+    }
+    for row in &a.kept {
+        let key = |what: &str| format!("kept.{}.{what}", row.measure);
+        let ((line_r, line_p), (angle_r, angle_p)) = (of(&row.line), of(&row.angle));
+        add(Part::Kept, key("line"), line_r, line_p);
+        add(Part::Kept, key("angle"), angle_r, angle_p);
+        add(Part::Kept, key("circle"), row.circular_r, row.circular_p);
+    }
+    for row in &a.similarity {
+        let ((pooled_r, pooled_p), (within_r, within_p)) = (of(&row.pooled), of(&row.within));
+        add(
+            Part::SimilarityPooled,
+            format!("similarity.{}", row.rating),
+            pooled_r,
+            pooled_p,
+        );
+        add(
+            Part::SimilarityWithin,
+            format!("similarity_within.{}", row.rating),
+            within_r,
+            within_p,
+        );
+    }
+    for row in &a.mixed {
+        for name in ["shift", "shift_squared"] {
+            let effect = row.model.as_ref().and_then(|m| m.fixed.get(name));
+            let (estimate, p) = (effect.map(|e| e.estimate), effect.and_then(|e| e.p));
+            add(
+                Part::Mixed,
+                format!("mixed.{}.{name}", row.rating),
+                estimate,
+                p,
+            );
+        }
+    }
+    let mut corrected = |part, key: String, family: String, estimate, p, p_holm| {
+        found.push(Found {
+            part,
+            key,
+            family: Some(family),
+            estimate,
+            p,
+            p_holm,
+        });
+    };
+    for panel in &a.panels {
+        let name = format!("panel.{}", panel.measure);
+        // In one order, whichever post-hoc test was chosen.
+        for (i, first) in Condition::AV.into_iter().enumerate() {
+            for second in &Condition::AV[i + 1..] {
+                let pair = panel
+                    .pairs
+                    .iter()
+                    .find(|p| p.first == first && p.second == *second);
+                corrected(
+                    Part::Pairs,
+                    format!("{name}.{first}-{second}"),
+                    name.clone(),
+                    pair.and_then(|p| p.mean_difference),
+                    pair.and_then(|p| p.p),
+                    pair.and_then(|p| p.p_holm),
+                );
+            }
+        }
+    }
+    for row in &a.nearer {
+        let key = format!("nearer.{}.{}", row.measure, row.than);
+        let estimate = row.share.map(|s| s - 0.5);
+        corrected(
+            Part::Nearer,
+            key,
+            "nearer".to_owned(),
+            estimate,
+            row.p,
+            row.p_holm,
+        );
+    }
+    for row in &a.homophily {
+        let key = format!("{}.{}_{}", row.factor, versus(row.versus), row.rating);
+        let (r, p) = of(&row.correlation);
+        corrected(
+            Part::Homophily,
+            key,
+            "homophily".to_owned(),
+            r,
+            p,
+            row.p_holm,
+        );
+    }
+    found
+}

@@ -1,0 +1,439 @@
+//! What drives look like, measure by measure: the generator of studies that are not driven.
+
+use crate::{atomic_write::read_text, error::StudyError};
+use maveric_domain::{Condition, stream_seed};
+use maveric_participants::{MeasureValues, Participant, Trait};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_distr::{Distribution as _, StandardNormal};
+use rand_pcg::Pcg64;
+use serde::{Deserialize, Serialize};
+use std::{collections::BTreeMap, path::Path};
+
+/// `study_data/population.toml`: see there for what each number is and where it comes from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PopulationModel {
+    /// Part of the car's error that a person's conditions have in common, 0 to 1.
+    pub shared: f64,
+    /// The position on the aggression line.
+    pub line: LineModel,
+    /// The measures, by code name.
+    pub measures: BTreeMap<String, MeasureModel>,
+}
+
+/// The position on the aggression line.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LineModel {
+    /// Effect: loadings on traits; squares add up to at most 1.
+    pub loadings: BTreeMap<Trait, f64>,
+    /// Effect: weight of the standardised ADB score in the fit with it, 0 to 1.
+    pub adb_weight: f64,
+}
+
+/// One measure.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum MeasureModel {
+    /// Drawn.
+    Drawn(Box<DrawnMeasure>),
+    /// A gap in seconds, from one in metres.
+    Derived(DerivedMeasure),
+}
+
+/// A measure that is drawn. The unit of all but `mean` and `sd` is one SD over people.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DrawnMeasure {
+    /// Mean of own drives.
+    pub mean: f64,
+    /// Standard deviation of own drives over people.
+    pub sd: f64,
+    /// Whether its logarithm is normal.
+    #[serde(default)]
+    pub log: bool,
+    /// Whether it is a count.
+    #[serde(default)]
+    pub whole: bool,
+    /// Share of drives without a value.
+    #[serde(default)]
+    pub missing: f64,
+    /// Loadings on traits; squares add up to at most 1.
+    pub loadings: BTreeMap<Trait, f64>,
+    /// Lowest value.
+    pub low: f64,
+    /// Highest value.
+    pub high: f64,
+    /// Mean error of the car.
+    pub bias: f64,
+    /// Standard deviation of the car's error.
+    pub error_sd: f64,
+    /// Effect: the Aggressive condition.
+    pub aggressive: Step,
+    /// Effect: the Cautious condition.
+    pub cautious: Step,
+    /// Effect: the Perpendicular condition.
+    pub perpendicular: Round,
+}
+
+/// A move along the line.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Step {
+    /// Mean change.
+    pub step: f64,
+    /// Standard deviation of it over people.
+    pub sd: f64,
+}
+
+/// A move round the ellipse.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Round {
+    /// Change with the cosine of the angle.
+    pub cosine: f64,
+    /// Change with its sine.
+    pub sine: f64,
+    /// Standard deviation of what the angle does not explain.
+    pub sd: f64,
+}
+
+/// A gap in seconds: `factor` · metres / velocity · (1 + `scatter` · N).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DerivedMeasure {
+    /// Code name of the gap in metres.
+    pub metres: String,
+    /// Code name of the velocity.
+    pub velocity: String,
+    /// Near 1.
+    pub factor: f64,
+    /// Standard deviation of what is left.
+    pub scatter: f64,
+}
+
+/// The measures of a person's own drive and of drives of the car.
+pub(crate) struct Drives {
+    pub(crate) own: MeasureValues,
+    pub(crate) trials: Vec<MeasureValues>,
+}
+
+/// What the car is asked to do in a trial.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Asked {
+    /// A shift of the dial, in units of the study's own step: 1 is Aggressive, −1 Cautious, 0 Mimic.
+    Shift(f64),
+    /// A move to this angle round the ellipse.
+    Round(f64),
+}
+
+impl Asked {
+    /// A study's condition; the angle is used by Perpendicular alone.
+    pub(crate) fn of(condition: Condition, angle: f64) -> Self {
+        match condition {
+            Condition::Aggressive => Self::Shift(1.0),
+            Condition::Cautious => Self::Shift(-1.0),
+            Condition::Perpendicular => Self::Round(angle),
+            Condition::Own | Condition::Mimic => Self::Shift(0.0),
+        }
+    }
+}
+
+fn stream(seed: u64, labels: &[&str]) -> Pcg64 {
+    Pcg64::seed_from_u64(stream_seed(seed, labels))
+}
+
+fn normal(rng: &mut Pcg64) -> f64 {
+    StandardNormal.sample(rng)
+}
+
+impl PopulationModel {
+    /// Reads and checks a population.
+    ///
+    /// # Errors
+    /// [`StudyError`] naming the file and what is wrong with it.
+    pub fn read(path: &Path) -> Result<Self, StudyError> {
+        let model: Self = toml::from_str(&read_text(path)?)
+            .map_err(|e| StudyError::file(path, format!("not a population of drives: {e}")))?;
+        model
+            .check()
+            .map_err(|problem| StudyError::file(path, problem))?;
+        Ok(model)
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let within = |name: String, found: f64, low: f64, high: f64| {
+            if (low..=high).contains(&found) {
+                Ok(())
+            } else {
+                Err(format!("`{name}` is {found}, expected {low} to {high}"))
+            }
+        };
+        within("shared".to_owned(), self.shared, 0.0, 1.0)?;
+        within("line.adb_weight".to_owned(), self.line.adb_weight, 0.0, 1.0)?;
+        let squares = |l: &BTreeMap<Trait, f64>| l.values().map(|v| v * v).sum::<f64>();
+        within(
+            "line.loadings (sum of squares)".to_owned(),
+            squares(&self.line.loadings),
+            0.0,
+            1.0,
+        )?;
+        if self.measures.is_empty() {
+            return Err("holds no measures".to_owned());
+        }
+        for (name, measure) in &self.measures {
+            let key = |field: &str| format!("measures.{name}.{field}");
+            match measure {
+                MeasureModel::Drawn(m) => {
+                    within(key("sd"), m.sd, 1e-9, 1e6)?;
+                    within(key("mean"), m.mean, if m.log { 1e-9 } else { -1e6 }, 1e6)?;
+                    within(key("missing"), m.missing, 0.0, 0.9)?;
+                    within(
+                        key("loadings (sum of squares)"),
+                        squares(&m.loadings),
+                        0.0,
+                        1.0,
+                    )?;
+                    within(key("low"), m.low, -1e6, m.high)?;
+                    within(key("error_sd"), m.error_sd, 0.0, 10.0)?;
+                    for (field, value) in [
+                        ("bias", m.bias),
+                        ("aggressive.step", m.aggressive.step),
+                        ("cautious.step", m.cautious.step),
+                        ("perpendicular.cosine", m.perpendicular.cosine),
+                        ("perpendicular.sine", m.perpendicular.sine),
+                    ] {
+                        within(key(field), value, -10.0, 10.0)?;
+                    }
+                    for (field, value) in [
+                        ("aggressive.sd", m.aggressive.sd),
+                        ("cautious.sd", m.cautious.sd),
+                        ("perpendicular.sd", m.perpendicular.sd),
+                    ] {
+                        within(key(field), value, 0.0, 10.0)?;
+                    }
+                }
+                MeasureModel::Derived(m) => {
+                    within(key("factor"), m.factor, 1e-3, 1e3)?;
+                    within(key("scatter"), m.scatter, 0.0, 0.2)?;
+                    for other in [&m.metres, &m.velocity] {
+                        if !matches!(self.measures.get(other), Some(MeasureModel::Drawn(_))) {
+                            return Err(format!(
+                                "`measures.{name}` needs `{other}`, which is not a drawn measure of the file"
+                            ));
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The same people and errors with every effect times `factor`; 0 is a world in which all conditions are alike.
+    #[must_use]
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        let mut scaled = self.clone();
+        let squares: f64 = scaled.line.loadings.values().map(|l| l * l).sum();
+        // A loading cannot explain more than there is.
+        let most = if squares > 0.0 {
+            0.97 / squares.sqrt()
+        } else {
+            1.0
+        };
+        scaled
+            .line
+            .loadings
+            .values_mut()
+            .for_each(|l| *l *= factor.min(most));
+        scaled.line.adb_weight = (scaled.line.adb_weight * factor).min(1.0);
+        for measure in scaled.measures.values_mut() {
+            if let MeasureModel::Drawn(m) = measure {
+                for step in [&mut m.aggressive, &mut m.cautious] {
+                    step.step *= factor;
+                    step.sd *= factor;
+                }
+                m.perpendicular.cosine *= factor;
+                m.perpendicular.sine *= factor;
+                m.perpendicular.sd *= factor;
+            }
+        }
+        scaled
+    }
+
+    /// Own drive and trials of a person. Each value depends on the seed, the person, the measure and the trial's `label` alone.
+    pub(crate) fn drives(
+        &self,
+        person: &Participant,
+        trials: &[(&str, Asked)],
+        seed: u64,
+    ) -> Drives {
+        let id = person.id.as_str();
+        let mut drives = Drives {
+            own: MeasureValues::new(),
+            trials: vec![MeasureValues::new(); trials.len()],
+        };
+        for (name, measure) in &self.measures {
+            let MeasureModel::Drawn(m) = measure else {
+                continue;
+            };
+            let mut rng = stream(seed, &[id, "own drive", name]);
+            let own = explained(&m.loadings, person, &mut rng);
+            let common = normal(&mut rng);
+            let differs = [normal(&mut rng), normal(&mut rng)];
+            let shown = m.shown(own, &mut rng);
+            drives.own.insert(name.clone(), shown);
+            for ((label, asked), values) in trials.iter().zip(&mut drives.trials) {
+                let mut rng = stream(seed, &[id, "trial", name, label]);
+                let error =
+                    self.shared.sqrt() * common + (1.0 - self.shared).sqrt() * normal(&mut rng);
+                let moved = m.moved(*asked, differs, &mut rng);
+                let value = m.shown(own + m.bias + moved + m.error_sd * error, &mut rng);
+                values.insert(name.clone(), value);
+            }
+        }
+        for (name, measure) in &self.measures {
+            let MeasureModel::Derived(m) = measure else {
+                continue;
+            };
+            let labels = std::iter::once("own").chain(trials.iter().map(|(label, _)| *label));
+            let sets = std::iter::once(&mut drives.own).chain(&mut drives.trials);
+            for (label, values) in labels.zip(sets) {
+                let mut rng = stream(seed, &[id, "derived", name, label]);
+                let of = |name: &String| values.get(name).copied().flatten();
+                let scatter = 1.0 + m.scatter * normal(&mut rng);
+                let value = of(&m.metres)
+                    .zip(of(&m.velocity))
+                    .map(|(d, v)| m.factor * d / v * scatter);
+                values.insert(name.clone(), value);
+            }
+        }
+        drives
+    }
+
+    /// Positions on the line of people with these standardised ADB scores: without and with the score in the fit.
+    pub(crate) fn positions(&self, person: &Participant, adb: f64, seed: u64) -> (f64, f64) {
+        let mut rng = stream(seed, &[person.id.as_str(), "line"]);
+        let position = explained(&self.line.loadings, person, &mut rng);
+        let w = self.line.adb_weight;
+        (position, (1.0 - w) * position + w * adb)
+    }
+
+    /// The angle of a person's Perpendicular condition, evenly over the circle.
+    pub(crate) fn angle(person: &Participant, seed: u64) -> f64 {
+        let mut rng = stream(seed, &[person.id.as_str(), "angle"]);
+        rng.random_range(-std::f64::consts::PI..std::f64::consts::PI)
+    }
+}
+
+/// Loadings · traits + noise, of variance 1.
+fn explained(loadings: &BTreeMap<Trait, f64>, person: &Participant, rng: &mut Pcg64) -> f64 {
+    let known: f64 = loadings
+        .iter()
+        .map(|(name, l)| l * person.latent(*name))
+        .sum();
+    let squares: f64 = loadings.values().map(|l| l * l).sum();
+    known + (1.0 - squares).max(0.0).sqrt() * normal(rng)
+}
+
+impl DrawnMeasure {
+    /// Change by what is asked; a person's dial is steeper or flatter by `differs`.
+    fn moved(&self, asked: Asked, differs: [f64; 2], rng: &mut Pcg64) -> f64 {
+        match asked {
+            Asked::Shift(shift) if shift >= 0.0 => {
+                shift * (self.aggressive.step + self.aggressive.sd * differs[0])
+            }
+            Asked::Shift(shift) => -shift * (self.cautious.step + self.cautious.sd * differs[1]),
+            Asked::Round(angle) => {
+                let Round { cosine, sine, sd } = self.perpendicular;
+                cosine * angle.cos() + sine * angle.sin() + sd * normal(rng)
+            }
+        }
+    }
+
+    /// From SDs to the measure's unit.
+    fn shown(&self, z: f64, rng: &mut Pcg64) -> Option<f64> {
+        if self.missing > 0.0 && rng.random_bool(self.missing) {
+            return None;
+        }
+        let value = if self.log {
+            let square = (1.0 + (self.sd / self.mean).powi(2)).ln();
+            (self.mean.ln() - 0.5 * square + square.sqrt() * z).exp()
+        } else {
+            self.mean + self.sd * z
+        };
+        let value = if self.whole { value.round() } else { value };
+        Some(value.clamp(self.low, self.high))
+    }
+
+    /// Mean change of a shift over people, in SDs of the own drives.
+    pub(crate) fn mean_step(&self, shift: f64) -> f64 {
+        if shift >= 0.0 {
+            shift * self.aggressive.step
+        } else {
+            -shift * self.cautious.step
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use maveric_participants::{Cohort, CohortSettings};
+
+    pub(crate) fn shipped() -> PopulationModel {
+        let text = include_str!("../../../../../study_data/population.toml");
+        let model: PopulationModel = toml::from_str(text).unwrap();
+        model.check().unwrap();
+        model
+    }
+
+    fn mean_change(model: &PopulationModel, measure: &str, shift: f64) -> f64 {
+        let people = Cohort::draw(0, 400, 5, &CohortSettings::default())
+            .unwrap()
+            .participants;
+        let changes = people.iter().filter_map(|p| {
+            let d = model.drives(
+                p,
+                &[("mimic", Asked::Shift(0.0)), ("x", Asked::Shift(shift))],
+                5,
+            );
+            Some(d.trials[1][measure]? - d.trials[0][measure]?)
+        });
+        let changes: Vec<f64> = changes.collect();
+        changes.iter().sum::<f64>() / changes.len() as f64
+    }
+
+    #[test]
+    fn the_dial_moves_velocity_as_stated_and_not_at_all_without_effects() {
+        let model = shipped();
+        let up = mean_change(&model, "mean_velocity_mps", 1.0);
+        assert!((up - 0.98 * 2.4).abs() < 0.2, "{up}");
+        assert!(mean_change(&model.scaled(0.0), "mean_velocity_mps", 1.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn a_drive_that_never_merges_back_has_neither_gap() {
+        let model = shipped();
+        let people = Cohort::draw(0, 400, 6, &CohortSettings::default())
+            .unwrap()
+            .participants;
+        let mut missing = 0;
+        for p in &people {
+            let own = model.drives(p, &[], 6).own;
+            assert_eq!(
+                own["headway_merge_back_m"].is_none(),
+                own["headway_merge_back_s"].is_none()
+            );
+            missing += usize::from(own["headway_merge_back_m"].is_none());
+        }
+        assert!((1..20).contains(&missing), "{missing}");
+    }
+
+    #[test]
+    fn a_derived_measure_of_nothing_is_refused() {
+        let mut model = shipped();
+        model.measures.remove("mean_velocity_mps");
+        let error = model.check().unwrap_err();
+        assert!(error.contains("needs `mean_velocity_mps`"), "{error}");
+    }
+}

@@ -1,0 +1,190 @@
+//! How often each test says yes, over many studies.
+
+use super::outcomes::{Found, Part};
+use maveric_stats::{Proportion, proportion};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Level of every test.
+pub(crate) const ALPHA: f64 = 0.05;
+
+/// One test over the studies of a cell.
+#[derive(Debug, Clone, Serialize)]
+pub struct TestRate {
+    /// Part of the report.
+    pub part: Part,
+    /// Name of the test.
+    pub key: String,
+    /// Studies in which the test had a p.
+    pub studies: usize,
+    /// Those with p < .05.
+    pub rejected: usize,
+    /// Their share, with Wilson's 95 % interval.
+    pub rate: Option<Proportion>,
+    /// Share with p < .05 after Holm within the test's family.
+    pub holm: Option<Proportion>,
+    /// Mean of the estimate (r, share less ½, difference or coefficient); none for an omnibus test.
+    pub mean_estimate: Option<f64>,
+    /// Share of studies with an estimate above zero.
+    pub above_zero: Option<Proportion>,
+}
+
+/// One family over the studies of a cell.
+#[derive(Debug, Clone, Serialize)]
+pub struct FamilyRate {
+    /// Name of the family.
+    pub family: String,
+    /// Tests in it.
+    pub tests: usize,
+    /// Share of studies in which any of them has p < .05, uncorrected.
+    pub any_uncorrected: Option<Proportion>,
+    /// The same after Holm.
+    pub any_holm: Option<Proportion>,
+}
+
+/// Studies of one size and one scale of the effects.
+#[derive(Debug, Clone, Serialize)]
+pub struct Cell {
+    /// Participants of each study.
+    pub participants: usize,
+    /// What every effect is multiplied with.
+    pub effect_scale: f64,
+    /// Studies.
+    pub studies: usize,
+    /// Every test of the report.
+    pub tests: Vec<TestRate>,
+    /// Every family.
+    pub families: Vec<FamilyRate>,
+}
+
+fn share(part: usize, whole: usize) -> Option<Proportion> {
+    proportion(part, whole, 0.95).ok()
+}
+
+/// Counts over studies, each with the same tests in the same order.
+pub(crate) fn cell(participants: usize, effect_scale: f64, studies: &[Vec<Found>]) -> Cell {
+    let count = studies.first().map_or(0, Vec::len);
+    let tests = (0..count).map(|i| {
+        let found: Vec<&Found> = studies.iter().map(|s| &s[i]).collect();
+        let first = found[0];
+        let p: Vec<f64> = found.iter().filter_map(|f| f.p).collect();
+        let rejected = p.iter().filter(|p| **p < ALPHA).count();
+        let holm: Vec<f64> = found.iter().filter_map(|f| f.p_holm).collect();
+        let estimates: Vec<f64> = found.iter().filter_map(|f| f.estimate).collect();
+        TestRate {
+            part: first.part,
+            key: first.key.clone(),
+            studies: p.len(),
+            rejected,
+            rate: share(rejected, p.len()),
+            holm: share(holm.iter().filter(|p| **p < ALPHA).count(), holm.len()),
+            mean_estimate: (!estimates.is_empty())
+                .then(|| estimates.iter().sum::<f64>() / estimates.len() as f64),
+            above_zero: share(
+                estimates.iter().filter(|e| **e > 0.0).count(),
+                estimates.len(),
+            ),
+        }
+    });
+    Cell {
+        participants,
+        effect_scale,
+        studies: studies.len(),
+        tests: tests.collect(),
+        families: families(studies),
+    }
+}
+
+fn families(studies: &[Vec<Found>]) -> Vec<FamilyRate> {
+    let mut members: BTreeMap<&str, usize> = BTreeMap::new();
+    for family in studies
+        .first()
+        .into_iter()
+        .flatten()
+        .filter_map(|f| f.family.as_deref())
+    {
+        *members.entry(family).or_default() += 1;
+    }
+    let any = |family: &str, of: fn(&Found) -> Option<f64>| {
+        let hit = |study: &&Vec<Found>| {
+            study
+                .iter()
+                .filter(|f| f.family.as_deref() == Some(family))
+                .any(|f| of(f).is_some_and(|p| p < ALPHA))
+        };
+        share(studies.iter().filter(hit).count(), studies.len())
+    };
+    members
+        .into_iter()
+        .map(|(family, tests)| FamilyRate {
+            family: family.to_owned(),
+            tests,
+            any_uncorrected: any(family, |f| f.p),
+            any_holm: any(family, |f| f.p_holm),
+        })
+        .collect()
+}
+
+/// The smallest n at which a rate reaches `wanted`, by straight lines between the sizes tried (ascending); `None` beyond them.
+///
+/// The first size tried, if the rate is reached there: it may need fewer.
+pub(crate) fn n_for(curve: &[(usize, f64)], wanted: f64) -> Option<f64> {
+    let at = curve.iter().position(|(_, rate)| *rate >= wanted)?;
+    let (n, rate) = curve[at];
+    if at == 0 {
+        return Some(n as f64);
+    }
+    let (before, low) = curve[at - 1];
+    let part = (wanted - low) / (rate - low);
+    Some(before as f64 + part * (n - before) as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(p: f64, p_holm: f64, estimate: f64) -> Found {
+        Found {
+            part: Part::Nearer,
+            key: "nearer.x".to_owned(),
+            family: Some("nearer".to_owned()),
+            estimate: Some(estimate),
+            p: Some(p),
+            p_holm: Some(p_holm),
+        }
+    }
+
+    #[test]
+    fn rates_count_studies_and_families_count_any_test() {
+        let studies = [
+            vec![found(0.01, 0.02, 0.4), found(0.5, 0.5, -0.1)],
+            vec![found(0.04, 0.08, 0.2), found(0.9, 0.9, 0.1)],
+            vec![
+                Found {
+                    p: None,
+                    p_holm: None,
+                    ..found(0.3, 0.6, 0.3)
+                },
+                found(0.7, 0.7, 0.3),
+            ],
+            vec![found(0.3, 0.6, -0.1), found(0.06, 0.12, 0.3)],
+        ];
+        let cell = cell(24, 1.0, &studies);
+        let first = &cell.tests[0];
+        assert_eq!((first.studies, first.rejected), (3, 2));
+        assert!((first.holm.unwrap().estimate - 1.0 / 3.0).abs() < 1e-12);
+        assert!((first.above_zero.unwrap().estimate - 0.75).abs() < 1e-12);
+        let family = &cell.families[0];
+        assert_eq!(family.tests, 2);
+        assert!((family.any_uncorrected.unwrap().estimate - 0.5).abs() < 1e-12);
+        assert!((family.any_holm.unwrap().estimate - 0.25).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_size_needed_lies_between_those_tried() {
+        let curve = [(12, 0.2), (24, 0.6), (48, 0.9)];
+        assert!((n_for(&curve, 0.8).unwrap() - 40.0).abs() < 1e-9);
+        assert_eq!(n_for(&curve, 0.95), None);
+        assert_eq!(n_for(&curve, 0.1), Some(12.0));
+    }
+}
