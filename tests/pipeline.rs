@@ -38,6 +38,63 @@ fn is_page(path: &Path) {
     );
 }
 
+/// `report` on results that are emptied, or no numbers, or carry names that try to be markup.
+fn bad_results_are_said(study: &TempStudy) {
+    let path = "study_data/generated/smoke/analysis.json";
+    let report = [
+        "report",
+        "study_data/generated/smoke",
+        "--out",
+        "reports/bad",
+    ];
+    let text = std::fs::read_to_string(study.path(path)).unwrap();
+    let mut empty: serde_json::Value = serde_json::from_str(&text).unwrap();
+    empty["participants"] = 0.into();
+    for panel in empty["panels"].as_array_mut().unwrap() {
+        panel["rows"] = serde_json::json!([]);
+        panel["participants"] = serde_json::json!([]);
+        panel["pairs"] = serde_json::json!([]);
+    }
+    for row in empty["line"]["rows"].as_array_mut().unwrap() {
+        row["points"] = serde_json::json!([]);
+    }
+    for row in empty["kept"].as_array_mut().unwrap() {
+        row["points"] = serde_json::json!([]);
+    }
+    for row in empty["preferences"].as_array_mut().unwrap() {
+        row["n"] = 0.into();
+    }
+    for list in ["accuracy", "nearer", "homophily", "similarity"] {
+        empty[list] = serde_json::json!([]);
+    }
+    study.write(path, empty.to_string());
+    let nasty = "<script>alert(1)</script> & \"Eve\" \u{202e}\u{645}\u{631} \u{1f697}";
+    let excluded = study.path("study_data/generated/smoke/scores_exclusions.csv");
+    let kept = std::fs::read_to_string(&excluded).unwrap();
+    let field = format!("\"{}\"", nasty.replace('"', "\"\""));
+    study.write(
+        "study_data/generated/smoke/scores_exclusions.csv",
+        format!("who,what,why\n{field},everything,{field}\n"),
+    );
+    study.maveric(&report).ok();
+    let page = std::fs::read_to_string(study.path("reports/bad/index.html")).unwrap();
+    for said in [
+        "No participant has a value in any condition",
+        "No participant is left along the aggression line",
+        "&lt;script&gt;alert(1)&lt;/script&gt; &amp; &quot;Eve&quot;",
+    ] {
+        assert!(page.contains(said), "{said}");
+    }
+    assert!(!page.contains("<script>alert") && !page.contains("NaN"));
+    study.write(
+        path,
+        text.replacen("\"participants\"", "\"participants\": 1e999, \"x\"", 1),
+    );
+    study.maveric(&report).failed(1, &["analysis.json"]);
+    study.write(path, text);
+    std::fs::write(excluded, kept).unwrap();
+}
+
 #[test]
 fn the_small_study_runs_once_and_then_only_what_changed() {
     let study = TempStudy::new();
@@ -67,6 +124,7 @@ fn the_small_study_runs_once_and_then_only_what_changed() {
         assert!(there(".svg") && there(".png"), "figure {figure}");
     }
 
+    bad_results_are_said(&study);
     let again = study.maveric(&["run", SMOKE, "--format", "json"]).ok();
     assert!(
         states(&again.stdout)

@@ -116,6 +116,14 @@ pub enum ReportError {
         /// The name.
         name: String,
     },
+    /// A part of the page that moves cannot be made.
+    #[error("the live part below figure `{below}`: {reason}")]
+    Live {
+        /// The figure below which it stands.
+        below: String,
+        /// What was found, and what was expected.
+        reason: String,
+    },
     /// The page could not be filled in.
     #[error("could not fill in the page: {reason}")]
     Template {

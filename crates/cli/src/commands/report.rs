@@ -16,6 +16,12 @@ pub(crate) struct Report {
     /// What the paper reported (TOML)
     #[arg(long, default_value = "study_data/claims.toml")]
     claims: std::path::PathBuf,
+    /// A parameter of the run, for the page; a value that is a file is shown whole, with its hash
+    #[arg(long = "param", value_name = "KEY=VALUE", value_parser = parameter)]
+    parameters: Vec<(String, String)>,
+    /// Table of who took part; RESULTS/participants.csv when not given
+    #[arg(long)]
+    participants: Option<std::path::PathBuf>,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -27,9 +33,17 @@ impl Report {
             results: self.results,
             out: self.out,
             claims: self.claims,
+            parameters: self.parameters,
+            participants: self.participants,
         };
         print_outcome(self.format, "could not write the report", |watch| {
             report::report(&options, watch)
         })
     }
+}
+
+fn parameter(text: &str) -> Result<(String, String), String> {
+    let parts = text.split_once('=').filter(|(key, _)| !key.is_empty());
+    let (key, value) = parts.ok_or_else(|| format!("`{text}` is not KEY=VALUE, such as seed=1"))?;
+    Ok((key.to_owned(), value.to_owned()))
 }

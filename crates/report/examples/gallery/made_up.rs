@@ -3,9 +3,13 @@
 #[path = "kinds/mod.rs"]
 pub(crate) mod kinds;
 
-use kinds::{PARTICIPANTS, figures};
+use kinds::{PARTICIPANTS, figures, wobble};
+use maveric_domain::condition::Condition;
 use maveric_report::claims::{join, load};
-use maveric_report::html::{Input, Provenance, Section};
+use maveric_report::html::{
+    Input, Live, LiveContent, Methods, ParameterFile, Provenance, Section, SpaceDrive, SpacePerson,
+    StyleSpace,
+};
 use maveric_report::tables::{
     AccuracyRow, Coefficient, Correlation, CorrelationRow, Exclusion, Table, correlations,
     mimic_accuracy,
@@ -49,6 +53,33 @@ fn tables() -> Vec<Table> {
     ]
 }
 
+fn style_space() -> StyleSpace {
+    let at = |i: usize| [wobble(i, 1), wobble(i, 2), wobble(i, 3)].map(|v| 2.0 * v);
+    let drive = |i: usize, name: String| SpaceDrive {
+        name,
+        at: at(i),
+        adb_points: Some(33.0 + 20.0 * wobble(i, 4)),
+        velocity_mph: 65.0 + 10.0 * wobble(i, 5),
+    };
+    StyleSpace {
+        drives: (0..30)
+            .map(|i| drive(i, format!("D{i:02} </script>")))
+            .collect(),
+        people: (40..46)
+            .map(|i| SpacePerson {
+                own: drive(i, format!("P{i} <b>&\u{202e}")),
+                conditions: vec![
+                    (Condition::Mimic, at(i)),
+                    (Condition::Aggressive, at(i).map(|v| v + 0.8)),
+                    (Condition::Cautious, at(i).map(|v| v - 0.8)),
+                ],
+            })
+            .collect(),
+        gradient: [1.0, 1.0, 1.0],
+        ellipse: [[0.7, -0.7, 0.0], [0.4, 0.4, -0.8]],
+    }
+}
+
 pub(crate) fn report(context: &Context) -> Result<Report, ReportError> {
     let claims = load(include_str!("../../../../study_data/claims.toml"))?;
     let results = BTreeMap::from([
@@ -81,6 +112,17 @@ pub(crate) fn report(context: &Context) -> Result<Report, ReportError> {
                 ..Section::default()
             },
         ],
+        live: vec![Live {
+            below: "embedding-space".into(),
+            content: LiveContent::StyleSpace(style_space()),
+        }],
+        methods: Methods {
+            text: vec!["Sines, wobbled.".into()],
+            files: vec![ParameterFile {
+                path: "study_data/effects.toml".into(),
+                text: "# nothing\n[of]\nthis = \"<is> & used\"\n".into(),
+            }],
+        },
         ledger: Some(join(&claims, &results)?),
         exclusions: vec![Exclusion {
             who: "P03 \u{202e}<b>&".into(),

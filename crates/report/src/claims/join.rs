@@ -1,7 +1,7 @@
 //! Ours beside theirs.
 
 use super::load::{Claim, Rule};
-use super::recheck::{Recheck, recheck};
+use super::self_check::{SelfCheck, self_check};
 use crate::error::ReportError;
 use std::collections::BTreeMap;
 
@@ -16,8 +16,19 @@ pub struct LedgerRow {
     pub ours_p: Option<f64>,
     /// What the rule says.
     pub verdict: Verdict,
-    /// Whether the paper's p follows from its own coefficient.
-    pub recheck: Option<Recheck>,
+    /// Whether the paper's number follows from its other numbers.
+    pub own_figures: Option<SelfCheck>,
+    /// What made our number, and where it is shown; whoever computed it fills this in.
+    pub made: Option<Made>,
+}
+
+/// What made a number, and where it is shown.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Made {
+    /// Stage of the pipeline.
+    pub stage: String,
+    /// Anchor of the figure or table on the page, such as `figure-preference`.
+    pub shown_in: Option<String>,
 }
 
 /// What comes of a comparison.
@@ -36,6 +47,15 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// Every verdict, the best first.
+    pub const ALL: [Self; 5] = [
+        Self::Agrees,
+        Self::SameDirection,
+        Self::Differs,
+        Self::ByDesign,
+        Self::NotComputed,
+    ];
+
     /// As the ledger writes it.
     pub fn text(self) -> &'static str {
         match self {
@@ -51,8 +71,8 @@ impl Verdict {
 /// Joins claims and results, in the claims' order.
 ///
 /// `results` maps keys to numbers in the claim's unit (percent as 0..100, speeds in mph). A key
-/// that is not there gives [`Verdict::NotComputed`]. The p of a coefficient under `….r` is looked
-/// up under `….p`. A p that is to be below a bound needs its direction beside it: `….p` is read
+/// that is not there gives [`Verdict::NotComputed`]. The p of a coefficient under `….r`, or of a
+/// difference under `….difference`, is looked up under `….p`. A p that is to be below a bound needs its direction beside it: `….p` is read
 /// together with `….direction`, above 0 if the difference goes the way that the claim says.
 ///
 /// # Errors
@@ -74,7 +94,8 @@ pub fn join(
                 }
             };
             let ours = find(&claim.key)?;
-            let ours_p = match claim.key.strip_suffix(".r") {
+            let stem = claim.key.strip_suffix(".r");
+            let ours_p = match stem.or_else(|| claim.key.strip_suffix(".difference")) {
                 Some(stem) => find(&format!("{stem}.p"))?,
                 None => None,
             };
@@ -93,7 +114,8 @@ pub fn join(
                 ours,
                 ours_p,
                 verdict,
-                recheck: recheck(claim),
+                own_figures: self_check(claim, claims),
+                made: None,
             })
         })
         .collect()
@@ -128,6 +150,7 @@ fn judge(claim: &Claim, ours: f64) -> Verdict {
         }
         Rule::PAbove { bound } => choose(ours > bound, Verdict::Agrees, Verdict::Differs),
         Rule::Above => choose(ours > theirs, Verdict::Agrees, Verdict::Differs),
+        Rule::Below => choose(ours < theirs, Verdict::Agrees, Verdict::Differs),
         Rule::ByDesign { tolerance } => {
             choose(within(tolerance), Verdict::ByDesign, Verdict::Differs)
         }

@@ -2,6 +2,7 @@
 
 use super::join::{LedgerRow, Verdict};
 use super::load::{DfSource, Quantity, Rule};
+use super::self_check::SelfCheck;
 use crate::apa;
 use crate::markup::literal;
 use crate::tables::{Cell, Column, Table};
@@ -32,7 +33,9 @@ pub fn ledger_table(rows: &[LedgerRow]) -> Table {
             Column::left("Here"),
             Column::left("Verdict"),
             Column::left("Rule"),
-            Column::left("Does the paper’s *p* follow from its own figures?"),
+            Column::left("Does the paper agree with itself?"),
+            Column::left("Stage"),
+            Column::left("Shown in"),
             Column::left("Remark"),
         ],
         rows: rows
@@ -46,6 +49,10 @@ pub fn ledger_table(rows: &[LedgerRow]) -> Table {
                     Cell::text(row.verdict.text()),
                     Cell::text(rule(row.claim.rule)),
                     own_figures(row).map_or(Cell::Missing, Cell::Marked),
+                    row.made
+                        .as_ref()
+                        .map_or(Cell::Missing, |m| Cell::text(&m.stage)),
+                    shown_in(row).map_or(Cell::Missing, Cell::text),
                     row.claim.note.as_ref().map_or(Cell::Missing, Cell::text),
                 ]
             })
@@ -57,6 +64,10 @@ pub fn ledger_table(rows: &[LedgerRow]) -> Table {
                 .to_owned(),
         ],
     }
+}
+
+fn shown_in(row: &LedgerRow) -> Option<&str> {
+    row.made.as_ref()?.shown_in.as_deref()
 }
 
 fn symbol(quantity: Quantity) -> &'static str {
@@ -76,7 +87,7 @@ fn relation(text: &str) -> String {
     }
 }
 
-fn theirs(row: &LedgerRow) -> String {
+pub(crate) fn theirs(row: &LedgerRow) -> String {
     let claim = &row.claim;
     let printed = literal(&claim.printed.text());
     match claim.quantity {
@@ -90,11 +101,15 @@ fn theirs(row: &LedgerRow) -> String {
             format!("{}{df} = {printed}{p}", symbol(claim.quantity))
         }
         Quantity::P => format!("*p* {}", relation(&printed)),
+        Quantity::Difference => match claim.printed.bound {
+            Some('<') => "lower".to_owned(),
+            _ => "higher".to_owned(),
+        },
         other => format!("{printed}{}", other.unit()),
     }
 }
 
-fn ours(row: &LedgerRow) -> Option<String> {
+pub(crate) fn ours(row: &LedgerRow) -> Option<String> {
     let ours = row.ours?;
     let quantity = row.claim.quantity;
     Some(match quantity {
@@ -109,6 +124,13 @@ fn ours(row: &LedgerRow) -> Option<String> {
             )
         }
         Quantity::P => apa::p(ours).markup().to_owned(),
+        Quantity::Difference => {
+            let p = row
+                .ours_p
+                .map_or(String::new(), |p| format!(", {}", apa::p_holm(p).markup()));
+            let sign = if ours > 0.0 { "+" } else { "" };
+            format!("{sign}{}{p}", apa::number(ours, quantity.decimals()))
+        }
         other => {
             let whole = (ours - ours.round()).abs() < 1e-9;
             let decimals = if whole { 0 } else { other.decimals().max(1) };
@@ -117,7 +139,7 @@ fn ours(row: &LedgerRow) -> Option<String> {
     })
 }
 
-fn rule(rule: Rule) -> String {
+pub(crate) fn rule(rule: Rule) -> String {
     match rule {
         Rule::Direction { tolerance } => format!("same sign; size within {tolerance}"),
         Rule::Near { tolerance } => format!("within {tolerance}"),
@@ -127,12 +149,30 @@ fn rule(rule: Rule) -> String {
         }
         Rule::PAbove { bound } => format!("p above {}", apa::bounded(bound, 2)),
         Rule::Above => "above the paper’s bound".to_owned(),
+        Rule::Below => "below the paper’s bound".to_owned(),
         Rule::ByDesign { tolerance } => format!("set by us; within {tolerance}"),
     }
 }
 
-fn own_figures(row: &LedgerRow) -> Option<String> {
-    let result = row.recheck?;
+pub(crate) fn own_figures(row: &LedgerRow) -> Option<String> {
+    let result = match row.own_figures? {
+        SelfCheck::Correlation(result) => result,
+        SelfCheck::People { of, fits: true, .. } => {
+            return Some(format!("yes: possible with {of} people"));
+        }
+        SelfCheck::People { of, nearest, .. } => {
+            let decimals = row.claim.printed.decimals();
+            let nearest = apa::number(nearest, decimals);
+            let unit = row.claim.quantity.unit();
+            return Some(format!(
+                "no: the nearest that {of} people can give is {nearest}{unit}"
+            ));
+        }
+        SelfCheck::Sum { fits: true, .. } => return Some("yes: its parts add up".to_owned()),
+        SelfCheck::Sum { sum, .. } => {
+            return Some(format!("no: its parts add up to {}", apa::number(sum, 0)));
+        }
+    };
     if result.follows {
         return Some("yes".to_owned());
     }

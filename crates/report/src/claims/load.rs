@@ -28,6 +28,11 @@ pub struct Claim {
     pub key: String,
     /// How ours is compared.
     pub rule: Rule,
+    /// A share or a mean of whole numbers over so many people: it is checked whether it can be one.
+    pub of: Option<u32>,
+    /// Ids of the claims that this one should be the sum of.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sum_of: Vec<String>,
     /// What a reader should know.
     pub note: Option<String>,
 }
@@ -54,13 +59,17 @@ pub enum Quantity {
     Points,
     /// A count.
     Count,
+    /// A factor of a speed.
+    Factor,
+    /// A difference in the measure's unit, of which the paper gives the direction only.
+    Difference,
 }
 
 impl Quantity {
     /// Decimals shown of ours.
     pub(crate) fn decimals(self) -> usize {
         match self {
-            Self::R | Self::Rho => 2,
+            Self::R | Self::Rho | Self::Factor | Self::Difference => 2,
             Self::P => 3,
             Self::Percent | Self::Mph | Self::Years => 1,
             Self::Minutes | Self::Points | Self::Count => 0,
@@ -75,7 +84,7 @@ impl Quantity {
             Self::Years => " years",
             Self::Minutes => " min",
             Self::Points => " points",
-            Self::R | Self::Rho | Self::P | Self::Count => "",
+            Self::R | Self::Rho | Self::P | Self::Count | Self::Factor | Self::Difference => "",
         }
     }
 }
@@ -116,6 +125,8 @@ pub enum Rule {
     },
     /// Our value is above the printed one.
     Above,
+    /// Our value is below the printed one.
+    Below,
     /// We set it so: no finding.
     ByDesign {
         /// Greatest distance.
@@ -165,6 +176,13 @@ impl Printed {
             .replace('>', "> ")
     }
 
+    /// Decimals printed.
+    pub(crate) fn decimals(&self) -> usize {
+        self.text
+            .split_once('.')
+            .map_or(0, |(_, after)| after.len())
+    }
+
     /// As in the file: `-.5`, `<.001`.
     pub(crate) fn as_written(&self) -> &str {
         &self.text
@@ -181,8 +199,8 @@ struct File {
 ///
 /// # Errors
 /// [`ReportError::Claims`] if it is not such a file, [`ReportError::DuplicateName`] for an id that
-/// is used twice, [`ReportError::Claim`] for a coefficient outside −1..1 or degrees of freedom
-/// without a source.
+/// is used twice, [`ReportError::Claim`] for a coefficient outside −1..1, degrees of freedom
+/// without a source, or a sum of claims that are not there.
 pub fn load(toml: &str) -> Result<Vec<Claim>, ReportError> {
     let file: File = toml::from_str(toml).map_err(|error| ReportError::Claims {
         reason: error.to_string(),
@@ -207,8 +225,15 @@ pub fn load(toml: &str) -> Result<Vec<Claim>, ReportError> {
         if claim.df.is_some() != claim.df_from.is_some() {
             return wrong("`df` and `df_from` belong together");
         }
-        if claim.df == Some(0) {
-            return wrong("`df` must be above 0");
+        if claim.df == Some(0) || claim.of == Some(0) {
+            return wrong("`df` and `of` must be above 0");
+        }
+        if let Some(id) = claim
+            .sum_of
+            .iter()
+            .find(|id| file.claim.iter().all(|other| other.id != **id))
+        {
+            return wrong(&format!("`sum_of` names `{id}`, which is no claim"));
         }
     }
     Ok(file.claim)

@@ -4,8 +4,11 @@ mod join;
 mod ledger;
 mod load;
 mod recheck;
+mod self_check;
 
-pub use join::{LedgerRow, Verdict, join};
+pub use join::{LedgerRow, Made, Verdict, join};
 pub use ledger::{ledger_table, verdict_counts};
+pub(crate) use ledger::{ours, own_figures, rule, theirs};
 pub use load::{Claim, DfSource, Printed, Quantity, Rule, load};
 pub use recheck::{Recheck, recheck};
+pub use self_check::{SelfCheck, self_check};

@@ -30,7 +30,7 @@ pub fn render(report: &Report) -> Result<Vec<RenderedFile>, ReportError> {
     let ledger = report.ledger.as_deref().map(ledger_table);
     let mut files = vec![RenderedFile {
         path: "index.html".to_owned(),
-        bytes: page(report, &left_out, ledger.as_ref())?.into_bytes(),
+        bytes: page(report, &left_out)?.into_bytes(),
     }];
     let figures: Vec<&Figure> = report
         .sections

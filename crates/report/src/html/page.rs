@@ -1,24 +1,30 @@
-//! `index.html`: one file, no script, no network, readable on paper, on a phone and at night.
+//! `index.html`: one file, no network, readable on paper, on a phone, at night and without scripts.
 
+use super::ledger::ledger;
+use super::live::{Live, LiveContent, embedded};
 use super::report::{Report, Section};
+use super::scripts;
+use crate::claims::ledger_table;
 use crate::error::ReportError;
 use crate::figures::{DARK, Figure, font_face_css, hex};
 use crate::markup;
 use crate::tables::Table;
 use minijinja::{Environment, UndefinedBehavior, Value, context};
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
+/// Rows of a table that the page shows; the files have them all.
+const MOST_ROWS: usize = 200;
+/// Warnings that the page shows.
+const MOST_WARNINGS: usize = 50;
+
 /// Fills in the page.
-pub(crate) fn page(
-    report: &Report,
-    exclusions: &Table,
-    ledger: Option<&Table>,
-) -> Result<String, ReportError> {
+pub(crate) fn page(report: &Report, exclusions: &Table) -> Result<String, ReportError> {
     let mut number = 0;
     let sections: Vec<Value> = report
         .sections
         .iter()
-        .map(|section| section_value(section, &mut number))
+        .map(|section| section_value(section, &report.live, &mut number))
         .collect();
     let provenance = &report.provenance;
     let inputs: Vec<[String; 2]> = provenance
@@ -26,18 +32,36 @@ pub(crate) fn page(
         .iter()
         .map(|input| [input.path.clone(), input.hash.clone()])
         .collect();
+    let mut used = vec![scripts::TABLES];
+    used.extend(report.ledger.is_some().then_some(scripts::LEDGER));
+    used.extend((!report.live.is_empty()).then_some(scripts::SPACE));
+    let used: Vec<String> = used.into_iter().map(scripts::packed).collect();
+    let files: Vec<Value> = report
+        .methods
+        .files
+        .iter()
+        .map(|file| context! { path => &file.path, text => safe(whole_text(&file.text)) })
+        .collect();
+    let shown = report.warnings.iter().take(MOST_WARNINGS).cloned();
     fill(
         "page.html",
         context! {
             title => &report.title,
             subtitle => &report.subtitle,
             synthetic => report.context.synthetic,
+            described => described(report),
             style => safe(style()),
-            summary => report.summary.iter().map(|line| safe(markup::html(line))).collect::<Vec<_>>(),
+            policy => safe(scripts::policy(&used)),
+            scripts => used.into_iter().map(safe).collect::<Vec<_>>(),
+            summary => marked(&report.summary),
             sections,
-            ledger => ledger.map(table_value),
+            ledger => report.ledger.as_ref().map(|rows| ledger(rows, &anchors(report))),
+            ledger_notes => report.ledger.as_ref().map(|rows| marked(&ledger_table(rows).notes[1..])),
+            methods => marked(&report.methods.text),
+            files,
             exclusions => table_value(exclusions),
-            warnings => &report.warnings,
+            warnings => shown.collect::<Vec<String>>(),
+            more_warnings => report.warnings.len().saturating_sub(MOST_WARNINGS),
             version => &provenance.version,
             seed => provenance.seed.map(|seed| seed.to_string()),
             command => &provenance.command,
@@ -47,17 +71,29 @@ pub(crate) fn page(
     )
 }
 
-/// A table as a page of its own.
+/// A table as a page of its own, whole.
 pub(crate) fn table_page(table: &Table, report: &Report) -> Result<String, ReportError> {
     fill(
         "table.html",
         context! {
             title => markup::plain(&table.title),
             synthetic => report.context.synthetic,
+            described => described(report),
             style => safe(include_str!("templates/page.css").to_owned()),
-            table => table_value(table),
+            policy => safe(scripts::policy(&[])),
+            table => whole_table(table),
         },
     )
+}
+
+/// What the file says of itself in its metadata.
+fn described(report: &Report) -> String {
+    let people = report.context.metadata();
+    if people.is_empty() {
+        report.subtitle.clone()
+    } else {
+        format!("{people}. {}", report.subtitle)
+    }
 }
 
 fn fill(template: &str, values: Value) -> Result<String, ReportError> {
@@ -70,6 +106,8 @@ fn fill(template: &str, values: Value) -> Result<String, ReportError> {
         ("page.html", include_str!("templates/page.html")),
         ("table.html", include_str!("templates/table.html")),
         ("parts.html", include_str!("templates/parts.html")),
+        ("ledger.html", include_str!("templates/ledger.html")),
+        ("space.html", include_str!("templates/space.html")),
     ] {
         environment.add_template(name, source).map_err(failed)?;
     }
@@ -84,25 +122,65 @@ fn fill(template: &str, values: Value) -> Result<String, ReportError> {
     }))
 }
 
+/// A file's text, its empty lines kept from [`fill`].
+fn whole_text(text: &str) -> String {
+    let line = |line: &str| match markup::escape(line) {
+        line if line.trim().is_empty() => "&#32;".to_owned(),
+        line => line,
+    };
+    text.lines().map(line).collect::<Vec<_>>().join("\n")
+}
+
 /// Only what this crate wrote itself, escaped where it was not ours.
-fn safe(html: String) -> Value {
+pub(crate) fn safe(html: String) -> Value {
     Value::from_safe_string(html)
 }
 
-fn section_value(section: &Section, number: &mut usize) -> Value {
+fn marked(texts: &[String]) -> Vec<Value> {
+    texts.iter().map(|text| safe(markup::html(text))).collect()
+}
+
+/// The ids of figures and tables on the page.
+fn anchors(report: &Report) -> BTreeSet<String> {
+    let of = |section: &Section| {
+        let figures = section.figures.iter().map(|f| format!("figure-{}", f.name));
+        let tables = section.tables.iter().map(|t| format!("table-{}", t.name));
+        figures.chain(tables).collect::<Vec<_>>()
+    };
+    report.sections.iter().flat_map(of).collect()
+}
+
+fn section_value(section: &Section, live: &[Live], number: &mut usize) -> Value {
     let figures: Vec<Value> = section
         .figures
         .iter()
         .map(|figure| {
             *number += 1;
-            figure_value(figure, *number)
+            let below: Vec<Value> = live
+                .iter()
+                .filter(|live| live.below == figure.name)
+                .map(live_value)
+                .collect();
+            figure_value(figure, *number, below)
         })
         .collect();
     context! {
         title => &section.title,
-        intro => section.intro.iter().map(|text| safe(markup::html(text))).collect::<Vec<_>>(),
+        intro => marked(&section.intro),
         figures,
         tables => section.tables.iter().map(table_value).collect::<Vec<_>>(),
+    }
+}
+
+fn live_value(live: &Live) -> Value {
+    match &live.content {
+        LiveContent::StyleSpace(space) => context! {
+            kind => "space",
+            below => &live.below,
+            names => space.names(),
+            left_out => space.left_out(),
+            data => safe(embedded(&space.json())),
+        },
     }
 }
 
@@ -111,7 +189,7 @@ const WIDE_MM: f64 = 150.0;
 /// Between one column and that.
 const MIDDLE_MM: f64 = 100.0;
 
-fn figure_value(figure: &Figure, number: usize) -> Value {
+fn figure_value(figure: &Figure, number: usize, live: Vec<Value>) -> Value {
     let width = figure
         .svg
         .split_once("width=\"")
@@ -125,6 +203,7 @@ fn figure_value(figure: &Figure, number: usize) -> Value {
         plain_title => markup::plain(&figure.title),
         caption => safe(markup::html(&figure.caption)),
         svg => safe(figure.svg.clone()),
+        live,
         size => match width {
             width if width >= WIDE_MM => "wide",
             width if width >= MIDDLE_MM => "middle",
@@ -134,6 +213,19 @@ fn figure_value(figure: &Figure, number: usize) -> Value {
 }
 
 fn table_value(table: &Table) -> Value {
+    if table.rows.len() <= MOST_ROWS {
+        return whole_table(table);
+    }
+    let mut cut = table.clone();
+    cut.rows.truncate(MOST_ROWS);
+    cut.notes.push(format!(
+        "Here: the first {MOST_ROWS} of {} rows. The files below have them all.",
+        table.rows.len()
+    ));
+    whole_table(&cut)
+}
+
+fn whole_table(table: &Table) -> Value {
     context! {
         name => &table.name,
         title => markup::plain(&table.title),

@@ -1,5 +1,6 @@
 //! What a report is made of.
 
+use super::live::Live;
 use crate::claims::LedgerRow;
 use crate::error::ReportError;
 use crate::figures::{Context, Figure};
@@ -19,8 +20,12 @@ pub struct Report {
     pub summary: Vec<String>,
     /// The body, in order.
     pub sections: Vec<Section>,
+    /// What can be moved and played on the page, each below a figure of `sections`.
+    pub live: Vec<Live>,
     /// The claims ledger, if the run has one.
     pub ledger: Option<Vec<LedgerRow>>,
+    /// How it was done, with what it was set to.
+    pub methods: Methods,
     /// Who and what was left out, and why.
     pub exclusions: Vec<Exclusion>,
     /// What else a reader has to know about the data. Plain text.
@@ -40,6 +45,24 @@ pub struct Section {
     pub figures: Vec<Figure>,
     /// Tables, shown after them.
     pub tables: Vec<Table>,
+}
+
+/// How a study was done. The parameters themselves stand in [`Provenance::parameters`].
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Methods {
+    /// Paragraphs, with marks.
+    pub text: Vec<String>,
+    /// Files of parameters, whole.
+    pub files: Vec<ParameterFile>,
+}
+
+/// A file of parameters, shown whole on the page.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ParameterFile {
+    /// Its path, relative to the project.
+    pub path: String,
+    /// Its text.
+    pub text: String,
 }
 
 /// What a report was made from. All plain text.
@@ -67,11 +90,11 @@ pub struct Input {
 }
 
 impl Report {
-    /// Checks names and tables.
+    /// Checks names, tables, and what can be moved.
     ///
     /// # Errors
-    /// [`ReportError::BadName`] or [`ReportError::DuplicateName`] for figures and tables, and what
-    /// [`Table::check`] finds.
+    /// [`ReportError::BadName`] or [`ReportError::DuplicateName`] for figures and tables, what
+    /// [`Table::check`] finds, and [`ReportError::Live`] for a number that is none or a live part without its figure.
     pub fn check(&self) -> Result<(), ReportError> {
         let mut seen = BTreeSet::new();
         for section in &self.sections {
@@ -94,6 +117,15 @@ impl Report {
             }
             for table in &section.tables {
                 table.check()?;
+            }
+        }
+        for live in &self.live {
+            live.check()?;
+            if !seen.contains(&("figures", &live.below)) {
+                return Err(ReportError::Live {
+                    below: live.below.clone(),
+                    reason: "the page has no figure of that name".to_owned(),
+                });
             }
         }
         Ok(())

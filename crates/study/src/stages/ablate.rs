@@ -1,6 +1,9 @@
 //! `ablate`: what each part of the model is worth on drivers that it has not seen.
 
-use super::{report::write_page, train::adb_of};
+use super::{
+    report::{hashed, write_page},
+    train::adb_of,
+};
 use crate::{
     atomic_write::write_json,
     error::StudyError,
@@ -15,7 +18,7 @@ use maveric_model::{
 use maveric_report::{
     Context, Report,
     figures::ablation::{Ablation, AblationVariant, ablation},
-    html::{Provenance, Section},
+    html::{Methods, Provenance, Section},
     tables::{Cell, Column, Table},
 };
 use std::{ops::ControlFlow, path::PathBuf};
@@ -247,6 +250,17 @@ fn page(
             figures: vec![ablation(&figure, context)?],
             tables: vec![table],
         }],
+        live: Vec::new(),
+        methods: Methods {
+            text: vec![format!(
+                "Every variant learns {} times, each time without one part of the drivers, with {} passes; an unseen driver’s embedding is fitted to \
+                 the first {:.0}% of the drive.",
+                options.folds,
+                options.epochs,
+                100.0 * found.settings.known_fraction
+            )],
+            files: Vec::new(),
+        },
         ledger: None,
         exclusions: Vec::new(),
         warnings: Vec::new(),
@@ -264,7 +278,7 @@ fn page(
                 options.seed
             ),
             parameters: Vec::new(),
-            inputs: Vec::new(),
+            inputs: hashed(options.scores.iter().cloned())?,
         },
     })
 }

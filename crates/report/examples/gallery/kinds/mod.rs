@@ -25,6 +25,7 @@ pub(crate) mod perpendicular;
 pub(crate) mod perpendicular_circle;
 pub(crate) mod population_distributions;
 pub(crate) mod preference;
+pub(crate) mod recommendation;
 pub(crate) mod residuals;
 pub(crate) mod simulator_view;
 pub(crate) mod step_responses;
@@ -38,7 +39,7 @@ pub(crate) const PARTICIPANTS: usize = 24;
 pub(crate) type Draw = fn(&Context) -> Result<Figure, ReportError>;
 
 /// Every kind: the name of its function, and one that draws it from made-up numbers.
-pub(crate) const KINDS: [(&str, Draw); 28] = [
+pub(crate) const KINDS: [(&str, Draw); 29] = [
     ("domain", domain::draw),
     ("architecture", architecture::draw),
     ("simulator_view", simulator_view::draw),
@@ -56,6 +57,7 @@ pub(crate) const KINDS: [(&str, Draw); 28] = [
     ("difference_panels", difference_panels::draw),
     ("preference", preference::draw),
     ("correlation_heatmap", correlation_heatmap::draw),
+    ("recommendation", recommendation::draw),
     ("curves", curves::draw),
     ("false_positives", false_positives::draw),
     ("fidelity", fidelity::draw),

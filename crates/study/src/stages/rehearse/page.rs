@@ -8,7 +8,7 @@ use maveric_report::{
         curves::{CurvePanel, CurvePoint, Curves, curves},
         false_positives::{FalsePositives, PartRates, false_positives},
     },
-    html::{Provenance, Section},
+    html::{Methods, Provenance, Section},
 };
 
 /// The tests whose power is drawn: key and title.
@@ -86,6 +86,11 @@ pub(super) fn page(found: &Rehearsal, options: &RehearseOptions) -> Result<Repor
         ),
         context,
         summary: Vec::new(),
+        live: Vec::new(),
+        methods: Methods {
+            text: vec!["Measures and ratings are drawn from a fitted population and analysed by the code that analyses a run; docs/null-and-power.md gives the generator and its sources.".to_owned()],
+            files: Vec::new(),
+        },
         sections,
         ledger: None,
         exclusions: Vec::new(),

@@ -3,7 +3,34 @@
 use super::people::People;
 use crate::stages::analyse::{Analysis, Correlation};
 use maveric_domain::Condition;
+use maveric_report::claims::Made;
 use std::collections::BTreeMap;
+
+/// The stage that made what stands under a key, and the figure or table that shows it.
+pub(super) fn made(key: &str) -> Made {
+    let (first, rest) = key.split_once('.').unwrap_or((key, ""));
+    let (stage, shown_in) = match first {
+        "participants" => ("generate", Some("table-participants")),
+        "scenario" => ("generate", Some("figure-domain")),
+        "model" => ("train", Some("figure-architecture")),
+        "steer" => ("steer", Some("figure-embedding-space")),
+        "line" if rest.starts_with("min_headway") || rest.starts_with("left_lane") => {
+            ("stats", Some("figure-perpendicular"))
+        }
+        "line" => ("stats", Some("figure-aggression-line")),
+        "mimic_accuracy" => ("stats", Some("table-mimic-accuracy")),
+        "nearer" => ("stats", Some("table-nearer")),
+        "dial" | "rated_aggressiveness" => ("stats", Some("figure-difference-panels")),
+        "perpendicular" => ("stats", Some("figure-perpendicular")),
+        "preference" => ("stats", Some("figure-preference")),
+        "correlation" => ("stats", Some("table-correlations")),
+        _ => ("stats", None),
+    };
+    Made {
+        stage: stage.to_owned(),
+        shown_in: shown_in.map(str::to_owned),
+    }
+}
 
 /// The ledger's word for a measure.
 pub(super) fn short(measure: &str) -> &str {
@@ -36,15 +63,54 @@ fn percent(part: usize, whole: usize) -> Option<f64> {
     (whole > 0).then(|| 100.0 * part as f64 / whole as f64)
 }
 
+/// What the panels give: Aggressive and Cautious against Mimic, and ratings against "the same".
+fn panels(analysis: &Analysis, found: &mut Results) {
+    for panel in &analysis.panels {
+        let rated = panel.measure == "aggressiveness";
+        for pair in panel.pairs.iter().filter(|p| p.first == Condition::Mimic) {
+            if !rated {
+                let key = format!("dial.{}.{}", short(&panel.measure), pair.second);
+                // The pair is Mimic minus the other; the claims are the other minus Mimic.
+                found.set(
+                    format!("{key}.difference"),
+                    pair.mean_difference.map(|d| -d),
+                );
+                found.set(format!("{key}.p"), pair.p_holm);
+                continue;
+            }
+            let key = format!("rated_aggressiveness.{}", pair.second);
+            found.set(format!("{key}.p"), pair.p_holm);
+            // The claims: Cautious is rated below Mimic, Aggressive above it.
+            let sign = if pair.second == Condition::Cautious {
+                1.0
+            } else {
+                -1.0
+            };
+            found.set(
+                format!("{key}.direction"),
+                pair.mean_difference.map(|d| sign * d),
+            );
+        }
+        for (column, condition) in Condition::AV.iter().enumerate().filter(|_| rated) {
+            let values = panel.rows.iter().filter_map(|row| *row.get(column)?);
+            let (n, sum) = values.fold((0.0, 0.0), |(n, sum), v| (n + 1.0, sum + v));
+            found.set(
+                format!("rated_aggressiveness.{condition}.from_same"),
+                (n > 0.0).then(|| sum / n - panel.same),
+            );
+        }
+    }
+}
+
 /// Every result that a claim may ask for.
 pub(super) fn results(
     analysis: &Analysis,
     people: &People,
-    setup: &[(&str, f64)],
+    setup: &[(String, f64)],
 ) -> BTreeMap<String, f64> {
     let mut found = Results(BTreeMap::new());
     for (key, value) in setup {
-        found.set(*key, Some(*value));
+        found.set(key.clone(), Some(*value));
     }
     for (key, value) in people.results() {
         found.set(key, value);
@@ -68,25 +134,7 @@ pub(super) fn results(
         // Above 0: for more people than not, Mimic is the nearer one.
         found.set(format!("{key}.direction"), row.share.map(|s| s - 0.5));
     }
-    let rated = analysis
-        .panels
-        .iter()
-        .filter(|p| p.measure == "aggressiveness")
-        .flat_map(|p| &p.pairs);
-    for pair in rated.filter(|p| p.first == Condition::Mimic) {
-        let key = format!("rated_aggressiveness.{}", pair.second);
-        found.set(format!("{key}.p"), pair.p_holm);
-        // The claims: Cautious is rated below Mimic, Aggressive above it.
-        let sign = if pair.second == Condition::Cautious {
-            1.0
-        } else {
-            -1.0
-        };
-        found.set(
-            format!("{key}.direction"),
-            pair.mean_difference.map(|d| sign * d),
-        );
-    }
+    panels(analysis, &mut found);
     for row in &analysis.kept {
         let name = short(&row.measure);
         found.correlation(&format!("line.{name}"), &row.line);

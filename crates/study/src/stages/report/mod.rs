@@ -1,5 +1,6 @@
 //! `report`: figures, tables and the page from the results of a run.
 
+mod inputs;
 mod keys;
 mod people;
 mod real;
@@ -7,10 +8,11 @@ mod scene;
 mod synthetic;
 
 use crate::{
-    atomic_write::{atomic_write_bytes, read_text},
+    atomic_write::atomic_write_bytes,
     error::StudyError,
     outcome::{Outcome, Watch},
 };
+pub(crate) use inputs::hashed;
 use maveric_report::{html::RenderedFile, markup};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -24,6 +26,10 @@ pub struct ReportOptions {
     pub out: PathBuf,
     /// What the paper reported.
     pub claims: PathBuf,
+    /// Parameters of the run, listed on the page; a value that is a file stands there whole, with its hash.
+    pub parameters: Vec<(String, String)>,
+    /// Who took part; `participants.csv` among the results without.
+    pub participants: Option<PathBuf>,
 }
 
 /// What was written.
@@ -46,10 +52,9 @@ pub struct Reported {
 pub fn report(options: &ReportOptions, watch: Watch<'_>) -> Result<Outcome<Reported>, StudyError> {
     let folder = &options.results;
     let (page, findings) = if folder.join("analysis.json").exists() {
-        let claims = read_text(&options.claims)?;
-        synthetic::page(folder, &claims, watch)?
+        synthetic::page(options, watch)?
     } else if folder.join("following.json").exists() {
-        real::page(folder)?
+        real::page(options)?
     } else {
         return Err(StudyError::BadFile {
             path: folder.clone(),

@@ -1,5 +1,9 @@
 //! The page of an evaluation on recorded driving.
 
+use super::{
+    ReportOptions,
+    inputs::{hashed, in_folder},
+};
 use crate::{
     atomic_write::read_json,
     error::StudyError,
@@ -14,10 +18,9 @@ use maveric_report::{
         car_following::{CarFollowing, Follower, FollowingSeries, car_following},
         following_errors::{FollowingErrors, ModelErrors, following_errors},
     },
-    html::{Provenance, Section},
+    html::{Methods, Provenance, Section},
     tables::{self, Cell, Column, FollowingRow, Table},
 };
-use std::path::Path;
 
 /// The methods that the figure of errors shows.
 const COMPARED: [(FollowingMethod, Follower); 7] = [
@@ -47,7 +50,8 @@ const SHOWN: [(FollowingMethod, Follower); 4] = [
     (FollowingMethod::IdmOwn, Follower::Idm),
 ];
 
-pub(super) fn page(folder: &Path) -> Result<(Report, Vec<String>), StudyError> {
+pub(super) fn page(options: &ReportOptions) -> Result<(Report, Vec<String>), StudyError> {
+    let folder = options.results.as_path();
     let found: FollowingEvaluation = read_json(&folder.join("following.json"))?;
     let training: TrainingSummary = read_json(&training_path(&folder.join(MODEL_FILE)))?;
     let context = Context::real();
@@ -178,6 +182,15 @@ pub(super) fn page(folder: &Path) -> Result<(Report, Vec<String>), StudyError> {
         context,
         summary,
         sections,
+        live: Vec::new(),
+        methods: Methods {
+            text: vec![
+                "Networks learn from the first two thirds of each drive; an embedding is fitted to the same part; the last third \
+                 judges. What each method knows of a driver, and how, is in docs/real-data.md."
+                    .to_owned(),
+            ],
+            files: Vec::new(),
+        },
         ledger: None,
         exclusions: Vec::new(),
         warnings: training.warnings.clone(),
@@ -186,7 +199,10 @@ pub(super) fn page(folder: &Path) -> Result<(Report, Vec<String>), StudyError> {
             seed: Some(training.seed),
             command: format!("maveric run pipelines/{data_set}.toml"),
             parameters: super::synthetic::parameters(&training),
-            inputs: Vec::new(),
+            inputs: hashed(in_folder(
+                folder,
+                &["following.json", "model.maveric", "model_training.json"],
+            ))?,
         },
     };
     Ok((report, findings))

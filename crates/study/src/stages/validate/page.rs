@@ -1,7 +1,7 @@
 //! The page of a validation: its figures and tables.
 
 use super::{Dial, Examined, Fidelity, ValidateOptions, Validated};
-use crate::error::StudyError;
+use crate::{error::StudyError, stages::report::hashed};
 use maveric_domain::MetresPerSecond;
 use maveric_report::{
     Context, Figure, Report,
@@ -9,7 +9,7 @@ use maveric_report::{
         dial_sweep::{DialPanel, DialSweep, dial_sweep},
         fidelity::{Accuracy, Fidelity as FidelityFigure, FidelityRow, fidelity},
     },
-    html::{Provenance, Section},
+    html::{Methods, Provenance, Section},
     tables::Table,
 };
 
@@ -67,6 +67,17 @@ pub(super) fn page(
                 dial_tables,
             ),
         ],
+        live: Vec::new(),
+        methods: Methods {
+            text: vec![format!(
+                "Each driver’s two drives were fitted apart, for each model; Mimic and {} steps of the dial up to ±{} points drove in {} worlds of \
+                 their own seeds. docs/validation.md defines every number.",
+                found.models.first().map_or(0, |m| m.steps.len()),
+                options.points,
+                options.worlds
+            )],
+            files: Vec::new(),
+        },
         ledger: None,
         exclusions: Vec::new(),
         warnings: warnings.to_vec(),
@@ -83,7 +94,7 @@ pub(super) fn page(
                 ("points".to_owned(), options.points.to_string()),
                 ("worlds".to_owned(), options.worlds.to_string()),
             ],
-            inputs: Vec::new(),
+            inputs: hashed(found.models.iter().map(|m| m.model.clone().into()))?,
         },
     })
 }

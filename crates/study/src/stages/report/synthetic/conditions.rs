@@ -64,10 +64,19 @@ pub(super) fn section_conditions(run: &Run, ledger: &[LedgerRow]) -> Result<Sect
             capital(&panel.reasons.join("; "))
         ));
     }
+    let mut figures = Vec::new();
+    if panels.panels.is_empty() {
+        intro.push(
+            "No participant has a value in any condition: there are no differences to draw."
+                .to_owned(),
+        );
+    } else {
+        figures.push(difference_panels(&panels, &run.context)?);
+    }
     Ok(Section {
-        title: "Mimicking and modulating aggression".to_owned(),
+        title: "Does Mimic drive like the driver, and does the dial turn?".to_owned(),
         intro,
-        figures: vec![difference_panels(&panels, &run.context)?],
+        figures,
         tables: vec![tables::mimic_accuracy(&rows), nearer_table(run)],
     })
 }
@@ -122,7 +131,7 @@ pub(super) fn section_kept(run: &Run) -> Result<Section, StudyError> {
         )
     });
     Ok(Section {
-        title: "Other habits".to_owned(),
+        title: "What does moving across the aggression line change?".to_owned(),
         intro: intro.collect(),
         figures,
         tables: Vec::new(),

@@ -8,7 +8,10 @@ use crate::{
         report::keys::short,
         train::{MODEL_FILE, embeddings_path},
     },
-    tables::{conditions::ConditionRow, embeddings::read_embeddings},
+    tables::{
+        conditions::ConditionRow,
+        embeddings::{EmbeddingRow, read_embeddings},
+    },
 };
 use maveric_domain::{Condition, DriveId, MetresPerSecond};
 use maveric_model::style_space::{AggressionAxis, PerpendicularEllipse};
@@ -18,7 +21,7 @@ use maveric_report::{
         aggression_line::{AggressionLine, LinePanel, aggression_line},
         embedding_space::{EmbeddingPoint, EmbeddingSpace, ExampleConditions, embedding_space},
     },
-    html::Section,
+    html::{Live, LiveContent, Section, SpaceDrive, SpacePerson, StyleSpace},
     tables::{self, LineCorrelation},
 };
 use std::path::Path;
@@ -32,15 +35,9 @@ pub(super) fn section_embedding(
     ledger: &[LedgerRow],
 ) -> Result<Section, StudyError> {
     let axis = AggressionAxis::of(&run.model)?;
-    let speed_of = |drive: &DriveId| {
-        run.measured
-            .iter()
-            .find(|d| d.meta.drive == *drive)
-            .and_then(|d| d.values.get("mean_velocity_mps").copied().flatten())
-    };
     let mut points = Vec::new();
     for row in read_embeddings(&embeddings_path(&folder.join(MODEL_FILE)))? {
-        if let (Some(adb_points), Some(mean_velocity_mps)) = (row.adb, speed_of(&row.drive)) {
+        if let (Some(adb_points), Some(mean_velocity_mps)) = (row.adb, speed_of(run, &row.drive)) {
             points.push(EmbeddingPoint {
                 embedding: row.embedding.coordinates().to_vec(),
                 adb_points,
@@ -67,16 +64,85 @@ pub(super) fn section_embedding(
             paper: printed(ledger, &format!("line.{}.r", short(&with.measure))),
         })
         .collect();
-    Ok(Section {
-        title: "Embedding space and the aggression line".to_owned(),
-        intro: vec![
-            "The embeddings of the test participants were fitted with their ADB score, as the paper does; the line's correlation with \
-             ADB is then partly built in, so the table shows the fit without the score beside it."
+    let mut intro = vec![
+        "The embeddings of the test participants were fitted with their ADB score, as the paper does; the line's correlation with \
+         ADB is then partly built in, so the table shows the fit without the score beside it."
+            .to_owned(),
+    ];
+    let mut figures = Vec::new();
+    if space.points.is_empty() {
+        intro.push("No training drive has both an ADB score and a mean velocity: there is no space to draw.".to_owned());
+    } else {
+        figures.push(embedding_space(&space, &run.context)?);
+    }
+    if lines.panels.is_empty() {
+        intro.push(
+            "No participant is left along the aggression line: there is nothing to draw."
                 .to_owned(),
-        ],
-        figures: vec![embedding_space(&space, &run.context)?, aggression_line(&lines, &run.context)?],
+        );
+    } else {
+        figures.push(aggression_line(&lines, &run.context)?);
+    }
+    Ok(Section {
+        title: "Does the embedding hold a driver’s style?".to_owned(),
+        intro,
+        figures,
         tables: vec![tables::embedding_line(&rows, run.analysis.participants)],
     })
+}
+
+fn speed_of(run: &Run, drive: &DriveId) -> Option<f64> {
+    let measured = run.measured.iter().find(|d| d.meta.drive == *drive)?;
+    measured.values.get("mean_velocity_mps").copied().flatten()
+}
+
+/// The space to be turned by hand; `None` unless it has three dimensions.
+pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError> {
+    let solid = |values: &[f64]| <[f64; 3]>::try_from(values).ok();
+    let axis = AggressionAxis::of(&run.model)?;
+    let Some(gradient) = solid(axis.gradient()) else {
+        return Ok(None);
+    };
+    let drive = |row: &EmbeddingRow, name: String| {
+        Some(SpaceDrive {
+            name,
+            at: solid(row.embedding.coordinates())?,
+            adb_points: row.adb,
+            velocity_mph: MetresPerSecond(speed_of(run, &row.drive)?).mph(),
+        })
+    };
+    let trained = read_embeddings(&embeddings_path(&folder.join(MODEL_FILE)))?;
+    let tested = read_embeddings(&folder.join("embeddings.csv"))?;
+    let person = |row: &EmbeddingRow| {
+        let mine = run
+            .conditions
+            .iter()
+            .filter(|c| c.participant == row.participant);
+        let placed = mine.filter_map(|c| Some((c.condition, solid(c.embedding.coordinates())?)));
+        Some(SpacePerson {
+            own: drive(row, row.participant.to_string())?,
+            conditions: placed.collect(),
+        })
+    };
+    let own = |row: &&EmbeddingRow| row.adb_used && row.condition == Condition::Own;
+    let round = PerpendicularEllipse::of(&run.model)?;
+    let half_axis = |i: usize| {
+        let (axis, half) = (&round.axes()[i], round.half_axes()[i]);
+        std::array::from_fn(|k| axis[k] * half)
+    };
+    let space = StyleSpace {
+        drives: trained
+            .iter()
+            .filter_map(|row| drive(row, row.drive.to_string()))
+            .collect(),
+        people: tested.iter().filter(own).filter_map(person).collect(),
+        gradient,
+        ellipse: [half_axis(0), half_axis(1)],
+    };
+    Ok(Some(Live {
+        below: "embedding-space".to_owned(),
+        content: LiveContent::StyleSpace(space),
+    }))
 }
 
 fn example(run: &Run) -> Result<Option<ExampleConditions>, StudyError> {

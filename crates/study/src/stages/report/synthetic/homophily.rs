@@ -83,7 +83,7 @@ pub(super) fn section_homophily(run: &Run, ledger: &[LedgerRow]) -> Result<Secti
         vec![preference(&bars, &run.context)?]
     };
     Ok(Section {
-        title: "Homophily".to_owned(),
+        title: "Who wants to be driven as they drive?".to_owned(),
         intro: vec![format!(
             "{tested} correlations of a factor with a rating difference were tested: {low} are below .05 as printed ({:.0} would be by \
              chance), {bh} with the false discovery rate controlled (Benjamini and Hochberg), {holm} after Holm. The table shows the \

@@ -3,15 +3,24 @@
 mod conditions;
 mod embedding;
 mod homophily;
+mod methods;
 mod setting;
+mod setup;
+mod summary;
 
-use super::{keys::results, people::People};
+use super::{
+    ReportOptions,
+    inputs::{hashed, in_folder, parameter_files, shown_whole},
+    keys::{made, results},
+    people::People,
+};
 use crate::{
-    atomic_write::read_json,
+    atomic_write::{read_json, read_text},
     error::StudyError,
     outcome::Watch,
     stages::{
         analyse::{AggressionLine as Line, Analysis, Correlation as Found},
+        generate::read_scenario,
         train::{MODEL_FILE, TrainingSummary, read_model, training_path},
     },
     tables::{
@@ -22,18 +31,20 @@ use crate::{
     },
 };
 use conditions::{section_conditions, section_kept};
-use embedding::section_embedding;
+use embedding::{live, section_embedding};
 use homophily::section_homophily;
-use maveric_domain::{DriveId, MetresPerSecond};
+use maveric_domain::DriveId;
 use maveric_model::Model;
 use maveric_report::{
     Context, Report,
     claims::{self, LedgerRow},
-    html::Provenance,
+    html::{Methods, Provenance},
     tables::{Coefficient, Correlation, Exclusion},
 };
-use setting::{listed_exclusions, reliabilities, section_setting};
+use setting::{listed_exclusions, reliabilities, section_model, section_study};
+use setup::setup;
 use std::path::Path;
+use summary::summary;
 
 struct Run {
     analysis: Analysis,
@@ -44,11 +55,28 @@ struct Run {
     context: Context,
 }
 
+/// What the page is made from, beside the drives.
+const READ: [&str; 13] = [
+    "analysis.json",
+    "model.maveric",
+    "model_training.json",
+    "model_embeddings.csv",
+    "embeddings.csv",
+    "conditions.csv",
+    "measurements.parquet",
+    "participants.csv",
+    "scores.csv",
+    "scores_reliabilities.csv",
+    "scores_exclusions.csv",
+    "rating_scores_reliabilities.csv",
+    "rating_scores_exclusions.csv",
+];
+
 pub(super) fn page(
-    folder: &Path,
-    claims: &str,
+    options: &ReportOptions,
     watch: Watch<'_>,
 ) -> Result<(Report, Vec<String>), StudyError> {
+    let folder = options.results.as_path();
     let analysis: Analysis = read_json(&folder.join("analysis.json"))?;
     let training: TrainingSummary = read_json(&training_path(&folder.join(MODEL_FILE)))?;
     let measured = read_measurements(&folder.join("measurements.parquet"))?;
@@ -65,7 +93,9 @@ pub(super) fn page(
         measured,
         context,
     };
-    let people = People::read(folder, &run.measured)?;
+    let beside = folder.join("participants.csv");
+    let participants = options.participants.as_deref().unwrap_or(&beside);
+    let people = People::read(folder, participants, &run.measured)?;
     let list = File::read(&folder.join("drives/study2/drives.csv"))?;
     let durations = list.all_numbers("duration_s")?;
     let minutes = durations.iter().sum::<f64>() / durations.len() as f64 / 60.0;
@@ -74,27 +104,23 @@ pub(super) fn page(
         Some(id) => *read_drive(&folder.join(format!("drives/study2/{id}.parquet")))?.road(),
         None => return Err(StudyError::file(list.path(), "lists no drive")),
     };
-    let moved = run
-        .conditions
+    let scenario = options
+        .parameters
         .iter()
-        .map(|c| c.moved_points.abs())
-        .fold(0.0, f64::max);
-    let setup = [
-        ("scenario.drive_minutes", minutes.round()),
-        (
-            "scenario.posted_speed_mph",
-            MetresPerSecond(road.posted_speed_mps).mph(),
-        ),
-        ("steer.adb_shift_points", moved),
-        ("model.embedding_size", run.model.embedding_size() as f64),
-    ];
-    let paper = claims::load(claims)?;
-    let ledger = claims::join(&paper, &results(&run.analysis, &people, &setup))?;
+        .find(|(name, _)| name == "scenario");
+    let scenario = scenario.map(|(_, path)| read_scenario(Some(Path::new(path)), None));
+    let setup = setup(&run, &road, minutes, scenario.transpose()?.as_ref())?;
+    let paper = claims::load(&read_text(&options.claims)?)?;
+    let mut ledger = claims::join(&paper, &results(&run.analysis, &people, &setup))?;
+    for row in ledger.iter_mut().filter(|row| row.ours.is_some()) {
+        row.made = Some(made(&row.claim.key));
+    }
     watch.check()?;
     let reliabilities = reliabilities(folder)?;
     let findings = findings(&run);
     let sections = vec![
-        section_setting(folder, &run, &people, &reliabilities)?,
+        section_study(folder, &run, &people, &reliabilities)?,
+        section_model(&run)?,
         section_embedding(folder, &run, &ledger)?,
         section_conditions(&run, &ledger)?,
         section_kept(&run)?,
@@ -123,6 +149,8 @@ pub(super) fn page(
     } else {
         ""
     };
+    let files = parameter_files(&options.parameters);
+    let shown = in_folder(folder, &READ).into_iter();
     let report = Report {
         title: "MAVERIC: personalised driving style".to_owned(),
         subtitle: format!(
@@ -130,8 +158,13 @@ pub(super) fn page(
             run.training.drives, run.analysis.participants
         ),
         context: run.context.clone(),
-        summary: findings.clone(),
+        summary: summary(&run, &ledger),
+        live: live(folder, &run)?.into_iter().collect(),
         sections,
+        methods: Methods {
+            text: methods::text(&run, &road, minutes)?,
+            files: shown_whole(&files)?,
+        },
         ledger: Some(ledger),
         exclusions,
         warnings,
@@ -142,8 +175,13 @@ pub(super) fn page(
                 "maveric run pipelines/{}.toml",
                 folder.file_name().unwrap_or_default().to_string_lossy()
             ),
-            parameters: parameters(&run.training),
-            inputs: Vec::new(),
+            parameters: options
+                .parameters
+                .iter()
+                .map(|(name, value)| (format!("pipeline: {name}"), value.clone()))
+                .chain(parameters(&run.training))
+                .collect(),
+            inputs: hashed(shown.chain([options.claims.clone()]).chain(files))?,
         },
     };
     Ok((report, findings))

@@ -1,4 +1,4 @@
-//! The first section: the setting, the people, the model and its training.
+//! The first two sections: the setting and the people; the model and its training.
 
 use super::Run;
 use crate::{
@@ -22,25 +22,68 @@ use maveric_report::{
 };
 use std::path::Path;
 
-pub(super) fn section_setting(
+pub(super) fn section_study(
     folder: &Path,
     run: &Run,
     people: &People,
     reliabilities: &[Reliability],
 ) -> Result<Section, StudyError> {
-    let mut figures = vec![domain(&run.context)?, architecture_of(run)?];
+    let mut figures = vec![domain(&run.context)?];
     if let Some(view) = scene::view(&folder.join("av/logs"))? {
         figures.push(simulator_view(&view, &run.context)?);
     }
-    figures.extend(training_of(run)?);
     Ok(Section {
-        title: "Setting, people, model".to_owned(),
-        intro: Vec::new(),
+        title: "The study".to_owned(),
+        intro: vec![format!(
+            "Study 1 gave {} drives by hand, from which the model learned. Each of the {} participants of Study 2 drove by hand, \
+             sat through Mimic, Aggressive, Cautious and Perpendicular, and rated each of them.",
+            run.training.drives, run.analysis.participants
+        )],
         figures,
         tables: vec![
             tables::participants(&people.groups(), run.analysis.synthetic),
             tables::reliabilities(reliabilities),
         ],
+    })
+}
+
+pub(super) fn section_model(run: &Run) -> Result<Section, StudyError> {
+    let mut figures = vec![architecture_of(run)?];
+    figures.extend(training_of(run)?);
+    let training = &run.training;
+    let quality = training.selection.as_ref().map(|s| &s.quality);
+    let quality = quality.or(training.quality.as_ref());
+    let mut intro = vec![format!(
+        "Five networks and an embedding of size {} a driver, {} parameters in all, learned from {} rows of {} drives.",
+        run.model.embedding_size(),
+        training.parameters,
+        training.rows,
+        training.drives
+    )];
+    if let Some(quality) = quality {
+        let of = match quality.on {
+            RowsOf::Validation => "rows kept back from the training",
+            RowsOf::Training => "the rows trained on",
+        };
+        let mut said = Vec::new();
+        if let Some(found) = &quality.speed_mps {
+            said.push(format!("ego speed {:.2} m/s", found.rmse));
+        }
+        if let Some(found) = &quality.following_distance_m {
+            said.push(format!("following distance {:.1} m", found.rmse));
+        }
+        if !said.is_empty() {
+            intro.push(format!(
+                "Root-mean-square errors on {of}: {}.",
+                said.join(", ")
+            ));
+        }
+    }
+    Ok(Section {
+        title: "The model".to_owned(),
+        intro,
+        figures,
+        tables: Vec::new(),
     })
 }
 
@@ -58,6 +101,7 @@ pub(super) fn reliabilities(folder: &Path) -> Result<Vec<Reliability>, StudyErro
             table.numbers("ci_low")?,
             table.numbers("ci_high")?,
         );
+        let omega = table.numbers("omega")?;
         for i in 0..table.rows() {
             let when = if file.starts_with("rating") {
                 " (after a condition)"
@@ -74,7 +118,7 @@ pub(super) fn reliabilities(folder: &Path) -> Result<Vec<Reliability>, StudyErro
                 n: n[i] as usize,
                 alpha: alpha[i],
                 interval: low[i].zip(high[i]),
-                omega: None,
+                omega: omega[i],
             });
         }
     }

@@ -1,0 +1,110 @@
+//! The embedding space, to be turned by hand.
+
+use super::live::short;
+use maveric_domain::Condition;
+use serde_json::{Value, json};
+
+/// People beyond this number cannot be chosen, drives beyond it are not drawn: the page stays small.
+const MOST: usize = 1000;
+
+/// Drives and participants in a style space of three dimensions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StyleSpace {
+    /// The training drives.
+    pub drives: Vec<SpaceDrive>,
+    /// The test participants.
+    pub people: Vec<SpacePerson>,
+    /// The gradient of the style predictor, shape `(3,)`; not zero.
+    pub gradient: [f64; 3],
+    /// The half-axes of the ellipse that Perpendicular is drawn from, around each participant's Mimic; shape `(2, 3)`.
+    pub ellipse: [[f64; 3]; 2],
+}
+
+/// One drive in the space.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpaceDrive {
+    /// Its id; any text.
+    pub name: String,
+    /// Its embedding.
+    pub at: [f64; 3],
+    /// ADB score of the driver in points, 11 to 55; `None` for a driver who has none.
+    pub adb_points: Option<f64>,
+    /// Mean velocity in mph.
+    pub velocity_mph: f64,
+}
+
+/// One test participant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpacePerson {
+    /// The own drive; its embedding is Mimic's.
+    pub own: SpaceDrive,
+    /// Where the conditions lie.
+    pub conditions: Vec<(Condition, [f64; 3])>,
+}
+
+impl StyleSpace {
+    pub(super) fn check(&self) -> Result<(), String> {
+        let finite = |what: &str, values: &[f64]| match values.iter().find(|v| !v.is_finite()) {
+            Some(value) => Err(format!("{what} is {value}, expected a finite number")),
+            None => Ok(()),
+        };
+        if self.drives.is_empty() && self.people.is_empty() {
+            return Err("no drive to show, expected at least 1".to_owned());
+        }
+        let own = self.people.iter().map(|p| &p.own);
+        for drive in self.drives.iter().chain(own) {
+            finite(&format!("the embedding of {}", drive.name), &drive.at)?;
+            let rest = [drive.adb_points.unwrap_or_default(), drive.velocity_mph];
+            finite(&format!("score or velocity of {}", drive.name), &rest)?;
+        }
+        for person in &self.people {
+            for (condition, at) in &person.conditions {
+                finite(&format!("{condition} of {}", person.own.name), at)?;
+            }
+        }
+        finite("the gradient", &self.gradient)?;
+        finite("the ellipse", self.ellipse.as_flattened())?;
+        if self.gradient.iter().all(|g| *g == 0.0) {
+            return Err("the gradient is zero".to_owned());
+        }
+        Ok(())
+    }
+
+    /// What the script reads.
+    pub(super) fn json(&self) -> Value {
+        let at = |at: &[f64; 3]| json!(at.map(short));
+        let drive = |d: &SpaceDrive| json!({ "name": d.name, "at": at(&d.at), "adb": d.adb_points.map(short), "mph": short(d.velocity_mph) });
+        let person = |p: &SpacePerson| {
+            let conditions = p
+                .conditions
+                .iter()
+                .map(|(c, where_)| json!([c.to_string(), at(where_)]));
+            let mut out = drive(&p.own);
+            out["conditions"] = conditions.collect();
+            out
+        };
+        json!({
+            "drives": self.drives.iter().take(MOST).map(drive).collect::<Vec<_>>(),
+            "people": self.people.iter().take(MOST).map(person).collect::<Vec<_>>(),
+            "gradient": at(&self.gradient),
+            "ellipse": self.ellipse.map(|axis| at(&axis)),
+        })
+    }
+
+    /// The ids that can be chosen.
+    pub(super) fn names(&self) -> Vec<String> {
+        let names = self.people.iter().take(MOST).map(|p| p.own.name.clone());
+        names.collect()
+    }
+
+    /// What is not shown, in words.
+    pub(super) fn left_out(&self) -> Option<String> {
+        let beyond = |n: usize| n.saturating_sub(MOST);
+        let (drives, people) = (beyond(self.drives.len()), beyond(self.people.len()));
+        (drives + people > 0).then(|| {
+            format!(
+                "Not shown: {drives} further training drives and {people} further participants."
+            )
+        })
+    }
+}

@@ -1,0 +1,56 @@
+//! The files that a report is made from: hashed, and those that hold parameters shown whole.
+
+use crate::{atomic_write::read_text, error::StudyError};
+use maveric_report::html::{Input, ParameterFile};
+use std::path::{Path, PathBuf};
+
+/// The largest file of parameters that is shown whole, in bytes.
+const MOST_BYTES: u64 = 100_000;
+
+/// The files among `paths` that exist, in this order, each with the BLAKE3 hash of its content: what the ledger of a
+/// pipeline writes beside a file.
+///
+/// # Errors
+/// [`StudyError::Io`] if one cannot be read.
+pub(crate) fn hashed(paths: impl IntoIterator<Item = PathBuf>) -> Result<Vec<Input>, StudyError> {
+    let mut found = Vec::new();
+    for path in paths.into_iter().filter(|p| p.is_file()) {
+        let bytes = std::fs::read(&path).map_err(StudyError::read(&path))?;
+        found.push(Input {
+            path: path.display().to_string(),
+            hash: blake3::hash(&bytes).to_hex().to_string(),
+        });
+    }
+    Ok(found)
+}
+
+/// The files among the parameters' values.
+pub(super) fn parameter_files(parameters: &[(String, String)]) -> Vec<PathBuf> {
+    let mut files: Vec<PathBuf> = parameters
+        .iter()
+        .map(|(_, value)| PathBuf::from(value))
+        .collect();
+    files.retain(|p| p.is_file());
+    files.dedup();
+    files
+}
+
+/// Those of them that are TOML, whole.
+pub(super) fn shown_whole(files: &[PathBuf]) -> Result<Vec<ParameterFile>, StudyError> {
+    let short = |path: &&PathBuf| {
+        let size = std::fs::metadata(path).map_or(0, |m| m.len());
+        path.extension().is_some_and(|e| e == "toml") && size <= MOST_BYTES
+    };
+    let whole = |path: &PathBuf| {
+        Ok(ParameterFile {
+            path: path.display().to_string(),
+            text: read_text(path)?,
+        })
+    };
+    files.iter().filter(short).map(whole).collect()
+}
+
+/// `folder` with each of these names.
+pub(super) fn in_folder(folder: &Path, names: &[&str]) -> Vec<PathBuf> {
+    names.iter().map(|name| folder.join(name)).collect()
+}

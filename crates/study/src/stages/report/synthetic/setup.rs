@@ -1,0 +1,105 @@
+//! What the study was set to, as far as the paper gives it too: for the claims ledger.
+
+use super::Run;
+use crate::{error::StudyError, tables::conditions::ConditionRow};
+use maveric_domain::{AdbScore, Condition, MetresPerSecond, Road};
+use maveric_model::style_space::PerpendicularEllipse;
+use maveric_simulator::Scenario;
+use std::collections::BTreeSet;
+
+/// Keys and values, in the claims' units.
+pub(super) fn setup(
+    run: &Run,
+    road: &Road,
+    minutes: f64,
+    scenario: Option<&Scenario>,
+) -> Result<Vec<(String, f64)>, StudyError> {
+    let moved = run.conditions.iter().map(|c| c.moved_points.abs());
+    let conditions: BTreeSet<Condition> = run.conditions.iter().map(|c| c.condition).collect();
+    let mut found: Vec<(String, f64)> = [
+        ("scenario.drive_minutes", minutes.round()),
+        (
+            "scenario.posted_speed_mph",
+            MetresPerSecond(road.posted_speed_mps).mph(),
+        ),
+        ("scenario.lanes", f64::from(road.lanes)),
+        ("steer.adb_shift_points", moved.fold(0.0, f64::max)),
+        ("steer.highest_points", AdbScore::MAX),
+        ("steer.lowest_points", AdbScore::MIN),
+        ("steer.conditions", conditions.len() as f64),
+        ("model.embedding_size", run.model.embedding_size() as f64),
+        ("model.losses", losses(run) as f64),
+    ]
+    .map(|(key, value)| (key.to_owned(), value))
+    .into();
+    if let Some(distance) = perpendicular_sd(run)? {
+        found.push(("steer.perpendicular_sd".to_owned(), distance));
+    }
+    if let Some(leads) = scenario.map(|s| &s.settings().leads) {
+        let factors = leads
+            .factors_of_target
+            .iter()
+            .chain(&leads.factors_of_posted);
+        found.extend(
+            factors
+                .enumerate()
+                .map(|(i, f)| (format!("scenario.lead_speed.{}", i + 1), *f)),
+        );
+    }
+    Ok(found)
+}
+
+/// How many of the five losses took part in the training.
+fn losses(run: &Run) -> usize {
+    let Some(last) = run.training.epochs.last() else {
+        return 0;
+    };
+    let l = &last.losses;
+    let terms = [
+        l.following_distance,
+        l.lane_change,
+        l.velocity,
+        l.aggression,
+        l.mutual_information,
+    ];
+    terms.iter().flatten().count()
+}
+
+/// Mean distance of Perpendicular from Mimic, each half-axis of the ellipse counted as 1.
+fn perpendicular_sd(run: &Run) -> Result<Option<f64>, StudyError> {
+    if run.model.embedding_size() < 2 {
+        return Ok(None);
+    }
+    let round = PerpendicularEllipse::of(&run.model)?;
+    let mimic_of = |row: &ConditionRow| {
+        let own =
+            |c: &&ConditionRow| c.participant == row.participant && c.condition == Condition::Mimic;
+        run.conditions.iter().find(own)
+    };
+    let distance = |row: &ConditionRow| {
+        let (to, from) = (
+            row.embedding.coordinates(),
+            mimic_of(row)?.embedding.coordinates(),
+        );
+        let axes = round.axes().iter().zip(round.half_axes());
+        let squares = axes.map(|(axis, half)| {
+            let along: f64 = axis
+                .iter()
+                .zip(to.iter().zip(from))
+                .map(|(a, (t, f))| a * (t - f))
+                .sum();
+            (along / half).powi(2)
+        });
+        Some(squares.sum::<f64>().sqrt())
+    };
+    let across = run
+        .conditions
+        .iter()
+        .filter(|c| c.condition == Condition::Perpendicular);
+    let distances: Vec<f64> = across
+        .filter_map(distance)
+        .filter(|d| d.is_finite())
+        .collect();
+    let n = distances.len() as f64;
+    Ok((n > 0.0).then(|| distances.iter().sum::<f64>() / n))
+}
