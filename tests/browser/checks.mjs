@@ -7,7 +7,7 @@ export const overflow = (page) =>
     const root = document.documentElement;
     if (root.scrollWidth > root.clientWidth) faults.push(`the page is ${root.scrollWidth} px wide in a window of ${root.clientWidth}`);
     // What lies in a box that scrolls is allowed to be wider than it.
-    const inScroll = (e) => e.parentElement?.closest(".scroll, pre, nav") != null;
+    const inScroll = (e) => e.parentElement?.closest(".scroll, .pl-scroll, pre, nav") != null;
     for (const e of document.body.querySelectorAll("*")) {
       if (e.closest("svg") && e.tagName !== "svg") continue;
       if (e.closest(".skip, .unseen") || inScroll(e)) continue;

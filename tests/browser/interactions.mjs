@@ -93,3 +93,36 @@ export async function space(page) {
   if (!named) faults.push("no click names a drive");
   return faults;
 }
+
+/** Plays, stops and winds the player of drives, by mouse and by keyboard. */
+export async function player(page) {
+  const faults = [];
+  const root = page.locator(".drive-player").first();
+  if (!(await root.count()) || !(await root.locator(".pl-play").isVisible())) return ["there is no player that plays"];
+  const clock = () => root.locator(".pl-clock").textContent();
+  const canvas = root.locator("canvas").first();
+  await root.locator(".pl-play").scrollIntoViewIfNeeded();
+  const scrub = root.locator(".pl-scrub input");
+  await scrub.focus();
+  const start = [await clock(), await picture(canvas)];
+  await page.keyboard.press("Home");
+  const home = [await clock(), await picture(canvas)];
+  if (!home[0].startsWith("0:00")) faults.push(`Home shows ${home[0]}`);
+  if (start[1] === home[1]) faults.push("Home does not change the picture");
+  await page.keyboard.press("ArrowRight");
+  if (!(await clock()).startsWith("0:05")) faults.push(`an arrow key shows ${await clock()}`);
+  await root.locator(".pl-on").click();
+  const event = await clock();
+  if (event.startsWith("0:05")) faults.push("the next event is not found");
+  await root.locator("[data-times='16']").click();
+  if ((await root.locator("[data-times='16']").getAttribute("aria-pressed")) !== "true") faults.push("the speed is not taken");
+  await root.locator(".pl-play").click();
+  try {
+    await page.waitForFunction(([now]) => document.querySelector(".pl-clock").textContent !== now, [event], { timeout: 10000 });
+  } catch {
+    faults.push("playing does not move the clock");
+  }
+  await root.locator(".pl-play").click();
+  if ((await root.locator(".pl-play").textContent()) !== "Play") faults.push("it does not stop");
+  return faults;
+}

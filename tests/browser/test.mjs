@@ -99,6 +99,7 @@ for (const scheme of ["light", "dark"]) {
     report(`${name} sorting`, await interactions.sorting(page));
     report(`${name} ledger`, await interactions.ledger(page));
     report(`${name} space`, await interactions.space(page));
+    report(`${name} player`, await interactions.player(page));
     report(`${name} still fits`, await checks.overflow(page));
     report(`${name} network`, requests);
     report(`${name} console`, errors);
@@ -146,6 +147,7 @@ await writeFile(
   proof("sorting", await interactions.sorting(page));
   proof("ledger", await interactions.ledger(page));
   proof("space", await interactions.space(page));
+  proof("player", await interactions.player(page));
   proof("links", await checks.links(page));
   proof("network", requests);
   proof("console", errors);

@@ -209,7 +209,7 @@ impl IngestError {
             }
             Self::Damaged { .. } => "use --recover to keep what is readable".to_owned(),
             Self::NoEgo { .. } => {
-                "ego needs a nav_msgs/Odometry or geometry_msgs/PoseStamped channel in CDR; see `maveric inspect`"
+                "ego needs odometry, a pose, a fix or transforms to `base_link`; a mapping says what other messages mean (`[[mcap.messages]]`)"
                     .to_owned()
             }
             Self::UnknownTopic { nearest, .. } => match nearest {

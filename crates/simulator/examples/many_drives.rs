@@ -1,6 +1,7 @@
 //! Many drives of a scenario at once, each by another synthetic person: time a drive, collisions, memory.
 //!
 //! `cargo run --release -p maveric-simulator --example many_drives -- study_data/scenarios/dense.toml 1000`
+//! (scenario, number of people, and which is the first: 0)
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use maveric_domain::{LatentTraits, stream_seed};
@@ -20,6 +21,7 @@ static MEMORY: PeakAlloc = PeakAlloc;
 
 /// What a drive came to.
 struct Done {
+    person: u64,
     seconds: f64,
     collisions: u32,
     violations: u32,
@@ -39,6 +41,7 @@ fn drive(scenario: &Scenario, person: u64) -> Result<Done, SimulatorError> {
     let start = Instant::now();
     let driven = rollout(scenario, Driver::Human(&params), person)?;
     Ok(Done {
+        person,
         seconds: start.elapsed().as_secs_f64(),
         collisions: driven.report.collisions,
         violations: driven.report.rule_violations,
@@ -75,6 +78,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let path = arguments.next().ok_or("expected a scenario file")?;
     let count: u64 = arguments.next().map_or(Ok(1000), |text| text.parse())?;
+    let first: u64 = arguments.next().map_or(Ok(0), |text| text.parse())?;
     let text = std::fs::read_to_string(&path).map_err(|e| format!("{path}: {e}"))?;
     let scenario: Scenario = toml::from_str(&text).map_err(|e| format!("{path}: {e}"))?;
     let start = Instant::now();
@@ -82,7 +86,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (mut changes, mut others) = (0, 0);
     for tenth in 0..10 {
         MEMORY.reset_peak_usage();
-        for done in drives(&scenario, count * tenth / 10, count * (tenth + 1) / 10)? {
+        let (from, to) = (count * tenth / 10, count * (tenth + 1) / 10);
+        for done in drives(&scenario, first + from, first + to)? {
+            if done.collisions > 0 {
+                println!("person {}: {} collisions", done.person, done.collisions);
+            }
             seconds.push(done.seconds);
             collisions += done.collisions;
             violations += done.violations;

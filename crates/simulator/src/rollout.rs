@@ -248,6 +248,7 @@ pub fn rollout(
             speed_mps: scene.ego.speed_mps,
             length_m: scene.ego.length_m,
             lane: road.lane_at(scene.ego.y_m),
+            bound_for: steering.lane(),
             keeping: steering.coming_from().is_none(),
             target_mps: world.target_mps(),
         };

@@ -228,7 +228,9 @@ fn inspect_mcap(path: &Path, given: &IngestSettings) -> Result<LogSummary, Inges
 fn describe(found: &[Found<'_>], choice: &Choice, drives: &[Ingested], damaged: bool) -> String {
     let ego = &found[choice.ego];
     let speed = match ego.role {
-        Ok(Some(Role::Pose)) => ", its speed differentiated",
+        Ok(Some(Role::Pose | Role::Frames)) if choice.speed.is_none() => {
+            ", its speed differentiated"
+        }
         _ => "",
     };
     let others = match choice.objects.map(|i| &found[i]) {

@@ -360,6 +360,42 @@ fn without_schemas_or_channels_every_channel_is_refused_and_the_reason_said() {
     }
 }
 
+/// Long enough for its chunks to be unpacked ahead.
+#[test]
+fn a_long_log_is_read_alike_whether_or_not_its_chunks_are_unpacked_ahead() {
+    let of = |compression| {
+        let options = WriteOptions::new().chunk_size(Some(64 << 10));
+        repacked(&recording(false), options.compression(compression))
+    };
+    let (packed, plain) = (of(Some(Compression::Zstd)), of(None));
+    assert!(packed.len() > 128 << 10, "{}", packed.len());
+    let whole = read(&packed, false).unwrap();
+    assert_eq!(
+        whole,
+        Ingested {
+            warnings: whole.warnings.clone(),
+            ..read(&plain, false).unwrap()
+        }
+    );
+    let all = chunks(&packed);
+    let (start, end) = all[all.len() / 2];
+    for (at, bytes) in [
+        (start + 9 + 24, &[0x55_u8; 4][..]),
+        (start + 1, &[0xff; 8]),
+        (usize::midpoint(start, end), &[0; 16]),
+        (start, &[0; 40]),
+    ] {
+        let mut damaged = packed.clone();
+        damaged[at..at + bytes.len()].copy_from_slice(bytes);
+        refused(&damaged);
+        let found = read(&damaged, true).unwrap();
+        assert!(damages(&found) > 0);
+        let left = found.recording.rows();
+        assert!(left + 400 > ROWS && left <= ROWS, "{left} rows");
+        assert!(samples(&found.recording).is_subset(&samples(&whole.recording)));
+    }
+}
+
 #[test]
 fn a_chunk_whose_compression_is_no_text_is_left_out() {
     // Found by fuzzing: as text the name is longer than its bytes.

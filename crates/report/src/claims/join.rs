@@ -47,6 +47,15 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// As a count of several is followed by it: "3 agree".
+    pub fn of_several(self) -> &'static str {
+        match self {
+            Self::Agrees => "agree",
+            Self::Differs => "differ",
+            other => other.text(),
+        }
+    }
+
     /// Every verdict, the best first.
     pub const ALL: [Self; 5] = [
         Self::Agrees,

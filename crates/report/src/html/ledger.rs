@@ -20,7 +20,7 @@ pub(crate) fn ledger(rows: &[LedgerRow], anchors: &BTreeSet<String>) -> Value {
     let counts = verdict_counts(rows);
     let verdicts = Verdict::ALL
         .iter()
-        .map(|v| context! { text => v.text(), kind => kind(*v), count => counts.get(v).copied().unwrap_or(0) });
+        .map(|v| context! { text => v.text(), of_several => v.of_several(), kind => kind(*v), count => counts.get(v).copied().unwrap_or(0) });
     let disagreeing = |row: &&LedgerRow| row.own_figures.is_some_and(|check| !check.agrees());
     context! {
         parts => parts.into_iter().map(|(name, rows)| context! { name, rows }).collect::<Vec<_>>(),

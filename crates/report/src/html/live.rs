@@ -1,5 +1,6 @@
 //! What moves on the page. Each stands below a figure that says the same on paper and without scripts.
 
+use super::player::WatchPlayer;
 use super::space::StyleSpace;
 use crate::error::ReportError;
 
@@ -18,6 +19,8 @@ pub struct Live {
 pub enum LiveContent {
     /// The embedding space in three dimensions.
     StyleSpace(StyleSpace),
+    /// Drives from above, side by side.
+    Player(WatchPlayer),
 }
 
 impl Live {
@@ -28,6 +31,8 @@ impl Live {
     pub(crate) fn check(&self) -> Result<(), ReportError> {
         let found = match &self.content {
             LiveContent::StyleSpace(space) => space.check(),
+            // The player checks its drives itself, when it is made.
+            LiveContent::Player(_) => Ok(()),
         };
         found.map_err(|reason| ReportError::Live {
             below: self.below.clone(),

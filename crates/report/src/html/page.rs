@@ -2,6 +2,7 @@
 
 use super::ledger::ledger;
 use super::live::{Live, LiveContent, embedded};
+use super::player::{PlayerFragment, player};
 use super::report::{Report, Section};
 use super::scripts;
 use crate::claims::ledger_table;
@@ -21,10 +22,14 @@ const MOST_WARNINGS: usize = 50;
 /// Fills in the page.
 pub(crate) fn page(report: &Report, exclusions: &Table) -> Result<String, ReportError> {
     let mut number = 0;
+    let mut shown = Vec::new();
+    for live in &report.live {
+        shown.push(Shown::of(live, report)?);
+    }
     let sections: Vec<Value> = report
         .sections
         .iter()
-        .map(|section| section_value(section, &report.live, &mut number))
+        .map(|section| section_value(section, &shown, &mut number))
         .collect();
     let provenance = &report.provenance;
     let inputs: Vec<[String; 2]> = provenance
@@ -34,7 +39,10 @@ pub(crate) fn page(report: &Report, exclusions: &Table) -> Result<String, Report
         .collect();
     let mut used = vec![scripts::TABLES];
     used.extend(report.ledger.is_some().then_some(scripts::LEDGER));
-    used.extend((!report.live.is_empty()).then_some(scripts::SPACE));
+    let players = || shown.iter().filter_map(|live| live.player.as_ref());
+    used.extend((players().count() < shown.len()).then_some(scripts::SPACE));
+    used.extend(players().next().map(|fragment| fragment.script));
+    let player_style = players().next().map_or("", |fragment| &fragment.style);
     let used: Vec<String> = used.into_iter().map(scripts::packed).collect();
     let files: Vec<Value> = report
         .methods
@@ -42,7 +50,7 @@ pub(crate) fn page(report: &Report, exclusions: &Table) -> Result<String, Report
         .iter()
         .map(|file| context! { path => &file.path, text => safe(whole_text(&file.text)) })
         .collect();
-    let shown = report.warnings.iter().take(MOST_WARNINGS).cloned();
+    let warnings = report.warnings.iter().take(MOST_WARNINGS).cloned();
     fill(
         "page.html",
         context! {
@@ -50,17 +58,18 @@ pub(crate) fn page(report: &Report, exclusions: &Table) -> Result<String, Report
             subtitle => &report.subtitle,
             synthetic => report.context.synthetic,
             described => described(report),
-            style => safe(style()),
+            style => safe(style() + player_style),
             policy => safe(scripts::policy(&used)),
             scripts => used.into_iter().map(safe).collect::<Vec<_>>(),
             summary => marked(&report.summary),
             sections,
             ledger => report.ledger.as_ref().map(|rows| ledger(rows, &anchors(report))),
             ledger_notes => report.ledger.as_ref().map(|rows| marked(&ledger_table(rows).notes[1..])),
+            has_methods => !(report.methods.text.is_empty() && report.methods.files.is_empty() && provenance.parameters.is_empty()),
             methods => marked(&report.methods.text),
             files,
             exclusions => table_value(exclusions),
-            warnings => shown.collect::<Vec<String>>(),
+            warnings => warnings.collect::<Vec<String>>(),
             more_warnings => report.warnings.len().saturating_sub(MOST_WARNINGS),
             version => &provenance.version,
             seed => provenance.seed.map(|seed| seed.to_string()),
@@ -150,7 +159,7 @@ fn anchors(report: &Report) -> BTreeSet<String> {
     report.sections.iter().flat_map(of).collect()
 }
 
-fn section_value(section: &Section, live: &[Live], number: &mut usize) -> Value {
+fn section_value(section: &Section, live: &[Shown], number: &mut usize) -> Value {
     let figures: Vec<Value> = section
         .figures
         .iter()
@@ -159,7 +168,7 @@ fn section_value(section: &Section, live: &[Live], number: &mut usize) -> Value 
             let below: Vec<Value> = live
                 .iter()
                 .filter(|live| live.below == figure.name)
-                .map(live_value)
+                .map(|live| live.value.clone())
                 .collect();
             figure_value(figure, *number, below)
         })
@@ -172,15 +181,41 @@ fn section_value(section: &Section, live: &[Live], number: &mut usize) -> Value 
     }
 }
 
-fn live_value(live: &Live) -> Value {
-    match &live.content {
-        LiveContent::StyleSpace(space) => context! {
-            kind => "space",
-            below => &live.below,
-            names => space.names(),
-            left_out => space.left_out(),
-            data => safe(embedded(&space.json())),
-        },
+/// A live part, ready for the template.
+struct Shown {
+    below: String,
+    value: Value,
+    player: Option<PlayerFragment>,
+}
+
+impl Shown {
+    fn of(live: &Live, report: &Report) -> Result<Self, ReportError> {
+        let (value, player) = match &live.content {
+            LiveContent::StyleSpace(space) => {
+                let value = context! {
+                    kind => "space",
+                    below => &live.below,
+                    names => space.names(),
+                    left_out => space.left_out(),
+                    data => safe(embedded(&space.json())),
+                };
+                (value, None)
+            }
+            LiveContent::Player(drives) => {
+                let fragment = player(drives, &report.context)?;
+                let value = context! {
+                    kind => "player",
+                    title => &drives.title,
+                    html => safe(fragment.html.clone()),
+                };
+                (value, Some(fragment))
+            }
+        };
+        Ok(Self {
+            below: live.below.clone(),
+            value,
+            player,
+        })
     }
 }
 

@@ -55,6 +55,7 @@ impl AroundEgo {
             speed_mps: MetresPerSecond::from_mph(settings.start.speed_mph).0,
             length_m: settings.vehicle.length_m,
             lane: settings.start.lane,
+            bound_for: settings.start.lane,
             keeping: true,
             target_mps: road.posted_speed_mps,
         };
@@ -90,13 +91,15 @@ impl AroundEgo {
         Ok(around)
     }
 
-    /// Tells the background where ego is at `row`: in each lane that its body reaches into.
+    /// Tells the background where ego is at `row`: in each lane that its body reaches into or its turn signal shows.
     pub(crate) fn place_ego(&mut self, ego: &EgoView, row: usize) {
         (self.ego, self.row) = (*ego, row);
         let reach_m = 0.5 * (self.road.lane_width_m + self.ego_width_m);
         let mut lanes = [None; 2];
-        let touched = (0..self.road.lanes)
-            .filter(|&lane| (ego.y_m - self.road.lane_centre_m(lane)).abs() < reach_m);
+        let touched = (0..self.road.lanes).filter(|&lane| {
+            let reaches = (ego.y_m - self.road.lane_centre_m(lane)).abs() < reach_m;
+            reaches || lane == ego.bound_for
+        });
         for (slot, lane) in lanes.iter_mut().zip(touched) {
             *slot = Some(lane);
         }

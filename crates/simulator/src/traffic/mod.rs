@@ -55,6 +55,8 @@ pub(crate) struct EgoView {
     pub(crate) length_m: f64,
     /// Lane it is in.
     pub(crate) lane: u8,
+    /// Lane it is changing to, or keeping: its turn signal shows.
+    pub(crate) bound_for: u8,
     /// Whether it is keeping that lane.
     pub(crate) keeping: bool,
     /// v_e, its target speed, in m/s.

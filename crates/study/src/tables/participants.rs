@@ -81,9 +81,12 @@ pub fn read_enrolled(path: &Path) -> Result<Vec<Enrolled>, StudyError> {
     let table = Table::read(path)?;
     let id: Vec<ParticipantId> = table.ids("participant")?;
     let study: Vec<Study> = table.parsed("study")?;
-    let optional = |name: &str| match table.has(name) {
-        true => table.text(name),
-        false => Ok(vec![None; table.rows()]),
+    let optional = |name: &str| {
+        if table.has(name) {
+            table.text(name)
+        } else {
+            Ok(vec![None; table.rows()])
+        }
     };
     let (population, age, gender) = (
         optional("population")?,

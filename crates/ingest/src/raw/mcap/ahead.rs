@@ -14,7 +14,7 @@ use std::{
 use zstd::bulk::Decompressor;
 
 /// Length of a file from which a thread of its own is worth while, in bytes.
-const WORTH_WHILE: u64 = 256 << 10;
+const WORTH_WHILE: u64 = 128 << 10;
 /// Chunks that wait unpacked: with the one that is being read and the one that is being unpacked, all the memory there is.
 const WAITING: usize = 2;
 /// Longest packed chunk that is unpacked ahead, in bytes.

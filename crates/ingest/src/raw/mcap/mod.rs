@@ -6,6 +6,7 @@ pub(crate) mod choice;
 pub(crate) mod chunk;
 pub(crate) mod container;
 pub(crate) mod decisions;
+mod frames;
 pub(crate) mod metadata;
 pub(crate) mod parts;
 pub(crate) mod read;

@@ -4,6 +4,7 @@ use super::{
     channels::{Decoder, OwnedSchema, decoder, same_type},
     choice::{Choice, Found, choose, parent},
     container::{Damage, Visitor, walk},
+    frames::Frames,
     metadata::{self, DriveRecord},
     record::{Channel, Message, Record},
     roles::{Convention, Role},
@@ -102,6 +103,7 @@ fn drive_of(
         .objects
         .is_some_and(|i| parent(topic(i)) != parent(topic(choice.ego)));
     let told_from_objects = streams[choice.ego].role() == Some(Role::Objects);
+    let frames = streams[choice.ego].frames;
     let is_fix = streams[choice.ego].role() == Some(Role::Fix);
     let identity = choice.identity.and_then(|i| streams[i].identity);
     let ego_id = choice.mapping.ego_object.or(identity);
@@ -111,6 +113,11 @@ fn drive_of(
         warnings.push(Warning::new(path, kind, count, what));
     };
 
+    if let Some(frames) = frames {
+        let (fixed, of_ego) = frames.names();
+        let what = format!("ego is taken from the transforms from `{fixed}` to `{of_ego}`");
+        warn(WarningKind::Choice, 1, &what);
+    }
     let speeds = take(choice.speed).map(|s| s.ego).unwrap_or_default();
     let ego_stream = take(Some(choice.ego));
     let (mut ego, mut objects) = match ego_stream {
@@ -225,6 +232,8 @@ struct Stream {
     objects: Vec<ObjectSample>,
     making: Objects,
     identity: Option<u32>,
+    /// Of transforms: the frames that ego's samples are between.
+    frames: Option<Frames>,
     twist: Option<TwistFrame>,
     /// Lengths of the four counters above when the chunk began.
     mark: [usize; 4],
@@ -243,6 +252,7 @@ impl Stream {
             objects: Vec::new(),
             making: Objects::default(),
             identity: None,
+            frames: None,
             twist: mapping.and_then(|m| m.objects_twist),
             mark: [0; 4],
         }
@@ -268,7 +278,12 @@ impl Stream {
         Found {
             topic: &self.channel.topic,
             type_name: self.schema.as_ref().map_or("", |s| s.name.as_str()),
-            messages: self.messages,
+            // Most transforms are of no use: those of joints and sensors.
+            messages: if self.role() == Some(Role::Frames) {
+                self.ego.len()
+            } else {
+                self.messages
+            },
             role: match &self.decoder {
                 Ok(_) => Ok(self.role()),
                 Err(why) => Err(why),
@@ -288,6 +303,8 @@ impl Stream {
         };
         let before = self.objects.len();
         let (objects, making, twist) = (&mut self.objects, &mut self.making, self.twist);
+        let before_ego = self.ego.len();
+        let (ego, frames, mark) = (&mut self.ego, &mut self.frames, &mut self.mark);
         let (role, convention): (Role, Convention) = (reading.role, reading.convention);
         let walked = decoder.codec.run(message.data, row, &mut |row| {
             if role == Role::Objects
@@ -295,15 +312,31 @@ impl Stream {
             {
                 objects.push(object);
             }
+            if role == Role::Frames
+                && let Some(found) = Frames::of(row)
+            {
+                match *frames {
+                    Some(taken) if taken < found => return,
+                    Some(taken) if taken == found => {}
+                    _ => {
+                        // Better frames than those so far.
+                        *frames = Some(found);
+                        ego.clear();
+                        mark[2] = 0;
+                    }
+                }
+                ego.push(ego_row(row, came));
+            }
         });
         if walked.is_err() {
             // Half a message is none.
             self.objects.truncate(before);
+            self.ego.truncate(before_ego);
             self.bad += 1;
             return;
         }
         match role {
-            Role::Objects => {}
+            Role::Objects | Role::Frames => {}
             Role::Identity => self.identity = row.first().map(|&id| id as u32),
             Role::Odometry | Role::Pose | Role::Fix | Role::Speed => {
                 self.ego.push(ego_row(row, came));

@@ -36,7 +36,7 @@ function startSpace(root) {
     const [cy, sy, cp, sp] = [Math.cos(view.yaw), Math.sin(view.yaw), Math.cos(view.pitch), Math.sin(view.pitch)];
     const right = cy * x + sy * y;
     const deep = -sy * x + cy * y;
-    const scale = (Math.min(canvas.clientWidth, canvas.clientHeight * 1.15) / (far * 3.3)) * view.zoom;
+    const scale = (Math.min(canvas.clientWidth / 3.5, canvas.clientHeight / 3.15) / far) * view.zoom;
     return [canvas.clientWidth / 2 + right * scale, canvas.clientHeight / 2 - (cp * z + sp * deep) * scale, sp * z - cp * deep];
   }
 
@@ -99,7 +99,10 @@ function startSpace(root) {
       const [x, y, depth] = project(d.at);
       const r = 3 + (((d.adb ?? 11) - 11) / 44) * 6;
       marks.push([x, y, d]);
+      if (d === chosen) return;
       items.push([depth, () => {
+        // Beside a chosen participant the others step back.
+        pen.globalAlpha = chosen && d !== named ? 0.35 : 1;
         pen.beginPath();
         pen.arc(x, y, r, 0, 2 * Math.PI);
         pen.fillStyle = viridis((d.mph - slowest) / (fastest - slowest || 1));
@@ -114,6 +117,7 @@ function startSpace(root) {
           pen.strokeStyle = ink;
           pen.stroke();
         }
+        pen.globalAlpha = 1;
       }]);
     };
     data.drives.forEach((d) => drive(d, false));
@@ -132,7 +136,8 @@ function startSpace(root) {
       }
       for (const [name, at] of chosen.conditions) {
         const [x, y, depth] = project(at);
-        items.push([depth + 1e-6, () => {
+        // In front of everything: they are what was asked for.
+        items.push([1e9 + depth, () => {
           shape(name, x, y, 6);
           pen.fillStyle = colour(name);
           pen.fill();
@@ -159,13 +164,13 @@ function startSpace(root) {
       write(`w${"\u2081\u2082\u2083"[axis]}`, x, y, "center");
     }
     const tip = project(up.map((v) => v * 1.1));
-    write("more aggressive", Math.min(Math.max(tip[0], 55), width - 55), Math.min(Math.max(tip[1], 10), height - 30), "center");
+    write("more aggressive", Math.min(Math.max(tip[0], 55), width - 55), Math.min(Math.max(tip[1], 28), height - 12), "center");
     for (const [x, y, text] of labels) write(text, x > width - 110 ? x - 12 : x + 12, y, x > width - 110 ? "right" : "left");
     for (let i = 0; i < 60; i++) {
       pen.fillStyle = viridis(i / 59);
-      pen.fillRect(8 + i * 2, height - 14, 2.5, 8);
+      pen.fillRect(8 + i * 2, 8, 2.5, 8);
     }
-    write(`${slowest.toFixed(0)} to ${fastest.toFixed(0)} mph`, 134, height - 10, "left");
+    write(`${slowest.toFixed(0)} to ${fastest.toFixed(0)} mph`, 134, 12, "left");
   }
 
   function name(d) {

@@ -18,8 +18,8 @@ pub(super) fn write(
 ) -> Result<(), StudyError> {
     let mut cells: BTreeMap<(&ParticipantId, Moment, &str, u32), Option<i32>> = BTreeMap::new();
     let mut rated: BTreeMap<&ParticipantId, BTreeSet<Condition>> = BTreeMap::new();
-    let (mut before, mut after): (BTreeSet<(&str, u32)>, BTreeSet<(&str, u32)>) =
-        Default::default();
+    let mut before: BTreeSet<(&str, u32)> = BTreeSet::new();
+    let mut after: BTreeSet<(&str, u32)> = BTreeSet::new();
     for answer in answers {
         let (who, item) = (&answer.participant, (answer.scale.as_str(), answer.item));
         cells.insert((who, answer.moment, item.0, item.1), answer.answer);

@@ -119,13 +119,10 @@ impl ColumnMap {
             return Ok(None);
         }
         let columns = self.scales.get(&scale.id);
-        let label = columns.and_then(|c| {
-            c.labels
-                .iter()
-                .position(|l| l.trim().eq_ignore_ascii_case(text))
-        });
-        if let Some(position) = label {
-            return Ok(Some(scale.min + position as i32));
+        let labels = columns.map(|c| c.labels.as_slice()).unwrap_or_default();
+        let mut labelled = (scale.min..).zip(labels);
+        if let Some((answer, _)) = labelled.find(|(_, l)| l.trim().eq_ignore_ascii_case(text)) {
+            return Ok(Some(answer));
         }
         let add = columns.and_then(|c| c.add).unwrap_or(add);
         // oTree and spreadsheets may write 3 as 3.0.

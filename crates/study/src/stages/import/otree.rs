@@ -29,9 +29,10 @@ pub(super) fn read(table: &Table, scales: &[Scale], map: &ColumnMap) -> Result<F
         }
     }
     let people = people(table, map)?;
-    let bots = match table.has("participant._is_bot") {
-        true => table.text("participant._is_bot")?,
-        false => vec![None; table.rows()],
+    let bots = if table.has("participant._is_bot") {
+        table.text("participant._is_bot")?
+    } else {
+        vec![None; table.rows()]
     };
     let mut bots_left_out = 0;
     for row in 0..table.rows() {
@@ -121,16 +122,14 @@ fn pages(
         if let Some((scale, item)) = map.item_of(scales, field) {
             let cells = table.text(&column)?;
             let sheets = &mut pages.entry(page.to_owned()).or_default().sheets;
-            let position = match sheets.iter().position(|s| s.scale == scale) {
-                Some(position) => position,
-                None => {
-                    sheets.push(Sheet {
-                        scale,
-                        columns: BTreeMap::new(),
-                    });
-                    sheets.len() - 1
-                }
-            };
+            let known = sheets.iter().position(|s| s.scale == scale);
+            let position = known.unwrap_or(sheets.len());
+            if known.is_none() {
+                sheets.push(Sheet {
+                    scale,
+                    columns: BTreeMap::new(),
+                });
+            }
             let before = sheets[position]
                 .columns
                 .insert(item, (column.clone(), cells));

@@ -65,7 +65,7 @@ pub(super) fn section_embedding(
         })
         .collect();
     let mut intro = vec![
-        "The embeddings of the test participants were fitted with their ADB score, as the paper does; the line's correlation with \
+        "The embeddings of the test participants were fitted with their ADB score, as the paper does; the line’s correlation with \
          ADB is then partly built in, so the table shows the fit without the score beside it."
             .to_owned(),
     ];
@@ -145,18 +145,19 @@ pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError>
     }))
 }
 
-fn example(run: &Run) -> Result<Option<ExampleConditions>, StudyError> {
-    // The participant nearest to the middle of the line shows both directions best.
+/// Mimic of the participant whose conditions are shown: the one nearest to the middle of the line shows both directions best.
+pub(super) fn shown_participant(run: &Run) -> Option<&ConditionRow> {
     let middle = f64::midpoint(maveric_domain::AdbScore::MIN, maveric_domain::AdbScore::MAX);
+    let from_middle = |row: &ConditionRow| (row.adb_hat - middle).abs();
     let mimic = run
         .conditions
         .iter()
         .filter(|c| c.condition == Condition::Mimic);
-    let Some(own) = mimic.min_by(|a, b| {
-        (a.adb_hat - middle)
-            .abs()
-            .total_cmp(&(b.adb_hat - middle).abs())
-    }) else {
+    mimic.min_by(|a, b| from_middle(a).total_cmp(&from_middle(b)))
+}
+
+fn example(run: &Run) -> Result<Option<ExampleConditions>, StudyError> {
+    let Some(own) = shown_participant(run) else {
         return Ok(None);
     };
     let of = |condition| {

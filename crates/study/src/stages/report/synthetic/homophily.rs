@@ -1,13 +1,17 @@
 //! The fifth section: who prefers what, and what goes with it.
 
 use super::{Run, capital, printed, statement};
-use crate::{error::StudyError, stages::analyse::HomophilyRow};
+use crate::{
+    error::StudyError,
+    stages::analyse::{HomophilyRow, MixedRow},
+};
 use maveric_domain::Condition;
 use maveric_report::{
+    apa,
     claims::LedgerRow,
     figures::preference::{Preferences, ScalePreference, preference},
     html::Section,
-    tables::{self, CorrelationRow},
+    tables::{self, Cell, Column, CorrelationRow, Table},
 };
 
 pub(super) fn section_homophily(run: &Run, ledger: &[LedgerRow]) -> Result<Section, StudyError> {
@@ -85,13 +89,77 @@ pub(super) fn section_homophily(run: &Run, ledger: &[LedgerRow]) -> Result<Secti
     Ok(Section {
         title: "Who wants to be driven as they drive?".to_owned(),
         intro: vec![format!(
-            "{tested} correlations of a factor with a rating difference were tested: {low} are below .05 as printed ({:.0} would be by \
+            "{tested} correlations of a factor with a rating difference were tested (the declared family: {}): {low} are below .05 as printed ({:.0} would be by \
              chance), {bh} with the false discovery rate controlled (Benjamini and Hochberg), {holm} after Holm. The table shows the \
              pairs that the paper printed and those below .05 here, uncorrected as in the paper.",
+            run.analysis.family,
             0.05 * tested as f64
         )],
         figures,
-        tables: vec![tables::correlations(&rows, run.analysis.participants)],
+        tables: std::iter::once(tables::correlations(&rows, run.analysis.participants))
+            .chain(mixed(run))
+            .collect(),
+    })
+}
+
+/// Ratings on the shift of the dial: what the four answers of a person say together; `None` where it was not fitted.
+fn mixed(run: &Run) -> Option<Table> {
+    let fitted = &run.analysis.mixed;
+    let unit = fitted.first()?.unit_points;
+    let effect = |row: &MixedRow, name: &str| {
+        let found = row.model.as_ref().and_then(|m| m.fixed.get(name));
+        let Some(found) = found else {
+            return [Cell::Missing, Cell::Missing, Cell::Missing];
+        };
+        let interval = found
+            .ci_low
+            .zip(found.ci_high)
+            .map_or(Cell::Missing, |(low, high)| {
+                Cell::text(format!(
+                    "{} to {}",
+                    apa::number(low, 2),
+                    apa::number(high, 2)
+                ))
+            });
+        let p = found.p.map_or(Cell::Missing, |p| {
+            Cell::Marked(apa::p(p).markup().to_owned())
+        });
+        [Cell::number(Some(found.estimate), 2), interval, p]
+    };
+    let row = |row: &MixedRow| {
+        let sd = row
+            .model
+            .as_ref()
+            .and_then(|m| m.random_sd.get("shift").copied());
+        std::iter::once(Cell::text(capital(&row.rating)))
+            .chain(effect(row, "shift"))
+            .chain(effect(row, "shift_squared"))
+            .chain([Cell::number(sd, 2)])
+            .collect()
+    };
+    let missing = fitted
+        .iter()
+        .filter_map(|r| Some(format!("{}: {}.", capital(&r.rating), r.why_not.as_ref()?)));
+    Some(Table {
+        name: "mixed".to_owned(),
+        title: "Ratings on the shift of the dial".to_owned(),
+        columns: vec![
+            Column::left("Rating"),
+            Column::right("Shift"),
+            Column::right("95% CI"),
+            Column::left("Test"),
+            Column::right("Shift²"),
+            Column::right("95% CI"),
+            Column::left("Test"),
+            Column::right("*SD* of the shift over people"),
+        ],
+        rows: fitted.iter().map(row).collect(),
+        notes: std::iter::once(format!(
+            "Linear mixed models (REML, Satterthwaite’s degrees of freedom), intercept and shift at random over people; one unit is {unit:.0} ADB points towards \
+             aggressive. A negative shift² means that a rating falls on either side of the own style."
+        ))
+        .chain(missing)
+        .collect(),
     })
 }
 

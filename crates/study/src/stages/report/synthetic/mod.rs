@@ -7,6 +7,7 @@ mod methods;
 mod setting;
 mod setup;
 mod summary;
+mod watch;
 
 use super::{
     ReportOptions,
@@ -149,6 +150,17 @@ pub(super) fn page(
     } else {
         ""
     };
+    let mut moving = Vec::from_iter(live(folder, &run)?);
+    let logs = watch::logs(folder, &run);
+    moving.extend(watch::player(&logs)?);
+    // Without its figure, a part that moves has nothing to stand for it on paper.
+    let drawn = |name: &String| {
+        sections
+            .iter()
+            .flat_map(|s| &s.figures)
+            .any(|f| f.name == *name)
+    };
+    moving.retain(|live| drawn(&live.below));
     let files = parameter_files(&options.parameters);
     let shown = in_folder(folder, &READ).into_iter();
     let report = Report {
@@ -159,7 +171,7 @@ pub(super) fn page(
         ),
         context: run.context.clone(),
         summary: summary(&run, &ledger),
-        live: live(folder, &run)?.into_iter().collect(),
+        live: moving,
         sections,
         methods: Methods {
             text: methods::text(&run, &road, minutes)?,
@@ -181,7 +193,12 @@ pub(super) fn page(
                 .map(|(name, value)| (format!("pipeline: {name}"), value.clone()))
                 .chain(parameters(&run.training))
                 .collect(),
-            inputs: hashed(shown.chain([options.claims.clone()]).chain(files))?,
+            inputs: hashed(
+                shown
+                    .chain([options.claims.clone()])
+                    .chain(files)
+                    .chain(logs),
+            )?,
         },
     };
     Ok((report, findings))
@@ -190,11 +207,23 @@ pub(super) fn page(
 /// The settings of the training, as the page lists them.
 pub(super) fn parameters(training: &TrainingSummary) -> Vec<(String, String)> {
     let settings = serde_json::to_value(&training.settings).unwrap_or_default();
-    let fields = settings.as_object().cloned().unwrap_or_default();
-    fields
-        .into_iter()
-        .map(|(name, value)| (format!("training: {name}"), value.to_string()))
-        .collect()
+    let mut list = Vec::new();
+    flatten("training: ", &settings, &mut list);
+    list
+}
+
+/// The leaves of a JSON value, each under its path.
+fn flatten(path: &str, value: &serde_json::Value, list: &mut Vec<(String, String)>) {
+    let Some(fields) = value.as_object() else {
+        let text = value
+            .as_str()
+            .map_or_else(|| value.to_string(), str::to_owned);
+        list.push((path.trim_end_matches('.').to_owned(), text));
+        return;
+    };
+    for (name, value) in fields {
+        flatten(&format!("{path}{name}."), value, list);
+    }
 }
 
 fn percent(value: Option<f64>) -> String {

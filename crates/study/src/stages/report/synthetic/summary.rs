@@ -72,7 +72,7 @@ pub(super) fn summary(run: &Run, ledger: &[LedgerRow]) -> Vec<String> {
     let counts = verdict_counts(ledger);
     let counted: Vec<String> = counts
         .iter()
-        .map(|(v, n)| format!("{n} {}", v.text()))
+        .map(|(v, n)| format!("{n} {}", v.of_several()))
         .collect();
     let odd = ledger
         .iter()
