@@ -74,6 +74,11 @@ pub fn curves(input: &Curves, context: &Context) -> Result<Figure, ReportError> 
     check.at_least(1, "curves", input.curves.len())?;
     let count = input.curves.len();
     check.that(count <= MARKERS.len(), "curves", count as f64, "at most 5")?;
+    check.finite("rule", input.rule)?;
+    check.finite(
+        "range",
+        input.range.into_iter().flat_map(|(low, high)| [low, high]),
+    )?;
     for panel in &input.panels {
         check.length("curves", panel.curves.len(), count)?;
         for curve in &panel.curves {

@@ -1,9 +1,10 @@
 //! The style space: who lies where, and which way is "more aggressive".
 
-use super::axes::{Frame, Labels, Place, Scale};
+use super::axes::Place;
 use super::canvas::{Canvas, Key, Look, Pen, cap_height};
 use super::check::Check;
-use super::crowd::{self, MOST_POINTS};
+use super::crowd::MOST_POINTS;
+use super::embedding_plane;
 use super::projection::{View, paint_box};
 use super::theme::{
     GREY, INK, MUTED, PAPER, TWO_COLUMNS_MM, colour, condition_name, marker, size, stroke, viridis,
@@ -163,7 +164,7 @@ pub fn embedding_space(input: &EmbeddingSpace, context: &Context) -> Result<Figu
             );
             plane.left = split + 8.0;
         }
-        paint_plane(canvas, plane, input, palette, solid);
+        embedding_plane::paint(canvas, plane, input, palette, solid);
     })
 }
 
@@ -197,7 +198,7 @@ fn check(input: &EmbeddingSpace) -> Result<(), ReportError> {
 }
 
 impl ExampleConditions {
-    fn markers(&self) -> Vec<(Condition, &[f64])> {
+    pub(crate) fn markers(&self) -> Vec<(Condition, &[f64])> {
         let mut out = vec![
             (Condition::Cautious, self.cautious.as_slice()),
             (Condition::Aggressive, self.aggressive.as_slice()),
@@ -211,7 +212,7 @@ impl ExampleConditions {
         out
     }
 
-    fn all(&self) -> impl Iterator<Item = &[f64]> {
+    pub(crate) fn all(&self) -> impl Iterator<Item = &[f64]> {
         self.markers()
             .into_iter()
             .map(|(_, w)| w)
@@ -226,22 +227,22 @@ fn sample(points: &[EmbeddingPoint]) -> impl Iterator<Item = &EmbeddingPoint> {
         .step_by(points.len().div_ceil(MOST_POINTS).max(1))
 }
 
-fn norm(vector: &[f64]) -> f64 {
+pub(crate) fn norm(vector: &[f64]) -> f64 {
     vector.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Palette {
+pub(crate) struct Palette {
     low: f64,
     high: f64,
 }
 
 impl Palette {
-    fn of(self, mps: f64) -> plotters::style::RGBColor {
+    pub(crate) fn of(self, mps: f64) -> plotters::style::RGBColor {
         let range = self.high - self.low;
         viridis(if range > 1e-9 {
             (mps * MPH_PER_MPS - self.low) / range
@@ -257,13 +258,18 @@ fn radius(adb: f64) -> f64 {
     (1.2 + share * 12.0).sqrt()
 }
 
-fn paint_point(canvas: &mut Canvas<'_>, at: (f64, f64), point: &EmbeddingPoint, palette: Palette) {
+pub(crate) fn paint_point(
+    canvas: &mut Canvas<'_>,
+    at: (f64, f64),
+    point: &EmbeddingPoint,
+    palette: Palette,
+) {
     let r = radius(point.adb_points);
     canvas.disc(at, r, palette.of(point.mean_velocity_mps), 1.0);
     canvas.ring(at, r, Pen::new(PAPER, stroke::THIN));
 }
 
-fn paint_condition(canvas: &mut Canvas<'_>, at: (f64, f64), condition: Condition) {
+pub(crate) fn paint_condition(canvas: &mut Canvas<'_>, at: (f64, f64), condition: Condition) {
     canvas.marker(at, 4.6, marker(condition), PAPER);
     canvas.marker(at, 3.8, marker(condition), colour(condition));
 }
@@ -349,166 +355,6 @@ fn paint_solid(canvas: &mut Canvas<'_>, place: Place, input: &EmbeddingSpace, pa
     canvas.arrow(tail, tip, Pen::new(INK, 1.2), 6.0);
 }
 
-/// The unit direction across `unit` in which the points vary most, sign fixed by its largest part.
-fn first_perpendicular(points: &[EmbeddingPoint], unit: &[f64]) -> Vec<f64> {
-    let d = unit.len();
-    let n = points.len() as f64;
-    let mean: Vec<f64> = (0..d)
-        .map(|axis| {
-            points
-                .iter()
-                .map(|point| point.embedding[axis])
-                .sum::<f64>()
-                / n
-        })
-        .collect();
-    let across: Vec<Vec<f64>> = points
-        .iter()
-        .map(|point| {
-            let centred: Vec<f64> = point
-                .embedding
-                .iter()
-                .zip(&mean)
-                .map(|(w, m)| w - m)
-                .collect();
-            let along = dot(&centred, unit);
-            centred
-                .iter()
-                .zip(unit)
-                .map(|(c, u)| c - along * u)
-                .collect()
-        })
-        .collect();
-    let mut best = vec![0.0; d];
-    // Power iteration from every axis: a start across the answer would never find it.
-    for start in 0..d {
-        let mut direction = vec![0.0; d];
-        direction[start] = 1.0;
-        let mut variance = 0.0;
-        for _ in 0..200 {
-            let mut next = vec![0.0; d];
-            for row in &across {
-                let weight = dot(row, &direction);
-                for (cell, value) in next.iter_mut().zip(row) {
-                    *cell += weight * value;
-                }
-            }
-            variance = norm(&next);
-            if variance < 1e-12 {
-                break;
-            }
-            direction = next.iter().map(|x| x / variance).collect();
-        }
-        let spread = |v: &[f64]| across.iter().map(|row| dot(row, v).powi(2)).sum::<f64>();
-        if variance >= 1e-12 && spread(&direction) > spread(&best) * (1.0 + 1e-9) {
-            best = direction;
-        }
-    }
-    let largest = best
-        .iter()
-        .copied()
-        .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
-    if largest < 0.0 {
-        best.iter().map(|x| -x).collect()
-    } else {
-        best
-    }
-}
-
-fn paint_plane(
-    canvas: &mut Canvas<'_>,
-    place: Place,
-    input: &EmbeddingSpace,
-    palette: Palette,
-    solid: bool,
-) {
-    let length = norm(&input.gradient);
-    let unit: Vec<f64> = input.gradient.iter().map(|g| g / length).collect();
-    let across = first_perpendicular(&input.points, &unit);
-    let at = |w: &[f64]| (dot(w, &unit), dot(w, &across));
-    let mut places: Vec<(f64, f64)> = input
-        .points
-        .iter()
-        .map(|point| at(&point.embedding))
-        .collect();
-    places.extend(
-        input
-            .example
-            .iter()
-            .flat_map(ExampleConditions::all)
-            .map(at),
-    );
-    let x = Scale::over(places.iter().map(|place| place.0), 5);
-    let y = Scale::over(places.iter().map(|place| place.1), 5);
-    let labels = Labels {
-        x: "Position on the aggression line",
-        y: "First axis across it",
-        ..Labels::default()
-    };
-    // Level with the box beside it.
-    let place = if solid {
-        Place {
-            top: place.top + 6.0,
-            bottom: place.bottom - 4.0,
-            ..place
-        }
-    } else {
-        place
-    };
-    let frame = Frame::draw(canvas, place, &labels, x, y);
-    let middle = places[..input.points.len()]
-        .iter()
-        .map(|place| place.1)
-        .sum::<f64>()
-        / input.points.len() as f64;
-    let y = frame.y.at(middle);
-    canvas.arrow(
-        (frame.place.left, y),
-        (frame.place.right, y),
-        Pen::new(INK, 1.2),
-        6.0,
-    );
-    if let Some(example) = &input.example {
-        let mut ring: Vec<(f64, f64)> = example
-            .ellipse
-            .iter()
-            .map(|w| at(w))
-            .map(|(x, y)| frame.at(x, y))
-            .collect();
-        ring.extend(ring.first().copied());
-        canvas.path(
-            &ring,
-            Pen::new(colour(Condition::Perpendicular), stroke::STRONG),
-        );
-    }
-    if input.points.len() <= MOST_POINTS {
-        for point in &input.points {
-            let (x, y) = at(&point.embedding);
-            paint_point(canvas, frame.at(x, y), point, palette);
-        }
-    } else {
-        let drives = input.points.iter().map(|point| {
-            let (x, y) = at(&point.embedding);
-            (x, y, point.mean_velocity_mps)
-        });
-        let cells = crowd::cells(&frame, drives);
-        let most = cells.iter().map(|cell| cell.count).max().unwrap_or(1);
-        for cell in &cells {
-            let (a, b) = cell.corners(&frame);
-            canvas.fill_rect(
-                a,
-                b,
-                palette.of(cell.mean()),
-                crowd::shade(cell.count, most),
-            );
-        }
-    }
-    for (condition, w) in input.example.iter().flat_map(ExampleConditions::markers) {
-        let (x, y) = at(w);
-        paint_condition(canvas, frame.at(x, y), condition);
-    }
-}
-
 fn paint_keys(canvas: &mut Canvas<'_>, place: Place, example: bool, palette: Palette, solid: bool) {
     let first = place.top + 11.0;
     let second = place.top + 26.0;
@@ -589,15 +435,6 @@ mod tests {
             let figure = embedding_space(&space(dimensions), &Context::real()).unwrap();
             assert!(figure.svg.matches("<circle").count() >= 20);
         }
-    }
-
-    #[test]
-    fn the_second_axis_is_across_the_gradient() {
-        let input = space(5);
-        let unit: Vec<f64> = vec![1.0 / 5f64.sqrt(); 5];
-        let across = first_perpendicular(&input.points, &unit);
-        assert!(dot(&across, &unit).abs() < 1e-9);
-        assert!((norm(&across) - 1.0).abs() < 1e-9);
     }
 
     #[test]

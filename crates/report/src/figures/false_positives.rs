@@ -35,6 +35,11 @@ const NAME: &str = "false-positives";
 const LEVEL: f64 = 0.05;
 const TOLERANCE: f64 = 0.01;
 
+/// Whether a rate is the level, within the tolerance: both ends belong to it, whatever a difference rounds to.
+fn near(rate: f64) -> bool {
+    (rate - LEVEL).abs() <= TOLERANCE + 1e-9
+}
+
 /// Draws a point a test, with the level and ±.01 around it, and the families' rates after Holm below.
 ///
 /// # Errors
@@ -54,15 +59,16 @@ pub fn false_positives(input: &FalsePositives, context: &Context) -> Result<Figu
         check.that((0.0..=1.0).contains(&rate), "a rate", rate, "0 to 1")?;
     }
     let tests = rates().count();
-    let within = rates().filter(|r| (r - LEVEL).abs() <= TOLERANCE).count();
+    let within = rates().filter(|&rate| near(rate)).count();
     let rows = input.parts.len() + input.families.len();
     let plan = Plan {
         name: NAME.to_owned(),
         size_mm: (TWO_COLUMNS_MM, 26.0 + 5.4 * rows as f64),
         title: "False positives where there is nothing to find".to_owned(),
         caption: format!(
-            "Points: a test each, share of {} studies of {} participants without any effect in which *p* < .05; \
-             band: .05 ± .01. Squares: share of studies with any false positive in a family after Holm, 95% intervals.",
+            "Points: a test each, share of the simulated studies without any effect in which *p* < .05; \
+             band: .05 ± .01. Squares: share of studies with any false positive in a family after Holm, 95% intervals. \
+             *n* = {} studies of {} participants.",
             input.studies, input.participants
         ),
         alt: format!("{within} of {tests} tests have a rate of .05 within .01."),
@@ -116,11 +122,7 @@ pub fn false_positives(input: &FalsePositives, context: &Context) -> Result<Figu
             for (i, rate) in part.rates.iter().enumerate() {
                 // Spread over the row in the order of the tests, so that none hides another.
                 let off = ((i as f64 + 0.5) / count - 0.5) * 0.6;
-                let tone = if (rate - LEVEL).abs() <= TOLERANCE {
-                    GREY
-                } else {
-                    INK
-                };
+                let tone = if near(*rate) { GREY } else { INK };
                 canvas.marker(frame.at(*rate, middle + off), 1.2, Marker::Circle, tone);
             }
         }

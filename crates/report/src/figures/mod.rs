@@ -4,6 +4,7 @@ mod axes;
 mod canvas;
 pub(crate) mod check;
 mod crowd;
+mod embedding_plane;
 mod fit;
 mod following_spread;
 mod font;

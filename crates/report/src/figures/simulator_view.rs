@@ -172,24 +172,39 @@ pub fn simulator_view(input: &SimulatorView, context: &Context) -> Result<Figure
                 .collect();
             canvas.path(&inside, pen);
         }
-        let mut paint = |vehicle: &VehicleView, ink: RGBColor, unit: &str| {
+        // The plan leaves the ego's front, so its own label stands beside it: to the left, or to the right in the
+        // leftmost lane.
+        let leftmost = input.ego.y_m > (input.lanes as f64 - 1.25) * input.lane_width_m;
+        let aside = if leftmost { 1.0 } else { -1.0 };
+        let mut paint = |vehicle: &VehicleView, ink: RGBColor, is_ego: bool| {
             let centre = at(vehicle.x_m, vehicle.y_m);
             let length = vehicle.length_m * scale;
             let width = vehicle.width_m * scale * STRETCH;
             paint_vehicle(canvas, centre, (length, width), vehicle.heading_rad, ink);
-            let label = format!("{}{unit}", number(vehicle.speed_mps * MPH_PER_MPS, 0));
+            let speed = number(vehicle.speed_mps * MPH_PER_MPS, 0);
+            if is_ego {
+                let label = format!("{speed} mph");
+                let look = Look::new(size::TICK).centred().middle();
+                let at = (centre.0, centre.1 + aside * (width / 2.0 + 6.0));
+                let half = look.width(&label) / 2.0 + 1.5;
+                let corners = ((at.0 - half, at.1 - 4.5), (at.0 + half, at.1 + 4.5));
+                canvas.fill_rect(corners.0, corners.1, ROAD, 1.0);
+                canvas.text(&label, at, look);
+                return;
+            }
+            let label = speed;
             let right = centre.0 + length / 2.0 + 3.0;
             let look = Look::new(size::TICK).centred();
-            // The plan runs through here: the label gets its own ground.
+            // A plan may run through here: the label gets its own ground.
             let corner = (right + look.width(&label) + 1.5, centre.1 + 4.5);
             canvas.fill_rect((right - 1.5, centre.1 - 4.5), corner, ROAD, 1.0);
             canvas.text(&label, (right, centre.1), look);
         };
         for (index, vehicle) in input.others.iter().enumerate().filter(|(_, v)| seen(v)) {
             let is_reference = input.reference == Some(index);
-            paint(vehicle, if is_reference { GREY } else { PAPER }, "");
+            paint(vehicle, if is_reference { GREY } else { PAPER }, false);
         }
-        paint(&input.ego, colour(input.condition), " mph");
+        paint(&input.ego, colour(input.condition), true);
         let bottom = at(0.0, -input.lane_width_m / 2.0).1;
         if let (Some(vehicle), Some(gap)) =
             (reference.filter(|v| seen(v)), gap.filter(|gap| *gap > 0.0))

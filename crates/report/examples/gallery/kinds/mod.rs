@@ -10,11 +10,13 @@ pub(crate) mod axis_regressions;
 pub(crate) mod calibration;
 pub(crate) mod car_following;
 pub(crate) mod correlation_heatmap;
+pub(crate) mod curves;
 pub(crate) mod dial_sweep;
 pub(crate) mod difference_panels;
 pub(crate) mod domain;
 pub(crate) mod drive_overview;
 pub(crate) mod embedding_space;
+pub(crate) mod false_positives;
 pub(crate) mod fidelity;
 pub(crate) mod following_errors;
 pub(crate) mod lane_change_quality;
@@ -23,6 +25,7 @@ pub(crate) mod perpendicular;
 pub(crate) mod perpendicular_circle;
 pub(crate) mod population_distributions;
 pub(crate) mod preference;
+pub(crate) mod recommendation;
 pub(crate) mod residuals;
 pub(crate) mod simulator_view;
 pub(crate) mod step_responses;
@@ -36,7 +39,7 @@ pub(crate) const PARTICIPANTS: usize = 24;
 pub(crate) type Draw = fn(&Context) -> Result<Figure, ReportError>;
 
 /// Every kind: the name of its function, and one that draws it from made-up numbers.
-pub(crate) const KINDS: [(&str, Draw); 26] = [
+pub(crate) const KINDS: [(&str, Draw); 29] = [
     ("domain", domain::draw),
     ("architecture", architecture::draw),
     ("simulator_view", simulator_view::draw),
@@ -54,6 +57,9 @@ pub(crate) const KINDS: [(&str, Draw); 26] = [
     ("difference_panels", difference_panels::draw),
     ("preference", preference::draw),
     ("correlation_heatmap", correlation_heatmap::draw),
+    ("recommendation", recommendation::draw),
+    ("curves", curves::draw),
+    ("false_positives", false_positives::draw),
     ("fidelity", fidelity::draw),
     ("test_retest", test_retest::draw),
     ("dial_sweep", dial_sweep::draw),
