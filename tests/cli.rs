@@ -23,10 +23,13 @@ fn wrong_usage_is_status_2_and_help_has_an_example() {
         "diff",
         "trace",
         "clean",
+        "init",
         "generate",
         "ingest",
         "inspect",
+        "import",
         "score",
+        "codebook",
         "train",
         "personalize",
         "steer",
@@ -36,6 +39,7 @@ fn wrong_usage_is_status_2_and_help_has_an_example() {
         "evaluate",
         "stats",
         "report",
+        "export",
     ] {
         let help = study.maveric(&[command, "--help"]).ok().stdout;
         assert!(help.contains("Example"), "{command}: {help}");
@@ -251,4 +255,45 @@ fn an_interrupted_training_goes_on_to_the_same_bytes() {
     study.write("other_checkpoint.maveric", "maveric-training 9 0 0\n");
     train("other.maveric", &["--resume"]).failed(1, &["other_checkpoint.maveric", "version 9"]);
     assert!(study.path("other_checkpoint.maveric").exists());
+}
+
+#[test]
+fn generated_logs_are_watched_side_by_side() {
+    let study = TempStudy::new();
+    let generate = "generate --out g --study1 1 --study2 1 --duration 40 --scene S2P01";
+    let args: Vec<&str> = generate.split(' ').collect();
+    study.maveric(&args).ok();
+    let [plain, scene] = [
+        "g/logs/study1/S1P01-own.mcap",
+        "g/logs/study2/S2P01-own.mcap",
+    ];
+    let text = |path: &str| {
+        String::from_utf8_lossy(&std::fs::read(study.path(path)).unwrap()).into_owned()
+    };
+    assert!(text(scene).contains("foxglove.SceneUpdate"));
+    assert!(!text(plain).contains("foxglove.SceneUpdate"));
+    study
+        .maveric(&["inspect", plain, scene, "--watch", "both.html"])
+        .ok();
+    let page = text("both.html");
+    assert_eq!(page.matches("<li class=\"pl-row").count(), 2);
+    assert!(page.contains("Synthetic participants.") && page.contains("<b>S1P01-own</b>"));
+    study
+        .maveric(&[
+            "inspect",
+            "study_data/scenarios/paper.toml",
+            "--watch",
+            "none.html",
+        ])
+        .failed(1, &["paper.toml"]);
+    assert!(!study.path("none.html").exists());
+}
+
+#[test]
+fn a_scene_of_nobody_is_refused_by_name() {
+    let study = TempStudy::new();
+    let generate = "generate --out g --study1 1 --study2 1 --duration 40 --scene P99";
+    let args: Vec<&str> = generate.split(' ').collect();
+    study.maveric(&args).failed(1, &["P99", "S1P01"]);
+    assert!(!study.path("g").exists());
 }

@@ -29,10 +29,13 @@ pub(crate) enum Command {
     Diff(commands::diff::Diff),
     Trace(commands::trace::Trace),
     Clean(commands::clean::Clean),
+    Init(commands::init::Init),
     Generate(commands::generate::Generate),
     Ingest(commands::ingest::Ingest),
     Inspect(commands::inspect::Inspect),
+    Import(commands::import::Import),
     Score(commands::score::Score),
+    Codebook(commands::codebook::Codebook),
     Train(commands::train::Train),
     Personalize(commands::personalize::Personalize),
     Steer(commands::steer::Steer),
@@ -43,8 +46,11 @@ pub(crate) enum Command {
     Stats(commands::stats::Stats),
     Ablate(commands::ablate::Ablate),
     Validate(commands::validate::Validate),
+    Recommend(commands::recommend::Recommend),
     Rehearse(commands::rehearse::Rehearse),
+    RehearseDial(commands::rehearse_dial::RehearseDial),
     Report(commands::report::Report),
+    Export(commands::export::Export),
 }
 
 /// How a result is printed.

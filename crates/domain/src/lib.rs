@@ -14,6 +14,7 @@ pub mod scene;
 pub mod seed;
 pub mod setpoints;
 pub mod survey;
+pub mod trace;
 pub mod traits;
 pub mod units;
 
@@ -28,5 +29,6 @@ pub use scene::{EgoState, Reference, Road, Scene, Situation, VehicleState};
 pub use seed::stream_seed;
 pub use setpoints::Setpoints;
 pub use survey::{AdbScore, Answer, Moment, NormCorrelation, Norms, Scale, Score, Subscale};
+pub use trace::{LaneActivity, TraceRow};
 pub use traits::LatentTraits;
 pub use units::{Metres, MetresPerSecond, MetresPerSecond2, Seconds};

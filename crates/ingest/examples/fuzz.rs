@@ -1,19 +1,24 @@
-//! Damages recordings at random and reads them, for as many seconds as asked: `fuzz TARGET SECONDS SEED`.
+//! Damages logs at random and reads them, for as many seconds as asked: `fuzz TARGET SECONDS SEED [FOLDER]`.
 //!
-//! `mcap` damages whole files, `msg` the message definitions in them, `cdr` the messages. Nothing may panic, give a number
-//! that is none, or take more than 64 MiB for an input of at most 1 MiB. A failing input is written beside.
+//! `mcap` damages whole files (also those of FOLDER), `msg` the message definitions in them, `cdr` the messages, `csv`
+//! tables and their mappings. Nothing may panic, give a number that is none, or take more than 64 MiB for an input of at
+//! most 1 MiB. A failing input stays in the folder for temporary files.
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 #![expect(clippy::unwrap_used, reason = "what cannot be made cannot be fuzzed")]
 
 #[path = "../tests/generated/mod.rs"]
 mod generated;
+#[path = "../tests/generated/tables.rs"]
+mod tables;
 
-use maveric_ingest::{IngestSettings, inspect, read_log};
+use maveric_ingest::{IngestSettings, Mapping, inspect_with, read_log, suggest_mapping};
 use mcap::{Compression, MessageStream, Schema, WriteOptions};
 use peak_alloc::PeakAlloc;
 use std::{
     borrow::Cow,
+    collections::BTreeMap,
     io::Cursor,
+    path::{Path, PathBuf},
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -22,6 +27,43 @@ use std::{
 static PEAK: PeakAlloc = PeakAlloc;
 
 const MOST_BYTES: usize = 64 << 20;
+
+/// What definitions trip over.
+const DEFINITION_WORDS: [&str; 24] = [
+    "[]",
+    "[<=3]",
+    "[3]",
+    "[0]",
+    "[18446744073709551615]",
+    "[4294967295]",
+    "<=5",
+    "float64 ",
+    "float64[] ",
+    "wstring ",
+    "string<=8[<=2] ",
+    "time ",
+    "Header ",
+    "/msg/",
+    "\n",
+    "# ",
+    "=1\n",
+    " 1.5\n",
+    "\nMSG: nav_msgs/Odometry\n",
+    "\n================================================================================\n",
+    "nav_msgs/Odometry[] o\n",
+    "IDL: ",
+    "\0",
+    "é",
+];
+/// How channels and their schemas may be encoded.
+const ENCODINGS: [(&str, &str); 6] = [
+    ("cdr", "ros2msg"),
+    ("ros1", "ros1msg"),
+    ("json", "jsonschema"),
+    ("protobuf", "protobuf"),
+    ("cdr", "ros2idl"),
+    ("", ""),
+];
 
 /// Numbers from a seed (SplitMix64), so that a run can be repeated.
 struct Chance(u64);
@@ -39,12 +81,12 @@ impl Chance {
         (self.next() % n.max(1) as u64) as usize
     }
 
-    /// Changes some bytes: a flip, a run, a great number, a piece cut out, copied or put elsewhere.
-    fn damage(&mut self, bytes: &mut Vec<u8>) {
+    /// Changes some bytes: a flip, a run, a great number, a piece cut out, copied or put elsewhere, a word.
+    fn damage(&mut self, bytes: &mut Vec<u8>, words: &[&str]) {
         for _ in 0..=self.below(4) {
             let at = self.below(bytes.len());
             let n = (1 + self.below(64)).min(bytes.len() - at);
-            match self.below(7) {
+            match self.below(8) {
                 0 => bytes[at] ^= 1 << self.below(8),
                 1 => bytes[at..at + n].fill(self.next() as u8),
                 2 => {
@@ -60,7 +102,12 @@ impl Chance {
                     let to = self.below(bytes.len());
                     bytes.splice(to..to, copy);
                 }
-                5 => bytes.truncate(at.max(1)),
+                5 if self.below(4) == 0 => bytes.truncate(at.max(1)),
+                6 if !words.is_empty() => {
+                    let word = words[self.below(words.len())];
+                    let end = at + self.below(2) * n.min(8);
+                    bytes.splice(at..end, word.bytes());
+                }
                 _ => bytes[at] = self.next() as u8,
             }
             if bytes.is_empty() {
@@ -75,24 +122,33 @@ fn within(log: &[u8], chance: &mut Chance, definitions: bool) -> Vec<u8> {
     let options = WriteOptions::new().compression(None).use_chunks(false);
     let mut out = options.create(Cursor::new(Vec::new())).unwrap();
     let damaged_first = chance.below(2) == 0;
-    let mut text: [Option<Arc<Schema<'_>>>; 2] = [None, None];
+    let encoding = ENCODINGS[chance.below(4 * ENCODINGS.len()) % ENCODINGS.len()];
+    let encoding = (chance.below(4) == 0).then_some(encoding);
+    let mut channels = BTreeMap::new();
     for message in MessageStream::new(log).unwrap() {
         let mut message = message.unwrap();
         let which = usize::from(message.channel.topic.ends_with("objects"));
-        if definitions {
-            let changed = text[which].get_or_insert_with(|| {
-                let mut schema = (**message.channel.schema.as_ref().unwrap()).clone();
-                if damaged_first == (which == 0) {
-                    chance.damage(schema.data.to_mut());
-                }
-                Arc::new(schema)
-            });
-            let mut channel = (*message.channel).clone();
-            channel.schema = Some(changed.clone());
-            message.channel = channel.into();
-        } else if chance.below(4) == 0 {
+        let of_message = message.channel.clone();
+        let changed = channels.entry(which).or_insert_with(|| {
+            let mut schema: Schema<'_> = (**of_message.schema.as_ref().unwrap()).clone();
+            if definitions && damaged_first == (which == 0) {
+                chance.damage(schema.data.to_mut(), &DEFINITION_WORDS);
+            }
+            let mut channel = (*of_message).clone();
+            if let Some((messages, of_schema)) = encoding {
+                (channel.message_encoding, schema.encoding) = (messages.into(), of_schema.into());
+            }
+            channel.schema = Some(Arc::new(schema));
+            Arc::new(channel)
+        });
+        message.channel = changed.clone();
+        if !definitions && chance.below(4) == 0 {
             let mut data = message.data.to_vec();
-            chance.damage(&mut data);
+            if chance.below(4) == 0 {
+                // Another encapsulation: XCDR2, delimited, big-endian.
+                data[1] = [0, 6, 7, 8, 9, 0x10, 0x15][chance.below(7)];
+            }
+            chance.damage(&mut data, &[]);
             message.data = Cow::Owned(data);
         }
         out.write(&message).unwrap();
@@ -101,62 +157,109 @@ fn within(log: &[u8], chance: &mut Chance, definitions: bool) -> Vec<u8> {
     out.into_inner().into_inner()
 }
 
+fn repacked(log: &[u8], options: WriteOptions) -> Vec<u8> {
+    let mut out = options.create(Cursor::new(Vec::new())).unwrap();
+    for message in MessageStream::new(log).unwrap() {
+        out.write(&message.unwrap()).unwrap();
+    }
+    out.finish().unwrap();
+    out.into_inner().into_inner()
+}
+
+/// Whole logs to damage.
+fn seeds(short: &[u8], folder: Option<PathBuf>) -> Vec<Vec<u8>> {
+    let lz4 = WriteOptions::new().compression(Some(Compression::Lz4));
+    let mut seeds = vec![
+        short.to_vec(),
+        repacked(short, WriteOptions::new().compression(None)),
+        repacked(short, lz4.chunk_size(Some(8192))),
+    ];
+    let entries = folder
+        .into_iter()
+        .flat_map(|f| std::fs::read_dir(f).unwrap());
+    let mut files: Vec<PathBuf> = entries.map(|e| e.unwrap().path()).collect();
+    files.sort();
+    let read = files.iter().map(|f| std::fs::read(f).unwrap());
+    seeds.extend(read.filter(|bytes| bytes.len() < 1 << 19 && !bytes.is_empty()));
+    seeds
+}
+
+/// What to read and by which mapping.
+struct Input {
+    bytes: Vec<u8>,
+    name: String,
+    mapping: Option<Mapping>,
+}
+
+fn table(chance: &mut Chance) -> Input {
+    let which = chance.below(tables::MAPPINGS.len());
+    let (mapping, name) = tables::MAPPINGS[which];
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
+    let mut toml = std::fs::read(shipped.join(mapping)).unwrap();
+    if chance.below(4) == 0 {
+        chance.damage(&mut toml, &tables::WORDS);
+    }
+    let most = if chance.below(8) == 0 { 4000 } else { 60 };
+    let rows = 2 + chance.below(most);
+    let mut bytes = tables::table(which, rows as u32).into_bytes();
+    chance.damage(&mut bytes, &tables::WORDS);
+    Input {
+        bytes,
+        name: name.to_owned(),
+        mapping: Mapping::from_toml(&String::from_utf8_lossy(&toml), Path::new("m.toml")).ok(),
+    }
+}
+
 fn main() {
     let mut words = std::env::args().skip(1);
     let target = words.next().unwrap_or_else(|| "mcap".to_owned());
     let seconds = words.next().and_then(|w| w.parse().ok()).unwrap_or(10);
     let seed: u64 = words.next().and_then(|w| w.parse().ok()).unwrap_or(1);
     let mut chance = Chance(seed);
-    let short = generated::log(0.05, 3);
-    let plain = {
-        let mut out = WriteOptions::new()
-            .compression(None)
-            .create(Cursor::new(Vec::new()))
-            .unwrap();
-        for message in MessageStream::new(&short).unwrap() {
-            out.write(&message.unwrap()).unwrap();
-        }
-        out.finish().unwrap();
-        out.into_inner().into_inner()
-    };
-    let small = {
-        let options = WriteOptions::new()
-            .compression(Some(Compression::Lz4))
-            .chunk_size(Some(8192));
-        let mut out = options.create(Cursor::new(Vec::new())).unwrap();
-        for message in MessageStream::new(&short).unwrap() {
-            out.write(&message.unwrap()).unwrap();
-        }
-        out.finish().unwrap();
-        out.into_inner().into_inner()
-    };
-    let path =
-        std::env::temp_dir().join(format!("maveric-fuzz-{target}-{}.mcap", std::process::id()));
+    let short = generated::log(0.02, 3);
+    let seeds = seeds(&short, words.next().map(PathBuf::from));
+    let folder = std::env::temp_dir().join(format!("maveric-fuzz-{target}-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
     let end = Instant::now() + Duration::from_secs(seconds);
     let (mut runs, mut drives, mut most) = (0_u64, 0_u64, 0);
     while Instant::now() < end {
-        let bytes = match target.as_str() {
-            "msg" => within(&short, &mut chance, true),
-            "cdr" => within(&short, &mut chance, false),
+        let of_log = |bytes| Input {
+            bytes,
+            name: "input.mcap".to_owned(),
+            mapping: None,
+        };
+        let input = match target.as_str() {
+            "msg" => of_log(within(&short, &mut chance, true)),
+            "cdr" => of_log(within(&short, &mut chance, false)),
+            "csv" => table(&mut chance),
             _ => {
-                let mut bytes = [&short, &plain, &small][chance.below(3)].clone();
-                chance.damage(&mut bytes);
-                bytes
+                let mut bytes = seeds[chance.below(seeds.len())].clone();
+                chance.damage(&mut bytes, &[]);
+                of_log(bytes)
             }
         };
-        assert!(bytes.len() <= 1 << 20);
-        std::fs::write(&path, &bytes).unwrap();
+        assert!(input.bytes.len() <= 1 << 20);
+        let path = folder.join(&input.name);
+        std::fs::write(&path, &input.bytes).unwrap();
         let settings = IngestSettings {
             recover: chance.below(4) > 0,
+            // A rate that a mapping asks for may cost what it costs.
+            rate_hz: Some(20.0),
+            mapping: input.mapping,
             ..IngestSettings::default()
         };
         let before = PEAK.current_usage();
         PEAK.reset_peak_usage();
-        let found = read_log(&path, &settings);
+        let folders = settings
+            .mapping
+            .as_ref()
+            .is_some_and(Mapping::takes_folders);
+        let found = read_log(if folders { &folder } else { &path }, &settings);
         if runs.is_multiple_of(8) {
-            let _ = inspect(&path);
+            let _ = inspect_with(&path, &settings);
+            let _ = suggest_mapping(&path);
         }
-        let peak = PEAK.peak_usage() - before;
+        let peak = PEAK.peak_usage().saturating_sub(before);
         most = most.max(peak);
         assert!(peak <= MOST_BYTES, "{peak} bytes for {}", path.display());
         for drive in found.into_iter().flatten() {
@@ -166,7 +269,10 @@ fn main() {
             assert!(all.all(|v| v.is_finite()), "{}", path.display());
         }
         runs += 1;
+        std::fs::remove_file(&path).unwrap();
     }
-    let _ = std::fs::remove_file(&path);
-    println!("{target}: {runs} inputs, {drives} drives, at most {most} bytes at once");
+    let _ = std::fs::remove_dir_all(&folder);
+    println!(
+        "{target}, seed {seed}: {runs} inputs in {seconds} s, {drives} drives, at most {most} bytes at once"
+    );
 }

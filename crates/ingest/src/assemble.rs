@@ -61,7 +61,7 @@ pub(crate) fn assemble(
     mut drive: RawDrive,
     target: &Target,
 ) -> Result<(Recording, Vec<Warning>), IngestError> {
-    let mut warnings = synchronise(path, &mut drive);
+    let mut warnings = synchronise(path, &mut drive, target.max_gap_s);
     if drive.ego.iter().any(|s| s.speed_mps.is_none()) {
         let without = drive.ego.iter().filter(|s| s.speed_mps.is_none()).count();
         fill_speeds(&mut drive.ego, target.max_gap_s);
@@ -282,6 +282,7 @@ mod tests {
         let ego = (0..100).map(|i| EgoSample {
             stamp_ns: i * 100_000_000,
             log_ns: i * 100_000_000,
+            nth: i as u32,
             x_m: i as f64,
             y_m: 0.0,
             yaw_rad: Some(0.0),
@@ -299,6 +300,7 @@ mod tests {
         ObjectSample {
             stamp_ns: i * 100_000_000,
             log_ns: i * 100_000_000,
+            nth: i as u32,
             id,
             x_m: i as f64 + dx_m,
             y_m,

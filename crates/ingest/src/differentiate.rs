@@ -68,6 +68,7 @@ mod tests {
             .map(|i| EgoSample {
                 stamp_ns: i64::from(i) * 10_000_000 + if i == 49 { 5_000_000_000 } else { 0 },
                 log_ns: 0,
+                nth: 0,
                 x_m: 0.03 * f64::from(i),
                 y_m: 0.04 * f64::from(i),
                 yaw_rad: None,

@@ -34,12 +34,22 @@ pub enum IngestError {
         source: std::io::Error,
     },
     /// Neither MCAP nor text.
-    #[error("{} is neither an MCAP recording nor a text table: it starts with {found}", path.display())]
+    #[error("{} is neither an MCAP recording nor a table: {found}", path.display())]
     NotALog {
         /// The file.
         path: PathBuf,
-        /// Its first bytes.
+        /// What it is, or its first bytes, as a sentence.
         found: String,
+        /// What to do with it.
+        advice: &'static str,
+    },
+    /// A recording that was split over several files, and one of them is not there.
+    #[error("recording {} lacks its part `{part}`", path.display())]
+    MissingPart {
+        /// The folder.
+        path: PathBuf,
+        /// The file.
+        part: String,
     },
     /// A recording with a damaged or missing part.
     #[error("{} is damaged at byte {at_byte}: {what}", path.display())]
@@ -193,12 +203,13 @@ impl IngestError {
                 format!("name the files in it, such as {}", path.join("*.mcap").display())
             }
             Self::Empty { .. } => "record or copy it again; nothing can be recovered".to_owned(),
-            Self::NotALog { .. } => {
-                "logs are MCAP (ROS 2) or CSV/TSV with a mapping; convert others first".to_owned()
+            Self::NotALog { advice, .. } => (*advice).to_owned(),
+            Self::MissingPart { .. } => {
+                "copy it into the folder, use --recover to do without it, or name the files one by one".to_owned()
             }
             Self::Damaged { .. } => "use --recover to keep what is readable".to_owned(),
             Self::NoEgo { .. } => {
-                "ego needs a nav_msgs/Odometry or geometry_msgs/PoseStamped channel in CDR; see `maveric inspect`"
+                "ego needs odometry, a pose, a fix or transforms to `base_link`; a mapping says what other messages mean (`[[mcap.messages]]`)"
                     .to_owned()
             }
             Self::UnknownTopic { nearest, .. } => match nearest {

@@ -238,6 +238,7 @@ mod tests {
         let sample = |(i, &(x_m, y_m)): (i64, &(f64, f64))| EgoSample {
             stamp_ns: i * 100_000_000,
             log_ns: 0,
+            nth: 0,
             x_m,
             y_m,
             yaw_rad: None,
@@ -250,6 +251,7 @@ mod tests {
         ObjectSample {
             stamp_ns,
             log_ns: 0,
+            nth: 0,
             id: 1,
             x_m,
             y_m,

@@ -2,13 +2,16 @@
 //!
 //! [`read_log`] takes an MCAP recording of a ROS 2 rig or a table with its [`Mapping`] and gives the drives in
 //! it, on one time base and in road coordinates; [`inspect`] says what is in a log and what would become of it;
-//! [`write_mcap`] writes a recording as a CARLA rig would have.
+//! [`write_mcap`] writes a recording as a CARLA rig would have, [`write_mcap_with`] what an automated car decided and
+//! a scene for Foxglove and Lichtblick beside it.
 
 mod assemble;
 mod centre_line;
+mod clock;
 mod differentiate;
 mod drive_file;
 mod error;
+mod foreign;
 mod inspect;
 mod lanes;
 mod mapping;
@@ -35,6 +38,7 @@ pub use mapping::{
 };
 pub use provenance::Provenance;
 pub use quality::{Warning, WarningKind};
-pub use raw::mcap::write::write_mcap;
+pub use raw::mcap::decisions::{Decision, DecisionKind, read_decisions};
+pub use raw::mcap::write::{Beside, write_mcap, write_mcap_with};
 pub use read_log::{log_files, read_log};
 pub use settings::{IngestSettings, Ingested};

@@ -38,7 +38,7 @@ impl Provenance {
             Some(signals) if log.is_dir() => {
                 signals.files().into_iter().map(|f| log.join(f)).collect()
             }
-            _ => parts_of(log)?,
+            _ => parts_of(log)?.files,
         };
         let hashes: Vec<String> = sources.iter().map(|p| hash(p)).collect::<Result<_, _>>()?;
         let names: Vec<String> = sources.iter().map(|p| name(p)).collect();

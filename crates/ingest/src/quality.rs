@@ -21,6 +21,8 @@ pub enum WarningKind {
     MissingValue,
     /// Samples that came out of order and were sorted.
     OutOfOrder,
+    /// The clock was set back within the recording: each part between is a segment of its own.
+    ClockRestart,
     /// A second sample of the same time, left out.
     DuplicateTime,
     /// A hole in time too long to bridge: a new segment starts behind it.

@@ -4,11 +4,12 @@ use crate::{
     assemble::{Target, assemble},
     centre_line::CentreLine,
     error::IngestError,
+    foreign::{self, foreign},
     mapping::{FrameKind, Mapping, RoadMapping, names::meta_of},
     quality::{Warning, WarningKind},
     raw::{
         self,
-        mcap::parts::{is_split, parts_of},
+        mcap::parts::{Parts, is_split, parts_of},
         table::open::PARQUET,
     },
     read_table::read_table,
@@ -39,7 +40,8 @@ pub(crate) enum Format {
 ///
 /// # Errors
 /// [`IngestError::NotFound`], [`IngestError::IsDirectory`], [`IngestError::Empty`], [`IngestError::Io`] or
-/// [`IngestError::NotALog`] for what is no log; [`IngestError::Damaged`] for a damaged recording without `recover`;
+/// [`IngestError::NotALog`] for what is no log; [`IngestError::Damaged`] and [`IngestError::MissingPart`] for a damaged
+/// recording without `recover`;
 /// [`IngestError::NoEgo`] or [`IngestError::UnknownTopic`] where no channel tells ego's way;
 /// [`IngestError::NoMapping`], [`IngestError::UnknownColumn`], [`IngestError::BadCell`] or
 /// [`IngestError::BadTable`] for tables; [`IngestError::TooSparse`], [`IngestError::BadMetadata`],
@@ -61,8 +63,19 @@ pub fn read_log(path: &Path, settings: &IngestSettings) -> Result<Vec<Ingested>,
     let mapped = Target::mapped(&road, rate_hz, max_gap_s);
     let topics = mapping.and_then(|m| m.mcap.as_ref());
     let parts = parts_of(path)?;
+    if let Some(part) = parts
+        .missing
+        .first()
+        .filter(|_| !settings.recover || parts.files.is_empty())
+    {
+        return Err(IngestError::MissingPart {
+            path: path.to_owned(),
+            part: part.clone(),
+        });
+    }
     let (drive, record, mut warnings) =
-        raw::mcap::read::read(path, &parts, topics, settings.recover)?;
+        raw::mcap::read::read(path, &parts.files, topics, settings.recover)?;
+    warnings.extend(without_parts(path, &parts));
     let (meta, target) = match record {
         Some(record) => {
             let target = Target {
@@ -94,6 +107,15 @@ pub fn read_log(path: &Path, settings: &IngestSettings) -> Result<Vec<Ingested>,
     }])
 }
 
+/// A word on each part of a recording that is not there.
+pub(crate) fn without_parts(path: &Path, parts: &Parts) -> Vec<Warning> {
+    let without = |part: &String| {
+        let what = format!("its part `{part}` is not there");
+        Warning::new(path, WarningKind::Damage, 1, what)
+    };
+    parts.missing.iter().map(without).collect()
+}
+
 fn named(
     path: &Path,
     mapping: Option<&Mapping>,
@@ -113,7 +135,8 @@ fn named(
 /// if it has the file of the speed, else those in it that do.
 ///
 /// # Errors
-/// [`IngestError::NotFound`] or [`IngestError::Io`].
+/// [`IngestError::NotFound`] or [`IngestError::Io`]; [`IngestError::NotALog`] for a folder that holds no log but a file
+/// that can be made one, such as a ROS 1 bag.
 pub fn log_files(path: &Path, mapping: Option<&Mapping>) -> Result<Vec<PathBuf>, IngestError> {
     let wrong = |e| IngestError::io(path, e);
     if !std::fs::metadata(path).map_err(wrong)?.is_dir() || is_split(path) {
@@ -123,6 +146,7 @@ pub fn log_files(path: &Path, mapping: Option<&Mapping>) -> Result<Vec<PathBuf>,
         return folders_with(path, &signals.speed.file);
     }
     let mut files = Vec::new();
+    let mut others = Vec::new();
     for entry in std::fs::read_dir(path).map_err(wrong)? {
         let file = entry.map_err(wrong)?.path();
         let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
@@ -132,9 +156,16 @@ pub fn log_files(path: &Path, mapping: Option<&Mapping>) -> Result<Vec<PathBuf>,
         if (known && file.is_file() || is_split(&file)) && !mapping.is_some_and(|m| m.skips(&file))
         {
             files.push(file);
+        } else if foreign::EXTENSIONS.iter().any(|e| extension == *e) && file.is_file() {
+            others.push(file);
         }
     }
     files.sort();
+    if files.is_empty()
+        && let Some(other) = others.iter().min()
+    {
+        format_of(other)?;
+    }
     Ok(files)
 }
 
@@ -187,6 +218,14 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, IngestError> {
     if head.starts_with(magic) || head.len() < magic.len() && magic.starts_with(&head) {
         return Ok(Format::Mcap);
     }
+    let not_a_log = |found: String, advice| IngestError::NotALog {
+        path: path.to_owned(),
+        found,
+        advice,
+    };
+    if let Some(known) = foreign(&head) {
+        return Err(not_a_log(known.what.to_owned(), known.advice));
+    }
     let text = match std::str::from_utf8(&head) {
         Ok(_) => true,
         // A character may be cut by the end of what was read.
@@ -211,9 +250,12 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, IngestError> {
     if 2 * same >= magic.len() || tail == magic || lost {
         return Ok(Format::Mcap);
     }
+    if text && !head.contains(&0) {
+        let found = "it is a text, though its name ends in `.mcap`".to_owned();
+        let advice = "give a table the name that it should have (`.csv`), and a mapping";
+        return Err(not_a_log(found, advice));
+    }
     let first = head.iter().take(8).map(|b| format!("{b:02x}"));
-    Err(IngestError::NotALog {
-        path: path.to_owned(),
-        found: first.collect::<Vec<String>>().join(" "),
-    })
+    let first = first.collect::<Vec<String>>().join(" ");
+    Err(not_a_log(format!("it starts with {first}"), foreign::PLAIN))
 }

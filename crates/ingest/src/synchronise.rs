@@ -1,6 +1,7 @@
 //! One clock, in order, each time once.
 
 use crate::{
+    clock::separate_restarts,
     quality::{Warning, WarningKind},
     raw::{EgoSample, ObjectSample, RawDrive},
 };
@@ -44,8 +45,9 @@ impl Stamped for ObjectSample {
 /// Puts all samples on header stamps, sorted, each vehicle once a time.
 ///
 /// Where ego or the others carry no stamps (all zero), both go by times of receipt: two clocks cannot be
-/// compared. Afterwards `stamp_ns` counts from ego's first sample.
-pub(crate) fn synchronise(path: &Path, drive: &mut RawDrive) -> Vec<Warning> {
+/// compared. Where the clock was set back over times that are recorded already, what follows is laid behind the rest with
+/// a hole of more than `max_gap_s` between. Afterwards `stamp_ns` counts from ego's first sample.
+pub(crate) fn synchronise(path: &Path, drive: &mut RawDrive, max_gap_s: f64) -> Vec<Warning> {
     let mut warnings = Vec::new();
     // A single stamp may well be 0, and so may a time of receipt beside it.
     let unstamped = drive.ego.iter().all(|s| s.stamp_ns == 0)
@@ -61,9 +63,18 @@ pub(crate) fn synchronise(path: &Path, drive: &mut RawDrive) -> Vec<Warning> {
     } else {
         warnings.extend(skew(path, &drive.ego));
     }
+    let hole_ns = ((2.0 * max_gap_s).max(1.0) * 1e9) as i64;
+    let restarts = separate_restarts(&mut drive.ego, &mut drive.objects, hole_ns);
     order(path, "ego", &mut drive.ego, &mut warnings);
     order(path, "the others", &mut drive.objects, &mut warnings);
     let start = drive.ego.first().map_or(0, |s| s.stamp_ns);
+    if !restarts.is_empty() {
+        let what = "the clock was set back over times that are recorded already: what follows is laid behind the rest, after a hole of no known length";
+        let seconds = |ns: i64| ns.saturating_sub(start) as f64 / 1e9;
+        let spans = restarts.iter().map(|s| (seconds(s.0), seconds(s.1)));
+        let warning = Warning::new(path, WarningKind::ClockRestart, restarts.len(), what);
+        warnings.push(warning.with_spans(spans));
+    }
     let rebase = |ns: &mut i64| *ns = ns.saturating_sub(start);
     drive.ego.iter_mut().for_each(|s| rebase(&mut s.stamp_ns));
     drive
@@ -130,6 +141,7 @@ mod tests {
         EgoSample {
             stamp_ns,
             log_ns,
+            nth: 0,
             x_m,
             y_m: 0.0,
             yaw_rad: None,
@@ -138,7 +150,7 @@ mod tests {
     }
 
     fn kinds(drive: &mut RawDrive) -> Vec<WarningKind> {
-        let warnings = synchronise(Path::new("log"), drive);
+        let warnings = synchronise(Path::new("log"), drive, 0.5);
         warnings.iter().map(|w| w.kind).collect()
     }
 

@@ -34,6 +34,8 @@ fn weighted(participant: &Participant, effects: &Loadings) -> f64 {
 pub(crate) struct Trial<'a> {
     pub(crate) participant: &'a Participant,
     pub(crate) condition: Condition,
+    /// What its random choices belong to: the condition's name in a study.
+    pub(crate) label: &'a str,
     pub(crate) place: f64,
     pub(crate) own: &'a MeasureValues,
     pub(crate) values: &'a MeasureValues,
@@ -96,8 +98,7 @@ impl Trial<'_> {
 
     pub(crate) fn impression(&self, effects: &Effects, seed: u64) -> (Impression, Vec<String>) {
         let id = self.participant.id.as_str();
-        let condition = self.condition.as_str();
-        let mut rng = stream(seed, &[id, "impression", condition]);
+        let mut rng = stream(seed, &[id, "impression", self.label]);
         let mut missing = BTreeSet::new();
         let perception = &effects.perception;
         let seen = self.mean_over(&perception.shift, |d| d, &mut missing);

@@ -2,8 +2,7 @@
 
 use crate::error::ParticipantError;
 use maveric_domain::{Scale, Subscale, survey::Scoring};
-use statrs::distribution::{ContinuousCDF as _, Normal};
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// A graded-response item: the latent answer `mean + sd · y`, y ~ N(0, 1), ticks the nearest box within the range of the scale.
 ///
@@ -108,11 +107,11 @@ impl ItemModel {
 
     /// Mean and variance of the ticked answer.
     fn moments(&self) -> (f64, f64) {
-        let normal = Normal::standard();
         let (mut mean, mut square) = (0.0, 0.0);
         // From the lowest box upwards: answer = number of thresholds passed.
         for (passed, t) in self.thresholds().enumerate() {
-            let above = normal.sf(t);
+            // The upper tail of the normal distribution.
+            let above = 0.5 * libm::erfc(t * FRAC_1_SQRT_2);
             mean += above;
             square += (2.0 * passed as f64 + 1.0) * above;
         }

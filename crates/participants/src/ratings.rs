@@ -124,26 +124,48 @@ pub fn rate(
         let trial = Trial {
             participant,
             condition: *condition,
+            label: condition.as_str(),
             place: place.unwrap_or(index) as f64 - 1.5,
             own,
             values,
             spread,
         };
-        let (impression, missing) = trial.impression(effects, seed);
-        if !missing.is_empty() {
-            rated.warnings.push(RatingWarning::NotCompared {
-                participant: participant.id.clone(),
-                condition: *condition,
-                measures: missing,
-            });
-        }
-        for scale in scales {
-            if let Some(models) = effects.ratings.get(&scale.id) {
-                let answers = trial.answers(scale, models, &impression, effects, seed);
-                rated.answers.extend(answers);
-            }
-        }
+        trial.rate(scales, effects, seed, &mut rated);
     }
+    Ok(rated)
+}
+
+/// Lets one participant rate one more drive of the car, beside those of a study: the trials in which their preference is searched for.
+///
+/// As [`rate`], but each answer's random part belongs to `label`, which names the trial; habits and preference are those of the
+/// study. The answers are filed under [`Condition::Mimic`]. The place in the order of trials counts for nothing.
+///
+/// # Errors
+/// As [`rate`].
+pub fn rate_trial(
+    participant: &Participant,
+    own: &MeasureValues,
+    (label, values): (&str, &MeasureValues),
+    spread: &BTreeMap<String, f64>,
+    scales: &[Scale],
+    effects: &Effects,
+    seed: u64,
+) -> Result<Rated, ParticipantError> {
+    effects.check()?;
+    check_scales(scales, effects)?;
+    check_measures(participant, own)?;
+    check_measures(participant, values)?;
+    let trial = Trial {
+        participant,
+        condition: Condition::Mimic,
+        label,
+        place: 0.0,
+        own,
+        values,
+        spread,
+    };
+    let mut rated = Rated::default();
+    trial.rate(scales, effects, seed, &mut rated);
     Ok(rated)
 }
 
@@ -182,6 +204,24 @@ fn check_measures(
 }
 
 impl Trial<'_> {
+    /// Adds the answers to every scale that is rated.
+    fn rate(&self, scales: &[Scale], effects: &Effects, seed: u64, rated: &mut Rated) {
+        let (impression, missing) = self.impression(effects, seed);
+        if !missing.is_empty() {
+            rated.warnings.push(RatingWarning::NotCompared {
+                participant: self.participant.id.clone(),
+                condition: self.condition,
+                measures: missing,
+            });
+        }
+        for scale in scales {
+            if let Some(models) = effects.ratings.get(&scale.id) {
+                let answers = self.answers(scale, models, &impression, effects, seed);
+                rated.answers.extend(answers);
+            }
+        }
+    }
+
     fn answers(
         &self,
         scale: &Scale,
@@ -198,10 +238,7 @@ impl Trial<'_> {
             };
             let labels = [id, "rating", scale.id.as_str(), name.as_str()];
             let habit = normal(&mut stream(seed, &labels));
-            let mut rng = stream(
-                seed,
-                &[id, "rating", &scale.id, name, self.condition.as_str()],
-            );
+            let mut rng = stream(seed, &[id, "rating", &scale.id, name, self.label]);
             let latent = model.latent(impression)
                 + model.person_sd * habit
                 + model.noise_sd * normal(&mut rng);
@@ -426,6 +463,23 @@ mod tests {
             .answers
         };
         assert_eq!(run(&all)[..37], run(&all[..1])[..]);
+    }
+
+    #[test]
+    fn a_further_trial_is_rated_by_the_same_person_with_other_noise() {
+        let study = TestStudy::run(2, 1, &effects());
+        let participant = &study.cohort.participants[0];
+        let own = own_measures(&participant.id, 1);
+        let (_, values) = &trials(&own, &participant.id, 1)[0];
+        let answers = |label: &str| {
+            let trial = (label, values);
+            rate_trial(participant, &own, trial, &units(), &scales(), &effects(), 1)
+                .unwrap()
+                .answers
+        };
+        assert_eq!(answers("a"), answers("a"));
+        assert_ne!(answers("a"), answers("b"));
+        assert_eq!(answers("a").len(), 37);
     }
 
     #[test]

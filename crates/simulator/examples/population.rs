@@ -1,14 +1,16 @@
 //! Draws synthetic drivers, lets them drive, and prints what calibration section 2 gives for its thousand.
 //!
 //! `cargo run --release -p maveric-simulator --example population -- 200` for people,
-//! the same with ` rule` for a simple rule in the automated car.
+//! the same with ` rule` for a simple rule in the automated car, or ` table` for the distributions of their parameters as CSV.
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use maveric_domain::{
     Condition, Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Setpoints,
     Situation, Study, drive::Direction, stream_seed,
 };
-use maveric_simulator::{Driver, DriverParams, Rollout, Scenario, SimulatorError, rollout};
+use maveric_simulator::{
+    Driver, DriverParams, Rollout, Scenario, SimulatorError, population_table, rollout,
+};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
@@ -103,10 +105,31 @@ fn drive_of(rollout: &Rollout) -> Result<Drive, SimulatorError> {
     Ok(Drive::from_recording(meta, &rollout.recording)?)
 }
 
+/// The distributions of `people` people's parameters, as CSV.
+fn print_table(people: usize) {
+    println!(
+        "quantity,unit,n,mean,sd,lowest,d1,d2,d3,d4,d5,d6,d7,d8,d9,highest,retest_r,day_sd,encounter_sd"
+    );
+    for d in population_table(&Scenario::paper().settings().drivers, people, 1) {
+        let deciles = d.deciles.map(|value| format!("{value:.3}")).join(",");
+        let [lowest, highest] = d.range;
+        let retest = d.retest_r.map_or(String::new(), |r| format!("{r:.3}"));
+        println!(
+            "{},{},{},{:.3},{:.3},{lowest:.3},{deciles},{highest:.3},{retest},{:.3},{:.3}",
+            d.quantity, d.unit, d.n, d.mean, d.sd, d.day_sd, d.encounter_sd
+        );
+    }
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let people: u64 = arguments.next().map_or(Ok(60), |text| text.parse())?;
-    let automated = arguments.next().is_some();
+    let how = arguments.next();
+    if how.as_deref() == Some("table") {
+        print_table(people as usize);
+        return Ok(());
+    }
+    let automated = how.is_some();
     let scenario = Scenario::paper();
     let mut latents: [Vec<f64>; 3] = Default::default();
     let mut table: Vec<[Option<f64>; 9]> = Vec::new();

@@ -3,28 +3,30 @@
 //! A [`Scenario`] and a [`Driver`] go in, [`rollout`] gives a recording. The driver is a synthetic person
 //! ([`DriverParams`]) or a [`Planner`] whose set-points the controllers carry out.
 
+mod collision;
 mod control;
 mod drivers;
 pub mod error;
 pub mod flow;
 mod neighbours;
 pub mod planner;
+mod response;
 pub mod road;
 mod rollout;
 pub mod scenario;
-mod trace;
 mod traffic;
 mod vehicle;
 mod world;
 
+pub use collision::{Collision, CollisionCause};
 pub use control::{Intervention, InterventionKind, lateral_safe_distance, safe_distance};
-pub use drivers::{DriverParams, EncounterNoise, Law, Population};
+pub use drivers::{Distribution, DriverParams, EncounterNoise, Law, Population, population_table};
 pub use error::SimulatorError;
 pub use planner::{PLANNING_RATE_HZ, Planner};
+pub use response::{LaneChangeTracking, StepResponse, lane_change_tracking, step_responses};
 pub use road::{CentreLine, MapPose, Segment};
 pub use rollout::{Driver, Rollout, RolloutReport, rollout};
 pub use scenario::{
     ChangeRule, ControllerSettings, DynamicsSettings, Integrator, Scenario, ScenarioSettings,
-    VehicleModel,
+    ScriptStep, VehicleModel, VehiclePlacement,
 };
-pub use trace::{LaneActivity, TraceRow};

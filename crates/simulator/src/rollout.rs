@@ -1,6 +1,7 @@
 //! One drive, from the first row to the last.
 
 use crate::{
+    collision::{Collision, cause},
     control::{
         AutomatedDriver, Intervention, InterventionKind,
         path::{Manoeuvre, Steering},
@@ -11,13 +12,13 @@ use crate::{
     neighbours::ahead,
     planner::{PLANNING_RATE_HZ, Planner},
     scenario::{ControllerSettings, Scenario},
-    trace::TraceRow,
     traffic::EgoView,
     vehicle::{Command, build, ego_state},
     world::World,
 };
 use maveric_domain::{
-    EgoTrack, MetresPerSecond, Recording, Road, Scene, VehicleId, scene::bumper_distance_m,
+    EgoTrack, MetresPerSecond, Recording, Road, Scene, TraceRow, VehicleId,
+    scene::bumper_distance_m,
 };
 
 /// Who drives.
@@ -37,6 +38,8 @@ pub struct Rollout {
     pub report: RolloutReport,
     /// What the safety layer did, in order of time; nothing for people.
     pub interventions: Vec<Intervention>,
+    /// Every collision and what had gone wrong before it, in order of time.
+    pub collisions: Vec<Collision>,
     /// Why the drive ended early: a set-point that no controller can follow. The recording then ends with that row.
     pub stopped: Option<SimulatorError>,
     /// What the automated car decided at each row; empty for people.
@@ -101,12 +104,19 @@ enum Seat<'a> {
 struct Watch {
     touching: Vec<VehicleId>,
     too_near: bool,
-    collisions: u32,
+    collisions: Vec<(usize, VehicleId)>,
     violations: u32,
 }
 
 impl Watch {
-    fn look(&mut self, scene: &Scene, road: &Road, rule: &ControllerSettings, width_m: f64) {
+    fn look(
+        &mut self,
+        row: usize,
+        scene: &Scene,
+        road: &Road,
+        rule: &ControllerSettings,
+        width_m: f64,
+    ) {
         let ego = &scene.ego;
         let touching: Vec<VehicleId> = scene
             .vehicles
@@ -115,7 +125,7 @@ impl Watch {
             .map(|v| v.id)
             .collect();
         let fresh = touching.iter().filter(|id| !self.touching.contains(id));
-        self.collisions += fresh.count() as u32;
+        self.collisions.extend(fresh.map(|&id| (row, id)));
         self.touching = touching;
         let too_near = ahead(scene, road, road.lane_at(ego.y_m)).is_some_and(|n| {
             let rear = MetresPerSecond(ego.speed_mps);
@@ -186,11 +196,11 @@ pub fn rollout(
     let start_mps = MetresPerSecond::from_mph(start.speed_mph).0;
     let mut car = build(&settings.vehicle, start_y_m, start_mps);
     let mut steering = Steering::new(road.lane_width_m, rule.stanley_gain_per_s, start.lane);
-    let mut world = World::new(scenario, seed);
+    let mut world = World::new(scenario, seed)?;
     let mut watch = Watch::default();
     let mut started_changes = 0;
-    let mut stopped = None;
     let mut trace = Vec::new();
+    let mut stopped = None;
 
     let rows = (settings.duration_s * PLANNING_RATE_HZ).round() as usize;
     let mut ego = EgoTrack {
@@ -219,7 +229,7 @@ pub fn rollout(
         ego.y_m.push(scene.ego.y_m);
         ego.speed_mps.push(scene.ego.speed_mps);
         world.record();
-        watch.look(&scene, &road, &rule, settings.vehicle.width_m);
+        watch.look(row, &scene, &road, &rule, settings.vehicle.width_m);
 
         let action = match &mut seat {
             Seat::Human(human) => human.act(&scene, &steering),
@@ -238,6 +248,7 @@ pub fn rollout(
             speed_mps: scene.ego.speed_mps,
             length_m: scene.ego.length_m,
             lane: road.lane_at(scene.ego.y_m),
+            bound_for: steering.lane(),
             keeping: steering.coming_from().is_none(),
             target_mps: world.target_mps(),
         };
@@ -246,7 +257,9 @@ pub fn rollout(
             started_changes += u32::from(matches!(manoeuvre, Manoeuvre::Change { .. }));
             steering.begin(manoeuvre, car.pose());
         }
-        if let Seat::Automated(automated) = &seat {
+        if let Seat::Automated(automated) = &seat
+            && stopped.is_none()
+        {
             trace.extend(automated.trace(scene.time_s, &steering));
         }
         for _ in 0..settings.vehicle.steps_per_row() {
@@ -276,10 +289,25 @@ pub fn rollout(
         ego,
         world.into_tracks(),
     )?;
+    let collisions: Vec<Collision> = watch
+        .collisions
+        .iter()
+        .map(|&(row, vehicle)| Collision {
+            time_s: row as f64 / PLANNING_RATE_HZ,
+            vehicle,
+            cause: cause(
+                &recording,
+                line,
+                &rule,
+                settings.vehicle.width_m,
+                (row, vehicle),
+            ),
+        })
+        .collect();
     Ok(Rollout {
         recording,
         report: RolloutReport {
-            collisions: watch.collisions,
+            collisions: collisions.len() as u32,
             rule_violations: watch.violations,
             interventions: counted(|k| matches!(k, InterventionKind::Braked { .. })),
             held_changes: counted(|k| matches!(k, InterventionKind::HeldChange { .. })),
@@ -288,22 +316,20 @@ pub fn rollout(
             leads,
             blocked_encounters,
         },
-        interventions,
-        stopped,
         trace,
+        interventions,
+        collisions,
+        stopped,
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        scenario::{Integrator, ScenarioSettings, VehicleModel, VehiclePlacement},
-        trace::LaneActivity,
-    };
+    use crate::scenario::{Integrator, ScenarioSettings, VehicleModel, VehiclePlacement};
     use maveric_domain::{
-        Condition, Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Seconds,
-        Setpoints, Situation, Study, drive::Direction,
+        Condition, Drive, DriveId, DriveMeta, DrivenBy, LaneActivity, LatentTraits, ParticipantId,
+        Seconds, Setpoints, Situation, Study, drive::Direction,
     };
     use proptest::prelude::*;
 
@@ -369,11 +395,7 @@ mod tests {
     }
 
     fn placed(ahead_m: f64, lane: u8, speed_mps: f64) -> VehiclePlacement {
-        VehiclePlacement {
-            ahead_m,
-            lane,
-            speed_mps,
-        }
+        VehiclePlacement::steady(ahead_m, lane, speed_mps)
     }
 
     fn automated(scenario: &Scenario, mut planner: impl Planner, seed: u64) -> Rollout {

@@ -1,11 +1,13 @@
 //! The road and everybody on it but ego.
 
 use crate::{
+    error::SimulatorError,
+    flow::AroundEgo,
     planner::PLANNING_STEP_S,
     road::CentreLine,
     scenario::{Scenario, ScenarioSettings},
     traffic::{
-        Arrival, Blockade, Car, EgoView, LeadSchedule, OffLaneTraffic, Role, acceleration,
+        Arrival, Blockade, Car, EgoView, LeadSchedule, OffLaneTraffic, Role, Script, acceleration,
         distance_m,
     },
 };
@@ -45,10 +47,11 @@ pub(crate) struct World<'a> {
     off_lane: OffLaneTraffic,
     blockade: Option<Blockade>,
     blockades: u32,
+    background: Option<AroundEgo>,
 }
 
 impl<'a> World<'a> {
-    pub(crate) fn new(scenario: &'a Scenario, seed: u64) -> Self {
+    pub(crate) fn new(scenario: &'a Scenario, seed: u64) -> Result<Self, SimulatorError> {
         let settings = scenario.settings();
         let road = scenario.road();
         let stream = |name| stream_seed(seed, &["world", name]);
@@ -67,26 +70,37 @@ impl<'a> World<'a> {
             off_lane: OffLaneTraffic::new(&settings.off_lane, stream("off_lane")),
             blockade: None,
             blockades: 0,
+            background: None,
         };
-        for placed in &settings.vehicles {
+        for (index, placed) in settings.vehicles.iter().enumerate() {
             let arrival = Arrival {
                 x_m: placed.ahead_m,
                 lane: placed.lane,
                 speed_mps: placed.speed_mps,
-                role: Role::Steady {
-                    speed_mps: placed.speed_mps,
-                    passing_by: false,
+                role: if placed.script.is_empty() {
+                    Role::Steady {
+                        speed_mps: placed.speed_mps,
+                        passing_by: false,
+                    }
+                } else {
+                    Role::Scripted(Script::new(index, placed.speed_mps))
                 },
             };
             world.arrive(arrival, 0);
         }
-        world
+        if let Some(background) = &settings.background {
+            let seed = stream("background");
+            let around = AroundEgo::new(background, settings, road, seed, &mut world.tracks)?;
+            world.background = Some(around);
+        }
+        Ok(world)
     }
 
     /// Everybody's state, into `vehicles`.
     pub(crate) fn states(&self, vehicles: &mut Vec<VehicleState>) {
         vehicles.clear();
         vehicles.extend(self.cars.iter().map(|car| car.state));
+        vehicles.extend(self.background.iter().flat_map(AroundEgo::states));
     }
 
     /// v_e, in m/s.
@@ -141,6 +155,9 @@ impl<'a> World<'a> {
             track.y_m.push(car.state.y_m);
             track.speed_mps.push(car.state.speed_mps);
         }
+        if let Some(background) = &self.background {
+            background.record(&mut self.tracks);
+        }
     }
 
     /// Decides what everybody does until the next row: who comes, who leaves, who speeds up.
@@ -148,19 +165,29 @@ impl<'a> World<'a> {
     /// `row` is the present row of the recording; arrivals are in the next.
     pub(crate) fn decide(&mut self, ego: &EgoView, row: usize, time_s: f64) {
         self.note_target_speed(ego, time_s);
+        if let Some(background) = &mut self.background {
+            background.place_ego(ego, row);
+        }
         let limit_m = self.settings.leads.removed_m;
         self.cars.retain(|car| {
             let stays = matches!(
                 car.role,
-                Role::Steady {
-                    passing_by: false,
-                    ..
-                }
+                Role::Scripted(_)
+                    | Role::Steady {
+                        passing_by: false,
+                        ..
+                    }
             );
             stays || distance_m(ego, &car.state).abs() <= limit_m
         });
         self.let_arrive(ego, row + 1, time_s);
         self.end_blockade(ego, time_s);
+        for car in &mut self.cars {
+            if let Role::Scripted(script) = &mut car.role {
+                let vehicles = &self.settings.vehicles;
+                car.lane = script.follow(vehicles, &mut car.state, ego, &self.road, time_s);
+            }
+        }
         let accelerations: Vec<f64> = self
             .cars
             .iter()
@@ -201,6 +228,7 @@ impl<'a> World<'a> {
             }
         }
         if self.blockade.is_none()
+            && self.background.is_none()
             && let Some(car) = self.off_lane.next(&self.cars, ego, time_s)
         {
             self.arrive(car, row);
@@ -224,6 +252,9 @@ impl<'a> World<'a> {
 
     /// Moves everybody on by one row.
     pub(crate) fn advance(&mut self) {
+        if let Some(background) = &mut self.background {
+            background.advance(&mut self.tracks);
+        }
         for car in &mut self.cars {
             let before = car.state.speed_mps;
             let after = (before + car.acceleration_mps2 * PLANNING_STEP_S).max(0.0);

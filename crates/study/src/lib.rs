@@ -8,6 +8,7 @@ pub mod model_planner;
 pub mod outcome;
 pub mod stages;
 pub mod tables;
+pub mod watching;
 
 pub use error::StudyError;
 pub use model_planner::ModelPlanner;

@@ -2,7 +2,10 @@
 
 use super::print_outcome;
 use crate::{args::Format, diagnostics::Failure};
-use maveric_study::stages::generate::{self, GenerateOptions};
+use maveric_study::stages::{
+    generate::{self, GenerateOptions},
+    simulate::Scenes,
+};
 
 /// Make up a whole study: synthetic participants, their answers and their driving logs
 #[derive(Debug, clap::Args)]
@@ -32,6 +35,9 @@ pub(crate) struct Generate {
     /// Everybody drives as themselves once more, on another day: logs/study1-again, logs/study2-again
     #[arg(long)]
     repeat_drives: bool,
+    /// Add a scene for Foxglove and Lichtblick to the logs: everybody's, or one participant's
+    #[arg(long, value_name = "PARTICIPANT", num_args = 0..=1, default_missing_value = "all")]
+    scene: Option<Scenes>,
     /// Root of every random choice
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -54,6 +60,7 @@ impl Generate {
             study2: self.study2,
             duration_s: self.duration,
             repeat_drives: self.repeat_drives,
+            scenes: self.scene.unwrap_or_default(),
             seed: self.seed,
             jobs: self.jobs,
         };

@@ -8,6 +8,7 @@ use maveric_study::stages::inspect::{self, InspectOptions};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Example: maveric inspect recording.mcap --format json
+         maveric inspect P07-own.mcap av/logs/P07-*.mcap --watch P07.html
          maveric inspect --suggest-mapping drives.csv > mapping.toml")]
 pub(crate) struct Inspect {
     /// Files to look into; a folder whose mapping says that every signal has its own file
@@ -17,11 +18,14 @@ pub(crate) struct Inspect {
     #[arg(long)]
     mapping: Option<std::path::PathBuf>,
     /// Propose a mapping for this table, with its doubts as comments
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["files", "mapping", "plot"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["files", "mapping", "plot", "watch"])]
     suggest_mapping: Option<std::path::PathBuf>,
     /// Draw speed, gap and lane of the first file over time
     #[arg(long, value_name = "OUT.png")]
     plot: Option<std::path::PathBuf>,
+    /// Write a page that plays the drives of all files side by side; logs only
+    #[arg(long, value_name = "OUT.html")]
+    watch: Option<std::path::PathBuf>,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -38,6 +42,7 @@ impl Inspect {
             files: self.files,
             mapping: self.mapping,
             plot: self.plot,
+            watch: self.watch,
         };
         print_outcome(self.format, "could not inspect", |watch| {
             inspect::inspect(&options, watch)

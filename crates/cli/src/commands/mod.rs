@@ -2,16 +2,22 @@
 
 pub(crate) mod ablate;
 pub(crate) mod clean;
+pub(crate) mod codebook;
 pub(crate) mod diff;
 pub(crate) mod evaluate;
+pub(crate) mod export;
 pub(crate) mod generate;
 pub(crate) mod graph;
+pub(crate) mod import;
 pub(crate) mod ingest;
+pub(crate) mod init;
 pub(crate) mod inspect;
 pub(crate) mod measure;
 pub(crate) mod personalize;
 pub(crate) mod rate;
+pub(crate) mod recommend;
 pub(crate) mod rehearse;
+pub(crate) mod rehearse_dial;
 pub(crate) mod report;
 pub(crate) mod run;
 pub(crate) mod score;
@@ -42,10 +48,13 @@ pub(crate) fn run(command: Command) -> Result<(), Failure> {
         Command::Diff(c) => c.run(),
         Command::Trace(c) => c.run(),
         Command::Clean(c) => c.run(),
+        Command::Init(c) => c.run(),
         Command::Generate(c) => c.run(),
         Command::Ingest(c) => c.run(),
         Command::Inspect(c) => c.run(),
+        Command::Import(c) => c.run(),
         Command::Score(c) => c.run(),
+        Command::Codebook(c) => c.run(),
         Command::Train(c) => c.run(),
         Command::Personalize(c) => c.run(),
         Command::Steer(c) => c.run(),
@@ -56,8 +65,11 @@ pub(crate) fn run(command: Command) -> Result<(), Failure> {
         Command::Stats(c) => c.run(),
         Command::Ablate(c) => c.run(),
         Command::Validate(c) => c.run(),
+        Command::Recommend(c) => c.run(),
         Command::Rehearse(c) => c.run(),
+        Command::RehearseDial(c) => c.run(),
         Command::Report(c) => c.run(),
+        Command::Export(c) => c.run(),
     }
 }
 

@@ -19,6 +19,9 @@ pub(crate) struct Report {
     /// A parameter of the run, for the page; a value that is a file is shown whole, with its hash
     #[arg(long = "param", value_name = "KEY=VALUE", value_parser = parameter)]
     parameters: Vec<(String, String)>,
+    /// Table of who took part; RESULTS/participants.csv when not given
+    #[arg(long)]
+    participants: Option<std::path::PathBuf>,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -31,6 +34,7 @@ impl Report {
             out: self.out,
             claims: self.claims,
             parameters: self.parameters,
+            participants: self.participants,
         };
         print_outcome(self.format, "could not write the report", |watch| {
             report::report(&options, watch)

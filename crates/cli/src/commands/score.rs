@@ -2,7 +2,8 @@
 
 use super::print_outcome;
 use crate::{args::Format, diagnostics::Failure};
-use maveric_study::stages::score::{self, ScoreOptions};
+use clap::ValueEnum;
+use maveric_study::stages::score::{self, Moments, ScoreOptions};
 
 /// Turn questionnaire answers into scores and reliabilities
 #[derive(Debug, clap::Args)]
@@ -17,12 +18,25 @@ pub(crate) struct Score {
     /// Folder of questionnaire definitions
     #[arg(long, default_value = "study_data/scales")]
     scales: std::path::PathBuf,
-    /// Scores to write; NAME_reliabilities.csv and NAME_exclusions.csv go beside them
+    /// Score all answers, or only those given after a drive
+    #[arg(long, value_enum, default_value_t)]
+    moments: Which,
+    /// Scores to write; NAME_reliabilities.csv, NAME_items.csv and NAME_exclusions.csv go beside them
     #[arg(long)]
     out: std::path::PathBuf,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+}
+
+/// Which answers to score.
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+enum Which {
+    /// All of them
+    #[default]
+    All,
+    /// Those given after a drive
+    After,
 }
 
 impl Score {
@@ -31,6 +45,10 @@ impl Score {
             surveys: self.surveys,
             participants: self.participants,
             scales: self.scales,
+            moments: match self.moments {
+                Which::All => Moments::All,
+                Which::After => Moments::After,
+            },
             out: self.out,
         };
         print_outcome(self.format, "could not score the questionnaires", |watch| {

@@ -2,12 +2,12 @@
 
 use super::print_outcome;
 use crate::{args::Format, diagnostics::Failure};
-use maveric_study::stages::simulate::{self, SimulateOptions};
+use maveric_study::stages::simulate::{self, Scenes, SimulateOptions, WatchOptions};
 
 /// Drive each participant's conditions in the simulator
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example: maveric simulate --model model.maveric --conditions conditions.csv --out av"
+    after_help = "Example: maveric simulate --model model.maveric --conditions conditions.csv --out av --watch P07.html --watch-participant P07"
 )]
 pub(crate) struct Simulate {
     /// Trained model
@@ -25,6 +25,18 @@ pub(crate) struct Simulate {
     /// Length of a drive, in s; the scenario's when not given
     #[arg(long)]
     duration: Option<f64>,
+    /// Write a page that plays one participant's conditions from above, side by side
+    #[arg(long, value_name = "FILE.html")]
+    watch: Option<std::path::PathBuf>,
+    /// Whose conditions to watch; the first participant's when not given
+    #[arg(long, value_name = "PARTICIPANT", requires = "watch")]
+    watch_participant: Option<String>,
+    /// Log of that participant's own drive, to be shown first
+    #[arg(long, value_name = "LOG", requires = "watch")]
+    watch_own: Option<std::path::PathBuf>,
+    /// Add a scene for Foxglove and Lichtblick to the logs: everybody's, or one participant's
+    #[arg(long, value_name = "PARTICIPANT", num_args = 0..=1, default_missing_value = "all")]
+    scene: Option<Scenes>,
     /// Root of every random choice
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -44,6 +56,12 @@ impl Simulate {
             out: self.out,
             scenario: self.scenario,
             duration_s: self.duration,
+            watch: self.watch.map(|page| WatchOptions {
+                page,
+                participant: self.watch_participant,
+                own: self.watch_own,
+            }),
+            scenes: self.scene.unwrap_or_default(),
             seed: self.seed,
             jobs: self.jobs,
         };

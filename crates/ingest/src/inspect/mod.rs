@@ -14,11 +14,11 @@ use crate::{
     quality::{Warning, WarningKind},
     raw::mcap::{
         choice::{Choice, Found, choose},
-        container::walk,
+        parts::parts_of,
         read::damage_warnings,
         roles::Role,
     },
-    read_log::{Format, format_of, read_log},
+    read_log::{Format, format_of, read_log, without_parts},
     settings::{IngestSettings, Ingested},
 };
 use serde::Serialize;
@@ -171,22 +171,23 @@ fn inspect_folder(path: &Path, settings: &IngestSettings) -> Result<LogSummary, 
 }
 
 fn inspect_mcap(path: &Path, given: &IngestSettings) -> Result<LogSummary, IngestError> {
-    let mut survey = Survey::default();
-    let mut damage = walk(path, true, &mut survey)?;
-    if survey.undeclared > 0 && !survey.channels.is_empty() {
-        // As when reading: a lost chunk may have declared channels that the summary repeats.
-        survey = survey.knowing();
-        damage = walk(path, true, &mut survey)?;
-    }
+    let parts = parts_of(path)?;
+    let (survey, damage) = Survey::of(&parts.files)?;
     let all = || {
         survey
             .channels
-            .values()
+            .iter()
             .flat_map(|c| c.log_ns.iter().copied())
     };
     let (first, last) = (all().min(), all().max());
-    let damage = damage_warnings(path, &damage, first);
-    let found: Vec<Found<'_>> = survey.channels.values().map(Surveyed::found).collect();
+    let mut damage: Vec<Warning> = parts
+        .files
+        .iter()
+        .zip(&damage)
+        .flat_map(|(part, damage)| damage_warnings(part, damage, first))
+        .collect();
+    damage.extend(without_parts(path, &parts));
+    let found: Vec<Found<'_>> = survey.channels.iter().map(Surveyed::found).collect();
     // The only sure way to know what reading makes of it is to read it.
     let settings = IngestSettings {
         recover: true,
@@ -204,17 +205,10 @@ fn inspect_mcap(path: &Path, given: &IngestSettings) -> Result<LogSummary, Inges
         (Err(error), _) | (_, Err(error)) => format!("nothing: {error}"),
     };
     let start = first.unwrap_or(0);
-    let gaps = survey
-        .channels
-        .values()
-        .flat_map(|c| c.gaps(start))
-        .collect();
+    let gaps = survey.channels.iter().flat_map(|c| c.gaps(start)).collect();
     let rows = all().count();
-    let mut channels: Vec<ChannelSummary> = survey
-        .channels
-        .into_values()
-        .map(Surveyed::summary)
-        .collect();
+    let mut channels: Vec<ChannelSummary> =
+        survey.channels.into_iter().map(Surveyed::summary).collect();
     channels.sort_by(|a, b| a.topic.cmp(&b.topic));
     Ok(LogSummary {
         format: LogFormat::Mcap,
@@ -234,7 +228,9 @@ fn inspect_mcap(path: &Path, given: &IngestSettings) -> Result<LogSummary, Inges
 fn describe(found: &[Found<'_>], choice: &Choice, drives: &[Ingested], damaged: bool) -> String {
     let ego = &found[choice.ego];
     let speed = match ego.role {
-        Ok(Some(Role::Pose)) => ", its speed differentiated",
+        Ok(Some(Role::Pose | Role::Frames)) if choice.speed.is_none() => {
+            ", its speed differentiated"
+        }
         _ => "",
     };
     let others = match choice.objects.map(|i| &found[i]) {

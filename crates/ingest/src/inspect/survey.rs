@@ -1,14 +1,17 @@
 //! The channels of a recording: when their messages came and whether they can be decoded.
 
 use super::{ChannelSummary, Gap};
-use crate::raw::mcap::{
-    channels::{Codec, Decoder, OwnedSchema, decoder},
-    choice::Found,
-    container::Visitor,
-    metadata,
-    record::{Channel, Message, Record},
+use crate::{
+    error::IngestError,
+    raw::mcap::{
+        channels::{Codec, Decoder, OwnedSchema, decoder, same_type},
+        choice::Found,
+        container::{Damage, Visitor, walk},
+        metadata,
+        record::{Channel, Message, Record},
+    },
 };
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, path::PathBuf};
 
 /// Holes shorter than this many usual intervals between messages are jitter.
 const GAP_INTERVALS: f64 = 5.0;
@@ -109,27 +112,92 @@ impl Surveyed {
     }
 }
 
+/// What one file declares.
+#[derive(Debug, Clone, Default)]
+struct Declared {
+    schemas: BTreeMap<u16, OwnedSchema>,
+    channels: BTreeMap<u16, Channel>,
+}
+
 #[derive(Debug, Default)]
 pub(super) struct Survey {
-    schemas: BTreeMap<u16, OwnedSchema>,
-    pub(super) channels: BTreeMap<u16, Surveyed>,
+    /// By file; the last one is being read.
+    declared: Vec<Declared>,
+    /// What the files declared when they were read before.
+    known: Vec<Declared>,
+    /// Place in `channels` of those of the file that is being read.
+    ids: BTreeMap<u16, usize>,
+    pub(super) channels: Vec<Surveyed>,
     pub(super) writer: Option<String>,
     pub(super) drive: Option<BTreeMap<String, String>>,
     /// Messages whose channel was not known when they came.
-    pub(super) undeclared: usize,
+    undeclared: usize,
 }
 
 impl Survey {
-    /// A new survey that knows the declarations that this one met.
-    pub(super) fn knowing(self) -> Self {
-        let channels = self.channels.into_iter().map(|(id, c)| {
-            let schema = self.schemas.get(&c.channel.schema_id);
-            (id, Surveyed::new(c.channel, schema))
+    /// Surveys a recording over all its files; gives what is damaged in each.
+    ///
+    /// # Errors
+    /// [`IngestError::Io`].
+    pub(super) fn of(parts: &[PathBuf]) -> Result<(Self, Vec<Vec<Damage>>), IngestError> {
+        let mut survey = Self::default();
+        let mut damage = survey.walk_all(parts)?;
+        if survey.undeclared > 0 && !survey.channels.is_empty() {
+            // As when reading: a lost chunk may have declared channels that the summary repeats.
+            survey = Self {
+                known: survey.declared,
+                ..Self::default()
+            };
+            damage = survey.walk_all(parts)?;
+        }
+        Ok((survey, damage))
+    }
+
+    fn walk_all(&mut self, parts: &[PathBuf]) -> Result<Vec<Vec<Damage>>, IngestError> {
+        let mut damage = Vec::with_capacity(parts.len());
+        for (i, part) in parts.iter().enumerate() {
+            // Numbers of channels are a file's own.
+            self.ids.clear();
+            self.declared.push(Declared::default());
+            let known = self.known.get(i).cloned().unwrap_or_default();
+            for (id, schema) in known.schemas {
+                self.schemas().insert(id, schema);
+            }
+            known.channels.into_values().for_each(|c| self.declare(c));
+            damage.push(walk(part, true, self)?);
+        }
+        Ok(damage)
+    }
+
+    fn schemas(&mut self) -> &mut BTreeMap<u16, OwnedSchema> {
+        if self.declared.is_empty() {
+            self.declared.push(Declared::default());
+        }
+        let last = self.declared.len() - 1;
+        &mut self.declared[last].schemas
+    }
+
+    fn declare(&mut self, channel: Channel) {
+        if self.ids.contains_key(&channel.id) {
+            return;
+        }
+        let schema = self.schemas().get(&channel.schema_id).cloned();
+        let type_name = schema.as_ref().map_or("", |s| s.name.as_str());
+        let same = self.channels.iter().position(|c| {
+            c.channel.topic == channel.topic
+                && c.channel.encoding == channel.encoding
+                && same_type(c.type_name(), type_name)
         });
-        Self {
-            channels: channels.collect(),
-            schemas: self.schemas,
-            ..Self::default()
+        // Within one file two channels of one topic stay two.
+        let same = same.filter(|i| !self.ids.values().any(|j| j == i));
+        let index = same.unwrap_or_else(|| {
+            self.channels
+                .push(Surveyed::new(channel.clone(), schema.as_ref()));
+            self.channels.len() - 1
+        });
+        self.ids.insert(channel.id, index);
+        if let Some(declared) = self.declared.last_mut() {
+            declared.channels.insert(channel.id, channel);
         }
     }
 }
@@ -140,20 +208,17 @@ impl Visitor for Survey {
             Record::Other => {}
             Record::Header(_, library) => self.writer = Some(library),
             Record::Schema(schema) => {
-                self.schemas
-                    .entry(schema.id)
-                    .or_insert_with(|| schema.into());
+                let id = schema.id;
+                self.schemas().entry(id).or_insert_with(|| schema.into());
             }
-            Record::Channel(channel) => {
-                let schema = self.schemas.get(&channel.schema_id);
-                self.channels
-                    .entry(channel.id)
-                    .or_insert_with(|| Surveyed::new(channel, schema));
+            Record::Channel(channel) => self.declare(channel),
+            Record::Message(message) => {
+                let index = self.ids.get(&message.channel);
+                match index.and_then(|&i| self.channels.get_mut(i)) {
+                    Some(channel) => channel.take(message),
+                    None => self.undeclared += 1,
+                }
             }
-            Record::Message(message) => match self.channels.get_mut(&message.channel) {
-                Some(channel) => channel.take(message),
-                None => self.undeclared += 1,
-            },
             Record::Metadata(metadata) => {
                 if metadata.name == metadata::NAME {
                     self.drive = Some(metadata.values);
@@ -163,14 +228,14 @@ impl Visitor for Survey {
     }
 
     fn mark(&mut self) {
-        self.channels
-            .values_mut()
-            .for_each(|c| c.mark = c.log_ns.len());
+        for channel in &mut self.channels {
+            channel.mark = channel.log_ns.len();
+        }
     }
 
     fn roll_back(&mut self) {
-        self.channels
-            .values_mut()
-            .for_each(|c| c.log_ns.truncate(c.mark));
+        for channel in &mut self.channels {
+            channel.log_ns.truncate(channel.mark);
+        }
     }
 }

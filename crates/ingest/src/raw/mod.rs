@@ -14,6 +14,8 @@ pub(crate) struct EgoSample {
     pub(crate) stamp_ns: i64,
     /// Time of receipt, in ns.
     pub(crate) log_ns: i64,
+    /// Number of the message or row that it came in; 0 where samples are not in the order of a file.
+    pub(crate) nth: u32,
     /// Position of the centre in the log's frame, in m.
     pub(crate) x_m: f64,
     /// Position of the centre in the log's frame, in m.
@@ -31,6 +33,8 @@ pub(crate) struct ObjectSample {
     pub(crate) stamp_ns: i64,
     /// Time of receipt, in ns.
     pub(crate) log_ns: i64,
+    /// Number of the message or row that it came in; 0 where samples are not in the order of a file.
+    pub(crate) nth: u32,
     /// Number within the log.
     pub(crate) id: u32,
     /// Position of the centre in the log's frame, in m.

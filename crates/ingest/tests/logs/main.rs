@@ -5,13 +5,16 @@
     reason = "helpers of tests fail as tests do"
 )]
 
+mod clocks;
 mod damage;
 mod fuzz;
 mod independent;
 mod layouts;
+mod other_files;
 mod rigs;
 mod round_trip;
 mod samples;
+mod scene;
 mod tables;
 
 use maveric_domain::{

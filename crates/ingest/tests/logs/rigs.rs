@@ -392,6 +392,63 @@ fn a_pose_and_a_fix_take_their_speed_from_the_channel_beside_them() {
 }
 
 #[test]
+fn ego_is_told_from_transforms_where_nothing_else_tells_it() {
+    for packed in [false, true] {
+        let header = if packed { "uint32 seq\n" } else { "" };
+        let line = "=".repeat(80);
+        let text = format!(
+            "geometry_msgs/TransformStamped[] transforms\n{line}\n\
+            MSG: geometry_msgs/TransformStamped\nstd_msgs/Header header\nstring child_frame_id\ngeometry_msgs/Transform transform\n{line}\n\
+            MSG: std_msgs/Header\n{header}{} stamp\nstring frame_id\n{line}\n\
+            MSG: geometry_msgs/Transform\ngeometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation\n{line}\n\
+            MSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n{line}\n\
+            MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w",
+            if packed {
+                "time"
+            } else {
+                "builtin_interfaces/Time"
+            }
+        );
+        let name = if packed {
+            "tf2_msgs/TFMessage"
+        } else {
+            "tf2_msgs/msg/TFMessage"
+        };
+        let mut rig = Rig::new();
+        for t in times() {
+            let all = [
+                ("base_link", "camera", (1.0, 0.0, 0.0)),
+                // Drifts: passed over once a frame of the map is there.
+                ("odom", "base_link", (0.9 * SPEED * (t - 100.0), 0.0, 0.0)),
+                ("/map", "ego/base_link", ego_at(0.4, t)),
+            ];
+            let mut bytes = if packed {
+                Bytes {
+                    bytes: Vec::new(),
+                    packed,
+                }
+            } else {
+                cdr()
+            };
+            bytes.u32(all.len() as u32);
+            for (parent, child, place) in all {
+                bytes.header(t, parent).string(child).pose(place);
+            }
+            rig.send("/tf", (name, &text), t, &bytes);
+        }
+        let found = read(&rig.log(), None);
+        assert!(
+            said(&found, "from `map` to `base_link`"),
+            "{:?}",
+            found.warnings
+        );
+        assert!(said(&found, "differentiated"), "{:?}", found.warnings);
+        close(&found.recording.ego().speed_mps, SPEED, ROWS - 1);
+        assert!(found.recording.ego().y_m.iter().all(|y| y.abs() < 1e-6));
+    }
+}
+
+#[test]
 fn ros_1_json_and_left_handed_logs_give_the_same_gap() {
     let lead = |t: f64, y: f64| [(5, (SPEED * (t - 100.0) + 25.0, y, 0.0), 5.0, CAR)];
     // ROS 1: numbers are packed, and the header has a number.

@@ -142,3 +142,25 @@ fn a_hole_in_a_table_starts_a_segment() {
     assert_eq!(found.warnings[0].spans_s, [(0.1, 3.0)]);
     assert_eq!(found.recording.others().len(), 2);
 }
+
+#[test]
+fn a_quote_that_is_never_closed_is_named_by_its_row() {
+    let head = "t,x_follower,v_follower,v_leader,leader_length,spacing\n";
+    let row = |i: u32| format!("{},{},20,20,4,26\n", f64::from(i) / 10.0, 2 * i);
+    let whole = head.to_owned() + &(0..5).map(row).collect::<String>();
+    for (text, named) in [
+        // As a file that was cut behind a quote ends: found by fuzzing.
+        (format!("{whole}0.5,10,\""), "row 6"),
+        (format!("{whole}0.5,10,\"20"), "row 6"),
+        (whole.replace("0.2,4,20", "0.2,\"4,20"), "row 3"),
+    ] {
+        let error = of_text(&text).unwrap_err();
+        assert!(
+            error.to_string().contains(named) && error.to_string().contains("quote"),
+            "{error}"
+        );
+    }
+    let quoted = whole.replace("0.2,4,20", "\"0.2\",\"4\",20");
+    let (found, plain) = (of_text(&quoted).unwrap(), of_text(&whole).unwrap());
+    assert_eq!(found.recording, plain.recording);
+}

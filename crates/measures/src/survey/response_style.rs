@@ -34,7 +34,7 @@ pub struct SheetTime {
 ///
 /// One answer throughout contradicts itself where the scale has items of both kinds, unless it is the middle of the
 /// range; sheets of fewer than six answers are not judged. Elsewhere a string is long when it spans half the items, and at least
-/// eight. Ordered by participant, moment and scale.
+/// eight; the lowest or highest answer throughout, without reversed items, is the scale's floor or ceiling and not judged. Ordered by participant, moment and scale.
 ///
 /// # Source
 /// Meade and Craig (2012), Psychological Methods 17, 437-455, and Curran (2016), Journal of Experimental Social Psychology 66,
@@ -63,7 +63,10 @@ pub fn response_styles(scales: &[Scale], answers: &[Answer]) -> Vec<ScoreWarning
                 });
             }
             let (first, answer, run) = longest_run(given)?;
-            let long = run >= SHORTEST_RUN && 2 * run >= scale.items;
+            // The lowest answer throughout is the floor of the scale, counted as that, and may be the truth.
+            let at_an_end =
+                given.len() as u32 == run && (answer == scale.min || answer == scale.max);
+            let long = run >= SHORTEST_RUN && 2 * run >= scale.items && !at_an_end;
             long.then_some(ScoreWarning::LongString {
                 participant,
                 moment,
@@ -176,6 +179,7 @@ mod tests {
 
     #[test]
     fn a_string_of_half_the_items_is_long() {
+        let said_of = said;
         let said = said("adb", &[1, 4, 2, 2, 2, 2, 2, 2, 2, 2, 3]);
         assert!(
             said[0].contains("answered 2 to 8 of the 11 items of `adb` running, from item 3"),
@@ -185,6 +189,7 @@ mod tests {
             super::response_styles(&scales(), &sheet("adb", &[1, 4, 2, 2, 2, 2, 2, 2, 2, 1, 3]))
                 .is_empty()
         );
+        assert!(said_of("adb", &[1; 11]).is_empty(), "the floor");
         let mut gap = sheet("adb", &[2; 11]);
         gap[5].answer = None;
         assert!(

@@ -34,18 +34,28 @@ pub struct AblationVariant {
 
 const NAME: &str = "ablation";
 
-/// A variant's loss minus the reference's, drive by drive: mean and half its 95% interval.
-fn difference(variant: &[Option<f64>], reference: &[Option<f64>]) -> Option<(f64, f64)> {
-    let pairs = variant.iter().zip(reference);
-    let by_drive: Vec<f64> = pairs.filter_map(|(v, r)| Some((*v)? - (*r)?)).collect();
-    let mean = fit::mean(&by_drive)?;
-    let n = by_drive.len();
-    let half = if n > 1 {
-        fit::t_975(n - 1) * fit::standard_deviation(&by_drive) / (n as f64).sqrt()
-    } else {
-        0.0
-    };
-    Some((mean, half))
+/// A variant's loss minus the reference's, drive by drive.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Difference {
+    pub(crate) mean: f64,
+    /// Half its 95% interval; 0 for a single drive.
+    pub(crate) half: f64,
+}
+
+impl Difference {
+    /// `None` if no drive has a loss in both.
+    pub(crate) fn of(variant: &[Option<f64>], reference: &[Option<f64>]) -> Option<Self> {
+        let pairs = variant.iter().zip(reference);
+        let by_drive: Vec<f64> = pairs.filter_map(|(v, r)| Some((*v)? - (*r)?)).collect();
+        let mean = fit::mean(&by_drive)?;
+        let n = by_drive.len();
+        let half = if n > 1 {
+            fit::t_975(n - 1) * fit::standard_deviation(&by_drive) / (n as f64).sqrt()
+        } else {
+            0.0
+        };
+        Some(Self { mean, half })
+    }
 }
 
 /// Draws, loss by loss, how much worse each variant is than the first, with paired 95% intervals.
@@ -71,7 +81,7 @@ pub fn ablation(input: &Ablation, context: &Context) -> Result<Figure, ReportErr
             .iter()
             .filter_map(|v| {
                 Some((
-                    difference(&v.losses[index], &reference.losses[index])?.0,
+                    Difference::of(&v.losses[index], &reference.losses[index])?.mean,
                     &v.name,
                 ))
             })
@@ -93,13 +103,14 @@ pub fn ablation(input: &Ablation, context: &Context) -> Result<Figure, ReportErr
         caption: format!(
             "Loss on drivers that the networks have not seen ({}-fold cross-validation by driver), minus that of \
              {} on the same drive: mean over drives with its 95% interval. Right of the line is worse. *n* = \
-             {drives} drives.",
+             {drives} drives; no test.",
             input.folds,
             markup::literal(&reference.name)
         ),
         alt: found.join(" "),
         shows: Shows::Participants,
     };
+    let difference_from = format!("Minus {}", markup::literal(&reference.name));
     draw(plan, context, |canvas, whole| {
         let last = rows as f64 - 1.0;
         let names: Vec<(f64, String)> = input
@@ -124,15 +135,15 @@ pub fn ablation(input: &Ablation, context: &Context) -> Result<Figure, ReportErr
                 place.left += widest;
             }
             place.right = whole.left + widest + index as f64 * (each + gap) + each;
-            let differences: Vec<Option<(f64, f64)>> = input
+            let differences: Vec<Option<Difference>> = input
                 .variants
                 .iter()
-                .map(|v| difference(&v.losses[index], &reference.losses[index]))
+                .map(|v| Difference::of(&v.losses[index], &reference.losses[index]))
                 .collect();
             let ends = differences
                 .iter()
                 .flatten()
-                .flat_map(|(m, h)| [m - h, m + h]);
+                .flat_map(|d| [d.mean - d.half, d.mean + d.half]);
             let ticks = if index == 0 {
                 names.clone()
             } else {
@@ -146,7 +157,7 @@ pub fn ablation(input: &Ablation, context: &Context) -> Result<Figure, ReportErr
             let labels = Labels {
                 title,
                 subtitle: &subtitle,
-                x: "Difference",
+                x: &difference_from,
                 ..Labels::default()
             };
             let x = Scale::over(ends.chain([0.0]), 4);
@@ -164,7 +175,9 @@ pub fn ablation(input: &Ablation, context: &Context) -> Result<Figure, ReportErr
                 Pen::new(MUTED, stroke::AXIS).dashed(2.0, 2.0),
             );
             for (row, found) in differences.iter().enumerate() {
-                let Some((mean, half)) = found else { continue };
+                let Some(Difference { mean, half }) = found else {
+                    continue;
+                };
                 let y = last - row as f64;
                 let colour = if row == 0 { GREY } else { INK };
                 canvas.line(
@@ -184,13 +197,13 @@ mod tests {
 
     #[test]
     fn differences_are_taken_drive_by_drive() {
-        let (mean, half) = difference(
+        let Difference { mean, half } = Difference::of(
             &[Some(2.0), None, Some(5.0)],
             &[Some(1.0), Some(9.0), Some(4.0)],
         )
         .unwrap();
         assert!((mean - 1.0).abs() < 1e-12 && half.abs() < 1e-12);
-        assert!(difference(&[None], &[Some(1.0)]).is_none());
+        assert!(Difference::of(&[None], &[Some(1.0)]).is_none());
     }
 
     #[test]

@@ -1,14 +1,13 @@
 //! Where drivers lie on the aggression line, against what they do and say.
 
 use super::axes::{Frame, Labels, Scale};
-use super::canvas::Pen;
 use super::check::Check;
-use super::fit;
-use super::theme::{INK, Marker, TWO_COLUMNS_MM, stroke};
+use super::crowd;
+use super::regression::{Regression, y_scale};
+use super::theme::{INK, Marker, TWO_COLUMNS_MM};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;
 use crate::markup;
-use maveric_stats::LinearFit;
 use serde::{Deserialize, Serialize};
 
 /// Panels of the same people, one a measure.
@@ -32,7 +31,6 @@ pub struct LinePanel {
 }
 
 const NAME: &str = "aggression-line";
-const MOST_POINTS: usize = 1000;
 
 /// Draws each measure against the position on the aggression line, with line and band.
 ///
@@ -89,8 +87,9 @@ pub fn aggression_line(input: &AggressionLine, context: &Context) -> Result<Figu
         caption: format!(
             "Each test participant’s position on the aggression line (the projection of the \
              embedding on the gradient of the style predictor) against each measure of their own \
-             drive. Line: least squares, with its 95% band. *n* = {n}. The correlation stands \
-             below each title."
+             drive, in standard deviations of the training drivers. Line: least squares, with its \
+             95% band. *n* = {n}. The correlation and its test stand below each title.{}",
+            crowd::words(high)
         ),
         alt: found.join(" "),
         shows: Shows::Participants,
@@ -99,55 +98,22 @@ pub fn aggression_line(input: &AggressionLine, context: &Context) -> Result<Figu
         for (index, panel) in input.panels.iter().enumerate() {
             let place = whole.cell((index % 3, index / 3), (columns, rows), (10.0, 9.0));
             let x = Scale::over(panel.points.iter().map(|point| point.0), 4);
-            let y = Scale::over(panel.points.iter().map(|point| point.1), 4);
+            let line = Regression::of(&panel.points);
+            let y = y_scale(&panel.points, line.as_ref(), 4);
             let labels = Labels {
                 title: &panel.title,
                 subtitle: &panel.statistic,
-                x: "Position on the aggression line",
+                x: "Position on the aggression line (SD)",
                 y: &panel.axis,
                 ..Labels::default()
             };
             let frame = Frame::draw(canvas, place, &labels, x, y);
-            if let Some(line) = fit::line(&panel.points) {
-                paint_fit(canvas, &frame, &panel.points, &line);
+            if let Some(line) = line {
+                line.paint(canvas, &frame, INK);
             }
-            for &(x, y) in panel.points.iter().take(MOST_POINTS) {
-                canvas.marker(frame.at(x, y), 1.6, Marker::Circle, INK);
-            }
+            crowd::paint(canvas, &frame, &panel.points, 1.6, (Marker::Circle, INK));
         }
     })
-}
-
-fn paint_fit(
-    canvas: &mut super::canvas::Canvas<'_>,
-    frame: &Frame,
-    points: &[(f64, f64)],
-    line: &LinearFit,
-) {
-    let low = points
-        .iter()
-        .map(|point| point.0)
-        .fold(f64::INFINITY, f64::min);
-    let high = points
-        .iter()
-        .map(|point| point.0)
-        .fold(f64::NEG_INFINITY, f64::max);
-    let steps = || (0..=30).map(|step| low + (high - low) * f64::from(step) / 30.0);
-    // The band may leave the panel at its ends: it is cut there, which shows as a flat edge.
-    let inside = |value: f64| value.clamp(frame.y.low(), frame.y.high());
-    let band_at = |x: f64| {
-        line.band(x, 0.95)
-            .unwrap_or((line.predict(x), line.predict(x)))
-    };
-    let mut band: Vec<(f64, f64)> = steps().map(|x| frame.at(x, inside(band_at(x).1))).collect();
-    let lower: Vec<(f64, f64)> = steps().map(|x| frame.at(x, inside(band_at(x).0))).collect();
-    band.extend(lower.into_iter().rev());
-    canvas.polygon(&band, INK, 0.12);
-    let ends = [
-        frame.at(low, inside(line.predict(low))),
-        frame.at(high, inside(line.predict(high))),
-    ];
-    canvas.path(&ends, Pen::new(INK, stroke::STRONG));
 }
 
 #[cfg(test)]

@@ -91,7 +91,7 @@ pub fn calibration(input: &Calibration, context: &Context) -> Result<Figure, Rep
             "Share of time in which a lane change was being started against the predicted probability, in bins; \
              95% Wilson intervals, a second a trial; the line is where both agree. Driving {whose}. Expected \
              calibration error: {error} percentage points. *n* = {} s of driving, {} s of them with a change \
-             starting, {} drives.",
+             starting, {} drives; no test.",
             number(seconds, 0),
             number(changing, 0),
             input.drives

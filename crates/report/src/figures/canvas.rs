@@ -1,8 +1,9 @@
 //! Drawing in points on a plotters area, with one check at the end and not one at each stroke.
 
 use super::font::{CAP_HEIGHT_EM, FAMILY, Face, LINE_EM};
+pub(crate) use super::legend::Key;
 use super::page::{Head, Page, SCRIPT_SIZE, UNITS_PER_POINT, points_from_mm};
-use super::theme::{INK, Marker, PAPER, size, stroke};
+use super::theme::{INK, Marker, PAPER, stroke};
 use crate::error::ReportError;
 use crate::markup::{self, Level};
 use plotters::coord::Shift;
@@ -21,7 +22,7 @@ use plotters::style::{
 pub(crate) fn sketch(
     head: &Head,
     paint: impl FnOnce(&mut Canvas<'_>),
-) -> Result<String, ReportError> {
+) -> Result<Sketch, ReportError> {
     let failed = |reason: String| ReportError::Drawing {
         figure: head.name.clone(),
         reason,
@@ -36,6 +37,7 @@ pub(crate) fn sketch(
             .map_err(|_| failed(format!("the bundled font {face:?} cannot be used")))?;
     }
     let mut svg = String::new();
+    let unknown_signs;
     {
         let area = Page::new(&mut svg, head).into_drawing_area();
         let (width_mm, height_mm) = head.size_mm;
@@ -44,6 +46,7 @@ pub(crate) fn sketch(
             width: points_from_mm(width_mm),
             height: points_from_mm(height_mm),
             fault: None,
+            unknown_signs: false,
         };
         paint(&mut canvas);
         if let Some(reason) = canvas.fault {
@@ -53,8 +56,17 @@ pub(crate) fn sketch(
             .area
             .present()
             .map_err(|error| failed(error.to_string()))?;
+        unknown_signs = canvas.unknown_signs;
     }
-    Ok(svg)
+    Ok(Sketch { svg, unknown_signs })
+}
+
+/// A finished drawing.
+#[derive(Debug)]
+pub(crate) struct Sketch {
+    pub(crate) svg: String,
+    /// A text held a sign that the font lacks: a question mark stands for it.
+    pub(crate) unknown_signs: bool,
 }
 
 /// A surface in points, x to the right, y down.
@@ -63,6 +75,7 @@ pub(crate) struct Canvas<'a> {
     pub(crate) width: f64,
     pub(crate) height: f64,
     fault: Option<String>,
+    unknown_signs: bool,
 }
 
 /// How a line is drawn.
@@ -178,6 +191,11 @@ impl Look {
             turned: true,
             ..self
         }
+    }
+
+    fn lacks(self, run: &markup::Run) -> bool {
+        let face = if run.italic { Face::Italic } else { self.face };
+        run.text.chars().any(|sign| !face.has(sign))
     }
 
     /// Width in points.
@@ -358,6 +376,7 @@ impl Canvas<'_> {
 
     /// A text with marks (see [`crate::markup`]).
     pub(crate) fn text(&mut self, text: &str, at: Point, look: Look) {
+        self.unknown_signs |= markup::runs(text).iter().any(|run| look.lacks(run));
         let at = self.at(at);
         let em = look.size * UNITS_PER_POINT * LINE_EM;
         let style = match look.face {
@@ -376,34 +395,6 @@ impl Canvas<'_> {
         let drawn = self.area.draw_text(text, &style, at);
         self.note(drawn);
     }
-
-    /// Names the series of a figure in one row: marker or line, then label. Returns where it ends.
-    pub(crate) fn legend_row(&mut self, (x, y): Point, entries: &[(Key, &str)]) -> f64 {
-        let look = Look::new(size::TICK).centred();
-        let mut x = x;
-        for (key, label) in entries {
-            let width = match *key {
-                Key::Point(shape, colour) => {
-                    self.marker((x + 2.5, y), 2.2, shape, colour);
-                    6.5
-                }
-                Key::Line(pen) => {
-                    self.line((x, y), (x + 13.0, y), pen);
-                    15.5
-                }
-            };
-            self.text(label, (x + width, y), look);
-            x += width + look.width(label) + 9.0;
-        }
-        x - 9.0
-    }
-}
-
-/// What stands before a label in a legend.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Key {
-    Point(Marker, RGBColor),
-    Line(Pen),
 }
 
 fn dashes(points: &[Point], on: f64, off: f64) -> Vec<Vec<Point>> {

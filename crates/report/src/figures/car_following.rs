@@ -1,9 +1,10 @@
 //! One driver's unseen last third, driven again by the models.
 
 use super::axes::{Frame, Labels, Place, Scale};
-use super::canvas::{Key, Pen, cap_height};
+use super::canvas::{Key, Pen};
 use super::check::Check;
-use super::theme::{GREY, INK, MUTED, Marker, OCHRE, TWO_COLUMNS_MM, colour, size, stroke};
+use super::theme::{GREY, INK, MUTED, Marker, OCHRE, TWO_COLUMNS_MM, colour, stroke};
+use super::thin::thinned;
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;
 use crate::markup;
@@ -113,6 +114,8 @@ pub struct FollowingSeries {
 }
 
 const NAME: &str = "car-following";
+/// Most points of a line.
+const MOST_POINTS: usize = 800;
 
 /// Draws gap and speed over time. The figure's name ends in the driver's id.
 ///
@@ -151,14 +154,13 @@ pub fn car_following(input: &CarFollowing, context: &Context) -> Result<Figure, 
         alt: alternative(input),
         shows: Shows::Participants,
     };
-    draw(plan, context, |canvas, mut whole| {
+    draw(plan, context, |canvas, whole| {
         let keys: Vec<(Key, &str)> = input
             .series
             .iter()
             .map(|series| (Key::Line(series.follower.pen()), series.follower.label()))
             .collect();
-        canvas.legend_row((whole.left, whole.top + 4.0), &keys);
-        whole.top += cap_height(size::TICK) + 6.0;
+        let whole = canvas.legend(whole, &keys);
         let split = whole.top + 0.56 * (whole.bottom - whole.top);
         let upper = Place {
             bottom: split - 4.0,
@@ -198,9 +200,11 @@ pub fn car_following(input: &CarFollowing, context: &Context) -> Result<Figure, 
             };
             let frame = Frame::draw(canvas, place, &labels, x, y);
             for (series, values) in input.series.iter().zip(&values).rev() {
-                let path: Vec<(f64, f64)> = thinned(&input.time_s, values)
+                let times = input.time_s.iter().map(|time| time - first);
+                let points: Vec<(f64, f64)> = times.zip(values.iter().copied()).collect();
+                let path: Vec<(f64, f64)> = thinned(&points, MOST_POINTS)
                     .into_iter()
-                    .map(|(time, value)| frame.at(time - first, value))
+                    .map(|(time, value)| frame.at(time, value))
                     .collect();
                 canvas.path(&path, series.follower.pen());
             }
@@ -223,26 +227,6 @@ fn slug(text: &str) -> String {
     } else {
         slug.to_owned()
     }
-}
-
-/// At most about 800 points, keeping the lowest and highest of each stretch.
-fn thinned(times: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
-    let pairs: Vec<(f64, f64)> = times.iter().copied().zip(values.iter().copied()).collect();
-    let stretch = pairs.len().div_ceil(400);
-    if stretch < 2 {
-        return pairs;
-    }
-    let mut out = Vec::new();
-    for part in pairs.chunks(stretch) {
-        let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-        if let (Some(low), Some(high)) =
-            (part.iter().min_by(by_value), part.iter().max_by(by_value))
-        {
-            out.push(if low.0 <= high.0 { *low } else { *high });
-            out.push(if low.0 <= high.0 { *high } else { *low });
-        }
-    }
-    out
 }
 
 fn alternative(input: &CarFollowing) -> String {
@@ -282,15 +266,5 @@ mod tests {
         assert_eq!(slug("Audi A6 / 2"), "audi-a6-2");
         assert_eq!(slug("../<x>"), "x");
         assert_eq!(slug("😀"), "driver");
-    }
-
-    #[test]
-    fn thinning_keeps_a_spike() {
-        let times: Vec<f64> = (0..5000).map(f64::from).collect();
-        let mut values = vec![0.0; 5000];
-        values[2345] = 9.0;
-        let thin = thinned(&times, &values);
-        assert!(thin.len() <= 800);
-        assert!(thin.iter().any(|(_, value)| *value > 8.9));
     }
 }

@@ -2,19 +2,24 @@
 
 use crate::error::ReportError;
 
+/// Above this a square is not finite any more.
+const MOST: f64 = 1e150;
+
 /// The checks of one figure.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Check<'a>(pub(crate) &'a str);
 
 impl Check<'_> {
-    /// All values are finite.
+    /// All values are finite, and so are their squares.
     pub(crate) fn finite(
         self,
         field: &str,
         values: impl IntoIterator<Item = f64>,
     ) -> Result<(), ReportError> {
-        match values.into_iter().find(|value| !value.is_finite()) {
+        let usable = |value: &f64| value.is_finite() && value.abs() <= MOST;
+        match values.into_iter().find(|value| !usable(value)) {
             None => Ok(()),
+            Some(value) if value.is_finite() => self.that(false, field, value, "at most 1e150"),
             Some(value) => Err(ReportError::NotFinite {
                 figure: self.0.to_owned(),
                 field: field.to_owned(),

@@ -84,6 +84,12 @@ pub fn dial_sweep(input: &DialSweep, context: &Context) -> Result<Figure, Report
             )
         })
         .collect();
+    let most = input.panels.iter().map(|panel| panel.drivers.len()).max();
+    let lines = if most.is_some_and(|most| most > MOST_LINES) {
+        format!("Grey: the first {MOST_LINES} drivers")
+    } else {
+        "Grey: drivers".to_owned()
+    };
     let columns = input.panels.len().min(3);
     let rows = input.panels.len().div_ceil(columns);
     let (first, last) = (input.points[0], input.points[input.points.len() - 1]);
@@ -93,7 +99,9 @@ pub fn dial_sweep(input: &DialSweep, context: &Context) -> Result<Figure, Report
         title: "Turning the dial".to_owned(),
         caption: format!(
             "Each measure of the car’s drives as its driver, shifted by {} to {} points of predicted aggression. \
-             Grey: drivers; black: mean of the drivers with a value at every shift, 95% intervals. *n* = {}.",
+             {lines}; black: mean of the drivers with a value at every shift, with 95% intervals, \
+             marked blue where the shift is towards cautious, purple where there is none (Mimic) and orange \
+             where it is towards aggressive. *n* = {}; no test.",
             number(first, 0),
             number(last, 0),
             counted.join(", ")

@@ -3,15 +3,16 @@
 use super::axes::{Frame, Labels, Place, Scale};
 use super::canvas::{Canvas, Look, Pen};
 use super::check::Check;
+use super::crowd::MOST_POINTS;
 use super::fit;
+use super::raincloud::{self, BOX, Cloud};
 use super::theme::{
-    GREY, INK, PAPER, TWO_COLUMNS_MM, colour, condition_name, marker, size, stroke,
+    GREY, INK, MUTED, PAPER, TWO_COLUMNS_MM, colour, condition_name, marker, size, stroke,
 };
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa;
 use crate::error::ReportError;
 use maveric_domain::condition::Condition;
-use plotters::style::RGBColor;
 use serde::{Deserialize, Serialize};
 
 /// The panels of the figure, in reading order.
@@ -52,8 +53,6 @@ pub struct PairTest {
 }
 
 const NAME: &str = "difference-panels";
-/// Above this many participants lines and points are left out.
-const MOST_POINTS: usize = 300;
 
 /// Draws the panels: half violin, box, points, each participant's line, mean with within-subject
 /// interval, omnibus test in the subtitle, Holm brackets.
@@ -106,23 +105,21 @@ fn complete(panel: &DifferencePanel) -> Vec<Vec<f64>> {
         .collect()
 }
 
-fn column(panel: &DifferencePanel, index: usize) -> Vec<f64> {
-    let mut values: Vec<f64> = panel.rows.iter().filter_map(|row| row[index]).collect();
-    values.sort_by(f64::total_cmp);
-    values
+/// Conditions in which nobody has a value.
+fn empty(panel: &DifferencePanel) -> impl Iterator<Item = Condition> {
+    let nobody = |index: usize| panel.rows.iter().all(|row| row[index].is_none());
+    let conditions = panel.conditions.iter().enumerate();
+    conditions.filter_map(move |(index, &condition)| nobody(index).then_some(condition))
 }
 
 fn paint_panel(canvas: &mut Canvas<'_>, place: Place, panel: &DifferencePanel) {
     let k = panel.conditions.len();
     let brackets = brackets(panel);
-    let values = panel
-        .rows
-        .iter()
-        .flatten()
-        .flatten()
-        .copied()
-        .chain(panel.reference);
-    let data = Scale::over(values, 5);
+    let clouds: Vec<Option<Cloud>> = (0..k)
+        .map(|index| Cloud::of(panel.rows.iter().filter_map(|row| row[index]).collect()))
+        .collect();
+    let values = clouds.iter().flatten().flat_map(Cloud::ends);
+    let data = Scale::over(values.chain(panel.reference), 5);
     // The brackets need their room above the data.
     let levels = brackets
         .iter()
@@ -131,8 +128,7 @@ fn paint_panel(canvas: &mut Canvas<'_>, place: Place, panel: &DifferencePanel) {
         .unwrap_or(0);
     let room = levels as f64 * STEP + if levels > 0 { 3.0 } else { 0.0 };
     let plot = (place.bottom - place.top - 42.0).max(40.0);
-    let reach = (data.high() - data.low()) * 0.06;
-    let (low, top) = (data.low() - reach, data.high() + reach);
+    let (low, top) = (data.low(), data.high());
     let high = low + (top - low) * plot / (plot - room).max(plot / 3.0);
     // Ticks only where there are data: what lies above them is room for the brackets.
     let data = Scale::between(low, top, 4);
@@ -167,12 +163,14 @@ fn paint_panel(canvas: &mut Canvas<'_>, place: Place, panel: &DifferencePanel) {
     let rows = complete(panel);
     let half_widths = fit::within_subject_half_widths(&rows);
     for (index, &condition) in panel.conditions.iter().enumerate() {
-        let sorted = column(panel, index);
-        if sorted.is_empty() {
-            continue;
-        }
         let middle = frame.x.at(index as f64);
-        paint_cloud(canvas, &frame, &sorted, middle, slot, colour(condition));
+        let Some(cloud) = &clouds[index] else {
+            let centre = f64::midpoint(frame.place.top + room, frame.place.bottom);
+            let look = Look::new(size::SMALL).middle().centred().colour(MUTED);
+            canvas.text("no values", (middle, centre), look.turned());
+            continue;
+        };
+        raincloud::paint(canvas, &frame, cloud, (middle, slot), colour(condition));
         let kept: Vec<f64> = rows.iter().map(|row| row[index]).collect();
         if let (Some(mean), Some(widths)) = (fit::mean(&kept), &half_widths) {
             let x = middle + BOX * slot;
@@ -205,12 +203,9 @@ fn paint_panel(canvas: &mut Canvas<'_>, place: Place, panel: &DifferencePanel) {
     }
 }
 
-/// Offsets within a condition's slot, as shares of its width.
+/// Offsets of the points within a condition's slot, as shares of its width.
 const POINTS: f64 = -0.2;
 const JITTER: f64 = 0.09;
-const BOX: f64 = 0.02;
-const VIOLIN: f64 = 0.11;
-const VIOLIN_WIDTH: f64 = 0.27;
 /// Height of a level of brackets, in points.
 const STEP: f64 = 1.6 * size::SMALL;
 
@@ -250,60 +245,6 @@ fn paint_participants(canvas: &mut Canvas<'_>, frame: &Frame, panel: &Difference
             }
         }
     }
-}
-
-fn paint_cloud(
-    canvas: &mut Canvas<'_>,
-    frame: &Frame,
-    sorted: &[f64],
-    middle: f64,
-    slot: f64,
-    ink: RGBColor,
-) {
-    let edge = middle + VIOLIN * slot;
-    let curve: Vec<(f64, f64)> = fit::density(sorted, 48)
-        .into_iter()
-        .filter(|(value, _)| *value >= frame.y.low() && *value <= frame.y.high())
-        .map(|(value, height)| (edge + height * VIOLIN_WIDTH * slot, frame.y.at(value)))
-        .collect();
-    if let (Some(first), Some(last)) = (curve.first().copied(), curve.last().copied()) {
-        let mut corners = curve;
-        corners.push((edge, last.1));
-        corners.push((edge, first.1));
-        canvas.polygon(&corners, ink, 0.25);
-        corners.push(corners[0]);
-        canvas.path(&corners, Pen::new(ink, stroke::OUTLINE));
-    }
-    let [low, median, high] = [0.25, 0.5, 0.75].map(|share| fit::quantile(sorted, share));
-    let fence = 1.5 * (high - low);
-    let whisker_low = sorted
-        .iter()
-        .copied()
-        .find(|v| *v >= low - fence)
-        .unwrap_or(low);
-    let whisker_high = sorted
-        .iter()
-        .rev()
-        .copied()
-        .find(|v| *v <= high + fence)
-        .unwrap_or(high);
-    let centre = middle + BOX * slot;
-    let half = 0.07 * slot;
-    let pen = Pen::new(ink, stroke::BOX);
-    for (from, to) in [(whisker_low, low), (high, whisker_high)] {
-        canvas.line((centre, frame.y.at(from)), (centre, frame.y.at(to)), pen);
-    }
-    let corners = (
-        (centre - half, frame.y.at(high)),
-        (centre + half, frame.y.at(low)),
-    );
-    canvas.fill_rect(corners.0, corners.1, PAPER, 1.0);
-    canvas.rect(corners.0, corners.1, pen);
-    canvas.line(
-        (centre - half, frame.y.at(median)),
-        (centre + half, frame.y.at(median)),
-        pen,
-    );
 }
 
 #[derive(Debug)]
@@ -364,13 +305,20 @@ fn caption(input: &DifferencePanels) -> String {
     } else {
         "Each point is a participant, each thin line one participant across the conditions."
     };
+    let nobody: Vec<String> = input
+        .panels
+        .iter()
+        .flat_map(|panel| empty(panel).map(|c| (c, &panel.title)))
+        .map(|(c, title)| format!(" Nobody has a value of {title} in {}.", condition_name(c)))
+        .collect();
     format!(
         "Difference between the car and the participant’s own drive. {points} Half violins are \
-         kernel densities, boxes quartiles with whiskers to 1.5 times their distance, black dots \
+         kernel densities (to two bandwidths beyond the data), boxes quartiles with whiskers to 1.5 times their distance, black dots \
          means with within-subject 95% intervals (Cousineau–Morey). *n* = {all} participants, of \
          whom {complete} have a value in every condition and enter means, intervals and tests. \
          The omnibus test stands below each title; brackets carry *p* values after Holm. Perp., \
-         Perpendicular."
+         Perpendicular.{}",
+        nobody.concat()
     )
 }
 
@@ -467,6 +415,18 @@ mod tests {
         assert!(difference_panels(&same, &Context::real()).is_ok());
         let one = panel(vec![vec![Some(1.0), Some(2.0), Some(3.0), Some(4.0)]]);
         assert!(difference_panels(&one, &Context::real()).is_ok());
+    }
+
+    #[test]
+    fn a_condition_without_values_says_so_in_picture_and_caption() {
+        let mut rows = rows(6);
+        for row in &mut rows {
+            row[2] = None;
+        }
+        let figure = difference_panels(&panel(rows), &Context::real()).unwrap();
+        assert!(figure.svg.contains(">no values</text>"));
+        let said = "Nobody has a value of Mean velocity in Cautious.";
+        assert!(figure.caption.contains(said), "{}", figure.caption);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::axes::{Frame, Labels, Place, Scale};
 use super::canvas::Pen;
 use super::check::Check;
 use super::theme::{GREY, INK, TWO_COLUMNS_MM, colour};
+use super::thin::thinned;
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;
 use crate::markup;
@@ -102,7 +103,7 @@ pub fn drive_overview(input: &DriveOverview, context: &Context) -> Result<Figure
             let x = Scale::between(0.0, last - first, 8);
             let frame = Frame::draw(canvas, place, &labels, x, y);
             for run in runs(input, values) {
-                let points: Vec<(f64, f64)> = thinned(&run)
+                let points: Vec<(f64, f64)> = thinned(&run, MOST_POINTS)
                     .into_iter()
                     .map(|(time, value)| frame.at(time - first, value))
                     .collect();
@@ -137,25 +138,6 @@ fn runs(input: &DriveOverview, values: &[Option<f64>]) -> Vec<Vec<(f64, f64)>> {
     runs
 }
 
-/// Fewer points with the same outline.
-fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let stretch = (2 * points.len()).div_ceil(MOST_POINTS);
-    if stretch < 3 {
-        return points.to_vec();
-    }
-    let mut out = Vec::new();
-    for part in points.chunks(stretch) {
-        let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-        if let (Some(&low), Some(&high)) =
-            (part.iter().min_by(by_value), part.iter().max_by(by_value))
-        {
-            let in_time = low.0 <= high.0;
-            out.extend(if in_time { [low, high] } else { [high, low] });
-        }
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -175,14 +157,5 @@ mod tests {
         let lengths: Vec<usize> = runs(&input, &input.gap_m).iter().map(Vec::len).collect();
         assert_eq!(lengths, [1, 1, 2]);
         assert!(drive_overview(&input, &Context::real()).is_ok());
-    }
-
-    #[test]
-    fn thinning_keeps_a_spike() {
-        let points: Vec<(f64, f64)> = (0..9000)
-            .map(|i| (f64::from(i), f64::from(u8::from(i == 4321))))
-            .collect();
-        let thin = thinned(&points);
-        assert!(thin.len() <= MOST_POINTS && thin.iter().any(|p| p.1 > 0.5));
     }
 }

@@ -3,6 +3,7 @@
 use super::axes::{Frame, Labels, Place, Scale};
 use super::canvas::{Canvas, Key, Look, Pen, cap_height};
 use super::check::Check;
+use super::crowd::{self, MOST_POINTS};
 use super::projection::{View, paint_box};
 use super::theme::{
     GREY, INK, MUTED, PAPER, TWO_COLUMNS_MM, colour, condition_name, marker, size, stroke, viridis,
@@ -55,7 +56,6 @@ pub struct ExampleConditions {
 const NAME: &str = "embedding-space";
 const MPH_PER_MPS: f64 = 2.236_936_292_054_402;
 const ADB_RANGE: (f64, f64) = (11.0, 55.0);
-const MOST_POINTS: usize = 1000;
 
 /// Draws the space in three dimensions, if it has three, and the plane of aggression against the
 /// first axis perpendicular to it.
@@ -74,7 +74,7 @@ pub fn embedding_space(input: &EmbeddingSpace, context: &Context) -> Result<Figu
         Some(example) => format!(
             " Large markers: participant {} in each condition, 15 ADB points up and down the \
              gradient from Mimic; line: the ellipse that Perpendicular is drawn from, one standard \
-             deviation wide.",
+             deviation wide (in the plane seen edge on, being all of one predicted aggression).",
             crate::markup::literal(&example.participant)
         ),
         None => String::new(),
@@ -85,6 +85,17 @@ pub fn embedding_space(input: &EmbeddingSpace, context: &Context) -> Result<Figu
     } else {
         "The plane of the aggression gradient and of the direction across it in which drivers \
          differ most."
+    };
+    let drawn = sample(&input.points).count();
+    let many = match (input.points.len() > MOST_POINTS, solid) {
+        (false, _) => String::new(),
+        (true, true) => format!(
+            " There being too many for single points, the left shows {drawn} of them, evenly over the list, and the \
+             right how many lie where (shade) and their mean velocity (colour)."
+        ),
+        (true, false) => {
+            " There being too many for single points, shades show how many lie where, colours their mean velocity.".to_owned()
+        }
     };
     let low = input
         .points
@@ -107,7 +118,7 @@ pub fn embedding_space(input: &EmbeddingSpace, context: &Context) -> Result<Figu
         caption: format!(
             "Embeddings of size {dimensions}; each point is a drive, its size the driver’s ADB \
              score, its colour the mean velocity. {views} Black line: gradient of the style \
-             predictor.{example} *n* = {} drives; no test.",
+             predictor.{example}{many} *n* = {} drives; no test.",
             input.points.len()
         ),
         alt: format!(
@@ -208,6 +219,13 @@ impl ExampleConditions {
     }
 }
 
+/// All points, or at most [`MOST_POINTS`] of them, evenly over the list.
+fn sample(points: &[EmbeddingPoint]) -> impl Iterator<Item = &EmbeddingPoint> {
+    points
+        .iter()
+        .step_by(points.len().div_ceil(MOST_POINTS).max(1))
+}
+
 fn norm(vector: &[f64]) -> f64 {
     vector.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
@@ -276,7 +294,7 @@ fn paint_solid(canvas: &mut Canvas<'_>, place: Place, input: &EmbeddingSpace, pa
         let (at, depth) = view.project(w);
         (depth + nearer, at)
     };
-    for point in input.points.iter().take(MOST_POINTS) {
+    for point in sample(&input.points) {
         let (depth, at) = placed(cube(&point.embedding), 0.0);
         items.push((depth, at, Item::Point(point)));
     }
@@ -463,9 +481,27 @@ fn paint_plane(
             Pen::new(colour(Condition::Perpendicular), stroke::STRONG),
         );
     }
-    for point in input.points.iter().take(MOST_POINTS) {
-        let (x, y) = at(&point.embedding);
-        paint_point(canvas, frame.at(x, y), point, palette);
+    if input.points.len() <= MOST_POINTS {
+        for point in &input.points {
+            let (x, y) = at(&point.embedding);
+            paint_point(canvas, frame.at(x, y), point, palette);
+        }
+    } else {
+        let drives = input.points.iter().map(|point| {
+            let (x, y) = at(&point.embedding);
+            (x, y, point.mean_velocity_mps)
+        });
+        let cells = crowd::cells(&frame, drives);
+        let most = cells.iter().map(|cell| cell.count).max().unwrap_or(1);
+        for cell in &cells {
+            let (a, b) = cell.corners(&frame);
+            canvas.fill_rect(
+                a,
+                b,
+                palette.of(cell.mean()),
+                crowd::shade(cell.count, most),
+            );
+        }
     }
     for (condition, w) in input.example.iter().flat_map(ExampleConditions::markers) {
         let (x, y) = at(w);

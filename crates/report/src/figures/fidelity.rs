@@ -99,7 +99,7 @@ pub fn fidelity(input: &Fidelity, context: &Context) -> Result<Figure, ReportErr
         caption: format!(
             "Accuracy, 1 − |AV − driver| / driver, mean over drivers. Point: mean over {} training seeds; line: \
              their range. The driver’s own second drive is the most that can be asked; the mean of all drivers is \
-             what needs no model. *n* = {} drivers.",
+             what needs no model. *n* = {} drivers; no test.",
             input.seeds, input.drivers
         ),
         alt: found.join(" "),

@@ -78,9 +78,28 @@ impl Figure {
     /// # Errors
     /// [`ReportError::Png`] if the SVG cannot be read or rendered.
     pub fn png(&self) -> Result<Vec<u8>, ReportError> {
-        super::png::render(&self.name, &self.svg, &self.alt)
+        self.png_at(PRINT_DPI)
+    }
+
+    /// The figure as PNG at a resolution in dots per inch, on white.
+    ///
+    /// # Errors
+    /// [`ReportError::Png`] if the SVG cannot be read or rendered, or the picture would have no or too many pixels.
+    ///
+    /// # Example
+    /// ```
+    /// use maveric_report::{Context, figures};
+    /// let small = figures::domain(&Context::real())?.png_at(96.0)?;
+    /// assert_eq!(&small[1..4], b"PNG");
+    /// # Ok::<(), maveric_report::ReportError>(())
+    /// ```
+    pub fn png_at(&self, dots_per_inch: f64) -> Result<Vec<u8>, ReportError> {
+        super::png::render(&self.name, &self.svg, &self.alt, dots_per_inch)
     }
 }
+
+/// What journals ask for.
+const PRINT_DPI: f64 = 300.0;
 
 /// Whether a figure shows what participants did, or explains a thing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -120,7 +139,7 @@ pub(crate) fn draw(
             Shows::Explanation => String::new(),
         },
     };
-    let svg = sketch(&head, |canvas| {
+    let sketch = sketch(&head, |canvas| {
         let foot = if says_so { LABEL_HEIGHT } else { 0.0 };
         let (right, bottom) = (canvas.width - MARGIN, canvas.height - MARGIN);
         let place = Place {
@@ -135,16 +154,18 @@ pub(crate) fn draw(
             canvas.text("synthetic participants", (right, bottom), look);
         }
     })?;
-    let caption = if says_so {
-        format!("{} Synthetic participants.", plan.caption)
-    } else {
-        plan.caption
-    };
+    let mut caption = plan.caption;
+    if sketch.unknown_signs {
+        caption += " A question mark stands for a sign that the figure’s font lacks.";
+    }
+    if says_so {
+        caption += " Synthetic participants.";
+    }
     Ok(Figure {
         name: plan.name,
         title: plan.title,
         caption,
         alt: plan.alt,
-        svg,
+        svg: sketch.svg,
     })
 }

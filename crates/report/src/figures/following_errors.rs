@@ -1,11 +1,12 @@
 //! How far from the recorded gap each model drove, driver by driver.
 
 use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Key, Look, Pen, cap_height};
+use super::canvas::{Key, Pen};
 use super::car_following::Follower;
 use super::check::Check;
 use super::fit;
-use super::theme::{GRID, MUTED, size, stroke};
+use super::following_spread as spread;
+use super::theme::{GRID, MUTED, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa::number;
 use crate::error::ReportError;
@@ -32,7 +33,10 @@ pub struct ModelErrors {
 }
 
 const NAME: &str = "following-errors";
-const ROW: f64 = 12.0;
+const X_TITLE: &str = "Root-mean-square error of the gap (m)";
+const ROW: f64 = 15.0;
+/// Above this many drivers they have no row of their own.
+const MOST_DRIVERS: usize = 40;
 
 /// Draws a row of dots for every driver, and one for the mean.
 ///
@@ -74,22 +78,35 @@ pub fn following_errors(input: &FollowingErrors, context: &Context) -> Result<Fi
         .map(|(model, mean)| format!("{}: {} m.", model.model.label(), number(*mean, 2)))
         .collect();
     let rows = input.drivers.len() + 1;
-    let height_points = 58.0 + 10.0 * (input.models.len() as f64 / 3.0).ceil() + ROW * rows as f64;
+    let crowd = input.drivers.len() > MOST_DRIVERS;
+    let height_points = if crowd {
+        58.0 + spread::ROW * input.models.len() as f64
+    } else {
+        58.0 + 10.0 * (input.models.len() as f64 / 3.0).ceil() + ROW * rows as f64
+    };
+    let shown = if crowd {
+        "Thin lines hold nine in ten drivers, thick lines the middle half, points are means over drivers"
+    } else {
+        "Points are networks, short lines what they are held against, above each other where they would meet"
+    };
     let plan = Plan {
         name: NAME.to_owned(),
         size_mm: (120.0, height_points / 72.0 * 25.4),
         title: "Error of the gap in closed loop, by driver".to_owned(),
         caption: format!(
             "{}: root-mean-square error of the gap over the unseen last third of each drive, in \
-             closed loop. Points are networks, short lines what they are held against; the floor was \
-             fitted to that third itself. *n* = {} drivers, each with the same weight in the mean.",
+             closed loop. {shown}; the floor was fitted to that third itself. *n* = {} drivers, each with \
+             the same weight in the mean; no test.",
             crate::markup::literal(&input.data_set),
             input.drivers.len()
         ),
         alt: format!("Mean over drivers. {}", found.join(" ")),
         shows: Shows::Participants,
     };
-    draw(plan, context, |canvas, mut place| {
+    draw(plan, context, |canvas, place| {
+        if crowd {
+            return spread::paint(canvas, place, &input.models, X_TITLE);
+        }
         let keys: Vec<(Key, &str)> = input
             .models
             .iter()
@@ -101,23 +118,7 @@ pub fn following_errors(input: &FollowingErrors, context: &Context) -> Result<Fi
                 )
             })
             .collect();
-        let mut row = Vec::new();
-        let mut top = place.top + 4.0;
-        for key in keys {
-            row.push(key);
-            let wide: f64 = row
-                .iter()
-                .map(|(_, label)| Look::new(size::TICK).width(label) + 15.5)
-                .sum();
-            if wide > place.right - place.left && row.len() > 1 {
-                let last = row.pop();
-                canvas.legend_row((place.left, top), &row);
-                row = last.into_iter().collect();
-                top += 10.0;
-            }
-        }
-        canvas.legend_row((place.left, top), &row);
-        place.top = top + cap_height(size::TICK) + 4.0;
+        let place = canvas.legend(place, &keys);
         let most = input
             .models
             .iter()
@@ -133,7 +134,7 @@ pub fn following_errors(input: &FollowingErrors, context: &Context) -> Result<Fi
             .collect();
         let y = Scale::labelled(-0.6, rows as f64 - 0.4, ticks);
         let labels = Labels {
-            x: "Root-mean-square error of the gap (m)",
+            x: X_TITLE,
             ..Labels::default()
         };
         let frame = Frame::draw(canvas, place, &labels, x, y);
@@ -155,8 +156,10 @@ pub fn following_errors(input: &FollowingErrors, context: &Context) -> Result<Fi
             let low = values.iter().copied().fold(f64::INFINITY, f64::min);
             let high = values.iter().copied().fold(0.0, f64::max);
             canvas.line(frame.at(low, y), frame.at(high, y), Pen::new(GRID, 2.0));
-            for (model, value) in input.models.iter().zip(&values).rev() {
+            let offsets = apart(&values.iter().map(|v| frame.x.at(*v)).collect::<Vec<_>>());
+            for ((model, value), offset) in input.models.iter().zip(&values).zip(offsets).rev() {
                 let (x, y) = frame.at(*value, y);
+                let y = y + offset;
                 match model.model.mark() {
                     Some(pen) => canvas.line((x, y - 4.5), (x, y + 4.5), pen),
                     None => {
@@ -166,6 +169,25 @@ pub fn following_errors(input: &FollowingErrors, context: &Context) -> Result<Fi
             }
         }
     })
+}
+
+/// How far markers at these places move up or down so that none hides another, in points.
+fn apart(places: &[f64]) -> Vec<f64> {
+    const LEVELS: [f64; 3] = [0.0, -4.2, 4.2];
+    const WIDE: f64 = 4.6;
+    let mut taken: Vec<(f64, f64)> = Vec::new();
+    places
+        .iter()
+        .map(|&x| {
+            let free = |level: &&f64| {
+                let mut here = taken.iter().filter(|(_, at)| (at - **level).abs() < 0.1);
+                here.all(|(other, _)| (other - x).abs() >= WIDE)
+            };
+            let level = *LEVELS.iter().find(free).unwrap_or(&0.0);
+            taken.push((x, level));
+            level
+        })
+        .collect()
 }
 
 #[cfg(test)]

@@ -90,7 +90,7 @@ pub fn learning_curve(input: &LearningCurve, context: &Context) -> Result<Figure
         title: "How much driving it takes to know a driver".to_owned(),
         caption: format!(
             "Embeddings fitted to the first minutes of a drive. {} Points: mean over drivers, 95% intervals; \
-             dashed: the mean training embedding. *n* = {} drivers.",
+             dashed: the mean training embedding. *n* = {} drivers; no test.",
             input.judged_on, input.drivers
         ),
         alt: found.join(" "),

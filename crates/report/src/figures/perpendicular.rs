@@ -3,6 +3,7 @@
 use super::axes::{Frame, Labels, Scale};
 use super::canvas::{Canvas, Pen};
 use super::check::Check;
+use super::crowd;
 use super::fit;
 use super::theme::{GREY, PAPER, TWO_COLUMNS_MM, colour, marker, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
@@ -44,7 +45,6 @@ pub struct AngleChange {
 const NAME: &str = "perpendicular";
 /// The first part of the circle is drawn again after 360°, so that neighbours are seen as such.
 const REPEATED_DEGREES: f64 = 30.0;
-const MOST_POINTS: usize = 300;
 
 /// Draws each change against the angle with its fit on cosine and sine.
 ///
@@ -70,6 +70,12 @@ pub fn perpendicular(
         check.finite("change", panel.points.iter().map(|point| point.change))?;
     }
     let count = input.panels.len();
+    let most = input
+        .panels
+        .iter()
+        .map(|p| p.points.len())
+        .max()
+        .unwrap_or(0);
     let sizes: Vec<String> = input
         .panels
         .iter()
@@ -86,6 +92,11 @@ pub fn perpendicular(
             )
         })
         .collect();
+    let repeated = if most > crowd::MOST_POINTS {
+        ""
+    } else {
+        "The first 30° are repeated in grey. "
+    };
     let plan = Plan {
         name: NAME.to_owned(),
         size_mm: (if count == 1 { 85.0 } else { TWO_COLUMNS_MM }, 66.0),
@@ -93,9 +104,10 @@ pub fn perpendicular(
         caption: format!(
             "Change from Mimic to Perpendicular against the angle on the ellipse at which each \
              participant’s Perpendicular embedding lies. Predicted aggression is the same all \
-             round. Line: least squares on cosine and sine of the angle. The first 30° are \
-             repeated in grey. *n* = {}; the test stands below each title.",
-            sizes.join(", ")
+             round. Line: least squares on cosine and sine of the angle. {repeated}*n* = {}; the multiple correlation *R* with cosine and sine and its \
+             *p* (*F* test) stand below each title.{}",
+            sizes.join(", "),
+            crowd::words(most)
         ),
         alt: found.join(" "),
         shows: Shows::Participants,
@@ -139,20 +151,24 @@ fn paint(canvas: &mut Canvas<'_>, place: super::axes::Place, panel: &Perpendicul
             .collect();
         canvas.path(&curve, Pen::new(ink, stroke::STRONG));
     }
-    for &(angle, change) in pairs.iter().take(MOST_POINTS) {
-        let degrees = fit::degrees_from_radians(angle);
-        if degrees <= REPEATED_DEGREES {
+    let places: Vec<(f64, f64)> = pairs
+        .iter()
+        .map(|&(angle, change)| (fit::degrees_from_radians(angle), change))
+        .collect();
+    for &(degrees, change) in &places {
+        if degrees <= REPEATED_DEGREES && places.len() <= crowd::MOST_POINTS {
             let again = frame.at(degrees + 360.0, change);
             canvas.disc(again, 1.5, GREY, 0.6);
             canvas.ring(again, 1.5, Pen::new(PAPER, stroke::THIN));
         }
-        canvas.marker(
-            frame.at(degrees, change),
-            1.8,
-            marker(Condition::Perpendicular),
-            ink,
-        );
     }
+    crowd::paint(
+        canvas,
+        &frame,
+        &places,
+        1.8,
+        (marker(Condition::Perpendicular), ink),
+    );
 }
 
 #[cfg(test)]

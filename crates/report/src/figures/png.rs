@@ -1,4 +1,4 @@
-//! An SVG of ours as PNG, 300 dots per inch, on white.
+//! An SVG of ours as PNG, on white.
 
 use super::font::{FAMILY, Face};
 use crate::error::ReportError;
@@ -6,8 +6,10 @@ use resvg::{tiny_skia, usvg};
 use std::sync::{Arc, OnceLock};
 
 const CSS_PIXELS_PER_INCH: f32 = 96.0;
-const DOTS_PER_INCH: f32 = 300.0;
-const DOTS_PER_METRE: u32 = 11_811;
+const INCHES_PER_METRE: f64 = 1.0 / 0.0254;
+const COARSE_BELOW: f64 = 150.0;
+/// On a side: A0 at 300 dots per inch.
+const MOST_PIXELS: f32 = 14_100.0;
 
 /// Parsing options that know our fonts and nothing of the machine.
 pub(crate) fn options() -> usvg::Options<'static> {
@@ -27,14 +29,25 @@ pub(crate) fn options() -> usvg::Options<'static> {
 }
 
 /// Renders an SVG; `description` goes into the file.
-pub(crate) fn render(figure: &str, svg: &str, description: &str) -> Result<Vec<u8>, ReportError> {
+pub(crate) fn render(
+    figure: &str,
+    svg: &str,
+    description: &str,
+    dots_per_inch: f64,
+) -> Result<Vec<u8>, ReportError> {
     let failed = |reason: String| ReportError::Png {
         figure: figure.to_owned(),
         reason,
     };
     let tree = usvg::Tree::from_str(svg, &options()).map_err(|error| failed(error.to_string()))?;
-    let scale = DOTS_PER_INCH / CSS_PIXELS_PER_INCH;
+    let scale = dots_per_inch as f32 / CSS_PIXELS_PER_INCH;
     let size = tree.size();
+    let longest = size.width().max(size.height()) * scale;
+    if !(1.0..=MOST_PIXELS).contains(&longest) {
+        return Err(failed(format!(
+            "{dots_per_inch} dots per inch make a side of {longest} pixels, expected 1 to {MOST_PIXELS}"
+        )));
+    }
     let (width, height) = (
         (size.width() * scale).round() as u32,
         (size.height() * scale).round() as u32,
@@ -53,14 +66,20 @@ pub(crate) fn render(figure: &str, svg: &str, description: &str) -> Result<Vec<u
         rgb.extend_from_slice(&pixel[..3]);
     }
 
+    let dots_per_metre = (dots_per_inch * INCHES_PER_METRE).round() as u32;
     let mut out = Vec::new();
     let mut encoder = png::Encoder::new(&mut out, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::Fast);
+    // A coarse picture is made to be kept or sent, and quickly packed; a fine one costs ten times as much.
+    encoder.set_compression(if dots_per_inch < COARSE_BELOW {
+        png::Compression::High
+    } else {
+        png::Compression::Fast
+    });
     encoder.set_pixel_dims(Some(png::PixelDimensions {
-        xppu: DOTS_PER_METRE,
-        yppu: DOTS_PER_METRE,
+        xppu: dots_per_metre,
+        yppu: dots_per_metre,
         unit: png::Unit::Meter,
     }));
     encoder

@@ -70,7 +70,7 @@ pub fn preference(input: &Preferences, context: &Context) -> Result<Figure, Repo
         .iter()
         .map(|scale| {
             format!(
-                "{}: {}% rated Aggressive and {}% Cautious above Mimic.",
+                "{}: {}% rated Aggressive and {}% Cautious better than Mimic.",
                 scale.scale,
                 share(scale.aggressive_above, scale.n),
                 share(scale.cautious_above, scale.n)
@@ -89,7 +89,7 @@ pub fn preference(input: &Preferences, context: &Context) -> Result<Figure, Repo
         caption: format!(
             "Share of participants who rated Aggressive or Cautious better than Mimic, scale by \
              scale (ties count as not better; on Discomfort, less is better). Lines: Wilson 95% \
-             intervals. *n* = {n}."
+             intervals. *n* = {n}; no test."
         ),
         alt: found.join(" "),
         shows: Shows::Participants,
@@ -112,7 +112,7 @@ pub fn preference(input: &Preferences, context: &Context) -> Result<Figure, Repo
         let x = Scale::labelled(-0.55, count - 0.45, ticks.collect());
         let y = Scale::between(0.0, top + 3.0, 5);
         let labels = Labels {
-            y: "Rated above Mimic (% of participants)",
+            y: "Rated better than Mimic (% of participants)",
             ..Labels::default()
         };
         let frame = Frame::draw(canvas, place, &labels, x, y);

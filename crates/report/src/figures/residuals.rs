@@ -104,7 +104,7 @@ pub fn residuals(input: &Residuals, context: &Context) -> Result<Figure, ReportE
         title: "What the predictions leave over".to_owned(),
         caption: format!(
             "Residuals of the networks on recorded windows {whose}, each drive with its own embedding. Boxes reach \
-             between the quantiles at {}%; solid: the mean; dashed: no error. *n* = {}, {} drives.",
+             between the quantiles at {}%; solid: the mean; dashed: no error. *n* = {}, {} drives; no test.",
             shares.join(", "),
             rows.join(", "),
             input.drives

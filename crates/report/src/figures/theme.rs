@@ -147,3 +147,50 @@ pub(crate) fn viridis(share: f64) -> RGBColor {
 pub(crate) fn hex(colour: RGBColor) -> String {
     format!("#{:02x}{:02x}{:02x}", colour.0, colour.1, colour.2)
 }
+
+/// A coefficient from −1 (blue) over 0 (nearly white) to 1 (orange), clamped.
+///
+/// The darkest are those of Cautious and Aggressive, the widest apart for colour-blind eyes.
+pub(crate) fn diverging(value: f64) -> RGBColor {
+    const MIDDLE: RGBColor = RGBColor(0xf6, 0xf6, 0xf6);
+    let value = value.clamp(-1.0, 1.0);
+    let end = colour(if value < 0.0 {
+        Condition::Cautious
+    } else {
+        Condition::Aggressive
+    });
+    let share = value.abs();
+    let mix = |a: u8, b: u8| (f64::from(a) + (f64::from(b) - f64::from(a)) * share).round() as u8;
+    let mixed = RGBColor(
+        mix(MIDDLE.0, end.0),
+        mix(MIDDLE.1, end.1),
+        mix(MIDDLE.2, end.2),
+    );
+    // The end itself is a condition's colour, which the dark page changes; a cell stays as it is.
+    if mixed == end {
+        RGBColor(end.0, end.1, end.2 + 1)
+    } else {
+        mixed
+    }
+}
+
+/// Text on a coloured cell: dark or light, whichever has more contrast. Not the ink and paper of
+/// the page, which change with it.
+pub(crate) fn on_colour(ground: RGBColor) -> RGBColor {
+    let channel = |value: u8| {
+        let share = f64::from(value) / 255.0;
+        if share <= 0.040_45 {
+            share / 12.92
+        } else {
+            ((share + 0.055) / 1.055).powf(2.4)
+        }
+    };
+    let luminance =
+        0.2126 * channel(ground.0) + 0.7152 * channel(ground.1) + 0.0722 * channel(ground.2);
+    // Where contrast with black and with white are the same.
+    if luminance > 0.179 {
+        RGBColor(0x16, 0x16, 0x16)
+    } else {
+        RGBColor(0xfe, 0xfe, 0xfe)
+    }
+}

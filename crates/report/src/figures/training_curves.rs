@@ -76,7 +76,7 @@ pub fn training_curves(input: &TrainingCurves, context: &Context) -> Result<Figu
         title: "Training".to_owned(),
         caption: format!(
             "Each term of the loss by epoch, unweighted, on standardised targets, over {} training \
-             drives and {epochs} epochs.{}",
+             drives and {epochs} epochs; no test.{}",
             input.drives,
             if validated {
                 " Dashed: the last part of every drive, not learned from."
@@ -113,7 +113,7 @@ pub fn training_curves(input: &TrainingCurves, context: &Context) -> Result<Figu
                 title: &term.title,
                 subtitle: "",
                 x: "Epoch",
-                y: "",
+                y: "Loss",
                 ..Labels::default()
             };
             let frame = Frame::draw(canvas, place, &labels, x, y);

@@ -6,6 +6,7 @@ use crate::claims::ledger_table;
 use crate::error::ReportError;
 use crate::figures::Figure;
 use crate::tables::{Table, exclusions};
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 /// A file to be written.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -31,9 +32,14 @@ pub fn render(report: &Report) -> Result<Vec<RenderedFile>, ReportError> {
         path: "index.html".to_owned(),
         bytes: page(report, &left_out)?.into_bytes(),
     }];
-    for figure in report.sections.iter().flat_map(|section| &section.figures) {
-        files.extend(figure_files(figure)?);
-    }
+    let figures: Vec<&Figure> = report
+        .sections
+        .iter()
+        .flat_map(|section| &section.figures)
+        .collect();
+    // Rendering pictures takes most of the time; the order of the files stays that of the figures.
+    let drawn = figures.par_iter().map(|figure| figure_files(figure));
+    files.extend(drawn.collect::<Result<Vec<_>, _>>()?.into_iter().flatten());
     let tables = report.sections.iter().flat_map(|section| &section.tables);
     for table in tables.chain([&left_out]).chain(ledger.as_ref()) {
         files.extend(table_files(table, report)?);

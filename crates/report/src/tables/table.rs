@@ -63,6 +63,8 @@ pub enum Cell {
     },
     /// Not there: an empty field in the CSV, a dash elsewhere.
     Missing,
+    /// Not there, for a reason: a dash with a letter, and the reason below the table.
+    MissingBecause(String),
 }
 
 impl Cell {
@@ -77,6 +79,14 @@ impl Cell {
             value: count as f64,
             decimals: 0,
         }
+    }
+
+    /// A number, or missing for a reason.
+    pub fn number_or(value: Option<f64>, decimals: usize, reason: &str) -> Self {
+        value.map_or_else(
+            || Self::MissingBecause(reason.to_owned()),
+            |value| Self::Number { value, decimals },
+        )
     }
 
     /// A number, or missing.
@@ -96,9 +106,16 @@ impl Cell {
             Self::Marked(text) => text.clone(),
             Self::Number { value, decimals } => apa::number(*value, *decimals),
             Self::Bounded { value, decimals } => apa::bounded(*value, *decimals),
-            Self::Missing => "–".to_owned(),
+            Self::Missing | Self::MissingBecause(_) => "–".to_owned(),
         }
     }
+}
+
+/// The letters `a`, `b` … `z`, `aa` … of the reasons below a table.
+fn letters(index: usize) -> String {
+    let letter = char::from(b'a' + (index % 26) as u8);
+    let before = (index / 26).checked_sub(1).map(letters).unwrap_or_default();
+    format!("{before}{letter}")
 }
 
 impl Column {
@@ -120,6 +137,48 @@ impl Column {
 }
 
 impl Table {
+    /// Why cells are missing, each reason once, in the order of the rows.
+    fn reasons(&self) -> Vec<&str> {
+        let mut reasons: Vec<&str> = Vec::new();
+        for cell in self.rows.iter().flatten() {
+            if let Cell::MissingBecause(reason) = cell
+                && !reasons.contains(&reason.as_str())
+            {
+                reasons.push(reason);
+            }
+        }
+        reasons
+    }
+
+    /// The rows as shown, with marks: a missing cell carries the letter of its reason.
+    pub(crate) fn shown(&self) -> Vec<Vec<String>> {
+        let reasons = self.reasons();
+        let shown = |cell: &Cell| match cell {
+            Cell::MissingBecause(reason) => {
+                let index = reasons.iter().position(|known| known == reason);
+                format!("–^{{{}}}", index.map(letters).unwrap_or_default())
+            }
+            other => other.marked(),
+        };
+        self.rows
+            .iter()
+            .map(|row| row.iter().map(shown).collect())
+            .collect()
+    }
+
+    /// The notes as shown, with marks: the reasons come last.
+    pub(crate) fn shown_notes(&self) -> Vec<String> {
+        let reasons = self.reasons().into_iter().enumerate();
+        let reasons = reasons.map(|(index, reason)| {
+            format!(
+                "^{{{}}} {}.",
+                letters(index),
+                markup::literal(reason.trim_end_matches('.'))
+            )
+        });
+        self.notes.iter().cloned().chain(reasons).collect()
+    }
+
     /// Checks that every row fits the columns and every number is finite.
     ///
     /// # Errors

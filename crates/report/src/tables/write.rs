@@ -17,7 +17,7 @@ impl Table {
         for row in &self.rows {
             let fields = row.iter().map(|cell| match cell {
                 Cell::Number { value, .. } | Cell::Bounded { value, .. } => format!("{value}"),
-                Cell::Missing => String::new(),
+                Cell::Missing | Cell::MissingBecause(_) => String::new(),
                 Cell::Text(text) => csv_field(text),
                 Cell::Marked(text) => csv_field(&markup::plain(text)),
             });
@@ -44,11 +44,11 @@ impl Table {
                 .map(|column| rule(column.align))
                 .collect(),
         );
-        for row in &self.rows {
-            out += &line(row.iter().map(|cell| markdown(&cell.marked())).collect());
+        for row in self.shown() {
+            out += &line(row.iter().map(|cell| markdown(cell)).collect());
         }
-        for note in &self.notes {
-            let _ = write!(out, "\n{}\n", markdown(note));
+        for note in self.shown_notes() {
+            let _ = write!(out, "\n{}\n", markdown(&note));
         }
         out
     }
@@ -79,12 +79,12 @@ impl Table {
                 .collect(),
         );
         out += "\\midrule\n";
-        for row in &self.rows {
-            out += &line(row.iter().map(|cell| latex(&cell.marked())).collect());
+        for row in self.shown() {
+            out += &line(row.iter().map(|cell| latex(cell)).collect());
         }
         out += "\\bottomrule\n\\end{tabular}\n";
-        for note in &self.notes {
-            let _ = writeln!(out, "\\par\\smallskip\\footnotesize {}", latex(note));
+        for note in self.shown_notes() {
+            let _ = writeln!(out, "\\par\\smallskip\\footnotesize {}", latex(&note));
         }
         out += "\\end{table}\n";
         out
@@ -109,10 +109,11 @@ impl Table {
             let _ = write!(out, "<th scope=\"col\"{}>{header}</th>", side(column.align));
         }
         out += "</tr></thead>\n<tbody>\n";
-        for row in &self.rows {
+        for (row, shown) in self.rows.iter().zip(self.shown()) {
             out += "<tr>";
-            for (index, (cell, column)) in row.iter().zip(&self.columns).enumerate() {
-                let mut text = markup::html(&cell.marked());
+            let cells = row.iter().zip(&shown).zip(&self.columns);
+            for (index, ((cell, shown), column)) in cells.enumerate() {
+                let mut text = markup::html(shown);
                 if matches!(cell, Cell::Text(_)) {
                     // A name written from right to left leaves the rest of the row alone.
                     text = format!("<bdi>{text}</bdi>");
@@ -127,8 +128,8 @@ impl Table {
             out += "</tr>\n";
         }
         out += "</tbody>\n</table>\n";
-        for note in &self.notes {
-            let _ = writeln!(out, "<p class=\"note\">{}</p>", markup::html(note));
+        for note in self.shown_notes() {
+            let _ = writeln!(out, "<p class=\"note\">{}</p>", markup::html(&note));
         }
         out
     }
@@ -309,5 +310,66 @@ mod tests {
                 ..
             })
         ));
+    }
+
+    /// Arabic, Hebrew, an override that turns the rest of a line round, an emoji of two joined signs.
+    const FAR: &str = "\u{645}\u{631}\u{62d}\u{628}\u{627} \u{5e9}\u{5dc}\u{5d5}\u{5dd} \u{202e}x \u{1f468}\u{200d}\u{1f52c}";
+
+    fn far() -> Table {
+        let mut table = table();
+        table.rows[0][0] = Cell::text(FAR);
+        table
+    }
+
+    #[test]
+    fn a_name_from_right_to_left_and_an_emoji_stay_whole_in_every_format() {
+        assert!(far().to_html().contains(&format!("<bdi>{FAR}</bdi>")));
+        assert!(far().to_csv().contains(FAR));
+        assert!(far().to_markdown().contains(FAR));
+        assert!(far().to_latex().contains(FAR));
+    }
+
+    #[test]
+    fn a_missing_cell_is_a_dash_with_its_reason_and_an_empty_field_in_csv() {
+        let mut table = table();
+        table.rows[0][1] = Cell::number_or(None, 2, "never merged back");
+        table.rows[1][1] = Cell::number_or(None, 2, "drove < 1 min & left");
+        table.rows.push(vec![
+            Cell::text("c"),
+            Cell::number_or(None, 2, "never merged back"),
+        ]);
+        let html = table.to_html();
+        assert_eq!(html.matches("–<sup>a</sup>").count(), 2);
+        assert!(
+            html.contains(
+                "<p class=\"note\"><sup>b</sup> drove\u{a0}&lt;\u{a0}1 min &amp; left.</p>"
+            ),
+            "{html}"
+        );
+        assert!(table.to_latex().contains("–\\textsuperscript{b}"));
+        assert!(
+            table
+                .to_latex()
+                .contains("\\textsuperscript{b} drove \\textless{} 1 min \\& left.")
+        );
+        assert!(table.to_csv().ends_with("=1+1,\r\nc,\r\n"));
+        for written in [
+            table.to_html(),
+            table.to_latex(),
+            table.to_markdown(),
+            table.to_csv(),
+        ] {
+            assert!(!written.contains("NaN"));
+        }
+    }
+
+    #[test]
+    fn every_sign_that_latex_reads_is_escaped() {
+        let mut table = table();
+        table.rows[0][0] = Cell::text("\\ ~ ^ & % $ # _ { } < > − × ± ≤ ≥ → ² °");
+        let latex = table.to_latex();
+        let expected = "\\textbackslash{} \\textasciitilde{} \\textasciicircum{} \\& \\% \\$ \\# \\_ \\{ \\} \\textless{} \\textgreater{} \
+                        $-$ $\\times$ $\\pm$ $\\leq$ $\\geq$ $\\rightarrow$ \\textsuperscript{2} \\textdegree{}";
+        assert!(latex.contains(expected), "{latex}");
     }
 }

@@ -16,9 +16,10 @@ use crate::{
     road::CentreLine,
     rollout::Action,
     scenario::{ControllerSettings, VehicleSettings},
-    trace::{LaneActivity as LaneState, TraceRow},
 };
-use maveric_domain::{Road, Scene, Setpoints, Situation, drive::ReferenceTracker};
+use maveric_domain::{
+    LaneActivity as LaneState, Road, Scene, Setpoints, Situation, TraceRow, drive::ReferenceTracker,
+};
 
 /// A planner and the controllers that carry out what it asks.
 pub(crate) struct AutomatedDriver<'a> {
@@ -35,9 +36,9 @@ pub(crate) struct AutomatedDriver<'a> {
     command_mps2: f64,
     lane_state: LaneState,
     brake: EmergencyBrake,
+    asked: Option<Setpoints>,
     sideways: Sideways,
     interventions: Vec<Intervention>,
-    asked: Option<Setpoints>,
 }
 
 /// Time a change that is given up takes to undo, in s.
@@ -65,9 +66,9 @@ impl<'a> AutomatedDriver<'a> {
             command_mps2: 0.0,
             lane_state: LaneState::Keeping,
             brake: EmergencyBrake::default(),
+            asked: None,
             sideways: Sideways::default(),
             interventions: Vec::new(),
-            asked: None,
         }
     }
 
@@ -100,9 +101,9 @@ impl<'a> AutomatedDriver<'a> {
             reference,
         };
         let asked = checked(self.planner.plan(&situation), scene.time_s)?;
+        self.asked = Some(asked);
         self.sideways
             .observe(self.settings, scene, &self.road, self.vehicle.width_m);
-        self.asked = Some(asked);
         let acceleration_mps2 = self.accelerate(scene, steering, &asked);
 
         let manoeuvre = if steering.coming_from().is_some() {

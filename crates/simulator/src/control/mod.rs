@@ -12,4 +12,5 @@ mod velocity;
 
 pub(crate) use automated::AutomatedDriver;
 pub use intervention::{Intervention, InterventionKind};
+pub(crate) use safety::safe_distance_m;
 pub use safety::{lateral_safe_distance, safe_distance};

@@ -158,6 +158,14 @@ impl Steering {
         self.lane = lane;
     }
 
+    /// Lateral position (m) and heading (rad) of the path at `x_m`.
+    pub(crate) fn path_at(&self, x_m: f64) -> (f64, f64) {
+        match &self.change {
+            Some(change) => change.curve.at(x_m),
+            None => (f64::from(self.lane) * self.lane_width_m, 0.0),
+        }
+    }
+
     /// Angle of the front wheels, in rad: Stanley's rule at the front axle.
     ///
     /// # Source
@@ -169,10 +177,7 @@ impl Steering {
         if self.change.is_some_and(|c| pose.x_m >= c.curve.x[3]) {
             self.change = None;
         }
-        let (path_y, path_heading) = match &self.change {
-            Some(change) => change.curve.at(axle.x_m),
-            None => (f64::from(self.lane) * self.lane_width_m, 0.0),
-        };
+        let (path_y, path_heading) = self.path_at(axle.x_m);
         let error = (path_y - axle.y_m) * path_heading.cos();
         let pull = (self.gain_per_s * error).atan2(pose.speed_mps + SOFTENING_MPS);
         let slip = car.front_slip_rad(line.curvature_per_m(pose.x_m));

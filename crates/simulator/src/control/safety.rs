@@ -69,12 +69,15 @@ pub(crate) fn needed_braking_mps2(
     if lead_braking_mps2 > 0.5 {
         let lead_stops_in = lead_mps * lead_mps / (2.0 * lead_braking_mps2);
         let to_stand = ego_mps * ego_mps / (2.0 * (room + lead_stops_in));
-        let while_moving = if closing > 0.0 {
+        // If the speeds meet before the lead stands, only that counts: stopping behind its last place would not help.
+        let meets_first = closing > 0.0 && 2.0 * room / closing < lead_mps / lead_braking_mps2;
+        return if meets_first {
             lead_braking_mps2 + closing * closing / (2.0 * room)
+        } else if closing > 0.0 {
+            to_stand
         } else {
             0.0
         };
-        return to_stand.min(while_moving);
     }
     if closing > 0.0 {
         closing * closing / (2.0 * room)

@@ -7,6 +7,7 @@
 //! # Source
 //! Treiber, Hennecke and Helbing 2000; Kesting, Treiber and Helbing 2007. See `docs/traffic.md` for what was checked.
 
+mod around_ego;
 mod changes;
 mod driver;
 mod lane;
@@ -15,6 +16,7 @@ mod mobil;
 mod rebuild;
 mod settings;
 
+pub(crate) use around_ego::AroundEgo;
 pub use driver::IdmDriver;
 use lane::{Ends, Lane, Role};
 pub use mix::{TrafficMix, departures, evenly};

@@ -1,18 +1,22 @@
 //! Every number of the world a user may change, checked once.
 
+mod background;
 mod check;
 mod controllers;
+mod placement;
 mod road;
 mod traffic;
 mod vehicle;
 
 use crate::{drivers::Population, error::SimulatorError, road::CentreLine};
+pub use background::{BackgroundSettings, WaveSettings};
 use check::{Range, check};
 pub use controllers::{ChangeRule, ControllerSettings};
 use maveric_domain::{MetresPerSecond, Road};
+pub use placement::{ScriptStep, VehiclePlacement};
 pub use road::{RoadSettings, StartSettings};
 use serde::{Deserialize, Serialize};
-pub use traffic::{BlockedSettings, LeadSettings, OffLaneSettings, VehiclePlacement};
+pub use traffic::{BlockedSettings, LeadSettings, OffLaneSettings};
 pub use vehicle::{DynamicsSettings, Integrator, VehicleModel, VehicleSettings};
 
 /// A scenario as its file has it; [`Scenario`] is the checked form.
@@ -29,17 +33,40 @@ pub struct ScenarioSettings {
     pub start: StartSettings,
     /// The six lead vehicles.
     pub leads: LeadSettings,
-    /// Encounters in which the passing lane is taken.
+    /// Encounters in which the passing lane is taken; those of the paper's scenario without.
+    #[serde(default = "usual_blocked")]
     pub blocked: BlockedSettings,
-    /// Other vehicles of the passing lane.
+    /// Other vehicles of the passing lane; those of the paper's scenario without.
+    #[serde(default = "usual_off_lane")]
     pub off_lane: OffLaneSettings,
-    /// The automated car's controllers.
+    /// The automated car's controllers; those of the paper's scenario without.
+    #[serde(default = "usual_controllers")]
     pub controllers: ControllerSettings,
-    /// The population of synthetic drivers.
+    /// The population of synthetic drivers; that of the paper's scenario without.
+    #[serde(default = "usual_drivers")]
     pub drivers: Population,
     /// Further vehicles, there from the start, each keeping its speed and lane.
     #[serde(default)]
     pub vehicles: Vec<VehiclePlacement>,
+    /// Background traffic in place of leads and off-lane vehicles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub background: Option<BackgroundSettings>,
+}
+
+fn usual_blocked() -> BlockedSettings {
+    BlockedSettings::PAPER
+}
+
+fn usual_off_lane() -> OffLaneSettings {
+    OffLaneSettings::PAPER
+}
+
+fn usual_controllers() -> ControllerSettings {
+    ControllerSettings::PAPER
+}
+
+fn usual_drivers() -> Population {
+    Population::PAPER
 }
 
 /// A checked scenario: the world, the car, its controllers and who may drive it.
@@ -73,6 +100,7 @@ impl Scenario {
                 controllers: ControllerSettings::PAPER,
                 drivers: Population::PAPER,
                 vehicles: Vec::new(),
+                background: None,
             },
             centre_line: CentreLine::default(),
         }
@@ -128,8 +156,14 @@ impl TryFrom<ScenarioSettings> for Scenario {
         settings.off_lane.check()?;
         settings.controllers.check()?;
         settings.drivers.check()?;
-        for vehicle in &settings.vehicles {
-            vehicle.check(&settings.road, settings.vehicle.length_m)?;
+        placement::check_all(
+            &settings.vehicles,
+            &settings.road,
+            &settings.start,
+            settings.vehicle.length_m,
+        )?;
+        if let Some(background) = &settings.background {
+            background.check(&settings)?;
         }
         let centre_line = CentreLine::new(&settings.road.segments);
         Ok(Self {

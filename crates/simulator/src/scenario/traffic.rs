@@ -1,6 +1,6 @@
 //! Settings of the traffic.
 
-use super::{Range, RoadSettings, check};
+use super::{Range, check};
 use crate::error::SimulatorError;
 use serde::{Deserialize, Serialize};
 
@@ -249,33 +249,5 @@ impl OffLaneSettings {
             check("off_lane", key, high, Range::Within(low, most, words))?;
         }
         Ok(())
-    }
-}
-
-/// A vehicle that is there from the start and keeps its speed and lane.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct VehiclePlacement {
-    /// Centre of the vehicle ahead of ego's centre, in m; negative behind.
-    pub ahead_m: f64,
-    /// Lane, 0 the right one.
-    pub lane: u8,
-    /// Speed, in m/s.
-    pub speed_mps: f64,
-}
-
-impl VehiclePlacement {
-    pub(super) fn check(&self, road: &RoadSettings, length_m: f64) -> Result<(), SimulatorError> {
-        check("vehicles", "ahead_m", self.ahead_m, Range::Finite)?;
-        let apart = Range::Within(length_m + 1.0, f64::MAX, "clear of ego by a metre");
-        check("vehicles", "ahead_m", self.ahead_m.abs(), apart)?;
-        let lane = Range::Within(0.0, f64::from(road.lanes) - 1.0, "a lane of the road");
-        check("vehicles", "lane", f64::from(self.lane), lane)?;
-        check(
-            "vehicles",
-            "speed_mps",
-            self.speed_mps,
-            Range::Within(0.0, 60.0, "0 to 60 m/s"),
-        )
     }
 }

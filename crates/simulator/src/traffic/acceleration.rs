@@ -38,6 +38,7 @@ pub(crate) fn wanted(
             let wanted = blocked::wanted_mps(&settings.blocked, ego, x_m, *place_m, *leaving);
             (wanted, ACCELERATION_MPS2)
         }
+        Role::Scripted(script) => return script.acceleration_mps2(car.state.speed_mps),
         Role::Steady { speed_mps, .. } => (*speed_mps, ACCELERATION_MPS2),
     };
     let (lateral, braking) = BEND_MPS2;

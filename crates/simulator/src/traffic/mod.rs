@@ -4,11 +4,13 @@ pub(crate) mod acceleration;
 mod blocked;
 mod off_lane;
 mod schedule;
+mod script;
 
 pub(crate) use blocked::Blockade;
 use maveric_domain::{VehicleId, VehicleState};
 pub(crate) use off_lane::OffLaneTraffic;
 pub(crate) use schedule::{LeadPlan, LeadSchedule};
+pub(crate) use script::Script;
 
 /// A vehicle other than ego.
 #[derive(Debug, Clone)]
@@ -33,6 +35,8 @@ pub(crate) enum Role {
         /// Whether it is on its way off.
         leaving: bool,
     },
+    /// A car that does what the scenario says.
+    Scripted(Script),
     /// A car that keeps its speed.
     Steady {
         /// Its speed, in m/s.
@@ -51,6 +55,8 @@ pub(crate) struct EgoView {
     pub(crate) length_m: f64,
     /// Lane it is in.
     pub(crate) lane: u8,
+    /// Lane it is changing to, or keeping: its turn signal shows.
+    pub(crate) bound_for: u8,
     /// Whether it is keeping that lane.
     pub(crate) keeping: bool,
     /// v_e, its target speed, in m/s.

@@ -1,6 +1,7 @@
 //! Bayesian linear regression over people who differ, with shrinkage.
 
 mod belief;
+mod vertex;
 
 pub use belief::Belief;
 

@@ -4,11 +4,11 @@ use crate::{
     atomic_write::{atomic_write, read_text},
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
-    stages::{rate::read_effects, score::read_scales},
+    stages::{rate::read_effects, score::read_scales, simulate::Scenes},
     tables::{participants::write_participants, surveys::write_answers},
 };
 use maveric_domain::{Condition, DriveId, DriveMeta, DrivenBy, Seconds, Study, stream_seed};
-use maveric_ingest::write_mcap;
+use maveric_ingest::{Beside, write_mcap_with};
 use maveric_participants::{Cohort, CohortSettings, PlannedDrive, answer_before};
 use maveric_simulator::{Driver, Scenario, rollout};
 use serde::Serialize;
@@ -33,6 +33,8 @@ pub struct GenerateOptions {
     pub duration_s: Option<f64>,
     /// Whether everybody drives as themselves once more, on another day: `logs/study1-again`, `logs/study2-again`.
     pub repeat_drives: bool,
+    /// Whose logs get a scene for Foxglove and Lichtblick.
+    pub scenes: Scenes,
     /// Root of every random choice.
     pub seed: u64,
     /// Threads.
@@ -85,6 +87,9 @@ pub fn generate(
         options.seed,
         &CohortSettings::default(),
     )?;
+    options
+        .scenes
+        .check(cohort.drives.iter().map(|d| &d.participant))?;
     let answers = answer_before(&cohort, &scales, &effects, options.seed)?;
     let mut planned: Vec<(PlannedDrive, &str)> =
         cohort.drives.iter().map(|d| (d.clone(), "")).collect();
@@ -164,8 +169,12 @@ fn drive(
         .join("logs")
         .join(format!("{folder}{day_name}"))
         .join(format!("{}.mcap", planned.drive));
+    let beside = Beside {
+        scene: options.scenes.cover(&planned.participant),
+        ..Beside::default()
+    };
     atomic_write(&path, |file| {
-        Ok(write_mcap(&driven.recording, &meta, file)?)
+        Ok(write_mcap_with(&driven.recording, &meta, &beside, file)?)
     })?;
     Ok(driven.report.collisions as usize)
 }

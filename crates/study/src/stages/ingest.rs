@@ -13,6 +13,7 @@ use maveric_ingest::{IngestSettings, Mapping, Provenance, Warning, log_files, re
 use serde::Serialize;
 use std::{
     collections::BTreeSet,
+    fs::File,
     path::{Path, PathBuf},
 };
 use tempfile::TempDir;
@@ -85,10 +86,15 @@ pub fn ingest(
         }
         logs.extend(found);
     }
-    let aside = folder_aside(&options.out)?;
+    let aside = Aside::new(&options.out)?;
     let numbered: Vec<(usize, &Path)> = logs.iter().map(PathBuf::as_path).enumerate().collect();
     let written = for_each_on(options.jobs, &numbered, watch, "logs ingested", |log| {
-        write_log(*log, aside.path(), &settings, options.mapping.as_deref())
+        write_log(
+            *log,
+            aside.folder.path(),
+            &settings,
+            options.mapping.as_deref(),
+        )
     })?;
     let mut drives: Vec<Written> = written.into_iter().flatten().collect();
     let mut ids = BTreeSet::new();
@@ -141,14 +147,57 @@ pub fn ingest(
 }
 
 /// A hidden folder on the disk of `out`, in the nearest folder above that exists; it goes when it is dropped.
-fn folder_aside(out: &Path) -> Result<TempDir, StudyError> {
-    let out = std::path::absolute(out).map_err(StudyError::write(out))?;
-    let exists = out.ancestors().find(|folder| folder.is_dir());
-    let folder = exists.unwrap_or(&out);
-    tempfile::Builder::new()
-        .prefix(".ingest-")
-        .tempdir_in(folder)
-        .map_err(StudyError::write(folder))
+struct Aside {
+    /// Held as long as the folder is in use: it says so to others, whatever ends this program.
+    _lock: File,
+    folder: TempDir,
+}
+
+impl Aside {
+    const PREFIX: &str = ".ingest-";
+    const LOCK: &str = "in-use";
+    /// How far above `out` a call that was killed may have left its folder: `out` was made since.
+    const LEVELS: usize = 4;
+
+    /// Makes the folder, and removes those that killed calls left behind.
+    fn new(out: &Path) -> Result<Self, StudyError> {
+        let out = std::path::absolute(out).map_err(StudyError::write(out))?;
+        let exists = out.ancestors().find(|folder| folder.is_dir());
+        let place = exists.unwrap_or(&out);
+        out.ancestors()
+            .take(Self::LEVELS)
+            .for_each(Self::remove_left_behind);
+        let folder = tempfile::Builder::new()
+            .prefix(Self::PREFIX)
+            .tempdir_in(place)
+            .map_err(StudyError::write(place))?;
+        // Locked before it has its name, so that nobody finds it free; where the disk knows no locks nobody takes one.
+        let (fresh, lock) = (folder.path().join("new"), folder.path().join(Self::LOCK));
+        let file = File::create(&fresh).map_err(StudyError::write(&fresh))?;
+        let _ = file.try_lock();
+        std::fs::rename(&fresh, &lock).map_err(StudyError::write(&lock))?;
+        Ok(Self {
+            _lock: file,
+            folder,
+        })
+    }
+
+    /// Removes folders of other calls whose lock nobody holds any more. What cannot be removed stays: it does no harm.
+    fn remove_left_behind(place: &Path) {
+        for entry in std::fs::read_dir(place).into_iter().flatten().flatten() {
+            let folder = entry.path();
+            let ours = entry
+                .file_name()
+                .to_string_lossy()
+                .starts_with(Self::PREFIX);
+            if let Ok(lock) = File::options().write(true).open(folder.join(Self::LOCK))
+                && ours
+                && lock.try_lock().is_ok()
+            {
+                let _ = std::fs::remove_dir_all(&folder);
+            }
+        }
+    }
 }
 
 /// Writes the drives of one log into a folder of its own in `aside`, so that equal names do not meet there.
@@ -259,6 +308,18 @@ mod tests {
             "exclusions.csv",
         ];
         assert_eq!(names(&out), expected.map(str::to_owned).into());
+
+        // What a killed call left behind goes at the next one, what another call is using does not.
+        let (left, used) = (out.join(".ingest-left"), folder.path().join(".ingest-used"));
+        for aside in [&left, &used] {
+            std::fs::create_dir(aside).unwrap();
+            std::fs::write(aside.join("in-use"), "").unwrap();
+        }
+        let lock = File::open(used.join("in-use")).unwrap();
+        lock.try_lock().unwrap();
+        run(vec![logs.clone()], &out).unwrap();
+        assert!(!left.exists() && used.exists());
+        drop(lock);
 
         // The same log twice is one drive twice; what stood there before stays.
         let before = std::fs::read(out.join("a.parquet")).unwrap();

@@ -5,6 +5,7 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch},
     stages::train::read_model,
+    watching::{read_watched, write_watch_page},
 };
 use maveric_domain::{Drive, DriveMeta};
 use maveric_ingest::{
@@ -32,6 +33,8 @@ pub struct InspectOptions {
     pub mapping: Option<PathBuf>,
     /// Picture of the first file's drive to write (PNG).
     pub plot: Option<PathBuf>,
+    /// Page to write that plays the drives of all files side by side (HTML).
+    pub watch: Option<PathBuf>,
 }
 
 /// A mapping that was proposed for a table.
@@ -156,6 +159,21 @@ pub fn inspect(
     if let (Some(out), Some(first)) = (&options.plot, options.files.first()) {
         plot(first, &settings, out)?;
         summary.push(format!("picture: {}", out.display()));
+    }
+    if let Some(out) = &options.watch {
+        let drives = options
+            .files
+            .iter()
+            .map(|path| read_watched(path, &settings));
+        let drives: Vec<_> = drives.collect::<Result<Vec<_>, _>>()?.concat();
+        let logs = options.files.iter().map(|path| path.display().to_string());
+        let provenance = [
+            ("Version", env!("CARGO_PKG_VERSION").to_owned()),
+            ("Logs", logs.collect::<Vec<_>>().join(", ")),
+        ]
+        .map(|(name, value)| (name.to_owned(), value));
+        write_watch_page(out, drives, None, &provenance)?;
+        summary.push(format!("drives to watch: {}", out.display()));
     }
     Ok(Outcome {
         value: InspectedFiles { files },

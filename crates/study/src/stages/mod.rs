@@ -2,13 +2,18 @@
 
 pub mod ablate;
 pub mod analyse;
+pub mod codebook;
 pub mod evaluate;
+pub mod export;
 pub mod generate;
+pub mod import;
 pub mod ingest;
+pub mod init;
 pub mod inspect;
 pub mod measure;
 pub mod personalize;
 pub mod rate;
+pub mod recommend;
 pub mod rehearse;
 pub mod report;
 pub mod score;
@@ -26,20 +31,25 @@ use std::collections::BTreeMap;
 /// does not retrain a model.
 pub fn versions() -> BTreeMap<String, String> {
     [
-        ("generate", 1),
-        ("ingest", 2),
-        ("score", 1),
+        ("generate", 2),
+        ("import", 1),
+        ("codebook", 1),
+        ("export", 1),
+        ("ingest", 3),
+        ("score", 2),
         ("train", 2),
         ("personalize", 2),
         ("steer", 1),
-        ("simulate", 2),
+        ("simulate", 3),
         ("measure", 1),
         ("rate", 1),
         ("evaluate", 2),
         ("stats", 3),
         ("ablate", 1),
         ("validate", 1),
+        ("recommend", 1),
         ("rehearse", 1),
+        ("rehearse-dial", 1),
         ("report", 2),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))

@@ -6,11 +6,15 @@ use crate::{
     outcome::{Outcome, Watch},
     tables::{
         Table, TableBuilder,
-        surveys::{read_answers, write_scores},
+        surveys::{read_timed_answers, write_scores},
     },
 };
-use maveric_domain::{Answer, Moment, ParticipantId, Scale};
-use maveric_measures::{ItemMatrix, ScoreWarning, parse_scale};
+use maveric_domain::{Answer, Moment, ParticipantId, Scale, Score, Subscale};
+use maveric_measures::{
+    ItemMatrix, ScoreWarning, parse_scale,
+    survey::{response_styles, too_fast},
+};
+use maveric_stats::AlphaAnalysis;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -23,11 +27,23 @@ pub struct ScoreOptions {
     pub participants: Option<PathBuf>,
     /// Folder of questionnaire definitions.
     pub scales: PathBuf,
+    /// Which answers to score.
+    pub moments: Moments,
     /// Scores to write.
     pub out: PathBuf,
 }
 
-/// Reliability of one subscale.
+/// Which answers to score.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Moments {
+    /// All.
+    #[default]
+    All,
+    /// Those given after a drive.
+    After,
+}
+
+/// Reliability of one subscale, and how its scores lie.
 #[derive(Debug, Clone, Serialize)]
 pub struct Reliability {
     /// Code name of the scale.
@@ -46,6 +62,39 @@ pub struct Reliability {
     pub ci_low: Option<f64>,
     /// Upper end.
     pub ci_high: Option<f64>,
+    /// McDonald's omega of one factor; `None` below three items or without a proper solution.
+    pub omega: Option<f64>,
+    /// Mean of the scores; `None` without any.
+    pub mean: Option<f64>,
+    /// Their standard deviation; `None` below two.
+    pub sd: Option<f64>,
+    /// Scores at the lowest value there is.
+    pub floor: usize,
+    /// Scores at the highest.
+    pub ceiling: usize,
+    /// Each item and the others.
+    pub item: Vec<ItemReliability>,
+}
+
+/// One item of a subscale, as scored (after reversal); complete respondents.
+#[derive(Debug, Clone, Serialize)]
+pub struct ItemReliability {
+    /// Its number.
+    pub item: u32,
+    /// Whether it is reversed.
+    pub reversed: bool,
+    /// Mean.
+    pub mean: Option<f64>,
+    /// Standard deviation.
+    pub sd: Option<f64>,
+    /// Correlation with the sum of the others.
+    pub r_rest: Option<f64>,
+    /// Alpha without it.
+    pub alpha_dropped: Option<f64>,
+    /// Respondents at the lowest answer.
+    pub floor: usize,
+    /// Respondents at the highest.
+    pub ceiling: usize,
 }
 
 /// What was scored.
@@ -90,6 +139,11 @@ pub fn reliabilities_path(out: &Path) -> PathBuf {
     beside(out, "_reliabilities.csv")
 }
 
+/// The file beside `out` that holds each item's part in its subscale.
+pub fn items_path(out: &Path) -> PathBuf {
+    beside(out, "_items.csv")
+}
+
 /// The file beside `out` that lists what was left out: who, what, why.
 pub fn exclusions_path(out: &Path) -> PathBuf {
     beside(out, "_exclusions.csv")
@@ -100,20 +154,9 @@ fn beside(out: &Path, suffix: &str) -> PathBuf {
     out.with_file_name(format!("{stem}{suffix}"))
 }
 
-/// Whom a warning is about.
-fn who(warning: &ScoreWarning) -> String {
-    match warning {
-        ScoreWarning::NoAnswers { participant }
-        | ScoreWarning::Unanswered { participant, .. }
-        | ScoreWarning::TooFewAnswers { participant, .. }
-        | ScoreWarning::UnknownParticipant { participant, .. } => participant.to_string(),
-        _ => String::new(),
-    }
-}
-
-/// Alpha over one sheet a person: those from before the drives where there are any. After the conditions a person
+/// Reliability over one sheet a person: those from before the drives where there are any. After the conditions a person
 /// answers once a condition, and all sheets count, as the paper's scales were used.
-fn reliability(matrix: &ItemMatrix) -> Reliability {
+fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Reliability {
     let names: Vec<String> = matrix
         .items
         .iter()
@@ -141,6 +184,20 @@ fn reliability(matrix: &ItemMatrix) -> Reliability {
         .collect();
     let found = maveric_stats::alpha(&items).ok();
     let alpha = found.as_ref().map(|a| &a.alpha);
+    let values: Vec<f64> = scores
+        .iter()
+        .filter(|s| s.scale == matrix.scale && s.subscale == matrix.subscale && asked(s.moment))
+        .filter_map(|s| s.value)
+        .collect();
+    let scale = scales.iter().find(|s| s.id == matrix.scale);
+    let subscale = scale.and_then(|s| s.subscales.iter().find(|u| u.id == matrix.subscale));
+    let ends = scale
+        .zip(subscale)
+        .map(|(scale, subscale)| scale.score_range(subscale));
+    let at = |end: f64| values.iter().filter(|v| (*v - end).abs() < 1e-9).count();
+    let n = values.len() as f64;
+    let mean = (!values.is_empty()).then(|| values.iter().sum::<f64>() / n);
+    let squares = |m: f64| values.iter().map(|v| (v - m).powi(2)).sum::<f64>();
     Reliability {
         scale: matrix.scale.clone(),
         subscale: matrix.subscale.clone(),
@@ -150,7 +207,50 @@ fn reliability(matrix: &ItemMatrix) -> Reliability {
         alpha: alpha.and_then(|a| a.raw),
         ci_low: alpha.and_then(|a| a.ci_low),
         ci_high: alpha.and_then(|a| a.ci_high),
+        omega: alpha.and_then(|a| a.omega),
+        mean,
+        sd: mean
+            .filter(|_| values.len() > 1)
+            .map(|m| (squares(m) / (n - 1.0)).sqrt()),
+        floor: ends.map_or(0, |(low, _)| at(low)),
+        ceiling: ends.map_or(0, |(_, high)| at(high)),
+        item: scale
+            .zip(subscale)
+            .map(|(scale, subscale)| item_parts(scale, subscale, &columns, found.as_ref()))
+            .unwrap_or_default(),
     }
+}
+
+fn item_parts(
+    scale: &Scale,
+    subscale: &Subscale,
+    columns: &[Vec<Option<f64>>],
+    found: Option<&AlphaAnalysis>,
+) -> Vec<ItemReliability> {
+    let part = |(i, (&item, column)): (usize, (&u32, &Vec<Option<f64>>))| {
+        let at = |end: i32| {
+            let ticked = |v: &Option<f64>| v.is_some_and(|v| (v - f64::from(end)).abs() < 1e-9);
+            column.iter().filter(|v| ticked(v)).count()
+        };
+        let statistics = found.map(|f| &f.item[i]);
+        ItemReliability {
+            item,
+            reversed: scale.is_reversed(subscale, item),
+            mean: statistics.map(|s| s.mean),
+            sd: statistics.map(|s| s.sd),
+            r_rest: statistics.and_then(|s| s.r_drop),
+            alpha_dropped: found.and_then(|f| f.drop[i].alpha),
+            floor: at(scale.min),
+            ceiling: at(scale.max),
+        }
+    };
+    subscale
+        .items
+        .iter()
+        .zip(columns)
+        .enumerate()
+        .map(part)
+        .collect()
 }
 
 /// Scores answers by the scales of a folder and writes scores and reliabilities.
@@ -163,8 +263,15 @@ pub fn score(
 ) -> Result<Outcome<ScoredSurveys>, StudyError> {
     let scales = read_scales(&options.scales)?;
     let mut answers: Vec<Answer> = Vec::new();
+    let mut times = Vec::new();
     for path in &options.surveys {
-        answers.extend(read_answers(path)?);
+        let (found, timed) = read_timed_answers(path)?;
+        answers.extend(found);
+        times.extend(timed);
+    }
+    if options.moments == Moments::After {
+        answers.retain(|a| a.moment != Moment::Pre);
+        times.retain(|t| t.moment != Moment::Pre);
     }
     watch.check()?;
     if answers.is_empty() {
@@ -179,31 +286,27 @@ pub fn score(
         .map(|path| Table::read(path)?.ids("participant"))
         .transpose()?;
     let scored = maveric_measures::score(&scales, &answers, participants.as_deref())?;
-    let reliabilities: Vec<Reliability> = scored.matrices.iter().map(reliability).collect();
+    let mut warnings = scored.warnings;
+    let known = |w: &ScoreWarning| {
+        participants
+            .as_ref()
+            .is_none_or(|p| p.contains(w.participant()))
+    };
+    let doubtful = response_styles(&scales, &answers)
+        .into_iter()
+        .chain(too_fast(&times));
+    warnings.extend(doubtful.filter(known));
+    let reliabilities: Vec<Reliability> = scored
+        .matrices
+        .iter()
+        .map(|matrix| reliability(matrix, &scales, &scored.scores))
+        .collect();
     write_scores(&options.out, &scored.scores)?;
+    write_reliabilities(&options.out, &reliabilities)?;
     TableBuilder::default()
-        .text("scale", reliabilities.iter().map(|r| r.scale.as_str()))
-        .text(
-            "subscale",
-            reliabilities.iter().map(|r| r.subscale.as_str()),
-        )
-        .integers(
-            "items",
-            reliabilities.iter().map(|r| i64::try_from(r.items).ok()),
-        )
-        .integers("n", reliabilities.iter().map(|r| i64::try_from(r.n).ok()))
-        .integers(
-            "dropped",
-            reliabilities.iter().map(|r| i64::try_from(r.dropped).ok()),
-        )
-        .numbers("alpha", reliabilities.iter().map(|r| r.alpha))
-        .numbers("ci_low", reliabilities.iter().map(|r| r.ci_low))
-        .numbers("ci_high", reliabilities.iter().map(|r| r.ci_high))
-        .write(&reliabilities_path(&options.out))?;
-    TableBuilder::default()
-        .text("who", scored.warnings.iter().map(who))
-        .text("what", scored.warnings.iter().map(|_| "questionnaires"))
-        .text("why", scored.warnings.iter().map(ToString::to_string))
+        .text("who", warnings.iter().map(|w| w.participant().as_str()))
+        .text("what", warnings.iter().map(|_| "questionnaires"))
+        .text("why", warnings.iter().map(ToString::to_string))
         .write(&exclusions_path(&options.out))?;
     let missing = scored.scores.iter().filter(|s| s.value.is_none()).count();
     let summary = vec![format!(
@@ -211,7 +314,7 @@ pub fn score(
         scored.scores.len(),
         options.out.display()
     )];
-    let warnings = scored.warnings.iter().map(ToString::to_string).collect();
+    let warnings = warnings.iter().map(ToString::to_string).collect();
     Ok(Outcome {
         value: ScoredSurveys {
             scores: scored.scores.len(),
@@ -221,4 +324,125 @@ pub fn score(
         summary,
         warnings,
     })
+}
+
+fn count(found: usize) -> Option<i64> {
+    i64::try_from(found).ok()
+}
+
+fn write_reliabilities(out: &Path, rows: &[Reliability]) -> Result<(), StudyError> {
+    TableBuilder::default()
+        .text("scale", rows.iter().map(|r| r.scale.as_str()))
+        .text("subscale", rows.iter().map(|r| r.subscale.as_str()))
+        .integers("items", rows.iter().map(|r| count(r.items)))
+        .integers("n", rows.iter().map(|r| count(r.n)))
+        .integers("dropped", rows.iter().map(|r| count(r.dropped)))
+        .numbers("alpha", rows.iter().map(|r| r.alpha))
+        .numbers("ci_low", rows.iter().map(|r| r.ci_low))
+        .numbers("ci_high", rows.iter().map(|r| r.ci_high))
+        .numbers("omega", rows.iter().map(|r| r.omega))
+        .numbers("mean", rows.iter().map(|r| r.mean))
+        .numbers("sd", rows.iter().map(|r| r.sd))
+        .integers("floor", rows.iter().map(|r| count(r.floor)))
+        .integers("ceiling", rows.iter().map(|r| count(r.ceiling)))
+        .write(&reliabilities_path(out))?;
+    let items: Vec<(&Reliability, &ItemReliability)> = rows
+        .iter()
+        .flat_map(|r| r.item.iter().map(move |i| (r, i)))
+        .collect();
+    TableBuilder::default()
+        .text("scale", items.iter().map(|i| i.0.scale.as_str()))
+        .text("subscale", items.iter().map(|i| i.0.subscale.as_str()))
+        .integers("item", items.iter().map(|i| Some(i64::from(i.1.item))))
+        .flags("reversed", items.iter().map(|i| i.1.reversed))
+        .integers("n", items.iter().map(|i| count(i.0.n)))
+        .numbers("mean", items.iter().map(|i| i.1.mean))
+        .numbers("sd", items.iter().map(|i| i.1.sd))
+        .numbers("r_rest", items.iter().map(|i| i.1.r_rest))
+        .numbers("alpha_dropped", items.iter().map(|i| i.1.alpha_dropped))
+        .integers("floor", items.iter().map(|i| count(i.1.floor)))
+        .integers("ceiling", items.iter().map(|i| count(i.1.ceiling)))
+        .write(&items_path(out))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::AtomicBool;
+
+    const SCALE: &str = "id = \"calm\"\ntitle = \"Calmness\"\nreference = \"made up\"\nitems = 6\nmin = 1\nmax = 5\nscoring = \"mean\"\nreversed = [2, 4]\n[[subscales]]\nid = \"calm\"\ntitle = \"Calmness\"\nitems = [1, 2, 3, 4, 5, 6]\n";
+
+    fn run(rows: &str, moments: Moments) -> Result<(Outcome<ScoredSurveys>, String), String> {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("scales")).unwrap();
+        std::fs::write(folder.path().join("scales/calm.toml"), SCALE).unwrap();
+        let surveys = folder.path().join("surveys.csv");
+        let header = "participant,moment,scale,item,answer,seconds\n";
+        std::fs::write(&surveys, format!("{header}{rows}")).unwrap();
+        let options = ScoreOptions {
+            surveys: vec![surveys],
+            participants: None,
+            scales: folder.path().join("scales"),
+            moments,
+            out: folder.path().join("scores.csv"),
+        };
+        let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
+        let done = score(&options, Watch::new(&quiet, &go_on)).map_err(|e| e.to_string())?;
+        let listed = std::fs::read_to_string(exclusions_path(&options.out)).unwrap();
+        Ok((done, listed))
+    }
+
+    fn sheet(who: &str, moment: &str, answers: [i32; 6], seconds: &str) -> String {
+        let row = |(item, answer)| format!("{who},{moment},calm,{item},{answer},{seconds}\n");
+        (1..).zip(answers).map(row).collect()
+    }
+
+    #[test]
+    fn floor_ceiling_items_and_careless_sheets_are_said() {
+        let rows = [
+            sheet("A", "pre", [5, 1, 5, 1, 5, 5], "4.5"),
+            sheet("B", "pre", [1, 5, 1, 5, 1, 1], "3.0"),
+            sheet("C", "pre", [3, 3, 4, 2, 3, 4], "0.5"),
+            sheet("D", "pre", [4, 4, 4, 4, 4, 4], ""),
+            sheet("A", "mimic", [2, 4, 2, 4, 3, 2], "5"),
+        ]
+        .concat();
+        let (done, listed) = run(&rows, Moments::All).unwrap();
+        let found = &done.value.reliabilities[0];
+        assert_eq!((found.n, found.floor, found.ceiling), (4, 1, 1));
+        assert!((found.mean.unwrap() - (5.0 + 1.0 + 3.5 + 10.0 / 3.0) / 4.0).abs() < 1e-12);
+        assert!(found.omega.unwrap() > 0.8 && found.alpha.unwrap() > 0.9);
+        assert_eq!(found.item.len(), 6);
+        let second = &found.item[1];
+        assert!(second.reversed && second.r_rest.unwrap() > 0.5 && second.floor == 1);
+        assert!(second.alpha_dropped.unwrap() > 0.8);
+        assert!(
+            listed.contains("C,questionnaires,") && listed.contains("0.5 s an item"),
+            "{listed}"
+        );
+        assert!(
+            listed.contains("D,questionnaires,") && listed.contains("all 6 items of `calm` with 4")
+        );
+        assert_eq!(listed.lines().count(), 3);
+        let (after, listed) = run(&rows, Moments::After).unwrap();
+        assert_eq!((after.value.scores, listed.lines().count()), (1, 1));
+    }
+
+    #[test]
+    fn a_condition_rated_twice_and_a_time_below_zero_are_refused() {
+        let twice = sheet("A", "mimic", [3; 6], "") + &sheet("A", "mimic", [2; 6], "");
+        let error = run(&twice, Moments::All).unwrap_err();
+        assert!(
+            error.contains("participant A (mimic), scale `calm`: item 1 is answered twice"),
+            "{error}"
+        );
+        let error = run(&sheet("A", "pre", [3; 6], "-1"), Moments::All).unwrap_err();
+        assert!(error.contains("row 1, column `seconds`"), "{error}");
+        let error = run(
+            &sheet("A", "pre", [3; 6], "").replace(",3,", ",three,"),
+            Moments::All,
+        )
+        .unwrap_err();
+        assert!(error.contains("found `three`"), "{error}");
+    }
 }

@@ -11,10 +11,14 @@ use crate::{
         conditions::{ConditionRow, read_conditions},
         drives::{write_drive, write_drive_list},
     },
+    watching::{WatchedDrive, braking, read_watched, write_watch_page},
 };
-use maveric_domain::{Drive, DriveId, DriveMeta, DrivenBy, Study, stream_seed};
-use maveric_ingest::write_mcap;
+use maveric_domain::{
+    Drive, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording, Study, stream_seed,
+};
+use maveric_ingest::{Beside, IngestSettings, write_mcap_with};
 use maveric_model::Model;
+use maveric_report::html::CentreLine;
 use maveric_simulator::{Driver, RolloutReport, Scenario, SimulatorError, rollout};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -32,10 +36,97 @@ pub struct SimulateOptions {
     pub scenario: Option<PathBuf>,
     /// Length of a drive, in s; the scenario's without.
     pub duration_s: Option<f64>,
+    /// Page to write that plays one participant's conditions.
+    pub watch: Option<WatchOptions>,
+    /// Whose logs get a scene for Foxglove and Lichtblick.
+    pub scenes: Scenes,
     /// Root of every random choice.
     pub seed: u64,
     /// Threads.
     pub jobs: usize,
+}
+
+/// Which drives to watch, and where.
+#[derive(Debug, Clone)]
+pub struct WatchOptions {
+    /// HTML page to write.
+    pub page: PathBuf,
+    /// Whose conditions; the first participant's without.
+    pub participant: Option<String>,
+    /// Log of the participant's own drive, to be shown first.
+    pub own: Option<PathBuf>,
+}
+
+/// Whose logs get a scene.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Scenes {
+    /// Nobody's.
+    #[default]
+    None,
+    /// Everybody's.
+    All,
+    /// One participant's.
+    Of(String),
+}
+
+impl std::str::FromStr for Scenes {
+    type Err = std::convert::Infallible;
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(match text {
+            "all" => Self::All,
+            participant => Self::Of(participant.to_owned()),
+        })
+    }
+}
+
+impl Scenes {
+    /// Whether a participant's logs get one.
+    pub fn cover(&self, participant: &ParticipantId) -> bool {
+        match self {
+            Self::None => false,
+            Self::All => true,
+            Self::Of(one) => one == participant.as_str(),
+        }
+    }
+
+    /// Checks that the one asked for is among the participants.
+    ///
+    /// # Errors
+    /// [`StudyError::NotPossible`] naming some who are.
+    pub fn check<'a>(
+        &self,
+        participants: impl Iterator<Item = &'a ParticipantId>,
+    ) -> Result<(), StudyError> {
+        match self {
+            Self::Of(one) => known(one, participants),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Checks that a participant is among those there are.
+fn known<'a>(
+    wanted: &str,
+    participants: impl Iterator<Item = &'a ParticipantId>,
+) -> Result<(), StudyError> {
+    let there: std::collections::BTreeSet<&str> = participants.map(ParticipantId::as_str).collect();
+    if there.contains(wanted) {
+        return Ok(());
+    }
+    let some: Vec<&str> = there.iter().take(5).copied().collect();
+    Err(StudyError::NotPossible {
+        problem: format!(
+            "there is no participant {wanted} among the {}: {}{}",
+            there.len(),
+            some.join(", "),
+            if there.len() > some.len() {
+                ", …"
+            } else {
+                ""
+            }
+        ),
+        help: Some("give one of them".to_owned()),
+    })
 }
 
 /// What was driven.
@@ -72,9 +163,25 @@ pub fn simulate(
             return Err(StudyError::file(&options.conditions, problem));
         }
     }
+    let people = || conditions.iter().map(|row| &row.participant);
+    options.scenes.check(people())?;
+    let watched = options.watch.as_ref().map(|w| {
+        let first = || people().next().map(ToString::to_string);
+        w.participant.clone().or_else(first)
+    });
+    let watched = watched.flatten();
+    if let Some(participant) = &watched {
+        known(participant, people())?;
+    }
     let scenario = read_scenario(options.scenario.as_deref(), options.duration_s)?;
     let driven = for_each_on(options.jobs, &conditions, watch, "drives", |row| {
-        drive(options, &model, &scenario, row)
+        drive(
+            options,
+            &model,
+            &scenario,
+            row,
+            watched.as_deref() == Some(row.participant.as_str()),
+        )
     })?;
     let mut stopped = Vec::new();
     let driven: Vec<Driven> = driven
@@ -104,6 +211,9 @@ pub fn simulate(
         .integers("started_changes", counts(|r| r.started_changes))
         .integers("leads", counts(|r| r.leads))
         .write(&options.out.join("rollouts.csv"))?;
+    if let Some(page) = &options.watch {
+        write_page(options, page, &driven)?;
+    }
     let total =
         |of: fn(&RolloutReport) -> u32| driven.iter().map(|d| of(&d.3) as usize).sum::<usize>();
     let value = Simulated {
@@ -117,13 +227,19 @@ pub fn simulate(
     let early = (ended_early > 0).then(|| {
         format!("{ended_early} drives ended early and are left out: see drives/exclusions.csv")
     });
-    let summary = vec![format!(
+    let mut summary = vec![format!(
         "{} AV drives, {} collisions, {} safety interventions: {}",
         value.drives,
         value.collisions,
         value.interventions,
         options.out.display()
     )];
+    if let (Some(page), Some(participant)) = (&options.watch, &watched) {
+        summary.push(format!(
+            "drives of {participant} to watch: {}",
+            page.page.display()
+        ));
+    }
     Ok(Outcome {
         value,
         summary,
@@ -131,7 +247,33 @@ pub fn simulate(
     })
 }
 
-type Driven = (DriveMeta, usize, f64, RolloutReport);
+type Driven = (DriveMeta, usize, f64, RolloutReport, Option<WatchedDrive>);
+
+/// Writes the page that plays the drives kept for it, the own drive first.
+fn write_page(
+    options: &SimulateOptions,
+    page: &WatchOptions,
+    driven: &[Driven],
+) -> Result<(), StudyError> {
+    let mut drives = match &page.own {
+        None => Vec::new(),
+        Some(log) => read_watched(log, &IngestSettings::default())?,
+    };
+    drives.extend(driven.iter().filter_map(|d| d.4.clone()));
+    let scenario = match &options.scenario {
+        Some(path) => path.display().to_string(),
+        None => "the paper's".to_owned(),
+    };
+    let provenance = [
+        ("Version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("Seed", options.seed.to_string()),
+        ("Model", options.model.display().to_string()),
+        ("Conditions", options.conditions.display().to_string()),
+        ("Scenario", scenario),
+    ]
+    .map(|(name, value)| (name.to_owned(), value));
+    write_watch_page(&page.page, drives, Some(options.seed), &provenance)
+}
 
 /// A drive that ended early, and why.
 type Stopped = (DriveId, SimulatorError);
@@ -141,6 +283,7 @@ fn drive(
     model: &Model,
     scenario: &Scenario,
     row: &ConditionRow,
+    watched: bool,
 ) -> Result<Result<Driven, Stopped>, StudyError> {
     let mut planner = ModelPlanner::new(model, &row.embedding)?;
     let id = row.drive()?;
@@ -167,9 +310,44 @@ fn drive(
         .out
         .join("logs")
         .join(format!("{}.mcap", meta.drive));
-    atomic_write(&log, |file| Ok(write_mcap(&driven.recording, &meta, file)?))?;
+    let beside = Beside {
+        trace: &driven.trace,
+        scene: options.scenes.cover(&meta.participant),
+    };
+    atomic_write(&log, |file| {
+        Ok(write_mcap_with(&driven.recording, &meta, &beside, file)?)
+    })?;
     let made = Drive::from_recording(meta.clone(), &driven.recording)?;
     write_drive(&options.out.join("drives"), &made)?;
     let duration = made.rows().time_s.last().copied().unwrap_or(0.0);
-    Ok(Ok((meta, made.len(), duration, driven.report)))
+    let kept = watched.then(|| {
+        let interventions = Some(braking(&driven.trace));
+        let road = centre_line(scenario, &driven.recording);
+        WatchedDrive::new(meta.clone(), &driven.recording, interventions, road)
+    });
+    let kept = kept.transpose()?;
+    Ok(Ok((meta, made.len(), duration, driven.report, kept)))
+}
+
+/// Where a road that bends lies on the map, over the stretch that is driven and seen.
+fn centre_line(scenario: &Scenario, recording: &Recording) -> Option<CentreLine> {
+    const STEP_M: f64 = 10.0;
+    const SIGHT_M: f64 = 200.0;
+    let line = scenario.centre_line();
+    if line.is_straight() {
+        return None;
+    }
+    let x_m = &recording.ego().x_m;
+    let start_m = x_m.iter().copied().fold(f64::MAX, f64::min) - SIGHT_M;
+    let end_m = x_m.iter().copied().fold(f64::MIN, f64::max) + SIGHT_M;
+    let places = ((end_m - start_m) / STEP_M).ceil() as usize + 1;
+    let place = |i: usize| {
+        let pose = line.map_pose(start_m + i as f64 * STEP_M, 0.0);
+        (pose.x_m, pose.y_m)
+    };
+    Some(CentreLine {
+        start_m,
+        step_m: STEP_M,
+        map_m: (0..places).map(place).collect(),
+    })
 }

@@ -3,7 +3,8 @@
 use super::{Table, TableBuilder};
 use crate::error::StudyError;
 use maveric_domain::{Answer, Moment, ParticipantId, Score};
-use std::path::Path;
+use maveric_measures::survey::SheetTime;
+use std::{collections::BTreeMap, path::Path};
 
 /// Writes answers: participant, moment, scale, item, answer.
 ///
@@ -27,7 +28,20 @@ pub fn write_answers(path: &Path, answers: &[Answer]) -> Result<(), StudyError> 
 /// # Errors
 /// As [`Table`] does; [`StudyError::BadCell`] for an item or answer that is no whole number.
 pub fn read_answers(path: &Path) -> Result<Vec<Answer>, StudyError> {
+    answers_of(&Table::read(path)?)
+}
+
+/// Reads answers and, where the table has a column `seconds`, how long people took: the mean over the items of each sheet,
+/// ordered by participant, moment and scale.
+///
+/// # Errors
+/// As [`read_answers`]; [`StudyError::BadCell`] for a time that is no number, or negative.
+pub fn read_timed_answers(path: &Path) -> Result<(Vec<Answer>, Vec<SheetTime>), StudyError> {
     let table = Table::read(path)?;
+    Ok((answers_of(&table)?, times_of(&table)?))
+}
+
+fn answers_of(table: &Table) -> Result<Vec<Answer>, StudyError> {
     let participant: Vec<ParticipantId> = table.ids("participant")?;
     let moment: Vec<Moment> = table.parsed("moment")?;
     let scale = table.text("scale")?;
@@ -55,6 +69,35 @@ pub fn read_answers(path: &Path) -> Result<Vec<Answer>, StudyError> {
             })
         })
         .collect()
+}
+
+fn times_of(table: &Table) -> Result<Vec<SheetTime>, StudyError> {
+    if !table.has("seconds") {
+        return Ok(Vec::new());
+    }
+    let participant: Vec<ParticipantId> = table.ids("participant")?;
+    let moment: Vec<Moment> = table.parsed("moment")?;
+    let scale = table.text("scale")?;
+    let mut sheets: BTreeMap<(ParticipantId, Moment, String), (f64, f64)> = BTreeMap::new();
+    for (row, seconds) in table.numbers("seconds")?.into_iter().enumerate() {
+        let Some(seconds) = seconds else { continue };
+        if seconds < 0.0 {
+            let expected = "a time in s, not negative";
+            return Err(table.bad_cell(row, "seconds", seconds.to_string(), expected));
+        }
+        let name = scale[row].clone().unwrap_or_default();
+        let sheet = sheets
+            .entry((participant[row].clone(), moment[row], name))
+            .or_default();
+        (sheet.0, sheet.1) = (sheet.0 + seconds, sheet.1 + 1.0);
+    }
+    let mean = |((participant, moment, scale), (sum, n))| SheetTime {
+        participant,
+        moment,
+        scale,
+        seconds_an_item: sum / n,
+    };
+    Ok(sheets.into_iter().map(mean).collect())
 }
 
 /// Writes scores: participant, moment, scale, subscale, value, answered, items.

@@ -56,14 +56,14 @@ pub(crate) fn choose(
     };
     let identity = chooser.best(Role::Identity, &|_| false);
     let objects_named = named(|m| &m.objects_topic, &[Role::Objects])?;
-    let by_name = named(|m| &m.ego_topic, &[Role::Odometry, Role::Pose, Role::Fix])?;
+    let of_ego = [Role::Odometry, Role::Pose, Role::Frames, Role::Fix];
+    let by_name = named(|m| &m.ego_topic, &of_ego)?;
     let names_ego = |topic: &str| {
         let topic = topic.to_ascii_lowercase();
         topic.contains("ego") || topic.contains("hero")
     };
     let by_type = || {
-        let roles = [Role::Odometry, Role::Pose, Role::Fix];
-        roles
+        of_ego
             .into_iter()
             .find_map(|role| chooser.best(role, &names_ego))
     };
@@ -83,8 +83,10 @@ pub(crate) fn choose(
     let objects = objects_named.or_else(|| chooser.best(Role::Objects, &beside_ego));
     let role = found[ego].role;
     let speed = match role {
-        Ok(Some(Role::Pose | Role::Fix)) => named(|m| &m.speed_topic, &[Role::Speed])?
-            .or_else(|| chooser.best(Role::Speed, &beside_ego)),
+        Ok(Some(Role::Pose | Role::Frames | Role::Fix)) => {
+            named(|m| &m.speed_topic, &[Role::Speed])?
+                .or_else(|| chooser.best(Role::Speed, &beside_ego))
+        }
         _ => None,
     };
     let rivals = (0..found.len()).filter(|&i| i != ego && found[i].role == role);

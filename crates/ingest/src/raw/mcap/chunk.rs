@@ -18,7 +18,7 @@ const MOST_WINDOW_LOG: u32 = 25;
 /// Room for unpacked bytes at first; it grows where one record needs more.
 const ROOM: usize = 1 << 20;
 /// Most room that is given at first for what a header claims.
-const MOST_ROOM: u64 = 4 << 20;
+pub(super) const MOST_ROOM: u64 = 4 << 20;
 /// Bytes of a chunk's content before the name of its compression.
 const FIXED: usize = 8 + 8 + 8 + 4;
 
@@ -33,7 +33,7 @@ enum Packing {
 /// A chunk's own account of itself.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Head {
-    uncompressed_size: u64,
+    pub(super) uncompressed_size: u64,
     crc: u32,
     compression: String,
     compressed_size: u64,
@@ -53,15 +53,16 @@ impl Head {
         fields.u64()?;
         let uncompressed_size = fields.u64()?;
         let crc = fields.u32()?;
-        let compression = fields.text()?;
-        if compression.len() > 16 {
+        let name = fields.block()?;
+        if name.len() > 16 {
             return None;
         }
         Some(Self {
             uncompressed_size,
             crc,
-            length: FIXED + 4 + compression.len() + 8,
-            compression,
+            // By the bytes: a damaged name may be longer as text.
+            length: FIXED + 4 + name.len() + 8,
+            compression: String::from_utf8_lossy(name).into_owned(),
             compressed_size: fields.u64()?,
         })
     }
@@ -74,6 +75,14 @@ impl Head {
     /// Length of the account itself.
     pub(crate) fn length(&self) -> u64 {
         self.length as u64
+    }
+
+    /// The packed bytes of a zstd chunk of a usual size whose content is as long as it says.
+    pub(super) fn whole_zstd<'a>(&self, content: &'a [u8]) -> Option<&'a [u8]> {
+        let data = content.get(self.length..)?;
+        let usual = (1..=MOST_ROOM).contains(&self.uncompressed_size);
+        (usual && self.compression == "zstd" && self.compressed_size == data.len() as u64)
+            .then_some(data)
     }
 
     /// Whether a record of another kind whose content starts like this is a chunk by accident of one byte.
@@ -120,9 +129,14 @@ pub(crate) struct Unpacker {
 impl Unpacker {
     /// Gives every record of a chunk to `each`, in order, and then says whether to believe them.
     ///
-    /// `content` is what there is of the chunk: all of it, or what stands before the end of a cut file. Nothing is
-    /// allocated by a length that the chunk claims beyond a few MiB.
-    pub(crate) fn records(&mut self, content: &[u8], each: impl FnMut(u8, &[u8])) -> Verdict {
+    /// `content` is what there is of the chunk: all of it, or what stands before the end of a cut file; `unpacked` what its
+    /// packed bytes gave, where that is known. Nothing is allocated by a length that the chunk claims beyond a few MiB.
+    pub(crate) fn records(
+        &mut self,
+        content: &[u8],
+        unpacked: Option<&[u8]>,
+        each: impl FnMut(u8, &[u8]),
+    ) -> Verdict {
         let lost = |why: &str| Verdict::Lost(why.to_owned());
         let Some(head) = Head::read(content) else {
             return lost("its chunk header cannot be read");
@@ -151,6 +165,7 @@ impl Unpacker {
         };
         let unpacked = match packing {
             Packing::None => Ok(splitter.take(data) == data.len()),
+            Packing::Zstd if let Some(bytes) = unpacked => Ok(splitter.take(bytes) == bytes.len()),
             Packing::Zstd => self.zstd(&head, data, &mut splitter),
             Packing::Lz4 => self.lz4(&head, data, &mut splitter),
         };

@@ -1,6 +1,7 @@
 //! The container: record after record, over damage where that is wanted.
 
 use super::{
+    ahead::Ahead,
     chunk::{self, Unpacker, Verdict},
     record::{self, HEAD, Record, op},
 };
@@ -57,6 +58,7 @@ pub(crate) fn walk(
         recover,
         buffer: Vec::new(),
         unpacker: Unpacker::default(),
+        ahead: Ahead::start(path, length),
         damage: Vec::new(),
         last_ns: None,
         messages: 0,
@@ -78,6 +80,7 @@ struct Walker<'a> {
     recover: bool,
     buffer: Vec<u8>,
     unpacker: Unpacker,
+    ahead: Option<Ahead>,
     damage: Vec<Damage>,
     last_ns: Option<u64>,
     messages: u64,
@@ -355,15 +358,23 @@ impl Walker<'_> {
         self.hash_buffer();
         let buffer = std::mem::take(&mut self.buffer);
         let mut unpacker = std::mem::take(&mut self.unpacker);
+        let ahead = self.ahead.as_mut();
+        let unpacked = ahead.and_then(|a| a.take(at + HEAD as u64, length));
         let before = (self.last_ns, self.messages, self.damage.len());
         visitor.mark();
         let mut unreadable = 0;
-        let verdict = unpacker.records(&buffer, |opcode, content| {
-            match record::parse(opcode, content) {
-                Some(record) => self.give(record, visitor),
-                None => unreadable += 1,
-            }
-        });
+        let verdict =
+            unpacker.records(
+                &buffer,
+                unpacked.as_deref(),
+                |opcode, content| match record::parse(opcode, content) {
+                    Some(record) => self.give(record, visitor),
+                    None => unreadable += 1,
+                },
+            );
+        if let (Some(ahead), Some(unpacked)) = (&self.ahead, unpacked) {
+            ahead.give_back(unpacked);
+        }
         self.buffer = buffer;
         self.unpacker = unpacker;
         let verdict = match verdict {

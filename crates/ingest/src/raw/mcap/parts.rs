@@ -5,6 +5,17 @@ use std::path::{Path, PathBuf};
 
 /// What rosbag2 writes beside its files once it closes a recording.
 const METADATA: &str = "metadata.yaml";
+/// Number of parts at which a number in a name is no count of parts.
+const MOST_PARTS: u64 = 10_000;
+
+/// The files of a recording.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Parts {
+    /// In their order.
+    pub(crate) files: Vec<PathBuf>,
+    /// Names of those that are not there.
+    pub(crate) missing: Vec<String>,
+}
 
 /// Whether a folder is one recording: it says so, or its files carry its name and numbers from 0 on, as when the
 /// recording was killed before it could.
@@ -18,25 +29,24 @@ pub(crate) fn is_split(path: &Path) -> bool {
             .iter()
             .any(|f| f.1.extension().is_some_and(|e| e == "mcap"));
     }
-    let folder = path
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned();
-    let named = |(i, (number, file)): (usize, &(Option<u64>, PathBuf))| {
+    let folder = name_of(path);
+    let named = |(number, file): &(Option<u64>, PathBuf)| {
         let stem = file.file_stem().unwrap_or_default().to_string_lossy();
-        *number == Some(i as u64) && stem == format!("{folder}_{i}")
+        number.is_some_and(|number| stem == format!("{folder}_{number}"))
     };
-    !files.is_empty() && files.iter().enumerate().all(named)
+    files.first().is_some_and(|f| f.0 == Some(0)) && files.iter().all(named)
 }
 
 /// The files of a recording, in the order of their numbers; itself if it is a file.
 ///
 /// # Errors
-/// [`IngestError::NotFound`] for a file that the recording names and the folder lacks.
-pub(crate) fn parts_of(path: &Path) -> Result<Vec<PathBuf>, IngestError> {
+/// [`IngestError::Io`] where the folder cannot be read.
+pub(crate) fn parts_of(path: &Path) -> Result<Parts, IngestError> {
     if !path.is_dir() {
-        return Ok(vec![path.to_owned()]);
+        return Ok(Parts {
+            files: vec![path.to_owned()],
+            missing: Vec::new(),
+        });
     }
     let metadata = path.join(METADATA);
     let listed = match std::fs::read_to_string(&metadata) {
@@ -44,19 +54,38 @@ pub(crate) fn parts_of(path: &Path) -> Result<Vec<PathBuf>, IngestError> {
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => Vec::new(),
         Err(e) => return Err(IngestError::io(&metadata, e)),
     };
+    let there = numbered(path);
     if listed.is_empty() {
-        return Ok(numbered(path).into_iter().map(|f| f.1).collect());
-    }
-    let files = listed.iter().map(|name| path.join(name));
-    files
-        .map(|file| {
-            if file.is_file() {
-                Ok(file)
+        let folder = name_of(path);
+        // A name tells of at most so many parts that are not there: a number may be a date.
+        let last = there.iter().filter_map(|f| f.0).max().unwrap_or(0);
+        let absent = (0..last.min(MOST_PARTS)).filter(|n| !there.iter().any(|f| f.0 == Some(*n)));
+        return Ok(Parts {
+            missing: if is_split(path) && !metadata.is_file() {
+                absent.map(|n| format!("{folder}_{n}.mcap")).collect()
             } else {
-                Err(IngestError::NotFound { path: file })
-            }
-        })
-        .collect()
+                Vec::new()
+            },
+            files: there.into_iter().map(|f| f.1).collect(),
+        });
+    }
+    let (files, missing) = listed
+        .into_iter()
+        .partition::<Vec<String>, _>(|name| path.join(name).is_file());
+    Ok(Parts {
+        files: files.into_iter().map(|name| path.join(name)).collect(),
+        missing,
+    })
+}
+
+fn name_of(folder: &Path) -> String {
+    // `.` and `..` have a name as well.
+    let folder = std::fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());
+    folder
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
 }
 
 /// The names below `relative_file_paths:` of a rosbag2 metadata file, without their folders.
@@ -113,7 +142,11 @@ mod tests {
         (0..12).for_each(|i| touch(&format!("run_{i}.mcap")));
         assert!(is_split(&folder));
         let parts = parts_of(&folder).unwrap();
-        assert_eq!(parts[10], folder.join("run_10.mcap"));
+        assert_eq!(parts.files[10], folder.join("run_10.mcap"));
+        assert!(parts.missing.is_empty());
+        std::fs::remove_file(folder.join("run_3.mcap")).unwrap();
+        assert!(is_split(&folder));
+        assert_eq!(parts_of(&folder).unwrap().missing, ["run_3.mcap"]);
         touch("other.mcap");
         assert!(!is_split(&folder));
         std::fs::write(
@@ -122,9 +155,8 @@ mod tests {
         )
         .unwrap();
         assert!(is_split(&folder));
-        assert!(matches!(
-            parts_of(&folder),
-            Err(IngestError::NotFound { .. })
-        ));
+        let parts = parts_of(&folder).unwrap();
+        assert_eq!(parts.files, [folder.join("run_1.mcap")]);
+        assert_eq!(parts.missing, ["gone.mcap"]);
     }
 }

@@ -4,12 +4,14 @@ use super::{
     channels::{Decoder, OwnedSchema, decoder, same_type},
     choice::{Choice, Found, choose, parent},
     container::{Damage, Visitor, walk},
+    frames::Frames,
     metadata::{self, DriveRecord},
     record::{Channel, Message, Record},
     roles::{Convention, Role},
-    signals::{EgoRow, Objects, ego_row, flatten, join_speeds, settle_speeds, turn},
+    signals::{Came, EgoRow, Objects, ego_row, flatten, join_speeds, settle_speeds, turn},
 };
 use crate::{
+    clock::one_clock,
     error::IngestError,
     mapping::{McapMapping, TwistFrame},
     quality::{Warning, WarningKind},
@@ -22,8 +24,6 @@ use std::{
 
 /// Longest time between speeds of a channel of their own that is bridged, in s.
 const SPEED_GAP_S: f64 = 0.5;
-/// How far a clock must go back to count as set anew, in ns.
-const SET_BACK_NS: i64 = 1_000_000_000;
 
 /// Reads the samples of ego and the others, and whose drive it is where the recording says so.
 ///
@@ -103,6 +103,7 @@ fn drive_of(
         .objects
         .is_some_and(|i| parent(topic(i)) != parent(topic(choice.ego)));
     let told_from_objects = streams[choice.ego].role() == Some(Role::Objects);
+    let frames = streams[choice.ego].frames;
     let is_fix = streams[choice.ego].role() == Some(Role::Fix);
     let identity = choice.identity.and_then(|i| streams[i].identity);
     let ego_id = choice.mapping.ego_object.or(identity);
@@ -112,6 +113,11 @@ fn drive_of(
         warnings.push(Warning::new(path, kind, count, what));
     };
 
+    if let Some(frames) = frames {
+        let (fixed, of_ego) = frames.names();
+        let what = format!("ego is taken from the transforms from `{fixed}` to `{of_ego}`");
+        warn(WarningKind::Choice, 1, &what);
+    }
     let speeds = take(choice.speed).map(|s| s.ego).unwrap_or_default();
     let ego_stream = take(Some(choice.ego));
     let (mut ego, mut objects) = match ego_stream {
@@ -179,49 +185,6 @@ fn drive_of(
     }
 }
 
-/// First and last time, in ns.
-type Span = (i64, i64);
-
-/// Goes by times of receipt where header stamps cannot be compared: the clock of one channel was set back, or ego and the
-/// others are on two clocks.
-fn one_clock(ego: &mut [EgoSample], objects: &mut [ObjectSample]) -> Option<&'static str> {
-    fn stamps(stamped: impl Iterator<Item = (i64, i64)>) -> (bool, bool, Span, Span) {
-        let (mut back, mut log_back, mut last, mut log_last) = (false, false, i64::MIN, i64::MIN);
-        let (mut span, mut log_span) = ((i64::MAX, i64::MIN), (i64::MAX, i64::MIN));
-        for (stamp, log) in stamped {
-            back |= stamp < last.saturating_sub(SET_BACK_NS);
-            log_back |= log < log_last.saturating_sub(SET_BACK_NS);
-            (last, log_last) = (last.max(stamp), log_last.max(log));
-            span = (span.0.min(stamp), span.1.max(stamp));
-            log_span = (log_span.0.min(log), log_span.1.max(log));
-        }
-        (back, log_back, span, log_span)
-    }
-    let of_ego = stamps(ego.iter().map(|s| (s.stamp_ns, s.log_ns)));
-    let of_objects = stamps(objects.iter().map(|s| (s.stamp_ns, s.log_ns)));
-    if of_ego.1 || of_objects.1 || ego.is_empty() {
-        // Receipt goes back as well: nothing is gained.
-        return None;
-    }
-    let apart = |a: Span, b: Span| a.1 < b.0 || b.1 < a.0;
-    let two =
-        !objects.is_empty() && apart(of_ego.2, of_objects.2) && !apart(of_ego.3, of_objects.3);
-    let why = if of_ego.0 {
-        "the clock of ego's header stamps was set back: times of receipt are used"
-    } else if two {
-        "ego and the others are on two clocks: times of receipt are used"
-    } else {
-        return None;
-    };
-    for s in ego.iter_mut() {
-        s.stamp_ns = s.log_ns;
-    }
-    for s in objects.iter_mut() {
-        s.stamp_ns = s.log_ns;
-    }
-    Some(why)
-}
-
 /// Damage as warnings, with times since the first message.
 pub(crate) fn damage_warnings(
     path: &Path,
@@ -247,6 +210,7 @@ impl EgoRow {
             sample: EgoSample {
                 stamp_ns: object.stamp_ns,
                 log_ns: object.log_ns,
+                nth: object.nth,
                 x_m: object.x_m,
                 y_m: object.y_m,
                 yaw_rad: None,
@@ -268,6 +232,8 @@ struct Stream {
     objects: Vec<ObjectSample>,
     making: Objects,
     identity: Option<u32>,
+    /// Of transforms: the frames that ego's samples are between.
+    frames: Option<Frames>,
     twist: Option<TwistFrame>,
     /// Lengths of the four counters above when the chunk began.
     mark: [usize; 4],
@@ -286,6 +252,7 @@ impl Stream {
             objects: Vec::new(),
             making: Objects::default(),
             identity: None,
+            frames: None,
             twist: mapping.and_then(|m| m.objects_twist),
             mark: [0; 4],
         }
@@ -311,7 +278,12 @@ impl Stream {
         Found {
             topic: &self.channel.topic,
             type_name: self.schema.as_ref().map_or("", |s| s.name.as_str()),
-            messages: self.messages,
+            // Most transforms are of no use: those of joints and sensors.
+            messages: if self.role() == Some(Role::Frames) {
+                self.ego.len()
+            } else {
+                self.messages
+            },
             role: match &self.decoder {
                 Ok(_) => Ok(self.role()),
                 Err(why) => Err(why),
@@ -319,34 +291,55 @@ impl Stream {
         }
     }
 
-    fn take(&mut self, message: Message<'_>, row: &mut Vec<f64>) {
+    fn take(&mut self, message: Message<'_>, nth: u32, row: &mut Vec<f64>) {
         self.messages += 1;
         let Ok(decoder) = &self.decoder else { return };
         let Some(reading) = &decoder.reading else {
             return;
         };
-        let log_ns = i64::try_from(message.log_ns).unwrap_or(i64::MAX);
+        let came = Came {
+            log_ns: i64::try_from(message.log_ns).unwrap_or(i64::MAX),
+            nth,
+        };
         let before = self.objects.len();
         let (objects, making, twist) = (&mut self.objects, &mut self.making, self.twist);
+        let before_ego = self.ego.len();
+        let (ego, frames, mark) = (&mut self.ego, &mut self.frames, &mut self.mark);
         let (role, convention): (Role, Convention) = (reading.role, reading.convention);
         let walked = decoder.codec.run(message.data, row, &mut |row| {
             if role == Role::Objects
-                && let Some(object) = making.sample(row, log_ns, convention, twist)
+                && let Some(object) = making.sample(row, came, convention, twist)
             {
                 objects.push(object);
+            }
+            if role == Role::Frames
+                && let Some(found) = Frames::of(row)
+            {
+                match *frames {
+                    Some(taken) if taken < found => return,
+                    Some(taken) if taken == found => {}
+                    _ => {
+                        // Better frames than those so far.
+                        *frames = Some(found);
+                        ego.clear();
+                        mark[2] = 0;
+                    }
+                }
+                ego.push(ego_row(row, came));
             }
         });
         if walked.is_err() {
             // Half a message is none.
             self.objects.truncate(before);
+            self.ego.truncate(before_ego);
             self.bad += 1;
             return;
         }
         match role {
-            Role::Objects => {}
+            Role::Objects | Role::Frames => {}
             Role::Identity => self.identity = row.first().map(|&id| id as u32),
             Role::Odometry | Role::Pose | Role::Fix | Role::Speed => {
-                self.ego.push(ego_row(row, log_ns));
+                self.ego.push(ego_row(row, came));
             }
         }
     }
@@ -364,6 +357,8 @@ struct Collector<'a> {
     streams: Vec<Stream>,
     drive: Option<BTreeMap<String, String>>,
     first_ns: Option<u64>,
+    /// Messages so far, with those that were rolled back.
+    nth: u32,
     /// Messages whose channel was not known when they came.
     undeclared: usize,
     row: Vec<f64>,
@@ -478,9 +473,10 @@ impl Visitor for Collector<'_> {
             }
             Record::Message(message) => {
                 self.first_ns = Some(self.first_ns.unwrap_or(message.log_ns).min(message.log_ns));
+                self.nth = self.nth.saturating_add(1);
                 let index = self.ids.get(&message.channel);
                 match index.and_then(|&i| self.streams.get_mut(i)) {
-                    Some(stream) => stream.take(message, &mut self.row),
+                    Some(stream) => stream.take(message, self.nth, &mut self.row),
                     None => self.undeclared += 1,
                 }
             }

@@ -9,6 +9,8 @@ pub(crate) enum Role {
     Odometry,
     /// Ego's pose alone: `geometry_msgs/PoseStamped`.
     Pose,
+    /// Transforms, ego's pose among them: `tf2_msgs/TFMessage`.
+    Frames,
     /// Ego's place on Earth: `sensor_msgs/NavSatFix`.
     Fix,
     /// The other vehicles: `derived_object_msgs/ObjectArray`.
@@ -80,6 +82,7 @@ impl Reading {
             "foxglove/PoseInFrame" | "foxglove_msgs/PoseInFrame" => {
                 ego(Role::Pose, &TIMESTAMP, "pose", "")
             }
+            "tf2_msgs/TFMessage" | "tf/tfMessage" => Self::frames(),
             "sensor_msgs/NavSatFix" => Self::fix(&HEADER),
             "foxglove/LocationFix" | "foxglove_msgs/LocationFix" => Self::fix(&TIMESTAMP),
             "geometry_msgs/TwistStamped" => ego(Role::Speed, &HEADER, "", "twist"),
@@ -114,6 +117,39 @@ impl Reading {
                 .iter()
                 .map(|slot| mapped.fields.get(*slot).cloned().unwrap_or_default())
                 .collect(),
+            convention: Convention::Mapped,
+        }
+    }
+
+    /// A row for each transform; behind ego's slots stand the names of the frames.
+    fn frames() -> Self {
+        let of = |what: &str| format!("transforms[].{what}");
+        let mut paths = vec![String::new(); EGO_SLOTS.len()];
+        for (slot, what) in [
+            ("sec", "header.stamp.sec"),
+            ("nanosec", "header.stamp.nanosec"),
+            ("x", "transform.translation.x"),
+            ("y", "transform.translation.y"),
+            ("qx", "transform.rotation.x"),
+            ("qy", "transform.rotation.y"),
+            ("qz", "transform.rotation.z"),
+            ("qw", "transform.rotation.w"),
+        ] {
+            let ros1 = match slot {
+                "sec" => format!("|{}", of("header.stamp.secs")),
+                "nanosec" => format!("|{}", of("header.stamp.nsecs")),
+                _ => String::new(),
+            };
+            fill(
+                &mut paths,
+                &EGO_SLOTS,
+                &[(slot, &format!("{}{ros1}", of(what)))],
+            );
+        }
+        paths.extend(["header.frame_id#?", "child_frame_id#?"].map(of));
+        Self {
+            role: Role::Frames,
+            paths,
             convention: Convention::Mapped,
         }
     }

@@ -54,14 +54,24 @@ pub(crate) struct EgoRow {
     pub(crate) twist: Option<(f64, f64)>,
 }
 
+/// When a message came.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Came {
+    /// Time of receipt, in ns.
+    pub(crate) log_ns: i64,
+    /// Its number among all messages of the recording.
+    pub(crate) nth: u32,
+}
+
 /// Ego's slots.
-pub(crate) fn ego_row(row: &[f64], log_ns: i64) -> EgoRow {
+pub(crate) fn ego_row(row: &[f64], came: Came) -> EgoRow {
     let twist = known(row[8]).zip(known(row[9]));
     let of_twist = twist.map(|(vx, vy)| vx.hypot(vy).copysign(vx));
     EgoRow {
         sample: EgoSample {
             stamp_ns: stamp_ns(row),
-            log_ns,
+            log_ns: came.log_ns,
+            nth: came.nth,
             x_m: row[2],
             y_m: row[3],
             yaw_rad: known(row[10]).or_else(|| heading(&row[4..8])),
@@ -93,7 +103,7 @@ impl Objects {
     pub(crate) fn sample(
         &mut self,
         row: &[f64],
-        log_ns: i64,
+        came: Came,
         convention: Convention,
         twist: Option<TwistFrame>,
     ) -> Option<ObjectSample> {
@@ -145,7 +155,8 @@ impl Objects {
         };
         Some(ObjectSample {
             stamp_ns: stamp_ns(row),
-            log_ns,
+            log_ns: came.log_ns,
+            nth: came.nth,
             id,
             x_m: row[2],
             y_m: row[3],
@@ -284,6 +295,7 @@ mod tests {
             sample: EgoSample {
                 stamp_ns: i * 100_000_000,
                 log_ns: 0,
+                nth: i as u32,
                 x_m,
                 y_m,
                 yaw_rad: Some(yaw),

@@ -1,11 +1,14 @@
 //! Writes a recording as a CARLA rig would have recorded it.
 
-use super::metadata;
+use super::{
+    decisions::{DecisionKind, decisions},
+    metadata, scene,
+};
 use crate::{
     error::IngestError,
     raw::ros2::{cdr, schemas},
 };
-use maveric_domain::{DriveMeta, Recording, Scene, VehicleState};
+use maveric_domain::{Drive, DriveMeta, Recording, Scene, TraceRow, VehicleState};
 use mcap::{Compression, WriteOptions, records};
 use std::{
     collections::BTreeMap,
@@ -38,33 +41,113 @@ pub fn write_mcap(
     meta: &DriveMeta,
     out: impl Write + Seek,
 ) -> Result<(), IngestError> {
-    write(recording, meta, out).map_err(|source| IngestError::Write { source })
+    write_mcap_with(recording, meta, &Beside::default(), out)
+}
+
+/// What a log holds beside the recording. Nothing of it is read by `ingest`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Beside<'a> {
+    /// What the automated car decided, a row for each of the recording's; empty for people. Becomes `foxglove.Log`
+    /// messages on `/maveric/decisions`.
+    pub trace: &'a [TraceRow],
+    /// Whether to write a scene for Foxglove and Lichtblick, ten times a second: `foxglove.SceneUpdate` with lanes and
+    /// ego, with the other cars, and with planned path and interventions; `foxglove.FrameTransform` from `map` to
+    /// `ego_vehicle`; and `maveric.Signals` with speed, gap and what was asked. All JSON.
+    pub scene: bool,
+}
+
+/// Writes a recording as [`write_mcap`] does, with more beside it.
+///
+/// # Errors
+/// [`IngestError::Write`] if `out` cannot be written; [`IngestError::WriteDrive`] if the trace is not the recording's.
+pub fn write_mcap_with(
+    recording: &Recording,
+    meta: &DriveMeta,
+    beside: &Beside<'_>,
+    out: impl Write + Seek,
+) -> Result<(), IngestError> {
+    let (found, rows) = (beside.trace.len(), recording.rows());
+    let refused = |reason: String| IngestError::WriteDrive {
+        drive: meta.drive.to_string(),
+        reason,
+    };
+    if found != 0 && found != rows {
+        return Err(refused(format!(
+            "its trace has {found} rows, its recording {rows}"
+        )));
+    }
+    let scene = beside
+        .scene
+        .then(|| Drive::from_recording(meta.clone(), recording));
+    let scene = scene.transpose().map_err(|e| refused(e.to_string()))?;
+    write(recording, meta, beside.trace, scene.as_ref(), out)
+        .map_err(|source| IngestError::Write { source })
+}
+
+/// A file under way.
+struct File<W: Write + Seek> {
+    writer: mcap::Writer<W>,
+    row: usize,
+    time_ns: u64,
+}
+
+impl<W: Write + Seek> File<W> {
+    fn channel(
+        &mut self,
+        topic: &str,
+        (name, text): (&str, &str),
+        (schema, message): (&str, &str),
+    ) -> Result<u16, mcap::McapError> {
+        let schema = self.writer.add_schema(name, schema, text.as_bytes())?;
+        self.writer
+            .add_channel(schema, topic, message, &BTreeMap::new())
+    }
+
+    fn json_channel(&mut self, channel: scene::Channel) -> Result<u16, mcap::McapError> {
+        self.channel(channel.topic, channel.schema, ("jsonschema", "json"))
+    }
+
+    fn message(&mut self, channel_id: u16, bytes: &[u8]) -> Result<(), mcap::McapError> {
+        let head = records::MessageHeader {
+            channel_id,
+            sequence: self.row as u32,
+            log_time: self.time_ns,
+            publish_time: self.time_ns,
+        };
+        self.writer.write_to_known_channel(&head, bytes)
+    }
 }
 
 fn write(
     recording: &Recording,
     meta: &DriveMeta,
+    trace: &[TraceRow],
+    scene: Option<&Drive>,
     out: impl Write + Seek,
 ) -> Result<(), mcap::McapError> {
-    let mut file = WriteOptions::new()
-        .profile("ros2")
-        .library(concat!("maveric ", env!("CARGO_PKG_VERSION")))
-        .compression(Some(Compression::Zstd))
-        // More threads would be faster, but the bytes would depend on them.
-        .compression_threads(0)
-        .create(out)?;
-    file.write_metadata(&records::Metadata {
+    let mut file = File {
+        writer: WriteOptions::new()
+            .profile("ros2")
+            .library(concat!("maveric ", env!("CARGO_PKG_VERSION")))
+            .compression(Some(Compression::Zstd))
+            // More threads would be faster, but the bytes would depend on them.
+            .compression_threads(0)
+            .create(out)?,
+        row: 0,
+        time_ns: 0,
+    };
+    file.writer.write_metadata(&records::Metadata {
         name: metadata::NAME.to_owned(),
         metadata: metadata::values(meta, recording),
     })?;
-    let mut channel = |topic: &str, (name, text): (&str, &str)| {
-        let schema = file.add_schema(name, "ros2msg", text.as_bytes())?;
-        file.add_channel(schema, topic, "cdr", &BTreeMap::new())
+    let ros = ("ros2msg", "cdr");
+    let ego_channel = file.channel(EGO_TOPIC, schemas::ODOMETRY, ros)?;
+    let objects_channel = file.channel(OBJECTS_TOPIC, schemas::OBJECT_ARRAY, ros)?;
+    let mut decisions = Decisions::new(&mut file, trace)?;
+    let mut beside = match scene {
+        Some(drive) => Some(Beside3d::new(&mut file, recording, drive, trace)?),
+        None => None,
     };
-    let channels = [
-        channel(EGO_TOPIC, schemas::ODOMETRY)?,
-        channel(OBJECTS_TOPIC, schemas::OBJECT_ARRAY)?,
-    ];
     let ego_yaw_rad = headings(recording);
     let mut bytes = cdr::Writer::new();
     for (row, yaw) in ego_yaw_rad.into_iter().enumerate() {
@@ -73,25 +156,117 @@ fn write(
             break;
         };
         let time_ns = (scene.time_s * 1e9).round() as i64;
-        for channel_id in channels {
-            bytes.restart();
-            header(&mut bytes, time_ns, "map");
-            if channel_id == channels[0] {
-                odometry(&mut bytes, &scene, yaw);
-            } else {
-                objects(&mut bytes, &scene, time_ns);
-            }
-            let head = records::MessageHeader {
-                channel_id,
-                sequence: row as u32,
-                log_time: time_ns.max(0) as u64,
-                publish_time: time_ns.max(0) as u64,
-            };
-            file.write_to_known_channel(&head, bytes.bytes())?;
+        (file.row, file.time_ns) = (row, time_ns.max(0) as u64);
+        bytes.restart();
+        header(&mut bytes, time_ns, "map");
+        odometry(&mut bytes, &scene, yaw);
+        file.message(ego_channel, bytes.bytes())?;
+        bytes.restart();
+        header(&mut bytes, time_ns, "map");
+        objects(&mut bytes, &scene, time_ns);
+        file.message(objects_channel, bytes.bytes())?;
+        if let Some(beside) = &mut beside {
+            beside.row(&mut file, &scene, yaw)?;
         }
+        decisions.row(&mut file, meta)?;
     }
-    file.finish()?;
+    file.writer.finish()?;
     Ok(())
+}
+
+/// The decisions that are still to be written.
+struct Decisions {
+    channel: Option<u16>,
+    rest: std::vec::IntoIter<(usize, DecisionKind)>,
+}
+
+impl Decisions {
+    fn new<W: Write + Seek>(
+        file: &mut File<W>,
+        trace: &[TraceRow],
+    ) -> Result<Self, mcap::McapError> {
+        let channel = (!trace.is_empty()).then(|| file.json_channel(scene::DECISIONS));
+        Ok(Self {
+            channel: channel.transpose()?,
+            rest: decisions(trace).into_iter(),
+        })
+    }
+
+    fn row<W: Write + Seek>(
+        &mut self,
+        file: &mut File<W>,
+        meta: &DriveMeta,
+    ) -> Result<(), mcap::McapError> {
+        let Some(channel) = self.channel else {
+            return Ok(());
+        };
+        while let Some(&(row, kind)) = self.rest.as_slice().first() {
+            if row != file.row {
+                break;
+            }
+            self.rest.next();
+            let bytes = scene::decision(kind, meta.drive.as_str(), file.time_ns);
+            file.message(channel, &bytes)?;
+        }
+        Ok(())
+    }
+}
+
+/// The scene's channels.
+struct Beside3d<'a> {
+    recording: &'a Recording,
+    drive: &'a Drive,
+    trace: &'a [TraceRow],
+    every: usize,
+    road: u16,
+    cars: u16,
+    plan: u16,
+    frames: u16,
+    signals: u16,
+}
+
+impl<'a> Beside3d<'a> {
+    fn new<W: Write + Seek>(
+        file: &mut File<W>,
+        recording: &'a Recording,
+        drive: &'a Drive,
+        trace: &'a [TraceRow],
+    ) -> Result<Self, mcap::McapError> {
+        Ok(Self {
+            recording,
+            drive,
+            trace,
+            every: ((recording.rate_hz() / scene::SCENE_RATE_HZ).floor() as usize).max(1),
+            road: file.json_channel(scene::STATIC)?,
+            cars: file.json_channel(scene::CARS)?,
+            plan: file.json_channel(scene::PLAN)?,
+            frames: file.json_channel(scene::FRAMES)?,
+            signals: file.json_channel(scene::SIGNALS)?,
+        })
+    }
+
+    fn row<W: Write + Seek>(
+        &mut self,
+        file: &mut File<W>,
+        scene: &Scene,
+        yaw_rad: f64,
+    ) -> Result<(), mcap::McapError> {
+        let (row, time_ns) = (file.row, file.time_ns);
+        if row == 0 {
+            file.message(self.road, &scene::road(self.recording, time_ns))?;
+        }
+        if let Some(plan) = scene::plan(self.trace, row, time_ns) {
+            file.message(self.plan, &plan)?;
+        }
+        if row % self.every != 0 {
+            return Ok(());
+        }
+        let reference = self.drive.rows().lead_id[row];
+        file.message(self.frames, &scene::frame(scene, yaw_rad, time_ns))?;
+        file.message(self.cars, &scene::cars(scene, reference, time_ns))?;
+        let signals = scene::signals(self.drive, self.trace.get(row), row, time_ns);
+        file.message(self.signals, &signals)
+    }
 }
 
 /// Ego's direction of movement at each row, from the rows before and after; 0 at standstill.

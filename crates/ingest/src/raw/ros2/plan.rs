@@ -27,6 +27,8 @@ pub(super) enum Step {
     },
     /// Pass over a string.
     SkipString,
+    /// Put a name into a slot, as [`name_number`].
+    TakeName { slot: usize },
     /// Pass over a string of wide characters.
     SkipWide,
     /// Pass over a sequence of numbers of `size` bytes.
@@ -135,7 +137,8 @@ impl Plan {
     ///
     /// A path names fields down from the root: `header.stamp.sec`, `objects[].id` (a row for each element),
     /// `shape.dimensions[0]` (one number of a sequence) or `classes[0].label` (of the first element of a sequence).
-    /// Alternatives are separated by `|`; one that ends in `?`, and an empty one, may be missing.
+    /// Alternatives are separated by `|`; one that ends in `?`, and an empty one, may be missing. A path to a string ends in
+    /// `#`: its slot takes the string's [`name_number`].
     ///
     /// # Errors
     /// A sentence that says what is missing or cannot be followed.
@@ -256,10 +259,21 @@ impl Plan {
     }
 }
 
+/// A name as a number, to compare it with others: of its part behind the last `/`, which may be a namespace's.
+pub(crate) fn name_number(name: &[u8]) -> f64 {
+    let name = name.strip_suffix(&[0]).unwrap_or(name);
+    let last = name.rsplit(|&b| b == b'/').next().unwrap_or_default();
+    // FNV-1a, as many bits of it as a float holds.
+    let hash = last.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, &b| {
+        (hash ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3)
+    });
+    (hash >> 11) as f64
+}
+
 fn takes(step: &Step) -> bool {
     match step {
         Step::Block(block) => block.runs.iter().any(|run| run.2.is_some()),
-        Step::TakeSome { .. } | Step::Rows { .. } => true,
+        Step::TakeSome { .. } | Step::TakeName { .. } | Step::Rows { .. } => true,
         Step::Repeat { first, .. } => first.is_some(),
         Step::Structure(body) => body.iter().any(takes),
         Step::SkipString | Step::SkipWide | Step::SkipSequence { .. } => false,
@@ -363,6 +377,10 @@ impl Compiler<'_> {
                     (true, _) => steps.push(Step::SkipSequence { size: p.size() }),
                 }
             }
+            (Base::String, Count::One) => steps.push(match self.slot(&format!("{path}#")) {
+                Some(slot) => Step::TakeName { slot },
+                None => Step::SkipString,
+            }),
             (Base::String | Base::WideString, count) => {
                 let step = if field.base == Base::String {
                     Step::SkipString

@@ -3,7 +3,7 @@
 use super::{
     cdr::{CdrError, Reader, number},
     definition::Primitive,
-    plan::{Block, Step},
+    plan::{Block, Step, name_number},
 };
 
 /// Walks `steps`: wanted numbers go into `row`, which is given to `each` for every element that is a row.
@@ -40,6 +40,11 @@ pub(super) fn walk(
             Step::SkipString => {
                 let length = reader.count()?;
                 reader.skip(1, length)?;
+            }
+            Step::TakeName { slot } => {
+                let length = reader.count()?;
+                let value = name_number(reader.block(length)?);
+                *row.get_mut(*slot).ok_or(CdrError::End)? = value;
             }
             Step::SkipWide => {
                 let count = reader.count()?;

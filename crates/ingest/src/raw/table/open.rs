@@ -110,6 +110,31 @@ fn cells(line: &[u8], separator: u8) -> Vec<String> {
         .collect()
 }
 
+/// The row, counted from 1 below the header, with a cell whose quote is never closed: what stands behind it would be
+/// one cell, its last character lost.
+fn open_quote(text: &[u8], header: &Header) -> Option<usize> {
+    if !text.contains(&b'"') {
+        return None;
+    }
+    let mut lines = text.split_inclusive(|&b| b == b'\n');
+    let above: usize = lines.by_ref().take(header.preamble).map(<[u8]>::len).sum();
+    let (mut begins, mut quoted, mut inside) = (true, false, false);
+    // The row that is being read, and the one in which the last quoted cell began; 0 is the header.
+    let (mut row, mut opened) = (0, 0);
+    for &b in &text[above..] {
+        if begins && b == b'"' {
+            (quoted, inside, opened) = (true, true, row);
+        } else if begins {
+            quoted = false;
+        } else if quoted && b == b'"' {
+            inside = !inside;
+        }
+        begins = !inside && (b == header.separator || b == b'\n');
+        row += usize::from(b == b'\n');
+    }
+    inside.then_some(opened)
+}
+
 fn same_name(a: &str, b: &str) -> bool {
     a.trim().eq_ignore_ascii_case(b.trim())
 }
@@ -220,6 +245,12 @@ impl Table {
             return Err(IngestError::BadTable {
                 path: self.path.clone(),
                 reason: format!("its header has the column `{name}` twice"),
+            });
+        }
+        if let Some(row) = open_quote(&bytes, header) {
+            return Err(IngestError::BadTable {
+                path: self.path.clone(),
+                reason: format!("row {row} opens a quote that is never closed"),
             });
         }
         let bytes: Arc<[u8]> = bytes.into();

@@ -158,6 +158,7 @@ pub(super) fn drive(path: &Path, couple: &Couple, max_gap_s: f64) -> TableDrive 
         let sample = EgoSample {
             stamp_ns,
             log_ns: stamp_ns,
+            nth: row as u32,
             x_m: x,
             y_m: couple.ego_y_m.as_ref().map_or(0.0, |y| y[row]),
             yaw_rad: Some(0.0),
@@ -190,6 +191,7 @@ pub(super) fn drive(path: &Path, couple: &Couple, max_gap_s: f64) -> TableDrive 
         Some(ObjectSample {
             stamp_ns: s.stamp_ns,
             log_ns: s.log_ns,
+            nth: s.nth,
             id,
             x_m: s.x_m,
             y_m: s.y_m,

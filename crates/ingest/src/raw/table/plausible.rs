@@ -75,6 +75,7 @@ mod tests {
         let ego = (0..100).map(|i| EgoSample {
             stamp_ns: i * 100_000_000,
             log_ns: 0,
+            nth: 0,
             x_m: i as f64 * 2.0,
             y_m: 0.0,
             yaw_rad: None,

@@ -60,6 +60,7 @@ pub(super) fn read(
         .map(|(stamp_ns, x_m, speed_mps)| EgoSample {
             stamp_ns,
             log_ns: stamp_ns,
+            nth: 0,
             x_m,
             y_m: 0.0,
             yaw_rad: Some(0.0),

@@ -1,6 +1,6 @@
 //! A drive to watch from a recording.
 
-use super::drive::{ChangeSpan, InterventionSpan, PlayerDrive, Track};
+use super::drive::{CentreLine, ChangeSpan, InterventionSpan, PlayerDrive, Track};
 use maveric_domain::{Drive, Recording, condition::Condition};
 
 /// Width that vehicles are drawn with, in m: recordings do not say it.
@@ -17,6 +17,8 @@ pub struct PlayerMeta {
     pub condition: Condition,
     /// When the safety layer stepped in, if that is known.
     pub interventions: Option<Vec<InterventionSpan>>,
+    /// Where the road lies, if it is not straight.
+    pub centre_line: Option<CentreLine>,
 }
 
 impl PlayerDrive {
@@ -42,7 +44,7 @@ impl PlayerDrive {
             condition: meta.condition,
             lanes: recording.road().lanes,
             lane_width_m: recording.road().lane_width_m,
-            centre_line: None,
+            centre_line: meta.centre_line,
             time_s: recording.time_s().to_vec(),
             segment: recording.segment().to_vec(),
             ego: Track {

@@ -10,6 +10,7 @@ use crate::{
     },
 };
 use maveric_domain::{Condition, DrivenBy, Moment, ParticipantId, Score, Study};
+use maveric_participants::MeasureValues;
 use std::{collections::BTreeMap, path::Path};
 
 /// Scores by scale, subscale, moment and participant.
@@ -152,6 +153,16 @@ impl StudyData {
     ) -> Option<f64> {
         let at = *self.drives.get(&condition)?.get(participant)?;
         self.measurements[at].values.get(measure).copied().flatten()
+    }
+
+    /// The measures of a Study 2 participant's drive in a condition.
+    pub(crate) fn drive(
+        &self,
+        participant: &ParticipantId,
+        condition: Condition,
+    ) -> Option<&MeasureValues> {
+        let at = *self.drives.get(&condition)?.get(participant)?;
+        Some(&self.measurements[at].values)
     }
 
     /// A measure of every own drive of Study 1 that has it.

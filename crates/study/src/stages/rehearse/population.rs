@@ -364,15 +364,6 @@ impl DrawnMeasure {
         let value = if self.whole { value.round() } else { value };
         Some(value.clamp(self.low, self.high))
     }
-
-    /// Mean change of a shift over people, in SDs of the own drives.
-    pub(crate) fn mean_step(&self, shift: f64) -> f64 {
-        if shift >= 0.0 {
-            shift * self.aggressive.step
-        } else {
-            -shift * self.cautious.step
-        }
-    }
 }
 
 #[cfg(test)]

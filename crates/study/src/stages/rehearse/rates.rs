@@ -25,6 +25,8 @@ pub struct TestRate {
     pub holm: Option<Proportion>,
     /// Mean of the estimate (r, share less ½, difference or coefficient); none for an omnibus test.
     pub mean_estimate: Option<f64>,
+    /// The same over the studies with p < .05: what a reader sees who is shown those alone.
+    pub mean_when_significant: Option<f64>,
     /// Share of studies with an estimate above zero.
     pub above_zero: Option<Proportion>,
 }
@@ -80,6 +82,15 @@ pub(crate) fn cell(participants: usize, effect_scale: f64, studies: &[Vec<Found>
             holm: share(holm.iter().filter(|p| **p < ALPHA).count(), holm.len()),
             mean_estimate: (!estimates.is_empty())
                 .then(|| estimates.iter().sum::<f64>() / estimates.len() as f64),
+            mean_when_significant: {
+                let yes = |f: &&&Found| f.p.is_some_and(|p| p < ALPHA);
+                let seen: Vec<f64> = found
+                    .iter()
+                    .filter(yes)
+                    .filter_map(|f| f.estimate)
+                    .collect();
+                (!seen.is_empty()).then(|| seen.iter().sum::<f64>() / seen.len() as f64)
+            },
             above_zero: share(
                 estimates.iter().filter(|e| **e > 0.0).count(),
                 estimates.len(),
@@ -174,6 +185,7 @@ mod tests {
         assert_eq!((first.studies, first.rejected), (3, 2));
         assert!((first.holm.unwrap().estimate - 1.0 / 3.0).abs() < 1e-12);
         assert!((first.above_zero.unwrap().estimate - 0.75).abs() < 1e-12);
+        assert!((first.mean_when_significant.unwrap() - 0.3).abs() < 1e-12);
         let family = &cell.families[0];
         assert_eq!(family.tests, 2);
         assert!((family.any_uncorrected.unwrap().estimate - 0.5).abs() < 1e-12);

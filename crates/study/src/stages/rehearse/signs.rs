@@ -20,6 +20,8 @@ pub struct SignRow {
     pub participants: usize,
     /// Mean of ours over the studies.
     pub mean: Option<f64>,
+    /// The same over the studies in which p < .05, as the paper's printed rows were chosen.
+    pub mean_when_significant: Option<f64>,
     /// Share of studies with the paper's sign.
     pub same_sign: Option<Proportion>,
     /// Share of studies with p < .05: the power.
@@ -71,6 +73,7 @@ pub(super) fn signs(path: &Path, cells: &[Cell]) -> Result<Vec<SignRow>, StudyEr
             paper: claim.printed.value,
             participants: at.participants,
             mean: test.mean_estimate,
+            mean_when_significant: test.mean_when_significant,
             same_sign,
             power: test.rate,
             n_for_80: n_for(&curve, 0.8),

@@ -156,6 +156,7 @@ pub(super) fn power_tables(found: &Rehearsal) -> Vec<Table> {
                 Entry::text(row.text.as_str()),
                 Entry::bounded(Some(row.paper), 2),
                 Entry::bounded(row.mean, 2),
+                Entry::bounded(row.mean_when_significant, 2),
                 rate(row.same_sign),
                 rate(row.power),
                 row.n_for_80
@@ -166,9 +167,9 @@ pub(super) fn power_tables(found: &Rehearsal) -> Vec<Table> {
         tables.push(table(
             "power-signs",
             format!("The paper’s correlations in synthetic studies of {n}: sign, power, and people needed"),
-            &["Correlation", "Paper", "Mean of ours", "Same sign", "p < .05", "n for 80% power"],
+            &["Correlation", "Paper", "Mean of ours", "where p < .05", "Same sign", "p < .05", "n for 80% power"],
             rows.collect(),
-            "Effects as planted (scale 1). Same sign: share of studies with the paper’s sign. n: by straight lines between the sizes tried.",
+            "Effects as planted (scale 1). Where p < .05: mean over those studies, to which the paper’s rows belong by choice. Same sign: share of studies with the paper’s sign. n: by straight lines between the sizes tried.",
         ));
     }
     let mut scales: Vec<f64> = Vec::new();
@@ -247,10 +248,12 @@ pub(super) fn summary(found: &Rehearsal) -> Vec<String> {
             s.map_or_else(|| "–".to_owned(), |s| format!("{:.2}", s.estimate))
         };
         lines.push(format!(
-            "{}: paper {:.2}, mean of ours {}, same sign {}, power {} (n = {})",
+            "{}: paper {:.2}, mean of ours {} ({} where p < .05), same sign {}, power {} (n = {})",
             row.key,
             row.paper,
             row.mean
+                .map_or_else(|| "–".to_owned(), |m| format!("{m:.2}")),
+            row.mean_when_significant
                 .map_or_else(|| "–".to_owned(), |m| format!("{m:.2}")),
             share(row.same_sign),
             share(row.power),

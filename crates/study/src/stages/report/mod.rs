@@ -28,6 +28,8 @@ pub struct ReportOptions {
     pub claims: PathBuf,
     /// Parameters of the run, listed on the page; a value that is a file stands there whole, with its hash.
     pub parameters: Vec<(String, String)>,
+    /// Who took part; `participants.csv` among the results without.
+    pub participants: Option<PathBuf>,
 }
 
 /// What was written.

@@ -2,16 +2,20 @@
 
 use crate::{
     error::StudyError,
-    tables::{measurements::MeasuredDrive, participants::read_participants, surveys::read_scores},
+    tables::{
+        measurements::MeasuredDrive,
+        participants::{Enrolled, read_enrolled},
+        surveys::read_scores,
+    },
 };
 use maveric_domain::{Moment, Score, Study};
-use maveric_participants::{Gender, Participant, Population};
+use maveric_participants::{Gender, Population};
 use maveric_report::tables::ParticipantGroup;
 use std::path::Path;
 
 /// The participants of both studies.
 pub(super) struct People {
-    participants: Vec<Participant>,
+    participants: Vec<Enrolled>,
     scores: Vec<Score>,
     /// Drives by hand of each study.
     drives: [usize; 2],
@@ -28,7 +32,11 @@ fn sd(values: &[f64]) -> Option<f64> {
 }
 
 impl People {
-    pub(super) fn read(folder: &Path, drives: &[MeasuredDrive]) -> Result<Self, StudyError> {
+    pub(super) fn read(
+        folder: &Path,
+        participants: &Path,
+        drives: &[MeasuredDrive],
+    ) -> Result<Self, StudyError> {
         let by_hand = |study| {
             let hand = |d: &&MeasuredDrive| d.meta.driven_by != maveric_domain::DrivenBy::Automated;
             drives
@@ -38,20 +46,20 @@ impl People {
                 .count()
         };
         Ok(Self {
-            participants: read_participants(&folder.join("participants.csv"))?,
+            participants: read_enrolled(participants)?,
             scores: read_scores(&folder.join("scores.csv"))?,
             drives: [by_hand(Study::One), by_hand(Study::Two)],
         })
     }
 
-    fn of(&self, study: Study, population: Option<Population>) -> Vec<&Participant> {
+    fn of(&self, study: Study, population: Option<Population>) -> Vec<&Enrolled> {
         let fits =
-            |p: &&Participant| p.study == study && population.is_none_or(|g| p.population == g);
+            |p: &&Enrolled| p.study == study && population.is_none_or(|g| p.population == Some(g));
         self.participants.iter().filter(fits).collect()
     }
 
-    fn adb(&self, people: &[&Participant]) -> Vec<f64> {
-        let score = |p: &&Participant| {
+    fn adb(&self, people: &[&Enrolled]) -> Vec<f64> {
+        let score = |p: &&Enrolled| {
             let mine = |s: &&Score| {
                 s.participant == p.id
                     && s.moment == Moment::Pre
@@ -65,8 +73,12 @@ impl People {
 
     fn group(&self, name: &str, study: Study, population: Option<Population>) -> ParticipantGroup {
         let people = self.of(study, population);
-        let ages: Vec<f64> = people.iter().map(|p| f64::from(p.age_years)).collect();
-        let women = people.iter().filter(|p| p.gender == Gender::Female).count();
+        let ages: Vec<f64> = people.iter().filter_map(|p| p.age_years).collect();
+        let genders: Vec<&str> = people.iter().filter_map(|p| p.gender.as_deref()).collect();
+        let women = genders
+            .iter()
+            .filter(|g| **g == Gender::Female.as_str())
+            .count();
         let adb = self.adb(&people);
         let drives = match (study, population) {
             (Study::One, _) => self.drives[0],
@@ -79,7 +91,7 @@ impl People {
             drives,
             mean_age: mean(&ages),
             sd_age: sd(&ages),
-            female: (!people.is_empty()).then(|| women as f64 / people.len() as f64),
+            female: (!genders.is_empty()).then(|| women as f64 / genders.len() as f64),
             mean_adb: mean(&adb),
             sd_adb: sd(&adb),
         }

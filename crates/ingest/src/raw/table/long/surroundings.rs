@@ -83,6 +83,7 @@ impl Surroundings {
                 out.push(ObjectSample {
                     stamp_ns: sample.stamp_ns,
                     log_ns: sample.log_ns,
+                    nth: 0,
                     id: match lead.id {
                         Some(id) => number_of(id, ids),
                         None => unnamed.number(sample.stamp_ns, lead.x_m, lead.speed_mps),
@@ -119,6 +120,7 @@ impl Surroundings {
                     let object = ObjectSample {
                         stamp_ns: sample.stamp_ns,
                         log_ns: sample.log_ns,
+                        nth: 0,
                         id: number_of(other.id, ids),
                         x_m: if bends {
                             sample.x_m + distance * cos

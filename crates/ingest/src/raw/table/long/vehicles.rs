@@ -128,6 +128,7 @@ fn vehicle(
         EgoSample {
             stamp_ns: row.stamp_ns,
             log_ns: row.stamp_ns,
+            nth: 0,
             x_m: x,
             y_m: lane_y.place(row, y, frame),
             yaw_rad: if headed {

@@ -85,6 +85,7 @@ pub(super) fn read(
         seen.entry(id).or_default().push(ObjectSample {
             stamp_ns,
             log_ns: stamp_ns,
+            nth: 0,
             id,
             x_m: placed.way_m + back_m,
             y_m: placed.left_m,

@@ -94,7 +94,9 @@ pub(super) fn page(
         measured,
         context,
     };
-    let people = People::read(folder, &run.measured)?;
+    let beside = folder.join("participants.csv");
+    let participants = options.participants.as_deref().unwrap_or(&beside);
+    let people = People::read(folder, participants, &run.measured)?;
     let list = File::read(&folder.join("drives/study2/drives.csv"))?;
     let durations = list.all_numbers("duration_s")?;
     let minutes = durations.iter().sum::<f64>() / durations.len() as f64 / 60.0;

@@ -101,6 +101,7 @@ pub(super) fn reliabilities(folder: &Path) -> Result<Vec<Reliability>, StudyErro
             table.numbers("ci_low")?,
             table.numbers("ci_high")?,
         );
+        let omega = table.numbers("omega")?;
         for i in 0..table.rows() {
             let when = if file.starts_with("rating") {
                 " (after a condition)"
@@ -117,7 +118,7 @@ pub(super) fn reliabilities(folder: &Path) -> Result<Vec<Reliability>, StudyErro
                 n: n[i] as usize,
                 alpha: alpha[i],
                 interval: low[i].zip(high[i]),
-                omega: None,
+                omega: omega[i],
             });
         }
     }

@@ -39,6 +39,7 @@ pub(super) fn player(logs: &[PathBuf]) -> Result<Option<Live>, StudyError> {
                 note: note.to_owned(),
                 condition,
                 interventions: None,
+                centre_line: None,
             };
             drives.push(PlayerDrive::from_recording(&found.recording, &drive, meta));
         }

@@ -1,13 +1,6 @@
 //! Every figure, as a file: well-formed, all texts inside, none on another, the same every time.
-#![expect(
-    clippy::unwrap_used,
-    reason = "a helper of a test stops at the first surprise"
-)]
 
-#[path = "../examples/gallery/made_up.rs"]
-#[expect(dead_code, reason = "the page's parts are used by another test")]
-mod made_up;
-
+use crate::kinds;
 use maveric_report::figures::embedding_space;
 use maveric_report::{Context, Figure};
 use resvg::usvg;
@@ -43,8 +36,8 @@ fn texts(group: &usvg::Group, found: &mut Vec<(String, usvg::Rect)>) {
 }
 
 fn all() -> Vec<Figure> {
-    let mut figures = made_up::figures(&Context::synthetic(7)).unwrap();
-    figures.push(embedding_space(&made_up::space(3), &Context::real()).unwrap());
+    let mut figures = kinds::figures(&Context::synthetic(7)).unwrap();
+    figures.push(embedding_space(&kinds::embedding_space::input(), &Context::real()).unwrap());
     figures
 }
 
@@ -96,8 +89,14 @@ fn the_same_numbers_give_the_same_bytes() {
 
 #[test]
 fn what_shows_synthetic_participants_says_so_in_three_places() {
-    for figure in made_up::figures(&Context::synthetic(7)).unwrap() {
-        let explains = ["domain", "architecture"].contains(&figure.name.as_str());
+    for figure in kinds::figures(&Context::synthetic(7)).unwrap() {
+        let explains = [
+            "domain",
+            "architecture",
+            "step-responses",
+            "lane-change-quality",
+        ]
+        .contains(&figure.name.as_str());
         let says = [
             figure.caption.contains("Synthetic participants"),
             figure

@@ -1,6 +1,6 @@
-//! What the automated car decided, row by row.
+//! What an automated car was asked and decided, row by row: the simulator says it, a log keeps it.
 
-use maveric_domain::Setpoints;
+use crate::setpoints::Setpoints;
 
 /// What the car is doing about its lane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

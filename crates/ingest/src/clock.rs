@@ -1,0 +1,245 @@
+//! Clocks that were set back, or that differ.
+
+use crate::raw::{EgoSample, ObjectSample};
+
+/// How far a clock must go back to count as set anew, in ns.
+const SET_BACK_NS: i64 = 1_000_000_000;
+/// Samples that stay behind once a clock was set back; fewer are late messages.
+const LASTING: usize = 10;
+/// Way beyond which ego was put elsewhere, whatever its speed, in m; and how fast it may be, in m/s.
+const ELSEWHERE_M: f64 = 10.0;
+const FASTEST_MPS: f64 = 100.0;
+
+/// First and last time, in ns.
+type Span = (i64, i64);
+
+/// Goes by times of receipt where header stamps cannot be compared: ego's clock was set back while it drove on, or ego and
+/// the others are on two clocks.
+pub(crate) fn one_clock(
+    ego: &mut [EgoSample],
+    objects: &mut [ObjectSample],
+) -> Option<&'static str> {
+    let of_ego = Times::of(ego.iter().map(|s| (s.stamp_ns, s.log_ns)));
+    let of_objects = Times::of(objects.iter().map(|s| (s.stamp_ns, s.log_ns)));
+    if of_ego.receipt_back || of_objects.receipt_back || ego.is_empty() {
+        // Receipt goes back as well: nothing is gained.
+        return None;
+    }
+    let set_back = if of_ego.back {
+        restarts(ego)
+    } else {
+        Vec::new()
+    };
+    let elsewhere = |&i: &usize| {
+        let (a, b) = (&ego[i - 1], &ego[i]);
+        let dt = b.log_ns.saturating_sub(a.log_ns) as f64 / 1e9;
+        (b.x_m - a.x_m).hypot(b.y_m - a.y_m) > ELSEWHERE_M + FASTEST_MPS * dt
+    };
+    let apart = |a: Span, b: Span| a.1 < b.0 || b.1 < a.0;
+    let two = !objects.is_empty()
+        && apart(of_ego.span, of_objects.span)
+        && !apart(of_ego.receipt_span, of_objects.receipt_span);
+    let why = if set_back.iter().any(elsewhere) {
+        // The world began anew with its clock: two pieces of a drive, which times of receipt would join.
+        return None;
+    } else if !set_back.is_empty() {
+        "the clock of ego's header stamps was set back: times of receipt are used"
+    } else if two {
+        "ego and the others are on two clocks: times of receipt are used"
+    } else {
+        return None;
+    };
+    for s in ego.iter_mut() {
+        s.stamp_ns = s.log_ns;
+    }
+    for s in objects.iter_mut() {
+        s.stamp_ns = s.log_ns;
+    }
+    Some(why)
+}
+
+/// How stamps and times of receipt run.
+struct Times {
+    back: bool,
+    receipt_back: bool,
+    span: Span,
+    receipt_span: Span,
+}
+
+impl Times {
+    /// Of stamps and times of receipt, in the order of the file.
+    fn of(times: impl Iterator<Item = (i64, i64)>) -> Self {
+        let none = (i64::MAX, i64::MIN);
+        let mut found = Self {
+            back: false,
+            receipt_back: false,
+            span: none,
+            receipt_span: none,
+        };
+        let grow = |span: &mut Span, t: i64| *span = (span.0.min(t), span.1.max(t));
+        for (stamp, log) in times {
+            found.back |= stamp < found.span.1.saturating_sub(SET_BACK_NS);
+            found.receipt_back |= log < found.receipt_span.1.saturating_sub(SET_BACK_NS);
+            grow(&mut found.span, stamp);
+            grow(&mut found.receipt_span, log);
+        }
+        found
+    }
+}
+
+/// Where ego's stamps, in the order of the file, go back by more than a second and rise again from there.
+fn restarts(ego: &[EgoSample]) -> Vec<usize> {
+    let mut starts = Vec::new();
+    let mut most = i64::MIN;
+    for (i, sample) in ego.iter().enumerate() {
+        let limit = most.saturating_sub(SET_BACK_NS);
+        if sample.stamp_ns < limit {
+            let next = &ego[i..ego.len().min(i + LASTING)];
+            let rises = next.windows(2).filter(|w| w[1].stamp_ns > w[0].stamp_ns);
+            if 2 * rises.count() >= next.len() && next.iter().all(|s| s.stamp_ns < limit) {
+                starts.push(i);
+                most = sample.stamp_ns;
+            }
+        }
+        most = most.max(sample.stamp_ns);
+    }
+    starts
+}
+
+/// Lays what follows a clock that was set back behind what stands before, `hole_ns` apart; gives the holes.
+///
+/// Only where times come twice: pieces of a file that are merely in another order are left to sorting. Samples are in
+/// the order of the file. The others go with ego by their place in the file, and between two pieces by their time.
+pub(crate) fn separate_restarts(
+    ego: &mut [EgoSample],
+    objects: &mut [ObjectSample],
+    hole_ns: i64,
+) -> Vec<Span> {
+    let starts = restarts(ego);
+    if starts.is_empty() {
+        return Vec::new();
+    }
+    let bounds: Vec<usize> = [0]
+        .into_iter()
+        .chain(starts.iter().copied())
+        .chain([ego.len()])
+        .collect();
+    let pieces: Vec<Span> = bounds
+        .windows(2)
+        .map(|b| {
+            let times = || ego[b[0]..b[1]].iter().map(|s| s.stamp_ns);
+            (times().min().unwrap_or(0), times().max().unwrap_or(0))
+        })
+        .collect();
+    let mut in_order = pieces.clone();
+    in_order.sort_unstable();
+    let twice = |w: &[Span]| w[1].0 < w[0].1.saturating_sub(SET_BACK_NS);
+    if !in_order.windows(2).any(twice) {
+        return Vec::new();
+    }
+    let mut shifts = vec![0_i64];
+    let mut holes = Vec::new();
+    for w in pieces.windows(2) {
+        let end = w[0].1.saturating_add(shifts[shifts.len() - 1]);
+        let begin = end.saturating_add(hole_ns);
+        shifts.push(begin.saturating_sub(w[1].0));
+        holes.push((end, begin));
+    }
+    let first_nth: Vec<u32> = starts.iter().map(|&i| ego[i].nth).collect();
+    let last_nth: Vec<u32> = starts.iter().map(|&i| ego[i - 1].nth).collect();
+    for object in objects.iter_mut() {
+        let mut piece = first_nth.partition_point(|&nth| nth <= object.nth);
+        // Between the last sample of one piece and the first of the next.
+        if last_nth.get(piece).is_some_and(|&nth| nth < object.nth) {
+            let to = |t: i64| object.stamp_ns.abs_diff(t);
+            piece += usize::from(to(pieces[piece + 1].0) < to(pieces[piece].1));
+        }
+        object.stamp_ns = object.stamp_ns.saturating_add(shifts[piece]);
+    }
+    for (b, shift) in bounds.windows(2).zip(shifts) {
+        for sample in &mut ego[b[0]..b[1]] {
+            sample.stamp_ns = sample.stamp_ns.saturating_add(shift);
+        }
+    }
+    holes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STEP: i64 = 50_000_000;
+
+    fn ego(nth: u32, stamp_ns: i64) -> EgoSample {
+        EgoSample {
+            stamp_ns,
+            log_ns: stamp_ns,
+            nth,
+            x_m: 0.0,
+            y_m: 0.0,
+            yaw_rad: None,
+            speed_mps: Some(1.0),
+        }
+    }
+
+    fn object(nth: u32, stamp_ns: i64) -> ObjectSample {
+        ObjectSample {
+            stamp_ns,
+            log_ns: stamp_ns,
+            nth,
+            id: 1,
+            x_m: 0.0,
+            y_m: 0.0,
+            speed_mps: 1.0,
+            length_m: f64::NAN,
+        }
+    }
+
+    fn stamped(stamps: impl Iterator<Item = i64>) -> Vec<EgoSample> {
+        (0..)
+            .zip(stamps)
+            .map(|(i, t)| ego(2 * i, t * STEP))
+            .collect()
+    }
+
+    fn separated(mut ego: Vec<EgoSample>) -> (Vec<i64>, usize) {
+        let holes = separate_restarts(&mut ego, &mut [], 20 * STEP);
+        let stamps = ego.iter().map(|s| s.stamp_ns / STEP).collect();
+        (stamps, holes.len())
+    }
+
+    #[test]
+    fn a_clock_set_back_over_recorded_times_begins_behind_the_rest() {
+        let (stamps, holes) = separated(stamped((0..100).chain(10..80).chain(0..30)));
+        assert_eq!(holes, 2);
+        let expected: Vec<i64> = (0..100).chain(119..189).chain(208..238).collect();
+        assert_eq!(stamps, expected);
+    }
+
+    #[test]
+    fn late_messages_and_pieces_in_another_order_are_left_to_sorting() {
+        for stamps in [
+            stamped((0..50).chain([5]).chain(50..90)),
+            stamped((0..100).rev()),
+            stamped((50..100).chain(0..50)),
+        ] {
+            let before: Vec<i64> = stamps.iter().map(|s| s.stamp_ns / STEP).collect();
+            assert_eq!(separated(stamps), (before, 0));
+        }
+    }
+
+    #[test]
+    fn the_others_go_with_ego_by_their_place_in_the_file() {
+        let mut ego = stamped((0..100).chain(0..100));
+        // Of the first piece; between both, of either; of the second.
+        let mut objects = [
+            object(199, 99 * STEP),
+            object(199, 0),
+            object(201, STEP),
+            object(21, 10 * STEP),
+        ];
+        separate_restarts(&mut ego, &mut objects, 20 * STEP);
+        let found: Vec<i64> = objects.iter().map(|o| o.stamp_ns / STEP).collect();
+        assert_eq!(found, [99, 119, 120, 10]);
+    }
+}

@@ -1,0 +1,314 @@
+//! The messages, field for field as Foxglove's schemas have them.
+
+use maveric_domain::TraceRow;
+use serde::{Serialize, Serializer};
+
+/// Lengths, angles' sines and shares with four decimals: a tenth of a millimetre, and short text.
+fn short<S: Serializer>(value: &f64, out: S) -> Result<S::Ok, S::Error> {
+    out.serialize_f64((value * 1e4).round() / 1e4)
+}
+
+#[expect(clippy::ref_option, reason = "serde gives a field by reference")]
+fn short_option<S: Serializer>(value: &Option<f64>, out: S) -> Result<S::Ok, S::Error> {
+    match value {
+        Some(value) => short(value, out),
+        None => out.serialize_none(),
+    }
+}
+
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(super) struct Time {
+    sec: u64,
+    nsec: u32,
+}
+
+impl Time {
+    pub(super) fn from_nanos(time_ns: u64) -> Self {
+        Self {
+            sec: time_ns / 1_000_000_000,
+            nsec: (time_ns % 1_000_000_000) as u32,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(super) struct Point {
+    #[serde(serialize_with = "short")]
+    x: f64,
+    #[serde(serialize_with = "short")]
+    y: f64,
+    #[serde(serialize_with = "short")]
+    z: f64,
+}
+
+impl Point {
+    pub(super) fn new(x: f64, y: f64, z: f64) -> Self {
+        Self { x, y, z }
+    }
+}
+
+#[derive(Debug, Clone, Copy, Serialize)]
+struct Quaternion {
+    x: f64,
+    y: f64,
+    // Six decimals: over 18 km of road four would move what is far ahead by a metre.
+    z: f64,
+    w: f64,
+}
+
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(super) struct Pose {
+    position: Point,
+    orientation: Quaternion,
+}
+
+impl Pose {
+    pub(super) fn at(x: f64, y: f64, z: f64) -> Self {
+        Self::turned(x, y, z, 0.0)
+    }
+
+    pub(super) fn turned(x: f64, y: f64, z: f64, yaw_rad: f64) -> Self {
+        let short = |value: f64| (value * 1e6).round() / 1e6;
+        Self {
+            position: Point { x, y, z },
+            orientation: Quaternion {
+                x: 0.0,
+                y: 0.0,
+                z: short((0.5 * yaw_rad).sin()),
+                w: short((0.5 * yaw_rad).cos()),
+            },
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(super) struct Color {
+    r: f64,
+    g: f64,
+    b: f64,
+    a: f64,
+}
+
+impl Color {
+    pub(super) const fn rgb(r: f64, g: f64, b: f64) -> Self {
+        Self { r, g, b, a: 1.0 }
+    }
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Cube {
+    pub(super) pose: Pose,
+    pub(super) size: Point,
+    pub(super) color: Color,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Line {
+    /// 0 is a strip, 2 a list of pieces.
+    r#type: u8,
+    pose: Pose,
+    thickness: f64,
+    scale_invariant: bool,
+    points: Vec<Point>,
+    color: Color,
+    colors: [Color; 0],
+    indices: [u32; 0],
+}
+
+impl Line {
+    pub(super) fn new(pieces: bool, thickness: f64, points: Vec<Point>, color: Color) -> Self {
+        Self {
+            r#type: if pieces { 2 } else { 0 },
+            pose: Pose::at(0.0, 0.0, 0.0),
+            thickness,
+            scale_invariant: false,
+            points,
+            color,
+            colors: [],
+            indices: [],
+        }
+    }
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Text {
+    pose: Pose,
+    billboard: bool,
+    font_size: f64,
+    scale_invariant: bool,
+    color: Color,
+    text: &'static str,
+}
+
+impl Text {
+    /// A text that hovers over the origin of its frame and faces the viewer.
+    pub(super) fn above(text: &'static str, height_m: f64, color: Color) -> Self {
+        Self {
+            pose: Pose::at(0.0, 0.0, height_m),
+            billboard: true,
+            font_size: 1.5,
+            scale_invariant: false,
+            color,
+            text,
+        }
+    }
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Entity {
+    timestamp: Time,
+    frame_id: &'static str,
+    id: &'static str,
+    lifetime: Time,
+    pub(super) frame_locked: bool,
+    metadata: [u8; 0],
+    arrows: [u8; 0],
+    pub(super) cubes: Vec<Cube>,
+    spheres: [u8; 0],
+    cylinders: [u8; 0],
+    pub(super) lines: Vec<Line>,
+    triangles: [u8; 0],
+    pub(super) texts: Vec<Text>,
+    models: [u8; 0],
+}
+
+impl Entity {
+    /// An entity without anything in it, that stays until it is replaced.
+    pub(super) fn new(timestamp: Time, frame_id: &'static str, id: &'static str) -> Self {
+        Self {
+            timestamp,
+            frame_id,
+            id,
+            lifetime: Time { sec: 0, nsec: 0 },
+            frame_locked: false,
+            metadata: [],
+            arrows: [],
+            cubes: Vec::new(),
+            spheres: [],
+            cylinders: [],
+            lines: Vec::new(),
+            triangles: [],
+            texts: Vec::new(),
+            models: [],
+        }
+    }
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Deletion {
+    timestamp: Time,
+    /// 1 is everything on the topic.
+    r#type: u8,
+    id: &'static str,
+}
+
+impl Deletion {
+    pub(super) fn all(timestamp: Time) -> Self {
+        Self {
+            timestamp,
+            r#type: 1,
+            id: "",
+        }
+    }
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct SceneUpdate {
+    pub(super) deletions: Vec<Deletion>,
+    pub(super) entities: Vec<Entity>,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct FrameTransform {
+    timestamp: Time,
+    parent_frame_id: &'static str,
+    child_frame_id: &'static str,
+    translation: Point,
+    rotation: Quaternion,
+}
+
+impl FrameTransform {
+    pub(super) fn new(
+        timestamp: Time,
+        (parent, child): (&'static str, &'static str),
+        pose: Pose,
+    ) -> Self {
+        Self {
+            timestamp,
+            parent_frame_id: parent,
+            child_frame_id: child,
+            translation: pose.position,
+            rotation: pose.orientation,
+        }
+    }
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Log<'a> {
+    pub(super) timestamp: Time,
+    pub(super) level: u8,
+    pub(super) message: &'static str,
+    pub(super) name: &'static str,
+    pub(super) file: &'a str,
+    pub(super) line: u32,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Signals {
+    timestamp: Time,
+    #[serde(serialize_with = "short")]
+    speed_mps: f64,
+    lane: u8,
+    #[serde(
+        serialize_with = "short_option",
+        skip_serializing_if = "Option::is_none"
+    )]
+    gap_m: Option<f64>,
+    #[serde(
+        serialize_with = "short_option",
+        skip_serializing_if = "Option::is_none"
+    )]
+    lead_speed_mps: Option<f64>,
+    #[serde(
+        serialize_with = "short_option",
+        skip_serializing_if = "Option::is_none"
+    )]
+    asked_speed_mps: Option<f64>,
+    #[serde(
+        serialize_with = "short_option",
+        skip_serializing_if = "Option::is_none"
+    )]
+    asked_gap_m: Option<f64>,
+    #[serde(
+        serialize_with = "short_option",
+        skip_serializing_if = "Option::is_none"
+    )]
+    change_probability: Option<f64>,
+    #[serde(
+        serialize_with = "short_option",
+        skip_serializing_if = "Option::is_none"
+    )]
+    acceleration_mps2: Option<f64>,
+}
+
+impl Signals {
+    pub(super) fn new(
+        timestamp: Time,
+        speed_mps: f64,
+        lane: u8,
+        lead: Option<(f64, f64)>,
+        trace: Option<&TraceRow>,
+    ) -> Self {
+        Self {
+            timestamp,
+            speed_mps,
+            lane,
+            gap_m: lead.map(|l| l.0),
+            lead_speed_mps: lead.map(|l| l.1),
+            asked_speed_mps: trace.map(|t| t.asked.speed_mps),
+            asked_gap_m: trace.map(|t| t.asked.following_distance_m),
+            change_probability: trace.map(|t| t.asked.change_probability),
+            acceleration_mps2: trace.map(|t| t.acceleration_mps2),
+        }
+    }
+}

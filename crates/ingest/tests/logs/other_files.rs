@@ -1,0 +1,154 @@
+//! Files that are no logs, and recordings that lack a part: each says what it is and what to do.
+
+use super::{bytes_of, recording, rewritten};
+use maveric_ingest::{IngestError, IngestSettings, WarningKind, inspect, log_files, read_log};
+use mcap::WriteOptions;
+use std::path::Path;
+
+#[test]
+fn files_that_are_no_logs_are_told_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let settings = IngestSettings::default();
+    let of = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        read_log(&path, &settings).unwrap_err()
+    };
+    assert!(matches!(of("a.mcap", b""), IngestError::Empty { .. }));
+    assert!(matches!(
+        of("b.mcap", b"PAR1\0\x01\xff"),
+        IngestError::NotALog { .. }
+    ));
+    assert!(matches!(
+        of("c.csv", b"t,x\n1,2\n"),
+        IngestError::NoMapping { .. }
+    ));
+    assert!(matches!(
+        of("d.mcap", b"\x89MC"),
+        IngestError::Damaged { .. }
+    ));
+    let missing = read_log(&folder.path().join("none.mcap"), &settings).unwrap_err();
+    assert!(matches!(missing, IngestError::NotFound { .. }));
+    let is_folder = read_log(folder.path(), &settings).unwrap_err();
+    assert!(matches!(is_folder, IngestError::IsDirectory { .. }));
+}
+
+#[test]
+fn what_is_often_taken_for_a_log_is_named_with_what_makes_one_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, start, what, advice) in [
+        (
+            "a.bag",
+            &b"#ROSBAG V2.0\n\x45\0\0\0"[..],
+            "ROS 1 bag",
+            "mcap convert",
+        ),
+        (
+            "b.mcap",
+            b"#ROSBAG V2.0\n\x45\0\0\0",
+            "ROS 1 bag",
+            "mcap convert",
+        ),
+        (
+            "c.db3",
+            b"SQLite format 3\0\x10\0",
+            "SQLite",
+            "mcap convert",
+        ),
+        (
+            "d.mcap.gz",
+            &[0x1f, 0x8b, 8, 0, 0, 0, 0, 0],
+            "gzip",
+            "gunzip",
+        ),
+        (
+            "e.mcap.zstd",
+            &[0x28, 0xb5, 0x2f, 0xfd, 4, 0],
+            "zstd",
+            "zstd -d",
+        ),
+        ("f.xlsx", b"PK\x03\x04\x14\0", "spreadsheet", "CSV"),
+        ("g.h5", b"\x89HDF\r\n\x1a\n\0", "HDF5", "CSV"),
+        ("h.png", b"\x89PNG\r\n\x1a\n\0\0", "picture", "MCAP"),
+        ("i.mcap", b"time,speed\n0,1\n", "text", ".csv"),
+        (
+            "j.bin",
+            &[0, 1, 2, 3, 0xff],
+            "starts with 00 01 02 03 ff",
+            "MCAP",
+        ),
+    ] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, start).unwrap();
+        for error in [
+            read_log(&path, &IngestSettings::default()).unwrap_err(),
+            inspect(&path).unwrap_err(),
+        ] {
+            assert!(error.to_string().contains(what), "{error}");
+            let said = error.suggestion().unwrap();
+            assert!(said.contains(advice), "{said}");
+        }
+    }
+    // A folder of nothing else says so too.
+    let bags = folder.path().join("bags");
+    std::fs::create_dir(&bags).unwrap();
+    std::fs::copy(folder.path().join("a.bag"), bags.join("a.bag")).unwrap();
+    let error = log_files(&bags, None).unwrap_err();
+    assert!(error.to_string().contains("ROS 1 bag"), "{error}");
+}
+
+/// Twenty seconds of our log a file.
+fn split_into(folder: &Path) {
+    let log = bytes_of(&recording(false));
+    let name = folder.file_name().unwrap().to_string_lossy();
+    for part in 0..3_u64 {
+        let there = |t: u64| t / 20_000_000_000 == part;
+        let bytes = rewritten(&log, WriteOptions::new(), |message| {
+            there(message.log_time).then_some(message)
+        });
+        std::fs::write(folder.join(format!("{name}_{part}.mcap")), bytes).unwrap();
+    }
+}
+
+#[test]
+fn a_split_recording_that_lacks_a_part_is_refused_and_recovered_with_its_hole() {
+    let root = tempfile::tempdir().unwrap();
+    let folder = root.path().join("run");
+    std::fs::create_dir(&folder).unwrap();
+    split_into(&folder);
+    let settings = IngestSettings::default();
+    let recover = IngestSettings {
+        recover: true,
+        ..IngestSettings::default()
+    };
+    let whole = read_log(&folder, &settings).unwrap().remove(0);
+    let summary = inspect(&folder).unwrap();
+    assert_eq!(summary.channels.len(), 2);
+    let odometry = summary.channels.iter().map(|c| c.messages).max().unwrap();
+    assert_eq!(odometry, whole.recording.rows());
+    assert!(summary.damage.is_empty(), "{:?}", summary.damage);
+
+    std::fs::remove_file(folder.join("run_1.mcap")).unwrap();
+    let list = "rosbag2_bagfile_information:\n  relative_file_paths:\n    - run_0.mcap\n    - run_1.mcap\n    - run_2.mcap\n";
+    for metadata in [None, Some(list)] {
+        if let Some(text) = metadata {
+            std::fs::write(folder.join("metadata.yaml"), text).unwrap();
+        }
+        assert_eq!(
+            log_files(&folder, None).unwrap(),
+            std::slice::from_ref(&folder)
+        );
+        let error = read_log(&folder, &settings).unwrap_err();
+        assert!(
+            matches!(&error, IngestError::MissingPart { part, .. } if part == "run_1.mcap"),
+            "{error}"
+        );
+        assert!(error.suggestion().unwrap().contains("--recover"));
+        let found = read_log(&folder, &recover).unwrap().remove(0);
+        let said = |kind| found.warnings.iter().any(|w| w.kind == kind);
+        assert!(said(WarningKind::Damage) && said(WarningKind::Hole));
+        assert_eq!(found.recording.rows(), whole.recording.rows() - 400);
+        assert_eq!(found.recording.segment().last(), Some(&1));
+        assert_eq!(inspect(&folder).unwrap().damage.len(), 1);
+    }
+}

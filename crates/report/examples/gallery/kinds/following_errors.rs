@@ -1,0 +1,31 @@
+//! Errors of four models on six drivers.
+
+use super::wobble;
+use maveric_report::figures::car_following::Follower;
+use maveric_report::{
+    Context, Figure, ReportError,
+    figures::following_errors::{FollowingErrors, ModelErrors, following_errors},
+};
+
+pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
+    following_errors(&input(), context)
+}
+
+pub(crate) fn input() -> FollowingErrors {
+    let model = |model, centre: f64, seed: usize| ModelErrors {
+        model,
+        gap_rmse_m: (0..6)
+            .map(|i| centre + 0.3 * centre * wobble(i, seed))
+            .collect(),
+    };
+    FollowingErrors {
+        data_set: "Made-up recordings".into(),
+        drivers: (1..=6).map(|i| format!("Made-up driver {i}")).collect(),
+        models: vec![
+            model(Follower::Model, 7.0, 1),
+            model(Follower::MeanEmbedding, 12.0, 2),
+            model(Follower::Idm, 7.5, 3),
+            model(Follower::ConstantTimeGap, 10.6, 4),
+        ],
+    }
+}

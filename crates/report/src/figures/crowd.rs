@@ -1,0 +1,98 @@
+//! Participants as points while they can be told apart, as a density when they cannot.
+
+use super::axes::Frame;
+use super::canvas::Canvas;
+use super::theme::Marker;
+use plotters::style::RGBColor;
+use std::collections::BTreeMap;
+
+/// Above this many, single participants are not drawn.
+pub(crate) const MOST_POINTS: usize = 300;
+
+/// Side of a cell of the density, in points.
+const CELL: f64 = 4.5;
+
+/// What a caption adds where a density is drawn instead of points: empty for few points.
+pub(crate) fn words(points: usize) -> &'static str {
+    if points > MOST_POINTS {
+        " Shade: how many participants lie there (the root of their number), there being too many for single points."
+    } else {
+        ""
+    }
+}
+
+/// Draws each point as a marker, or, above [`MOST_POINTS`], how densely they lie.
+pub(crate) fn paint(
+    canvas: &mut Canvas<'_>,
+    frame: &Frame,
+    points: &[(f64, f64)],
+    radius: f64,
+    (marker, colour): (Marker, RGBColor),
+) {
+    if points.len() <= MOST_POINTS {
+        for &(x, y) in points {
+            canvas.marker(frame.at(x, y), radius, marker, colour);
+        }
+        return;
+    }
+    let cells = cells(frame, points.iter().map(|&(x, y)| (x, y, 0.0)));
+    let most = cells.iter().map(|cell| cell.count).max().unwrap_or(1);
+    for cell in &cells {
+        let (a, b) = cell.corners(frame);
+        canvas.fill_rect(a, b, colour, shade(cell.count, most));
+    }
+}
+
+/// How dark a cell is: the root of its share, never invisible.
+pub(crate) fn shade(count: usize, most: usize) -> f64 {
+    0.1 + 0.8 * (count as f64 / most as f64).sqrt()
+}
+
+/// A cell of the density.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Cell {
+    column: i64,
+    row: i64,
+    pub(crate) count: usize,
+    sum: f64,
+}
+
+impl Cell {
+    /// Two opposite corners on the page, cut at the frame.
+    pub(crate) fn corners(&self, frame: &Frame) -> ((f64, f64), (f64, f64)) {
+        let left = frame.place.left + self.column as f64 * CELL;
+        let top = frame.place.top + self.row as f64 * CELL;
+        let end = (
+            (left + CELL).min(frame.place.right),
+            (top + CELL).min(frame.place.bottom),
+        );
+        ((left, top), end)
+    }
+
+    /// Mean of the third number of the points in it.
+    pub(crate) fn mean(&self) -> f64 {
+        self.sum / self.count as f64
+    }
+}
+
+/// Counts points (x, y, any third number) in cells of the page, row by row.
+pub(crate) fn cells(frame: &Frame, points: impl IntoIterator<Item = (f64, f64, f64)>) -> Vec<Cell> {
+    let mut cells: BTreeMap<(i64, i64), (usize, f64)> = BTreeMap::new();
+    for (x, y, third) in points {
+        let (x, y) = frame.at(x, y);
+        let column = ((x - frame.place.left) / CELL).floor() as i64;
+        let row = ((y - frame.place.top) / CELL).floor() as i64;
+        let cell = cells.entry((row, column)).or_default();
+        cell.0 += 1;
+        cell.1 += third;
+    }
+    cells
+        .into_iter()
+        .map(|((row, column), (count, sum))| Cell {
+            column,
+            row,
+            count,
+            sum,
+        })
+        .collect()
+}

@@ -1,0 +1,156 @@
+//! How well the car changes lane, at every speed it does so.
+
+use super::axes::{Frame, Labels, Scale};
+use super::canvas::{Look, Pen};
+use super::check::Check;
+use super::crowd;
+use super::theme::{GREY, INK, MUTED, Marker, TWO_COLUMNS_MM, size, stroke};
+use super::{Context, Figure, Plan, Shows, draw};
+use crate::apa::number;
+use crate::error::ReportError;
+use serde::{Deserialize, Serialize};
+use std::fmt::Write as _;
+
+/// Lane changes at several speeds, judged by several quantities.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LaneChangeQuality {
+    /// Speed of each lane change, in m/s.
+    pub speed_mps: Vec<f64>,
+    /// The quantities; three to a row.
+    pub panels: Vec<QualityPanel>,
+    /// How the changes were made, as a sentence: `Changes of 4.8 s to the left on a dry road.`
+    pub manoeuvre: String,
+}
+
+/// One quantity over speed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct QualityPanel {
+    /// Such as `Lateral error`.
+    pub title: String,
+    /// Title of the axis with the unit: `Largest (m)`.
+    pub axis: String,
+    /// One value a lane change, not negative.
+    pub values: Vec<f64>,
+    /// What should not be passed, and its name: `(2.0, "comfort")`.
+    pub limit: Option<(f64, String)>,
+}
+
+const NAME: &str = "lane-change-quality";
+
+/// Draws each quantity against speed, with the limit that it should stay below.
+///
+/// # Errors
+/// [`ReportError`] if there is no lane change or panel, lengths differ, or a value is negative or not finite.
+///
+/// # Source
+/// Method, section 6: lane changes and the path controller.
+pub fn lane_change_quality(
+    input: &LaneChangeQuality,
+    context: &Context,
+) -> Result<Figure, ReportError> {
+    let check = Check(NAME);
+    let changes = input.speed_mps.len();
+    check.at_least(1, "lane changes", changes)?;
+    check.at_least(1, "panels", input.panels.len())?;
+    check.finite("speed_mps", input.speed_mps.iter().copied())?;
+    for panel in &input.panels {
+        check.length(&panel.title, panel.values.len(), changes)?;
+        let limit = panel.limit.as_ref().map(|limit| limit.0);
+        for value in panel.values.iter().copied().chain(limit) {
+            let fits = value >= 0.0 && value.is_finite();
+            check.that(fits, &panel.title, value, "a finite size, at least 0")?;
+        }
+    }
+    let mut above = 0;
+    let mut found = Vec::new();
+    for panel in &input.panels {
+        let most = panel.values.iter().copied().fold(0.0, f64::max);
+        let mut words = format!("{}: at most {}", panel.title, number(most, 2));
+        if let Some((limit, name)) = &panel.limit {
+            let beyond = panel.values.iter().filter(|v| **v > *limit).count();
+            above += beyond;
+            let _ = write!(
+                words,
+                ", {beyond} of {changes} above the limit {name} ({})",
+                number(*limit, 2)
+            );
+        }
+        found.push(words + ".");
+    }
+    let columns = input.panels.len().min(3);
+    let rows = input.panels.len().div_ceil(columns);
+    let plan = Plan {
+        name: NAME.to_owned(),
+        size_mm: (
+            (TWO_COLUMNS_MM / 3.0 * columns as f64).max(85.0),
+            55.0 * rows as f64 + 3.0,
+        ),
+        title: "Quality of the lane changes over speed".to_owned(),
+        caption: format!(
+            "{} Each point is the largest value in one lane change; dashed: the limit, which {above} values pass.{} \
+             Simulated runs of the controllers: no data of participants. *n* = {changes} lane changes; no test.",
+            input.manoeuvre,
+            crowd::words(changes).replace("participants", "lane changes")
+        ),
+        alt: found.join(" "),
+        shows: Shows::Explanation,
+    };
+    draw(plan, context, |canvas, whole| {
+        for (index, panel) in input.panels.iter().enumerate() {
+            let cell = (index % columns, index / columns);
+            let place = whole.cell(cell, (columns, rows), (11.0, 10.0));
+            let labels = Labels {
+                title: &panel.title,
+                x: "Speed (m/s)",
+                y: &panel.axis,
+                ..Labels::default()
+            };
+            let limit = panel.limit.as_ref().map(|limit| limit.0);
+            let most = panel
+                .values
+                .iter()
+                .copied()
+                .chain(limit)
+                .fold(0.0, f64::max);
+            let x = Scale::over(input.speed_mps.iter().copied(), 5);
+            let top = if most > 0.0 { 1.12 * most } else { 1.0 };
+            let frame = Frame::draw(canvas, place, &labels, x, Scale::between(0.0, top, 4));
+            if let Some((limit, name)) = &panel.limit {
+                let (left, y) = (frame.place.left, frame.y.at(*limit));
+                let pen = Pen::new(GREY, stroke::BOX).dashed(3.0, 2.0);
+                canvas.line((left, y), (frame.place.right, y), pen);
+                let look = Look::new(size::SMALL).colour(MUTED);
+                canvas.text(name, (left + 3.0, y - 2.0), look);
+            }
+            let points: Vec<(f64, f64)> = input
+                .speed_mps
+                .iter()
+                .copied()
+                .zip(panel.values.iter().copied())
+                .collect();
+            crowd::paint(canvas, &frame, &points, 1.6, (Marker::Circle, INK));
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_above_the_limit_are_counted() {
+        let input = LaneChangeQuality {
+            speed_mps: vec![20.0, 25.0, 30.0],
+            panels: vec![QualityPanel {
+                title: "Lateral acceleration".into(),
+                axis: "Largest (m/s²)".into(),
+                values: vec![1.2, 1.9, 2.4],
+                limit: Some((2.0, "comfort".into())),
+            }],
+            manoeuvre: "Changes of 4.8 s.".into(),
+        };
+        let figure = lane_change_quality(&input, &Context::real()).unwrap();
+        assert!(figure.caption.contains("which 1 values pass"));
+        assert!(figure.alt.contains("1 of 3 above the limit comfort (2.00)"));
+    }
+}

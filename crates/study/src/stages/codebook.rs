@@ -1,0 +1,185 @@
+//! `codebook`: what each questionnaire asks and how it is scored, for people and for programs.
+
+use crate::{
+    atomic_write::atomic_write_bytes,
+    error::StudyError,
+    outcome::{Outcome, Watch},
+    stages::score::read_scales,
+    tables::TableBuilder,
+};
+use maveric_domain::{Scale, Subscale, survey::Scoring};
+use serde::Serialize;
+use std::{fmt::Write as _, path::PathBuf};
+
+/// What to describe.
+#[derive(Debug, Clone)]
+pub struct CodebookOptions {
+    /// Folder of questionnaire definitions.
+    pub scales: PathBuf,
+    /// Folder to write `codebook.md` and `codebook.csv` into.
+    pub out: PathBuf,
+}
+
+/// What was described.
+#[derive(Debug, Clone, Serialize)]
+pub struct Codebook {
+    /// Questionnaires.
+    pub scales: usize,
+    /// Their items.
+    pub items: usize,
+}
+
+/// Writes the codebook of every scale of a folder: Markdown for people; a CSV row an item of each subscale.
+///
+/// # Errors
+/// [`StudyError`] naming the scale file and key that is wrong, or if a file cannot be written.
+pub fn codebook(
+    options: &CodebookOptions,
+    watch: Watch<'_>,
+) -> Result<Outcome<Codebook>, StudyError> {
+    let scales = read_scales(&options.scales)?;
+    watch.check()?;
+    let mut page = String::from(
+        "# Codebook\n\nGenerated from the scales' files. Answers are stored as ticked; reversal is part of scoring.\n",
+    );
+    for scale in &scales {
+        describe(scale, &mut page);
+    }
+    let rows: Vec<(&Scale, &Subscale, u32)> = scales
+        .iter()
+        .flat_map(|s| {
+            s.subscales
+                .iter()
+                .flat_map(move |u| u.items.iter().map(move |i| (s, u, *i)))
+        })
+        .collect();
+    let wording = |(scale, _, item): &(&Scale, &Subscale, u32)| {
+        scale
+            .wording
+            .get(*item as usize - 1)
+            .cloned()
+            .unwrap_or_default()
+    };
+    let csv = options.out.join("codebook.csv");
+    TableBuilder::default()
+        .text("scale", rows.iter().map(|r| r.0.id.as_str()))
+        .text("subscale", rows.iter().map(|r| r.1.id.as_str()))
+        .integers("item", rows.iter().map(|r| Some(i64::from(r.2))))
+        .text("column", rows.iter().map(|r| r.0.column_of(r.2)))
+        .integers("min", rows.iter().map(|r| Some(i64::from(r.0.min))))
+        .integers("max", rows.iter().map(|r| Some(i64::from(r.0.max))))
+        .flags("reversed", rows.iter().map(|r| r.0.is_reversed(r.1, r.2)))
+        .text("wording", rows.iter().map(wording))
+        .write(&csv)?;
+    let markdown = options.out.join("codebook.md");
+    atomic_write_bytes(&markdown, page.as_bytes())?;
+    let value = Codebook {
+        scales: scales.len(),
+        items: scales.iter().map(|s| s.items as usize).sum(),
+    };
+    let summary = vec![format!(
+        "{} scales, {} items: {}, {}",
+        value.scales,
+        value.items,
+        markdown.display(),
+        csv.display()
+    )];
+    Ok(Outcome {
+        value,
+        summary,
+        warnings: Vec::new(),
+    })
+}
+
+fn list(items: &[u32]) -> String {
+    let items: Vec<String> = items.iter().map(ToString::to_string).collect();
+    items.join(", ")
+}
+
+/// A line of Markdown to a `String` cannot fail.
+macro_rules! line {
+    ($page:expr, $($text:tt)*) => {{ let _ = writeln!($page, $($text)*); }};
+}
+
+fn describe(scale: &Scale, page: &mut String) {
+    let Scale {
+        id,
+        title,
+        items,
+        min,
+        max,
+        ..
+    } = scale;
+    line!(page, "\n## {title} (`{id}`)\n\n{}\n", scale.reference);
+    let how = match scale.scoring {
+        Scoring::Sum => "sum",
+        Scoring::Mean => "mean",
+    };
+    line!(
+        page,
+        "- {items} items, answers {min} to {max}; columns `{}` to `{}`",
+        scale.column_of(1),
+        scale.column_of(*items)
+    );
+    line!(
+        page,
+        "- Score: {how} of a subscale's items; reversed items count as {} minus the answer",
+        min + max
+    );
+    line!(
+        page,
+        "- Missing: scored when at least {:.0}% of a subscale's items are answered, their mean standing in for the others\n",
+        100.0 * scale.min_answered
+    );
+    line!(
+        page,
+        "| subscale | name | items | reversed | range | mean | SD | alpha | source |"
+    );
+    line!(page, "|---|---|---|---|---|---|---|---|---|");
+    for subscale in &scale.subscales {
+        let reversed: Vec<u32> = subscale
+            .items
+            .iter()
+            .copied()
+            .filter(|i| scale.is_reversed(subscale, *i))
+            .collect();
+        let (low, high) = scale.score_range(subscale);
+        let norms = subscale.norms.as_ref().map_or_else(
+            || " | | | ".to_owned(),
+            |n| {
+                let alpha = n
+                    .alpha_source
+                    .as_ref()
+                    .map_or_else(String::new, |s| format!("; alpha: {s}"));
+                format!("{} | {} | {} | {}{alpha}", n.mean, n.sd, n.alpha, n.source)
+            },
+        );
+        line!(
+            page,
+            "| `{}` | {} | {} | {} | {low} to {high} | {norms} |",
+            subscale.id,
+            subscale.title,
+            list(&subscale.items),
+            list(&reversed)
+        );
+    }
+    if !scale.correlations.is_empty() {
+        let pairs: Vec<String> = scale
+            .correlations
+            .iter()
+            .map(|c| format!("{} with {} {} ({})", c.of[0], c.of[1], c.r, c.source))
+            .collect();
+        line!(page, "\nUsual correlations: {}.", pairs.join("; "));
+    }
+    if scale.wording.is_empty() {
+        line!(
+            page,
+            "\nWording: in the publication; it is not in the public domain."
+        );
+    } else {
+        line!(page, "\n| item | wording |\n|---|---|");
+        for (item, text) in (1..).zip(&scale.wording) {
+            line!(page, "| {item} | {text} |");
+        }
+    }
+}

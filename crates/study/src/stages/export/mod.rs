@@ -1,0 +1,318 @@
+//! `export`: a study without the people's names, to give away.
+
+mod pseudonym;
+mod wide;
+
+use crate::{
+    atomic_write::atomic_write,
+    error::StudyError,
+    outcome::{Outcome, Watch, for_each_on},
+    tables::{
+        TableBuilder,
+        participants::{Enrolled, read_enrolled},
+        surveys::{read_answers, write_answers},
+    },
+};
+use maveric_domain::{Answer, DriveId, DriveMeta, ParticipantId, Recording, Study};
+use maveric_ingest::{IngestSettings, Mapping, log_files, read_log, write_mcap};
+use pseudonym::Pseudonyms;
+use serde::Serialize;
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
+
+/// What to give away.
+#[derive(Debug, Clone)]
+pub struct ExportOptions {
+    /// Logs, or folders of logs; may be empty.
+    pub logs: Vec<PathBuf>,
+    /// What the columns of tables among them mean.
+    pub mapping: Option<PathBuf>,
+    /// Who takes part.
+    pub participants: Option<PathBuf>,
+    /// Files of answers, long; may be empty.
+    pub surveys: Vec<PathBuf>,
+    /// The secret that pseudonyms are made with, kept apart.
+    pub key: PathBuf,
+    /// Folder to write into.
+    pub out: PathBuf,
+    /// Samples a second of the logs; 20 without it.
+    pub rate_hz: Option<f64>,
+    /// Threads.
+    pub jobs: usize,
+}
+
+/// What was written.
+#[derive(Debug, Clone, Serialize)]
+pub struct Exported {
+    /// People.
+    pub participants: usize,
+    /// Drives.
+    pub drives: usize,
+    /// Answers.
+    pub answers: usize,
+}
+
+/// Width of a band of ages, in years.
+const BAND_YEARS: u32 = 10;
+
+/// Fewer people than this who share what the table says of them can be found out.
+const FEWEST_ALIKE: usize = 3;
+
+/// Writes a study under pseudonyms.
+///
+/// - Participant ids become keyed hashes: with the key the same person has the same pseudonym in every export; without it
+///   neither direction can be computed. No table of who is who is written.
+/// - Of a log only the recording is kept: who was where on the road, from time 0 and position 0 on. Dates, positions on a map, other
+///   channels and file names are gone.
+/// - Of `participants.csv` only study, population, age in bands of ten years, gender, professional and order; of answers only
+///   what is scored. Free text and any other column is left out.
+///
+/// What this cannot do: a driving style, or a rare combination of age, gender and answers, may still single somebody out for who
+/// knows them. Groups of fewer than three alike are warned about.
+///
+/// # Errors
+/// [`StudyError`] if a file cannot be read, the key is too short or lies in `out`, or nothing was asked for.
+pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Exported>, StudyError> {
+    let people = options
+        .participants
+        .as_deref()
+        .map(read_enrolled)
+        .transpose()?
+        .unwrap_or_default();
+    let mut answers: Vec<Answer> = Vec::new();
+    for path in &options.surveys {
+        answers.extend(read_answers(path)?);
+    }
+    let mapping = options.mapping.as_deref().map(Mapping::read).transpose()?;
+    let mut logs = Vec::new();
+    for log in &options.logs {
+        logs.extend(log_files(log, mapping.as_ref())?);
+    }
+    if people.is_empty() && answers.is_empty() && logs.is_empty() {
+        return Err(StudyError::NotPossible {
+            problem: "there is nothing to export".to_owned(),
+            help: Some("give at least one of --logs, --participants and --surveys".to_owned()),
+        });
+    }
+    let mut names = Pseudonyms::read(&options.key, &options.out)?;
+    let settings = IngestSettings {
+        mapping,
+        rate_hz: options.rate_hz,
+        ..IngestSettings::default()
+    };
+    let read = for_each_on(options.jobs, &logs, watch, "logs read", |log| {
+        Ok(read_log(log, &settings)?)
+    })?;
+    let found: Vec<(DriveMeta, Recording)> = read
+        .into_iter()
+        .flatten()
+        .map(|d| (d.meta, d.recording))
+        .collect();
+    let ids = people
+        .iter()
+        .map(|p| &p.id)
+        .chain(answers.iter().map(|a| &a.participant));
+    for id in ids.chain(found.iter().map(|d| &d.0.participant)) {
+        names.add(id)?;
+    }
+    let mut drives = Vec::new();
+    let mut numbers: BTreeMap<(ParticipantId, String), usize> = BTreeMap::new();
+    for (meta, recording) in &found {
+        let participant = names.of(&meta.participant);
+        let style = meta.condition.to_string();
+        let number = numbers
+            .entry((participant.clone(), style.clone()))
+            .or_default();
+        *number += 1;
+        let drive = match number {
+            1 => format!("{participant}-{style}"),
+            n => format!("{participant}-{style}-{n}"),
+        };
+        let meta = DriveMeta {
+            drive: DriveId::new(drive)?,
+            participant,
+            ..meta.clone()
+        };
+        drives.push((meta, recording));
+    }
+    for_each_on(
+        options.jobs,
+        &drives,
+        watch,
+        "drives written",
+        |(meta, recording)| {
+            let folder = match meta.study {
+                Study::One => "study1",
+                Study::Two => "study2",
+            };
+            let path = options
+                .out
+                .join("logs")
+                .join(folder)
+                .join(format!("{}.mcap", meta.drive));
+            let moved = from_zero(recording)?;
+            atomic_write(&path, |file| Ok(write_mcap(&moved, meta, file)?))
+        },
+    )?;
+    let mut warnings = Vec::new();
+    if !people.is_empty() {
+        write_people(&options.out.join("participants.csv"), &people, &names)?;
+        warnings.extend(alike(&people));
+    }
+    if !answers.is_empty() {
+        for answer in &mut answers {
+            answer.participant = names.of(&answer.participant);
+        }
+        // Sorted by pseudonym, so that the order of the rows gives nobody away.
+        answers.sort_by(|a, b| {
+            (&a.participant, a.moment, &a.scale, a.item).cmp(&(
+                &b.participant,
+                b.moment,
+                &b.scale,
+                b.item,
+            ))
+        });
+        write_answers(&options.out.join("surveys.csv"), &answers)?;
+        let orders: BTreeMap<ParticipantId, &[maveric_domain::Condition]> = people
+            .iter()
+            .map(|p| (names.of(&p.id), p.order.as_slice()))
+            .collect();
+        wide::write(&options.out.join("surveys_wide.csv"), &answers, &orders)?;
+    }
+    let value = Exported {
+        participants: names.len(),
+        drives: drives.len(),
+        answers: answers.len(),
+    };
+    let summary = vec![
+        format!(
+            "{} participants under pseudonyms, {} drives, {} answers: {}",
+            value.participants,
+            value.drives,
+            value.answers,
+            options.out.display()
+        ),
+        format!(
+            "keep {} apart: with it the pseudonyms can be made again",
+            options.key.display()
+        ),
+    ];
+    Ok(Outcome {
+        value,
+        summary,
+        warnings,
+    })
+}
+
+/// The same recording, starting at time 0 and at position 0 along the road, to the millimetre.
+fn from_zero(recording: &Recording) -> Result<Recording, StudyError> {
+    let millimetres = |x: f64| (x * 1000.0).round() / 1000.0;
+    let (time, ego) = (recording.time_s(), recording.ego());
+    let (start, origin) = (time[0], ego.x_m[0]);
+    let along = |x: &[f64]| {
+        x.iter()
+            .map(|x| millimetres(x - origin))
+            .collect::<Vec<f64>>()
+    };
+    let rounded = |y: &[f64]| y.iter().map(|y| millimetres(*y)).collect::<Vec<f64>>();
+    let mut moved_ego = ego.clone();
+    (moved_ego.x_m, moved_ego.y_m) = (along(&ego.x_m), rounded(&ego.y_m));
+    moved_ego.speed_mps = rounded(&ego.speed_mps);
+    let others = recording.others().iter().map(|track| {
+        let mut moved = track.clone();
+        (moved.x_m, moved.y_m) = (along(&track.x_m), rounded(&track.y_m));
+        moved.speed_mps = rounded(&track.speed_mps);
+        moved
+    });
+    Ok(Recording::new(
+        *recording.road(),
+        recording.rate_hz(),
+        time.iter().map(|t| t - start).collect(),
+        recording.segment().to_vec(),
+        moved_ego,
+        others.collect(),
+    )?)
+}
+
+/// The band that an age lies in, such as `30-39`.
+fn band(age_years: f64) -> String {
+    let low = (age_years as u32) / BAND_YEARS * BAND_YEARS;
+    format!("{low}-{}", low + BAND_YEARS - 1)
+}
+
+fn write_people(path: &Path, people: &[Enrolled], names: &Pseudonyms) -> Result<(), StudyError> {
+    let mut rows: Vec<(ParticipantId, &Enrolled)> =
+        people.iter().map(|p| (names.of(&p.id), p)).collect();
+    rows.sort_by(|a, b| (a.1.study, &a.0).cmp(&(b.1.study, &b.0)));
+    let order = |p: &Enrolled| {
+        p.order
+            .iter()
+            .map(|c| c.as_str())
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
+    TableBuilder::default()
+        .text("participant", rows.iter().map(|r| r.0.as_str()))
+        .text("study", rows.iter().map(|r| r.1.study.as_str()))
+        .text(
+            "population",
+            rows.iter()
+                .map(|r| r.1.population.map_or("", |p| p.as_str())),
+        )
+        .text(
+            "age",
+            rows.iter()
+                .map(|r| r.1.age_years.map_or_else(String::new, band)),
+        )
+        .text(
+            "gender",
+            rows.iter()
+                .map(|r| r.1.gender.as_deref().unwrap_or_default()),
+        )
+        .flags("professional", rows.iter().map(|r| r.1.professional))
+        .text("order", rows.iter().map(|r| order(r.1)))
+        .write(path)
+}
+
+/// Warns of people whom few others resemble in what the table still says.
+fn alike(people: &[Enrolled]) -> Vec<String> {
+    let mut groups: BTreeMap<String, usize> = BTreeMap::new();
+    for p in people {
+        let said = [
+            format!("study {}", p.study.as_str()),
+            p.population
+                .map_or_else(String::new, |g| g.as_str().to_owned()),
+            p.age_years.map_or_else(String::new, band),
+            p.gender.clone().unwrap_or_default(),
+            if p.professional {
+                "professional".to_owned()
+            } else {
+                String::new()
+            },
+        ];
+        let said: Vec<String> = said.into_iter().filter(|s| !s.is_empty()).collect();
+        *groups.entry(said.join(", ")).or_default() += 1;
+    }
+    let few = groups.iter().filter(|(_, n)| **n < FEWEST_ALIKE);
+    few.map(|(said, n)| format!("only {n} alike ({said}): who knows them may recognise them"))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ages_fall_into_bands_of_ten() {
+        assert_eq!(
+            (
+                band(18.0).as_str(),
+                band(39.9).as_str(),
+                band(40.0).as_str()
+            ),
+            ("10-19", "30-39", "40-49")
+        );
+    }
+}

@@ -1,0 +1,402 @@
+//! `import`: answers as survey software exports them, to the long table that is scored.
+
+mod columns;
+mod jspsych;
+mod otree;
+
+use crate::{
+    atomic_write::read_text,
+    error::StudyError,
+    outcome::{Outcome, Watch},
+    stages::score::read_scales,
+    tables::{Table, TableBuilder},
+};
+use columns::ColumnMap;
+use maveric_domain::{Moment, ParticipantId, Scale};
+use serde::Serialize;
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::{Path, PathBuf},
+};
+
+/// What wrote the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SurveySoftware {
+    /// oTree, all apps, wide CSV: a row a participant, columns `app.round.player.field`. Other tables with a row a participant
+    /// are read the same way.
+    OTree,
+    /// jsPsych: JSON, an array of trials a session.
+    JsPsych,
+}
+
+/// What to import.
+#[derive(Debug, Clone)]
+pub struct ImportOptions {
+    /// What wrote it.
+    pub from: SurveySoftware,
+    /// The export.
+    pub file: PathBuf,
+    /// Folder of questionnaire definitions.
+    pub scales: PathBuf,
+    /// What its columns mean (TOML), where they do not follow the convention.
+    pub columns: Option<PathBuf>,
+    /// Answers to write.
+    pub out: PathBuf,
+}
+
+/// What was imported.
+#[derive(Debug, Clone, Serialize)]
+pub struct Imported {
+    /// People with an answer.
+    pub participants: usize,
+    /// Answers, those left out among them.
+    pub answers: usize,
+    /// Sheets (one scale answered once) by scale.
+    pub sheets: BTreeMap<String, usize>,
+    /// Columns or fields that belong to no scale.
+    pub unused: usize,
+}
+
+/// One answer with the time it took.
+struct Row {
+    participant: ParticipantId,
+    moment: Moment,
+    scale: usize,
+    item: u32,
+    answer: Option<i32>,
+    seconds: Option<f64>,
+    /// Where in the file the sheet is, for messages.
+    place: String,
+}
+
+/// What a reader makes of a file.
+#[derive(Default)]
+struct Found {
+    rows: Vec<Row>,
+    /// Names that belong to no scale.
+    unused: BTreeSet<String>,
+    warnings: Vec<String>,
+}
+
+/// Imports answers and writes them as a long table: participant, moment, scale, item, answer, and seconds where the software measured
+/// them.
+///
+/// # Errors
+/// [`StudyError`] naming the file, and participant, scale and item of an answer that is text or out of range, of a sheet given
+/// twice, or of a scale of which only some items have a column.
+pub fn import(options: &ImportOptions, watch: Watch<'_>) -> Result<Outcome<Imported>, StudyError> {
+    let scales = read_scales(&options.scales)?;
+    let map = options
+        .columns
+        .as_deref()
+        .map(ColumnMap::read)
+        .transpose()?;
+    let map = map.unwrap_or_default();
+    map.check(options.columns.as_deref(), &scales)?;
+    let found = match options.from {
+        SurveySoftware::OTree => otree::read(&Table::read(&options.file)?, &scales, &map)?,
+        SurveySoftware::JsPsych => {
+            jspsych::read(&options.file, &read_text(&options.file)?, &scales, &map)?
+        }
+    };
+    watch.check()?;
+    let Found {
+        mut rows,
+        unused,
+        mut warnings,
+    } = found;
+    refuse_twice(&options.file, &rows, &scales)?;
+    if rows.is_empty() {
+        let patterns: Vec<String> = scales.iter().map(|s| map.pattern(s)).collect();
+        return Err(StudyError::BadFile {
+            path: options.file.clone(),
+            problem: format!("holds no answers to any scale; looked for {}", patterns.join(", ")),
+            help: Some(
+                "say what the columns are called: `column` in a scale's file, or --columns MAP.toml".to_owned(),
+            ),
+        });
+    }
+    rows.sort_by(|a, b| {
+        (&a.participant, a.moment, a.scale, a.item).cmp(&(
+            &b.participant,
+            b.moment,
+            b.scale,
+            b.item,
+        ))
+    });
+    write(&options.out, &rows, &scales)?;
+    let participants: BTreeSet<&ParticipantId> = rows.iter().map(|r| &r.participant).collect();
+    let mut sheets: BTreeMap<String, usize> = BTreeMap::new();
+    for row in rows.iter().filter(|r| r.item == 1) {
+        *sheets.entry(scales[row.scale].id.clone()).or_default() += 1;
+    }
+    for scale in scales.iter().filter(|s| !sheets.contains_key(&s.id)) {
+        warnings.push(format!(
+            "scale `{}`: nobody answered it ({})",
+            scale.id,
+            map.pattern(scale)
+        ));
+    }
+    let list = |n: &BTreeMap<String, usize>| {
+        let each: Vec<String> = n.iter().map(|(scale, n)| format!("{scale} {n}")).collect();
+        each.join(", ")
+    };
+    let summary = vec![
+        format!(
+            "{} answers of {} participants: {}",
+            rows.len(),
+            participants.len(),
+            options.out.display()
+        ),
+        format!(
+            "sheets: {}; {} columns that belong to no scale were not read",
+            list(&sheets),
+            unused.len()
+        ),
+    ];
+    let value = Imported {
+        participants: participants.len(),
+        answers: rows.len(),
+        sheets,
+        unused: unused.len(),
+    };
+    Ok(Outcome {
+        value,
+        summary,
+        warnings,
+    })
+}
+
+/// Refuses a sheet that is there twice: one row of a person too many, or a condition rated twice.
+fn refuse_twice(file: &Path, rows: &[Row], scales: &[Scale]) -> Result<(), StudyError> {
+    let mut seen: BTreeMap<(&ParticipantId, Moment, usize, u32), &Row> = BTreeMap::new();
+    for row in rows {
+        let key = (&row.participant, row.moment, row.scale, row.item);
+        if let Some(before) = seen.insert(key, row) {
+            let scale = &scales[row.scale].id;
+            let problem = format!(
+                "participant {} ({}), scale `{scale}`, item {}: answered twice, in {} and in {}",
+                row.participant, row.moment, row.item, before.place, row.place
+            );
+            return Err(StudyError::BadFile {
+                path: file.to_owned(),
+                problem,
+                help: Some("keep one; a condition can be rated once".to_owned()),
+            });
+        }
+    }
+    Ok(())
+}
+
+fn write(path: &Path, rows: &[Row], scales: &[Scale]) -> Result<(), StudyError> {
+    let table = TableBuilder::default()
+        .text("participant", rows.iter().map(|r| r.participant.as_str()))
+        .text("moment", rows.iter().map(|r| r.moment.to_string()))
+        .text("scale", rows.iter().map(|r| scales[r.scale].id.as_str()))
+        .integers("item", rows.iter().map(|r| Some(i64::from(r.item))))
+        .integers("answer", rows.iter().map(|r| r.answer.map(i64::from)));
+    if rows.iter().any(|r| r.seconds.is_some()) {
+        return table
+            .numbers("seconds", rows.iter().map(|r| r.seconds))
+            .write(path);
+    }
+    table.write(path)
+}
+
+/// A participant id as the file has it.
+fn participant(path: &Path, place: &str, text: &str) -> Result<ParticipantId, StudyError> {
+    ParticipantId::new(text.trim()).map_err(|e| StudyError::file(path, format!("{place}: {e}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::AtomicBool;
+
+    const SCALE: &str = "id = \"calm\"\ntitle = \"Calmness\"\nreference = \"made up\"\nitems = 3\nmin = 1\nmax = 7\nscoring = \"mean\"\nreversed = [2]\n[[subscales]]\nid = \"calm\"\ntitle = \"Calmness\"\nitems = [1, 2, 3]\n";
+
+    /// Imports `text`; gives what was said and the table written.
+    fn run(
+        from: SurveySoftware,
+        text: &str,
+        map: Option<&str>,
+    ) -> Result<(Vec<String>, String), String> {
+        let folder = tempfile::tempdir().unwrap();
+        let scales = folder.path().join("scales");
+        std::fs::create_dir(&scales).unwrap();
+        std::fs::write(scales.join("calm.toml"), SCALE).unwrap();
+        let write = |name: &str, text: &str| {
+            std::fs::write(folder.path().join(name), text).unwrap();
+            folder.path().join(name)
+        };
+        let options = ImportOptions {
+            from,
+            file: write("export", text),
+            scales,
+            columns: map.map(|m| write("map.toml", m)),
+            out: folder.path().join("surveys.csv"),
+        };
+        let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
+        let done = import(&options, Watch::new(&quiet, &go_on)).map_err(|e| e.to_string())?;
+        Ok((
+            done.warnings,
+            std::fs::read_to_string(&options.out).unwrap(),
+        ))
+    }
+
+    const OTREE: &str = "participant.code,participant.label,participant._is_bot,intro.1.player.calm_1,intro.1.player.calm_2,intro.1.player.calm_3,drive.1.player.condition,drive.1.player.calm_1,drive.1.player.calm_2,drive.1.player.calm_3,drive.1.player.remark\n\
+        x1,P01,0,1,2,3,mimic,4,,6,\"nice, but slow\"\n\
+        x2,P02,0,7,7,6,cautious,5,5,5,\n\
+        x3,,1,1,1,1,mimic,1,1,1,\n\
+        x4,P04,0,,,,,,,,\n";
+
+    #[test]
+    fn an_otree_table_becomes_a_long_one() {
+        let (warnings, table) = run(SurveySoftware::OTree, OTREE, None).unwrap();
+        assert_eq!(
+            table,
+            "participant,moment,scale,item,answer\nP01,pre,calm,1,1\nP01,pre,calm,2,2\nP01,pre,calm,3,3\nP01,mimic,calm,1,4\nP01,mimic,calm,2,\nP01,mimic,calm,3,6\n\
+             P02,pre,calm,1,7\nP02,pre,calm,2,7\nP02,pre,calm,3,6\nP02,cautious,calm,1,5\nP02,cautious,calm,2,5\nP02,cautious,calm,3,5\n"
+        );
+        assert_eq!(warnings.len(), 2, "{warnings:?}");
+        assert!(
+            warnings.iter().any(|w| w.contains("bot"))
+                && warnings.iter().any(|w| w.contains("P04"))
+        );
+    }
+
+    #[test]
+    fn faults_name_participant_scale_and_item() {
+        let fails = |from: &str, to: &str| {
+            assert!(OTREE.contains(from), "{from}");
+            run(SurveySoftware::OTree, &OTREE.replacen(from, to, 1), None).unwrap_err()
+        };
+        for (from, to, said) in [
+            (
+                "P01,0,1,2",
+                "P01,0,1,9",
+                "participant P01 (pre), scale `calm`, item 2 (row 1, column `intro.1.player.calm_2`): found `9`, expected a whole number from 1 to 7",
+            ),
+            (
+                "cautious,5,5",
+                "cautious,5,five",
+                "participant P02 (cautious), scale `calm`, item 2",
+            ),
+            (
+                "x2,P02",
+                "x2,P01",
+                "participant P01 (pre), scale `calm`, item 1: answered twice, in row 1",
+            ),
+            (
+                "intro.1.player.calm_3",
+                "intro.1.player.clam_3",
+                "scale `calm`: `intro.1.player` has no column for items 3",
+            ),
+            (
+                "intro.1.player.calm_3",
+                "intro.1.player.calm_4",
+                "item 4 is not among its 3 items",
+            ),
+            ("cautious", "kautious", "kautious"),
+            ("x2,P02", "x2,P 02", "P 02"),
+            ("x2,P02", "x2,", "row 2"),
+        ] {
+            let error = fails(from, to);
+            assert!(error.contains(said), "{error}");
+        }
+        let twice = OTREE
+            .replace(
+                "intro.1.player.calm_1",
+                "drive.2.player.condition,drive.2.player.calm_1",
+            )
+            .replace("intro.1", "drive.2");
+        let twice = twice
+            .replace("P01,0,1", "P01,0,mimic,1")
+            .replace("P02,0,7", "P02,0,mimic,7");
+        let error = run(SurveySoftware::OTree, &twice, None).unwrap_err();
+        assert!(
+            error.contains("P01 (mimic)")
+                && error.contains("drive.1.player")
+                && error.contains("drive.2.player"),
+            "{error}"
+        );
+        let error = run(SurveySoftware::OTree, "participant.label,a\nP01,1\n", None).unwrap_err();
+        assert!(
+            error.contains("holds no answers") && error.contains("calm_{item}"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn a_map_renames_columns_words_and_answers() {
+        let table = "who;".replace(';', ",") + "q1,q2,q3,car\nP01,never,often,always,A\n";
+        let map = "participant = \"who\"\nmoment = \"car\"\n[moments]\nA = \"aggressive\"\n[scales.calm]\ncolumn = \"q{item}\"\nlabels = [\"never\", \"rarely\", \"sometimes\", \"often\", \"usually\", \"almost always\", \"always\"]\n";
+        let (_, long) = run(SurveySoftware::OTree, &table, Some(map)).unwrap();
+        assert!(
+            long.ends_with(
+                "P01,aggressive,calm,1,1\nP01,aggressive,calm,2,4\nP01,aggressive,calm,3,7\n"
+            ),
+            "{long}"
+        );
+        for (from, to, said) in [
+            ("scales.calm", "scales.clam", "clam"),
+            ("\"never\", ", "", "6 labels"),
+            ("q{item}", "q", "{item}"),
+            ("[moments]", "[momentz]", "momentz"),
+        ] {
+            let error =
+                run(SurveySoftware::OTree, &table, Some(&map.replace(from, to))).unwrap_err();
+            assert!(error.contains(said), "{error}");
+        }
+    }
+
+    #[test]
+    fn jspsych_trials_become_the_same_table_with_times() {
+        let likert = |who: &str, moment: &str, answers: &str| {
+            format!(
+                r#"{{"trial_type": "survey-likert", "subject": "{who}"{moment}, "rt": 9000, "response": {{{answers}}}}}"#
+            )
+        };
+        let named = likert("P01", "", r#""calm_1": 0, "calm_2": 6, "calm_3": null"#);
+        let numbered = likert(
+            "P01",
+            r#", "scale": "calm", "condition": "mimic""#,
+            r#""Q0": 1, "Q1": 2, "Q2": 3"#,
+        );
+        let other = r#"{"trial_type": "survey-text", "response": {"Q0": "no remark"}}"#;
+        let text = format!("[{named}, {numbered}, {other}]\n");
+        let (warnings, table) = run(SurveySoftware::JsPsych, &text, None).unwrap();
+        assert!(warnings.is_empty(), "{warnings:?}");
+        assert_eq!(
+            table,
+            "participant,moment,scale,item,answer,seconds\nP01,pre,calm,1,1,3.0\nP01,pre,calm,2,7,3.0\nP01,pre,calm,3,,3.0\n\
+             P01,mimic,calm,1,2,3.0\nP01,mimic,calm,2,3,3.0\nP01,mimic,calm,3,4,3.0\n"
+        );
+        // Several sessions: one array each, one after the other or in an array.
+        let second = text.replace("P01", "P02");
+        for both in [format!("{text}{second}"), format!("[{text},{second}]")] {
+            let (_, table) = run(SurveySoftware::JsPsych, &both, None).unwrap();
+            assert_eq!(table.lines().count(), 13);
+        }
+        for (from, to, said) in [
+            (
+                "\"calm_2\": 6",
+                "\"calm_2\": 7",
+                "participant P01 (pre), scale `calm`, item 2 (session 1, trial 1): found `7`",
+            ),
+            ("\"calm_2\": 6", "\"calm_2\": \"very\"", "found `very`"),
+            ("\"condition\": \"mimic\"", "\"condition\": \"x\"", "`x`"),
+            (
+                "\"condition\": \"mimic\"",
+                "\"nothing\": 0",
+                "answered twice",
+            ),
+            ("\"subject\"", "\"sbject\"", "whose"),
+            ("]\n", "", "not JSON"),
+        ] {
+            assert!(text.contains(from), "{from}");
+            let error = run(SurveySoftware::JsPsych, &text.replace(from, to), None).unwrap_err();
+            assert!(error.contains(said), "{error}");
+        }
+    }
+}

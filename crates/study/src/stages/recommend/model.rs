@@ -1,0 +1,284 @@
+//! The model: a person's rating of a drive from how it is shifted, how far it is from their own, and who they are.
+
+use super::percept::{Dial, Percept};
+use crate::{error::StudyError, stages::analyse::data::StudyData};
+use maveric_domain::{Condition, ParticipantId};
+use maveric_stats::{Belief, Hierarchical, PersonRows, hierarchical};
+use serde::{Deserialize, Serialize};
+
+/// The ratings of regard: scale, subscale, sign.
+pub(crate) const REGARD: [(&str, &str, f64); 4] = [
+    ("rosas", "competence", 1.0),
+    ("godspeed_intelligence", "intelligence", 1.0),
+    ("rosas", "discomfort", -1.0),
+    ("jian_trust", "overall", 1.0),
+];
+
+/// A column of numbers about people, standardised over those learned from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Standard {
+    /// What it is: `openness`, `adb`, `line_position`, …
+    pub name: String,
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation.
+    pub sd: f64,
+}
+
+/// Everything learned from the people of a study.
+///
+/// regard = α + A (b + Σ θₖ xₖ + u) + g A² + D (d + Σ φₖ xₖ + v) + ε: A the perceived shift, D the perceived distance from the own drive, x the
+/// person's standardised traits; α, u, v differ between people. θ and φ are shrunk, each group by a variance of its own.
+/// The preferred shift is where b A + g A² is highest; D, the dislike of a car unlike oneself, is kept apart from it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Learned {
+    /// People learned from.
+    pub people: usize,
+    /// How a drive is perceived.
+    pub percept: Percept,
+    /// Where the dial is.
+    pub dial: Dial,
+    /// The traits.
+    pub traits: Vec<Standard>,
+    /// The ratings of regard, which are averaged in SDs.
+    pub regard: Vec<Standard>,
+    /// The fit.
+    pub fit: Hierarchical,
+}
+
+/// Where a person would like the dial, in ADB points.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Preferred {
+    /// The middle of what is believed.
+    pub points: f64,
+    /// Low end of the 95 % interval.
+    pub low: f64,
+    /// High end.
+    pub high: f64,
+    /// How sure that it is within 5 points of `points`, 0 to 1.
+    pub within_5: f64,
+}
+
+/// Columns before the traits: 1, A, A², D.
+const PLAIN: usize = 4;
+/// Settings further from Mimic than this are not recommended, in ADB points: nobody has driven them.
+pub(crate) const FURTHEST_POINTS: f64 = 30.0;
+
+/// Names and values of what is known of a person before any ride.
+fn traits_of(data: &StudyData, p: &ParticipantId) -> Vec<(String, Option<f64>)> {
+    let mut found = Vec::new();
+    for scale in ["mini_ipip", "mdsi"] {
+        for factor in data.pre_subscales(scale) {
+            let value = data.pre(p, scale, &factor);
+            found.push((factor, value));
+        }
+    }
+    found.push(("adb".to_owned(), data.pre(p, "adb", "total")));
+    let position = data.embedding(p, false).and_then(|e| e.line_position);
+    found.push(("line_position".to_owned(), position));
+    let velocity = data.measured(p, Condition::Own, "mean_velocity_mps");
+    found.push(("own_mean_velocity".to_owned(), velocity));
+    found
+}
+
+fn standard(name: String, values: &[f64]) -> Option<Standard> {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let sd = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+    (sd.is_finite() && sd > 1e-9).then_some(Standard { name, mean, sd })
+}
+
+impl Learned {
+    /// Learns from some of a study's people; how they perceive a drive is learned too, unless it is given.
+    pub(crate) fn from(
+        data: &StudyData,
+        people: &[ParticipantId],
+        percept: Option<Percept>,
+    ) -> Result<Self, StudyError> {
+        let not_possible = |problem: String| {
+            StudyError::NotPossible {
+            problem,
+            help: Some("a recommendation needs a study with at least 6 people, own drives, all conditions and ratings".to_owned()),
+        }
+        };
+        if people.len() < 5 {
+            return Err(not_possible(format!(
+                "{} people to learn from, expected at least 5",
+                people.len()
+            )));
+        }
+        let percept = match percept {
+            Some(given) => given,
+            None => Percept::learn(data, people)?,
+        };
+        let dial = percept.dial(data, people).ok_or_else(|| {
+            not_possible("Cautious, Mimic and Aggressive are not perceived in this order, so the dial has no direction".to_owned())
+        })?;
+        let known: Vec<Vec<(String, Option<f64>)>> =
+            people.iter().map(|p| traits_of(data, p)).collect();
+        let traits = known[0]
+            .iter()
+            .enumerate()
+            .filter_map(|(k, (name, _))| {
+                let values: Vec<f64> = known.iter().filter_map(|t| t[k].1).collect();
+                standard(name.clone(), &values)
+            })
+            .collect();
+        let regard = REGARD
+            .iter()
+            .filter_map(|(scale, subscale, _)| {
+                let all = people
+                    .iter()
+                    .flat_map(|p| Condition::AV.map(|c| data.post(p, c, scale, subscale)));
+                standard(
+                    format!("{scale}.{subscale}"),
+                    &all.flatten().collect::<Vec<f64>>(),
+                )
+            })
+            .collect();
+        let mut learned = Self {
+            people: people.len(),
+            percept,
+            dial,
+            traits,
+            regard,
+            fit: Hierarchical {
+                coefficients: Belief::new(Vec::new(), Vec::new())?,
+                shrunken_sd: Vec::new(),
+                random_sd: Vec::new(),
+                residual_sd: 0.0,
+                ln_evidence: 0.0,
+            },
+        };
+        let rows: Vec<PersonRows> = people.iter().map(|p| learned.rows(data, p)).collect();
+        let count = learned.traits.len();
+        let groups = [
+            vec![None; PLAIN],
+            vec![Some(0); count],
+            vec![Some(1); count],
+        ]
+        .concat();
+        learned.fit = hierarchical(&rows, &groups)?;
+        Ok(learned)
+    }
+
+    /// A person's standardised traits; 0, the mean, where one is missing.
+    pub(crate) fn traits(&self, data: &StudyData, p: &ParticipantId) -> Vec<f64> {
+        let known = traits_of(data, p);
+        let of = |s: &Standard| {
+            let value = known
+                .iter()
+                .find(|(name, _)| *name == s.name)
+                .and_then(|(_, v)| *v);
+            value.map_or(0.0, |v| (v - s.mean) / s.sd)
+        };
+        self.traits.iter().map(of).collect()
+    }
+
+    /// The regard behind scores by scale and subscale, in SDs.
+    pub(crate) fn regard(&self, score: impl Fn(&str, &str) -> Option<f64>) -> Option<f64> {
+        let of = |(scale, subscale, sign): &(&str, &str, f64)| {
+            let s = self
+                .regard
+                .iter()
+                .find(|s| s.name == format!("{scale}.{subscale}"))?;
+            Some(sign * (score(scale, subscale)? - s.mean) / s.sd)
+        };
+        let values: Vec<f64> = REGARD.iter().filter_map(of).collect();
+        (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+    }
+
+    /// The columns of x for a drive perceived as (shift, distance).
+    fn columns(traits: &[f64], (shift, distance): (f64, f64)) -> Vec<f64> {
+        let mut x = vec![1.0, shift, shift * shift, distance];
+        x.extend(traits.iter().map(|t| t * shift));
+        x.extend(traits.iter().map(|t| t * distance));
+        x
+    }
+
+    /// The whole row of a drive, x and z, for a belief about somebody.
+    pub(crate) fn row(traits: &[f64], perceived: (f64, f64)) -> Vec<f64> {
+        let mut row = Self::columns(traits, perceived);
+        row.extend([1.0, perceived.0, perceived.1]);
+        row
+    }
+
+    fn rows(&self, data: &StudyData, p: &ParticipantId) -> PersonRows {
+        let traits = self.traits(data, p);
+        let mut rows = PersonRows::default();
+        for c in Condition::AV {
+            let regard = self.regard(|scale, subscale| data.post(p, c, scale, subscale));
+            if let (Some(y), Some(perceived)) = (regard, self.percept.of_condition(data, p, c)) {
+                rows.y.push(y);
+                rows.x.push(Self::columns(&traits, perceived));
+                rows.z.push(vec![1.0, perceived.0, perceived.1]);
+            }
+        }
+        rows
+    }
+
+    /// What is believed of a person: by their traits alone, or by their ratings of the study's conditions too.
+    pub(crate) fn belief(&self, data: &StudyData, p: &ParticipantId, with_ratings: bool) -> Belief {
+        let mut belief = self.fit.somebody();
+        if with_ratings {
+            let rows = self.rows(data, p);
+            for ((y, x), z) in rows.y.iter().zip(&rows.x).zip(&rows.z) {
+                self.observe(&mut belief, &[&x[..], z].concat(), *y);
+            }
+        }
+        belief
+    }
+
+    /// Takes in one rating.
+    pub(crate) fn observe(&self, belief: &mut Belief, row: &[f64], regard: f64) {
+        belief.observe(row, regard, self.fit.residual_sd.powi(2));
+    }
+
+    /// Weights of b and of g in a belief about somebody with these traits.
+    pub(crate) fn parabola(&self, traits: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let size = PLAIN + 2 * traits.len() + 3;
+        let (mut linear, mut square) = (vec![0.0; size], vec![0.0; size]);
+        linear[1] = 1.0;
+        linear[PLAIN..PLAIN + traits.len()].copy_from_slice(traits);
+        linear[PLAIN + 2 * traits.len() + 1] = 1.0;
+        square[2] = 1.0;
+        (linear, square)
+    }
+
+    /// Where the person would like the dial; `None` if the ratings do not fall to both sides of anything.
+    pub(crate) fn preferred(&self, belief: &Belief, traits: &[f64]) -> Option<Preferred> {
+        let (linear, square) = self.parabola(traits);
+        let tops = belief.top_of_parabola(&linear, &square)?;
+        let points: Vec<f64> = tops
+            .into_iter()
+            .map(|shift| {
+                self.dial
+                    .points_at(shift)
+                    .clamp(-FURTHEST_POINTS, FURTHEST_POINTS)
+            })
+            .collect();
+        let at = |share: f64| points[((points.len() - 1) as f64 * share).round() as usize];
+        let middle = at(0.5);
+        let near = points.iter().filter(|v| (*v - middle).abs() <= 5.0).count();
+        Some(Preferred {
+            points: middle,
+            low: at(0.025),
+            high: at(0.975),
+            within_5: near as f64 / points.len() as f64,
+        })
+    }
+
+    /// What rating the setting `points` is expected to tell of the preferred shift, in nats.
+    pub(crate) fn information(&self, belief: &Belief, traits: &[f64], points: f64) -> f64 {
+        let (linear, square) = self.parabola(traits);
+        let (b, g) = (belief.mean_of(&linear), belief.mean_of(&square).min(-0.05));
+        // −b / 2g, straightened where it is believed to be.
+        let target: Vec<f64> = linear
+            .iter()
+            .zip(&square)
+            .map(|(l, s)| -l / (2.0 * g) + s * b / (2.0 * g * g))
+            .collect();
+        let row = Self::row(traits, self.dial.expected(points));
+        belief.information(&target, &row, self.fit.residual_sd.powi(2))
+    }
+}

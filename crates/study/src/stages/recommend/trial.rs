@@ -1,0 +1,510 @@
+//! Does it work? The recommendation on made-up people whose preference is known, and how many trials it takes to learn.
+
+use super::{
+    SETTINGS,
+    model::{FURTHEST_POINTS, Learned},
+    next, page,
+    percept::{Dial, Percept},
+};
+use crate::{
+    atomic_write::write_json,
+    error::StudyError,
+    outcome::{Outcome, Watch, for_each_on},
+    stages::{
+        rate::read_effects,
+        rehearse::{
+            population::{Asked, PopulationModel},
+            study::{Rehearsed, World},
+        },
+        report::write_page,
+        score::read_scales,
+    },
+};
+use maveric_domain::{Condition, ParticipantId, stream_seed};
+use maveric_participants::{Effects, MeasureValues, Participant, preferred_shift, rate_trial};
+use maveric_stats::{Belief, Proportion, proportion};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// What to rehearse.
+#[derive(Debug, Clone)]
+pub struct RehearseDialOptions {
+    /// What drives look like (TOML).
+    pub population: PathBuf,
+    /// Sizes of the effects.
+    pub effects: PathBuf,
+    /// Folder of questionnaire definitions.
+    pub scales: PathBuf,
+    /// Sizes of the studies to learn from.
+    pub participants: Vec<usize>,
+    /// Studies of each size.
+    pub studies: usize,
+    /// Further trials of a person.
+    pub trials: usize,
+    /// Folder to write into.
+    pub out: PathBuf,
+    /// Root of every random choice.
+    pub seed: u64,
+    /// Threads.
+    pub jobs: usize,
+}
+
+/// A way to set the dial.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// The own style for everybody.
+    MimicForAll,
+    /// What the model expects of the person's questionnaires and own drive.
+    BeforeRiding,
+    /// That, and the person's ratings of the four conditions.
+    AfterFourConditions,
+    /// As the last, by who knows how people perceive a drive and has learned the rest from very many of them.
+    Ceiling,
+}
+
+impl Method {
+    /// All, in the order of tables.
+    pub const ALL: [Self; 4] = [
+        Self::MimicForAll,
+        Self::BeforeRiding,
+        Self::AfterFourConditions,
+        Self::Ceiling,
+    ];
+
+    /// Name for people.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::MimicForAll => "Mimic for all",
+            Self::BeforeRiding => "questionnaires and own drive",
+            Self::AfterFourConditions => "and ratings of four conditions",
+            Self::Ceiling => "ceiling: law of perception known, 1,000 people",
+        }
+    }
+}
+
+/// How near a method came to the preference that people were made with.
+#[derive(Debug, Clone, Serialize)]
+pub struct Score {
+    /// The method.
+    pub method: Method,
+    /// People.
+    pub people: usize,
+    /// Share within 5 ADB points, with Wilson's 95 % interval.
+    pub within_5: Option<Proportion>,
+    /// Mean |error| in ADB points.
+    pub mean_error: f64,
+    /// Half of the 95 % interval of that mean.
+    pub mean_error_half: f64,
+    /// Share of people whose 95 % interval holds their preference; none for a method without intervals.
+    pub covered: Option<Proportion>,
+}
+
+/// The recommendation learned from studies of one size.
+#[derive(Debug, Clone, Serialize)]
+pub struct LearnedFrom {
+    /// Participants of each study learned from.
+    pub participants: usize,
+    /// Method by method.
+    pub scores: Vec<Score>,
+    /// Truth and recommendation after the four conditions with its interval, a person each; of the first study.
+    pub shown: Vec<[f64; 4]>,
+}
+
+/// Errors after some trials.
+#[derive(Debug, Clone, Serialize)]
+pub struct TrialError {
+    /// Trials shown.
+    pub trials: usize,
+    /// Mean |error| in ADB points and half of its 95 % interval, each setting chosen by expected information.
+    pub active: (f64, f64),
+    /// The same settings for all: a grid of seven, each person in an order of their own.
+    pub grid: (f64, f64),
+    /// Share within 5 points: active, grid.
+    pub within_5: (f64, f64),
+}
+
+/// What was found.
+#[derive(Debug, Clone, Serialize)]
+pub struct DialRehearsal {
+    /// The people are made up.
+    pub synthetic: bool,
+    /// Size by size.
+    pub learned_from: Vec<LearnedFrom>,
+    /// Trial by trial, learned from studies of the largest size.
+    pub search: Vec<TrialError>,
+    /// Where the dial truly is in the unit of perceived shift.
+    pub dial: Dial,
+}
+
+/// New people on whom each study's model is tried.
+const NEW_PEOPLE: usize = 24;
+/// People from whom the ceiling has learned.
+const MANY: usize = 1000;
+
+/// Learns from made-up studies, recommends to new people, and holds it against the preference that they were made with.
+///
+/// # Errors
+/// [`StudyError`] if an input cannot be read, a size or count makes no study, or a file cannot be written.
+pub fn rehearse_dial(
+    options: &RehearseDialOptions,
+    watch: Watch<'_>,
+) -> Result<Outcome<DialRehearsal>, StudyError> {
+    let ascend = options.participants.is_sorted_by(|a, b| a < b);
+    let sizes = options.participants.iter().all(|n| (6..=500).contains(n));
+    if options.participants.is_empty() || !ascend || !sizes || options.studies == 0 {
+        return Err(StudyError::NotPossible {
+            problem: "studies to learn from must have 6 to 500 participants, ascending, and there must be one at least".to_owned(),
+            help: Some("such as --participants 24,48,96 --studies 20".to_owned()),
+        });
+    }
+    let world = World {
+        population: PopulationModel::read(&options.population)?,
+        effects: read_effects(&options.effects)?,
+        scales: read_scales(&options.scales)?,
+    };
+    let many = world.study(MANY, stream_seed(options.seed, &["many"]))?;
+    let truth = Truth::of(&world, &many)?;
+    let ceiling = Learned::from(
+        &many.data,
+        &many.data.participants,
+        Some(truth.percept.clone()),
+    )?;
+    let bench = Bench {
+        world: &world,
+        truth: &truth,
+        ceiling: &ceiling,
+    };
+    let mut items = Vec::new();
+    for &n in &options.participants {
+        items.extend((0..options.studies).map(|index| (n, index)));
+    }
+    let tried = for_each_on(options.jobs, &items, watch, "studies", |&(n, index)| {
+        bench.one(
+            n,
+            stream_seed(options.seed, &["dial", &n.to_string(), &index.to_string()]),
+        )
+    })?;
+    let learned_from: Vec<LearnedFrom> = options
+        .participants
+        .iter()
+        .zip(tried.chunks(options.studies))
+        .map(|(n, studies)| learned_from(*n, studies))
+        .collect();
+    let largest = options.participants[options.participants.len() - 1];
+    let indices: Vec<usize> = (0..options.studies).collect();
+    let searched = for_each_on(options.jobs, &indices, watch, "searches", |index| {
+        bench.search(
+            largest,
+            options.trials,
+            stream_seed(options.seed, &["search", &index.to_string()]),
+        )
+    })?;
+    let value = DialRehearsal {
+        synthetic: true,
+        learned_from,
+        search: search_errors(&searched.concat(), options.trials),
+        dial: truth.dial,
+    };
+    write_json(&options.out.join("dial.json"), &value)?;
+    let page = write_page(&options.out, &page::page(&value, options)?)?;
+    let mut summary = page::summary(&value);
+    summary.push(format!("synthetic participants: {}", page.display()));
+    Ok(Outcome {
+        value,
+        summary,
+        warnings: Vec::new(),
+    })
+}
+
+/// What the generator knows.
+struct Truth {
+    percept: Percept,
+    dial: Dial,
+}
+
+impl Truth {
+    fn of(world: &World, many: &Rehearsed) -> Result<Self, StudyError> {
+        let Effects { perception, .. } = &world.effects;
+        let people = &many.data.participants;
+        let own: Vec<&MeasureValues> = people
+            .iter()
+            .filter_map(|p| many.data.drive(p, Condition::Own))
+            .collect();
+        let percept = Percept {
+            shift: perception.shift.clone(),
+            distance: perception.distance.clone(),
+            spread: maveric_participants::spread(&own),
+        };
+        let dial = percept.dial(&many.data, people).ok_or_else(|| StudyError::NotPossible {
+            problem: "with these effects nobody perceives Aggressive as more aggressive than Mimic, and Cautious as less".to_owned(),
+            help: None,
+        })?;
+        Ok(Self { percept, dial })
+    }
+
+    /// The setting of the dial that a person was made to like best, in ADB points.
+    fn points(&self, world: &World, person: &Participant, seed: u64) -> f64 {
+        let preferred = preferred_shift(person, &world.effects, seed);
+        self.dial
+            .points_at(preferred)
+            .clamp(-FURTHEST_POINTS, FURTHEST_POINTS)
+    }
+}
+
+struct Bench<'a> {
+    world: &'a World,
+    truth: &'a Truth,
+    ceiling: &'a Learned,
+}
+
+/// Truth, and each method's setting with its interval; one person.
+struct Tried {
+    truth: f64,
+    settings: [Option<(f64, Option<(f64, f64)>)>; 4],
+}
+
+impl Bench<'_> {
+    /// Learns from one study of `n` and recommends to new people.
+    fn one(&self, n: usize, seed: u64) -> Result<Vec<Tried>, StudyError> {
+        let old = self.world.study(n, seed)?;
+        let learned = Learned::from(&old.data, &old.data.participants, None)?;
+        let new_seed = stream_seed(seed, &["new people"]);
+        let new = self.world.study(NEW_PEOPLE, new_seed)?;
+        let setting = |learned: &Learned, p: &ParticipantId, with_ratings: bool| {
+            let belief = learned.belief(&new.data, p, with_ratings);
+            let found = learned.preferred(&belief, &learned.traits(&new.data, p))?;
+            Some((found.points, Some((found.low, found.high))))
+        };
+        let tried = new.people.iter().map(|person| Tried {
+            truth: self.truth.points(self.world, person, new_seed),
+            settings: Method::ALL.map(|method| match method {
+                Method::MimicForAll => Some((0.0, None)),
+                Method::BeforeRiding => setting(&learned, &person.id, false),
+                Method::AfterFourConditions => setting(&learned, &person.id, true),
+                Method::Ceiling => setting(self.ceiling, &person.id, true),
+            }),
+        });
+        Ok(tried.collect())
+    }
+
+    /// Errors of new people after 0, 1, … trials: active, then grid.
+    fn search(&self, n: usize, trials: usize, seed: u64) -> Result<Vec<[Vec<f64>; 2]>, StudyError> {
+        let old = self.world.study(n, seed)?;
+        let learned = Learned::from(&old.data, &old.data.participants, None)?;
+        let new_seed = stream_seed(seed, &["new people"]);
+        let new = self.world.study(NEW_PEOPLE, new_seed)?;
+        let mut found = Vec::new();
+        for person in &new.people {
+            let rider = Rider {
+                bench: self,
+                learned: &learned,
+                person,
+                new: &new,
+                seed: new_seed,
+            };
+            let order = shuffled(stream_seed(new_seed, &[person.id.as_str(), "grid"]));
+            found.push([
+                rider.ride(trials, |belief, traits, _| next(&learned, belief, traits).0)?,
+                rider.ride(trials, |_, _, trial| SETTINGS[order[trial % order.len()]])?,
+            ]);
+        }
+        Ok(found)
+    }
+}
+
+/// One new person, shown one setting after another.
+struct Rider<'a> {
+    bench: &'a Bench<'a>,
+    learned: &'a Learned,
+    person: &'a Participant,
+    new: &'a Rehearsed,
+    seed: u64,
+}
+
+impl Rider<'_> {
+    fn ride(
+        &self,
+        trials: usize,
+        choose: impl Fn(&Belief, &[f64], usize) -> f64,
+    ) -> Result<Vec<f64>, StudyError> {
+        let Self {
+            bench,
+            learned,
+            person,
+            new,
+            seed,
+        } = self;
+        let world = bench.world;
+        let truth = bench.truth.points(world, person, *seed);
+        let traits = learned.traits(&new.data, &person.id);
+        let mut belief = learned.belief(&new.data, &person.id, false);
+        let error = |belief: &Belief| {
+            let setting = learned.preferred(belief, &traits).map_or(0.0, |p| p.points);
+            (setting - truth).abs()
+        };
+        let mut errors = vec![error(&belief)];
+        let unit = bench.truth.percept.spread.clone();
+        for trial in 0..trials {
+            let points = choose(&belief, &traits, trial);
+            let label = format!("trial {trial}");
+            let asked = [(label.as_str(), Asked::Shift(points / learned.dial.points))];
+            let drives = world.population.drives(person, &asked, *seed);
+            let rated = rate_trial(
+                person,
+                &drives.own,
+                (&label, &drives.trials[0]),
+                &unit,
+                &world.scales,
+                &world.effects,
+                *seed,
+            )?;
+            let scores = maveric_measures::score(&world.scales, &rated.answers, None)?.scores;
+            let score = |scale: &str, subscale: &str| {
+                let of = scores
+                    .iter()
+                    .find(|s| s.scale == scale && s.subscale == subscale);
+                of.and_then(|s| s.value)
+            };
+            if let Some(regard) = learned.regard(score) {
+                let perceived = learned.percept.of(&drives.own, &drives.trials[0]);
+                let row = Learned::row(&traits, perceived);
+                learned.observe(&mut belief, &row, regard);
+            }
+            errors.push(error(&belief));
+        }
+        Ok(errors)
+    }
+}
+
+/// An order of the seven settings.
+fn shuffled(seed: u64) -> [usize; SETTINGS.len()] {
+    let mut order = std::array::from_fn(|i| i);
+    order.sort_by_key(|i: &usize| stream_seed(seed, &[&i.to_string()]));
+    order
+}
+
+/// Mean and half of its 95 % interval.
+fn mean_and_half(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    (mean, 1.96 * (variance / n).sqrt())
+}
+
+fn learned_from(participants: usize, studies: &[Vec<Tried>]) -> LearnedFrom {
+    let people: Vec<&Tried> = studies.iter().flatten().collect();
+    let scores = Method::ALL.iter().enumerate().map(|(m, method)| {
+        // Where the model recommends nothing the car stays with Mimic.
+        let errors: Vec<f64> = people
+            .iter()
+            .map(|t| (t.settings[m].map_or(0.0, |s| s.0) - t.truth).abs())
+            .collect();
+        let near = errors.iter().filter(|e| **e <= 5.0).count();
+        let intervals: Vec<bool> = people
+            .iter()
+            .filter_map(|t| {
+                let (low, high) = t.settings[m]?.1?;
+                Some((low..=high).contains(&t.truth))
+            })
+            .collect();
+        let held = intervals.iter().filter(|h| **h).count();
+        let (mean_error, mean_error_half) = mean_and_half(&errors);
+        Score {
+            method: *method,
+            people: errors.len(),
+            within_5: proportion(near, errors.len(), 0.95).ok(),
+            mean_error,
+            mean_error_half,
+            covered: proportion(held, intervals.len(), 0.95).ok(),
+        }
+    });
+    let shown = studies.first().into_iter().flatten().filter_map(|t| {
+        let (points, interval) = t.settings[2]?;
+        let (low, high) = interval?;
+        Some([t.truth, points, low, high])
+    });
+    LearnedFrom {
+        participants,
+        scores: scores.collect(),
+        shown: shown.collect(),
+    }
+}
+
+fn search_errors(people: &[[Vec<f64>; 2]], trials: usize) -> Vec<TrialError> {
+    (0..=trials)
+        .map(|trial| {
+            let of = |m: usize| people.iter().map(|p| p[m][trial]).collect::<Vec<f64>>();
+            let near = |m: usize| {
+                let errors = of(m);
+                errors.iter().filter(|e| **e <= 5.0).count() as f64 / errors.len() as f64
+            };
+            TrialError {
+                trials: trial,
+                active: mean_and_half(&of(0)),
+                grid: mean_and_half(&of(1)),
+                within_5: (near(0), near(1)),
+            }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn world() -> World {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data");
+        World {
+            population: PopulationModel::read(&root.join("population.toml")).unwrap(),
+            effects: read_effects(&root.join("effects.toml")).unwrap(),
+            scales: read_scales(&root.join("scales")).unwrap(),
+        }
+    }
+
+    #[test]
+    fn who_is_known_is_served_better_than_by_mimic_for_all() {
+        let world = world();
+        let many = world.study(150, 3).unwrap();
+        let truth = Truth::of(&world, &many).unwrap();
+        let ceiling = Learned::from(
+            &many.data,
+            &many.data.participants,
+            Some(truth.percept.clone()),
+        )
+        .unwrap();
+        let bench = Bench {
+            world: &world,
+            truth: &truth,
+            ceiling: &ceiling,
+        };
+        let found = learned_from(
+            48,
+            &[bench.one(48, 11).unwrap(), bench.one(48, 12).unwrap()],
+        );
+        let error = |m: usize| found.scores[m].mean_error;
+        assert!(error(2) < 0.8 * error(0), "{} {}", error(2), error(0));
+        assert!(error(3) < 0.8 * error(0));
+    }
+
+    #[test]
+    fn how_people_perceive_is_learned_from_their_answers() {
+        let world = world();
+        let study = world.study(60, 5).unwrap();
+        let percept = Percept::learn(&study.data, &study.data.participants).unwrap();
+        let weight = |name: &str| percept.shift[name];
+        assert!(weight("mean_velocity_mps") > 0.2, "{percept:?}");
+        assert!(
+            weight("headway_merge_back_m") + weight("headway_merge_back_s") < 0.0,
+            "{percept:?}"
+        );
+    }
+
+    #[test]
+    fn a_grid_shows_every_setting_once() {
+        let mut order = shuffled(4);
+        assert_ne!(order, shuffled(5));
+        order.sort_unstable();
+        assert_eq!(order, [0, 1, 2, 3, 4, 5, 6]);
+    }
+}

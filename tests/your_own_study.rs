@@ -1,0 +1,346 @@
+//! A study of one's own: the path of `docs/your-own-study.md`, walked with the small study that is shipped.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test stops at the first surprise"
+)]
+
+mod support;
+
+use std::path::{Path, PathBuf};
+use support::TempStudy;
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let (entry, target) = (
+            entry.as_ref().unwrap(),
+            to.join(entry.as_ref().unwrap().file_name()),
+        );
+        if entry.file_type().unwrap().is_dir() {
+            copy(&entry.path(), &target);
+        } else {
+            std::fs::copy(entry.path(), target).unwrap();
+        }
+    }
+}
+
+/// A folder made by `init` and filled with the sample.
+fn filled() -> TempStudy {
+    let study = TempStudy::new();
+    study.maveric(&["init", "mine"]).ok();
+    for part in ["logs", "surveys"] {
+        copy(
+            &study.path("study_data/sample").join(part),
+            &study.path("mine").join(part),
+        );
+    }
+    std::fs::copy(
+        study.path("study_data/sample/participants.csv"),
+        study.path("mine/participants.csv"),
+    )
+    .unwrap();
+    study
+}
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap()
+}
+
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(files(&path));
+        } else {
+            found.push(path);
+        }
+    }
+    found
+}
+
+#[test]
+fn from_logs_and_answers_to_the_report() {
+    let study = filled();
+    study
+        .maveric(&["init", "mine"])
+        .failed(1, &["mine", "not empty"]);
+    let settings = ["--set", "epochs=2", "--set", "duration=60", "-j", "2"];
+    let run = study
+        .maveric(&[&["run", "mine/pipelines/study.toml"][..], &settings].concat())
+        .ok();
+    assert!(run.stdout.contains("index.html"), "{}", run.stdout);
+    let page = read(&study.path("mine/report/index.html"));
+    // The sample was made up, its logs say so, and so does the page.
+    assert!(page.contains("ynthetic participants") && !page.contains("NaN"));
+    assert!(page.contains("McDonald") && page.contains("Reliability"));
+    let answered = read(&study.path("mine/results/surveys.csv"));
+    for moment in [",pre,adb,", ",mimic,jian_trust,", ",perpendicular,rosas,"] {
+        assert!(answered.contains(moment), "{moment}");
+    }
+    // Ratings are scored without what was asked before the drives.
+    let rated = read(&study.path("mine/results/rating_scores.csv"));
+    assert!(!rated.contains(",pre,") && rated.contains(",cautious,similarity,similarity,"));
+    let reliable = read(&study.path("mine/results/scores_reliabilities.csv"));
+    assert!(
+        reliable
+            .lines()
+            .next()
+            .unwrap()
+            .ends_with("omega,mean,sd,floor,ceiling"),
+        "{reliable}"
+    );
+    let items = read(&study.path("mine/results/scores_items.csv"));
+    assert_eq!(
+        items
+            .lines()
+            .filter(|l| l.starts_with("mini_ipip,conscientiousness,"))
+            .count(),
+        4
+    );
+    let again = study
+        .maveric(&[&["run", "mine/pipelines/study.toml"][..], &settings].concat())
+        .ok();
+    assert!(again.stdout.contains("nothing was run"), "{}", again.stdout);
+}
+
+#[test]
+fn who_is_in_one_file_and_not_in_the_other_is_listed_and_faults_are_named() {
+    let study = filled();
+    let people = read(&study.path("mine/participants.csv"));
+    let first = people
+        .lines()
+        .nth(1)
+        .unwrap()
+        .split(',')
+        .next()
+        .unwrap()
+        .to_owned();
+    study.write(
+        "people.csv",
+        format!(
+            "{}\nGhost,2,,,,,\n",
+            people.replace(&format!("{first},"), "Other,").trim_end()
+        ),
+    );
+    let import =
+        |file: &str| study.maveric(&["import", file, "--from", "otree", "--out", "surveys.csv"]);
+    let said = import("mine/surveys/answers.csv").ok().stdout;
+    assert!(
+        said.contains("8 participants") || said.contains("participants"),
+        "{said}"
+    );
+    let score = [
+        "score",
+        "--surveys",
+        "surveys.csv",
+        "--participants",
+        "people.csv",
+        "--out",
+        "scores.csv",
+    ];
+    let ran = study.maveric(&score).ok();
+    let listed = read(&study.path("scores_exclusions.csv"));
+    for who in [
+        "Ghost,questionnaires,participant Ghost answered no questionnaire",
+        &format!("answers of {first}, who is not in the study, left out"),
+    ] {
+        assert!(
+            listed.contains(who) && ran.stderr.contains("Ghost"),
+            "{listed}"
+        );
+    }
+
+    let answers = read(&study.path("mine/surveys/answers.csv"));
+    let first = answers.lines().nth(1).unwrap().split(',').next().unwrap();
+    let column = |name: &str| {
+        answers
+            .lines()
+            .next()
+            .unwrap()
+            .split(',')
+            .position(|c| c == name)
+            .unwrap()
+    };
+    let with = |name: &str, value: &str| {
+        let mut lines: Vec<String> = answers.lines().map(str::to_owned).collect();
+        let mut cells: Vec<&str> = lines[1].split(',').collect();
+        cells[column(name)] = value;
+        lines[1] = cells.join(",");
+        study.write("wrong.csv", lines.join("\n"));
+        import("wrong.csv")
+    };
+    with("pre.1.player.adb_3", "9").failed(1, &[first, "adb", "item 3", "`9`", "1 to 5"]);
+    with("pre.1.player.mdsi_40", "often").failed(1, &[first, "mdsi", "item 40", "`often`"]);
+    study.write(
+        "wrong.csv",
+        format!("{answers}{}\n", answers.lines().nth(1).unwrap()),
+    );
+    import("wrong.csv").failed(1, &[first, "answered twice", "row 1"]);
+    let scale = read(&study.path("study_data/scales/adb.toml"));
+    study.write(
+        "study_data/scales/adb.toml",
+        scale.replace("min = 1\nmax = 5", "min = 5\nmax = 1"),
+    );
+    import("mine/surveys/answers.csv").failed(1, &["adb.toml", "min 5 is not below max 1"]);
+    study.write(
+        "study_data/scales/adb.toml",
+        scale.replace("items = 11", "items = 0"),
+    );
+    study
+        .maveric(&["codebook", "--out", "book"])
+        .failed(1, &["adb.toml", "at least one item"]);
+    assert!(!study.path("book").exists());
+}
+
+#[test]
+fn what_is_given_away_names_nobody() {
+    let study = filled();
+    study
+        .maveric(&[
+            "import",
+            "mine/surveys/answers.csv",
+            "--from",
+            "otree",
+            "--out",
+            "long.csv",
+        ])
+        .ok();
+    // A remark and an address that have no business in an export, and an exact age.
+    let people = read(&study.path("mine/participants.csv"));
+    let ids: Vec<&str> = people
+        .lines()
+        .skip(1)
+        .map(|l| l.split(',').next().unwrap())
+        .collect();
+    let named: Vec<String> = ids
+        .iter()
+        .map(|id| format!("{id},2,external,47,female,,,secret@example.org,remark"))
+        .collect();
+    study.write(
+        "people.csv",
+        format!(
+            "participant,study,population,age,gender,professional,order,mail,remark\n{}\n",
+            named.join("\n")
+        ),
+    );
+    study.write("key", "a secret of this test alone");
+    let export = |key: &str, out: &str| {
+        study.maveric(&[
+            "export",
+            "--logs",
+            "mine/logs/study2",
+            "--participants",
+            "people.csv",
+            "--surveys",
+            "long.csv",
+            "--key",
+            key,
+            "--out",
+            out,
+        ])
+    };
+    export("key", "shared").ok();
+    let written = files(&study.path("shared"));
+    assert!(written.len() >= 4 + 3);
+    for path in &written {
+        let bytes = std::fs::read(path).unwrap();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let mut secrets = ids.clone();
+        if path.extension().is_some_and(|e| e == "csv") {
+            secrets.extend(["secret@example.org", "remark", ",47,"]);
+        }
+        for secret in secrets {
+            let inside = bytes.windows(secret.len()).any(|w| w == secret.as_bytes());
+            assert!(!inside && !name.contains(secret), "{secret} is in {name}");
+        }
+    }
+    assert!(read(&study.path("shared/participants.csv")).contains(",40-49,female,"));
+    // The wide table says what the long one does.
+    study
+        .maveric(&[
+            "import",
+            "shared/surveys_wide.csv",
+            "--from",
+            "otree",
+            "--out",
+            "back.csv",
+        ])
+        .ok();
+    assert_eq!(
+        read(&study.path("back.csv")).lines().count(),
+        read(&study.path("shared/surveys.csv")).lines().count()
+    );
+    let sorted = |path: &str| {
+        let text = read(&study.path(path));
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        lines.sort();
+        lines
+    };
+    assert_eq!(sorted("back.csv"), sorted("shared/surveys.csv"));
+    // A log still is the drive that it was.
+    let ingest = |logs: &str, out: &str| {
+        study.maveric(&["ingest", logs, "--out", out]).ok();
+        study
+            .maveric(&["measure", "--drives", out, "--out", &format!("{out}.csv")])
+            .ok();
+        let table = read(&study.path(&format!("{out}.csv")));
+        let mut rows: Vec<String> = table
+            .lines()
+            .skip(1)
+            .map(|l| {
+                l.split(',')
+                    .skip(5)
+                    .map(|v| v.chars().take(4).collect::<String>())
+                    .collect::<Vec<_>>()
+                    .join(",")
+            })
+            .collect();
+        rows.sort();
+        rows
+    };
+    assert_eq!(
+        ingest("mine/logs/study2", "before"),
+        ingest("shared/logs/study2", "after")
+    );
+    export("nowhere", "none").failed(1, &["nowhere"]);
+    study.write("short", "abc");
+    export("short", "none").failed(1, &["3 characters"]);
+    study
+        .maveric(&["export", "--key", "key", "--out", "none"])
+        .failed(1, &["nothing to export"]);
+    assert!(!study.path("none").exists());
+}
+
+#[test]
+fn the_codebook_has_every_item_of_every_scale() {
+    let study = TempStudy::new();
+    study.maveric(&["codebook", "--out", "book"]).ok();
+    let table = read(&study.path("book/codebook.csv"));
+    assert!(
+        table.contains(
+            "mini_ipip,conscientiousness,8,mini_ipip_8,1,5,true,Often forget to put things back"
+        ),
+        "{table}"
+    );
+    assert!(
+        table.contains("jian_trust,overall,1,jian_trust_1,1,7,true,")
+            && table.contains("jian_trust,distrust,1,jian_trust_1,1,7,false,")
+    );
+    let page = read(&study.path("book/codebook.md"));
+    for scale in [
+        "adb",
+        "mdsi",
+        "mini_ipip",
+        "jian_trust",
+        "rosas",
+        "godspeed_intelligence",
+        "similarity",
+        "aggressiveness",
+    ] {
+        assert!(page.contains(&format!("(`{scale}`)")), "{scale}");
+    }
+    assert!(page.contains("alpha: Houston") && page.contains("it is not in the public domain"));
+}
