@@ -1,10 +1,13 @@
 //! One participant's drives, to be watched side by side.
 
 use super::{Run, embedding::shown_participant};
-use crate::error::StudyError;
-use maveric_domain::{Condition, Drive, DrivenBy};
-use maveric_ingest::{IngestSettings, read_log};
-use maveric_report::html::{Live, LiveContent, PlayerDrive, PlayerMeta, WatchPlayer};
+use crate::{
+    error::StudyError,
+    watching::{read_watched, watch_player},
+};
+use maveric_domain::Condition;
+use maveric_ingest::IngestSettings;
+use maveric_report::html::{Live, LiveContent};
 use std::path::{Path, PathBuf};
 
 /// The logs of the shown participant that are there: the own drive, then the conditions.
@@ -23,33 +26,11 @@ pub(super) fn logs(folder: &Path, run: &Run) -> Vec<PathBuf> {
 /// The player of these logs, below the six panels; `None` without a log.
 pub(super) fn player(logs: &[PathBuf]) -> Result<Option<Live>, StudyError> {
     let mut drives = Vec::new();
-    let mut whose = String::new();
     for log in logs {
-        for found in read_log(log, &IngestSettings::default())? {
-            whose = found.meta.participant.to_string();
-            let drive = Drive::from_recording(found.meta.clone(), &found.recording)?;
-            let condition = found.meta.condition;
-            let note = match found.meta.driven_by {
-                DrivenBy::Human => "by hand",
-                DrivenBy::Synthetic => "by hand, synthetic participant",
-                DrivenBy::Automated => "automated",
-            };
-            let meta = PlayerMeta {
-                label: super::capital(condition.as_str()),
-                note: note.to_owned(),
-                condition,
-                interventions: None,
-                centre_line: None,
-            };
-            drives.push(PlayerDrive::from_recording(&found.recording, &drive, meta));
-        }
+        drives.extend(read_watched(log, &IngestSettings::default())?);
     }
     Ok((!drives.is_empty()).then(|| Live {
         below: "difference-panels".to_owned(),
-        content: LiveContent::Player(WatchPlayer {
-            name: "watch".to_owned(),
-            title: format!("Drives of {whose}"),
-            drives,
-        }),
+        content: LiveContent::Player(watch_player(drives)),
     }))
 }
