@@ -254,7 +254,7 @@ pub(crate) fn planner(kind: &str, number: u64) -> impl FnMut(&Situation) -> Setp
             },
             // Swings between two wishes.
             2 => {
-                let high = (situation.time_s / 7.0) as u64 % 2 == 0;
+                let high = ((situation.time_s / 7.0) as u64).is_multiple_of(2);
                 Setpoints {
                     speed_mps: if high { 45.0 } else { 5.0 },
                     following_distance_m: if high { 0.0 } else { 90.0 },

@@ -2,7 +2,7 @@
 
 use super::{
     intervention::{Intervention, InterventionKind},
-    safety::needed_braking_mps2,
+    safety::{needed_braking_mps2, safe_distance_m},
 };
 use crate::{
     neighbours::{ahead_or_entering, in_the_way},
@@ -17,6 +17,8 @@ const SIDE_CLEARANCE_M: f64 = 0.2;
 const RESERVE: f64 = 1.3;
 /// Share of the braking at which it takes over below which it lets go again.
 const RELEASE: f64 = 0.5;
+/// Share of the safe distance that must be missing for the braking that the rule reckons with.
+const FULL_AT: f64 = 0.3;
 
 /// Watches what is in the way, whatever its lane, and brakes for it.
 #[derive(Debug, Clone, Default)]
@@ -54,6 +56,7 @@ impl EmergencyBrake {
         } else {
             wanted_mps2
         };
+        let command = command.min(rule_allows_mps2(settings, scene, road, claims));
         let overrides = command < wanted_mps2;
         let begins = (overrides && !self.braking).then_some(Intervention {
             time_s: scene.time_s,
@@ -86,6 +89,25 @@ impl EmergencyBrake {
         let ego = scene.ego.speed_mps;
         needed_braking_mps2(n.gap_m, settings.margin_m, ego, speed, lead_braking)
     }
+}
+
+/// Highest acceleration that the rule allows, in m/s²: any while the vehicle ahead is beyond the safe distance; below it the
+/// rule's proper response, braking, less hard where
+/// little is missing (ours), so that a car that cuts in a metre too near is not an emergency.
+fn rule_allows_mps2(
+    settings: &ControllerSettings,
+    scene: &Scene,
+    road: &Road,
+    claims: &[Option<u8>],
+) -> f64 {
+    let lane = road.lane_at(scene.ego.y_m);
+    ahead_or_entering(scene, road, lane, claims).map_or(f64::INFINITY, |n| {
+        let safe = safe_distance_m(settings, scene.ego.speed_mps, n.vehicle.speed_mps);
+        if n.gap_m >= safe {
+            return f64::INFINITY;
+        }
+        -settings.own_braking_mps2 * ((1.0 - n.gap_m / safe) / FULL_AT).min(1.0)
+    })
 }
 
 /// Braking for a vehicle that is about to take ego's lane, in m/s², positive.
@@ -145,16 +167,19 @@ mod tests {
             noted.extend(note);
             command
         };
-        assert!((command(40.0) - 0.5).abs() < 1e-12);
+        // The safe distance is 44 m: beyond it nothing happens, a metre inside it a little, far inside it everything.
+        assert!((command(60.0) - 0.5).abs() < 1e-12);
+        assert!((-1.5..0.5).contains(&command(43.0)));
+        command(60.0);
         assert!(command(9.0) < -5.0 && command(8.9) < -5.0);
-        assert_eq!(noted.len(), 1);
+        assert_eq!(noted.len(), 2);
         let InterventionKind::Braked {
             asked_mps2,
             given_mps2,
-        } = noted[0].kind
+        } = noted[1].kind
         else {
             panic!("{noted:?}");
         };
-        assert!(asked_mps2 > 0.4 && given_mps2 < -5.0 && noted[0].vehicle == Some(VehicleId(1)));
+        assert!(asked_mps2 > 0.4 && given_mps2 < -5.0 && noted[1].vehicle == Some(VehicleId(1)));
     }
 }
