@@ -7,8 +7,9 @@ use crate::{
 
 /// Share of the length at each end over which the curve leaves and meets its lanes.
 const HANDLE: f64 = 0.45;
-/// A change is no shorter than this, in m, however slow the car.
-const SHORTEST_M: f64 = 12.0;
+/// A change is no shorter than this, in m, however slow the car: it may speed up on the way, and a path over half as long is so
+/// steep that wheels of limited rate swing across both lanes.
+const SHORTEST_M: f64 = 30.0;
 /// Speed added in Stanley's denominator, so that a slow car does not steer wildly, in m/s.
 const SOFTENING_MPS: f64 = 1.0;
 
