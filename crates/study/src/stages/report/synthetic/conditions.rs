@@ -1,12 +1,13 @@
 //! The third and fourth sections: what the conditions did, and which habits they left alone.
 
-use super::{Run, capital, said};
+use super::{Run, said, watch};
 use crate::{
     error::StudyError,
     stages::{
         analyse::{Nearer, Panel, PanelPair},
         report::keys::short,
     },
+    watching::WatchedDrive,
 };
 use maveric_domain::Condition;
 use maveric_report::{
@@ -15,13 +16,18 @@ use maveric_report::{
     figures::{
         difference_panels::{DifferencePanel, DifferencePanels, PairTest, difference_panels},
         perpendicular::{AngleChange, PerpendicularChanges, PerpendicularPanel, perpendicular},
+        perpendicular_circle, time_space,
     },
     html::Section,
     tables::{self, AccuracyRow, Cell, Column},
 };
 use std::collections::BTreeMap;
 
-pub(super) fn section_conditions(run: &Run, ledger: &[LedgerRow]) -> Result<Section, StudyError> {
+pub(super) fn section_conditions(
+    run: &Run,
+    ledger: &[LedgerRow],
+    watched: &[WatchedDrive],
+) -> Result<Section, StudyError> {
     let panels = DifferencePanels {
         // A panel without a single value has nothing to show: the exclusions say who is missing and why.
         panels: run
@@ -52,18 +58,9 @@ pub(super) fn section_conditions(run: &Run, ledger: &[LedgerRow]) -> Result<Sect
         })
         .collect();
     let mut intro = vec![
-        "Differences from each participant's own drive. Which test was used, and why, is recorded with every check in \
-         analysis.json."
+        "Differences from each participant’s own drive; the table says which test was used and why, and analysis.json has every check."
             .to_owned(),
     ];
-    for panel in run.analysis.panels.iter().filter(|p| !p.reasons.is_empty()) {
-        intro.push(format!(
-            "{}: {}. {}.",
-            panel.title,
-            panel.omnibus,
-            capital(&panel.reasons.join("; "))
-        ));
-    }
     let mut figures = Vec::new();
     if panels.panels.is_empty() {
         intro.push(
@@ -73,11 +70,22 @@ pub(super) fn section_conditions(run: &Run, ledger: &[LedgerRow]) -> Result<Sect
     } else {
         figures.push(difference_panels(&panels, &run.context)?);
     }
+    if let Some(drive) = watched
+        .iter()
+        .find(|d| d.meta.condition == Condition::Mimic)
+        && let Some(diagram) = watch::diagram(drive)
+    {
+        figures.push(time_space(&diagram, &run.context)?);
+    }
     Ok(Section {
         title: "Does Mimic drive like the driver, and does the dial turn?".to_owned(),
         intro,
         figures,
-        tables: vec![tables::mimic_accuracy(&rows), nearer_table(run)],
+        tables: vec![
+            omnibus_table(run),
+            tables::mimic_accuracy(&rows),
+            nearer_table(run),
+        ],
     })
 }
 
@@ -113,14 +121,12 @@ pub(super) fn section_kept(run: &Run) -> Result<Section, StudyError> {
             }
         })
         .collect::<Vec<_>>();
-    let figures = if panels.is_empty() {
-        Vec::new()
-    } else {
-        vec![perpendicular(
-            &PerpendicularChanges { panels },
-            &run.context,
-        )?]
-    };
+    let mut figures = Vec::new();
+    if !panels.is_empty() {
+        let changes = PerpendicularChanges { panels };
+        figures.push(perpendicular(&changes, &run.context)?);
+        figures.push(perpendicular_circle(&changes, &run.context)?);
+    }
     let intro = run.analysis.kept.iter().map(|k| {
         format!(
             "{}: along the aggression line {}; against the angle, as the paper does it, {}. An angle has no natural zero, so the \
@@ -135,6 +141,34 @@ pub(super) fn section_kept(run: &Run) -> Result<Section, StudyError> {
         intro: intro.collect(),
         figures,
         tables: Vec::new(),
+    })
+}
+
+/// Which test answered each panel, and why.
+fn omnibus_table(run: &Run) -> tables::Table {
+    let row = |panel: &Panel| {
+        vec![
+            Cell::text(panel.title.clone()),
+            Cell::Marked(panel.omnibus.clone()),
+            Cell::text(capital_first(&panel.reasons.join("; "))),
+        ]
+    };
+    tables::Table {
+        name: "omnibus".to_owned(),
+        title: "Do the conditions differ?".to_owned(),
+        columns: ["Measure", "Test over the conditions", "Why this one"]
+            .map(Column::left)
+            .to_vec(),
+        rows: run.analysis.panels.iter().map(row).collect(),
+        notes: Vec::new(),
+    }
+}
+
+/// A sentence with its first letter large.
+fn capital_first(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
     })
 }
 

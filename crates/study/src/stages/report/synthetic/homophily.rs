@@ -9,7 +9,10 @@ use maveric_domain::Condition;
 use maveric_report::{
     apa,
     claims::LedgerRow,
-    figures::preference::{Preferences, ScalePreference, preference},
+    figures::{
+        correlation_heatmap::{CorrelationHeatMap, HeatCell, correlation_heatmap},
+        preference::{Preferences, ScalePreference, preference},
+    },
     html::Section,
     tables::{self, Cell, Column, CorrelationRow, Table},
 };
@@ -81,11 +84,13 @@ pub(super) fn section_homophily(run: &Run, ledger: &[LedgerRow]) -> Result<Secti
         .iter()
         .filter(|r| r.p_bh.is_some_and(|p| p < 0.05))
         .count();
-    let figures = if bars.scales.is_empty() {
-        Vec::new()
-    } else {
-        vec![preference(&bars, &run.context)?]
-    };
+    let mut figures = Vec::new();
+    if !bars.scales.is_empty() {
+        figures.push(preference(&bars, &run.context)?);
+    }
+    if let Some(map) = heat_map(run, tested) {
+        figures.push(correlation_heatmap(&map, &run.context)?);
+    }
     Ok(Section {
         title: "Who wants to be driven as they drive?".to_owned(),
         intro: vec![format!(
@@ -160,6 +165,46 @@ fn mixed(run: &Run) -> Option<Table> {
         ))
         .chain(missing)
         .collect(),
+    })
+}
+
+/// Every test of the family at a glance; `None` where there is none.
+fn heat_map(run: &Run, tested: usize) -> Option<CorrelationHeatMap> {
+    let found = &run.analysis.homophily;
+    let mut factors: Vec<&str> = Vec::new();
+    let mut against: Vec<(Condition, &str)> = Vec::new();
+    for row in found {
+        if !factors.contains(&row.factor.as_str()) {
+            factors.push(&row.factor);
+        }
+        if !against.contains(&(row.versus, row.rating.as_str())) {
+            against.push((row.versus, &row.rating));
+        }
+    }
+    against.sort_by_key(|(versus, _)| *versus);
+    let cell = |factor: &str, (versus, rating): &(Condition, &str)| {
+        let fits =
+            |r: &&HomophilyRow| r.factor == factor && r.versus == *versus && r.rating == *rating;
+        let row = found.iter().find(fits)?;
+        Some(HeatCell {
+            value: row.correlation.r?,
+            p: row.p_holm?,
+        })
+    };
+    (!factors.is_empty()).then(|| CorrelationHeatMap {
+        rows: factors.iter().map(|f| capital(f)).collect(),
+        columns: against
+            .iter()
+            .map(|(versus, rating)| format!("Mimic − {}, {rating}", capital(versus.as_str())))
+            .collect(),
+        cells: factors
+            .iter()
+            .map(|f| against.iter().map(|a| cell(f, a)).collect())
+            .collect(),
+        family: format!(
+            "Stars: *p* adjusted after Holm over the {tested} tests of the declared family."
+        ),
+        participants: run.analysis.participants,
     })
 }
 

@@ -119,11 +119,13 @@ pub(super) fn page(
     watch.check()?;
     let reliabilities = reliabilities(folder)?;
     let findings = findings(&run);
+    let logs = watch::logs(folder, &run);
+    let watched = watch::drives(&logs)?;
     let sections = vec![
         section_study(folder, &run, &people, &reliabilities)?,
         section_model(&run)?,
         section_embedding(folder, &run, &ledger)?,
-        section_conditions(&run, &ledger)?,
+        section_conditions(&run, &ledger, &watched)?,
         section_kept(&run)?,
         section_homophily(&run, &ledger)?,
     ];
@@ -151,8 +153,7 @@ pub(super) fn page(
         ""
     };
     let mut moving = Vec::from_iter(live(folder, &run)?);
-    let logs = watch::logs(folder, &run);
-    moving.extend(watch::player(&logs)?);
+    moving.extend(watch::player(watched));
     // Without its figure, a part that moves has nothing to stand for it on paper.
     let drawn = |name: &String| {
         sections

@@ -1,13 +1,16 @@
-//! One participant's drives, to be watched side by side.
+//! One participant's drives: played side by side, and one of them as a time-space diagram.
 
 use super::{Run, embedding::shown_participant};
 use crate::{
     error::StudyError,
-    watching::{read_watched, watch_player},
+    watching::{WatchedDrive, read_watched, watch_player},
 };
-use maveric_domain::Condition;
+use maveric_domain::{Condition, drive::Direction};
 use maveric_ingest::IngestSettings;
-use maveric_report::html::{Live, LiveContent};
+use maveric_report::{
+    figures::time_space::{Decision, DecisionKind, TimeSpace, Track},
+    html::{self, Live, LiveContent},
+};
 use std::path::{Path, PathBuf};
 
 /// The logs of the shown participant that are there: the own drive, then the conditions.
@@ -23,14 +26,56 @@ pub(super) fn logs(folder: &Path, run: &Run) -> Vec<PathBuf> {
     logs
 }
 
-/// The player of these logs, below the six panels; `None` without a log.
-pub(super) fn player(logs: &[PathBuf]) -> Result<Option<Live>, StudyError> {
+/// The drives in these logs.
+pub(super) fn drives(logs: &[PathBuf]) -> Result<Vec<WatchedDrive>, StudyError> {
     let mut drives = Vec::new();
     for log in logs {
         drives.extend(read_watched(log, &IngestSettings::default())?);
     }
-    Ok((!drives.is_empty()).then(|| Live {
+    Ok(drives)
+}
+
+/// The player, below the six panels; `None` without a drive.
+pub(super) fn player(drives: Vec<WatchedDrive>) -> Option<Live> {
+    (!drives.is_empty()).then(|| Live {
         below: "difference-panels".to_owned(),
         content: LiveContent::Player(watch_player(drives)),
-    }))
+    })
+}
+
+/// A drive as a time-space diagram; `None` for one with holes.
+pub(super) fn diagram(watched: &WatchedDrive) -> Option<TimeSpace> {
+    let drive = &watched.drive;
+    if drive.segment.windows(2).any(|s| s[0] != s[1]) {
+        return None;
+    }
+    let track = |t: &html::Track| {
+        let end = (t.first_row + t.x_m.len()).min(drive.time_s.len());
+        let lane = |y_m: &f64| (y_m / drive.lane_width_m).round().clamp(0.0, 255.0) as u8;
+        Track {
+            time_s: drive.time_s[t.first_row.min(end)..end].to_vec(),
+            x_m: t.x_m.iter().map(|x| x + 0.5 * t.length_m).collect(),
+            lane: t.y_m.iter().map(lane).collect(),
+        }
+    };
+    let led = |t: &&html::Track| drive.reference.contains(&Some(t.id));
+    let changes = drive.lane_changes.iter().map(|c| Decision {
+        time_s: c.start_s,
+        kind: match c.direction {
+            Direction::Left => DecisionKind::LaneChange,
+            Direction::Right => DecisionKind::MergeBack,
+        },
+    });
+    let braked = drive.interventions.iter().flatten().map(|i| Decision {
+        time_s: i.start_s,
+        kind: DecisionKind::Safety,
+    });
+    Some(TimeSpace {
+        drive: watched.meta.drive.to_string(),
+        condition: watched.meta.condition,
+        ego: track(&drive.ego),
+        leads: drive.others.iter().filter(led).map(track).collect(),
+        others: drive.others.iter().filter(|t| !led(t)).map(track).collect(),
+        decisions: changes.chain(braked).collect(),
+    })
 }
