@@ -15,7 +15,10 @@ use std::{collections::BTreeMap, path::Path};
 
 /// Scores by scale, subscale, moment and participant.
 #[derive(Debug, Clone, Default)]
-struct Scores(BTreeMap<String, BTreeMap<String, BTreeMap<Moment, BTreeMap<ParticipantId, f64>>>>);
+struct Scores(BTreeMap<String, BTreeMap<String, ByMoment>>);
+
+/// Scores of one subscale.
+type ByMoment = BTreeMap<Moment, BTreeMap<ParticipantId, f64>>;
 
 impl Scores {
     fn of(scores: &[Score]) -> Self {

@@ -172,7 +172,7 @@ pub(crate) fn next(learned: &Learned, belief: &Belief, traits: &[f64]) -> (f64, 
 
 /// What each part adds to the recommended shift, at the curvature that is believed.
 fn reasons(learned: &Learned, before: &Belief, after: &Belief, traits: &[f64]) -> Vec<Reason> {
-    let (linear, square) = learned.parabola(traits);
+    let (linear, square) = model::parabola(traits);
     let g = before.mean_of(&square).min(-0.05);
     // One unit of b in points, on the person's side of the dial.
     let side = -before.mean_of(&linear) / (2.0 * g);

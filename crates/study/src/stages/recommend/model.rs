@@ -259,20 +259,9 @@ impl Learned {
         belief.observe(row, regard, self.fit.residual_sd.powi(2));
     }
 
-    /// Weights of b and of g in a belief about somebody with these traits.
-    pub(crate) fn parabola(&self, traits: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let size = PLAIN + 2 * traits.len() + 3;
-        let (mut linear, mut square) = (vec![0.0; size], vec![0.0; size]);
-        linear[1] = 1.0;
-        linear[PLAIN..PLAIN + traits.len()].copy_from_slice(traits);
-        linear[PLAIN + 2 * traits.len() + 1] = 1.0;
-        square[2] = 1.0;
-        (linear, square)
-    }
-
     /// Where the person would like the dial; `None` if the ratings do not fall to both sides of anything.
     pub(crate) fn preferred(&self, belief: &Belief, traits: &[f64]) -> Option<Preferred> {
-        let (linear, square) = self.parabola(traits);
+        let (linear, square) = parabola(traits);
         let tops = belief.top_of_parabola(&linear, &square)?;
         let points: Vec<f64> = tops
             .into_iter()
@@ -295,7 +284,7 @@ impl Learned {
 
     /// What rating the setting `points` is expected to tell of the preferred shift, in nats.
     pub(crate) fn information(&self, belief: &Belief, traits: &[f64], points: f64) -> f64 {
-        let (linear, square) = self.parabola(traits);
+        let (linear, square) = parabola(traits);
         let (b, g) = (belief.mean_of(&linear), belief.mean_of(&square).min(-0.05));
         // −b / 2g, straightened where it is believed to be.
         let target: Vec<f64> = linear
@@ -307,4 +296,15 @@ impl Learned {
         let row = Self::row(traits, self.dial.expected(points), setting);
         belief.information(&target, &row, self.fit.residual_sd.powi(2))
     }
+}
+
+/// Weights of b and of g in a belief about somebody with these traits.
+pub(crate) fn parabola(traits: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let size = PLAIN + 2 * traits.len() + 3;
+    let (mut linear, mut square) = (vec![0.0; size], vec![0.0; size]);
+    linear[1] = 1.0;
+    linear[PLAIN..PLAIN + traits.len()].copy_from_slice(traits);
+    linear[PLAIN + 2 * traits.len() + 1] = 1.0;
+    square[2] = 1.0;
+    (linear, square)
 }

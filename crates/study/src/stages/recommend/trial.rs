@@ -261,8 +261,11 @@ struct Bench<'a> {
 /// Truth, and each method's setting with its interval; one person.
 struct Tried {
     truth: f64,
-    settings: [Option<(f64, Option<(f64, f64)>)>; 4],
+    settings: [Option<Setting>; 4],
 }
+
+/// A shift in points, with its interval where the method has one.
+type Setting = (f64, Option<(f64, f64)>);
 
 impl Bench<'_> {
     /// Learns from one study of `n` and recommends to new people.

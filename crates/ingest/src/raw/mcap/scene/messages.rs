@@ -4,6 +4,10 @@ use maveric_domain::TraceRow;
 use serde::{Serialize, Serializer};
 
 /// Lengths, angles' sines and shares with four decimals: a tenth of a millimetre, and short text.
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde gives a field by reference"
+)]
 fn short<S: Serializer>(value: &f64, out: S) -> Result<S::Ok, S::Error> {
     out.serialize_f64((value * 1e4).round() / 1e4)
 }
@@ -131,6 +135,7 @@ impl Line {
 }
 
 #[derive(Debug, Serialize)]
+#[expect(clippy::struct_field_names, reason = "the schema's name")]
 pub(super) struct Text {
     pose: Pose,
     billboard: bool,

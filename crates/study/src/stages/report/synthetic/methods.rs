@@ -1,11 +1,10 @@
 //! How the study was done, in words, with the numbers that it was done with.
 
 use super::Run;
-use crate::error::StudyError;
 use maveric_domain::{AdbScore, MetresPerSecond, Road};
 use maveric_model::PersonalizeParams;
 
-pub(super) fn text(run: &Run, road: &Road, minutes: f64) -> Result<Vec<String>, StudyError> {
+pub(super) fn text(run: &Run, road: &Road, minutes: f64) -> Vec<String> {
     let training = &run.training;
     let settings = &training.settings;
     let fitted = PersonalizeParams::default();
@@ -57,5 +56,5 @@ pub(super) fn text(run: &Run, road: &Road, minutes: f64) -> Result<Vec<String>, 
                 .to_owned(),
         );
     }
-    Ok(paragraphs)
+    paragraphs
 }

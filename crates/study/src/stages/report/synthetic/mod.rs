@@ -175,7 +175,7 @@ pub(super) fn page(
         live: moving,
         sections,
         methods: Methods {
-            text: methods::text(&run, &road, minutes)?,
+            text: methods::text(&run, &road, minutes),
             files: shown_whole(&files)?,
         },
         ledger: Some(ledger),
