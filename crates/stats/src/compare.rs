@@ -8,6 +8,7 @@ use crate::{
     friedman::{self, Exact, RankTable},
     normality::shapiro_wilk,
     posthoc::all_pairs,
+    reasons::p_words,
     rm_anova,
 };
 
@@ -268,13 +269,15 @@ impl Trace {
             }
             (Some(p), _) if p < CHECK_ALPHA => {
                 say(format!(
-                    "the standardised residuals are not normal (p = {p:.3}): Friedman's test"
+                    "the standardised residuals are not normal ({}): Friedman's test",
+                    p_words(p)
                 ));
                 OmnibusTest::Friedman
             }
             (Some(p), _) => {
                 say(format!(
-                    "normality of the standardised residuals is not rejected (p = {p:.3}): analysis of variance"
+                    "normality of the standardised residuals is not rejected ({}): analysis of variance",
+                    p_words(p)
                 ));
                 OmnibusTest::RmAnova
             }
@@ -301,8 +304,10 @@ impl Trace {
         });
         let gg = sphericity.gg.unwrap_or(sphericity.lower_bound);
         let tested = match mauchly.p {
-            Some(p) if p >= CHECK_ALPHA => format!("Mauchly's test does not reject it, p = {p:.3}"),
-            Some(p) => format!("Mauchly's test rejects it, p = {p:.3}"),
+            Some(p) if p >= CHECK_ALPHA => {
+                format!("Mauchly's test does not reject it, {}", p_words(p))
+            }
+            Some(p) => format!("Mauchly's test rejects it, {}", p_words(p)),
             None => "it cannot be tested".to_owned(),
         };
         let (correction, times) = if gg > 0.75 && sphericity.hf.is_some_and(|hf| hf >= 1.0) {
@@ -390,6 +395,19 @@ fn say_why(omnibus: &Omnibus, checks: &[AssumptionCheck], undefined: &mut Reason
         undefined.note(
             "omnibus",
             "neither test has a value: the conditions do not differ for any subject",
+        );
+    }
+    let corrected = omnibus.test != OmnibusTest::Friedman;
+    if corrected && omnibus.statistic.is_some() && omnibus.epsilon.is_none() {
+        undefined.note_all(
+            &[
+                "omnibus.df1",
+                "omnibus.df2",
+                "omnibus.epsilon",
+                "omnibus.p",
+                "omnibus.reject",
+            ],
+            "the covariances of the conditions are too small for an epsilon, and so for its degrees of freedom",
         );
     }
     if omnibus.test == OmnibusTest::Friedman {

@@ -57,6 +57,14 @@ impl Reasons {
     }
 }
 
+/// A p in a sentence: `p = .032`, `p < .001`.
+pub(crate) fn p_words(p: f64) -> String {
+    if p < 0.001 {
+        return "p < .001".to_owned();
+    }
+    format!("p = {}", format!("{p:.3}").trim_start_matches('0'))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -302,6 +302,19 @@ proptest! {
     }
 }
 
+#[test]
+fn covariances_too_small_for_an_epsilon_say_so() {
+    let rows = [
+        [4.657e-279, 4.825e-85, 4.781e-189],
+        [7.755e-134, 1.124e-265, 5.046e-90],
+        [3.107e-182, 2.596e-140, 3.562e-293],
+    ];
+    let data = table(&rows.map(Vec::from));
+    let found = compare(&data, 0.05).unwrap();
+    assert!(found.omnibus.statistic.is_some() && found.omnibus.p.is_none());
+    assert_eq!(unexplained(&found), Vec::<String>::new());
+}
+
 /// The ideal bootstrap: every multiset of subjects with its multinomial weight, sorted by value.
 fn ideal(n: usize, value: impl Fn(&[u32]) -> Option<f64>) -> Vec<(f64, f64)> {
     fn fill(counts: &mut Vec<u32>, left: u32, n: usize, all: &mut Vec<Vec<u32>>) {

@@ -79,6 +79,11 @@ pub fn lane_change_quality(
     }
     let columns = input.panels.len().min(3);
     let rows = input.panels.len().div_ceil(columns);
+    let limits = if input.panels.iter().any(|p| p.limit.is_some()) {
+        format!("; dashed: the limit, which {above} values pass")
+    } else {
+        String::new()
+    };
     let plan = Plan {
         name: NAME.to_owned(),
         size_mm: (
@@ -87,7 +92,7 @@ pub fn lane_change_quality(
         ),
         title: "Quality of the lane changes over speed".to_owned(),
         caption: format!(
-            "{} Each point is the largest value in one lane change; dashed: the limit, which {above} values pass.{} \
+            "{} Each point is the largest value in one lane change{limits}.{} \
              Simulated runs of the controllers: no data of participants. *n* = {changes} lane changes; no test.",
             input.manoeuvre,
             crowd::words(changes).replace("participants", "lane changes")

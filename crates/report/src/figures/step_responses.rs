@@ -72,7 +72,10 @@ pub fn step_responses(input: &StepResponses, context: &Context) -> Result<Figure
             format!("±{} {} ({title})", number(panel.band, 2), panel.unit)
         })
         .collect();
-    let columns = input.panels.len().min(3);
+    let columns = match input.panels.len() {
+        4 => 2,
+        panels => panels.min(3),
+    };
     let rows = input.panels.len().div_ceil(columns);
     let plan = Plan {
         name: NAME.to_owned(),

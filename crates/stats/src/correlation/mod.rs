@@ -17,6 +17,7 @@ pub(crate) use pearson::coefficient;
 
 use crate::{
     Reasons, StatsError, complete, normality::shapiro_wilk, numerics::distributions::t_two_sided,
+    reasons::p_words,
 };
 
 /// Which coefficient is wanted.
@@ -152,13 +153,15 @@ fn choose(x: &[f64], y: &[f64]) -> (CorrelationMethod, Vec<String>) {
         match test.p {
             Some(p) if p >= 0.05 => {
                 reasons.push(format!(
-                    "Shapiro-Wilk does not reject normality of {name} (p = {p:.3})"
+                    "Shapiro-Wilk does not reject normality of {name} ({})",
+                    p_words(p)
                 ));
             }
             Some(p) => {
                 normal = false;
                 reasons.push(format!(
-                    "Shapiro-Wilk rejects normality of {name} (p = {p:.3})"
+                    "Shapiro-Wilk rejects normality of {name} ({})",
+                    p_words(p)
                 ));
             }
             None => {

@@ -3,8 +3,10 @@
 use super::Belief;
 use crate::numerics::distributions::normal_quantile;
 
-/// Quantiles of each of the two coefficients that are combined.
-const POINTS: usize = 41;
+/// Quantiles of the curvature that are combined with those of the slope.
+const CURVATURES: usize = 41;
+/// Quantiles of the slope: with fewer, an interval of 95% would end at the second of them, well inside.
+const SLOPES: usize = 161;
 /// The largest share of beliefs in which the parabola has no top, for the rest to be of use.
 const MOST_WITHOUT_TOP: f64 = 0.5;
 
@@ -33,19 +35,25 @@ impl Belief {
         let rest = (self.covariance_of(linear, linear) - slope * shared)
             .max(0.0)
             .sqrt();
-        let z: Vec<f64> = (0..POINTS)
-            .map(|i| normal_quantile((i as f64 + 0.5) / POINTS as f64))
-            .collect();
-        let mut values = Vec::with_capacity(POINTS * POINTS);
-        for zg in &z {
+        let quantiles = |n: usize| {
+            let share = move |i| (i as f64 + 0.5) / n as f64;
+            (0..n).map(move |i| normal_quantile(share(i)))
+        };
+        let slopes: Vec<f64> = quantiles(SLOPES).collect();
+        let mut values = Vec::with_capacity(CURVATURES * SLOPES);
+        for zg in quantiles(CURVATURES) {
             let step = g_variance.sqrt() * zg;
             let curvature = g + step;
             if curvature < 0.0 {
                 let middle = b + slope * step;
-                values.extend(z.iter().map(|zb| -(middle + rest * zb) / (2.0 * curvature)));
+                values.extend(
+                    slopes
+                        .iter()
+                        .map(|zb| -(middle + rest * zb) / (2.0 * curvature)),
+                );
             }
         }
-        let with_top = values.len() as f64 / (POINTS * POINTS) as f64;
+        let with_top = values.len() as f64 / (CURVATURES * SLOPES) as f64;
         if with_top <= 1.0 - MOST_WITHOUT_TOP {
             return None;
         }

@@ -1,5 +1,6 @@
 //! The page of a study.
 
+mod car;
 mod conditions;
 mod embedding;
 mod homophily;
@@ -31,6 +32,7 @@ use crate::{
         measurements::{MeasuredDrive, read_measurements},
     },
 };
+use car::section_car;
 use conditions::{section_conditions, section_kept};
 use embedding::{live, section_embedding};
 use homophily::section_homophily;
@@ -105,12 +107,13 @@ pub(super) fn page(
         Some(id) => *read_drive(&folder.join(format!("drives/study2/{id}.parquet")))?.road(),
         None => return Err(StudyError::file(list.path(), "lists no drive")),
     };
-    let scenario = options
-        .parameters
-        .iter()
-        .find(|(name, _)| name == "scenario");
-    let scenario = scenario.map(|(_, path)| read_scenario(Some(Path::new(path)), None));
-    let setup = setup(&run, &road, minutes, scenario.transpose()?.as_ref())?;
+    let given = |key| {
+        let mut all = options.parameters.iter();
+        all.find(|(name, _)| name == key).map(|(_, value)| value)
+    };
+    let scenario = given("scenario").map(|path| read_scenario(Some(Path::new(path)), None));
+    let scenario = scenario.transpose()?;
+    let setup = setup(&run, &road, minutes, scenario.as_ref())?;
     let paper = claims::load(&read_text(&options.claims)?)?;
     let mut ledger = claims::join(&paper, &results(&run.analysis, &people, &setup))?;
     for row in ledger.iter_mut().filter(|row| row.ours.is_some()) {
@@ -121,14 +124,19 @@ pub(super) fn page(
     let findings = findings(&run);
     let logs = watch::logs(folder, &run);
     let watched = watch::drives(&logs)?;
-    let sections = vec![
-        section_study(folder, &run, &people, &reliabilities)?,
+    let mut sections = vec![section_study(folder, &run, &people, &reliabilities)?];
+    if let Some(scenario) = scenario.as_ref().filter(|_| run.analysis.synthetic) {
+        let sources = given("population_sources").map(Path::new);
+        let seed = run.training.seed;
+        sections.push(section_car(scenario, sources, seed, &run.context)?);
+    }
+    sections.extend([
         section_model(&run)?,
         section_embedding(folder, &run, &ledger)?,
         section_conditions(&run, &ledger, &watched)?,
         section_kept(&run)?,
         section_homophily(&run, &ledger)?,
-    ];
+    ]);
     let exclusions: Vec<Exclusion> = run
         .analysis
         .exclusions

@@ -127,8 +127,13 @@ pub(super) fn reliabilities(folder: &Path) -> Result<Vec<Reliability>, StudyErro
 
 pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyError> {
     let mut found = Vec::new();
-    for study in ["study1", "study2"] {
-        let path = folder.join("drives").join(study).join("exclusions.csv");
+    let driven = [
+        ("drives/study1", "ingest"),
+        ("drives/study2", "ingest"),
+        ("av/drives", "simulate"),
+    ];
+    for (drives, stage) in driven {
+        let path = folder.join(drives).join("exclusions.csv");
         if !path.exists() {
             continue;
         }
@@ -137,7 +142,7 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
         for i in 0..table.rows() {
             found.push(Exclusion {
                 who: drive[i].clone().unwrap_or_default(),
-                what: "ingest".to_owned(),
+                what: stage.to_owned(),
                 why: what[i].clone().unwrap_or_default(),
             });
         }
