@@ -126,8 +126,10 @@ pub(crate) fn cause(
     let ego_mps = recording.ego().speed_mps[begins];
     let other_mps = pair.other(&track.speed_mps, begins);
     let other_came = other_moved_m > ego_moved_m;
+    // Beside each other no distance is safe, though the rule asks none of a slower car behind a faster one.
+    let beside = gap_m <= 0.0;
     if pair.ahead_m(begins) > 0.0 {
-        if gap_m >= safe_distance_m(rule, ego_mps, other_mps) {
+        if !beside && gap_m >= safe_distance_m(rule, ego_mps, other_mps) {
             let limit = rule.other_braking_mps2 + BRAKING_TOLERANCE_MPS2;
             return if pair.braking_mps2(begins, row) > limit {
                 CollisionCause::BrakedHarder
@@ -135,7 +137,7 @@ pub(crate) fn cause(
                 CollisionCause::AssumptionsHeld
             };
         }
-        return match (from_the_start, other_came, gap_m > 0.0) {
+        return match (from_the_start, other_came, !beside) {
             (true, ..) => CollisionCause::StartedInside,
             (_, true, true) => CollisionCause::CutInside,
             (_, true, false) => CollisionCause::Sideswiped,
@@ -143,13 +145,13 @@ pub(crate) fn cause(
         };
     }
     if from_the_start || other_came {
-        return if gap_m > 0.0 {
-            CollisionCause::HitFromBehind
-        } else {
+        return if beside {
             CollisionCause::Sideswiped
+        } else {
+            CollisionCause::HitFromBehind
         };
     }
-    if gap_m >= safe_distance_m(rule, other_mps, ego_mps) {
+    if !beside && gap_m >= safe_distance_m(rule, other_mps, ego_mps) {
         CollisionCause::HitFromBehind
     } else {
         CollisionCause::AssumptionsHeld

@@ -22,3 +22,20 @@ fn where_the_assumptions_hold_nobody_is_hit() {
         }
     }
 }
+
+#[test]
+fn a_faster_car_that_swings_into_ego_beside_it_side_swiped_it() {
+    for number in [516, 809, 1170, 1263, 1355] {
+        let scenario = scenario("cut-in", number).unwrap();
+        let mut planner = planner("cut-in", number);
+        let controllers = &scenario.settings().controllers;
+        let driver = Driver::Automated(&mut planner, controllers);
+        let driven = rollout(&scenario, driver, number).unwrap();
+        let causes: Vec<_> = driven.collisions.iter().map(|c| c.cause).collect();
+        assert!(causes.contains(&CollisionCause::Sideswiped), "{causes:?}");
+        assert!(
+            !causes.contains(&CollisionCause::AssumptionsHeld),
+            "{number}: {causes:?}"
+        );
+    }
+}

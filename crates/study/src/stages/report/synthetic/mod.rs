@@ -59,7 +59,7 @@ struct Run {
 }
 
 /// What the page is made from, beside the drives.
-const READ: [&str; 13] = [
+const READ: [&str; 12] = [
     "analysis.json",
     "model.maveric",
     "model_training.json",
@@ -67,7 +67,6 @@ const READ: [&str; 13] = [
     "embeddings.csv",
     "conditions.csv",
     "measurements.parquet",
-    "participants.csv",
     "scores.csv",
     "scores_reliabilities.csv",
     "scores_exclusions.csv",
@@ -172,6 +171,7 @@ pub(super) fn page(
     moving.retain(|live| drawn(&live.below));
     let files = parameter_files(&options.parameters);
     let shown = in_folder(folder, &READ).into_iter();
+    let shown = shown.chain([participants.to_owned()]);
     let report = Report {
         title: "MAVERIC: personalised driving style".to_owned(),
         subtitle: format!(
