@@ -105,7 +105,8 @@ fn described(report: &Report) -> String {
     }
 }
 
-fn fill(template: &str, values: Value) -> Result<String, ReportError> {
+/// A template of this folder with its values; no empty lines.
+pub(super) fn fill(template: &str, values: Value) -> Result<String, ReportError> {
     let failed = |error: minijinja::Error| ReportError::Template {
         reason: format!("{error:#}"),
     };
@@ -117,6 +118,8 @@ fn fill(template: &str, values: Value) -> Result<String, ReportError> {
         ("parts.html", include_str!("templates/parts.html")),
         ("ledger.html", include_str!("templates/ledger.html")),
         ("space.html", include_str!("templates/space.html")),
+        ("player.html", include_str!("player/player.html")),
+        ("watch.html", include_str!("player/watch.html")),
     ] {
         environment.add_template(name, source).map_err(failed)?;
     }

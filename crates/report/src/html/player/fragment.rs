@@ -9,10 +9,11 @@ use super::view::{STILL_M, STRETCH, half_height_m, middle_m, stretch};
 use crate::apa::number;
 use crate::error::ReportError;
 use crate::figures::{Context, DARK, condition_colour, font_face_css, hex};
+use crate::html::page::fill;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use maveric_domain::{condition::Condition, drive::Direction, units::MPS_PER_MPH};
-use minijinja::{Environment, UndefinedBehavior, Value, context};
+use minijinja::{Value, context};
 use serde_json::json;
 use std::fmt::Write as _;
 
@@ -148,31 +149,6 @@ pub fn watch_page(
             script => Value::from_safe_string(script.to_owned()),
             provenance => provenance.to_vec(),
         },
-    )
-}
-
-fn fill(template: &str, values: Value) -> Result<String, ReportError> {
-    let failed = |error: minijinja::Error| ReportError::Template {
-        reason: format!("{error:#}"),
-    };
-    let mut environment = Environment::new();
-    environment.set_undefined_behavior(UndefinedBehavior::Strict);
-    for (name, source) in [
-        ("player.html", include_str!("player.html")),
-        ("watch.html", include_str!("watch.html")),
-    ] {
-        environment.add_template(name, source).map_err(failed)?;
-    }
-    let filled = environment
-        .get_template(template)
-        .and_then(|page| page.render(values))
-        .map_err(failed)?;
-    // The template's own statements leave empty lines behind.
-    let lines = filled.lines().filter(|line| !line.trim().is_empty());
-    Ok(
-        lines.fold(String::with_capacity(filled.len()), |out, line| {
-            out + line + "\n"
-        }),
     )
 }
 

@@ -1,0 +1,470 @@
+//! Drives of people and of the automated car, held against what they should come to.
+
+use super::*;
+use crate::scenario::{Integrator, ScenarioSettings, VehicleModel, VehiclePlacement};
+use maveric_domain::{
+    Condition, Drive, DriveId, DriveMeta, DrivenBy, LaneActivity, LatentTraits, ParticipantId,
+    Seconds, Setpoints, Situation, Study, drive::Direction,
+};
+use proptest::prelude::*;
+
+fn drive(rollout: &Rollout) -> Drive {
+    let meta = DriveMeta {
+        drive: DriveId::new("test").unwrap(),
+        participant: ParticipantId::new("test").unwrap(),
+        study: Study::One,
+        condition: Condition::Own,
+        driven_by: DrivenBy::Synthetic,
+    };
+    Drive::from_recording(meta, &rollout.recording).unwrap()
+}
+
+fn person(a: f64, b: f64, c: f64, seed: u64) -> DriverParams {
+    let traits = LatentTraits {
+        aggressiveness: a,
+        spacing: b,
+        pace: c,
+    };
+    DriverParams::draw(&traits, seed, seed)
+}
+
+/// Asks for the same at all times.
+fn always(speed_mps: f64, gap_m: f64, change: f64) -> impl FnMut(&Situation) -> Setpoints {
+    move |_| Setpoints {
+        speed_mps,
+        following_distance_m: gap_m,
+        change_probability: change,
+    }
+}
+
+/// Passes what is near ahead, merges back 1.4 s past it.
+fn passing(speed_mps: f64) -> impl FnMut(&Situation) -> Setpoints {
+    move |s| {
+        let gap_s = s.reference.dx_m / s.ego_speed_mps.max(1.0);
+        let own_lane = s.reference.dy_m.abs() < 1.83;
+        let likely =
+            s.reference.vehicle.is_some() && (own_lane && gap_s < 2.0 || !own_lane && gap_s < -1.4);
+        Setpoints {
+            speed_mps,
+            following_distance_m: 1.2 * s.ego_speed_mps,
+            change_probability: if likely { 0.3 } else { 0.0 },
+        }
+    }
+}
+
+fn with(change: impl FnOnce(&mut ScenarioSettings)) -> Scenario {
+    let mut settings = Scenario::paper().settings().clone();
+    change(&mut settings);
+    Scenario::try_from(settings).unwrap()
+}
+
+/// A road with nothing on it but what a test puts there.
+fn empty_road(duration_s: f64, vehicles: Vec<VehiclePlacement>) -> Scenario {
+    with(|s| {
+        s.duration_s = duration_s;
+        s.leads.factors_of_target.clear();
+        s.leads.factors_of_posted.clear();
+        s.off_lane.interval_s = [1e5, 1e5];
+        s.vehicles = vehicles;
+    })
+}
+
+fn placed(ahead_m: f64, lane: u8, speed_mps: f64) -> VehiclePlacement {
+    VehiclePlacement::steady(ahead_m, lane, speed_mps)
+}
+
+fn automated(scenario: &Scenario, mut planner: impl Planner, seed: u64) -> Rollout {
+    let settings = &scenario.settings().controllers;
+    rollout(scenario, Driver::Automated(&mut planner, settings), seed).unwrap()
+}
+
+fn final_gap_m(rollout: &Rollout, other: usize) -> f64 {
+    let ego = rollout.recording.ego();
+    let track = &rollout.recording.others()[other];
+    let centres = track.x_m.last().unwrap() - ego.x_m.last().unwrap();
+    centres - 0.5 * (track.length_m + ego.length_m)
+}
+
+#[test]
+fn the_car_stops_behind_a_standing_one() {
+    let scenario = empty_road(120.0, vec![placed(400.0, 0, 0.0)]);
+    let stopped = automated(&scenario, always(30.0, 8.0, 0.0), 1);
+    assert!(*stopped.recording.ego().speed_mps.last().unwrap() < 0.1);
+    let gap = final_gap_m(&stopped, 0);
+    assert!((2.0..12.0).contains(&gap), "{gap}");
+    assert_eq!(stopped.report.collisions, 0);
+}
+
+#[test]
+fn a_person_stops_where_both_lanes_are_taken() {
+    let scenario = empty_road(120.0, vec![placed(400.0, 0, 0.0), placed(400.0, 1, 0.0)]);
+    for seed in 0..5 {
+        let driver = person(1.0, -1.0, 1.0, seed);
+        let stopped = rollout(&scenario, Driver::Human(&driver), seed).unwrap();
+        assert!(*stopped.recording.ego().speed_mps.last().unwrap() < 0.3);
+        assert_eq!(stopped.report.collisions, 0);
+        assert!(final_gap_m(&stopped, 0) > 0.5);
+    }
+}
+
+#[test]
+fn the_car_passes_a_slower_lead_and_merges_back() {
+    let scenario = empty_road(120.0, vec![placed(200.0, 0, 24.0)]);
+    let passed = automated(&scenario, passing(30.0), 1);
+    let changes = drive(&passed).lane_changes();
+    let directions: Vec<Direction> = changes.iter().map(|c| c.direction).collect();
+    assert_eq!(directions, [Direction::Left, Direction::Right]);
+    assert!(changes.iter().all(|c| c.completed));
+    assert!(passed.recording.ego().y_m.last().unwrap().abs() < 0.05);
+    assert_eq!(passed.report.collisions + passed.report.interventions, 0);
+}
+
+#[test]
+fn the_trace_says_what_was_asked_and_where_the_car_goes() {
+    let scenario = empty_road(120.0, vec![placed(200.0, 0, 24.0)]);
+    let passed = automated(&scenario, passing(30.0), 1);
+    assert_eq!(passed.trace.len(), passed.recording.rows());
+    assert!(
+        passed
+            .trace
+            .iter()
+            .all(|row| (row.asked.speed_mps - 30.0).abs() < 1e-12)
+    );
+    let first = passed
+        .trace
+        .iter()
+        .find(|row| row.path_m.is_some())
+        .unwrap();
+    assert_eq!(first.lane, LaneActivity::Changing);
+    let path = first.path_m.unwrap();
+    assert!(
+        path[0].1.abs() < 0.1 && (path[3].1 - 3.66).abs() < 1e-9,
+        "{path:?}"
+    );
+    let person = person(0.0, 0.0, 0.0, 1);
+    assert!(
+        rollout(&scenario, Driver::Human(&person), 1)
+            .unwrap()
+            .trace
+            .is_empty()
+    );
+}
+
+#[test]
+fn the_car_waits_while_the_passing_lane_is_taken() {
+    let beside = vec![
+        placed(45.0, 0, 24.5),
+        placed(8.0, 1, 24.5872),
+        placed(-14.0, 1, 24.5872),
+    ];
+    let scenario = empty_road(40.0, beside);
+    let waited = automated(&scenario, passing(24.7), 1);
+    assert_eq!(drive(&waited).lane_changes().len(), 0);
+    assert_eq!(waited.report.held_changes, 1);
+}
+
+#[test]
+fn the_car_returns_when_there_is_nobody_to_pass() {
+    let scenario = with(|s| {
+        s.duration_s = 25.0;
+        s.start.lane = 1;
+        s.off_lane.interval_s = [1e5, 1e5];
+    });
+    let returned = automated(&scenario, always(28.0, 40.0, 0.0), 1);
+    assert!(returned.recording.ego().y_m.last().unwrap().abs() < 0.1);
+}
+
+const BENDS: &str = r#"segments = [
+    { kind = "straight", length_m = 300.0 },
+    { kind = "clothoid", length_m = 100.0, to_radius_m = 250.0 },
+    { kind = "arc", length_m = 200.0, radius_m = 250.0 },
+    { kind = "clothoid", length_m = 200.0, to_radius_m = -400.0 },
+    { kind = "arc", length_m = 150.0, radius_m = -400.0 },
+    { kind = "clothoid", length_m = 100.0 },
+]"#;
+
+#[derive(serde::Deserialize)]
+struct Bends {
+    segments: Vec<crate::road::Segment>,
+}
+
+#[test]
+fn in_bends_the_car_keeps_its_lane_and_the_lateral_acceleration_asked_for() {
+    let bends: Bends = toml::from_str(BENDS).unwrap();
+    for model in [VehicleModel::Kinematic, VehicleModel::Dynamic] {
+        let mut settings = empty_road(120.0, vec![]).settings().clone();
+        settings.road.segments.clone_from(&bends.segments);
+        settings.vehicle.model = model;
+        settings.vehicle.integrator = Integrator::Rk4;
+        let scenario = Scenario::try_from(settings).unwrap();
+        let driven = automated(&scenario, always(32.0, 40.0, 0.0), 1);
+        let ego = driven.recording.ego();
+        let limit = scenario.settings().controllers.curve_acceleration_mps2;
+        let mut slowest = f64::MAX;
+        for row in 0..driven.recording.rows() {
+            let curvature = scenario.centre_line().curvature_per_m(ego.x_m[row]);
+            assert!(ego.y_m[row].abs() < 0.1, "row {row}: {}", ego.y_m[row]);
+            let lateral = ego.speed_mps[row].powi(2) * curvature.abs();
+            assert!(lateral < limit + 0.5, "row {row}: {lateral}");
+            slowest = slowest.min(ego.speed_mps[row]);
+        }
+        assert!(slowest < 26.0 && ego.x_m.last().unwrap() > &2500.0);
+    }
+}
+
+#[test]
+fn a_person_and_the_car_pass_on_the_middle_lanes_of_a_bending_road() {
+    let bends: Bends = toml::from_str(BENDS).unwrap();
+    for (lane, aggressiveness) in [(1, 0.0), (2, 1.0)] {
+        let mut settings = empty_road(100.0, vec![]).settings().clone();
+        settings.road.segments.clone_from(&bends.segments);
+        settings.road.lanes = 4;
+        settings.start.lane = lane;
+        // Somebody on the right, too: nobody goes back before having passed.
+        settings.vehicles = vec![placed(150.0, lane, 19.0), placed(100.0, lane - 1, 19.0)];
+        let scenario = Scenario::try_from(settings).unwrap();
+        let driver = person(aggressiveness, 0.0, 0.5, 3);
+        let by_person = rollout(&scenario, Driver::Human(&driver), 3).unwrap();
+        let by_car = automated(&scenario, passing(26.0), 3);
+        for driven in [by_person, by_car] {
+            let first = drive(&driven).lane_changes()[0];
+            assert_eq!(first.direction, Direction::Left);
+            let reached = driven
+                .recording
+                .ego()
+                .y_m
+                .iter()
+                .copied()
+                .fold(0.0, f64::max);
+            assert_eq!(driven.recording.road().lane_at(reached), lane + 1);
+            assert_eq!(driven.report.collisions, 0);
+        }
+    }
+}
+
+#[test]
+fn an_asked_gap_below_the_safe_distance_is_not_kept() {
+    let scenario = empty_road(180.0, vec![placed(100.0, 0, 25.0)]);
+    let followed = automated(&scenario, always(33.0, 1.0, 0.0), 1);
+    let gap = final_gap_m(&followed, 0);
+    let v = MetresPerSecond(25.0);
+    let safe = safe_distance(&scenario.settings().controllers, v, v).0;
+    assert!(gap > safe - 1.5, "{gap} {safe}");
+    assert_eq!(followed.report.rule_violations, 0);
+}
+
+#[test]
+fn small_probabilities_pass_by_adding_up_and_never_by_the_rule_of_the_paper() {
+    let mut scenario = empty_road(120.0, vec![placed(60.0, 0, 24.0)]);
+    let left = |scenario: &Scenario| {
+        let driven = automated(scenario, always(27.0, 30.0, 0.05), 1);
+        driven.report.started_changes
+    };
+    assert!(left(&scenario) > 0);
+    let mut settings = scenario.settings().clone();
+    settings.controllers.change_rule = crate::scenario::ChangeRule::Paper;
+    scenario = Scenario::try_from(settings).unwrap();
+    assert_eq!(left(&scenario), 0);
+}
+
+#[test]
+fn people_meet_six_leads_and_hit_none() {
+    for seed in 0..8 {
+        let driver = person(0.3 * seed as f64 - 1.2, 0.0, 0.0, seed);
+        let driven = rollout(&Scenario::paper(), Driver::Human(&driver), seed).unwrap();
+        assert_eq!(driven.report.collisions, 0);
+        assert_eq!(
+            (driven.report.leads, driven.report.blocked_encounters),
+            (6, 2)
+        );
+        assert!(drive(&driven).lane_changes().len() >= 2);
+    }
+}
+
+#[test]
+fn the_other_vehicles_never_overlap_each_other() {
+    for seed in 0..6 {
+        let driver = person(0.0, 0.0, 0.0, seed);
+        let driven = rollout(&Scenario::paper(), Driver::Human(&driver), seed).unwrap();
+        for row in (0..driven.recording.rows()).step_by(4) {
+            let all = driven.recording.scene(row).unwrap().vehicles;
+            for (i, a) in all.iter().enumerate() {
+                for b in &all[..i] {
+                    let apart = (a.y_m - b.y_m).abs() > 1.9 || (a.x_m - b.x_m).abs() > 4.7;
+                    assert!(apart, "seed {seed} row {row}: {a:?} {b:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn two_minutes_meet_two_leads() {
+    let scenario = Scenario::paper().with_duration(Seconds(120.0)).unwrap();
+    let driver = person(0.5, 0.0, 0.5, 1);
+    let driven = rollout(&scenario, Driver::Human(&driver), 1).unwrap();
+    assert_eq!(driven.report.leads, 2);
+    assert_eq!(driven.recording.rows(), 2400);
+}
+
+#[test]
+fn aggressive_people_drive_faster_and_merge_back_closer() {
+    let mean_of = |a: f64| {
+        let (mut speed, mut gap, mut merges) = (0.0, 0.0, 0.0);
+        for seed in 0..12 {
+            let driver = person(a, 0.0, 0.0, seed);
+            let driven = rollout(&Scenario::paper(), Driver::Human(&driver), seed).unwrap();
+            let drive = drive(&driven);
+            let speeds = &drive.rows().ego_speed_mps;
+            speed += speeds.iter().sum::<f64>() / speeds.len() as f64;
+            for gap_m in drive
+                .lane_changes()
+                .iter()
+                .filter_map(|c| c.gap_behind_m.filter(|_| c.direction == Direction::Right))
+            {
+                gap += gap_m;
+                merges += 1.0;
+            }
+        }
+        (speed / 12.0, gap / merges)
+    };
+    let (calm, wild) = (mean_of(-1.5), mean_of(1.5));
+    assert!(wild.0 > calm.0 + 3.0, "{calm:?} {wild:?}");
+    assert!(wild.1 < calm.1 - 10.0, "{calm:?} {wild:?}");
+}
+
+#[test]
+fn the_same_seed_gives_the_same_drive_and_another_another() {
+    let scenario = Scenario::paper().with_duration(Seconds(200.0)).unwrap();
+    let driver = person(0.2, 0.1, -0.3, 5);
+    let once = |seed| rollout(&scenario, Driver::Human(&driver), seed).unwrap();
+    assert_eq!(once(9), once(9));
+    assert_ne!(once(9), once(10));
+}
+
+#[test]
+fn a_vehicle_out_of_sight_changes_nobody_elses_drive() {
+    let duration_s = 200.0;
+    let far = with(|s| {
+        s.duration_s = duration_s;
+        s.vehicles = vec![placed(-20_000.0, 0, 0.0)];
+    });
+    let without = with(|s| s.duration_s = duration_s);
+    let driver = person(0.2, 0.1, -0.3, 5);
+    let ego = |scenario: &Scenario| {
+        let driven = rollout(scenario, Driver::Human(&driver), 3).unwrap();
+        driven.recording.ego().clone()
+    };
+    assert_eq!(ego(&far), ego(&without));
+}
+
+#[test]
+fn more_off_lane_traffic_leaves_the_order_of_the_leads() {
+    let approach_speeds = |interval_s: f64| {
+        let scenario = with(|s| s.off_lane.interval_s = [interval_s, interval_s]);
+        let driven = automated(&scenario, always(28.0, 40.0, 0.0), 4);
+        assert_eq!(driven.report.leads, 6);
+        let ego = driven.recording.ego();
+        let leads = driven.recording.others().iter().filter(|t| t.y_m[0] < 1.0);
+        // Each lead drives off in the end; its speed 20 s before is its own.
+        leads
+            .filter(|t| t.first_row > 0 && t.x_m[0] > ego.x_m[t.first_row])
+            .map(|t| (t.speed_mps[t.speed_mps.len().min(1100) - 1] * 2.0).round())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(approach_speeds(60.0), approach_speeds(1e5));
+}
+
+#[test]
+fn a_set_point_that_is_no_number_ends_the_drive_and_says_when() {
+    for (row, rows) in [(0, 2), (1, 2), (57, 58)] {
+        let planner = move |s: &Situation| Setpoints {
+            speed_mps: 25.0,
+            following_distance_m: 30.0,
+            change_probability: if s.time_s > 0.05 * f64::from(row) - 0.01 {
+                f64::NAN
+            } else {
+                0.0
+            },
+        };
+        let driven = automated(&Scenario::paper(), planner, 1);
+        assert_eq!(driven.recording.rows(), rows);
+        let error = driven.completed().unwrap_err().to_string();
+        let moment = format!("`change_probability` = NaN at {} s", f64::from(row) / 20.0);
+        assert!(error.contains(&moment), "{error}");
+    }
+    let whole = automated(&empty_road(5.0, vec![]), always(25.0, 30.0, 0.0), 1);
+    assert!(whole.completed().is_ok());
+}
+
+#[test]
+fn controller_settings_out_of_range_are_refused() {
+    let mut planner = always(30.0, 30.0, 0.0);
+    let settings = ControllerSettings {
+        gap_gain_per_s2: -1.0,
+        ..ControllerSettings::PAPER
+    };
+    let driver = Driver::Automated(&mut planner, &settings);
+    let error = rollout(&Scenario::paper(), driver, 1).unwrap_err();
+    assert!(error.to_string().contains("controllers.gap_gain_per_s2"));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_person_collides_from_any_feasible_start(
+        latents in prop::array::uniform3(-3.5..3.5_f64),
+        ahead_m in 130.0..400.0_f64,
+        lead_mps in 0.0..30.0_f64,
+        seed in 0..u64::MAX,
+    ) {
+        let scenario = with(|s| {
+            s.duration_s = 240.0;
+            s.vehicles = vec![placed(ahead_m, 0, lead_mps)];
+        });
+        let driver = person(latents[0], latents[1], latents[2], seed);
+        let driven = rollout(&scenario, Driver::Human(&driver), seed).unwrap();
+        prop_assert_eq!(driven.report.collisions, 0);
+    }
+
+    #[test]
+    fn no_planner_and_no_accepted_settings_make_the_car_collide(
+        speed_mps in -50.0..200.0_f64,
+        gap_m in -50.0..200.0_f64,
+        change in 0.0..=1.0_f64,
+        start in (130.0..400.0_f64, 0.0..30.0_f64),
+        gains in (0.01..2.0_f64, 0.0..0.5_f64, 0.0..0.5_f64, 0.01..2.0_f64),
+        rss in (0.3..3.0_f64, 3.0..8.0_f64, 0.0..1.0_f64, 1.0..50.0_f64),
+        handing in (5.0..200.0_f64, 0.0..5.0_f64, 0.5..3.5_f64, 0.1..20.0_f64),
+        changing in (0.05..3.0_f64, 2.0..10.0_f64, 0.0..1.0_f64, 0.5..1.8_f64),
+        seed in 0..u64::MAX,
+    ) {
+        let controllers = ControllerSettings {
+            velocity_gain_per_s: gains.0,
+            velocity_integral_per_s2: gains.1,
+            gap_gain_per_s2: gains.2,
+            speed_difference_gain_per_s: gains.3,
+            reaction_s: rss.0,
+            own_braking_mps2: rss.1,
+            other_braking_mps2: rss.1 + rss.2 * (12.0 - rss.1),
+            margin_m: rss.3,
+            following_threshold_m: handing.0,
+            following_threshold_factor: handing.1,
+            closing_braking_mps2: handing.2,
+            handover_band_m: handing.3,
+            hazard_threshold: changing.0,
+            change_shortest_s: changing.1,
+            change_longest_s: changing.1 + changing.2 * (15.0 - changing.1),
+            change_time_factor: changing.3,
+            ..ControllerSettings::PAPER
+        };
+        let scenario = with(|s| {
+            s.duration_s = 240.0;
+            s.vehicles = vec![placed(start.0, 0, start.1)];
+            s.controllers = controllers;
+        });
+        let driven = automated(&scenario, always(speed_mps, gap_m, change), seed);
+        prop_assert_eq!(driven.report.collisions, 0);
+    }
+}
