@@ -1,7 +1,8 @@
 //! Draws synthetic drivers, lets them drive, and prints what calibration section 2 gives for its thousand.
 //!
 //! `cargo run --release -p maveric-simulator --example population -- 200` for people,
-//! the same with ` rule` for a simple rule in the automated car, or ` table` for the distributions of their parameters as CSV.
+//! the same with ` rule` for a simple rule in the automated car, ` table` for the distributions of their parameters as CSV, or a
+//! file of another population, such as ` study_data/population_misspecified.toml`.
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use maveric_domain::{
@@ -9,7 +10,7 @@ use maveric_domain::{
     Situation, Study, drive::Direction, stream_seed,
 };
 use maveric_simulator::{
-    Driver, DriverParams, Rollout, Scenario, SimulatorError, population_table, rollout,
+    Driver, DriverParams, People, Rollout, Scenario, SimulatorError, population_table, rollout,
 };
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -129,8 +130,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         print_table(people as usize);
         return Ok(());
     }
-    let automated = how.is_some();
+    let automated = how.as_deref() == Some("rule");
     let scenario = Scenario::paper();
+    let population = match &how {
+        Some(path) if !automated => toml::from_str(&std::fs::read_to_string(path)?)?,
+        _ => People::Drivers(Box::new(scenario.settings().drivers.clone())),
+    };
     let mut latents: [Vec<f64>; 3] = Default::default();
     let mut table: Vec<[Option<f64>; 9]> = Vec::new();
     let mut counts = [0_u32; 5];
@@ -142,12 +147,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             spacing: normal(),
             pace: normal(),
         };
-        let params = DriverParams::draw(&traits, person, person);
-        let mut planner = rule(params.desired_speed().0);
+        let usual = DriverParams::draw(&traits, person, person);
+        let drawn = population.draw(&traits, person, person);
+        let mut planner = rule(usual.desired_speed().0);
         let driver = if automated {
             Driver::Automated(&mut planner, &scenario.settings().controllers)
         } else {
-            Driver::Human(&params)
+            drawn.driver()
         };
         let driven = rollout(&scenario, driver, stream_seed(2, &[&person.to_string()]))?;
         let report = driven.report;

@@ -20,7 +20,10 @@ mod world;
 
 pub use collision::{Collision, CollisionCause};
 pub use control::{Intervention, InterventionKind, lateral_safe_distance, safe_distance};
-pub use drivers::{Distribution, DriverParams, EncounterNoise, Law, Population, population_table};
+pub use drivers::{
+    BentLaw, Distribution, DriverParams, EncounterNoise, EvidenceParams, EvidencePopulation, Law,
+    People, Person, Population, population_table,
+};
 pub use error::SimulatorError;
 pub use planner::{PLANNING_RATE_HZ, Planner};
 pub use response::{LaneChangeTracking, StepResponse, lane_change_tracking, step_responses};

@@ -1,7 +1,7 @@
 //! How the controllers answer a step: what a control engineer would plot.
 
 use crate::{
-    control::path::{Manoeuvre, Steering},
+    control::path::{Manoeuvre, PathShape, Steering},
     error::SimulatorError,
     planner::{PLANNING_RATE_HZ, Planner},
     rollout::{Driver, Rollout, rollout},
@@ -240,7 +240,12 @@ impl Change {
         let s = scenario.settings();
         Self {
             car: build(&s.vehicle, 0.0, speed_mps),
-            steering: Steering::new(s.road.lane_width_m, s.controllers.stanley_gain_per_s, 0),
+            steering: Steering::new(
+                s.road.lane_width_m,
+                s.controllers.stanley_gain_per_s,
+                0,
+                PathShape::Bezier,
+            ),
             line: crate::road::CentreLine::default(),
             steps_per_row: s.vehicle.steps_per_row(),
             begun: false,

@@ -4,10 +4,10 @@ use crate::{
     collision::{Collision, cause},
     control::{
         AutomatedDriver, Intervention, InterventionKind,
-        path::{Manoeuvre, Steering},
+        path::{Manoeuvre, PathShape, Steering},
         safe_distance,
     },
-    drivers::{DriverParams, HumanDriver},
+    drivers::{DriverParams, EvidenceDriver, EvidenceParams, HumanDriver},
     error::SimulatorError,
     neighbours::ahead,
     planner::{PLANNING_RATE_HZ, Planner},
@@ -25,6 +25,8 @@ use maveric_domain::{
 pub enum Driver<'a> {
     /// A synthetic person.
     Human(&'a DriverParams),
+    /// A synthetic person of the second kind.
+    Evidence(&'a EvidenceParams),
     /// A planner, through the controllers.
     Automated(&'a mut dyn Planner, &'a ControllerSettings),
 }
@@ -85,17 +87,21 @@ pub struct RolloutReport {
 pub(crate) struct Action {
     pub(crate) acceleration_mps2: f64,
     pub(crate) manoeuvre: Option<Manoeuvre>,
+    /// Where in the lane to drive, in m to the left of its centre.
+    pub(crate) lane_offset_m: f64,
 }
 
 impl Action {
     const NOTHING: Self = Self {
         acceleration_mps2: 0.0,
         manoeuvre: None,
+        lane_offset_m: 0.0,
     };
 }
 
 enum Seat<'a> {
     Human(HumanDriver<'a>),
+    Evidence(EvidenceDriver<'a>),
     Automated(AutomatedDriver<'a>),
 }
 
@@ -173,10 +179,23 @@ pub fn rollout(
             settings.check()?;
             (*settings).clone()
         }
-        Driver::Human(_) => settings.controllers.clone(),
+        Driver::Human(_) | Driver::Evidence(_) => settings.controllers.clone(),
+    };
+    let shape = match &driver {
+        Driver::Evidence(params) => PathShape::Eased {
+            lateness: params.lateness,
+        },
+        Driver::Human(_) | Driver::Automated(..) => PathShape::Bezier,
     };
     let mut seat = match driver {
         Driver::Human(params) => Seat::Human(HumanDriver::new(
+            params,
+            &settings.vehicle,
+            road,
+            line,
+            seed,
+        )),
+        Driver::Evidence(params) => Seat::Evidence(EvidenceDriver::new(
             params,
             &settings.vehicle,
             road,
@@ -195,7 +214,12 @@ pub fn rollout(
     let start_y_m = road.lane_centre_m(start.lane);
     let start_mps = MetresPerSecond::from_mph(start.speed_mph).0;
     let mut car = build(&settings.vehicle, start_y_m, start_mps);
-    let mut steering = Steering::new(road.lane_width_m, rule.stanley_gain_per_s, start.lane);
+    let mut steering = Steering::new(
+        road.lane_width_m,
+        rule.stanley_gain_per_s,
+        start.lane,
+        shape,
+    );
     let mut world = World::new(scenario, seed)?;
     let mut watch = Watch::default();
     let mut started_changes = 0;
@@ -233,6 +257,7 @@ pub fn rollout(
 
         let action = match &mut seat {
             Seat::Human(human) => human.act(&scene, &steering),
+            Seat::Evidence(person) => person.act(&scene, &steering),
             Seat::Automated(_) if stopped.is_some() => Action::NOTHING,
             Seat::Automated(automated) => match automated.act(&scene, &steering) {
                 Ok(action) => action,
@@ -253,6 +278,7 @@ pub fn rollout(
             target_mps: world.target_mps(),
         };
         world.decide(&view, row, scene.time_s);
+        steering.drive_at(action.lane_offset_m);
         if let Some(manoeuvre) = action.manoeuvre {
             started_changes += u32::from(matches!(manoeuvre, Manoeuvre::Change { .. }));
             steering.begin(manoeuvre, car.pose());
@@ -273,7 +299,7 @@ pub fn rollout(
     }
 
     let interventions = match seat {
-        Seat::Human(_) => Vec::new(),
+        Seat::Human(_) | Seat::Evidence(_) => Vec::new(),
         Seat::Automated(automated) => automated.into_interventions(),
     };
     let counted = |of: fn(&InterventionKind) -> bool| {

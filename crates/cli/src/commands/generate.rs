@@ -17,6 +17,9 @@ pub(crate) struct Generate {
     /// World to drive in (TOML); the paper's when not given
     #[arg(long)]
     scenario: Option<std::path::PathBuf>,
+    /// Who drives (TOML), such as study_data/population_misspecified.toml; the scenario's people when not given
+    #[arg(long)]
+    population: Option<std::path::PathBuf>,
     /// Folder of questionnaire definitions
     #[arg(long, default_value = "study_data/scales")]
     scales: std::path::PathBuf,
@@ -54,6 +57,7 @@ impl Generate {
         let options = GenerateOptions {
             out: self.out,
             scenario: self.scenario,
+            population: self.population,
             scales: self.scales,
             effects: self.effects,
             study1: self.study1,

@@ -136,6 +136,7 @@ impl<'a> AutomatedDriver<'a> {
         Ok(Action {
             acceleration_mps2,
             manoeuvre,
+            lane_offset_m: 0.0,
         })
     }
 

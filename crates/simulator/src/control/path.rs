@@ -71,12 +71,71 @@ impl Bezier {
     }
 }
 
+/// What a lane change looks like from above.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum PathShape {
+    /// A cubic Bezier curve: the automated car's and the usual people's.
+    Bezier,
+    /// The course of an even movement of the hand, crossing the line late where `lateness` is above 1.
+    Eased {
+        /// Exponent on the share of the change that lies behind.
+        lateness: f64,
+    },
+}
+
+/// A lane change whose lateral position follows the quintic of least jerk, in a share that is bent by an exponent.
+#[derive(Debug, Clone, Copy)]
+struct Eased {
+    from: (f64, f64),
+    to: (f64, f64),
+    lateness: f64,
+}
+
+impl Eased {
+    fn at(&self, x_m: f64) -> (f64, f64) {
+        let length_m = self.to.0 - self.from.0;
+        let share = ((x_m - self.from.0) / length_m).clamp(0.0, 1.0);
+        if share <= 0.0 || share >= 1.0 {
+            let y_m = if share <= 0.0 { self.from.1 } else { self.to.1 };
+            return (y_m, 0.0);
+        }
+        let s = libm::pow(share, self.lateness);
+        let ds = self.lateness * s / share / length_m;
+        let across = self.to.1 - self.from.1;
+        let y_m = self.from.1 + across * s * s * s * (10.0 + s * (6.0 * s - 15.0));
+        let slope = across * 30.0 * s * s * (1.0 - s) * (1.0 - s) * ds;
+        (y_m, libm::atan(slope))
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Curve {
+    Bezier(Bezier),
+    Eased(Eased),
+}
+
+impl Curve {
+    fn at(&self, x_m: f64) -> (f64, f64) {
+        match self {
+            Self::Bezier(curve) => curve.at(x_m),
+            Self::Eased(curve) => curve.at(x_m),
+        }
+    }
+
+    fn end_x_m(&self) -> f64 {
+        match self {
+            Self::Bezier(curve) => curve.x[3],
+            Self::Eased(curve) => curve.to.0,
+        }
+    }
+}
+
 /// A lane change under way.
 #[derive(Debug, Clone, Copy)]
 struct Change {
     from: u8,
     start_x_m: f64,
-    curve: Bezier,
+    curve: Curve,
 }
 
 /// What the car's driver may ask of its steering.
@@ -102,15 +161,19 @@ pub(crate) struct Steering {
     lane_width_m: f64,
     gain_per_s: f64,
     lane: u8,
+    shape: PathShape,
+    offset_m: f64,
     change: Option<Change>,
 }
 
 impl Steering {
-    pub(crate) fn new(lane_width_m: f64, gain_per_s: f64, lane: u8) -> Self {
+    pub(crate) fn new(lane_width_m: f64, gain_per_s: f64, lane: u8, shape: PathShape) -> Self {
         Self {
             lane_width_m,
             gain_per_s,
             lane,
+            shape,
+            offset_m: 0.0,
             change: None,
         }
     }
@@ -128,15 +191,22 @@ impl Steering {
     /// How much of the change under way lies behind, 0 to 1, at `x_m`.
     pub(crate) fn progress(&self, x_m: f64) -> Option<f64> {
         self.change.map(|change| {
-            let length = change.curve.x[3] - change.start_x_m;
+            let length = change.curve.end_x_m() - change.start_x_m;
             ((x_m - change.start_x_m) / length).clamp(0.0, 1.0)
         })
     }
 
-    /// Control points of the change under way, in m.
+    /// Control points of the Bezier curve under way, in m.
     pub(crate) fn path_m(&self) -> Option<[(f64, f64); 4]> {
-        self.change
-            .map(|change| std::array::from_fn(|i| (change.curve.x[i], change.curve.y[i])))
+        match self.change?.curve {
+            Curve::Bezier(curve) => Some(std::array::from_fn(|i| (curve.x[i], curve.y[i]))),
+            Curve::Eased(_) => None,
+        }
+    }
+
+    /// Where in its lane the car drives from now on, in m to the left of the centre.
+    pub(crate) fn drive_at(&mut self, offset_m: f64) {
+        self.offset_m = offset_m;
     }
 
     /// Begins what the driver asks.
@@ -150,21 +220,32 @@ impl Steering {
         };
         let length_m = (car.speed_mps * duration_s).max(SHORTEST_M);
         let target_y_m = f64::from(lane) * self.lane_width_m;
-        let from = (car.x_m, car.y_m);
+        let from = (car.x_m, car.y_m - self.offset_m);
+        let curve = match self.shape {
+            PathShape::Bezier => {
+                Curve::Bezier(Bezier::new(from, car.heading_rad, length_m, target_y_m))
+            }
+            PathShape::Eased { lateness } => Curve::Eased(Eased {
+                from,
+                to: (from.0 + length_m, target_y_m),
+                lateness,
+            }),
+        };
         self.change = Some(Change {
             from: self.lane,
             start_x_m: car.x_m,
-            curve: Bezier::new(from, car.heading_rad, length_m, target_y_m),
+            curve,
         });
         self.lane = lane;
     }
 
     /// Lateral position (m) and heading (rad) of the path at `x_m`.
     pub(crate) fn path_at(&self, x_m: f64) -> (f64, f64) {
-        match &self.change {
+        let (y_m, heading_rad) = match &self.change {
             Some(change) => change.curve.at(x_m),
             None => (f64::from(self.lane) * self.lane_width_m, 0.0),
-        }
+        };
+        (y_m + self.offset_m, heading_rad)
     }
 
     /// Angle of the front wheels, in rad: Stanley's rule at the front axle.
@@ -175,7 +256,7 @@ impl Steering {
     pub(crate) fn angle_rad(&mut self, car: &dyn Vehicle, line: &CentreLine) -> f64 {
         let axle = car.front_axle(line);
         let pose = car.pose();
-        if self.change.is_some_and(|c| pose.x_m >= c.curve.x[3]) {
+        if self.change.is_some_and(|c| pose.x_m >= c.curve.end_x_m()) {
             self.change = None;
         }
         let (path_y, path_heading) = self.path_at(axle.x_m);
@@ -228,7 +309,7 @@ mod tests {
     fn a_lane_change_ends_in_the_lane_centre_without_swinging_past_it() {
         for (speed, duration_s) in [(15.0, 4.8), (30.0, 4.8), (38.0, 2.5), (30.0, 2.5)] {
             for mut car in cars(speed) {
-                let mut steering = Steering::new(3.66, 1.5, 0);
+                let mut steering = Steering::new(3.66, 1.5, 0, PathShape::Bezier);
                 let out = Manoeuvre::Change {
                     lane: 1,
                     duration_s,
@@ -248,9 +329,31 @@ mod tests {
     }
 
     #[test]
+    fn an_eased_change_crosses_the_line_late_and_ends_where_the_car_drives_in_its_lane() {
+        let crossing = |lateness| {
+            let mut car = cars(30.0).into_iter().next().unwrap();
+            let mut steering = Steering::new(3.66, 1.5, 0, PathShape::Eased { lateness });
+            steering.drive_at(0.2);
+            drive(car.as_mut(), &mut steering, 6.0);
+            assert!((car.pose().y_m - 0.2).abs() < 0.02);
+            steering.begin(OUT, car.pose());
+            let mut seconds = 0.0;
+            while car.pose().y_m < 1.83 {
+                drive(car.as_mut(), &mut steering, 0.05);
+                seconds += 0.05;
+            }
+            let furthest = drive(car.as_mut(), &mut steering, 6.0);
+            assert!((car.pose().y_m - 3.86).abs() < 0.05 && furthest < 4.2);
+            seconds
+        };
+        let (early, late) = (crossing(0.7), crossing(1.4));
+        assert!(early < 2.3 && late > 2.6 && late < 4.0, "{early} {late}");
+    }
+
+    #[test]
     fn a_change_given_up_halfway_ends_in_the_lane_it_came_from() {
         for mut car in cars(30.0) {
-            let mut steering = Steering::new(3.66, 1.5, 0);
+            let mut steering = Steering::new(3.66, 1.5, 0, PathShape::Bezier);
             steering.begin(OUT, car.pose());
             drive(car.as_mut(), &mut steering, 2.0);
             assert!(car.pose().y_m > 0.5);

@@ -1,6 +1,7 @@
 //! A synthetic person at the wheel: following, passing, merging back.
 
 use super::{
+    caution,
     idm::{Idm, SeenLead},
     noise::OrnsteinUhlenbeck,
     params::DriverParams,
@@ -9,7 +10,7 @@ use super::{
 };
 use crate::{
     control::path::{Manoeuvre, Steering},
-    neighbours::{Neighbour, ahead, in_the_way},
+    neighbours::{Neighbour, ahead},
     planner::PLANNING_STEP_S,
     road::CentreLine,
     rollout::Action,
@@ -23,19 +24,6 @@ use rand_pcg::Pcg64Mcg;
 const SHORTEST_TIME_GAP_S: f64 = 0.4;
 /// Factor on the desired gap while about to pass.
 const ABOUT_TO_PASS: f64 = 0.5;
-/// Braking that a person uses for whatever is in the way once it takes more than this, in m/s².
-const EMERGENCY_MPS2: f64 = 3.5;
-/// Distance a person keeps to it, in m.
-const EMERGENCY_MARGIN_M: f64 = 2.0;
-/// Share of a lane change after which ego is clear of the lane it leaves.
-const GETS_PAST_SHARE: f64 = 0.7;
-/// Room ahead below which nobody begins a lane change, in m.
-const LEAST_ROOM_M: f64 = 8.0;
-/// Lateral acceleration a person takes in a bend, and braking before it, in m/s²: chosen.
-const BEND_MPS2: (f64, f64) = (3.0, 1.5);
-/// Slowest desired speed, in m/s, so that the car-following model stays defined.
-const SLOWEST_MPS: f64 = 5.0;
-
 /// A person driving.
 pub(crate) struct HumanDriver<'a> {
     params: &'a DriverParams,
@@ -63,7 +51,15 @@ impl<'a> HumanDriver<'a> {
             vehicle,
             road,
             line,
-            perception: Perception::new(noise, stream("perception")),
+            perception: Perception::new(
+                OrnsteinUhlenbeck::new(
+                    noise.gap_error_sd,
+                    noise.gap_error_time_s,
+                    PLANNING_STEP_S,
+                    stream("perception"),
+                ),
+                noise.delay_s,
+            ),
             wander: OrnsteinUhlenbeck::new(
                 noise.speed_wander_sd_mps,
                 noise.speed_wander_time_s,
@@ -83,12 +79,11 @@ impl<'a> HumanDriver<'a> {
         let keeping = steering.coming_from().is_none();
         let lead = ahead(scene, &self.road, lane);
         let seen = self.perception.see(lead, speed, error);
-        let (lateral, braking) = BEND_MPS2;
-        let bend_mps = self.line.speed_limit_mps(scene.ego.x_m, lateral, braking);
+        let bend_mps = caution::bend_speed_mps(self.line, scene.ego.x_m);
         let mut idm = Idm {
             desired_speed_mps: (self.params.desired_speed_mps + wander)
                 .min(bend_mps)
-                .max(SLOWEST_MPS),
+                .max(caution::SLOWEST_MPS),
             time_gap_s: self.params.following_time_gap_s,
             standstill_m: self.params.standstill_m,
             acceleration_mps2: self.params.acceleration_mps2,
@@ -104,11 +99,15 @@ impl<'a> HumanDriver<'a> {
         } else {
             self.in_a_passing_lane(scene, lane, keeping, error, &mut idm)
         };
-        idm.desired_speed_mps = idm.desired_speed_mps.min(bend_mps.max(SLOWEST_MPS));
+        idm.desired_speed_mps = idm
+            .desired_speed_mps
+            .min(bend_mps.max(caution::SLOWEST_MPS));
         let wanted = idm.acceleration(speed, seen);
+        let braking = caution::emergency_braking_mps2(scene, self.vehicle.width_m);
         Action {
-            acceleration_mps2: wanted.min(-self.emergency(scene)),
+            acceleration_mps2: braking.map_or(wanted, |b| wanted.min(-b)),
             manoeuvre,
+            lane_offset_m: 0.0,
         }
     }
 
@@ -124,7 +123,9 @@ impl<'a> HumanDriver<'a> {
         let speed = scene.ego.speed_mps;
         let pass_at_s = self.passing.wanted_at(self.params, lead, speed)?;
         let left = lane + 1;
-        if !(is_clear(scene, &self.road, left) && self.gets_past(lead?, speed)) {
+        if !(is_clear(scene, &self.road, left)
+            && caution::gets_past(&lead?, speed, self.params.lane_change_s))
+        {
             return None;
         }
         idm.time_gap_s = idm.time_gap_s.min(0.5 * pass_at_s).max(SHORTEST_TIME_GAP_S);
@@ -139,13 +140,6 @@ impl<'a> HumanDriver<'a> {
             lane: left,
             duration_s: self.params.lane_change_s,
         })
-    }
-
-    /// Whether a change that starts now is far enough on before ego would meet `lead`.
-    fn gets_past(&self, lead: Neighbour, speed_mps: f64) -> bool {
-        let closing = speed_mps - lead.vehicle.speed_mps;
-        let meets_late = lead.gap_m > GETS_PAST_SHARE * self.params.lane_change_s * closing;
-        lead.gap_m > LEAST_ROOM_M && meets_late
     }
 
     fn in_a_passing_lane(
@@ -169,25 +163,5 @@ impl<'a> HumanDriver<'a> {
             lane: right,
             duration_s: self.params.lane_change_s,
         })
-    }
-
-    /// Braking that keeps ego off whatever is in the way, in m/s², positive; minus infinity for none.
-    fn emergency(&self, scene: &Scene) -> f64 {
-        let Some(n) = in_the_way(scene, self.vehicle.width_m, 0.2) else {
-            return f64::NEG_INFINITY;
-        };
-        let closing = scene.ego.speed_mps - n.vehicle.speed_mps;
-        if n.gap_m < EMERGENCY_MARGIN_M && closing > -1.0 {
-            return EMERGENCY_MPS2;
-        }
-        if closing <= 0.0 {
-            return f64::NEG_INFINITY;
-        }
-        let needed = closing * closing / (2.0 * (n.gap_m - EMERGENCY_MARGIN_M).max(0.1));
-        if needed > EMERGENCY_MPS2 {
-            1.2 * needed
-        } else {
-            f64::NEG_INFINITY
-        }
     }
 }

@@ -1,15 +1,22 @@
 //! Synthetic people at the wheel, by another model than the automated car's.
 
+mod caution;
 mod distributions;
+mod evidence;
 mod human;
 mod idm;
 mod noise;
+mod normal;
 mod params;
 mod passing;
+mod people;
 mod perception;
 mod population;
 
 pub use distributions::{Distribution, population_table};
+pub(crate) use evidence::EvidenceDriver;
+pub use evidence::{BentLaw, EvidenceParams, EvidencePopulation};
 pub(crate) use human::HumanDriver;
 pub use params::DriverParams;
+pub use people::{People, Person};
 pub use population::{EncounterNoise, Law, Population};

@@ -83,15 +83,24 @@ impl Passing {
     /// Whether to merge back into `lane` now, gaps seen with the relative error `error`.
     pub(super) fn merges_back(&self, scene: &Scene, road: &Road, lane: u8, error: f64) -> bool {
         let ego = &scene.ego;
-        let free = ahead(scene, road, lane).is_none_or(|n| n.gap_m > FREE_AHEAD_S * ego.speed_mps);
         let room = behind(scene, road, lane).is_none_or(|n| {
-            let closing = (n.vehicle.speed_mps - ego.speed_mps).max(0.0);
             let seen_m = n.gap_m * error;
             seen_m > self.merge_back_time_gap_s * ego.speed_mps
-                && n.gap_m > LEAST_BEHIND_M + BEHIND_CLOSING_S * closing
+                && n.gap_m > least_room_behind_m(scene, &n)
         });
-        free && room
+        has_room_ahead(scene, road, lane) && room
     }
+}
+
+/// Whether `lane` is free enough ahead to merge back into.
+pub(super) fn has_room_ahead(scene: &Scene, road: &Road, lane: u8) -> bool {
+    ahead(scene, road, lane).is_none_or(|n| n.gap_m > FREE_AHEAD_S * scene.ego.speed_mps)
+}
+
+/// Least room behind in the lane merged back into, whatever the habit, in m.
+pub(super) fn least_room_behind_m(scene: &Scene, behind: &Neighbour) -> f64 {
+    let closing = (behind.vehicle.speed_mps - scene.ego.speed_mps).max(0.0);
+    LEAST_BEHIND_M + BEHIND_CLOSING_S * closing
 }
 
 /// Least room behind in the lane entered, in m.

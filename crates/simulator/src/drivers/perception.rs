@@ -1,10 +1,12 @@
 //! What a driver sees of the lead: late, and with an error that lingers.
 
-use super::{idm::SeenLead, noise::OrnsteinUhlenbeck, population::EncounterNoise};
+use super::{idm::SeenLead, noise::OrnsteinUhlenbeck};
 use crate::{neighbours::Neighbour, planner::PLANNING_STEP_S};
 use maveric_domain::VehicleId;
-use rand_pcg::Pcg64Mcg;
 use std::collections::VecDeque;
+
+/// Correlation time of the error of gaps, in s, of people who have none of their own.
+pub(super) const GAP_ERROR_TIME_S: f64 = 2.0;
 
 #[derive(Debug, Clone, Copy)]
 struct Glance {
@@ -21,15 +23,11 @@ pub(super) struct Perception {
 }
 
 impl Perception {
-    pub(super) fn new(noise: &EncounterNoise, rng: Pcg64Mcg) -> Self {
+    /// `error` is the relative error of gaps, sampled at every planning step.
+    pub(super) fn new(error: OrnsteinUhlenbeck, delay_s: f64) -> Self {
         Self {
-            error: OrnsteinUhlenbeck::new(
-                noise.gap_error_sd,
-                noise.gap_error_time_s,
-                PLANNING_STEP_S,
-                rng,
-            ),
-            delay_rows: (noise.delay_s / PLANNING_STEP_S).round() as usize,
+            error,
+            delay_rows: (delay_s / PLANNING_STEP_S).round() as usize,
             seen: VecDeque::new(),
         }
     }

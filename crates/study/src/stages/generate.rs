@@ -10,7 +10,7 @@ use crate::{
 use maveric_domain::{Condition, DriveId, DriveMeta, DrivenBy, Seconds, Study, stream_seed};
 use maveric_ingest::{Beside, write_mcap_with};
 use maveric_participants::{Cohort, CohortSettings, PlannedDrive, answer_before};
-use maveric_simulator::{Driver, Scenario, rollout};
+use maveric_simulator::{People, Scenario, rollout};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -21,6 +21,8 @@ pub struct GenerateOptions {
     pub out: PathBuf,
     /// World to drive in; the paper's without.
     pub scenario: Option<PathBuf>,
+    /// Who drives (TOML); the scenario's people without.
+    pub population: Option<PathBuf>,
     /// Folder of questionnaire definitions.
     pub scales: PathBuf,
     /// Sizes of the effects in the answers.
@@ -70,6 +72,17 @@ pub fn read_scenario(path: Option<&Path>, duration_s: Option<f64>) -> Result<Sce
     }
 }
 
+/// Reads a population, or takes the people of `scenario`.
+fn read_people(path: Option<&Path>, scenario: &Scenario) -> Result<People, StudyError> {
+    match path {
+        None => Ok(People::Drivers(Box::new(
+            scenario.settings().drivers.clone(),
+        ))),
+        Some(path) => toml::from_str(&read_text(path)?)
+            .map_err(|e| StudyError::file(path, format!("not a population: {e}"))),
+    }
+}
+
 /// Makes up participants, their answers and their driving logs, labelled as synthetic throughout.
 ///
 /// # Errors
@@ -79,6 +92,7 @@ pub fn generate(
     watch: Watch<'_>,
 ) -> Result<Outcome<Generated>, StudyError> {
     let scenario = read_scenario(options.scenario.as_deref(), options.duration_s)?;
+    let people = read_people(options.population.as_deref(), &scenario)?;
     let scales = read_scales(&options.scales)?;
     let effects = read_effects(&options.effects)?;
     let cohort = Cohort::draw(
@@ -97,7 +111,7 @@ pub fn generate(
         planned.extend(again(&cohort)?.into_iter().map(|d| (d, "-again")));
     }
     let collisions = for_each_on(options.jobs, &planned, watch, "drives", |(planned, day)| {
-        drive(options, &scenario, planned, day)
+        drive(options, &scenario, &people, planned, day)
     })?;
     write_participants(&options.out.join("participants.csv"), &cohort.participants)?;
     write_answers(&options.out.join("surveys.csv"), &answers)?;
@@ -142,17 +156,15 @@ fn again(cohort: &Cohort) -> Result<Vec<PlannedDrive>, StudyError> {
 fn drive(
     options: &GenerateOptions,
     scenario: &Scenario,
+    people: &People,
     planned: &PlannedDrive,
     day_name: &str,
 ) -> Result<usize, StudyError> {
     let person = stream_seed(options.seed, &[planned.participant.as_str(), "person"]);
     let day = stream_seed(options.seed, &[planned.drive.as_str(), "day"]);
-    let params = scenario
-        .settings()
-        .drivers
-        .draw(&planned.traits, person, day);
+    let who = people.draw(&planned.traits, person, day);
     let world = stream_seed(options.seed, &[planned.drive.as_str(), "world"]);
-    let driven = rollout(scenario, Driver::Human(&params), world)?;
+    let driven = rollout(scenario, who.driver(), world)?;
     let meta = DriveMeta {
         drive: planned.drive.clone(),
         participant: planned.participant.clone(),
