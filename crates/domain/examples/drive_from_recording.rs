@@ -2,7 +2,7 @@
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use maveric_domain::{
-    Condition, DomainError, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack,
+    ConditionId, DomainError, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack,
     ParticipantId, Recording, Road, Study, VehicleId,
 };
 
@@ -28,7 +28,7 @@ fn main() -> Result<(), DomainError> {
         drive: DriveId::new("P01-own")?,
         participant: ParticipantId::new("P01")?,
         study: Study::One,
-        condition: Condition::Own,
+        condition: ConditionId::OWN,
         driven_by: DrivenBy::Synthetic,
     };
     let drive = Drive::from_recording(meta, &recording)?;

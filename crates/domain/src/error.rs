@@ -12,6 +12,20 @@ pub enum DomainError {
         /// What was given.
         found: String,
     },
+    /// A condition's id with characters that do not belong in a file name.
+    #[error("condition `{found}` must be 1 to 32 letters, digits, `_` or `-`")]
+    BadCondition {
+        /// What was given.
+        found: String,
+    },
+    /// A moment that is neither `pre` nor a condition's id.
+    #[error(
+        "`{found}` is not a moment; expected `pre` or a condition: 1 to 32 letters, digits, `_` or `-`"
+    )]
+    UnknownMoment {
+        /// What was given.
+        found: String,
+    },
     /// A word that names none of the known values.
     #[error("`{found}` is not a {kind}; expected one of {expected}")]
     UnknownWord {

@@ -4,6 +4,7 @@
 //! the method (section 2), whoever drove. Everything else in the project takes and gives these.
 
 pub mod condition;
+pub mod design;
 pub mod drive;
 pub mod embedding;
 pub mod error;
@@ -18,7 +19,8 @@ pub mod trace;
 pub mod traits;
 pub mod units;
 
-pub use condition::Condition;
+pub use condition::ConditionId;
+pub use design::{Design, DesignError};
 pub use drive::{Drive, DriveMeta, DrivenBy, LaneChange};
 pub use embedding::Embedding;
 pub use error::DomainError;

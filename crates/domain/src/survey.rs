@@ -1,6 +1,6 @@
 //! Questionnaires: what is asked, what was answered, what it scores.
 
-use crate::{condition::Condition, error::DomainError, ids::ParticipantId};
+use crate::{ConditionId, error::DomainError, ids::ParticipantId};
 use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
 
@@ -11,7 +11,7 @@ pub enum Moment {
     /// Before the drives; about oneself.
     Pre,
     /// After a drive in this condition; about that drive.
-    After(Condition),
+    After(ConditionId),
 }
 
 impl fmt::Display for Moment {
@@ -31,10 +31,8 @@ impl FromStr for Moment {
             other => other
                 .parse()
                 .map(Self::After)
-                .map_err(|_| DomainError::UnknownWord {
-                    kind: "moment",
+                .map_err(|_| DomainError::UnknownMoment {
                     found: other.to_owned(),
-                    expected: "pre, own, mimic, aggressive, cautious, perpendicular",
                 }),
         }
     }
@@ -390,7 +388,7 @@ mod tests {
         for text in ["pre", "own", "mimic", "perpendicular"] {
             assert_eq!(text.parse::<Moment>().unwrap().to_string(), text);
         }
-        assert!("post".parse::<Moment>().is_err());
+        assert!("after the drive".parse::<Moment>().is_err());
     }
 
     #[test]

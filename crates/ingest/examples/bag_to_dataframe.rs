@@ -2,7 +2,8 @@
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use maveric_domain::{
-    Condition, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ParticipantId, Recording, Road, Study,
+    ConditionId, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ParticipantId, Recording, Road,
+    Study,
 };
 use maveric_ingest::{IngestSettings, drive_frame, read_log, write_mcap};
 use std::{error::Error, fs::File, path::PathBuf};
@@ -40,7 +41,7 @@ fn a_bag() -> Result<PathBuf, Box<dyn Error>> {
         drive: DriveId::new("P01-own")?,
         participant: ParticipantId::new("P01")?,
         study: Study::One,
-        condition: Condition::Own,
+        condition: ConditionId::OWN,
         driven_by: DrivenBy::Synthetic,
     };
     let path = std::env::temp_dir().join(format!("maveric-{}.mcap", std::process::id()));

@@ -5,7 +5,7 @@
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use maveric_domain::{
-    Condition, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId,
+    ConditionId, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId,
     Recording, Road, Study, VehicleId,
 };
 use maveric_model::{TrainParams, TrainSettings, TrainingDrive, train};
@@ -90,7 +90,7 @@ fn drive(driver: &str, lines: &[Vec<&str>]) -> Result<Drive, Box<dyn Error>> {
         }
     }
     let recording = Recording::new(Road::PAPER, rate_hz, time_s, vec![0; n], ego, leads)?;
-    let (study, condition, driven_by) = (Study::One, Condition::Own, DrivenBy::Synthetic);
+    let (study, condition, driven_by) = (Study::One, ConditionId::OWN, DrivenBy::Synthetic);
     let (drive, participant) = (DriveId::new(driver)?, ParticipantId::new(driver)?);
     let meta = DriveMeta {
         drive,

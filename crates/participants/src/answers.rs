@@ -10,7 +10,7 @@ use crate::{
     scale_model::ScaleModel,
     trait_mixing::TraitMixing,
 };
-use maveric_domain::{Answer, Condition, LatentTraits, Moment, Scale, Subscale};
+use maveric_domain::{Answer, ConditionId, LatentTraits, Moment, Scale, Subscale};
 use rand_pcg::Pcg64;
 use std::collections::BTreeSet;
 
@@ -59,7 +59,7 @@ pub fn answer_before(
         let roles = cohort
             .drives
             .iter()
-            .filter(|d| d.participant == participant.id && d.condition != Condition::Own);
+            .filter(|d| d.participant == participant.id && d.condition != ConditionId::OWN);
         for PlannedDrive {
             condition, traits, ..
         } in roles
@@ -282,8 +282,8 @@ mod tests {
             mine.filter_map(|a| a.answer).sum()
         };
         for p in cohort.participants.iter().filter(|p| p.professional) {
-            let up = total(p.id.clone(), Moment::After(Condition::Aggressive));
-            let down = total(p.id.clone(), Moment::After(Condition::Cautious));
+            let up = total(p.id.clone(), Moment::After(ConditionId::AGGRESSIVE));
+            let down = total(p.id.clone(), Moment::After(ConditionId::CAUTIOUS));
             assert!(up > 30 && (11..26).contains(&down), "{up} {down}");
         }
         let roles = answers.iter().filter(|a| a.moment != Moment::Pre).count();

@@ -7,7 +7,7 @@ use crate::{
     settings::{CohortSettings, Group},
     trait_mixing::TraitMixing,
 };
-use maveric_domain::{Condition, DriveId, LatentTraits, ParticipantId, Study};
+use maveric_domain::{ConditionId, DriveId, LatentTraits, ParticipantId, Study};
 use serde::{Deserialize, Serialize};
 
 /// A drive by hand that somebody is to make, and the traits to make it with.
@@ -20,7 +20,7 @@ pub struct PlannedDrive {
     /// Which study.
     pub study: Study,
     /// Own, or the role that a professional demonstrates.
-    pub condition: Condition,
+    pub condition: ConditionId,
     /// The person's traits; in a role with another aggressiveness.
     pub traits: LatentTraits,
 }
@@ -152,11 +152,11 @@ fn age_years(group: &Group, study: Study, population: Population, within: usize,
 ///
 /// # Source
 /// Williams (1949). The paper says only that participants experience all four; the method says in random order.
-fn order(within: usize) -> Vec<Condition> {
+fn order(within: usize) -> Vec<ConditionId> {
     const FIRST_ROW: [usize; 4] = [0, 1, 3, 2];
     FIRST_ROW
         .iter()
-        .map(|column| Condition::AV[(column + within) % 4])
+        .map(|column| ConditionId::AV[(column + within) % 4])
         .collect()
 }
 
@@ -165,20 +165,24 @@ fn drives(
     seed: u64,
     settings: &CohortSettings,
 ) -> Result<Vec<PlannedDrive>, ParticipantError> {
-    let conditions: &[Condition] = if participant.professional {
-        &[Condition::Own, Condition::Aggressive, Condition::Cautious]
+    let conditions: &[ConditionId] = if participant.professional {
+        &[
+            ConditionId::OWN,
+            ConditionId::AGGRESSIVE,
+            ConditionId::CAUTIOUS,
+        ]
     } else {
-        &[Condition::Own]
+        &[ConditionId::OWN]
     };
-    let plan = |&condition: &Condition| {
+    let plan = |&condition: &ConditionId| {
         let mut rng = stream(seed, &[participant.id.as_str(), "role", condition.as_str()]);
         let level = settings.role_aggressiveness;
         let mut traits = participant.traits;
         match condition {
-            Condition::Aggressive => {
+            ConditionId::AGGRESSIVE => {
                 traits.aggressiveness = level + settings.role_sd * normal(&mut rng);
             }
-            Condition::Cautious => {
+            ConditionId::CAUTIOUS => {
                 traits.aggressiveness = -level + settings.role_sd * normal(&mut rng);
             }
             _ => {}
@@ -251,8 +255,8 @@ mod tests {
             assert!((drive.traits.pace - own.pace).abs() < 1e-12);
             let a = drive.traits.aggressiveness;
             match drive.condition {
-                Condition::Aggressive => assert!((a - 1.9).abs() < 1.0),
-                Condition::Cautious => assert!((a + 1.9).abs() < 1.0),
+                ConditionId::AGGRESSIVE => assert!((a - 1.9).abs() < 1.0),
+                ConditionId::CAUTIOUS => assert!((a + 1.9).abs() < 1.0),
                 _ => assert!((a - own.aggressiveness).abs() < 1e-12),
             }
         }
@@ -283,7 +287,7 @@ mod tests {
         let cohort = paper();
         let mut places = [[0; 4]; 4];
         let mut successions = [[0; 4]; 4];
-        let number = |c: &Condition| Condition::AV.iter().position(|x| x == c).unwrap();
+        let number = |c: &ConditionId| ConditionId::AV.iter().position(|x| x == c).unwrap();
         for p in cohort.participants.iter().filter(|p| p.study == Study::Two) {
             for (place, condition) in p.order.iter().enumerate() {
                 places[place][number(condition)] += 1;

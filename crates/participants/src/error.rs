@@ -1,6 +1,6 @@
 //! What synthetic participants refuse.
 
-use maveric_domain::{Condition, DomainError, ParticipantId};
+use maveric_domain::{ConditionId, DomainError, ParticipantId};
 
 /// Settings, effects or trials that make no sense.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -64,7 +64,7 @@ pub enum ParticipantError {
         /// Who.
         participant: ParticipantId,
         /// The condition.
-        condition: Condition,
+        condition: ConditionId,
         /// What is wrong with it.
         problem: &'static str,
     },

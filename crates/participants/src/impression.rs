@@ -6,7 +6,7 @@ use crate::{
     ratings::MeasureValues,
     response::{normal, stream},
 };
-use maveric_domain::Condition;
+use maveric_domain::ConditionId;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The shift that a person would like best, in the unit of [`Perception::shift`](crate::effects::Perception::shift): the truth that an
@@ -33,7 +33,7 @@ fn weighted(participant: &Participant, effects: &Loadings) -> f64 {
 /// One person in one condition.
 pub(crate) struct Trial<'a> {
     pub(crate) participant: &'a Participant,
-    pub(crate) condition: Condition,
+    pub(crate) condition: ConditionId,
     /// What its random choices belong to: the condition's name in a study.
     pub(crate) label: &'a str,
     pub(crate) place: f64,

@@ -1,6 +1,6 @@
 //! One synthetic person.
 
-use maveric_domain::{Condition, DomainError, LatentTraits, ParticipantId, Study};
+use maveric_domain::{ConditionId, DomainError, LatentTraits, ParticipantId, Study};
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 
@@ -159,7 +159,7 @@ pub struct Participant {
     /// Whether they drive for a living and also demonstrate other styles.
     pub professional: bool,
     /// The AV conditions in the order in which they sit through them; empty in Study 1.
-    pub order: Vec<Condition>,
+    pub order: Vec<ConditionId>,
     /// What their driving comes from.
     pub traits: LatentTraits,
     /// The Big Five.

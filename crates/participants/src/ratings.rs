@@ -8,7 +8,7 @@ use crate::{
     person::Participant,
     response::{as_given, grade, maybe_left_out, normal, stream},
 };
-use maveric_domain::{Answer, Condition, Moment, ParticipantId, Scale};
+use maveric_domain::{Answer, ConditionId, Moment, ParticipantId, Scale};
 use std::{
     collections::{BTreeMap, BTreeSet},
     fmt,
@@ -26,7 +26,7 @@ pub enum RatingWarning {
         /// Who.
         participant: ParticipantId,
         /// The condition.
-        condition: Condition,
+        condition: ConditionId,
         /// Code names of the measures.
         measures: Vec<String>,
     },
@@ -94,7 +94,7 @@ pub fn spread(drives: &[&MeasureValues]) -> BTreeMap<String, f64> {
 pub fn rate(
     participant: &Participant,
     own: &MeasureValues,
-    trials: &[(Condition, MeasureValues)],
+    trials: &[(ConditionId, MeasureValues)],
     spread: &BTreeMap<String, f64>,
     scales: &[Scale],
     effects: &Effects,
@@ -114,7 +114,7 @@ pub fn rate(
                 problem,
             })
         };
-        if *condition == Condition::Own {
+        if *condition == ConditionId::OWN {
             return bad("is not driven by the car");
         }
         if !seen.insert(*condition) {
@@ -138,7 +138,7 @@ pub fn rate(
 /// Lets one participant rate one more drive of the car, beside those of a study: the trials in which their preference is searched for.
 ///
 /// As [`rate`], but each answer's random part belongs to `label`, which names the trial; habits and preference are those of the
-/// study. The answers are filed under [`Condition::Mimic`]. The place in the order of trials counts for nothing.
+/// study. The answers are filed under [`ConditionId::MIMIC`]. The place in the order of trials counts for nothing.
 ///
 /// # Errors
 /// As [`rate`].
@@ -157,7 +157,7 @@ pub fn rate_trial(
     check_measures(participant, values)?;
     let trial = Trial {
         participant,
-        condition: Condition::Mimic,
+        condition: ConditionId::MIMIC,
         label,
         place: 0.0,
         own,
@@ -281,7 +281,7 @@ mod tests {
     fn mean_r(
         studies: &[TestStudy],
         before: (&str, &str),
-        other: Condition,
+        other: ConditionId,
         after: (&str, &str),
     ) -> f64 {
         let r = |study: &TestStudy| {
@@ -309,7 +309,7 @@ mod tests {
         let conscientious = ("mini_ipip", "conscientiousness");
         for (scale, subscale, sign) in OUTCOMES {
             let outcome = (scale, subscale);
-            for other in [Condition::Cautious, Condition::Aggressive] {
+            for other in [ConditionId::CAUTIOUS, ConditionId::AGGRESSIVE] {
                 let r = sign * mean_r(&studies, conscientious, other, outcome);
                 assert!((-0.75..-0.15).contains(&r), "{other} {subscale}: {r}");
             }
@@ -317,7 +317,7 @@ mod tests {
                 * mean_r(
                     &studies,
                     ("mdsi", "high_velocity"),
-                    Condition::Aggressive,
+                    ConditionId::AGGRESSIVE,
                     outcome,
                 );
             assert!((-0.75..-0.15).contains(&r), "high velocity {subscale}: {r}");
@@ -325,14 +325,14 @@ mod tests {
         let r = mean_r(
             &studies,
             ("mini_ipip", "openness"),
-            Condition::Aggressive,
+            ConditionId::AGGRESSIVE,
             ("rosas", "discomfort"),
         );
         assert!((0.1..0.6).contains(&r), "openness: {r}");
         for (scale, subscale, sign) in OUTCOMES {
             let over_conditions = |s: &TestStudy, scale: &str, subscale: &str| -> Vec<f64> {
-                let after = |c: &Condition| s.scores(Moment::After(*c), scale, subscale);
-                Condition::AV.iter().flat_map(after).collect()
+                let after = |c: &ConditionId| s.scores(Moment::After(*c), scale, subscale);
+                ConditionId::AV.iter().flat_map(after).collect()
             };
             let r = |s: &TestStudy| {
                 correlation(
@@ -349,17 +349,20 @@ mod tests {
     fn aggressive_is_called_more_and_cautious_less_aggressive_than_mimic() {
         let study = TestStudy::run(200, 3, &effects());
         let scale = ("aggressiveness", "aggressiveness");
-        let mimic = mean(&study.scores(Moment::After(Condition::Mimic), scale.0, scale.1));
+        let mimic = mean(&study.scores(Moment::After(ConditionId::MIMIC), scale.0, scale.1));
         assert!((mimic - 4.0).abs() < 0.2, "{mimic}");
-        let above = mean(&study.mimic_minus(Condition::Aggressive, scale.0, scale.1));
-        let below = mean(&study.mimic_minus(Condition::Cautious, scale.0, scale.1));
+        let above = mean(&study.mimic_minus(ConditionId::AGGRESSIVE, scale.0, scale.1));
+        let below = mean(&study.mimic_minus(ConditionId::CAUTIOUS, scale.0, scale.1));
         assert!(above < -0.4 && below > 0.4, "{above} {below}");
     }
 
     #[test]
     fn a_part_of_the_people_prefer_another_style_than_their_own() {
         let study = TestStudy::run(400, 4, &effects());
-        for (other, low) in [(Condition::Aggressive, 0.12), (Condition::Cautious, 0.2)] {
+        for (other, low) in [
+            (ConditionId::AGGRESSIVE, 0.12),
+            (ConditionId::CAUTIOUS, 0.2),
+        ] {
             let differences = study.mimic_minus(other, "jian_trust", "overall");
             let share = differences.iter().filter(|d| **d < 0.0).count() as f64 / 400.0;
             assert!((low..0.5).contains(&share), "{other}: {share}");
@@ -378,9 +381,9 @@ mod tests {
         ]);
         for (scale, subscale) in scales {
             for other in [
-                Condition::Cautious,
-                Condition::Aggressive,
-                Condition::Perpendicular,
+                ConditionId::CAUTIOUS,
+                ConditionId::AGGRESSIVE,
+                ConditionId::PERPENDICULAR,
             ] {
                 let d = study.mimic_minus(other, scale, subscale);
                 let m = mean(&d);
@@ -396,7 +399,7 @@ mod tests {
                 }
             }
             if scale != "similarity" {
-                let mimic = Moment::After(Condition::Mimic);
+                let mimic = Moment::After(ConditionId::MIMIC);
                 let similarity = study.scores(mimic, "similarity", "similarity");
                 let r = correlation(&similarity, &study.scores(mimic, scale, subscale));
                 assert!(r.abs() < bound, "similarity {subscale}: {r}");
@@ -406,11 +409,15 @@ mod tests {
 
     fn one_trial(
         values: MeasureValues,
-    ) -> (Participant, MeasureValues, Vec<(Condition, MeasureValues)>) {
+    ) -> (
+        Participant,
+        MeasureValues,
+        Vec<(ConditionId, MeasureValues)>,
+    ) {
         let study = TestStudy::run(2, 1, &effects());
         let participant = study.cohort.participants[0].clone();
         let own = own_measures(&participant.id, 1);
-        (participant, own, vec![(Condition::Mimic, values)])
+        (participant, own, vec![(ConditionId::MIMIC, values)])
     }
 
     fn units() -> BTreeMap<String, f64> {
@@ -423,7 +430,7 @@ mod tests {
         let (participant, own, _) = one_trial(MeasureValues::new());
         let mut values = own.clone();
         values.insert("headway_merge_back_m".to_owned(), None);
-        let trials = [(Condition::Mimic, values)];
+        let trials = [(ConditionId::MIMIC, values)];
         let rated = rate(
             &participant,
             &own,
@@ -449,7 +456,7 @@ mod tests {
         let participant = &study.cohort.participants[0];
         let own = own_measures(&participant.id, 1);
         let all = trials(&own, &participant.id, 1);
-        let run = |trials: &[(Condition, MeasureValues)]| {
+        let run = |trials: &[(ConditionId, MeasureValues)]| {
             rate(
                 participant,
                 &own,
@@ -486,7 +493,7 @@ mod tests {
     fn impossible_trials_are_refused() {
         let (participant, own, mut trials) = one_trial(MeasureValues::new());
         trials.push(trials[0].clone());
-        let said = |trials: &[(Condition, MeasureValues)]| {
+        let said = |trials: &[(ConditionId, MeasureValues)]| {
             rate(
                 &participant,
                 &own,
@@ -500,10 +507,10 @@ mod tests {
             .to_string()
         };
         assert!(said(&trials).contains("mimic is given twice"));
-        assert!(said(&[(Condition::Own, own.clone())]).contains("own is not driven by the car"));
+        assert!(said(&[(ConditionId::OWN, own.clone())]).contains("own is not driven by the car"));
         let mut infinite = own.clone();
         infinite.insert("lane_changes".to_owned(), Some(f64::INFINITY));
-        assert!(said(&[(Condition::Mimic, infinite)]).contains("`lane_changes` is inf"));
+        assert!(said(&[(ConditionId::MIMIC, infinite)]).contains("`lane_changes` is inf"));
     }
 
     #[test]

@@ -8,7 +8,7 @@ use crate::{
     response::{normal, stream},
     settings::CohortSettings,
 };
-use maveric_domain::{Answer, Condition, Moment, ParticipantId, Scale, Study};
+use maveric_domain::{Answer, ConditionId, Moment, ParticipantId, Scale, Study};
 use std::collections::BTreeMap;
 
 pub(crate) fn effects() -> Effects {
@@ -55,18 +55,18 @@ pub(crate) fn trials(
     own: &MeasureValues,
     id: &ParticipantId,
     seed: u64,
-) -> Vec<(Condition, MeasureValues)> {
+) -> Vec<(ConditionId, MeasureValues)> {
     let mut shared = stream(seed, &[id.as_str(), "test error"]);
     let errors: Vec<f64> = MEASURES.iter().map(|_| normal(&mut shared)).collect();
-    let trial = |condition: Condition| {
+    let trial = |condition: ConditionId| {
         let mut rng = stream(seed, &[id.as_str(), "test trial", condition.as_str()]);
         let value = |(i, (name, _, sd, up, down)): (usize, &(&str, f64, f64, f64, f64))| {
             let size = if i == 0 { 0.2 } else { 0.65 };
             let error = size * sd * (0.7 * errors[i] + 0.7 * normal(&mut rng));
             let change = match condition {
-                Condition::Aggressive => *up,
-                Condition::Cautious => *down,
-                Condition::Perpendicular => 0.6 * sd * normal(&mut rng),
+                ConditionId::AGGRESSIVE => *up,
+                ConditionId::CAUTIOUS => *down,
+                ConditionId::PERPENDICULAR => 0.6 * sd * normal(&mut rng),
                 _ => 0.0,
             };
             let own = own.get(*name).copied().flatten().unwrap();
@@ -74,7 +74,7 @@ pub(crate) fn trials(
         };
         (condition, MEASURES.iter().enumerate().map(value).collect())
     };
-    Condition::AV.into_iter().map(trial).collect()
+    ConditionId::AV.into_iter().map(trial).collect()
 }
 
 /// Mean of a subscale's answered items after reversal.
@@ -166,8 +166,8 @@ impl TestStudy {
     }
 
     /// Mimic minus another condition.
-    pub(crate) fn mimic_minus(&self, other: Condition, scale: &str, subscale: &str) -> Vec<f64> {
-        let mimic = self.scores(Moment::After(Condition::Mimic), scale, subscale);
+    pub(crate) fn mimic_minus(&self, other: ConditionId, scale: &str, subscale: &str) -> Vec<f64> {
+        let mimic = self.scores(Moment::After(ConditionId::MIMIC), scale, subscale);
         let other = self.scores(Moment::After(other), scale, subscale);
         mimic.iter().zip(other).map(|(m, o)| m - o).collect()
     }

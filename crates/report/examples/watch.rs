@@ -1,6 +1,6 @@
 //! Writes `watch.html`, a page that plays two made-up drives: `cargo run -p maveric-report --example watch`.
 
-use maveric_domain::{condition::Condition, drive::Direction};
+use maveric_domain::{ConditionId, drive::Direction};
 use maveric_report::{
     Context,
     html::{ChangeSpan, InterventionSpan, PlayerDrive, Track, WatchPlayer, watch_page},
@@ -26,7 +26,7 @@ fn track(id: u32, from_m: f64, speed_mps: f64, lane_m: f64, start_s: f64) -> Tra
     }
 }
 
-fn drive(condition: Condition, label: &str, speed_mps: f64, start_s: f64) -> PlayerDrive {
+fn drive(condition: ConditionId, label: &str, speed_mps: f64, start_s: f64) -> PlayerDrive {
     let ego = track(0, 0.0, speed_mps, 3.66, start_s);
     let lead = track(1, 80.0, 24.0, 3.66, f64::MAX);
     let ahead: Vec<f64> = lead.x_m.iter().zip(&ego.x_m).map(|(l, e)| l - e).collect();
@@ -62,8 +62,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         name: "watch".to_owned(),
         title: "Two made-up drives".to_owned(),
         drives: vec![
-            drive(Condition::Aggressive, "Aggressive", 31.0, 7.0),
-            drive(Condition::Cautious, "Cautious", 26.0, 25.0),
+            drive(ConditionId::AGGRESSIVE, "Aggressive", 31.0, 7.0),
+            drive(ConditionId::CAUTIOUS, "Cautious", 26.0, 25.0),
         ],
     };
     let page = watch_page(&drives, &Context::synthetic(1), &[])?;

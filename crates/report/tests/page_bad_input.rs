@@ -5,7 +5,7 @@
 )]
 
 use base64::{Engine as _, engine::general_purpose::STANDARD};
-use maveric_domain::condition::Condition;
+use maveric_domain::ConditionId;
 use maveric_report::claims::{Made, join, load};
 use maveric_report::figures::domain;
 use maveric_report::html::{
@@ -54,7 +54,7 @@ fn drive(name: impl Into<String>, i: usize) -> SpaceDrive {
 fn space(drives: usize, people: usize) -> Live {
     let person = |i: usize| SpacePerson {
         own: drive(format!("{NASTY}{i}"), i),
-        conditions: vec![(Condition::Mimic, [0.1; 3])],
+        conditions: vec![(ConditionId::MIMIC, [0.1; 3])],
     };
     Live {
         below: "domain".into(),

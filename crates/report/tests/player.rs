@@ -5,7 +5,7 @@
 )]
 
 use base64::Engine as _;
-use maveric_domain::{condition::Condition, drive::Direction};
+use maveric_domain::{ConditionId, drive::Direction};
 use maveric_report::{
     Context, ReportError,
     html::{
@@ -53,7 +53,7 @@ fn drive(rows: usize, cars: u32) -> PlayerDrive {
     PlayerDrive {
         label: "Mimic".into(),
         note: "automated".into(),
-        condition: Condition::Mimic,
+        condition: ConditionId::MIMIC,
         lanes: 2,
         lane_width_m: 3.66,
         centre_line: None,

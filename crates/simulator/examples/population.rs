@@ -6,7 +6,7 @@
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use maveric_domain::{
-    Condition, Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Setpoints,
+    ConditionId, Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Setpoints,
     Situation, Study, drive::Direction, stream_seed,
 };
 use maveric_simulator::{
@@ -100,7 +100,7 @@ fn drive_of(rollout: &Rollout) -> Result<Drive, SimulatorError> {
         drive: DriveId::new("example")?,
         participant: ParticipantId::new("example")?,
         study: Study::One,
-        condition: Condition::Own,
+        condition: ConditionId::OWN,
         driven_by: DrivenBy::Synthetic,
     };
     Ok(Drive::from_recording(meta, &rollout.recording)?)

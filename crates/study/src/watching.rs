@@ -1,7 +1,7 @@
 //! Drives as the watch player wants them.
 
 use crate::{atomic_write::atomic_write_bytes, error::StudyError};
-use maveric_domain::{Condition, Drive, DriveMeta, DrivenBy, Recording, TraceRow};
+use maveric_domain::{ConditionId, Drive, DriveMeta, DrivenBy, Recording, TraceRow};
 use maveric_ingest::{Decision, DecisionKind, IngestSettings, read_decisions, read_log};
 use maveric_report::{
     Context,
@@ -48,7 +48,7 @@ impl WatchedDrive {
     }
 }
 
-fn title_case(condition: Condition) -> String {
+fn title_case(condition: ConditionId) -> String {
     let word = condition.as_str();
     word[..1].to_uppercase() + &word[1..]
 }

@@ -5,7 +5,7 @@ pub mod lane_change;
 pub mod reference_vehicle;
 
 use crate::{
-    condition::Condition,
+    ConditionId,
     error::DomainError,
     ids::{DriveId, ParticipantId, Study},
     recording::Recording,
@@ -63,7 +63,7 @@ pub struct DriveMeta {
     /// The study it belongs to.
     pub study: Study,
     /// The style shown.
-    pub condition: Condition,
+    pub condition: ConditionId,
     /// Who or what drove.
     pub driven_by: DrivenBy,
 }

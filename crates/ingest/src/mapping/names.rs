@@ -1,7 +1,9 @@
 //! Ids from file names.
 
 use crate::error::IngestError;
-use maveric_domain::{Condition, DomainError, DriveId, DriveMeta, DrivenBy, ParticipantId, Study};
+use maveric_domain::{
+    ConditionId, DomainError, DriveId, DriveMeta, DrivenBy, ParticipantId, Study,
+};
 use serde::Deserialize;
 use std::path::Path;
 
@@ -23,7 +25,7 @@ pub struct Names {
     pub study: Study,
     /// Whose style the drives show.
     #[serde(default = "own")]
-    pub condition: Condition,
+    pub condition: ConditionId,
     /// Who drove.
     #[serde(default = "human")]
     pub driven_by: DrivenBy,
@@ -33,8 +35,8 @@ fn study_one() -> Study {
     Study::One
 }
 
-fn own() -> Condition {
-    Condition::Own
+fn own() -> ConditionId {
+    ConditionId::OWN
 }
 
 fn human() -> DrivenBy {

@@ -18,8 +18,8 @@ mod scene;
 mod tables;
 
 use maveric_domain::{
-    Condition, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording, Road,
-    Study, VehicleId,
+    ConditionId, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording,
+    Road, Study, VehicleId,
 };
 use maveric_ingest::write_mcap;
 use mcap::{Message, MessageStream, WriteOptions, read::LinearReader, records::Record};
@@ -33,7 +33,7 @@ fn meta() -> DriveMeta {
         drive: DriveId::new("S2P07-mimic").unwrap(),
         participant: ParticipantId::new("S2P07").unwrap(),
         study: Study::Two,
-        condition: Condition::Mimic,
+        condition: ConditionId::MIMIC,
         driven_by: DrivenBy::Automated,
     }
 }

@@ -1,7 +1,7 @@
 //! Drives made by hand for the tests.
 
 use maveric_domain::{
-    Condition, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId,
+    ConditionId, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId,
     Recording, Road, Study, VehicleId,
 };
 
@@ -96,7 +96,7 @@ impl Scripted {
             drive: DriveId::new("S2P01-own").unwrap(),
             participant: ParticipantId::new("S2P01").unwrap(),
             study: Study::Two,
-            condition: Condition::Own,
+            condition: ConditionId::OWN,
             driven_by: DrivenBy::Synthetic,
         };
         Drive::from_recording(meta, &recording).unwrap()

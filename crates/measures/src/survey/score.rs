@@ -265,7 +265,7 @@ fn matrices(scales: &[Scale], sheets: &Sheets) -> Vec<ItemMatrix> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maveric_domain::Condition;
+    use maveric_domain::ConditionId;
     use proptest::prelude::*;
 
     fn scale(id: &str, scoring: Scoring) -> Scale {
@@ -391,8 +391,8 @@ mod tests {
     fn who_did_not_answer_is_counted_and_who_was_not_asked_is_not() {
         let scales = [scale("calm", Scoring::Mean), scale("trust", Scoring::Mean)];
         let full = [Some(4); 5];
-        let mimic = Moment::After(Condition::Mimic);
-        let aggressive = Moment::After(Condition::Aggressive);
+        let mimic = Moment::After(ConditionId::MIMIC);
+        let aggressive = Moment::After(ConditionId::AGGRESSIVE);
         let answers = [
             sheet("P01", Moment::Pre, "calm", &full),
             sheet("P01", mimic, "trust", &full),
@@ -424,7 +424,7 @@ mod tests {
 
     #[test]
     fn matrices_keep_complete_rows_of_the_moments_asked_for() {
-        let mimic = Moment::After(Condition::Mimic);
+        let mimic = Moment::After(ConditionId::MIMIC);
         let answers = [
             sheet("P01", Moment::Pre, "calm", &[Some(4); 5]),
             sheet("P02", Moment::Pre, "calm", &[Some(4); 4]),

@@ -227,7 +227,7 @@ mod tests {
     use super::{FollowingError as E, *};
     use crate::following::made_up;
     use maveric_domain::{
-        Condition, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording,
+        ConditionId, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording,
         Road, Study, VehicleId,
     };
 
@@ -262,7 +262,7 @@ mod tests {
             drive: DriveId::new("P01-own").unwrap(),
             participant: ParticipantId::new("P01").unwrap(),
             study: Study::One,
-            condition: Condition::Own,
+            condition: ConditionId::OWN,
             driven_by: DrivenBy::Human,
         };
         Drive::from_recording(meta, &recording).unwrap()

@@ -6,8 +6,8 @@
 )]
 
 use maveric_domain::{
-    AdbScore, Condition, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId,
-    Recording, Road, Study, VehicleId,
+    AdbScore, ConditionId, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack,
+    ParticipantId, Recording, Road, Study, VehicleId,
 };
 
 /// How somebody drives in [`drive`].
@@ -138,7 +138,7 @@ pub(crate) fn drive_at(rate_hz: f64, name: &str, habits: &Habits, seconds: f64) 
         drive: DriveId::new(format!("{name}-own")).unwrap(),
         participant: ParticipantId::new(name).unwrap(),
         study: Study::One,
-        condition: Condition::Own,
+        condition: ConditionId::OWN,
         driven_by: DrivenBy::Synthetic,
     };
     Drive::from_recording(meta, &recording).unwrap()

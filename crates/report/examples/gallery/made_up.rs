@@ -4,7 +4,7 @@
 pub(crate) mod kinds;
 
 use kinds::{PARTICIPANTS, figures, wobble};
-use maveric_domain::condition::Condition;
+use maveric_domain::ConditionId;
 use maveric_report::claims::{join, load};
 use maveric_report::html::{
     Input, Live, LiveContent, Methods, ParameterFile, Provenance, Section, SpaceDrive, SpacePerson,
@@ -69,9 +69,9 @@ fn style_space() -> StyleSpace {
             .map(|i| SpacePerson {
                 own: drive(i, format!("P{i} <b>&\u{202e}")),
                 conditions: vec![
-                    (Condition::Mimic, at(i)),
-                    (Condition::Aggressive, at(i).map(|v| v + 0.8)),
-                    (Condition::Cautious, at(i).map(|v| v - 0.8)),
+                    (ConditionId::MIMIC, at(i)),
+                    (ConditionId::AGGRESSIVE, at(i).map(|v| v + 0.8)),
+                    (ConditionId::CAUTIOUS, at(i).map(|v| v - 0.8)),
                 ],
             })
             .collect(),

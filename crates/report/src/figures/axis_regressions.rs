@@ -8,7 +8,7 @@ use super::theme::{INK, Marker, TWO_COLUMNS_MM, colour};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;
 use crate::markup;
-use maveric_domain::condition::Condition;
+use maveric_domain::ConditionId;
 use serde::{Deserialize, Serialize};
 
 /// A grid of scatter plots: a row a measure, a column an axis.
@@ -112,7 +112,7 @@ pub fn axis_regressions(input: &AxisRegressions, context: &Context) -> Result<Fi
                 let (marker, ink) = if column == 0 {
                     (Marker::Circle, INK)
                 } else {
-                    (Marker::Diamond, colour(Condition::Perpendicular))
+                    (Marker::Diamond, colour(ConditionId::PERPENDICULAR))
                 };
                 if let Some(line) = line {
                     line.paint(canvas, &frame, ink);

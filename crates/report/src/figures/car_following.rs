@@ -8,7 +8,7 @@ use super::thin::thinned;
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;
 use crate::markup;
-use maveric_domain::condition::Condition;
+use maveric_domain::ConditionId;
 use plotters::style::RGBColor;
 use serde::{Deserialize, Serialize};
 
@@ -51,10 +51,10 @@ impl Follower {
     pub(crate) fn colour(self) -> RGBColor {
         match self {
             Self::Recorded => INK,
-            Self::Model => colour(Condition::Mimic),
+            Self::Model => colour(ConditionId::MIMIC),
             Self::MeanEmbedding => GREY,
-            Self::ClosedLoop | Self::ClosedLoopMean => colour(Condition::Perpendicular),
-            Self::Idm => colour(Condition::Cautious),
+            Self::ClosedLoop | Self::ClosedLoopMean => colour(ConditionId::PERPENDICULAR),
+            Self::Idm => colour(ConditionId::CAUTIOUS),
             Self::Floor => MUTED,
             Self::ConstantTimeGap => OCHRE,
         }

@@ -6,7 +6,7 @@ use super::check::Check;
 use super::theme::{GREY, INK, MUTED, Marker, TWO_COLUMNS_MM, size, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;
-use maveric_domain::Condition;
+use maveric_domain::ConditionId;
 use serde::{Deserialize, Serialize};
 
 /// Curves to be drawn, and everything said about them.
@@ -93,10 +93,10 @@ pub fn curves(input: &Curves, context: &Context) -> Result<Figure, ReportError> 
     }
     let colours = [
         INK,
-        super::theme::colour(Condition::Aggressive),
-        super::theme::colour(Condition::Cautious),
+        super::theme::colour(ConditionId::AGGRESSIVE),
+        super::theme::colour(ConditionId::CAUTIOUS),
         GREY,
-        super::theme::colour(Condition::Perpendicular),
+        super::theme::colour(ConditionId::PERPENDICULAR),
     ];
     let columns = input.panels.len().clamp(1, 3);
     let rows = input.panels.len().div_ceil(columns);

@@ -9,7 +9,7 @@ use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa::number;
 use crate::error::ReportError;
 use crate::markup;
-use maveric_domain::condition::Condition;
+use maveric_domain::ConditionId;
 use serde::{Deserialize, Serialize};
 
 /// Drives of the same drivers at several shifts.
@@ -161,9 +161,12 @@ pub fn dial_sweep(input: &DialSweep, context: &Context) -> Result<Figure, Report
                     canvas.line(ends[0], ends[1], Pen::new(INK, stroke::BOX));
                 }
                 let (shape, ink) = match shift {
-                    s if *s > 0.0 => (marker(Condition::Aggressive), colour(Condition::Aggressive)),
-                    s if *s < 0.0 => (marker(Condition::Cautious), colour(Condition::Cautious)),
-                    _ => (Marker::Square, colour(Condition::Mimic)),
+                    s if *s > 0.0 => (
+                        marker(ConditionId::AGGRESSIVE),
+                        colour(ConditionId::AGGRESSIVE),
+                    ),
+                    s if *s < 0.0 => (marker(ConditionId::CAUTIOUS), colour(ConditionId::CAUTIOUS)),
+                    _ => (Marker::Square, colour(ConditionId::MIMIC)),
                 };
                 canvas.marker(frame.at(*shift, *mean), 2.2, shape, ink);
             }

@@ -12,7 +12,7 @@ use super::theme::{
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa;
 use crate::error::ReportError;
-use maveric_domain::condition::Condition;
+use maveric_domain::ConditionId;
 use serde::{Deserialize, Serialize};
 
 /// The panels of the figure, in reading order.
@@ -30,7 +30,7 @@ pub struct DifferencePanel {
     /// Title of the axis with the unit, such as `Difference from own drive (mph)`.
     pub axis: String,
     /// The conditions, in the order of the columns of `rows`.
-    pub conditions: Vec<Condition>,
+    pub conditions: Vec<ConditionId>,
     /// One row a participant, one value a condition, in the axis's unit; `None` is missing.
     pub rows: Vec<Vec<Option<f64>>>,
     /// The omnibus test, with marks, as [`crate::apa`] writes it. Shown as the subtitle.
@@ -45,9 +45,9 @@ pub struct DifferencePanel {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PairTest {
     /// One condition.
-    pub first: Condition,
+    pub first: ConditionId,
     /// The other.
-    pub second: Condition,
+    pub second: ConditionId,
     /// Its p value, adjusted after Holm.
     pub p_holm: f64,
 }
@@ -106,7 +106,7 @@ fn complete(panel: &DifferencePanel) -> Vec<Vec<f64>> {
 }
 
 /// Conditions in which nobody has a value.
-fn empty(panel: &DifferencePanel) -> impl Iterator<Item = Condition> {
+fn empty(panel: &DifferencePanel) -> impl Iterator<Item = ConditionId> {
     let nobody = |index: usize| panel.rows.iter().all(|row| row[index].is_none());
     let conditions = panel.conditions.iter().enumerate();
     conditions.filter_map(move |(index, &condition)| nobody(index).then_some(condition))
@@ -138,11 +138,11 @@ fn paint_panel(canvas: &mut Canvas<'_>, place: Place, panel: &DifferencePanel) {
         .iter()
         .enumerate()
         .map(|(index, condition)| {
-            let name = match condition {
-                Condition::Perpendicular => "Perp.",
-                other => condition_name(*other),
+            let name = match *condition {
+                ConditionId::PERPENDICULAR => "Perp.".to_owned(),
+                other => condition_name(other),
             };
-            (index as f64, name.to_owned())
+            (index as f64, name)
         });
     let x = Scale::labelled(-0.55, k as f64 - 0.4, names.collect());
     let labels = Labels {
@@ -257,7 +257,7 @@ struct Bracket {
 
 /// Shortest first, each on the lowest level where it meets no other.
 fn brackets(panel: &DifferencePanel) -> Vec<Bracket> {
-    let place = |wanted: Condition| panel.conditions.iter().position(|&c| c == wanted);
+    let place = |wanted: ConditionId| panel.conditions.iter().position(|&c| c == wanted);
     let mut spans: Vec<(usize, usize, f64)> = panel
         .pairs
         .iter()
@@ -351,7 +351,7 @@ mod tests {
 
     fn panel(rows: Vec<Vec<Option<f64>>>) -> DifferencePanels {
         let pair = |second| PairTest {
-            first: Condition::Mimic,
+            first: ConditionId::MIMIC,
             second,
             p_holm: 0.0004,
         };
@@ -359,13 +359,13 @@ mod tests {
             panels: vec![DifferencePanel {
                 title: "Mean velocity".into(),
                 axis: "Difference (mph)".into(),
-                conditions: Condition::AV.to_vec(),
+                conditions: ConditionId::AV.to_vec(),
                 rows,
                 omnibus: "*F*(3, 69) = 25.23".into(),
                 pairs: [
-                    Condition::Aggressive,
-                    Condition::Cautious,
-                    Condition::Perpendicular,
+                    ConditionId::AGGRESSIVE,
+                    ConditionId::CAUTIOUS,
+                    ConditionId::PERPENDICULAR,
                 ]
                 .map(pair)
                 .to_vec(),

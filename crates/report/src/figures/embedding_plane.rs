@@ -8,7 +8,7 @@ use super::embedding_space::{
     paint_point,
 };
 use super::theme::{INK, colour, stroke};
-use maveric_domain::condition::Condition;
+use maveric_domain::ConditionId;
 
 /// The unit direction across `unit` in which the points vary most, sign fixed by its largest part.
 fn first_perpendicular(points: &[EmbeddingPoint], unit: &[f64]) -> Vec<f64> {
@@ -140,7 +140,7 @@ pub(crate) fn paint(
         ring.extend(ring.first().copied());
         canvas.path(
             &ring,
-            Pen::new(colour(Condition::Perpendicular), stroke::STRONG),
+            Pen::new(colour(ConditionId::PERPENDICULAR), stroke::STRONG),
         );
     }
     if input.points.len() <= MOST_POINTS {

@@ -12,7 +12,7 @@ use super::theme::{
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa::number;
 use crate::error::ReportError;
-use maveric_domain::condition::Condition;
+use maveric_domain::ConditionId;
 use serde::{Deserialize, Serialize};
 
 /// Drivers in the style space.
@@ -198,17 +198,17 @@ fn check(input: &EmbeddingSpace) -> Result<(), ReportError> {
 }
 
 impl ExampleConditions {
-    pub(crate) fn markers(&self) -> Vec<(Condition, &[f64])> {
+    pub(crate) fn markers(&self) -> Vec<(ConditionId, &[f64])> {
         let mut out = vec![
-            (Condition::Cautious, self.cautious.as_slice()),
-            (Condition::Aggressive, self.aggressive.as_slice()),
+            (ConditionId::CAUTIOUS, self.cautious.as_slice()),
+            (ConditionId::AGGRESSIVE, self.aggressive.as_slice()),
         ];
         out.extend(
             self.perpendicular
                 .as_deref()
-                .map(|w| (Condition::Perpendicular, w)),
+                .map(|w| (ConditionId::PERPENDICULAR, w)),
         );
-        out.push((Condition::Mimic, self.mimic.as_slice()));
+        out.push((ConditionId::MIMIC, self.mimic.as_slice()));
         out
     }
 
@@ -269,7 +269,7 @@ pub(crate) fn paint_point(
     canvas.ring(at, r, Pen::new(PAPER, stroke::THIN));
 }
 
-pub(crate) fn paint_condition(canvas: &mut Canvas<'_>, at: (f64, f64), condition: Condition) {
+pub(crate) fn paint_condition(canvas: &mut Canvas<'_>, at: (f64, f64), condition: ConditionId) {
     canvas.marker(at, 4.6, marker(condition), PAPER);
     canvas.marker(at, 3.8, marker(condition), colour(condition));
 }
@@ -277,7 +277,7 @@ pub(crate) fn paint_condition(canvas: &mut Canvas<'_>, at: (f64, f64), condition
 enum Item<'a> {
     Point(&'a EmbeddingPoint),
     Piece((f64, f64), Pen),
-    Condition(Condition),
+    Condition(ConditionId),
 }
 
 fn paint_solid(canvas: &mut Canvas<'_>, place: Place, input: &EmbeddingSpace, palette: Palette) {
@@ -328,7 +328,7 @@ fn paint_solid(canvas: &mut Canvas<'_>, place: Place, input: &EmbeddingSpace, pa
         ));
     }
     if let Some(example) = &input.example {
-        let pen = Pen::new(colour(Condition::Perpendicular), stroke::STRONG);
+        let pen = Pen::new(colour(ConditionId::PERPENDICULAR), stroke::STRONG);
         for (k, w) in example.ellipse.iter().enumerate() {
             let next = &example.ellipse[(k + 1) % example.ellipse.len()];
             let (depth, at) = placed(cube(w), 0.0);
@@ -362,10 +362,10 @@ fn paint_keys(canvas: &mut Canvas<'_>, place: Place, example: bool, palette: Pal
     let mut x = place.left;
     if example {
         let keys = [
-            Condition::Mimic,
-            Condition::Aggressive,
-            Condition::Cautious,
-            Condition::Perpendicular,
+            ConditionId::MIMIC,
+            ConditionId::AGGRESSIVE,
+            ConditionId::CAUTIOUS,
+            ConditionId::PERPENDICULAR,
         ]
         .map(|c| (Key::Point(marker(c), colour(c)), condition_name(c)));
         canvas.legend_row((x, first), &keys);

@@ -6,7 +6,7 @@ use super::check::Check;
 use super::theme::{GREY, INK, MUTED, Marker, PALE, TWO_COLUMNS_MM, colour, size, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;
-use maveric_domain::Condition;
+use maveric_domain::ConditionId;
 use serde::{Deserialize, Serialize};
 
 /// False-positive rates by part of the report.
@@ -78,7 +78,7 @@ pub fn false_positives(input: &FalsePositives, context: &Context) -> Result<Figu
         let keys = [
             (Key::Point(Marker::Circle, INK), "a test, uncorrected"),
             (
-                Key::Point(Marker::Square, colour(Condition::Mimic)),
+                Key::Point(Marker::Square, colour(ConditionId::MIMIC)),
                 "a family, after Holm",
             ),
         ];
@@ -134,7 +134,7 @@ pub fn false_positives(input: &FalsePositives, context: &Context) -> Result<Figu
                 frame.at(*rate, middle),
                 2.0,
                 Marker::Square,
-                colour(Condition::Mimic),
+                colour(ConditionId::MIMIC),
             );
         }
     })

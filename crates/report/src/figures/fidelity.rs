@@ -8,7 +8,7 @@ use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa::number;
 use crate::error::ReportError;
 use crate::markup;
-use maveric_domain::condition::Condition;
+use maveric_domain::ConditionId;
 use serde::{Deserialize, Serialize};
 
 /// Accuracies measure by measure.
@@ -106,7 +106,7 @@ pub fn fidelity(input: &Fidelity, context: &Context) -> Result<Figure, ReportErr
         shows: Shows::Participants,
     };
     let looks = [
-        (Marker::Square, colour(Condition::Mimic), "Mimic"),
+        (Marker::Square, colour(ConditionId::MIMIC), "Mimic"),
         (Marker::Circle, INK, "own second drive"),
         (Marker::TriangleDown, GREY, "mean of all drivers"),
         (Marker::Diamond, OCHRE, "paper"),

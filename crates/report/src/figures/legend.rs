@@ -26,10 +26,15 @@ const ROW: f64 = 10.0;
 
 impl Canvas<'_> {
     /// Names the series of a figure in one row: marker or line, then label. Returns where it ends.
-    pub(crate) fn legend_row(&mut self, (x, y): (f64, f64), entries: &[(Key, &str)]) -> f64 {
+    pub(crate) fn legend_row(
+        &mut self,
+        (x, y): (f64, f64),
+        entries: &[(Key, impl AsRef<str>)],
+    ) -> f64 {
         let look = Look::new(size::TICK).centred();
         let mut x = x;
         for (key, label) in entries {
+            let label = label.as_ref();
             match *key {
                 Key::Point(shape, colour) => self.marker((x + 2.5, y), 2.2, shape, colour),
                 Key::Line(pen) => self.line((x, y), (x + 13.0, y), pen),

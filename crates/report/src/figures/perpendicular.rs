@@ -9,7 +9,7 @@ use super::theme::{GREY, PAPER, TWO_COLUMNS_MM, colour, marker, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;
 use crate::markup;
-use maveric_domain::condition::Condition;
+use maveric_domain::ConditionId;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -141,7 +141,7 @@ fn paint(canvas: &mut Canvas<'_>, place: super::axes::Place, panel: &Perpendicul
         .iter()
         .map(|point| (point.angle_rad, point.change))
         .collect();
-    let ink = colour(Condition::Perpendicular);
+    let ink = colour(ConditionId::PERPENDICULAR);
     if let Some([level, cosine, sine]) = fit::circular_fit(&pairs) {
         let curve: Vec<(f64, f64)> = (0..=90)
             .map(|step| TAU * f64::from(step) / 90.0)
@@ -167,7 +167,7 @@ fn paint(canvas: &mut Canvas<'_>, place: super::axes::Place, panel: &Perpendicul
         &frame,
         &places,
         1.8,
-        (marker(Condition::Perpendicular), ink),
+        (marker(ConditionId::PERPENDICULAR), ink),
     );
 }
 

@@ -10,7 +10,7 @@ use super::theme::{GRID, INK, MUTED, PAPER, TWO_COLUMNS_MM, colour, marker, size
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;
 use crate::markup;
-use maveric_domain::condition::Condition;
+use maveric_domain::ConditionId;
 use std::f64::consts::TAU;
 
 const NAME: &str = "perpendicular-circle";
@@ -168,7 +168,7 @@ fn paint(canvas: &mut Canvas<'_>, place: Place, panel: &PerpendicularPanel) {
         &dial.round(|_| 0.0),
         Pen::new(INK, stroke::AXIS).dashed(2.0, 1.5),
     );
-    let ink = colour(Condition::Perpendicular);
+    let ink = colour(ConditionId::PERPENDICULAR);
     if let Some([level, cosine, sine]) = curve {
         let line = dial.round(|angle| level + cosine * angle.cos() + sine * angle.sin());
         canvas.path(&line, Pen::new(ink, stroke::STRONG));
@@ -178,7 +178,7 @@ fn paint(canvas: &mut Canvas<'_>, place: Place, panel: &PerpendicularPanel) {
             canvas.marker(
                 dial.at(angle, change),
                 1.8,
-                marker(Condition::Perpendicular),
+                marker(ConditionId::PERPENDICULAR),
                 ink,
             );
         }
@@ -201,7 +201,7 @@ fn paint(canvas: &mut Canvas<'_>, place: Place, panel: &PerpendicularPanel) {
 }
 
 fn paint_sectors(canvas: &mut Canvas<'_>, dial: &Dial, pairs: &[(f64, f64)]) {
-    let ink = colour(Condition::Perpendicular);
+    let ink = colour(ConditionId::PERPENDICULAR);
     let mut sectors = vec![Vec::new(); SECTORS];
     for &(angle, change) in pairs {
         let share = angle.rem_euclid(TAU) / TAU;

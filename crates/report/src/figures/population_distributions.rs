@@ -8,7 +8,7 @@ use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa::number;
 use crate::error::ReportError;
 use crate::markup;
-use maveric_domain::condition::Condition;
+use maveric_domain::ConditionId;
 use plotters::style::RGBColor;
 use serde::{Deserialize, Serialize};
 
@@ -58,7 +58,7 @@ pub enum Origin {
 impl Origin {
     fn look(self) -> (Marker, RGBColor, &'static str) {
         match self {
-            Self::Generated => (Marker::Square, colour(Condition::Mimic), "generated"),
+            Self::Generated => (Marker::Square, colour(ConditionId::MIMIC), "generated"),
             Self::Published => (Marker::Diamond, OCHRE, "published"),
             Self::Recorded => (Marker::Circle, INK, "recorded"),
         }

@@ -7,7 +7,7 @@ use super::theme::{INK, Marker, ONE_COLUMN_MM, colour, condition_name, size, str
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa::number;
 use crate::error::ReportError;
-use maveric_domain::condition::Condition;
+use maveric_domain::ConditionId;
 use maveric_stats::proportion;
 use serde::{Deserialize, Serialize};
 
@@ -99,7 +99,7 @@ pub fn preference(input: &Preferences, context: &Context) -> Result<Figure, Repo
     });
     let top = tops.fold(50.0, f64::max).min(100.0);
     draw(plan, context, |canvas, mut place| {
-        let keys = [Condition::Aggressive, Condition::Cautious]
+        let keys = [ConditionId::AGGRESSIVE, ConditionId::CAUTIOUS]
             .map(|c| (Key::Point(Marker::Square, colour(c)), condition_name(c)));
         canvas.legend_row((place.left, place.top + 4.0), &keys);
         place.top += cap_height(size::TICK) + 8.0;
@@ -118,8 +118,8 @@ pub fn preference(input: &Preferences, context: &Context) -> Result<Figure, Repo
         let frame = Frame::draw(canvas, place, &labels, x, y);
         for (index, scale) in input.scales.iter().enumerate() {
             let bars = [
-                (-0.2, scale.aggressive_above, Condition::Aggressive),
-                (0.2, scale.cautious_above, Condition::Cautious),
+                (-0.2, scale.aggressive_above, ConditionId::AGGRESSIVE),
+                (0.2, scale.cautious_above, ConditionId::CAUTIOUS),
             ];
             for (offset, above, condition) in bars {
                 let share = 100.0 * above as f64 / scale.n as f64;

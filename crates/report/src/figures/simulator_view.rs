@@ -10,7 +10,7 @@ use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa::number;
 use crate::error::ReportError;
 use crate::markup;
-use maveric_domain::condition::Condition;
+use maveric_domain::ConditionId;
 use plotters::style::RGBColor;
 use serde::{Deserialize, Serialize};
 
@@ -20,7 +20,7 @@ pub struct SimulatorView {
     /// Id of the participant.
     pub participant: String,
     /// Whose style the ego drives.
-    pub condition: Condition,
+    pub condition: ConditionId,
     /// Seconds since the drive's start.
     pub time_s: f64,
     /// Lanes of the road; lane 0 is the right one, its centre at y = 0.
@@ -296,7 +296,7 @@ mod tests {
         };
         SimulatorView {
             participant: "P<07>".into(),
-            condition: Condition::Aggressive,
+            condition: ConditionId::AGGRESSIVE,
             time_s: 83.2,
             lanes: 2,
             lane_width_m: 3.66,

@@ -9,7 +9,7 @@ use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa::number;
 use crate::error::ReportError;
 use crate::markup;
-use maveric_domain::condition::Condition;
+use maveric_domain::ConditionId;
 use serde::{Deserialize, Serialize};
 
 /// Accuracies of drivers who drove twice.
@@ -149,8 +149,8 @@ pub fn test_retest(input: &TestRetest, context: &Context) -> Result<Figure, Repo
         alt: found.join(" "),
         shows: Shows::Participants,
     };
-    let own = (marker(Condition::Own), colour(Condition::Own));
-    let mimic = (marker(Condition::Mimic), colour(Condition::Mimic));
+    let own = (marker(ConditionId::OWN), colour(ConditionId::OWN));
+    let mimic = (marker(ConditionId::MIMIC), colour(ConditionId::MIMIC));
     draw(plan, context, |canvas, whole| {
         let keys = [
             (Key::Point(own.0, own.1), "own second drive"),

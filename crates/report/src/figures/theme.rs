@@ -1,6 +1,6 @@
 //! One look for all figures: colours, sizes, widths.
 
-use maveric_domain::condition::Condition;
+use maveric_domain::ConditionId;
 use plotters::style::RGBColor;
 
 /// Width of a one-column figure, in millimetres.
@@ -55,25 +55,21 @@ pub(crate) mod stroke {
 
 /// The fixed colour of a condition; no two are closer than 12 (Oklab × 100), for normal and
 /// for colour-blind eyes.
-pub(crate) fn colour(condition: Condition) -> RGBColor {
+pub(crate) fn colour(condition: ConditionId) -> RGBColor {
     match condition {
-        Condition::Own => INK,
-        Condition::Mimic => RGBColor(0x88, 0x2e, 0x72),
-        Condition::Aggressive => RGBColor(0xd5, 0x5e, 0x00),
-        Condition::Cautious => RGBColor(0x00, 0x5a, 0xb5),
-        Condition::Perpendicular => RGBColor(0x0f, 0x9d, 0x7a),
+        ConditionId::OWN => INK,
+        ConditionId::MIMIC => RGBColor(0x88, 0x2e, 0x72),
+        ConditionId::AGGRESSIVE => RGBColor(0xd5, 0x5e, 0x00),
+        ConditionId::CAUTIOUS => RGBColor(0x00, 0x5a, 0xb5),
+        ConditionId::PERPENDICULAR => RGBColor(0x0f, 0x9d, 0x7a),
+        _ => MUTED,
     }
 }
 
 /// The name of a condition as figures and tables write it.
-pub(crate) fn condition_name(condition: Condition) -> &'static str {
-    match condition {
-        Condition::Own => "Own",
-        Condition::Mimic => "Mimic",
-        Condition::Aggressive => "Aggressive",
-        Condition::Cautious => "Cautious",
-        Condition::Perpendicular => "Perpendicular",
-    }
+pub(crate) fn condition_name(condition: ConditionId) -> String {
+    let word = condition.as_str();
+    word[..1].to_ascii_uppercase() + &word[1..]
 }
 
 /// The shape that goes with a colour, so that colour is never alone.
@@ -87,13 +83,13 @@ pub(crate) enum Marker {
 }
 
 /// The fixed marker of a condition.
-pub(crate) fn marker(condition: Condition) -> Marker {
+pub(crate) fn marker(condition: ConditionId) -> Marker {
     match condition {
-        Condition::Own => Marker::Circle,
-        Condition::Mimic => Marker::Square,
-        Condition::Aggressive => Marker::TriangleUp,
-        Condition::Cautious => Marker::TriangleDown,
-        Condition::Perpendicular => Marker::Diamond,
+        ConditionId::MIMIC => Marker::Square,
+        ConditionId::AGGRESSIVE => Marker::TriangleUp,
+        ConditionId::CAUTIOUS => Marker::TriangleDown,
+        ConditionId::PERPENDICULAR => Marker::Diamond,
+        _ => Marker::Circle,
     }
 }
 
@@ -155,9 +151,9 @@ pub(crate) fn diverging(value: f64) -> RGBColor {
     const MIDDLE: RGBColor = RGBColor(0xf6, 0xf6, 0xf6);
     let value = value.clamp(-1.0, 1.0);
     let end = colour(if value < 0.0 {
-        Condition::Cautious
+        ConditionId::CAUTIOUS
     } else {
-        Condition::Aggressive
+        ConditionId::AGGRESSIVE
     });
     let share = value.abs();
     let mix = |a: u8, b: u8| (f64::from(a) + (f64::from(b) - f64::from(a)) * share).round() as u8;

@@ -11,7 +11,7 @@ use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa::number;
 use crate::error::ReportError;
 use crate::markup;
-use maveric_domain::condition::Condition;
+use maveric_domain::ConditionId;
 use plotters::style::RGBColor;
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +21,7 @@ pub struct TimeSpace {
     /// Id of the drive. Plain text.
     pub drive: String,
     /// In which condition it was driven: the colour of the ego.
-    pub condition: Condition,
+    pub condition: ConditionId,
     /// The ego, without holes.
     pub ego: Track,
     /// The vehicles that were leads at some time.
@@ -71,12 +71,12 @@ impl DecisionKind {
         match self {
             Self::LaneChange => (
                 Marker::TriangleUp,
-                colour(Condition::Aggressive),
+                colour(ConditionId::AGGRESSIVE),
                 "changes lane to pass",
             ),
             Self::MergeBack => (
                 Marker::TriangleDown,
-                colour(Condition::Cautious),
+                colour(ConditionId::CAUTIOUS),
                 "merges back",
             ),
             Self::Safety => (Marker::Diamond, OCHRE, "safety rule steps in"),
@@ -335,7 +335,7 @@ mod tests {
     fn input() -> TimeSpace {
         TimeSpace {
             drive: "P07 Mimic".into(),
-            condition: Condition::Mimic,
+            condition: ConditionId::MIMIC,
             ego: track(30.0, 0.0, |t| u8::from((20..40).contains(&t))),
             leads: vec![track(25.0, 150.0, |_| 0)],
             others: Vec::new(),

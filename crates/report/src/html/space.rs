@@ -1,7 +1,7 @@
 //! The embedding space, to be turned by hand.
 
 use super::live::short;
-use maveric_domain::Condition;
+use maveric_domain::ConditionId;
 use serde_json::{Value, json};
 
 /// People beyond this number cannot be chosen, drives beyond it are not drawn: the page stays small.
@@ -39,7 +39,7 @@ pub struct SpacePerson {
     /// The own drive; its embedding is Mimic's.
     pub own: SpaceDrive,
     /// Where the conditions lie.
-    pub conditions: Vec<(Condition, [f64; 3])>,
+    pub conditions: Vec<(ConditionId, [f64; 3])>,
 }
 
 impl StyleSpace {

@@ -3,7 +3,7 @@
 use super::*;
 use crate::scenario::{Integrator, ScenarioSettings, VehicleModel, VehiclePlacement};
 use maveric_domain::{
-    Condition, Drive, DriveId, DriveMeta, DrivenBy, LaneActivity, LatentTraits, ParticipantId,
+    ConditionId, Drive, DriveId, DriveMeta, DrivenBy, LaneActivity, LatentTraits, ParticipantId,
     Seconds, Setpoints, Situation, Study, drive::Direction,
 };
 use proptest::prelude::*;
@@ -13,7 +13,7 @@ fn drive(rollout: &Rollout) -> Drive {
         drive: DriveId::new("test").unwrap(),
         participant: ParticipantId::new("test").unwrap(),
         study: Study::One,
-        condition: Condition::Own,
+        condition: ConditionId::OWN,
         driven_by: DrivenBy::Synthetic,
     };
     Drive::from_recording(meta, &rollout.recording).unwrap()

@@ -7,7 +7,7 @@ use crate::{
     stages::{rate::read_effects, score::read_scales, simulate::Scenes},
     tables::{participants::write_participants, surveys::write_answers},
 };
-use maveric_domain::{Condition, DriveId, DriveMeta, DrivenBy, Seconds, Study, stream_seed};
+use maveric_domain::{ConditionId, DriveId, DriveMeta, DrivenBy, Seconds, Study, stream_seed};
 use maveric_ingest::{Beside, write_mcap_with};
 use maveric_participants::{Cohort, CohortSettings, PlannedDrive, answer_before};
 use maveric_simulator::{People, Scenario, rollout};
@@ -142,7 +142,7 @@ fn again(cohort: &Cohort) -> Result<Vec<PlannedDrive>, StudyError> {
     let own = cohort
         .drives
         .iter()
-        .filter(|d| d.condition == Condition::Own);
+        .filter(|d| d.condition == ConditionId::OWN);
     own.map(|d| {
         Ok(PlannedDrive {
             drive: DriveId::new(format!("{}-again", d.drive))?,

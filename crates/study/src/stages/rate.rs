@@ -11,7 +11,7 @@ use crate::{
         surveys::write_answers,
     },
 };
-use maveric_domain::{Condition, Study};
+use maveric_domain::{ConditionId, Study};
 use maveric_participants::{Effects, MeasureValues, spread};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -64,7 +64,7 @@ pub fn rate(options: &RateOptions, watch: Watch<'_>) -> Result<Outcome<Ratings>,
     let people = read_participants(&options.participants)?;
     let effects = read_effects(&options.effects)?;
     let scales = read_scales(&options.scales)?;
-    let own = |d: &&MeasuredDrive| d.meta.condition == Condition::Own;
+    let own = |d: &&MeasuredDrive| d.meta.condition == ConditionId::OWN;
     let by_hand: Vec<&MeasureValues> = drives.iter().filter(own).map(|d| &d.values).collect();
     let spread = spread(&by_hand);
     let mut answers = Vec::new();
@@ -83,12 +83,12 @@ pub fn rate(options: &RateOptions, watch: Watch<'_>) -> Result<Outcome<Ratings>,
             ));
             continue;
         };
-        let trial = |c: &Condition| {
+        let trial = |c: &ConditionId| {
             mine.iter()
                 .find(|d| d.meta.condition == *c)
                 .map(|d| (*c, d.values.clone()))
         };
-        let trials: Vec<(Condition, MeasureValues)> =
+        let trials: Vec<(ConditionId, MeasureValues)> =
             person.order.iter().filter_map(trial).collect();
         if trials.len() < person.order.len() {
             let missing = person.order.len() - trials.len();

@@ -10,7 +10,7 @@ use crate::{
         surveys::read_scores,
     },
 };
-use maveric_domain::{AdbScore, Condition, Drive, Moment, Score};
+use maveric_domain::{AdbScore, ConditionId, Drive, Moment, Score};
 use maveric_model::{
     Checkpoints, EpochReport, Model, ModelError, Quality, Selection, TrainParams, TrainSettings,
     TrainingDrive, TrainingState, checkpoint, style_space::AggressionAxis, train_resumable,
@@ -133,7 +133,7 @@ pub fn read_model(path: &Path) -> Result<Model, StudyError> {
 /// The ADB score that belongs to a drive: the one answered before the drives, or in a professional's role.
 pub(crate) fn adb_of(drive: &Drive, scores: &[Score]) -> Result<Option<AdbScore>, StudyError> {
     let meta = drive.meta();
-    let moment = if meta.condition == Condition::Own {
+    let moment = if meta.condition == ConditionId::OWN {
         Moment::Pre
     } else {
         Moment::After(meta.condition)

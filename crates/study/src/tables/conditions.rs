@@ -5,7 +5,7 @@ use super::{
     embeddings::{read_coordinates, with_coordinates},
 };
 use crate::error::StudyError;
-use maveric_domain::{Condition, DriveId, Embedding, ParticipantId};
+use maveric_domain::{ConditionId, DriveId, Embedding, ParticipantId};
 use std::path::Path;
 
 /// One participant in one condition.
@@ -14,7 +14,7 @@ pub struct ConditionRow {
     /// The participant.
     pub participant: ParticipantId,
     /// The condition.
-    pub condition: Condition,
+    pub condition: ConditionId,
     /// Ŝ at the embedding, in points.
     pub adb_hat: f64,
     /// How far Ŝ moved from the participant's own, in points, after clamping.
@@ -126,7 +126,7 @@ fn read_sweep(table: &Table) -> Result<Vec<Option<SweepPoint>>, StudyError> {
 pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
     let table = Table::read(path)?;
     let participant: Vec<ParticipantId> = table.ids("participant")?;
-    let condition: Vec<Condition> = table.parsed("condition")?;
+    let condition: Vec<ConditionId> = table.parsed("condition")?;
     let adb_hat = table.all_numbers("adb_hat")?;
     let moved_points = table.all_numbers("moved_points")?;
     let angle_rad = table.numbers("angle_rad")?;
@@ -155,7 +155,7 @@ mod tests {
     fn a_sweep_comes_back_with_its_drives_and_a_study_without() {
         let row = |sweep: Option<SweepPoint>| ConditionRow {
             participant: ParticipantId::new("P01").unwrap(),
-            condition: Condition::Aggressive,
+            condition: ConditionId::AGGRESSIVE,
             adb_hat: 40.0,
             moved_points: 10.0,
             angle_rad: None,

@@ -2,7 +2,7 @@
 
 use super::{Table, TableBuilder};
 use crate::error::StudyError;
-use maveric_domain::{Condition, DriveId, Embedding, ParticipantId, Study};
+use maveric_domain::{ConditionId, DriveId, Embedding, ParticipantId, Study};
 use std::path::Path;
 
 /// One fitted embedding.
@@ -15,7 +15,7 @@ pub struct EmbeddingRow {
     /// The drive's study.
     pub study: Study,
     /// The style the drive shows.
-    pub condition: Condition,
+    pub condition: ConditionId,
     /// Whether the ADB score took part in the fit.
     pub adb_used: bool,
     /// ADB score, in points, where there is one.
@@ -149,7 +149,7 @@ pub fn read_embeddings(path: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
     let drive: Vec<DriveId> = table.ids("drive")?;
     let participant: Vec<ParticipantId> = table.ids("participant")?;
     let study: Vec<Study> = table.parsed("study")?;
-    let condition: Vec<Condition> = table.parsed("condition")?;
+    let condition: Vec<ConditionId> = table.parsed("condition")?;
     let adb_used: Vec<bool> = table.parsed("adb_used")?;
     let adb = table.numbers("adb")?;
     let adb_hat = table.numbers("adb_hat")?;
@@ -204,7 +204,7 @@ mod tests {
             drive: DriveId::new(name).unwrap(),
             participant: ParticipantId::new("P01").unwrap(),
             study: Study::Two,
-            condition: Condition::Own,
+            condition: ConditionId::OWN,
             adb_used: false,
             adb: None,
             adb_hat: Some(30.5),

@@ -2,7 +2,7 @@
 
 use super::{Table, TableBuilder};
 use crate::error::StudyError;
-use maveric_domain::{Condition, DriveId, DriveMeta, DrivenBy, ParticipantId, Study};
+use maveric_domain::{ConditionId, DriveId, DriveMeta, DrivenBy, ParticipantId, Study};
 use std::{collections::BTreeMap, path::Path};
 
 /// What was measured of one drive.
@@ -58,7 +58,7 @@ pub fn read_measurements(path: &Path) -> Result<Vec<MeasuredDrive>, StudyError> 
     let drive: Vec<DriveId> = table.ids("drive")?;
     let participant: Vec<ParticipantId> = table.ids("participant")?;
     let study: Vec<Study> = table.parsed("study")?;
-    let condition: Vec<Condition> = table.parsed("condition")?;
+    let condition: Vec<ConditionId> = table.parsed("condition")?;
     let driven_by: Vec<DrivenBy> = table.parsed("driven_by")?;
     let about = ["drive", "participant", "study", "condition", "driven_by"];
     let mut drives: Vec<MeasuredDrive> = (0..table.rows())

@@ -2,7 +2,7 @@
 
 use super::{Table, TableBuilder};
 use crate::error::StudyError;
-use maveric_domain::{Condition, LatentTraits, ParticipantId, Study};
+use maveric_domain::{ConditionId, LatentTraits, ParticipantId, Study};
 use maveric_participants::{Gender, Participant, Personality, Population};
 use std::{collections::BTreeSet, path::Path};
 
@@ -15,7 +15,7 @@ pub fn write_participants(path: &Path, people: &[Participant]) -> Result<(), Stu
     let order = |p: &Participant| {
         p.order
             .iter()
-            .map(|c| c.as_str())
+            .map(ConditionId::as_str)
             .collect::<Vec<_>>()
             .join(" ")
     };
@@ -68,7 +68,7 @@ pub struct Enrolled {
     /// Whether they drive for a living and demonstrated roles.
     pub professional: bool,
     /// The AV conditions in the order of the trials; empty where the table does not say.
-    pub order: Vec<Condition>,
+    pub order: Vec<ConditionId>,
 }
 
 /// Reads who takes part. Needed are the columns `participant` and `study`; `population`, `age`, `gender`, `professional` and
@@ -164,9 +164,9 @@ fn years(text: &str) -> Option<f64> {
     }
 }
 
-fn conditions(table: &Table, row: usize, words: &str) -> Result<Vec<Condition>, StudyError> {
+fn conditions(table: &Table, row: usize, words: &str) -> Result<Vec<ConditionId>, StudyError> {
     let parse = |word: &str| {
-        let condition = word.parse::<Condition>();
+        let condition = word.parse::<ConditionId>();
         condition.map_err(|e| table.bad_cell(row, "order", word, e.to_string()))
     };
     words.split_whitespace().map(parse).collect()
@@ -241,7 +241,7 @@ mod tests {
             (people[1].age_years, people[1].gender.as_deref()),
             (Some(35.0), None)
         );
-        assert_eq!(people[1].order, [Condition::Mimic, Condition::Cautious]);
+        assert_eq!(people[1].order, [ConditionId::MIMIC, ConditionId::CAUTIOUS]);
         assert_eq!(
             (people[2].age_years, people[2].gender.as_deref()),
             (None, Some("other"))

@@ -2,7 +2,7 @@
 
 use crate::error::IngestError;
 use maveric_domain::{
-    Condition, DomainError, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording, Road, Study,
+    ConditionId, DomainError, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording, Road, Study,
 };
 use std::{collections::BTreeMap, path::Path, str::FromStr};
 
@@ -49,7 +49,7 @@ pub(crate) fn parse(
             drive: of.id("drive", DriveId::new)?,
             participant: of.id("participant", ParticipantId::new)?,
             study: of.word("study", "1 or 2", Study::from_str)?,
-            condition: of.word("condition", "a condition", Condition::from_str)?,
+            condition: of.word("condition", "a condition", ConditionId::from_str)?,
             driven_by: of.word(
                 "driven_by",
                 "human, synthetic or automated",

@@ -1,7 +1,7 @@
 //! Six measures in four conditions, with their tests.
 
 use super::{PARTICIPANTS, wobble};
-use maveric_domain::condition::Condition;
+use maveric_domain::ConditionId;
 use maveric_report::apa;
 use maveric_report::{
     Context, Figure, ReportError,
@@ -24,7 +24,7 @@ pub(crate) fn input() -> DifferencePanels {
     });
     let friedman = apa::chi2(41.19, 3, 24, 1e-8, Some(0.57));
     let pair = |second, p_holm| PairTest {
-        first: Condition::Mimic,
+        first: ConditionId::MIMIC,
         second,
         p_holm,
     };
@@ -33,7 +33,7 @@ pub(crate) fn input() -> DifferencePanels {
         DifferencePanel {
             title: title.into(),
             axis: axis.into(),
-            conditions: Condition::AV.to_vec(),
+            conditions: ConditionId::AV.to_vec(),
             rows: (0..PARTICIPANTS)
                 .map(|i| {
                     (0..4)
@@ -54,9 +54,9 @@ pub(crate) fn input() -> DifferencePanels {
             }
             .to_owned(),
             pairs: vec![
-                pair(Condition::Aggressive, 0.0002),
-                pair(Condition::Cautious, 0.017),
-                pair(Condition::Perpendicular, 0.62),
+                pair(ConditionId::AGGRESSIVE, 0.0002),
+                pair(ConditionId::CAUTIOUS, 0.017),
+                pair(ConditionId::PERPENDICULAR, 0.62),
             ],
             reference: Some(reference),
         }

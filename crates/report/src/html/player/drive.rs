@@ -1,6 +1,6 @@
 //! What the player is given.
 
-use maveric_domain::{condition::Condition, drive::Direction};
+use maveric_domain::{ConditionId, drive::Direction};
 
 /// Drives to watch side by side: one participant's conditions, usually.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +21,7 @@ pub struct PlayerDrive {
     /// Who drove, in a word or two, plain text: "by hand", "automated".
     pub note: String,
     /// Whose style: gives the colour.
-    pub condition: Condition,
+    pub condition: ConditionId,
     /// Lanes of the road; lane 0 is the right one, its centre at y = 0.
     pub lanes: u8,
     /// Width of a lane, in m.

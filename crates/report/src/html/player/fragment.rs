@@ -12,7 +12,7 @@ use crate::figures::{Context, DARK, condition_colour, font_face_css, hex};
 use crate::html::page::fill;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use maveric_domain::{condition::Condition, drive::Direction, units::MPS_PER_MPH};
+use maveric_domain::{ConditionId, drive::Direction, units::MPS_PER_MPH};
 use minijinja::{Value, context};
 use serde_json::json;
 use std::fmt::Write as _;
@@ -48,7 +48,7 @@ impl PlayerFragment {
 ///
 /// # Example
 /// ```
-/// use maveric_domain::condition::Condition;
+/// use maveric_domain::ConditionId;
 /// use maveric_report::{Context, html::{PlayerDrive, Track, WatchPlayer, player}};
 ///
 /// let track = |id, from_m: f64, speed_mps: f64| Track {
@@ -62,7 +62,7 @@ impl PlayerFragment {
 /// let drive = PlayerDrive {
 ///     label: "Mimic".into(),
 ///     note: "automated".into(),
-///     condition: Condition::Mimic,
+///     condition: ConditionId::MIMIC,
 ///     lanes: 2,
 ///     lane_width_m: 3.66,
 ///     centre_line: None,
@@ -155,7 +155,7 @@ pub fn watch_page(
 /// The rules, with the theme's colours for light and dark.
 fn style() -> String {
     let mut out = include_str!("player.css").to_owned();
-    let all = || [Condition::Own].into_iter().chain(Condition::AV);
+    let all = || [ConditionId::OWN].into_iter().chain(ConditionId::AV);
     for condition in all() {
         let colour = hex(condition_colour(condition));
         let _ = writeln!(out, ".drive-player .pl-{condition}{{--pl-colour:{colour}}}");

@@ -1,7 +1,7 @@
 //! A drive to watch from a recording.
 
 use super::drive::{CentreLine, ChangeSpan, InterventionSpan, PlayerDrive, Track};
-use maveric_domain::{Drive, Recording, condition::Condition};
+use maveric_domain::{ConditionId, Drive, Recording};
 
 /// Width that vehicles are drawn with, in m: recordings do not say it.
 const WIDTH_M: f64 = 1.9;
@@ -14,7 +14,7 @@ pub struct PlayerMeta {
     /// Who drove, in a word or two.
     pub note: String,
     /// Whose style.
-    pub condition: Condition,
+    pub condition: ConditionId,
     /// When the safety layer stepped in, if that is known.
     pub interventions: Option<Vec<InterventionSpan>>,
     /// Where the road lies, if it is not straight.

@@ -9,7 +9,7 @@ use crate::{
         surveys::read_scores,
     },
 };
-use maveric_domain::{Condition, DrivenBy, Moment, ParticipantId, Score, Study};
+use maveric_domain::{ConditionId, DrivenBy, Moment, ParticipantId, Score, Study};
 use maveric_participants::MeasureValues;
 use std::{collections::BTreeMap, path::Path};
 
@@ -72,7 +72,7 @@ pub(crate) struct StudyData {
     pub(crate) embeddings: Vec<EmbeddingRow>,
     pub(crate) conditions: Vec<ConditionRow>,
     /// Study 2's drives by condition and participant.
-    drives: BTreeMap<Condition, BTreeMap<ParticipantId, usize>>,
+    drives: BTreeMap<ConditionId, BTreeMap<ParticipantId, usize>>,
     /// Subscales of the pre-study scales, in the order in which they were scored.
     subscales: Vec<(String, String)>,
     pre: Scores,
@@ -100,14 +100,14 @@ impl StudyData {
     /// # Errors
     /// [`StudyError::NotPossible`] for fewer than three participants of Study 2.
     pub(crate) fn new(tables: Tables, whence: &str) -> Result<Self, StudyError> {
-        let mut drives: BTreeMap<Condition, BTreeMap<ParticipantId, usize>> = BTreeMap::new();
+        let mut drives: BTreeMap<ConditionId, BTreeMap<ParticipantId, usize>> = BTreeMap::new();
         for (at, drive) in tables.measurements.iter().enumerate() {
             if drive.meta.study == Study::Two {
                 let of = drives.entry(drive.meta.condition).or_default();
                 of.entry(drive.meta.participant.clone()).or_insert(at);
             }
         }
-        let own = drives.get(&Condition::Own);
+        let own = drives.get(&ConditionId::OWN);
         let participants: Vec<ParticipantId> =
             own.into_iter().flat_map(BTreeMap::keys).cloned().collect();
         if participants.len() < 3 {
@@ -151,7 +151,7 @@ impl StudyData {
     pub(crate) fn measured(
         &self,
         participant: &ParticipantId,
-        condition: Condition,
+        condition: ConditionId,
         measure: &str,
     ) -> Option<f64> {
         let at = *self.drives.get(&condition)?.get(participant)?;
@@ -162,7 +162,7 @@ impl StudyData {
     pub(crate) fn drive(
         &self,
         participant: &ParticipantId,
-        condition: Condition,
+        condition: ConditionId,
     ) -> Option<&MeasureValues> {
         let at = *self.drives.get(&condition)?.get(participant)?;
         Some(&self.measurements[at].values)
@@ -171,7 +171,7 @@ impl StudyData {
     /// A measure of every own drive of Study 1 that has it.
     pub(crate) fn training_drives(&self, measure: &str) -> Vec<f64> {
         let own =
-            |d: &&MeasuredDrive| d.meta.study == Study::One && d.meta.condition == Condition::Own;
+            |d: &&MeasuredDrive| d.meta.study == Study::One && d.meta.condition == ConditionId::OWN;
         self.measurements
             .iter()
             .filter(own)
@@ -186,7 +186,9 @@ impl StudyData {
         adb_used: bool,
     ) -> Option<&EmbeddingRow> {
         self.embeddings.iter().find(|e| {
-            e.participant == *participant && e.condition == Condition::Own && e.adb_used == adb_used
+            e.participant == *participant
+                && e.condition == ConditionId::OWN
+                && e.adb_used == adb_used
         })
     }
 
@@ -204,7 +206,7 @@ impl StudyData {
     pub(crate) fn post(
         &self,
         participant: &ParticipantId,
-        condition: Condition,
+        condition: ConditionId,
         scale: &str,
         subscale: &str,
     ) -> Option<f64> {
@@ -216,7 +218,7 @@ impl StudyData {
     pub(crate) fn condition(
         &self,
         participant: &ParticipantId,
-        condition: Condition,
+        condition: ConditionId,
     ) -> Option<&ConditionRow> {
         let row = |c: &&ConditionRow| c.participant == *participant && c.condition == condition;
         self.conditions.iter().find(row)

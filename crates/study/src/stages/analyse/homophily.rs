@@ -7,7 +7,7 @@ use super::{
     result::{HomophilyRow, Preference, SimilarityRow},
 };
 use crate::error::StudyError;
-use maveric_domain::{Condition, ParticipantId};
+use maveric_domain::{ConditionId, ParticipantId};
 use maveric_stats::{CorrelationMethod, adjust, proportion};
 
 /// The ratings of a condition: code name, scale, subscale, and whether more of it is better.
@@ -26,7 +26,7 @@ pub(super) const RATINGS: [(&str, &str, &str, bool); 4] = [
 pub(super) fn rating(
     data: &StudyData,
     p: &ParticipantId,
-    condition: Condition,
+    condition: ConditionId,
     name: &str,
 ) -> Option<f64> {
     let (_, scale, subscale, _) = RATINGS.iter().find(|r| r.0 == name)?;
@@ -40,10 +40,11 @@ pub(super) fn homophily(
 ) -> Result<Vec<HomophilyRow>, StudyError> {
     // Mimic minus the other, once for all factors.
     let mut differences = Vec::new();
-    for versus in [Condition::Cautious, Condition::Aggressive] {
+    for versus in [ConditionId::CAUTIOUS, ConditionId::AGGRESSIVE] {
         for (name, ..) in RATINGS {
-            let difference =
-                |p| Some(rating(data, p, Condition::Mimic, name)? - rating(data, p, versus, name)?);
+            let difference = |p| {
+                Some(rating(data, p, ConditionId::MIMIC, name)? - rating(data, p, versus, name)?)
+            };
             let y: Vec<Option<f64>> = data.participants.iter().map(difference).collect();
             differences.push((versus, name, y));
         }
@@ -85,10 +86,10 @@ pub(super) fn homophily(
 
 /// Perceived similarity against the ratings, over participants × conditions.
 pub(super) fn similarity(data: &StudyData) -> Result<Vec<SimilarityRow>, StudyError> {
-    let cells: Vec<(&ParticipantId, Condition)> = data
+    let cells: Vec<(&ParticipantId, ConditionId)> = data
         .participants
         .iter()
-        .flat_map(|p| Condition::AV.map(|c| (p, c)))
+        .flat_map(|p| ConditionId::AV.map(|c| (p, c)))
         .collect();
     let subjects: Vec<String> = cells.iter().map(|(p, _)| p.to_string()).collect();
     let x: Vec<Option<f64>> = cells
@@ -129,9 +130,9 @@ pub(super) fn preferences(data: &StudyData) -> Vec<Preference> {
         for p in &data.participants {
             let score = |c| rating(data, p, c, name).map(|v| v * sign);
             let (Some(mimic), Some(aggressive), Some(cautious)) = (
-                score(Condition::Mimic),
-                score(Condition::Aggressive),
-                score(Condition::Cautious),
+                score(ConditionId::MIMIC),
+                score(ConditionId::AGGRESSIVE),
+                score(ConditionId::CAUTIOUS),
             ) else {
                 continue;
             };

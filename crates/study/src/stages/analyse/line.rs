@@ -6,7 +6,7 @@ use super::{
     result::{AggressionLine, Correlation, Kept, LineRow},
 };
 use crate::error::StudyError;
-use maveric_domain::{Condition, MetresPerSecond};
+use maveric_domain::{ConditionId, MetresPerSecond};
 use maveric_measures::objective;
 use maveric_stats::CorrelationMethod;
 
@@ -43,7 +43,7 @@ fn position(data: &StudyData, adb_used: bool) -> Vec<Option<f64>> {
 fn own(data: &StudyData, measure: &str) -> Vec<Option<f64>> {
     data.participants
         .iter()
-        .map(|p| data.measured(p, Condition::Own, measure))
+        .map(|p| data.measured(p, ConditionId::OWN, measure))
         .collect()
 }
 
@@ -93,7 +93,7 @@ pub(super) fn line(data: &StudyData, adb_used: bool) -> Result<AggressionLine, S
 /// Habits along the line and round the ellipse.
 pub(super) fn kept(data: &StudyData) -> Result<Vec<Kept>, StudyError> {
     let positions = position(data, true);
-    let angle = |p: &_| data.condition(p, Condition::Perpendicular)?.angle_rad;
+    let angle = |p: &_| data.condition(p, ConditionId::PERPENDICULAR)?.angle_rad;
     let angles: Vec<Option<f64>> = data
         .participants
         .iter()
@@ -101,8 +101,8 @@ pub(super) fn kept(data: &StudyData) -> Result<Vec<Kept>, StudyError> {
         .collect();
     let one = |measure: &str| -> Result<Kept, StudyError> {
         let change = |p| {
-            let mimic = data.measured(p, Condition::Mimic, measure)?;
-            Some(data.measured(p, Condition::Perpendicular, measure)? - mimic)
+            let mimic = data.measured(p, ConditionId::MIMIC, measure)?;
+            Some(data.measured(p, ConditionId::PERPENDICULAR, measure)? - mimic)
         };
         let changes: Vec<Option<f64>> = data.participants.iter().map(change).collect();
         let round = circular(&angles, &changes)?;

@@ -6,7 +6,7 @@ use super::{
     result::{MimicAccuracy, Nearer},
 };
 use crate::error::StudyError;
-use maveric_domain::Condition;
+use maveric_domain::ConditionId;
 use maveric_measures::mean_accuracy;
 use maveric_stats::{Adjustment, PosthocTest, WithinSubjects, adjust, posthoc};
 
@@ -16,9 +16,9 @@ pub(super) fn accuracy(data: &StudyData) -> Vec<MimicAccuracy> {
         let own: Vec<Option<f64>> = data
             .participants
             .iter()
-            .map(|p| data.measured(p, Condition::Own, measure))
+            .map(|p| data.measured(p, ConditionId::OWN, measure))
             .collect();
-        let pair = |(i, p)| (data.measured(p, Condition::Mimic, measure), own[i]);
+        let pair = |(i, p)| (data.measured(p, ConditionId::MIMIC, measure), own[i]);
         let pairs: Vec<_> = data.participants.iter().enumerate().map(pair).collect();
         let found = mean_accuracy(&pairs);
         let trained: Vec<f64> = data.training_drives(measure);
@@ -42,15 +42,15 @@ pub(super) fn accuracy(data: &StudyData) -> Vec<MimicAccuracy> {
 pub(super) fn nearer(data: &StudyData) -> Result<Vec<Nearer>, StudyError> {
     let mut rows = Vec::new();
     for measure in FOLLOWS {
-        for than in [Condition::Aggressive, Condition::Cautious] {
+        for than in [ConditionId::AGGRESSIVE, ConditionId::CAUTIOUS] {
             let mut subjects = Vec::new();
             let mut distances: Vec<Vec<f64>> = Vec::new();
             for p in &data.participants {
-                let Some(own) = data.measured(p, Condition::Own, measure) else {
+                let Some(own) = data.measured(p, ConditionId::OWN, measure) else {
                     continue;
                 };
                 let distance = |c| data.measured(p, c, measure).map(|v| (v - own).abs());
-                if let (Some(mimic), Some(other)) = (distance(Condition::Mimic), distance(than)) {
+                if let (Some(mimic), Some(other)) = (distance(ConditionId::MIMIC), distance(than)) {
                     subjects.push(p.to_string());
                     distances.push(vec![mimic, other]);
                 }

@@ -6,7 +6,7 @@ use super::{
     result::MixedRow,
 };
 use crate::error::StudyError;
-use maveric_domain::Condition;
+use maveric_domain::ConditionId;
 use maveric_stats::{MixedMethod, StatsError, mixed_model};
 
 /// ADB points in one unit of the shift.
@@ -19,7 +19,7 @@ pub(super) fn mixed(data: &StudyData) -> Result<Vec<MixedRow>, StudyError> {
     let cells: Vec<_> = data
         .participants
         .iter()
-        .flat_map(|p| Condition::AV.map(|c| (p, c)))
+        .flat_map(|p| ConditionId::AV.map(|c| (p, c)))
         .collect();
     let subjects: Vec<String> = cells.iter().map(|(p, _)| p.to_string()).collect();
     let shift: Vec<Option<f64>> = cells

@@ -22,7 +22,7 @@ use crate::{
     outcome::{Outcome, Watch},
 };
 use data::StudyData;
-use maveric_domain::Condition;
+use maveric_domain::ConditionId;
 use std::path::PathBuf;
 
 /// What to analyse.
@@ -101,7 +101,7 @@ pub(crate) fn analysis(
     let shifted: Vec<bool> = data
         .conditions
         .iter()
-        .filter(|c| matches!(c.condition, Condition::Aggressive | Condition::Cautious))
+        .filter(|c| matches!(c.condition, ConditionId::AGGRESSIVE | ConditionId::CAUTIOUS))
         .map(|c| c.beyond_training)
         .collect();
     let beyond = shifted.iter().filter(|b| **b).count() as f64 / shifted.len() as f64;

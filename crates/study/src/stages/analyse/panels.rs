@@ -7,7 +7,7 @@ use super::{
     result::{Panel, PanelPair},
 };
 use crate::{error::StudyError, stages::stats::apa_omnibus};
-use maveric_domain::{Condition, MetresPerSecond};
+use maveric_domain::{ConditionId, MetresPerSecond};
 use maveric_measures::difference_from_own;
 use maveric_stats::{WithinSubjects, compare, compare_without_exact};
 
@@ -23,7 +23,7 @@ pub(super) fn panels(data: &StudyData, friedman: Friedman) -> Result<Vec<Panel>,
         let value = |p: &_, c| {
             difference_from_own(
                 data.measured(p, c, measure),
-                data.measured(p, Condition::Own, measure),
+                data.measured(p, ConditionId::OWN, measure),
             )
         };
         // People read speeds in mph.
@@ -32,7 +32,7 @@ pub(super) fn panels(data: &StudyData, friedman: Friedman) -> Result<Vec<Panel>,
             _ => (1.0, unit(measure)),
         };
         let row = |p| {
-            Condition::AV
+            ConditionId::AV
                 .map(|c| value(p, c).map(|v| v * scale))
                 .to_vec()
         };
@@ -48,7 +48,7 @@ pub(super) fn panels(data: &StudyData, friedman: Friedman) -> Result<Vec<Panel>,
         )?);
     }
     let rated = |p| {
-        Condition::AV
+        ConditionId::AV
             .map(|c| data.post(p, c, "aggressiveness", "aggressiveness"))
             .to_vec()
     };
@@ -110,7 +110,7 @@ fn panel(
     if n < 2 {
         return Ok(panel);
     }
-    let names = Condition::AV.map(|c| c.to_string());
+    let names = ConditionId::AV.map(|c| c.to_string());
     let tested = WithinSubjects::from_rows(&names, &subjects, &values)?;
     let found = match friedman {
         Friedman::Exact => compare(&tested, ALPHA)?,

@@ -1,7 +1,7 @@
 //! What the analyses of the paper give: everything that a figure, a table or a claim is made from.
 
 use super::family::Family;
-use maveric_domain::Condition;
+use maveric_domain::ConditionId;
 use maveric_stats::{MixedModel, Proportion};
 use serde::{Deserialize, Serialize};
 
@@ -117,7 +117,7 @@ pub struct Panel {
     pub same: f64,
     /// A participant each.
     pub participants: Vec<String>,
-    /// A row a participant, a column a condition in the order of [`Condition::AV`].
+    /// A row a participant, a column a condition in the order of [`ConditionId::AV`].
     pub rows: Vec<Vec<Option<f64>>>,
     /// Participants in the test.
     pub n: usize,
@@ -143,9 +143,9 @@ pub struct Panel {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct PanelPair {
     /// First condition.
-    pub first: Condition,
+    pub first: ConditionId,
     /// Second condition; the difference is first minus second.
-    pub second: Condition,
+    pub second: ConditionId,
     /// Mean difference.
     pub mean_difference: Option<f64>,
     /// p value.
@@ -162,7 +162,7 @@ pub struct Nearer {
     /// Name for people.
     pub title: String,
     /// Aggressive or Cautious.
-    pub than: Condition,
+    pub than: ConditionId,
     /// Participants with all values.
     pub n: usize,
     /// Share of them for whom Mimic is nearer.
@@ -200,7 +200,7 @@ pub struct HomophilyRow {
     /// Code name of the factor, such as `conscientiousness`.
     pub factor: String,
     /// Mimic minus this condition.
-    pub versus: Condition,
+    pub versus: ConditionId,
     /// `competence`, `intelligence`, `discomfort` or `trust`.
     pub rating: String,
     /// The correlation, its method chosen by assumption.

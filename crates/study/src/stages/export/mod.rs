@@ -13,7 +13,7 @@ use crate::{
         surveys::{read_answers, write_answers},
     },
 };
-use maveric_domain::{Answer, DriveId, DriveMeta, ParticipantId, Recording, Study};
+use maveric_domain::{Answer, ConditionId, DriveId, DriveMeta, ParticipantId, Recording, Study};
 use maveric_ingest::{IngestSettings, Mapping, log_files, read_log, write_mcap};
 use pseudonym::Pseudonyms;
 use serde::Serialize;
@@ -175,7 +175,7 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
             ))
         });
         write_answers(&options.out.join("surveys.csv"), &answers)?;
-        let orders: BTreeMap<ParticipantId, &[maveric_domain::Condition]> = people
+        let orders: BTreeMap<ParticipantId, &[ConditionId]> = people
             .iter()
             .map(|p| (names.of(&p.id), p.order.as_slice()))
             .collect();
@@ -249,7 +249,7 @@ fn write_people(path: &Path, people: &[Enrolled], names: &Pseudonyms) -> Result<
     let order = |p: &Enrolled| {
         p.order
             .iter()
-            .map(|c| c.as_str())
+            .map(ConditionId::as_str)
             .collect::<Vec<_>>()
             .join(" ")
     };

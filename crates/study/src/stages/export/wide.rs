@@ -1,7 +1,7 @@
 //! Answers as a wide table, laid out as oTree's: a row a participant.
 
 use crate::{error::StudyError, tables::TableBuilder};
-use maveric_domain::{Answer, Condition, Moment, ParticipantId};
+use maveric_domain::{Answer, ConditionId, Moment, ParticipantId};
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::Path,
@@ -14,10 +14,10 @@ use std::{
 pub(super) fn write(
     path: &Path,
     answers: &[Answer],
-    orders: &BTreeMap<ParticipantId, &[Condition]>,
+    orders: &BTreeMap<ParticipantId, &[ConditionId]>,
 ) -> Result<(), StudyError> {
     let mut cells: BTreeMap<(&ParticipantId, Moment, &str, u32), Option<i32>> = BTreeMap::new();
-    let mut rated: BTreeMap<&ParticipantId, BTreeSet<Condition>> = BTreeMap::new();
+    let mut rated: BTreeMap<&ParticipantId, BTreeSet<ConditionId>> = BTreeMap::new();
     let mut before: BTreeSet<(&str, u32)> = BTreeSet::new();
     let mut after: BTreeSet<(&str, u32)> = BTreeSet::new();
     for answer in answers {
@@ -34,12 +34,12 @@ pub(super) fn write(
             }
         }
     }
-    let trials: Vec<Vec<Condition>> = rated
+    let trials: Vec<Vec<ConditionId>> = rated
         .iter()
         .map(|(who, conditions)| {
             let order = orders.get(*who).copied().unwrap_or_default();
-            let place = |c: &Condition| order.iter().position(|o| o == c).unwrap_or(order.len());
-            let mut trials: Vec<Condition> = conditions.iter().copied().collect();
+            let place = |c: &ConditionId| order.iter().position(|o| o == c).unwrap_or(order.len());
+            let mut trials: Vec<ConditionId> = conditions.iter().copied().collect();
             trials.sort_by_key(|c| (place(c), *c));
             trials
         })
@@ -63,10 +63,11 @@ pub(super) fn write(
     }
     for n in 0..trials.iter().map(Vec::len).max().unwrap_or(0) {
         let page = format!("trial.{}.player", n + 1);
-        let condition = |t: &Vec<Condition>| t.get(n).map_or("", |c| c.as_str());
+        let condition =
+            |t: &Vec<ConditionId>| t.get(n).map_or_else(String::new, ToString::to_string);
         table = table.text(&format!("{page}.condition"), trials.iter().map(condition));
         for item in &after {
-            let of = |(who, t): (&&ParticipantId, &Vec<Condition>)| {
+            let of = |(who, t): (&&ParticipantId, &Vec<ConditionId>)| {
                 cell(who, Moment::After(*t.get(n)?), *item)
             };
             let column = people.iter().zip(&trials).map(of);

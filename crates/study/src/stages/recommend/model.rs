@@ -5,7 +5,7 @@ use super::{
     percept::{Dial, Percept},
 };
 use crate::{error::StudyError, stages::analyse::data::StudyData};
-use maveric_domain::{Condition, ParticipantId};
+use maveric_domain::{ConditionId, ParticipantId};
 use maveric_stats::{Belief, Hierarchical, PersonRows, hierarchical};
 use serde::{Deserialize, Serialize};
 
@@ -79,7 +79,7 @@ fn traits_of(data: &StudyData, p: &ParticipantId) -> Vec<(String, Option<f64>)> 
     found.push(("adb".to_owned(), data.pre(p, "adb", "total")));
     let position = data.embedding(p, false).and_then(|e| e.line_position);
     found.push(("line_position".to_owned(), position));
-    let velocity = data.measured(p, Condition::Own, "mean_velocity_mps");
+    let velocity = data.measured(p, ConditionId::OWN, "mean_velocity_mps");
     found.push(("own_mean_velocity".to_owned(), velocity));
     found
 }
@@ -92,8 +92,8 @@ fn standard(name: String, values: &[f64]) -> Option<Standard> {
 }
 
 /// Which setting a condition of the study showed.
-fn setting_of(condition: Condition, moved_points: Option<f64>) -> Option<usize> {
-    if condition == Condition::Perpendicular {
+fn setting_of(condition: ConditionId, moved_points: Option<f64>) -> Option<usize> {
+    if condition == ConditionId::PERPENDICULAR {
         return None;
     }
     let moved = moved_points?;
@@ -141,7 +141,7 @@ impl Learned {
             .filter_map(|(scale, subscale, _)| {
                 let all = people
                     .iter()
-                    .flat_map(|p| Condition::AV.map(|c| data.post(p, c, scale, subscale)));
+                    .flat_map(|p| ConditionId::AV.map(|c| data.post(p, c, scale, subscale)));
                 standard(
                     format!("{scale}.{subscale}"),
                     &all.flatten().collect::<Vec<f64>>(),
@@ -219,7 +219,7 @@ impl Learned {
     fn rows(&self, data: &StudyData, p: &ParticipantId) -> PersonRows {
         let traits = self.traits(data, p);
         let mut rows = PersonRows::default();
-        for c in Condition::AV {
+        for c in ConditionId::AV {
             let regard = self.regard(|scale, subscale| data.post(p, c, scale, subscale));
             if let (Some(y), Some(perceived)) = (regard, self.percept.of_condition(data, p, c)) {
                 rows.y.push(y);
@@ -241,7 +241,7 @@ impl Learned {
             .extended(&[self.fit.residual_sd; SETTINGS.len()]);
         if with_ratings {
             let traits = self.traits(data, p);
-            for c in Condition::AV {
+            for c in ConditionId::AV {
                 let regard = self.regard(|scale, subscale| data.post(p, c, scale, subscale));
                 if let (Some(y), Some(perceived)) = (regard, self.percept.of_condition(data, p, c))
                 {

@@ -1,7 +1,7 @@
 //! What people make of a drive, learned from how aggressive they called it.
 
 use crate::{error::StudyError, stages::analyse::data::StudyData};
-use maveric_domain::{Condition, ParticipantId};
+use maveric_domain::{ConditionId, ParticipantId};
 use maveric_participants::{MeasureValues, spread};
 use maveric_stats::{PersonRows, hierarchical};
 use serde::{Deserialize, Serialize};
@@ -40,7 +40,7 @@ impl Percept {
     pub(crate) fn learn(data: &StudyData, people: &[ParticipantId]) -> Result<Self, StudyError> {
         let own: Vec<&MeasureValues> = people
             .iter()
-            .filter_map(|p| data.drive(p, Condition::Own))
+            .filter_map(|p| data.drive(p, ConditionId::OWN))
             .collect();
         let spread = spread(&own);
         let names: Vec<&String> = spread.keys().collect();
@@ -48,7 +48,7 @@ impl Percept {
             .iter()
             .map(|p| {
                 let mut rows = PersonRows::default();
-                for c in Condition::AV {
+                for c in ConditionId::AV {
                     let rated = data.post(p, c, "aggressiveness", "aggressiveness");
                     if let (Some(rated), Some(differences)) =
                         (rated, differences(data, p, c, &spread))
@@ -98,9 +98,9 @@ impl Percept {
         &self,
         data: &StudyData,
         p: &ParticipantId,
-        c: Condition,
+        c: ConditionId,
     ) -> Option<(f64, f64)> {
-        Some(self.of(data.drive(p, Condition::Own)?, data.drive(p, c)?))
+        Some(self.of(data.drive(p, ConditionId::OWN)?, data.drive(p, c)?))
     }
 
     /// Where the dial is on average.
@@ -110,7 +110,11 @@ impl Percept {
             shift: [0.0; 3],
             distance: [0.0; 3],
         };
-        let ends = [Condition::Cautious, Condition::Mimic, Condition::Aggressive];
+        let ends = [
+            ConditionId::CAUTIOUS,
+            ConditionId::MIMIC,
+            ConditionId::AGGRESSIVE,
+        ];
         for (i, c) in ends.into_iter().enumerate() {
             let found: Vec<(f64, f64)> = people
                 .iter()
@@ -126,7 +130,7 @@ impl Percept {
         let moved: Vec<f64> = people
             .iter()
             .flat_map(|p| {
-                [Condition::Cautious, Condition::Aggressive].map(|c| data.condition(p, c))
+                [ConditionId::CAUTIOUS, ConditionId::AGGRESSIVE].map(|c| data.condition(p, c))
             })
             .filter_map(|row| Some(row?.moved_points.abs()))
             .collect();
@@ -179,11 +183,11 @@ fn between(
 fn differences(
     data: &StudyData,
     p: &ParticipantId,
-    c: Condition,
+    c: ConditionId,
     spread: &BTreeMap<String, f64>,
 ) -> Option<BTreeMap<String, f64>> {
     Some(between(
-        data.drive(p, Condition::Own)?,
+        data.drive(p, ConditionId::OWN)?,
         data.drive(p, c)?,
         spread,
     ))

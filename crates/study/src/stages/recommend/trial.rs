@@ -20,7 +20,7 @@ use crate::{
         score::read_scales,
     },
 };
-use maveric_domain::{Condition, ParticipantId, stream_seed};
+use maveric_domain::{ConditionId, ParticipantId, stream_seed};
 use maveric_participants::{Effects, MeasureValues, Participant, preferred_shift, rate_trial};
 use maveric_stats::{Belief, Proportion, proportion};
 use serde::Serialize;
@@ -229,7 +229,7 @@ impl Truth {
         let people = &many.data.participants;
         let own: Vec<&MeasureValues> = people
             .iter()
-            .filter_map(|p| many.data.drive(p, Condition::Own))
+            .filter_map(|p| many.data.drive(p, ConditionId::OWN))
             .collect();
         let percept = Percept {
             shift: perception.shift.clone(),

@@ -239,9 +239,12 @@ mod tests {
         let scores = |seed| {
             let study = world.study(5, seed).unwrap();
             let p = study.data.participants[2].clone();
-            study
-                .data
-                .post(&p, maveric_domain::Condition::Mimic, "rosas", "competence")
+            study.data.post(
+                &p,
+                maveric_domain::ConditionId::MIMIC,
+                "rosas",
+                "competence",
+            )
         };
         assert_eq!(scores(3), scores(3));
         let all: std::collections::BTreeSet<String> =

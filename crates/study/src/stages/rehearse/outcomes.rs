@@ -1,7 +1,7 @@
 //! Every test that a report prints, by name.
 
 use crate::stages::analyse::{Analysis, Correlation};
-use maveric_domain::Condition;
+use maveric_domain::ConditionId;
 use serde::Serialize;
 
 /// Which part of the report a test belongs to.
@@ -72,8 +72,8 @@ pub(crate) struct Found {
 }
 
 /// Name of a contrast in keys: `mc` is Mimic minus Cautious.
-pub(crate) fn versus(condition: Condition) -> &'static str {
-    if condition == Condition::Cautious {
+pub(crate) fn versus(condition: ConditionId) -> &'static str {
+    if condition == ConditionId::CAUTIOUS {
         "mc"
     } else {
         "ma"
@@ -160,8 +160,8 @@ pub(crate) fn outcomes(a: &Analysis) -> Vec<Found> {
     for panel in &a.panels {
         let name = format!("panel.{}", panel.measure);
         // In one order, whichever post-hoc test was chosen.
-        for (i, first) in Condition::AV.into_iter().enumerate() {
-            for second in &Condition::AV[i + 1..] {
+        for (i, first) in ConditionId::AV.into_iter().enumerate() {
+            for second in &ConditionId::AV[i + 1..] {
                 let pair = panel
                     .pairs
                     .iter()

@@ -1,7 +1,7 @@
 //! What drives look like, measure by measure: the generator of studies that are not driven.
 
 use crate::{atomic_write::read_text, error::StudyError};
-use maveric_domain::{Condition, stream_seed};
+use maveric_domain::{ConditionId, stream_seed};
 use maveric_participants::{MeasureValues, Participant, Trait};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_distr::{Distribution as _, StandardNormal};
@@ -129,12 +129,12 @@ pub(crate) enum Asked {
 
 impl Asked {
     /// A study's condition; the angle is used by Perpendicular alone.
-    pub(crate) fn of(condition: Condition, angle: f64) -> Self {
+    pub(crate) fn of(condition: ConditionId, angle: f64) -> Self {
         match condition {
-            Condition::Aggressive => Self::Shift(1.0),
-            Condition::Cautious => Self::Shift(-1.0),
-            Condition::Perpendicular => Self::Round(angle),
-            Condition::Own | Condition::Mimic => Self::Shift(0.0),
+            ConditionId::AGGRESSIVE => Self::Shift(1.0),
+            ConditionId::CAUTIOUS => Self::Shift(-1.0),
+            ConditionId::PERPENDICULAR => Self::Round(angle),
+            _ => Self::Shift(0.0),
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::{
     tables::{conditions::ConditionRow, embeddings::EmbeddingRow, measurements::MeasuredDrive},
 };
 use maveric_domain::{
-    Condition, DriveId, DriveMeta, DrivenBy, Embedding, Moment, Scale, Score, Study,
+    ConditionId, DriveId, DriveMeta, DrivenBy, Embedding, Moment, Scale, Score, Study,
 };
 use maveric_participants::{
     Cohort, CohortSettings, Effects, MeasureValues, Participant, answer_before, rate, spread,
@@ -55,11 +55,13 @@ impl World {
         let mut angles = Vec::with_capacity(n);
         for person in &people {
             let angle = PopulationModel::angle(person, seed);
-            let asked = Condition::AV.map(|c| (c.as_str(), Asked::of(c, angle)));
+            let asked = ConditionId::AV
+                .each_ref()
+                .map(|c| (c.as_str(), Asked::of(*c, angle)));
             let drives = self.population.drives(person, &asked, seed);
             own.push(drives.own);
-            let by_condition = Condition::AV.into_iter().zip(drives.trials);
-            trials.push(by_condition.collect::<Vec<(Condition, MeasureValues)>>());
+            let by_condition = ConditionId::AV.into_iter().zip(drives.trials);
+            trials.push(by_condition.collect::<Vec<(ConditionId, MeasureValues)>>());
             angles.push(angle);
         }
         let unit = spread(&own.iter().collect::<Vec<_>>());
@@ -83,7 +85,7 @@ impl World {
             ..Tables::default()
         };
         for (i, person) in people.iter().enumerate() {
-            let drives = std::iter::once((Condition::Own, &own[i]));
+            let drives = std::iter::once((ConditionId::OWN, &own[i]));
             for (condition, values) in drives.chain(trials[i].iter().map(|(c, v)| (*c, v))) {
                 tables.measurements.push(MeasuredDrive {
                     meta: meta(person, condition)?,
@@ -100,7 +102,7 @@ impl World {
                     .embeddings
                     .push(embedding(person, adb_used, adb, position)?);
             }
-            for condition in Condition::AV {
+            for condition in ConditionId::AV {
                 tables
                     .conditions
                     .push(condition_row(person, condition, angles[i])?);
@@ -123,13 +125,13 @@ fn adb_of(pre: &[Score], person: &Participant) -> Option<f64> {
     pre.iter().find(of)?.value
 }
 
-fn meta(person: &Participant, condition: Condition) -> Result<DriveMeta, StudyError> {
+fn meta(person: &Participant, condition: ConditionId) -> Result<DriveMeta, StudyError> {
     Ok(DriveMeta {
         drive: DriveId::new(format!("{}-{condition}", person.id))?,
         participant: person.id.clone(),
         study: Study::Two,
         condition,
-        driven_by: if condition == Condition::Own {
+        driven_by: if condition == ConditionId::OWN {
             DrivenBy::Synthetic
         } else {
             DrivenBy::Automated
@@ -147,7 +149,7 @@ fn embedding(
         drive: DriveId::new(format!("{}-own", person.id))?,
         participant: person.id.clone(),
         study: Study::Two,
-        condition: Condition::Own,
+        condition: ConditionId::OWN,
         adb_used,
         adb,
         adb_hat: None,
@@ -161,7 +163,7 @@ fn embedding(
 
 fn condition_row(
     person: &Participant,
-    condition: Condition,
+    condition: ConditionId,
     angle: f64,
 ) -> Result<ConditionRow, StudyError> {
     Ok(ConditionRow {
@@ -169,11 +171,11 @@ fn condition_row(
         condition,
         adb_hat: 0.0,
         moved_points: match condition {
-            Condition::Aggressive => POINTS,
-            Condition::Cautious => -POINTS,
+            ConditionId::AGGRESSIVE => POINTS,
+            ConditionId::CAUTIOUS => -POINTS,
             _ => 0.0,
         },
-        angle_rad: (condition == Condition::Perpendicular).then_some(angle),
+        angle_rad: (condition == ConditionId::PERPENDICULAR).then_some(angle),
         beyond_training: false,
         sweep: None,
         embedding: Embedding::new(vec![0.0])?,

@@ -2,7 +2,7 @@
 
 use super::people::People;
 use crate::stages::analyse::{Analysis, Correlation};
-use maveric_domain::Condition;
+use maveric_domain::ConditionId;
 use maveric_report::claims::Made;
 use std::collections::BTreeMap;
 
@@ -67,7 +67,7 @@ fn percent(part: usize, whole: usize) -> Option<f64> {
 fn panels(analysis: &Analysis, found: &mut Results) {
     for panel in &analysis.panels {
         let rated = panel.measure == "aggressiveness";
-        for pair in panel.pairs.iter().filter(|p| p.first == Condition::Mimic) {
+        for pair in panel.pairs.iter().filter(|p| p.first == ConditionId::MIMIC) {
             if !rated {
                 let key = format!("dial.{}.{}", short(&panel.measure), pair.second);
                 // The pair is Mimic minus the other; the claims are the other minus Mimic.
@@ -81,7 +81,7 @@ fn panels(analysis: &Analysis, found: &mut Results) {
             let key = format!("rated_aggressiveness.{}", pair.second);
             found.set(format!("{key}.p"), pair.p_holm);
             // The claims: Cautious is rated below Mimic, Aggressive above it.
-            let sign = if pair.second == Condition::Cautious {
+            let sign = if pair.second == ConditionId::CAUTIOUS {
                 1.0
             } else {
                 -1.0
@@ -91,7 +91,7 @@ fn panels(analysis: &Analysis, found: &mut Results) {
                 pair.mean_difference.map(|d| sign * d),
             );
         }
-        for (column, condition) in Condition::AV.iter().enumerate().filter(|_| rated) {
+        for (column, condition) in ConditionId::AV.iter().enumerate().filter(|_| rated) {
             let values = panel.rows.iter().filter_map(|row| *row.get(column)?);
             let (n, sum) = values.fold((0.0, 0.0), |(n, sum), v| (n + 1.0, sum + v));
             found.set(
@@ -141,7 +141,7 @@ pub(super) fn results(
         found.correlation(&format!("perpendicular.{name}"), &row.angle);
     }
     for row in &analysis.homophily {
-        let versus = if row.versus == Condition::Cautious {
+        let versus = if row.versus == ConditionId::CAUTIOUS {
             "mc"
         } else {
             "ma"

@@ -1,7 +1,7 @@
 //! A moment of a simulated drive, for the simulator view.
 
 use crate::error::StudyError;
-use maveric_domain::{Condition, Drive};
+use maveric_domain::{ConditionId, Drive};
 use maveric_ingest::{IngestSettings, read_log};
 use maveric_report::figures::simulator_view::{SimulatorView, VehicleView};
 use std::path::Path;
@@ -61,7 +61,7 @@ pub(super) fn view(logs: &Path) -> Result<Option<SimulatorView>, StudyError> {
     let road = drive.road();
     Ok(Some(SimulatorView {
         participant: log.meta.participant.to_string(),
-        condition: Condition::Mimic,
+        condition: ConditionId::MIMIC,
         time_s: scene.time_s,
         lanes: usize::from(road.lanes),
         lane_width_m: road.lane_width_m,

@@ -10,7 +10,7 @@ use crate::{
         surveys::read_scores,
     },
 };
-use maveric_domain::{Condition, DriveId, Moment, ParticipantId};
+use maveric_domain::{ConditionId, DriveId, Moment, ParticipantId};
 use maveric_model::{
     Model,
     style_space::{AggressionAxis, AttributeHead, LinearHead},
@@ -162,7 +162,7 @@ fn scores_of(path: &Path, name: &str, training: &[EmbeddingRow]) -> Result<Score
         let Some(value) = value else { continue };
         let own = training
             .iter()
-            .find(|t| t.participant == *participant && t.condition == Condition::Own);
+            .find(|t| t.participant == *participant && t.condition == ConditionId::OWN);
         match own {
             None => found.unknown += 1,
             Some(own) => {
@@ -209,7 +209,7 @@ fn questionnaire(path: &Path, name: &str, training: &[EmbeddingRow]) -> Result<S
             t.participant == score.participant
                 && score.moment
                     == match t.condition {
-                        Condition::Own => Moment::Pre,
+                        ConditionId::OWN => Moment::Pre,
                         role => Moment::After(role),
                     }
         });
@@ -226,7 +226,7 @@ mod tests {
     use super::*;
     use maveric_domain::{Embedding, Study};
 
-    fn training(drive: &str, participant: &str, condition: Condition) -> EmbeddingRow {
+    fn training(drive: &str, participant: &str, condition: ConditionId) -> EmbeddingRow {
         EmbeddingRow {
             drive: DriveId::new(drive).unwrap(),
             participant: ParticipantId::new(participant).unwrap(),
@@ -248,9 +248,9 @@ mod tests {
         let path = folder.path().join("scores.csv");
         std::fs::write(&path, text).unwrap();
         let training = [
-            training("A-own", "A", Condition::Own),
-            training("A-aggressive", "A", Condition::Aggressive),
-            training("B-own", "B", Condition::Own),
+            training("A-own", "A", ConditionId::OWN),
+            training("A-aggressive", "A", ConditionId::AGGRESSIVE),
+            training("B-own", "B", ConditionId::OWN),
         ];
         scores_of(&path, name, &training)
     }

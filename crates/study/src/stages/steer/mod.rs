@@ -14,7 +14,7 @@ use crate::{
         embeddings::{EmbeddingRow, read_embeddings},
     },
 };
-use maveric_domain::{Condition, Embedding, ParticipantId, stream_seed};
+use maveric_domain::{ConditionId, Embedding, ParticipantId, stream_seed};
 use maveric_model::{
     Model, ModelError,
     style_space::{AggressionAxis, PerpendicularEllipse, share_outside_training, shift},
@@ -97,7 +97,7 @@ pub fn steer(options: &SteerOptions, watch: Watch<'_>) -> Result<Outcome<Steered
 
 /// One row a participant: the fit with the ADB score where there is one.
 fn own_drives(rows: &[EmbeddingRow]) -> Vec<&EmbeddingRow> {
-    let own = |r: &&EmbeddingRow| r.condition == Condition::Own;
+    let own = |r: &&EmbeddingRow| r.condition == ConditionId::OWN;
     let has_adb_fit = |p: &ParticipantId| {
         let mut fits = rows.iter().filter(own);
         fits.any(|r| r.participant == *p && r.adb_used)
@@ -144,15 +144,15 @@ fn four_conditions(
         let up = shift(axis, &row.embedding, options.points)?;
         let down = shift(axis, &row.embedding, -options.points)?;
         clamped += usize::from(up.clamped) + usize::from(down.clamped);
-        place(Condition::Mimic, row.embedding.clone(), 0.0, None)?;
+        place(ConditionId::MIMIC, row.embedding.clone(), 0.0, None)?;
         place(
-            Condition::Aggressive,
+            ConditionId::AGGRESSIVE,
             up.embedding,
             up.effective_points,
             None,
         )?;
         place(
-            Condition::Cautious,
+            ConditionId::CAUTIOUS,
             down.embedding,
             down.effective_points,
             None,
@@ -164,7 +164,7 @@ fn four_conditions(
             ));
             let across = ellipse.sample(&row.embedding, &mut rng)?;
             place(
-                Condition::Perpendicular,
+                ConditionId::PERPENDICULAR,
                 across.embedding,
                 0.0,
                 Some(across.angle_rad),

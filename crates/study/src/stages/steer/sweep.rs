@@ -13,7 +13,7 @@ use crate::{
         embeddings::EmbeddingRow,
     },
 };
-use maveric_domain::{Condition, DriveId, Embedding};
+use maveric_domain::{ConditionId, DriveId, Embedding};
 use maveric_model::{
     Model,
     style_space::{AggressionAxis, LinearHead, StyleMetric, shift},
@@ -125,15 +125,15 @@ pub(super) fn sweep(
 }
 
 /// The condition that a point is: by what it does to S.
-fn condition(requested_points: f64, moved_points: f64) -> Condition {
+fn condition(requested_points: f64, moved_points: f64) -> ConditionId {
     if requested_points.abs() < UNMOVED {
-        Condition::Mimic
+        ConditionId::MIMIC
     } else if moved_points > UNMOVED {
-        Condition::Aggressive
+        ConditionId::AGGRESSIVE
     } else if moved_points < -UNMOVED {
-        Condition::Cautious
+        ConditionId::CAUTIOUS
     } else {
-        Condition::Perpendicular
+        ConditionId::PERPENDICULAR
     }
 }
 
@@ -166,9 +166,9 @@ mod tests {
 
     #[test]
     fn a_point_is_the_condition_that_it_makes_of_aggression() {
-        assert_eq!(condition(0.0, 0.0), Condition::Mimic);
-        assert_eq!(condition(5.0, 5.0), Condition::Aggressive);
-        assert_eq!(condition(5.0, -1.0), Condition::Cautious);
-        assert_eq!(condition(5.0, 1e-9), Condition::Perpendicular);
+        assert_eq!(condition(0.0, 0.0), ConditionId::MIMIC);
+        assert_eq!(condition(5.0, 5.0), ConditionId::AGGRESSIVE);
+        assert_eq!(condition(5.0, -1.0), ConditionId::CAUTIOUS);
+        assert_eq!(condition(5.0, 1e-9), ConditionId::PERPENDICULAR);
     }
 }

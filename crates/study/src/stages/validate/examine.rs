@@ -14,7 +14,7 @@ use crate::{
     outcome::{Watch, for_each_on},
 };
 use maveric_domain::{
-    AdbScore, Condition, Drive, DriveId, DriveMeta, DrivenBy, Embedding, Study, stream_seed,
+    AdbScore, ConditionId, Drive, DriveId, DriveMeta, DrivenBy, Embedding, Study, stream_seed,
 };
 use maveric_model::{
     Model, PersonalizeParams, PersonalizeSettings, personalize,
@@ -314,7 +314,7 @@ impl Bench<'_> {
             drive: DriveId::new(format!("{id}-validate"))?,
             participant: ride.person.participant.clone(),
             study: Study::Two,
-            condition: Condition::Mimic,
+            condition: ConditionId::MIMIC,
             driven_by: DrivenBy::Automated,
         };
         let drive = Drive::from_recording(meta, &driven.recording)?;

@@ -5,7 +5,7 @@ use crate::{
     stages::train::adb_of,
     tables::{drives::read_drives, participants::read_participants, surveys::read_scores},
 };
-use maveric_domain::{AdbScore, Condition, Drive, ParticipantId};
+use maveric_domain::{AdbScore, ConditionId, Drive, ParticipantId};
 use maveric_measures::objective;
 use std::{collections::BTreeMap, path::Path};
 
@@ -77,7 +77,7 @@ pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
             });
         }
         let mut drives = read_drives(&path)?;
-        drives.retain(|d| d.meta().condition == Condition::Own);
+        drives.retain(|d| d.meta().condition == ConditionId::OWN);
         Ok(drives)
     };
     let twice = |name: &str| -> Result<Vec<Person>, StudyError> {

@@ -9,7 +9,7 @@ use crate::{
     },
     watching::WatchedDrive,
 };
-use maveric_domain::Condition;
+use maveric_domain::ConditionId;
 use maveric_report::{
     apa,
     claims::LedgerRow,
@@ -72,7 +72,7 @@ pub(super) fn section_conditions(
     }
     if let Some(drive) = watched
         .iter()
-        .find(|d| d.meta.condition == Condition::Mimic)
+        .find(|d| d.meta.condition == ConditionId::MIMIC)
         && let Some(diagram) = watch::diagram(drive)
     {
         figures.push(time_space(&diagram, &run.context)?);
@@ -218,14 +218,14 @@ fn panel(panel: &Panel) -> DifferencePanel {
     DifferencePanel {
         title: panel.title.clone(),
         axis,
-        conditions: Condition::AV.to_vec(),
+        conditions: ConditionId::AV.to_vec(),
         rows: panel.rows.clone(),
         omnibus: panel.omnibus_short.clone(),
         pairs: panel
             .pairs
             .iter()
             .filter_map(pair)
-            .filter(|p| p.first == Condition::Mimic)
+            .filter(|p| p.first == ConditionId::MIMIC)
             .collect(),
         reference: Some(panel.same),
     }

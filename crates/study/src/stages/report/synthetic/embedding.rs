@@ -13,7 +13,7 @@ use crate::{
         embeddings::{EmbeddingRow, read_embeddings},
     },
 };
-use maveric_domain::{Condition, DriveId, MetresPerSecond};
+use maveric_domain::{ConditionId, DriveId, MetresPerSecond};
 use maveric_model::style_space::{AggressionAxis, PerpendicularEllipse};
 use maveric_report::{
     claims::LedgerRow,
@@ -124,7 +124,7 @@ pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError>
             conditions: placed.collect(),
         })
     };
-    let own = |row: &&EmbeddingRow| row.adb_used && row.condition == Condition::Own;
+    let own = |row: &&EmbeddingRow| row.adb_used && row.condition == ConditionId::OWN;
     let round = PerpendicularEllipse::of(&run.model)?;
     let half_axis = |i: usize| {
         let (axis, half) = (&round.axes()[i], round.half_axes()[i]);
@@ -152,7 +152,7 @@ pub(super) fn shown_participant(run: &Run) -> Option<&ConditionRow> {
     let mimic = run
         .conditions
         .iter()
-        .filter(|c| c.condition == Condition::Mimic);
+        .filter(|c| c.condition == ConditionId::MIMIC);
     mimic.min_by(|a, b| from_middle(a).total_cmp(&from_middle(b)))
 }
 
@@ -167,7 +167,8 @@ fn example(run: &Run) -> Result<Option<ExampleConditions>, StudyError> {
             .find(mine)
             .map(|c| c.embedding.coordinates().to_vec())
     };
-    let (Some(aggressive), Some(cautious)) = (of(Condition::Aggressive), of(Condition::Cautious))
+    let (Some(aggressive), Some(cautious)) =
+        (of(ConditionId::AGGRESSIVE), of(ConditionId::CAUTIOUS))
     else {
         return Ok(None);
     };
@@ -185,7 +186,7 @@ fn example(run: &Run) -> Result<Option<ExampleConditions>, StudyError> {
         mimic: own.embedding.coordinates().to_vec(),
         aggressive,
         cautious,
-        perpendicular: of(Condition::Perpendicular),
+        perpendicular: of(ConditionId::PERPENDICULAR),
         ellipse: (0..ELLIPSE_POINTS).map(at).collect::<Result<_, _>>()?,
     }))
 }

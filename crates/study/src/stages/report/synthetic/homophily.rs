@@ -5,7 +5,7 @@ use crate::{
     error::StudyError,
     stages::analyse::{HomophilyRow, MixedRow},
 };
-use maveric_domain::Condition;
+use maveric_domain::ConditionId;
 use maveric_report::{
     apa,
     claims::LedgerRow,
@@ -172,7 +172,7 @@ fn mixed(run: &Run) -> Option<Table> {
 fn heat_map(run: &Run, tested: usize) -> Option<CorrelationHeatMap> {
     let found = &run.analysis.homophily;
     let mut factors: Vec<&str> = Vec::new();
-    let mut against: Vec<(Condition, &str)> = Vec::new();
+    let mut against: Vec<(ConditionId, &str)> = Vec::new();
     for row in found {
         if !factors.contains(&row.factor.as_str()) {
             factors.push(&row.factor);
@@ -182,7 +182,7 @@ fn heat_map(run: &Run, tested: usize) -> Option<CorrelationHeatMap> {
         }
     }
     against.sort_by_key(|(versus, _)| *versus);
-    let cell = |factor: &str, (versus, rating): &(Condition, &str)| {
+    let cell = |factor: &str, (versus, rating): &(ConditionId, &str)| {
         let fits =
             |r: &&HomophilyRow| r.factor == factor && r.versus == *versus && r.rating == *rating;
         let row = found.iter().find(fits)?;
@@ -209,7 +209,7 @@ fn heat_map(run: &Run, tested: usize) -> Option<CorrelationHeatMap> {
 }
 
 fn homophily_key(row: &HomophilyRow) -> String {
-    let versus = if row.versus == Condition::Cautious {
+    let versus = if row.versus == ConditionId::CAUTIOUS {
         "mc"
     } else {
         "ma"

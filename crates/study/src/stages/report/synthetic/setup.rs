@@ -2,7 +2,7 @@
 
 use super::Run;
 use crate::{error::StudyError, tables::conditions::ConditionRow};
-use maveric_domain::{AdbScore, Condition, MetresPerSecond, Road};
+use maveric_domain::{AdbScore, ConditionId, MetresPerSecond, Road};
 use maveric_model::style_space::PerpendicularEllipse;
 use maveric_simulator::Scenario;
 use std::collections::BTreeSet;
@@ -15,7 +15,7 @@ pub(super) fn setup(
     scenario: Option<&Scenario>,
 ) -> Result<Vec<(String, f64)>, StudyError> {
     let moved = run.conditions.iter().map(|c| c.moved_points.abs());
-    let conditions: BTreeSet<Condition> = run.conditions.iter().map(|c| c.condition).collect();
+    let conditions: BTreeSet<ConditionId> = run.conditions.iter().map(|c| c.condition).collect();
     let mut found: Vec<(String, f64)> = [
         ("scenario.drive_minutes", minutes.round()),
         (
@@ -72,8 +72,9 @@ fn perpendicular_sd(run: &Run) -> Result<Option<f64>, StudyError> {
     }
     let round = PerpendicularEllipse::of(&run.model)?;
     let mimic_of = |row: &ConditionRow| {
-        let own =
-            |c: &&ConditionRow| c.participant == row.participant && c.condition == Condition::Mimic;
+        let own = |c: &&ConditionRow| {
+            c.participant == row.participant && c.condition == ConditionId::MIMIC
+        };
         run.conditions.iter().find(own)
     };
     let distance = |row: &ConditionRow| {
@@ -95,7 +96,7 @@ fn perpendicular_sd(run: &Run) -> Result<Option<f64>, StudyError> {
     let across = run
         .conditions
         .iter()
-        .filter(|c| c.condition == Condition::Perpendicular);
+        .filter(|c| c.condition == ConditionId::PERPENDICULAR);
     let distances: Vec<f64> = across
         .filter_map(distance)
         .filter(|d| d.is_finite())

@@ -1,7 +1,7 @@
 //! What a reader should take away, a line each.
 
 use super::{Line, Run, percent, said};
-use maveric_domain::Condition;
+use maveric_domain::ConditionId;
 use maveric_report::claims::{LedgerRow, verdict_counts};
 
 /// The findings in the order of the questions.
@@ -42,7 +42,7 @@ pub(super) fn summary(run: &Run, ledger: &[LedgerRow]) -> Vec<String> {
     let driven = a.panels.iter().filter(|p| p.measure != "aggressiveness");
     let pairs: Vec<_> = driven
         .flat_map(|p| &p.pairs)
-        .filter(|p| p.first == Condition::Mimic && p.second != Condition::Perpendicular)
+        .filter(|p| p.first == ConditionId::MIMIC && p.second != ConditionId::PERPENDICULAR)
         .collect();
     lines.push(format!(
         "*The dial.* Aggressive or Cautious differs from Mimic in {} of {} comparisons of what was driven (Holm, .05).",

@@ -1,0 +1,429 @@
+//! Whether a design agrees with itself.
+
+use super::{
+    condition::{Baseline, Car, Condition, Role},
+    contrast::{Claim, Compare, Hypothesis},
+    error::DesignError,
+    exclude::Exclude,
+    outcome::{Outcome, Quantity, Style},
+    people::{People, Wanted},
+    toml_file::{
+        CarToml, CellToml, CompareToml, ConditionToml, DesignToml, DialToml, HypothesisToml,
+        OutcomeToml, PeopleToml, StyleToml,
+    },
+};
+use crate::{condition::ConditionId, design::Design};
+use std::collections::{BTreeMap, BTreeSet};
+
+type Checked<T> = Result<T, DesignError>;
+
+pub(super) fn design(raw: DesignToml) -> Checked<Design> {
+    if raw.study.title.trim().is_empty() {
+        return Err(DesignError::key("study.title", "an empty text", "a title"));
+    }
+    let people = people(raw.people);
+    let style = raw.style.map(style).transpose()?;
+    let learned = people.learn.is_some() || raw.model.is_some();
+    let conditions = conditions(raw.condition, style.as_ref(), learned)?;
+    let baseline = raw.baseline.map(|b| Baseline {
+        label: b.label.unwrap_or_else(|| b.id.to_string()),
+        id: b.id,
+        by: b.by,
+    });
+    let roles: Vec<Role> = raw
+        .role
+        .into_iter()
+        .map(|r| Role {
+            label: r.label.unwrap_or_else(|| r.id.to_string()),
+            id: r.id,
+            by: r.by,
+        })
+        .collect();
+    once("role", roles.iter().map(|r| r.id.to_string()))?;
+    if let Some(role) = roles
+        .iter()
+        .find(|r| baseline.as_ref().is_some_and(|b| b.id == r.id))
+    {
+        return Err(DesignError::key(
+            "role.id",
+            format!("`{}`, the baseline's", role.id),
+            "another id: a role is driven otherwise than the baseline",
+        ));
+    }
+    let outcomes = outcomes(raw.outcome)?;
+    let compare = compare(raw.contrasts.compare, &conditions)?;
+    let pairs = compare.pairs(&conditions);
+    let hypotheses = raw
+        .hypothesis
+        .into_iter()
+        .enumerate()
+        .map(|(at, h)| hypothesis(at, h, &conditions, &pairs, &outcomes))
+        .collect::<Checked<_>>()?;
+    once("factor", raw.factor.iter().map(|c| c.column.clone()))?;
+    once("covariate", raw.covariate.iter().map(|c| c.column.clone()))?;
+    exclude(&raw.exclude)?;
+    Ok(Design {
+        title: raw.study.title,
+        authors: raw.study.authors,
+        synthetic: raw.study.synthetic,
+        files: raw.files,
+        people,
+        model: raw.model,
+        style,
+        conditions,
+        baseline,
+        roles,
+        outcomes,
+        hypotheses,
+        compare,
+        factors: raw.factor,
+        covariates: raw.covariate,
+        homophily: raw.homophily,
+        protocol: raw.protocol,
+        exclude: raw.exclude,
+        amendments: raw.amendments,
+    })
+}
+
+/// Refuses the second of two that are called the same.
+fn once(key: &str, names: impl IntoIterator<Item = String>) -> Checked<()> {
+    let mut seen = BTreeSet::new();
+    for name in names {
+        if seen.contains(&name) {
+            return Err(DesignError::key(
+                key,
+                format!("`{name}` twice"),
+                "each once",
+            ));
+        }
+        seen.insert(name);
+    }
+    Ok(())
+}
+
+fn people(raw: PeopleToml) -> People {
+    let wanted = |cells: BTreeMap<String, CellToml>| -> Wanted {
+        cells.into_iter().map(|(k, v)| (k, v.text())).collect()
+    };
+    People {
+        file: raw.file.unwrap_or_else(|| "participants.csv".into()),
+        learn: raw.learn.map(wanted),
+        test: raw.test.map(wanted),
+    }
+}
+
+fn style(raw: StyleToml) -> Checked<Style> {
+    if let Some([low, high]) = raw
+        .range
+        .filter(|[low, high]| low.partial_cmp(high) != Some(std::cmp::Ordering::Less))
+    {
+        return Err(DesignError::key(
+            "style.range",
+            format!("[{low}, {high}]"),
+            "the lowest score, then a higher one",
+        ));
+    }
+    if let Some(points) = raw.points.filter(|p| !(p.is_finite() && *p > 0.0)) {
+        return Err(DesignError::key("style.points", points, "above 0"));
+    }
+    Ok(Style {
+        label: raw.label.unwrap_or_else(|| raw.score.to_string()),
+        score: raw.score,
+        range: raw.range,
+        points: raw.points,
+    })
+}
+
+fn conditions(
+    raw: Vec<ConditionToml>,
+    style: Option<&Style>,
+    learned: bool,
+) -> Checked<Vec<Condition>> {
+    if raw.is_empty() {
+        return Err(DesignError::key(
+            "condition",
+            "none",
+            "at least one [[condition]]",
+        ));
+    }
+    once("condition.id", raw.iter().map(|c| c.id.to_string()))?;
+    let factors = |c: &ConditionToml| c.levels.keys().cloned().collect::<Vec<_>>();
+    let expected = factors(&raw[0]);
+    if let Some(other) = raw.iter().find(|c| factors(c) != expected) {
+        let quoted = |names: &[String]| match names {
+            [] => "no factor".to_owned(),
+            names => names.join(", "),
+        };
+        return Err(DesignError::key(
+            format!("condition.{}.levels", other.id),
+            quoted(&factors(other)),
+            format!("{}, as in `{}`", quoted(&expected), raw[0].id),
+        ));
+    }
+    raw.into_iter()
+        .enumerate()
+        .map(|(place, c)| condition(place, c, style, learned))
+        .collect()
+}
+
+fn condition(
+    place: usize,
+    raw: ConditionToml,
+    style: Option<&Style>,
+    learned: bool,
+) -> Checked<Condition> {
+    let key = |field: &str| format!("condition.{}.{field}", raw.id);
+    let color = raw
+        .color
+        .as_ref()
+        .map(|text| {
+            text.parse().map_err(|()| {
+                DesignError::key(
+                    key("color"),
+                    format!("`{text}`"),
+                    "#rrggbb, such as #0072B2",
+                )
+            })
+        })
+        .transpose()?;
+    let asked = raw.car.unwrap_or(CarToml {
+        recorded: true,
+        ..CarToml::default()
+    });
+    let recorded = asked.recorded;
+    let car = car(&key("car"), asked, style)?;
+    if car.is_some() && !learned {
+        return Err(DesignError::key(
+            key("car"),
+            "a learned car",
+            "people to learn from (`[people] learn`), a `[model] file`, or `car = { recorded = true }` alone",
+        ));
+    }
+    Ok(Condition {
+        label: raw.label.unwrap_or_else(|| raw.id.to_string()),
+        id: raw.id,
+        place,
+        color,
+        recorded: recorded || car.is_none(),
+        car,
+        levels: raw.levels,
+        expected: raw.expected,
+    })
+}
+
+const CARS: &str = "one of { dial = POINTS }, { across = true }, { mean = true }, { embedding = \"FILE.csv\" }, { free = true }, \
+                    { recorded = true }";
+
+fn car(key: &str, raw: CarToml, style: Option<&Style>) -> Checked<Option<Car>> {
+    let on_the_dial = raw.dial.is_some() || raw.across || raw.free;
+    let dial = raw.dial.map(|d| dial(key, d, style)).transpose()?;
+    let cars = [
+        dial.map(Car::Dial),
+        raw.across.then_some(Car::Across),
+        raw.mean.then_some(Car::Mean),
+        raw.embedding.map(Car::Embedding),
+        raw.free.then_some(Car::Free),
+    ];
+    let mut found: Vec<Car> = cars.into_iter().flatten().collect();
+    if found.len() > 1 {
+        return Err(DesignError::key(key, "several cars", CARS));
+    }
+    if found.is_empty() && !raw.recorded {
+        return Err(DesignError::key(key, "no car", CARS));
+    }
+    if on_the_dial && style.is_none() {
+        return Err(DesignError::key(
+            key,
+            "a place on the dial, and no `[style]`",
+            "a `[style]` with the score that the dial turns, or a car without it: { mean = true }, { embedding = \"FILE.csv\" }, { recorded = true }",
+        ));
+    }
+    Ok(found.pop())
+}
+
+/// Points of the dial; steps are so many `points` of the style.
+fn dial(key: &str, raw: DialToml, style: Option<&Style>) -> Checked<f64> {
+    let key = format!("{key}.dial");
+    let points = match raw {
+        DialToml::Points(points) => points,
+        DialToml::Steps(text) => {
+            let steps: f64 = text.trim().parse().map_err(|_| {
+                DesignError::key(
+                    &key,
+                    format!("`{text}`"),
+                    "a number of steps, such as \"-1\"",
+                )
+            })?;
+            let step = style.map(|s| {
+                s.points.ok_or_else(|| {
+                    DesignError::key(
+                        &key,
+                        format!("`{text}` steps, and no `points` in `[style]`"),
+                        "the points of a step in `[style]`, or points without quotes",
+                    )
+                })
+            });
+            steps * step.transpose()?.unwrap_or(1.0)
+        }
+    };
+    let widest = style.and_then(|s| s.range).map_or(f64::MAX, |[l, h]| h - l);
+    if points.is_finite() && points.abs() <= widest {
+        Ok(points)
+    } else {
+        Err(DesignError::key(
+            key,
+            points,
+            format!("at most {widest} points either way, the width of `style.range`"),
+        ))
+    }
+}
+
+fn outcomes(raw: Vec<OutcomeToml>) -> Checked<Vec<Outcome>> {
+    let outcome = |raw: OutcomeToml| match (raw.measure, raw.scale) {
+        (Some(measure), None) => Ok((Quantity::Measure(measure), raw.label)),
+        (None, Some(score)) => Ok((Quantity::Score(score), raw.label)),
+        (Some(measure), Some(score)) => Err(DesignError::key(
+            "outcome",
+            format!("measure `{measure}` and scale `{score}`"),
+            "one of them; two outcomes stand in two [[outcome]]",
+        )),
+        (None, None) => Err(DesignError::key(
+            "outcome",
+            "neither `measure` nor `scale`",
+            "one of them",
+        )),
+    };
+    let outcomes: Vec<Outcome> = raw
+        .into_iter()
+        .map(|o| outcome(o).map(|(quantity, label)| Outcome { quantity, label }))
+        .collect::<Checked<_>>()?;
+    once("outcome", outcomes.iter().map(Outcome::id))?;
+    Ok(outcomes)
+}
+
+/// Refuses a condition that is none.
+fn known(key: &str, id: ConditionId, conditions: &[Condition]) -> Checked<()> {
+    if conditions.iter().any(|c| c.id == id) {
+        return Ok(());
+    }
+    let ids = conditions.iter().map(|c| c.id.as_str());
+    Err(DesignError::word(key, id.as_str(), ids))
+}
+
+fn compare(raw: Option<CompareToml>, conditions: &[Condition]) -> Checked<Compare> {
+    const KEY: &str = "contrasts.compare";
+    match raw {
+        None => Ok(Compare::All),
+        Some(CompareToml::Word(word)) => match word.split_whitespace().collect::<Vec<_>>()[..] {
+            ["all"] => Ok(Compare::All),
+            ["against", one] => {
+                let id =
+                    ConditionId::new(one).map_err(|e| DesignError::key(KEY, e, "a condition"))?;
+                known(KEY, id, conditions)?;
+                Ok(Compare::Against(id))
+            }
+            _ => Err(DesignError::key(
+                KEY,
+                format!("`{word}`"),
+                "\"all\", \"against ID\", or a list of pairs of conditions",
+            )),
+        },
+        Some(CompareToml::Pairs(pairs)) => {
+            for &[first, second] in &pairs {
+                known(KEY, first, conditions)?;
+                known(KEY, second, conditions)?;
+                if first == second {
+                    return Err(DesignError::key(
+                        KEY,
+                        format!("`{first}` with itself"),
+                        "two conditions",
+                    ));
+                }
+            }
+            once(
+                KEY,
+                pairs
+                    .iter()
+                    .map(|&[a, b]| format!("{} and {}", a.min(b), a.max(b))),
+            )?;
+            Ok(Compare::Pairs(pairs))
+        }
+    }
+}
+
+fn hypothesis(
+    at: usize,
+    raw: HypothesisToml,
+    conditions: &[Condition],
+    pairs: &[[ConditionId; 2]],
+    outcomes: &[Outcome],
+) -> Checked<Hypothesis> {
+    let key = |field: &str| format!("hypothesis[{}].{field}", at + 1);
+    let [first, second] = raw.contrast;
+    known(&key("contrast"), first, conditions)?;
+    known(&key("contrast"), second, conditions)?;
+    if !pairs.contains(&[first, second]) && !pairs.contains(&[second, first]) {
+        let said: Vec<String> = pairs.iter().map(|[a, b]| format!("{a} and {b}")).collect();
+        return Err(DesignError::key(
+            key("contrast"),
+            format!("`{first}` and `{second}`"),
+            format!("a pair that `[contrasts]` compares: {}", said.join("; ")),
+        ));
+    }
+    if !outcomes.is_empty() && !outcomes.iter().any(|o| o.id() == raw.outcome) {
+        let ids: Vec<String> = outcomes.iter().map(Outcome::id).collect();
+        let ids = ids.iter().map(String::as_str);
+        return Err(DesignError::word(key("outcome"), &raw.outcome, ids));
+    }
+    let claim = match (raw.direction, raw.equivalent) {
+        (Some(sign), None) => Claim::Direction(sign),
+        (None, Some([low, high])) if low < high => Claim::Equivalent([low, high]),
+        (None, Some([low, high])) => {
+            return Err(DesignError::key(
+                key("equivalent"),
+                format!("[{low}, {high}]"),
+                "a lower bound, then a higher one",
+            ));
+        }
+        (found, _) => {
+            return Err(DesignError::key(
+                key("direction"),
+                if found.is_some() {
+                    "both `direction` and `equivalent`"
+                } else {
+                    "neither `direction` nor `equivalent`"
+                },
+                "one of them",
+            ));
+        }
+    };
+    Ok(Hypothesis {
+        says: raw.says,
+        outcome: raw.outcome,
+        contrast: raw.contrast,
+        claim,
+    })
+}
+
+fn exclude(rules: &Exclude) -> Checked<()> {
+    let reasons = rules.people.iter().map(|(id, why)| (id.as_str(), why));
+    let reasons = reasons.chain(rules.drives.iter().map(|(id, why)| (id.as_str(), why)));
+    for (id, why) in reasons {
+        if why.trim().is_empty() {
+            return Err(DesignError::key(
+                format!("exclude: {id}"),
+                "an empty text",
+                "the reason",
+            ));
+        }
+    }
+    let shortest = rules.drive_shorter_than_s;
+    if let Some(seconds) = shortest.filter(|s| !(s.is_finite() && *s > 0.0)) {
+        return Err(DesignError::key(
+            "exclude.drive_shorter_than_s",
+            seconds,
+            "seconds above 0",
+        ));
+    }
+    Ok(())
+}

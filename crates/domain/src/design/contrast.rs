@@ -1,0 +1,56 @@
+//! What is compared, and what was predicted.
+
+use super::condition::{Condition, Sign};
+use crate::condition::ConditionId;
+
+/// Which conditions are compared with which.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Compare {
+    /// Each with each other.
+    #[default]
+    All,
+    /// Each with this one.
+    Against(ConditionId),
+    /// These, and no others.
+    Pairs(Vec<[ConditionId; 2]>),
+}
+
+impl Compare {
+    /// The pairs, in the order of the conditions.
+    pub(crate) fn pairs(&self, conditions: &[Condition]) -> Vec<[ConditionId; 2]> {
+        let ids = || conditions.iter().map(|c| c.id);
+        match self {
+            Self::All => ids()
+                .enumerate()
+                .flat_map(|(at, first)| ids().skip(at + 1).map(move |second| [first, second]))
+                .collect(),
+            Self::Against(one) => ids()
+                .filter(|c| c != one)
+                .map(|other| [*one, other])
+                .collect(),
+            Self::Pairs(pairs) => pairs.clone(),
+        }
+    }
+}
+
+/// What a hypothesis says of its contrast, first minus second.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Claim {
+    /// It is above or below 0.
+    Direction(Sign),
+    /// It lies within these bounds.
+    Equivalent([f64; 2]),
+}
+
+/// Something that was predicted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hypothesis {
+    /// In words.
+    pub says: String,
+    /// Id of the outcome.
+    pub outcome: String,
+    /// First minus second.
+    pub contrast: [ConditionId; 2],
+    /// The rule that decides.
+    pub claim: Claim,
+}

@@ -1,0 +1,41 @@
+//! What is left out before anything is computed.
+
+use crate::ids::{DriveId, ParticipantId};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What is left out, and why; each rule is counted apart.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Exclude {
+    /// Participant → reason: out of drives, answers, ratings, tests and tables alike.
+    pub people: BTreeMap<ParticipantId, String>,
+    /// Drive → reason: out with the answers after it.
+    pub drives: BTreeMap<DriveId, String>,
+    /// Drives shorter than this, in s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drive_shorter_than_s: Option<f64>,
+    /// People who gave one answer to every item of a questionnaire that has reversed items.
+    pub straight_lined: bool,
+    /// People with fewer conditions than this.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fewer_conditions_than: Option<usize>,
+}
+
+impl Exclude {
+    /// Whether nothing is left out by name and no rule stands.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Why a person is left out by name.
+    pub fn person(&self, id: &ParticipantId) -> Option<&str> {
+        self.people.get(id).map(String::as_str)
+    }
+
+    /// Why a drive is left out by name; a person's drives go with the person.
+    pub fn drive(&self, drive: &DriveId, participant: &ParticipantId) -> Option<&str> {
+        let named = self.drives.get(drive).map(String::as_str);
+        named.or_else(|| self.person(participant))
+    }
+}

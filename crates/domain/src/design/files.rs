@@ -1,0 +1,95 @@
+//! Where a study's files are.
+
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// Paths, from the folder of the design's file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Files {
+    /// Every recording below it, whosever it is.
+    pub logs: PathBuf,
+    /// What the columns of logs mean.
+    pub mapping: Mappings,
+    /// Answers, before and after the conditions.
+    pub answers: PathBuf,
+    /// What wrote the answers.
+    pub software: Software,
+    /// Which column of the answers is which item.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub columns: Option<PathBuf>,
+    /// Folder of questionnaires.
+    pub scales: PathBuf,
+    /// The world in which a learned style drives.
+    pub scenario: PathBuf,
+    /// The ledger of claims; without it there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub claims: Option<PathBuf>,
+    /// Sizes of the effects by which made-up people answer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effects: Option<PathBuf>,
+}
+
+impl Default for Files {
+    fn default() -> Self {
+        Self {
+            logs: "logs".into(),
+            mapping: Mappings::default(),
+            answers: "surveys/answers.csv".into(),
+            software: Software::default(),
+            columns: None,
+            scales: "scales".into(),
+            scenario: "scenario.toml".into(),
+            claims: None,
+            effects: None,
+        }
+    }
+}
+
+/// One mapping for all logs, or one a rig.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Mappings {
+    /// One file for all.
+    One(PathBuf),
+    /// A file a folder of logs.
+    Rigs(Vec<RigMapping>),
+}
+
+impl Default for Mappings {
+    fn default() -> Self {
+        Self::One("mapping.toml".into())
+    }
+}
+
+/// The mapping of one folder of logs.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RigMapping {
+    /// The folder.
+    pub logs: PathBuf,
+    /// What its columns mean; ours without.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<PathBuf>,
+}
+
+/// What wrote the answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Software {
+    /// A plain table.
+    #[default]
+    Table,
+    /// oTree.
+    Otree,
+    /// jsPsych.
+    Jspsych,
+}
+
+/// A model that was learned elsewhere.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelFile {
+    /// The model, from the folder of the design's file.
+    pub file: PathBuf,
+}

@@ -1,0 +1,232 @@
+//! What a study is: one file, `study.toml`, that everything above borrows.
+//!
+//! [`Design::from_toml`] checks the file's shape once; whether its scales, measures and people exist is for those who
+//! hold them to say.
+
+mod check;
+mod condition;
+mod contrast;
+mod error;
+mod exclude;
+mod files;
+mod outcome;
+mod people;
+mod toml_file;
+
+pub use condition::{Baseline, By, Car, Color, Condition, Role, Sign};
+pub use contrast::{Claim, Compare, Hypothesis};
+pub use error::DesignError;
+pub use exclude::Exclude;
+pub use files::{Files, Mappings, ModelFile, RigMapping, Software};
+pub use outcome::{Homophily, Outcome, Quantity, ScoreName, Style};
+pub use people::{Column, People};
+
+use crate::condition::ConditionId;
+use std::collections::BTreeMap;
+
+/// A study: who takes part, in which conditions, what is measured and what is compared.
+///
+/// Read from a `study.toml` by [`Design::from_toml`], and never half checked.
+///
+/// # Example
+/// ```
+/// # use maveric_domain::Design;
+/// let design = Design::from_toml(r#"
+///     [study]
+///     title = "Calm or sporty"
+///     [[condition]]
+///     id = "calm"
+///     [[condition]]
+///     id = "sporty"
+///     [baseline]
+///     id = "own"
+/// "#)?;
+/// assert_eq!(design.contrasts().len(), 1);
+/// # Ok::<(), maveric_domain::DesignError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Design {
+    title: String,
+    authors: Vec<String>,
+    synthetic: bool,
+    files: Files,
+    people: People,
+    model: Option<ModelFile>,
+    style: Option<Style>,
+    conditions: Vec<Condition>,
+    baseline: Option<Baseline>,
+    roles: Vec<Role>,
+    outcomes: Vec<Outcome>,
+    hypotheses: Vec<Hypothesis>,
+    compare: Compare,
+    factors: Vec<Column>,
+    covariates: Vec<Column>,
+    homophily: Option<Homophily>,
+    protocol: toml::Table,
+    exclude: Exclude,
+    amendments: BTreeMap<String, String>,
+}
+
+impl Design {
+    /// What heads the page.
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// Who made the study.
+    pub fn authors(&self) -> &[String] {
+        &self.authors
+    }
+
+    /// Whether the people are made up: said on every page, picture and table.
+    pub fn synthetic(&self) -> bool {
+        self.synthetic
+    }
+
+    /// Where the study's files are, from the folder of the design's file.
+    pub fn files(&self) -> &Files {
+        &self.files
+    }
+
+    /// Who is learned from, and who is tested.
+    pub fn people(&self) -> &People {
+        &self.people
+    }
+
+    /// The model that was learned elsewhere.
+    pub fn model(&self) -> Option<&ModelFile> {
+        self.model.as_ref()
+    }
+
+    /// What the dial turns; none where there is no dial.
+    pub fn style(&self) -> Option<&Style> {
+        self.style.as_ref()
+    }
+
+    /// The conditions, in the order of the page.
+    pub fn conditions(&self) -> &[Condition] {
+        &self.conditions
+    }
+
+    /// The condition of this id.
+    pub fn condition(&self, id: ConditionId) -> Option<&Condition> {
+        self.conditions.iter().find(|c| c.id == id)
+    }
+
+    /// The drive that differences are taken from.
+    pub fn baseline(&self) -> Option<&Baseline> {
+        self.baseline.as_ref()
+    }
+
+    /// The id of the baseline.
+    pub fn baseline_id(&self) -> Option<ConditionId> {
+        self.baseline.as_ref().map(|b| b.id)
+    }
+
+    /// Drives by hand that were asked to be different: learned from, never tested.
+    pub fn roles(&self) -> &[Role] {
+        &self.roles
+    }
+
+    /// What is tested, in the order of the page; empty where the file leaves it to what is there: all objective measures,
+    /// and every scale asked after a condition.
+    pub fn outcomes(&self) -> &[Outcome] {
+        &self.outcomes
+    }
+
+    /// What was predicted.
+    pub fn hypotheses(&self) -> &[Hypothesis] {
+        &self.hypotheses
+    }
+
+    /// How contrasts were declared.
+    pub fn compare(&self) -> &Compare {
+        &self.compare
+    }
+
+    /// The pairs of conditions that are compared: one Holm family an outcome.
+    pub fn contrasts(&self) -> Vec<[ConditionId; 2]> {
+        self.compare.pairs(&self.conditions)
+    }
+
+    /// Columns of the people's table that divide them into groups.
+    pub fn factors(&self) -> &[Column] {
+        &self.factors
+    }
+
+    /// Columns of the people's table whose influence is taken out.
+    pub fn covariates(&self) -> &[Column] {
+        &self.covariates
+    }
+
+    /// Which traits are set against which ratings.
+    pub fn homophily(&self) -> Option<&Homophily> {
+        self.homophily.as_ref()
+    }
+
+    /// Steps and texts of the seat, as they stand in the file.
+    pub fn protocol(&self) -> &toml::Table {
+        &self.protocol
+    }
+
+    /// What is left out before anything is computed.
+    pub fn exclude(&self) -> &Exclude {
+        &self.exclude
+    }
+
+    /// Keys that were changed after the design was frozen, each with its reason.
+    pub fn amendments(&self) -> &BTreeMap<String, String> {
+        &self.amendments
+    }
+
+    /// Every label that a drive may have: baseline, conditions, roles; each once, in this order.
+    pub fn labels(&self) -> Vec<ConditionId> {
+        let all = self.baseline_id().into_iter();
+        let all = all.chain(self.conditions.iter().map(|c| c.id));
+        let mut labels: Vec<ConditionId> = Vec::new();
+        for id in all.chain(self.roles.iter().map(|r| r.id)) {
+            if !labels.contains(&id) {
+                labels.push(id);
+            }
+        }
+        labels
+    }
+
+    /// Whether a drive may have this label.
+    pub fn knows(&self, id: ConditionId) -> bool {
+        self.labels().contains(&id)
+    }
+
+    /// What a page calls a condition, the baseline or a role.
+    pub fn label(&self, id: ConditionId) -> String {
+        let condition = self.condition(id).map(|c| &c.label);
+        let baseline = self.baseline.iter().filter(|b| b.id == id);
+        let role = self.roles.iter().filter(|r| r.id == id);
+        let mut named = condition
+            .into_iter()
+            .chain(baseline.map(|b| &b.label))
+            .chain(role.map(|r| &r.label));
+        named
+            .next()
+            .map_or_else(|| id.to_string(), ToString::to_string)
+    }
+
+    /// Whether a car that was learned drives in some condition.
+    pub fn needs_a_model(&self) -> bool {
+        self.conditions.iter().any(|c| c.car.is_some())
+    }
+
+    /// Whether the car turns a dial in some condition.
+    pub fn has_a_dial(&self) -> bool {
+        self.style.is_some()
+    }
+
+    /// The same study with people made up, as a generator says of what it makes.
+    #[must_use]
+    pub fn made_up(self) -> Self {
+        Self {
+            synthetic: true,
+            ..self
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! What is measured, and what the dial turns.
+
+use serde::{Deserialize, Serialize};
+use std::{fmt, str::FromStr};
+
+/// A score: `SCALE.SUBSCALE`.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct ScoreName {
+    /// Code name of the scale.
+    pub scale: String,
+    /// Code name of the subscale.
+    pub subscale: String,
+}
+
+impl fmt::Display for ScoreName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}.{}", self.scale, self.subscale)
+    }
+}
+
+impl FromStr for ScoreName {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once('.') {
+            Some((scale, subscale))
+                if !scale.is_empty() && !subscale.is_empty() && !subscale.contains('.') =>
+            {
+                Ok(Self {
+                    scale: scale.to_owned(),
+                    subscale: subscale.to_owned(),
+                })
+            }
+            _ => Err(format!(
+                "found `{text}`, expected SCALE.SUBSCALE, such as `adb.total`"
+            )),
+        }
+    }
+}
+
+impl TryFrom<String> for ScoreName {
+    type Error = String;
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl From<ScoreName> for String {
+    fn from(name: ScoreName) -> Self {
+        name.to_string()
+    }
+}
+
+/// What an outcome is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Quantity {
+    /// An objective measure, by its column.
+    Measure(String),
+    /// A score of what was answered after a condition.
+    Score(ScoreName),
+}
+
+/// Something that is tested.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Outcome {
+    /// What it is.
+    pub quantity: Quantity,
+    /// On the page, where it was given.
+    pub label: Option<String>,
+}
+
+impl Outcome {
+    /// The measure's column, or `SCALE.SUBSCALE`.
+    pub fn id(&self) -> String {
+        match &self.quantity {
+            Quantity::Measure(id) => id.clone(),
+            Quantity::Score(name) => name.to_string(),
+        }
+    }
+}
+
+/// What the dial turns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Style {
+    /// The score, asked before the drives.
+    pub score: ScoreName,
+    /// On the page.
+    pub label: String,
+    /// Lowest and highest score; the range of the scale's file without.
+    pub range: Option<[f64; 2]>,
+    /// A step of the dial, in points.
+    pub points: Option<f64>,
+}
+
+/// Which traits are set against which ratings: one family, declared before looking.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Homophily {
+    /// Scales, or `SCALE.SUBSCALE`, asked before the drives.
+    pub factors: Vec<String>,
+    /// Scores of the conditions.
+    pub ratings: Vec<ScoreName>,
+}

@@ -1,0 +1,59 @@
+//! Who is learned from, and who is tested.
+
+use serde::{Deserialize, Serialize};
+use std::{collections::BTreeMap, path::PathBuf};
+
+/// Column of the people's table → what must stand there; all must hold.
+pub(crate) type Wanted = BTreeMap<String, String>;
+
+/// The people of a study.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct People {
+    /// Their table: a row a person, from the folder of the design's file.
+    pub file: PathBuf,
+    /// Those whose drives the networks learn from; nobody without.
+    pub learn: Option<BTreeMap<String, String>>,
+    /// Those who sat through the conditions; without, everybody who is not learned from.
+    pub test: Option<BTreeMap<String, String>>,
+}
+
+impl People {
+    /// Whether the networks learn from a person; `cell` is what stands in a column of the person's row.
+    pub fn learns_from<'a>(&self, cell: impl Fn(&str) -> Option<&'a str>) -> bool {
+        self.learn.as_ref().is_some_and(|w| all_hold(w, cell))
+    }
+
+    /// Whether a person sat through the conditions.
+    pub fn tests<'a>(&self, cell: impl Fn(&str) -> Option<&'a str>) -> bool {
+        match &self.test {
+            Some(wanted) => all_hold(wanted, cell),
+            None => !self.learns_from(cell),
+        }
+    }
+
+    /// The columns that tell who is learned from and who is tested.
+    pub fn columns(&self) -> Vec<&str> {
+        let both = self.learn.iter().chain(&self.test);
+        let mut columns: Vec<&str> = both.flat_map(|w| w.keys().map(String::as_str)).collect();
+        columns.sort_unstable();
+        columns.dedup();
+        columns
+    }
+}
+
+fn all_hold<'a>(wanted: &Wanted, cell: impl Fn(&str) -> Option<&'a str>) -> bool {
+    wanted
+        .iter()
+        .all(|(column, value)| cell(column) == Some(value.as_str()))
+}
+
+/// A column of the people's table.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Column {
+    /// Its name.
+    pub column: String,
+    /// On the page, where it was given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub label: Option<String>,
+}

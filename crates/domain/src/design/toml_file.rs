@@ -1,0 +1,190 @@
+//! The shape of `study.toml`, before it is checked.
+
+use super::{
+    check,
+    condition::{By, Sign},
+    error::DesignError,
+    exclude::Exclude,
+    files::{Files, ModelFile},
+    outcome::{Homophily, ScoreName},
+    people::Column,
+};
+use crate::{condition::ConditionId, design::Design};
+use serde::Deserialize;
+use std::{collections::BTreeMap, path::PathBuf};
+
+impl Design {
+    /// Reads a design and checks its shape.
+    ///
+    /// # Errors
+    /// [`DesignError`] naming the key, what stands there and what would be possible.
+    pub fn from_toml(text: &str) -> Result<Self, DesignError> {
+        let raw: DesignToml = toml::from_str(text).map_err(|e| DesignError::from_toml(text, &e))?;
+        check::design(raw)
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DesignToml {
+    pub(super) study: StudyToml,
+    #[serde(default)]
+    pub(super) files: Files,
+    #[serde(default)]
+    pub(super) people: PeopleToml,
+    pub(super) model: Option<ModelFile>,
+    pub(super) style: Option<StyleToml>,
+    #[serde(default)]
+    pub(super) condition: Vec<ConditionToml>,
+    pub(super) baseline: Option<DrivenToml>,
+    #[serde(default)]
+    pub(super) role: Vec<DrivenToml>,
+    #[serde(default)]
+    pub(super) outcome: Vec<OutcomeToml>,
+    #[serde(default)]
+    pub(super) hypothesis: Vec<HypothesisToml>,
+    #[serde(default)]
+    pub(super) contrasts: ContrastsToml,
+    #[serde(default)]
+    pub(super) factor: Vec<Column>,
+    #[serde(default)]
+    pub(super) covariate: Vec<Column>,
+    pub(super) homophily: Option<Homophily>,
+    #[serde(default)]
+    pub(super) protocol: toml::Table,
+    #[serde(default)]
+    pub(super) exclude: Exclude,
+    #[serde(default)]
+    pub(super) amendments: BTreeMap<String, String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StudyToml {
+    pub(super) title: String,
+    #[serde(default)]
+    pub(super) authors: Vec<String>,
+    #[serde(default)]
+    pub(super) synthetic: bool,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PeopleToml {
+    pub(super) file: Option<PathBuf>,
+    pub(super) learn: Option<BTreeMap<String, CellToml>>,
+    pub(super) test: Option<BTreeMap<String, CellToml>>,
+}
+
+/// What stands in a cell: `1` and `"1"` are the same there.
+#[derive(Debug, Deserialize)]
+#[serde(untagged, expecting = "a word, a whole number, true or false")]
+pub(super) enum CellToml {
+    Text(String),
+    Number(i64),
+    Flag(bool),
+}
+
+impl CellToml {
+    pub(super) fn text(self) -> String {
+        match self {
+            Self::Text(text) => text,
+            Self::Number(number) => number.to_string(),
+            Self::Flag(flag) => flag.to_string(),
+        }
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StyleToml {
+    pub(super) score: ScoreName,
+    pub(super) label: Option<String>,
+    pub(super) range: Option<[f64; 2]>,
+    pub(super) points: Option<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ConditionToml {
+    pub(super) id: ConditionId,
+    pub(super) label: Option<String>,
+    pub(super) car: Option<CarToml>,
+    #[serde(default)]
+    pub(super) levels: BTreeMap<String, String>,
+    pub(super) color: Option<String>,
+    #[serde(default)]
+    pub(super) expected: BTreeMap<String, Sign>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each stands for a word of the file"
+)]
+pub(super) struct CarToml {
+    pub(super) dial: Option<DialToml>,
+    #[serde(default)]
+    pub(super) across: bool,
+    #[serde(default)]
+    pub(super) mean: bool,
+    pub(super) embedding: Option<PathBuf>,
+    #[serde(default)]
+    pub(super) free: bool,
+    #[serde(default)]
+    pub(super) recorded: bool,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "points, such as -15, or steps in quotes, such as \"-1\""
+)]
+pub(super) enum DialToml {
+    Points(f64),
+    Steps(String),
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DrivenToml {
+    pub(super) id: ConditionId,
+    pub(super) label: Option<String>,
+    #[serde(default)]
+    pub(super) by: By,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct OutcomeToml {
+    pub(super) measure: Option<String>,
+    pub(super) scale: Option<ScoreName>,
+    pub(super) label: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct HypothesisToml {
+    pub(super) says: String,
+    pub(super) outcome: String,
+    pub(super) contrast: [ConditionId; 2],
+    pub(super) direction: Option<Sign>,
+    pub(super) equivalent: Option<[f64; 2]>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ContrastsToml {
+    pub(super) compare: Option<CompareToml>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "\"all\", \"against ID\", or a list of pairs of conditions"
+)]
+pub(super) enum CompareToml {
+    Word(String),
+    Pairs(Vec<[ConditionId; 2]>),
+}

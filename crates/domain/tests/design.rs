@@ -1,0 +1,327 @@
+//! A study's file: what is read from it, and what is refused and how.
+
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+use maveric_domain::{
+    ConditionId, Design, DriveId, ParticipantId,
+    design::{Car, Claim, Compare, Condition, Mappings, Sign, Software},
+};
+use serde_json::Value;
+use std::{collections::BTreeSet, fs, path::PathBuf};
+
+fn shipped(name: &str) -> String {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../study_data/designs");
+    fs::read_to_string(PathBuf::from(folder).join(name)).unwrap()
+}
+
+fn id(text: &str) -> ConditionId {
+    text.parse().unwrap()
+}
+
+const SMALL: &str = r#"
+[study]
+title = "Calm, normal, sporty"
+[people]
+learn = { study = 1 }
+[style]
+score = "adb.total"
+points = 15
+[[condition]]
+id = "calm"
+car = { dial = "-1" }
+[[condition]]
+id = "sporty"
+label = "Sporty"
+car = { dial = 7.5, recorded = true }
+"#;
+
+fn read(text: &str) -> Result<Design, String> {
+    Design::from_toml(text).map_err(|e| match e.suggestion() {
+        Some(hint) => format!("{e}; {hint}"),
+        None => e.to_string(),
+    })
+}
+
+/// The small design with more lines.
+fn with(more: &str) -> Result<Design, String> {
+    read(&format!("{SMALL}{more}"))
+}
+
+#[test]
+fn the_papers_design_is_four_cars_against_a_drive_by_hand() {
+    let design = read(&shipped("paper.toml")).unwrap();
+    let dials = design.conditions().iter().map(Condition::dial);
+    let expected = [Some(0.0), Some(15.0), Some(-15.0), None];
+    assert!(dials.eq(expected));
+    assert_eq!(design.conditions()[3].car, Some(Car::Across));
+    assert_eq!(design.baseline_id(), Some(id("own")));
+    assert_eq!(design.contrasts().len(), 6);
+    assert_eq!(design.contrasts()[0], [id("mimic"), id("aggressive")]);
+    assert_eq!(design.label(id("own")), "Own");
+    let sides: Vec<Option<Sign>> = design.conditions().iter().map(Condition::side).collect();
+    assert_eq!(sides, [None, Some(Sign::Plus), Some(Sign::Minus), None]);
+    // The roles share their ids with conditions: five labels in all.
+    assert_eq!((design.roles().len(), design.labels().len()), (2, 5));
+    let study = |value: &'static str| move |column: &str| (column == "study").then_some(value);
+    let people = design.people();
+    assert!(people.learns_from(study("1")) && !people.tests(study("1")));
+    assert!(people.tests(study("2")) && !people.learns_from(study("2")));
+}
+
+#[test]
+fn the_small_study_is_the_papers_but_for_its_title() {
+    let lines = |name: &str| -> Vec<String> {
+        let text = shipped(name);
+        let same = text.lines().filter(|l| !l.starts_with(['#', 't']));
+        same.map(str::to_owned).collect()
+    };
+    assert_eq!(lines("smoke.toml"), lines("paper.toml"));
+    read(&shipped("smoke.toml")).unwrap();
+}
+
+#[test]
+fn what_is_left_out_has_its_usual_place() {
+    let design = with("").unwrap();
+    let files = design.files();
+    assert_eq!(files.answers, PathBuf::from("surveys/answers.csv"));
+    assert_eq!(files.mapping, Mappings::One("mapping.toml".into()));
+    assert_eq!((files.software, &files.claims), (Software::Table, &None));
+    assert_eq!(design.conditions()[0].label, "calm");
+    assert!(design.conditions()[0].dial() == Some(-15.0));
+    assert!(design.conditions()[0].simulated() && !design.conditions()[1].simulated());
+    assert_eq!(design.compare(), &Compare::All);
+    // Without `test`, everybody who is not learned from is tested.
+    let nobody = |_: &str| None;
+    assert!(design.people().tests(nobody) && !design.people().learns_from(nobody));
+}
+
+#[test]
+fn everything_of_the_page_is_read() {
+    let design = with(
+        r#"
+[[outcome]]
+measure = "mean_headway_time_s"
+[[outcome]]
+scale = "comfort.total"
+label = "Comfort"
+[[hypothesis]]
+says = "Sporty leaves less room"
+outcome = "mean_headway_time_s"
+contrast = ["sporty", "calm"]
+direction = "-"
+[[hypothesis]]
+says = "Both are as comfortable"
+outcome = "comfort.total"
+contrast = ["calm", "sporty"]
+equivalent = [-0.5, 0.5]
+[contrasts]
+compare = "against calm"
+[[factor]]
+column = "population"
+[[covariate]]
+column = "age"
+[homophily]
+factors = ["mini_ipip"]
+ratings = ["jian_trust.overall"]
+[protocol]
+steps = ["practice"]
+[exclude]
+people = { P07 = "withdrew consent" }
+drives = { "P03-calm" = "simulator sickness" }
+drive_shorter_than_s = 300
+straight_lined = true
+fewer_conditions_than = 2
+[amendments]
+"exclude.straight_lined" = "seen after the pilot"
+[[files.mapping]]
+logs = "logs/rig2"
+file = "rig2.toml"
+"#,
+    )
+    .unwrap();
+    assert_eq!(design.outcomes()[1].id(), "comfort.total");
+    assert_eq!(design.hypotheses()[0].claim, Claim::Direction(Sign::Minus));
+    assert_eq!(design.contrasts(), [[id("calm"), id("sporty")]]);
+    assert_eq!(design.exclude().fewer_conditions_than, Some(2));
+    let why = |drive: &str, person: &str| {
+        let (drive, person) = (DriveId::new(drive), ParticipantId::new(person));
+        let why = design.exclude().drive(&drive.unwrap(), &person.unwrap());
+        why.map(str::to_owned)
+    };
+    assert_eq!(why("P07-calm", "P07").unwrap(), "withdrew consent");
+    assert_eq!(why("P03-calm", "P03").unwrap(), "simulator sickness");
+    assert_eq!(why("P03-sporty", "P03"), None);
+    assert!(design.protocol().contains_key("steps"));
+    assert!(matches!(&design.files().mapping, Mappings::Rigs(rigs) if rigs.len() == 1));
+}
+
+#[test]
+fn a_fault_is_named_with_its_key_and_what_would_be_possible() {
+    for (more, said) in [
+        (
+            "[contrast]\ncompare = \"all\"",
+            "line 16: unknown field `contrast`",
+        ),
+        ("[contrast]\ncompare = \"all\"", "did you mean `contrasts`?"),
+        (
+            "[exclude]\nstraightlined = true",
+            "did you mean `straight_lined`?",
+        ),
+        (
+            "[[condition]]\nid = \"calm\"",
+            "`condition.id`: found `calm` twice",
+        ),
+        (
+            "[[condition]]\nid = \"so calm\"",
+            "line 17: condition `so calm` must be",
+        ),
+        (
+            "[[condition]]\nid = \"x\"\ncar = { dial = 1, mean = true }",
+            "`condition.x.car`: found several cars",
+        ),
+        (
+            "[[condition]]\nid = \"x\"\ncar = { dial = \"far\" }",
+            "number of steps",
+        ),
+        (
+            "[[condition]]\nid = \"x\"\ncar = { dial = true }",
+            "points, such as -15",
+        ),
+        ("[[condition]]\nid = \"x\"\ncar = {}", "found no car"),
+        (
+            "[[condition]]\nid = \"x\"\nlevels = { traffic = \"dense\" }",
+            "`condition.x.levels`: found traffic, expected no factor, as in `calm`",
+        ),
+        ("[[condition]]\nid = \"x\"\ncolor = \"blue\"", "#rrggbb"),
+        (
+            "[contrasts]\ncompare = \"against calmm\"",
+            "found `calmm`, expected one of `calm`, `sporty`; did you mean `calm`?",
+        ),
+        (
+            "[contrasts]\ncompare = [[\"calm\", \"spotry\"]]",
+            "did you mean `sporty`?",
+        ),
+        (
+            "[contrasts]\ncompare = [[\"calm\", \"sporty\"], [\"sporty\", \"calm\"]]",
+            "twice",
+        ),
+        ("[contrasts]\ncompare = \"some\"", "\"against ID\""),
+        (
+            "[[outcome]]\nmeasure = \"a\"\nscale = \"b.c\"",
+            "one of them",
+        ),
+        (
+            "[[outcome]]\nscale = \"comfort\"",
+            "expected SCALE.SUBSCALE",
+        ),
+        (
+            "[[outcome]]\nmeasure = \"speed\"\n[[hypothesis]]\nsays = \"x\"\noutcome = \"sped\"\ncontrast = [\"calm\", \"sporty\"]\ndirection = \"+\"",
+            "`hypothesis[1].outcome`: found `sped`, expected `speed`; did you mean `speed`?",
+        ),
+        (
+            "[[hypothesis]]\nsays = \"x\"\noutcome = \"speed\"\ncontrast = [\"calm\", \"own\"]\ndirection = \"+\"",
+            "`hypothesis[1].contrast`: found `own`",
+        ),
+        (
+            "[[hypothesis]]\nsays = \"x\"\noutcome = \"speed\"\ncontrast = [\"calm\", \"sporty\"]",
+            "neither `direction` nor `equivalent`",
+        ),
+        ("[exclude]\npeople = { P07 = \"\" }", "expected the reason"),
+        ("[exclude]\ndrive_shorter_than_s = -1", "seconds above 0"),
+        (
+            "[baseline]\nid = \"own\"\n[[role]]\nid = \"own\"",
+            "the baseline's",
+        ),
+    ] {
+        let error = with(more).unwrap_err();
+        assert!(error.contains(said), "{more}\n{error}\nhas no: {said}");
+    }
+}
+
+#[test]
+fn a_dial_needs_a_style_and_a_learned_car_somebody_to_learn_from() {
+    let no_style = SMALL.replace("[style]\nscore = \"adb.total\"\npoints = 15\n", "");
+    let error = read(&no_style).unwrap_err();
+    let said = "`condition.calm.car`: found a place on the dial, and no `[style]`";
+    assert!(error.contains(said), "{error}");
+    let nobody = SMALL.replace("learn = { study = 1 }", "");
+    let error = read(&nobody).unwrap_err();
+    assert!(error.contains("people to learn from"), "{error}");
+    let elsewhere = format!("{nobody}[model]\nfile = \"lab.maveric\"\n");
+    assert!(read(&elsewhere).is_ok());
+    let no_step = SMALL.replace("points = 15", "range = [11, 66]");
+    let error = read(&no_step).unwrap_err();
+    assert!(error.contains("points of a step"), "{error}");
+    let narrow = SMALL.replace("points = 15", "points = 1\nrange = [1, 6]");
+    let error = read(&narrow).unwrap_err();
+    let said = "`condition.sporty.car.dial`: found 7.5, expected at most 5";
+    assert!(error.contains(said), "{error}");
+    let reversed = SMALL.replace("points = 15", "points = 1\nrange = [6, 1]");
+    let error = read(&reversed).unwrap_err();
+    assert!(error.contains("`style.range`"), "{error}");
+}
+
+#[test]
+fn a_study_without_conditions_or_title_is_none() {
+    for (text, said) in [
+        (
+            "[study]\ntitle = \"x\"".to_owned(),
+            "at least one [[condition]]",
+        ),
+        (
+            "[[condition]]\nid = \"x\"".to_owned(),
+            "missing field `study`",
+        ),
+        (SMALL.replace("Calm, normal, sporty", " "), "study.title"),
+        ("[study".to_owned(), "line 1: "),
+    ] {
+        let error = read(&text).unwrap_err();
+        assert!(error.contains(said), "{error}");
+    }
+}
+
+/// The keys that the reader knows of a table: it lists them when it meets another.
+fn known(table: &str) -> BTreeSet<String> {
+    let error = Design::from_toml(table).unwrap_err().to_string();
+    assert!(error.contains("unknown field `zzz`"), "{error}");
+    let words = error.split('`').skip(1).step_by(2).skip(1);
+    words.map(str::to_owned).collect()
+}
+
+#[test]
+fn the_schema_for_editors_has_the_keys_of_the_reader() {
+    let schema: Value = serde_json::from_str(&shipped("schema.json")).unwrap();
+    let keys = |at: &str| -> BTreeSet<String> {
+        let found = schema.pointer(at).and_then(Value::as_object);
+        found.unwrap().keys().cloned().collect()
+    };
+    for (table, at) in [
+        ("zzz = 1", ""),
+        ("[study]\nzzz = 1", "/study"),
+        ("[files]\nzzz = 1", "/files"),
+        ("[people]\nzzz = 1", "/people"),
+        ("[model]\nzzz = 1", "/model"),
+        ("[style]\nzzz = 1", "/style"),
+        ("[[condition]]\nzzz = 1", "/condition/items"),
+        (
+            "[[condition]]\ncar = { zzz = 1 }",
+            "/condition/items/properties/car",
+        ),
+        ("[baseline]\nzzz = 1", "/baseline"),
+        ("[[role]]\nzzz = 1", "/role/items"),
+        ("[[outcome]]\nzzz = 1", "/outcome/items"),
+        ("[[hypothesis]]\nzzz = 1", "/hypothesis/items"),
+        ("[contrasts]\nzzz = 1", "/contrasts"),
+        ("[[factor]]\nzzz = 1", "/factor/items"),
+        ("[[covariate]]\nzzz = 1", "/covariate/items"),
+        ("[homophily]\nzzz = 1", "/homophily"),
+        ("[exclude]\nzzz = 1", "/exclude"),
+    ] {
+        let at = if at.is_empty() {
+            "/properties".to_owned()
+        } else {
+            format!("/properties{at}/properties")
+        };
+        assert_eq!(known(table), keys(&at), "{at}");
+    }
+}
