@@ -1,7 +1,7 @@
 //! The second kind of people, held against what they have to be: sane drivers, about as fast and as close as the paper's population.
 
 use maveric_domain::{
-    Condition, Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Study,
+    ConditionId, Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Study,
     drive::Direction, stream_seed,
 };
 use maveric_simulator::{People, Rollout, Scenario, rollout};
@@ -37,7 +37,7 @@ fn drive(rollout: &Rollout) -> Drive {
         drive: DriveId::new("test").expect("a plain word"),
         participant: ParticipantId::new("test").expect("a plain word"),
         study: Study::One,
-        condition: Condition::Own,
+        condition: ConditionId::OWN,
         driven_by: DrivenBy::Synthetic,
     };
     Drive::from_recording(meta, &rollout.recording).expect("a whole recording")
