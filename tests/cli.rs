@@ -47,6 +47,44 @@ fn wrong_usage_is_status_2_and_help_has_an_example() {
 }
 
 #[test]
+fn a_stderr_that_nobody_reads_ends_no_command_half_way() {
+    let study = TempStudy::new();
+    study.write("t.toml", "name = 't'\n[[stage]]\nname = 'a'\ncmd = ['sh', '-c', 'echo x >&2; echo y > made']\noutputs = ['made']\n");
+    for (args, status) in [
+        (&["run", "t.toml"][..], 0),
+        (&["run", "t.toml", "--why", "nothing"][..], 1),
+        (&["train"][..], 2),
+        (&["frobnicate"][..], 2),
+        (&["ingest", "nowhere.mcap", "--out", "d"][..], 1),
+        (
+            &[
+                "stats",
+                "within",
+                "no.csv",
+                "--subject",
+                "s",
+                "--within",
+                "w",
+                "--value",
+                "v",
+            ][..],
+            1,
+        ),
+        (&["report", "nowhere", "--out", "r"][..], 1),
+    ] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let ended = study
+            .command(args)
+            .stderr(writer)
+            .stdout(std::process::Stdio::null())
+            .status();
+        assert_eq!(ended.unwrap().code(), Some(status), "{args:?}");
+    }
+    assert!(study.path("made").exists());
+}
+
+#[test]
 fn a_missing_file_an_empty_one_and_a_folder_are_named() {
     let study = TempStudy::new();
     let empty = study.write("empty.mcap", "");

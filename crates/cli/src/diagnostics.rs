@@ -5,6 +5,16 @@ use maveric_pipeline::PipelineError;
 use maveric_study::StudyError;
 use std::{io::IsTerminal as _, process::ExitCode};
 
+/// Says something on stderr. Where that cannot be written (`2>&1 | head -1`), nobody is told and
+/// nothing else changes: `eprintln!` would end the program half-way.
+macro_rules! tell {
+    ($($text:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stderr(), $($text)*);
+    }};
+}
+pub(crate) use tell;
+
 /// Why a command ended without its result.
 #[derive(Debug)]
 pub(crate) enum Failure {
@@ -85,18 +95,18 @@ impl Failure {
     pub(crate) fn report(self) -> ExitCode {
         match self {
             Self::Interrupted => {
-                eprintln!("interrupted; nothing was left half-written");
+                tell!("interrupted; nothing was left half-written");
                 ExitCode::from(INTERRUPTED)
             }
             Self::Told => ExitCode::FAILURE,
             Self::Usage(message) => {
-                eprintln!("error: {message}");
+                tell!("error: {message}");
                 ExitCode::from(2)
             }
             // A reader that closed the pipe early (`maveric … | head`) wanted no more.
             Self::Failed(failed) if is_broken_pipe(&failed) => ExitCode::SUCCESS,
             Self::Failed(failed) => {
-                eprintln!("{}", render(&failed));
+                tell!("{}", render(&failed));
                 ExitCode::FAILURE
             }
         }

@@ -1,5 +1,7 @@
 //! The `maveric` program: parse, dispatch, exit status; nothing else.
 
+#![warn(clippy::print_stderr)] // it panics where stderr is closed: `diagnostics::tell` does not
+
 mod args;
 mod commands;
 mod diagnostics;

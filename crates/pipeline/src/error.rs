@@ -5,6 +5,9 @@
 
 use std::path::PathBuf;
 
+/// How many stages a fan-out may give.
+pub(crate) const MOST_STAGES: u64 = 1_000_000;
+
 /// What kept a pipeline from being read, checked or run.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -329,6 +332,56 @@ pub enum FileProblem {
         /// The parameter.
         name: String,
     },
+    /// A parameter that a file adds to those that it extends, and that is of no use.
+    #[error("`{name}` is no parameter of what this file extends, and no stage uses it")]
+    UnusedParameter {
+        /// The parameter.
+        name: String,
+        /// The most similar parameter.
+        nearest: Option<String>,
+    },
+    /// A file to be extended that cannot be read.
+    #[error("cannot read {}, which this file extends: {message}", path.display())]
+    NoBase {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        message: String,
+    },
+    /// A file that extends itself, at once or through others.
+    #[error("{} extends itself", path.display())]
+    ExtendsItself {
+        /// The file.
+        path: PathBuf,
+    },
+    /// More stages than can be meant.
+    #[error("the fan-out gives {stages} stages, at most {MOST_STAGES} are possible")]
+    TooManyStages {
+        /// How many there would be.
+        stages: u64,
+    },
+    /// A value that cannot be quoted where it stands in a shell's script.
+    #[error("`{{{name}}}` is `{value}`, which cannot be quoted safely at this place of the script")]
+    CannotQuote {
+        /// The parameter.
+        name: String,
+        /// Its value.
+        value: String,
+    },
+    /// A cell that stands in a path and is no id.
+    #[error(
+        "column `{column}` of `{table}` makes a path, and line {line} has `{value}`: expected an id of letters, digits, `.`, `-` and `_`, without `..`"
+    )]
+    NotAnId {
+        /// The column.
+        column: String,
+        /// The cell.
+        value: String,
+        /// The table, relative to the root.
+        table: String,
+        /// The line.
+        line: u64,
+    },
     /// A stage without a command line.
     #[error("stage `{stage}` has an empty `cmd`")]
     EmptyCommand {
@@ -389,6 +442,10 @@ impl FileProblem {
                  before it into a pipeline of their own"
                     .to_owned(),
             ),
+            Self::UnusedParameter { nearest, .. } => did_you_mean(nearest.as_ref()),
+            Self::CannotQuote { name, .. } => Some(format!(
+                "pass it to the script as an argument: [\"sh\", \"-c\", \"... \\\"$1\\\" ...\", \"sh\", \"{{{name}}}\"]"
+            )),
             Self::TwoFanOuts => Some("write the combinations into the table".to_owned()),
             _ => None,
         }

@@ -20,11 +20,17 @@
 //! columns in braces, `matrix = { seed = [1, 2], method = ["a", "b"] }` one for each
 //! combination, and `shards = 4` cuts it in four.
 //!
-//! `{{name}}` stands for the text `{name}`; braces around anything that is no name stay.
+//! `extends = "other.toml"` takes over the stages and parameters of another file, from the
+//! folder of this one: what this file has in `[params]` replaces values there, a `[[stage]]`
+//! replaces the whole stage of its name or comes after all of them.
+//!
+//! `{{name}}` stands for the text `{name}`; braces around anything that is no name stay. Inside
+//! the script of a shell (`["sh", "-c", SCRIPT]`) a value is quoted for the shell.
 //! Unknown keys are errors.
 
 mod fan;
 pub(crate) mod keys;
+mod layers;
 mod schema;
 mod tables;
 mod value;
@@ -34,15 +40,10 @@ pub use schema::schema;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use toml::de::DeTable;
-
-use crate::error::FileProblem;
 use crate::{PipelineError, Stage};
-use keys::TOP_KEYS;
-use tables::{read_params, read_stages};
-use value::{Located, check_keys, check_name, required, string};
-
-const TOP: &str = "the pipeline";
+use layers::{Layer, check_added, merged_params, merged_stages, with_layers};
+use tables::read_stages;
+use value::{check_name, required, string};
 
 /// A pipeline as its file describes it, with every `{parameter}` replaced.
 ///
@@ -75,7 +76,8 @@ impl Pipeline {
         Self::parse(&text, path, root, overrides)
     }
 
-    /// Reads a pipeline from text; `path` is only named in messages.
+    /// Reads a pipeline from text; `path` is named in messages, and files that the text
+    /// extends are looked for beside it.
     ///
     /// # Errors
     /// [`PipelineError::Malformed`] with the position, or one of the errors of overrides.
@@ -102,27 +104,29 @@ impl Pipeline {
         root: &Path,
         overrides: &[(String, String)],
     ) -> Result<Self, PipelineError> {
-        let located = |at: Located| at.into_error(text, path);
-        let document = DeTable::parse(text).map_err(|error| {
-            located(Located {
-                at: error.span().map_or(0, |span| span.start),
-                problem: FileProblem::Syntax {
-                    message: error.message().to_owned(),
-                },
-            })
-        })?;
-        let table = document.get_ref();
-        check_keys(table, TOP, TOP_KEYS).map_err(located)?;
-        let name = required(table, "name", TOP, 0).map_err(located)?;
-        let (name_text, at) = (string("name", name).map_err(located)?, name.span().start);
-        check_name(&name_text, at).map_err(located)?;
-        let mut params = read_params(table).map_err(located)?;
+        with_layers(path, text, &[], &mut |layers| {
+            Self::assemble(layers, path, root, overrides)
+        })
+    }
+
+    fn assemble(
+        layers: &[Layer<'_>],
+        path: &Path,
+        root: &Path,
+        overrides: &[(String, String)],
+    ) -> Result<Self, PipelineError> {
+        let top = layers[0];
+        let name = required(top.table, "name", "the pipeline", 0).map_err(|at| top.error(at))?;
+        let text = string("name", name).map_err(|at| top.error(at))?;
+        check_name(&text, name.span().start).map_err(|at| top.error(at))?;
+        let mut params = merged_params(layers)?;
         for (key, value) in overrides {
             params.set(key, value)?;
         }
-        let stages = read_stages(table, &params, root, text).map_err(located)?;
+        let stages = read_stages(&merged_stages(layers)?, &params, root)?;
+        check_added(layers, &stages)?;
         Ok(Self {
-            name: name_text,
+            name: text,
             path: path.to_owned(),
             overrides: overrides.iter().cloned().collect(),
             stages,
@@ -218,7 +222,7 @@ mod tests {
     #[test]
     fn a_table_gives_a_stage_for_each_distinct_use_of_its_columns() {
         let table = "who,day,note\nann,1,x y\nann,2,{odd}\nbob b,1,\n";
-        let stage = "foreach = 't.csv'\ncmd = ['x', '{who}', '{seed}']\noutputs = ['{who}.txt']";
+        let stage = "foreach = 't.csv'\ncmd = ['x', '{who}', '{seed}']";
         let pipeline = in_folder(table, stage).unwrap();
         assert_eq!(names(&pipeline), ["fit.ann", "fit.bob_b"]);
         let bob = &pipeline.stages()[1];
@@ -302,6 +306,132 @@ mod tests {
             let help = error.suggestion().unwrap_or_default();
             let message = format!("{error} ({help})");
             assert!(message.contains(expected), "{message}");
+        }
+    }
+
+    /// Reads the first of several files.
+    fn extended(files: &[(&str, &str)]) -> Result<Pipeline, String> {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in files {
+            std::fs::write(folder.path().join(name), text).unwrap();
+        }
+        let path = folder.path().join(files[0].0);
+        Pipeline::read(&path, folder.path(), &[]).map_err(|error| {
+            let help = error.suggestion().unwrap_or_default();
+            let folder = format!("{}/", folder.path().display());
+            format!("{error} ({help})").replace(&folder, "")
+        })
+    }
+
+    const BASE: (&str, &str) = (
+        "base.toml",
+        "name = 'base'\n[params]\nseed = 1\nout = 'data'\n\
+         [[stage]]\nname = 'a'\ncmd = ['x', '{seed}']\noutputs = ['{out}/a']\n\
+         [[stage]]\nname = 'b'\ncmd = ['y']\ninputs = ['{out}/a']\noutputs = ['{out}/b']\n",
+    );
+
+    #[test]
+    fn a_file_that_extends_another_changes_values_replaces_stages_and_adds_some() {
+        let text = "name = 'mine'\nextends = 'middle.toml'\n[params]\nout = 'made'\nextra = 5\n\
+                    [[stage]]\nname = 'c'\ncmd = ['z', '{extra}']\n\
+                    [[stage]]\nname = 'a'\ncmd = ['w', '{seed}']\noutputs = ['{out}/a']\n";
+        let middle = "name = 'middle'\nextends = 'base.toml'\n[params]\nseed = 2\n";
+        let pipeline = extended(&[("mine.toml", text), ("middle.toml", middle), BASE]).unwrap();
+        assert_eq!(pipeline.name(), "mine");
+        assert_eq!(names(&pipeline), ["a", "b", "c"]);
+        let [a, b, c] = pipeline.stages() else {
+            unreachable!()
+        };
+        assert_eq!((&*a.command[0], &*a.command[1]), ("w", "2"));
+        assert_eq!((&*b.inputs[0], &*b.outputs[0]), ("made/a", "made/b"));
+        assert_eq!(c.command, ["z", "5"]);
+    }
+
+    #[test]
+    fn mistakes_in_files_that_extend_others_are_named_in_the_file_that_has_them() {
+        let head = "name = 'mine'\nextends = 'base.toml'\n";
+        let cases = [
+            (
+                "[params]\nsed = 2\n",
+                "mine.toml:4:1: `sed` is no parameter of what this file extends, and no stage uses \
+                 it (did you mean `seed`?)",
+            ),
+            (
+                "[params]\nseed = 'two'\n",
+                "mine.toml:4:8: `seed` is a string, expected a whole number ()",
+            ),
+            (
+                "[[stage]]\nname = 'a'\ncmd = ['x']\n[[stage]]\nname = 'a'\ncmd = ['x']\n",
+                "mine.toml:7:8: a second stage `a`; the first is on line 4 ()",
+            ),
+            (
+                "[[stage]]\nname = 'a'\n",
+                "mine.toml:3:1: [[stage]] lacks `cmd` ()",
+            ),
+        ];
+        for (text, expected) in cases {
+            let text = format!("{head}{text}");
+            let error = extended(&[("mine.toml", &text), BASE]).unwrap_err();
+            assert_eq!(error, expected);
+        }
+        let bad = BASE.1.replace("{seed}", "{sede}");
+        let error = extended(&[("mine.toml", head), ("base.toml", &bad)]).unwrap_err();
+        assert!(error.starts_with("base.toml:7:13: `{sede}`"), "{error}");
+        let error = extended(&[("mine.toml", head)]).unwrap_err();
+        let expected = "mine.toml:2:11: cannot read base.toml, which this file extends";
+        assert!(error.starts_with(expected), "{error}");
+        let again = "name = 'base'\nextends = 'mine.toml'\n";
+        let error = extended(&[("mine.toml", head), ("base.toml", again)]).unwrap_err();
+        assert_eq!(error, "base.toml:2:11: mine.toml extends itself ()");
+    }
+
+    #[test]
+    fn what_a_table_or_set_says_is_no_script() {
+        let stage = "foreach = 't.csv'\ncmd = ['sh', '-c', 'echo {who} > hello.txt', '{who}']";
+        let pipeline = in_folder("who\n$(touch pwned)\nann\n", stage).unwrap();
+        let words = |i: usize| &pipeline.stages()[i].command[2..];
+        let nasty = ["echo '$(touch pwned)' > hello.txt", "$(touch pwned)"];
+        assert_eq!(words(0), nasty);
+        assert_eq!(words(1), ["echo ann > hello.txt", "ann"]);
+        let stage = "foreach = 't.csv'\ncmd = ['sh', '-c', \"cat <<E\\n{who}\\nE\"]";
+        let error = in_folder("who\na b\n", stage).unwrap_err();
+        assert!(
+            error.to_string().contains("cannot be quoted safely"),
+            "{error}"
+        );
+        assert!(error.suggestion().unwrap().contains("\"{who}\"]"));
+    }
+
+    #[test]
+    fn a_cell_that_makes_a_path_must_be_an_id() {
+        let stage = "foreach = 't.csv'\ncmd = ['x']\noutputs = ['made/{who}.txt']";
+        for cell in ["../../evil", "a/b", "a b", "..", "$(id)", "{x}"] {
+            let error = in_folder(&format!("who\nann\n{cell}\n"), stage).unwrap_err();
+            let expected = format!("column `who` of `t.csv` makes a path, and line 3 has `{cell}`");
+            assert!(error.to_string().contains(&expected), "{error}");
+        }
+        assert!(in_folder("who\nÉva-1.b_2\n", stage).is_ok());
+    }
+
+    #[test]
+    fn a_fan_out_beyond_all_measure_is_an_error_with_its_number() {
+        let many: Vec<String> = (0..2000).map(|i| i.to_string()).collect();
+        let many = many.join(",");
+        let cases = [
+            ("shards = 4_000_000_000".to_owned(), "4000000000"),
+            (
+                format!("matrix = {{a = [{many}], b = [{many}], c = [{many}]}}"),
+                "8000000000",
+            ),
+            (
+                format!("shards = 1000\nmatrix = {{a = [{many}]}}"),
+                "2000000",
+            ),
+        ];
+        for (fan, number) in cases {
+            let error = in_folder("", &format!("{fan}\ncmd = ['x']")).unwrap_err();
+            let expected = format!("the fan-out gives {number} stages, at most 1000000");
+            assert!(error.to_string().contains(&expected), "{error}");
         }
     }
 

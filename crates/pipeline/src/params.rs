@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::PipelineError;
 use crate::error::{FileProblem, nearest};
+use crate::shell::Script;
 
 /// The type that a parameter's value has in the file; `--set` may not change it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,7 +16,7 @@ pub(crate) enum ParamKind {
 }
 
 impl ParamKind {
-    fn described(self) -> &'static str {
+    pub(crate) fn described(self) -> &'static str {
         match self {
             Self::Text => "a string",
             Self::Integer => "a whole number",
@@ -24,7 +25,7 @@ impl ParamKind {
         }
     }
 
-    fn admits(self, value: &str) -> bool {
+    pub(crate) fn admits(self, value: &str) -> bool {
         match self {
             Self::Text => true,
             Self::Integer => value.parse::<i64>().is_ok(),
@@ -44,6 +45,36 @@ pub(crate) struct Param {
 /// All parameters of a pipeline, by name.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Params(pub(crate) BTreeMap<String, Param>);
+
+/// What the text is into which values are put.
+enum Text {
+    /// A word, taken as it is.
+    Plain,
+    /// A shell's script.
+    Script(Script),
+}
+
+impl Text {
+    /// Notes the text up to the next value.
+    fn passes(&mut self, text: &str) {
+        if let Self::Script(script) = self {
+            script.pass(text);
+        }
+    }
+
+    fn quoted(&mut self, name: &str, value: String) -> Result<String, FileProblem> {
+        match self {
+            Self::Plain => Ok(value),
+            Self::Script(script) => {
+                let quoted = script.quoted(&value);
+                quoted.ok_or_else(|| FileProblem::CannotQuote {
+                    name: name.to_owned(),
+                    value,
+                })
+            }
+        }
+    }
+}
 
 /// Splits what follows `--set` at its first equals sign.
 ///
@@ -97,7 +128,17 @@ impl Params {
         text: &str,
         used: &mut BTreeSet<String>,
     ) -> Result<String, FileProblem> {
-        self.substitute_within(text, used, &mut Vec::new())
+        self.substitute_within(text, used, &mut Vec::new(), &mut Text::Plain)
+    }
+
+    /// The same in a shell's script, each value quoted for the place where it stands.
+    pub(crate) fn substitute_in_script(
+        &self,
+        text: &str,
+        used: &mut BTreeSet<String>,
+    ) -> Result<String, FileProblem> {
+        let mut script = Text::Script(Script::default());
+        self.substitute_within(text, used, &mut Vec::new(), &mut script)
     }
 
     fn substitute_within(
@@ -105,19 +146,24 @@ impl Params {
         text: &str,
         used: &mut BTreeSet<String>,
         open: &mut Vec<String>,
+        kind: &mut Text,
     ) -> Result<String, FileProblem> {
         let mut result = String::with_capacity(text.len());
         let mut rest = text;
         while let Some(brace) = rest.find('{') {
+            kind.passes(&rest[..brace]);
             result.push_str(&rest[..brace]);
             rest = &rest[brace..];
             if let Some(name) = rest.strip_prefix("{{").and_then(|r| name_before(r, "}}")) {
+                kind.passes(name);
                 result.extend(["{", name, "}"]);
                 rest = &rest[name.len() + 4..];
             } else if let Some(name) = name_before(&rest[1..], "}") {
-                result.push_str(&self.value(name, used, open)?);
+                let value = self.value(name, used, open)?;
+                result.push_str(&kind.quoted(name, value)?);
                 rest = &rest[name.len() + 2..];
             } else {
+                kind.passes("{");
                 result.push('{');
                 rest = &rest[1..];
             }
@@ -145,7 +191,7 @@ impl Params {
             });
         }
         open.push(name.to_owned());
-        let value = self.substitute_within(&param.text, used, open)?;
+        let value = self.substitute_within(&param.text, used, open, &mut Text::Plain)?;
         open.pop();
         used.insert(name.to_owned());
         Ok(value)

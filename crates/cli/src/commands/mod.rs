@@ -32,7 +32,7 @@ pub(crate) mod verify;
 
 use crate::{
     args::{Command, Format},
-    diagnostics::Failure,
+    diagnostics::{Failure, tell},
     interrupt, progress,
 };
 use maveric_study::{Outcome, StudyError, Watch};
@@ -89,7 +89,7 @@ pub(crate) fn print_outcome<T: serde::Serialize>(
     bar.finish_and_clear();
     let outcome = outcome?;
     for warning in &outcome.warnings {
-        eprintln!("warning: {warning}");
+        tell!("warning: {warning}");
     }
     match format {
         Format::Text => print_lines(&outcome.summary),

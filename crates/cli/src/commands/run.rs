@@ -3,7 +3,7 @@
 use super::{print_json, print_lines};
 use crate::{
     args::Format,
-    diagnostics::Failure,
+    diagnostics::{Failure, tell},
     interrupt,
     place::{PipelineArgs, place},
 };
@@ -117,14 +117,14 @@ fn say(event: &Event<'_>) {
             } else {
                 String::new()
             };
-            eprintln!("{stage}: running ({}{more})", why.join("; "));
+            tell!("{stage}: running ({}{more})", why.join("; "));
         }
-        Event::Line { stage, line } => eprintln!("{stage}: {line}"),
+        Event::Line { stage, line } => tell!("{stage}: {line}"),
         Event::UpToDate {
             stage,
             settled,
             wanted,
-        } => eprintln!("[{settled}/{wanted}] {stage}: up to date"),
+        } => tell!("[{settled}/{wanted}] {stage}: up to date"),
         Event::Finished {
             stage,
             seconds,
@@ -135,34 +135,34 @@ fn say(event: &Event<'_>) {
             let memory = peak_memory.map_or_else(String::new, |bytes| {
                 format!(", {:.0} MB", bytes as f64 / 1e6)
             });
-            eprintln!("[{settled}/{wanted}] {stage}: done in {seconds:.1} s{memory}");
+            tell!("[{settled}/{wanted}] {stage}: done in {seconds:.1} s{memory}");
         }
         Event::Restored {
             stage,
             settled,
             wanted,
-        } => eprintln!("[{settled}/{wanted}] {stage}: taken from the cache"),
+        } => tell!("[{settled}/{wanted}] {stage}: taken from the cache"),
         Event::Submitted { job, stage, tasks } => {
             let tasks = if *tasks == 1 {
                 String::new()
             } else {
                 format!(" ({tasks} tasks)")
             };
-            eprintln!("{stage}: handed in as job {job}{tasks}");
+            tell!("{stage}: handed in as job {job}{tasks}");
         }
         Event::Resumed { stages } => {
-            eprintln!("following {stages} stages that an earlier run had handed in");
+            tell!("following {stages} stages that an earlier run had handed in");
         }
-        Event::Warning(warning) => eprintln!("warning: {warning}"),
+        Event::Warning(warning) => tell!("warning: {warning}"),
         Event::Failed(failure) => {
-            eprintln!("error: {failure}");
+            tell!("error: {failure}");
             for line in &failure.last_lines {
-                eprintln!("  | {line}");
+                tell!("  | {line}");
             }
             if let Some(log) = &failure.log {
-                eprintln!("  its log: {}", log.display());
+                tell!("  its log: {}", log.display());
             }
-            eprintln!("  to repeat it alone: {}", failure.repeat);
+            tell!("  to repeat it alone: {}", failure.repeat);
         }
         _ => {}
     }
@@ -191,7 +191,7 @@ fn print_report(format: Format, report: &RunReport) -> Result<(), Failure> {
             let on_cluster = report.stages.iter().filter(|s| s.state == State::Running);
             match on_cluster.count() {
                 0 => {}
-                stages => eprintln!(
+                stages => tell!(
                     "{stages} stages go on where they were handed in; the same command follows them again"
                 ),
             }

@@ -6,7 +6,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::tables::read_param;
 use super::value::{Located, check_name, required, string, wrong_type};
-use crate::error::FileProblem;
+use crate::error::{FileProblem, MOST_STAGES};
 use crate::params::{Param, ParamKind, is_name};
 use crate::paths::normalise;
 use crate::stage::{Row, Share};
@@ -46,13 +46,27 @@ pub(super) fn branches(
         (None, Some(value)) => combinations(value)?,
         (None, None) => vec![Branch::default()],
     };
+    let at_most = |shards: u64, at| match shards.saturating_mul(branches.len() as u64) {
+        stages if stages > MOST_STAGES => Err(Located {
+            at,
+            problem: FileProblem::TooManyStages { stages },
+        }),
+        _ => Ok(()),
+    };
     let shards = match table.get("shards") {
-        Some(value) => count("shards", value)?,
+        Some(value) => {
+            let shards = count("shards", value)?;
+            at_most(u64::from(shards), value.span().start)?;
+            shards
+        }
         None if table.contains_key("over") => {
             required(table, "shards", "[[stage]] with `over`", at)?;
             return Ok(branches);
         }
-        None => return Ok(branches),
+        None => {
+            at_most(1, at)?;
+            return Ok(branches);
+        }
     };
     let over = match table.get("over") {
         None => None,
@@ -144,6 +158,17 @@ fn combinations(value: &super::value::Value<'_>) -> Result<Vec<Branch>, Located>
     };
     let mut lists: Vec<_> = lists.iter().collect();
     lists.sort_by_key(|(name, _)| name.span().start);
+    let length = |list: &super::value::Value<'_>| match list.get_ref() {
+        DeValue::Array(values) => values.len() as u64,
+        _ => 1,
+    };
+    let stages = lists.iter().map(|(_, list)| length(list));
+    let stages = stages.fold(1, u64::saturating_mul);
+    if stages > MOST_STAGES {
+        let at = value.span().start;
+        let problem = FileProblem::TooManyStages { stages };
+        return Err(Located { at, problem });
+    }
     let mut branches = vec![Branch::default()];
     for (name, list) in lists {
         check_name(name.get_ref(), name.span().start)?;

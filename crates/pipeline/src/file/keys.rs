@@ -50,15 +50,22 @@ const fn required(name: &'static str, kind: Kind, about: &'static str) -> Key {
 pub(crate) const TOP_KEYS: &[Key] = &[
     required("name", Kind::Name, "Names the pipeline in its ledger."),
     key(
+        "extends",
+        Kind::Text,
+        "Another pipeline file, from the folder of this one: its stages and parameters, save \
+         those that this file has itself.",
+    ),
+    key(
         "params",
         Kind::Values,
         "Parameters: `{name}` in a stage, or in another parameter, stands for the value; \
          `--set name=VALUE` replaces it for a run.",
     ),
-    required(
+    key(
         "stage",
         Kind::Tables(STAGE_KEYS),
-        "The steps, in any order.",
+        "The steps, in any order; one with the name of a stage in the file that this one extends \
+         replaces it.",
     ),
 ];
 

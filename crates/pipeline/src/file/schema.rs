@@ -11,11 +11,12 @@ const NAME: &str = "^[A-Za-z0-9][A-Za-z0-9_-]*$";
 /// # Example
 /// ```
 /// let schema = maveric_pipeline::schema();
-/// assert_eq!(schema["required"], serde_json::json!(["name", "stage"]));
+/// assert_eq!(schema["required"], serde_json::json!(["name"]));
 /// ```
 pub fn schema() -> Value {
     let mut schema = table(TOP_KEYS);
     schema["$schema"] = json!("http://json-schema.org/draft-07/schema#");
+    schema["anyOf"] = json!([{"required": ["stage"]}, {"required": ["extends"]}]);
     schema["title"] = json!("A pipeline: stages, their commands, inputs and outputs");
     schema
 }

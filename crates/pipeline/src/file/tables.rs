@@ -7,9 +7,12 @@ use toml::de::{DeTable, DeValue};
 
 use super::fan::{self, Branch};
 use super::keys::{RESOURCE_KEYS, STAGE_KEYS};
+use super::layers::Entry;
 use super::value::{
-    Located, Value, check_keys, check_name, position, required, string, strings, wrong_type,
+    Located, Value, check_keys, check_name, command, position, required, string, strings,
+    wrong_type,
 };
+use crate::PipelineError;
 use crate::error::FileProblem;
 use crate::params::{Param, ParamKind, Params};
 use crate::paths::normalise;
@@ -53,33 +56,32 @@ pub(super) fn read_param(name: &str, value: &Value<'_>) -> Result<Param, Located
 }
 
 pub(super) fn read_stages(
-    table: &DeTable<'_>,
+    entries: &[Entry<'_>],
     params: &Params,
     root: &Path,
-    text: &str,
-) -> Result<Vec<Stage>, Located> {
-    let no_stages = |at| Located {
-        at,
-        problem: FileProblem::NoStages,
-    };
-    let value = table.get("stage").ok_or_else(|| no_stages(0))?;
-    let DeValue::Array(entries) = value.get_ref() else {
-        return Err(wrong_type(
-            "stage",
-            value,
-            "an array of tables, each headed [[stage]]",
-        ));
-    };
-    if entries.is_empty() {
-        return Err(no_stages(value.span().start));
-    }
-    let mut stages = Vec::new();
-    let mut firsts: BTreeMap<String, (usize, usize)> = BTreeMap::new();
+) -> Result<Vec<Stage>, PipelineError> {
+    let mut read = Read::default();
     for entry in entries {
-        let DeValue::Table(table) = entry.get_ref() else {
-            return Err(wrong_type("stage", entry, "a table"));
+        read.add(entry, params, root)
+            .map_err(|at| entry.layer.error(at))?;
+    }
+    Ok(read.stages)
+}
+
+/// The stages so far, and by name the number of each and the byte where it is named.
+#[derive(Default)]
+struct Read {
+    stages: Vec<Stage>,
+    firsts: BTreeMap<String, (usize, usize)>,
+}
+
+impl Read {
+    /// Adds the stages of one `[[stage]]`.
+    fn add(&mut self, entry: &Entry<'_>, params: &Params, root: &Path) -> Result<(), Located> {
+        let DeValue::Table(table) = entry.value.get_ref() else {
+            return Err(wrong_type("stage", entry.value, "a table"));
         };
-        let at = entry.span().start;
+        let at = entry.value.span().start;
         check_keys(table, STAGE, STAGE_KEYS)?;
         let mut substitute = |text: &str, at| {
             let value = params.substitute(text, &mut BTreeSet::new());
@@ -97,22 +99,21 @@ pub(super) fn read_stages(
                 let problem = FileProblem::AlsoParameter { name };
                 return Err(Located { at, problem });
             }
-            let (first, first_at) = *firsts
-                .entry(stage.name.clone())
-                .or_insert((stages.len(), at));
-            match stages.get(first) {
-                None => stages.push(stage),
+            let next = (self.stages.len(), at);
+            let (first, first_at) = *self.firsts.entry(stage.name.clone()).or_insert(next);
+            match self.stages.get(first) {
+                None => self.stages.push(stage),
                 Some(same) if is_same_branch(same, &stage) => {}
                 Some(_) => {
-                    let first_line = position(text, first_at).0;
+                    let first_line = position(entry.layer.text, first_at).0;
                     let name = stage.name;
                     let problem = FileProblem::DuplicateStage { name, first_line };
                     return Err(Located { at, problem });
                 }
             }
         }
+        Ok(())
     }
-    Ok(stages)
 }
 
 /// Whether two rows of one table differ only in columns that the stage does not use.
@@ -144,7 +145,7 @@ fn read_stage(
     };
     let mut used = BTreeSet::new();
     let cmd = required(table, "cmd", STAGE, at)?;
-    let words = strings("cmd", cmd, params, &mut used)?;
+    let words = command(cmd, params, &mut used)?;
     if let Some((_, at)) = words
         .iter()
         .find(|(word, _)| branch.share.is_some() && word.contains(FILES) && word != FILES)
@@ -158,11 +159,14 @@ fn read_stage(
         let problem = FileProblem::EmptyCommand { stage: family };
         return Err(Located { at, problem });
     }
+    let mut in_paths = BTreeSet::new();
     let mut paths = |key| match table.get(key) {
-        Some(value) => read_paths(key, value, params, &mut used),
+        Some(value) => read_paths(key, value, params, &mut in_paths),
         None => Ok(Vec::new()),
     };
     let (inputs, outputs) = (paths("inputs")?, paths("outputs")?);
+    check_ids(&branch, &in_paths, at)?;
+    used.append(&mut in_paths);
     let summary = match table.get("summary") {
         None => false,
         Some(value) => value
@@ -171,6 +175,11 @@ fn read_stage(
             .ok_or_else(|| wrong_type("summary", value, "true or false"))?,
     };
     let text = |key| table.get(key).map(|value| string(key, value)).transpose();
+    // How to get a file is no part of what outputs are made from: its parameters do not count.
+    let help = text("inputs_help")?
+        .map(|help| params.substitute(&help, &mut BTreeSet::new()))
+        .transpose()
+        .map_err(|problem| Located { at, problem })?;
     let value_of = |name: &String| {
         let value = params.substitute(&format!("{{{name}}}"), &mut BTreeSet::new());
         value.map(|value| (name.clone(), value))
@@ -186,12 +195,36 @@ fn read_stage(
         params: values,
         version: text("version")?,
         summary,
-        inputs_help: text("inputs_help")?,
+        inputs_help: help,
         share: branch.share,
         row: branch.row,
         resources: read_resources(table)?,
     };
     Ok((stage, name_at))
+}
+
+/// Refuses a cell that stands in a path and could lead anywhere else.
+fn check_ids(branch: &Branch, in_paths: &BTreeSet<String>, at: usize) -> Result<(), Located> {
+    let Some(row) = &branch.row else {
+        return Ok(());
+    };
+    let is_id = |value: &str| {
+        let plain = |c: char| c.is_alphanumeric() || "_-.".contains(c);
+        !value.is_empty() && value != "." && !value.contains("..") && value.chars().all(plain)
+    };
+    let bad = |(name, cell): &&(String, Param)| in_paths.contains(name) && !is_id(&cell.text);
+    match branch.values.iter().find(bad) {
+        None => Ok(()),
+        Some((column, cell)) => Err(Located {
+            at,
+            problem: FileProblem::NotAnId {
+                column: column.clone(),
+                value: cell.text.replace("{{", "{").replace("}}", "}"),
+                table: row.table.clone(),
+                line: row.line,
+            },
+        }),
+    }
 }
 
 fn with_values(params: &Params, branch: &Branch) -> Params {

@@ -10,6 +10,7 @@ use super::keys::Key;
 use crate::PipelineError;
 use crate::error::{FileProblem, nearest};
 use crate::params::{Params, is_name};
+use crate::shell::is_script;
 
 pub(super) type Value<'a> = Spanned<DeValue<'a>>;
 
@@ -105,6 +106,30 @@ pub(super) fn strings(
         texts.push((text, at));
     }
     Ok(texts)
+}
+
+/// The words of a command line, parameters put in, each with the byte where it stands; inside
+/// the script of a shell, values are quoted for the shell.
+pub(super) fn command(
+    value: &Value<'_>,
+    params: &Params,
+    used: &mut BTreeSet<String>,
+) -> Result<Vec<(String, usize)>, Located> {
+    let DeValue::Array(entries) = value.get_ref() else {
+        return Err(wrong_type("cmd", value, "an array of strings"));
+    };
+    let mut words: Vec<(String, usize)> = Vec::with_capacity(entries.len());
+    for entry in entries {
+        let at = entry.span().start;
+        let text = string("cmd", entry)?;
+        let word = if text.contains('{') && is_script(words.iter().map(|(word, _)| &**word)) {
+            params.substitute_in_script(&text, used)
+        } else {
+            params.substitute(&text, used)
+        };
+        words.push((word.map_err(|problem| Located { at, problem })?, at));
+    }
+    Ok(words)
 }
 
 pub(super) fn string(key: &str, value: &Value<'_>) -> Result<String, Located> {

@@ -1,0 +1,200 @@
+//! Pipeline files that build on another one: `extends = "paper.toml"`.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use toml::de::{DeTable, DeValue};
+
+use super::keys::TOP_KEYS;
+use super::tables::read_params;
+use super::value::{Located, Value, check_keys, string, wrong_type};
+use crate::PipelineError;
+use crate::error::{FileProblem, nearest};
+use crate::params::Params;
+
+const TOP: &str = "the pipeline";
+
+/// One file; the first of several is the one that was asked for, each next the one it extends.
+#[derive(Clone, Copy)]
+pub(super) struct Layer<'t> {
+    pub(super) path: &'t Path,
+    pub(super) text: &'t str,
+    pub(super) table: &'t DeTable<'t>,
+}
+
+/// A `[[stage]]` and the file in which it stands.
+pub(super) struct Entry<'t> {
+    pub(super) layer: Layer<'t>,
+    pub(super) value: &'t Value<'t>,
+}
+
+impl Layer<'_> {
+    pub(super) fn error(&self, located: Located) -> PipelineError {
+        located.into_error(self.text, self.path)
+    }
+}
+
+/// Parses `text` and the files that it extends, then calls `then` with all of them.
+pub(super) fn with_layers<T>(
+    path: &Path,
+    text: &str,
+    above: &[Layer<'_>],
+    then: &mut dyn FnMut(&[Layer<'_>]) -> Result<T, PipelineError>,
+) -> Result<T, PipelineError> {
+    let located = |at: Located| at.into_error(text, path);
+    let document = DeTable::parse(text).map_err(|error| {
+        located(Located {
+            at: error.span().map_or(0, |span| span.start),
+            problem: FileProblem::Syntax {
+                message: error.message().to_owned(),
+            },
+        })
+    })?;
+    let table = document.get_ref();
+    check_keys(table, TOP, TOP_KEYS).map_err(located)?;
+    let mut layers = above.to_vec();
+    layers.push(Layer { path, text, table });
+    let Some(value) = table.get("extends") else {
+        return then(&layers);
+    };
+    let base = string("extends", value).map_err(located)?;
+    let base = path.parent().unwrap_or(Path::new("")).join(base);
+    let refused = |problem| {
+        located(Located {
+            at: value.span().start,
+            problem,
+        })
+    };
+    let real = |path: &Path| std::fs::canonicalize(path).unwrap_or_else(|_| PathBuf::from(path));
+    if layers.iter().any(|layer| real(layer.path) == real(&base)) {
+        return Err(refused(FileProblem::ExtendsItself { path: base }));
+    }
+    let text = std::fs::read_to_string(&base).map_err(|error| {
+        refused(FileProblem::NoBase {
+            path: base.clone(),
+            message: error.to_string(),
+        })
+    })?;
+    with_layers(&base, &text, &layers, then)
+}
+
+/// The parameters of all files, those of the first before those of the others.
+pub(super) fn merged_params(layers: &[Layer<'_>]) -> Result<Params, PipelineError> {
+    let mut merged = Params::default();
+    for layer in layers.iter().rev() {
+        let params = read_params(layer.table).map_err(|at| layer.error(at))?;
+        for (name, mut param) in params.0 {
+            if let Some(before) = merged.0.get(&name) {
+                let expected = before.kind.described();
+                let value = written_params(layer).and_then(|params| params.get(name.as_str()));
+                match value.filter(|_| !before.kind.admits(&param.text)) {
+                    Some(value) => return Err(layer.error(wrong_type(&name, value, expected))),
+                    None => param.kind = before.kind,
+                }
+            }
+            merged.0.insert(name, param);
+        }
+    }
+    Ok(merged)
+}
+
+/// The stages of all files: one takes the place of its namesake in a file that its own
+/// extends, others come after those.
+pub(super) fn merged_stages<'t>(layers: &[Layer<'t>]) -> Result<Vec<Entry<'t>>, PipelineError> {
+    let mut entries: Vec<Entry<'t>> = Vec::new();
+    for layer in layers.iter().rev() {
+        let before = entries.len();
+        let names = entries.iter().enumerate();
+        let names: BTreeMap<String, usize> = names
+            .filter_map(|(place, entry)| Some((name_of(entry.value)?.to_owned(), place)))
+            .collect();
+        let mut replaced = vec![false; before];
+        for value in stages_in(*layer)? {
+            let entry = Entry {
+                layer: *layer,
+                value,
+            };
+            // A second stage of the name is no replacement: it is refused where it is read.
+            match name_of(value).and_then(|name| names.get(name)) {
+                Some(&place) if !replaced[place] => {
+                    replaced[place] = true;
+                    entries[place] = entry;
+                }
+                _ => entries.push(entry),
+            }
+        }
+    }
+    match (entries.is_empty(), layers.first()) {
+        (true, Some(layer)) => Err(layer.error(Located {
+            at: layer
+                .table
+                .get("stage")
+                .map_or(0, |value| value.span().start),
+            problem: FileProblem::NoStages,
+        })),
+        _ => Ok(entries),
+    }
+}
+
+fn stages_in<'t>(layer: Layer<'t>) -> Result<&'t [Value<'t>], PipelineError> {
+    match layer
+        .table
+        .get("stage")
+        .map(|value| (value, value.get_ref()))
+    {
+        None => Ok(&[]),
+        Some((_, DeValue::Array(entries))) => Ok(entries),
+        Some((value, _)) => {
+            let expected = "an array of tables, each headed [[stage]]";
+            Err(layer.error(wrong_type("stage", value, expected)))
+        }
+    }
+}
+
+fn written_params<'t>(layer: &Layer<'t>) -> Option<&'t DeTable<'t>> {
+    match layer.table.get("params")?.get_ref() {
+        DeValue::Table(params) => Some(params),
+        _ => None,
+    }
+}
+
+fn name_of<'t>(value: &'t Value<'t>) -> Option<&'t str> {
+    match value.get_ref() {
+        DeValue::Table(table) => table.get("name")?.get_ref().as_str(),
+        _ => None,
+    }
+}
+
+/// Refuses a parameter that a file adds to those it extends and that no stage uses: it is
+/// most likely another one, misspelt.
+pub(super) fn check_added(
+    layers: &[Layer<'_>],
+    stages: &[crate::Stage],
+) -> Result<(), PipelineError> {
+    let names = |layer: &Layer<'_>| {
+        let keys = written_params(layer).into_iter().flat_map(|p| p.keys());
+        keys.map(|key| (key.get_ref().to_string(), key.span().start))
+            .collect::<Vec<_>>()
+    };
+    for (place, layer) in layers.iter().enumerate() {
+        let below: Vec<String> = layers[place + 1..]
+            .iter()
+            .flat_map(names)
+            .map(|(name, _)| name)
+            .collect();
+        let unused = |(name, _): &(String, usize)| {
+            !below.contains(name) && !stages.iter().any(|stage| stage.params.contains_key(name))
+        };
+        if below.is_empty() {
+            break;
+        }
+        if let Some((name, at)) = names(layer).into_iter().find(unused) {
+            let problem = FileProblem::UnusedParameter {
+                nearest: nearest(&name, below.iter().map(String::as_str)),
+                name,
+            };
+            return Err(layer.error(Located { at, problem }));
+        }
+    }
+    Ok(())
+}
