@@ -136,7 +136,7 @@ pub(super) fn merged_stages<'t>(layers: &[Layer<'t>]) -> Result<Vec<Entry<'t>>, 
     }
 }
 
-fn stages_in<'t>(layer: Layer<'t>) -> Result<&'t [Value<'t>], PipelineError> {
+fn stages_in(layer: Layer<'_>) -> Result<&[Value<'_>], PipelineError> {
     match layer
         .table
         .get("stage")
