@@ -143,7 +143,9 @@ fn main() {
                 .map(serde_json::to_value),
             normality(&values).ok().map(serde_json::to_value),
             levene(&conditions, &values).ok().map(serde_json::to_value),
-            alpha(&[("x", x), ("y", y)]).ok().map(serde_json::to_value),
+            alpha(&[("x", x), ("y", y)], None)
+                .ok()
+                .map(serde_json::to_value),
         ];
         answers.extend(others.into_iter().flatten().flatten());
         for answer in &answers {

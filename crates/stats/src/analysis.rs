@@ -7,6 +7,7 @@ use crate::{
     ShapiroWilk, Sphericity, Wilcoxon, WithinSubjects,
     friedman::{self, Exact, RankTable},
     normality::{RoystonWeights, shapiro_wilk_with},
+    numerics::decimal::Written,
     paired,
     rm_anova::{self, Decomposition},
     sphericity,
@@ -354,10 +355,10 @@ pub(crate) fn wilcoxon(
     columns: &[Vec<f64>],
     undefined: &mut Reasons,
 ) -> Named<Wilcoxon> {
-    let written = paired::wilcoxon::written_columns(columns);
+    let (written, n, k) = (Written::of(data.values()), data.n(), data.k());
     let mut results = by_pair(data, "wilcoxon", undefined, |a, b| {
-        let written = written.as_ref().map(|w| (&w[a][..], &w[b][..]));
-        paired::wilcoxon::test(&columns[a], &columns[b], written)
+        let keys = written.differences((0..n).map(|i| (i * k + a, i * k + b)));
+        paired::wilcoxon::test(&columns[a], &columns[b], &keys, written.is_rounded())
     });
     holm(&mut results, |r| r.p, |r, p| r.p_holm = p);
     holm(&mut results, |r| r.p_exact, |r, p| r.p_exact_holm = p);
@@ -368,8 +369,8 @@ pub(crate) fn wilcoxon(
     );
     holm(
         &mut results,
-        |r| r.p_r_default,
-        |r, p| r.p_r_default_holm = p,
+        |r| r.compat.p_r_default,
+        |r, p| r.compat.p_r_default_holm = p,
     );
     results
 }

@@ -43,7 +43,7 @@ pub use compare::{
 };
 pub use correlation::{
     Correlation, CorrelationMethod, Kendall, Pearson, RmCorrelation, RmCorrelationAnalysis,
-    Spearman, correlate, rm_correlation,
+    Spearman, SpearmanCompat, correlate, rm_correlation,
 };
 pub use error::StatsError;
 pub use friedman::Friedman;
@@ -53,7 +53,7 @@ pub use named::Named;
 pub use normality::{Normality, SampleShape, ShapiroWilk, normality};
 pub use paired::{
     conover::Conover, nemenyi::Nemenyi, pooled::PooledT, t::PairedT, wilcoxon::PMethod,
-    wilcoxon::Wilcoxon,
+    wilcoxon::Wilcoxon, wilcoxon::WilcoxonCompat,
 };
 pub use posthoc::{Effect, EffectName, Posthoc, PosthocPair, PosthocTest, posthoc};
 pub use power::{PlannedTest, PowerAnalysis, PowerAnswer, PowerQuestion, power};
@@ -62,7 +62,7 @@ pub use reasons::Reasons;
 pub use recheck::{Recheck, RecheckAnalysis, ReportedCorrelation, recheck};
 pub use regression::{CircularLinear, LinearFit, circular_linear, linear_fit};
 pub use reliability::{Alpha, AlphaAnalysis, ItemDropped, ItemStatistics, alpha};
-pub use rm_anova::RmAnova;
-pub use sphericity::{Mauchly, Sphericity};
+pub use rm_anova::{RmAnova, RmAnovaCompat};
+pub use sphericity::{Mauchly, MauchlyCompat, Sphericity};
 pub use variances::{Bartlett, Levene, VarianceTests, levene};
 pub use within_subjects::WithinSubjects;

@@ -36,10 +36,6 @@ pub struct RmAnova {
     pub eta2_partial_ci90_low: Option<f64>,
     /// Upper end of that interval.
     pub eta2_partial_ci90_high: Option<f64>,
-    /// The same interval mapped as Steiger (2004) and MBESS do: ncp / (ncp + df1 + df2 + 1).
-    pub eta2_partial_ci90_mbess_low: Option<f64>,
-    /// Upper end of that interval.
-    pub eta2_partial_ci90_mbess_high: Option<f64>,
     /// SSc / (SSc + SSe + SSs).
     pub eta2_generalized: Option<f64>,
     /// Lower end of its 90 % interval: the limits ncp MSe of the noncentral F in the place
@@ -55,6 +51,18 @@ pub struct RmAnova {
     pub omega2_partial_ci90_low: Option<f64>,
     /// Upper end of that interval.
     pub omega2_partial_ci90_high: Option<f64>,
+    /// What other programs print for the same data.
+    #[serde(flatten)]
+    pub compat: RmAnovaCompat,
+}
+
+/// Values that only other programs print, to compare with.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct RmAnovaCompat {
+    /// The interval of partial eta squared mapped as Steiger (2004) and MBESS do: ncp / (ncp + df1 + df2 + 1).
+    pub eta2_partial_ci90_mbess_low: Option<f64>,
+    /// Upper end of that interval.
+    pub eta2_partial_ci90_mbess_high: Option<f64>,
 }
 
 /// Residuals of the additive model and the sums of squares, from one pass over the data.
@@ -117,13 +125,10 @@ fn is_additive(data: &WithinSubjects, residuals: &[f64]) -> bool {
     if largest(residuals) > 1e-6 * scale {
         return false;
     }
-    decimal::as_written(data.values()).is_some_and(|written| {
-        let first = &written[..data.k()];
-        written.chunks_exact(data.k()).all(|row| {
-            row.iter()
-                .zip(first)
-                .all(|(a, b)| a - b == row[0] - first[0])
-        })
+    let (written, k) = (decimal::Written::of(data.values()), data.k());
+    (0..data.values().len()).all(|i| {
+        let (start, j) = (i - i % k, i % k);
+        written.same_difference((i, j), (start, 0))
     })
 }
 
@@ -196,8 +201,10 @@ pub(crate) fn test(data: &WithinSubjects, parts: &Decomposition) -> (RmAnova, Re
         eta2_partial: (effect > 0.0).then(|| ss_condition / effect),
         eta2_partial_ci90_low: interval.map(|(low, _)| share(low)),
         eta2_partial_ci90_high: interval.map(|(_, high)| share(high)),
-        eta2_partial_ci90_mbess_low: interval.map(|(low, _)| share_mbess(low)),
-        eta2_partial_ci90_mbess_high: interval.map(|(_, high)| share_mbess(high)),
+        compat: RmAnovaCompat {
+            eta2_partial_ci90_mbess_low: interval.map(|(low, _)| share_mbess(low)),
+            eta2_partial_ci90_mbess_high: interval.map(|(_, high)| share_mbess(high)),
+        },
         eta2_generalized: (total > 0.0).then(|| ss_condition / total),
         eta2_generalized_ci90_low: interval.map(|(low, _)| share_of_all(low)),
         eta2_generalized_ci90_high: interval.map(|(_, high)| share_of_all(high)),

@@ -23,7 +23,15 @@ pub struct Mauchly {
     pub df: Option<usize>,
     /// With the second-order term, which uses k where Anderson has k-1: as R and pingouin.
     pub p: Option<f64>,
-    /// With the second-order term as Anderson (2003) gives it.
+    /// What other programs print for the same data.
+    #[serde(flatten)]
+    pub compat: MauchlyCompat,
+}
+
+/// Values that only other programs print, to compare with.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct MauchlyCompat {
+    /// With the second-order term as Anderson (2003) gives it, k-1 in the place of k.
     pub p_anderson: Option<f64>,
     /// First order only.
     pub p_chi2: Option<f64>,
@@ -97,8 +105,7 @@ fn mauchly(data: &WithinSubjects, values: &[f64], reasons: &mut Reasons) -> Mauc
             chi2: None,
             df: None,
             p: None,
-            p_anderson: None,
-            p_chi2: None,
+            compat: MauchlyCompat::default(),
         }
     };
     if k == 2 {
@@ -139,8 +146,10 @@ fn mauchly(data: &WithinSubjects, values: &[f64], reasons: &mut Reasons) -> Mauc
         chi2: Some(chi2),
         df: Some(df),
         p: Some(with_term(k as f64)),
-        p_anderson: Some(with_term(q)),
-        p_chi2: Some(first),
+        compat: MauchlyCompat {
+            p_anderson: Some(with_term(q)),
+            p_chi2: Some(first),
+        },
     }
 }
 

@@ -117,7 +117,7 @@ fn answer(case: &Value, table: &Table) -> Value {
                 .collect();
             let items: Vec<(&str, &[Option<f64>])> =
                 columns.iter().map(|(h, c)| (*h, &c[..])).collect();
-            json(&stats::alpha(&items).unwrap())
+            json(&stats::alpha(&items, None).unwrap())
         }
         "between" => json(&stats::levene(&table.text("group"), &table.numbers("value")).unwrap()),
         "bootstrap" => bootstrap(&text("statistic"), table),

@@ -182,6 +182,9 @@ enum TestArgs {
         /// Columns of the items
         #[arg(long, value_delimiter = ',', required = true)]
         items: Vec<String>,
+        /// Column that says whose sheet it is, where people answered several: the interval then draws whole people
+        #[arg(long)]
+        subject: Option<String>,
     },
     /// Adjust p values for their number
     Adjust {
@@ -314,7 +317,11 @@ impl Stats {
                 group,
                 value,
             } => (input, Test::Levene { group, value }),
-            TestArgs::Alpha { input, items } => (input, Test::Alpha { items }),
+            TestArgs::Alpha {
+                input,
+                items,
+                subject,
+            } => (input, Test::Alpha { items, subject }),
             TestArgs::Adjust { input, p } => (input, Test::Adjust { p }),
             TestArgs::Bootstrap {
                 input,

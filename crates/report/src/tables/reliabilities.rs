@@ -50,6 +50,10 @@ pub fn reliabilities(rows: &[Reliability]) -> Table {
                 ]
             })
             .collect(),
-        notes: vec!["*n*: answer sheets on which every item of the scale is answered.".to_owned()],
+        notes: vec![
+            "*n*: answer sheets on which every item of the scale is answered. The interval of *α* is Feldt’s; where people \
+             answered several sheets each, that of a bootstrap which draws whole people."
+                .to_owned(),
+        ],
     }
 }

@@ -36,6 +36,8 @@ pub enum Statistic {
     Omega2Partial,
     /// Kendall's W of a within-subject design (Friedman's χ² over n (k-1)).
     KendallW,
+    /// Cronbach's alpha of a scale.
+    Alpha,
 }
 
 /// The data whose rows, or subjects, are drawn with replacement.
@@ -48,6 +50,13 @@ pub enum BootstrapData<'a> {
     Pairs(&'a [Option<f64>], &'a [Option<f64>]),
     /// A within-subject design; whole subjects are drawn.
     Within(&'a WithinSubjects),
+    /// Answer sheets to the items of a scale.
+    Sheets {
+        /// Each item's name and its answers, shape `(sheets,)`.
+        items: &'a [(&'a str, &'a [Option<f64>])],
+        /// Whose each sheet is, shape `(sheets,)`: whole people are drawn, with all of their sheets.
+        people: &'a [String],
+    },
 }
 
 /// How the interval is simulated.

@@ -4,8 +4,12 @@ use super::{BootstrapData, Statistic};
 use crate::{
     StatsError, complete, correlation,
     friedman::RankTable,
-    numerics::moments::{centred, is_rounding, largest},
+    numerics::{
+        decimal::tied,
+        moments::{centred, is_rounding, largest},
+    },
     ranks,
+    within_subjects::Index,
 };
 
 /// Data prepared so that a resample costs one pass.
@@ -26,6 +30,8 @@ pub(super) enum Sample {
         floor: f64,
     },
     KendallW(RankTable),
+    /// Of each person: sheets, Σ sum, Σ sum², Σ x² over all items, then Σ x of each item (items centred).
+    Alpha(Vec<Vec<f64>>),
 }
 
 impl Sample {
@@ -51,7 +57,7 @@ impl Sample {
                 let sample = if statistic == Statistic::Pearson {
                     Self::Pearson(centred(&x), centred(&y))
                 } else {
-                    Self::Spearman(x, y)
+                    Self::Spearman(tied(&x).into_owned(), tied(&y).into_owned())
                 };
                 Ok((sample, complete.missing))
             }
@@ -84,12 +90,40 @@ impl Sample {
             (Statistic::KendallW, BootstrapData::Within(data)) => {
                 Ok((Self::KendallW(RankTable::of(data)), data.dropped().len()))
             }
+            (Statistic::Alpha, BootstrapData::Sheets { items, people }) => {
+                let complete = complete::rows(items, "sheet", 2)?;
+                if people.len() != complete.kept.len() + complete.missing {
+                    return Err(StatsError::LengthMismatch {
+                        name: "people".to_owned(),
+                        found: people.len(),
+                        expected: complete.kept.len() + complete.missing,
+                    });
+                }
+                let kept: Vec<String> = complete.kept.iter().map(|&i| people[i].clone()).collect();
+                let index = Index::of(&kept);
+                complete::enough("person", index.names.len(), 0, 2)?;
+                let columns: Vec<Vec<f64>> = complete.columns.iter().map(|c| centred(c)).collect();
+                let mut sums = vec![vec![0.0; 4 + columns.len()]; index.names.len()];
+                for (sheet, &person) in index.rows.iter().enumerate() {
+                    let own = &mut sums[person];
+                    let sum: f64 = columns.iter().map(|c| c[sheet]).sum();
+                    let squares: f64 = columns.iter().map(|c| c[sheet] * c[sheet]).sum();
+                    for (to, add) in own.iter_mut().zip([1.0, sum, sum * sum, squares]) {
+                        *to += add;
+                    }
+                    for (to, column) in own[4..].iter_mut().zip(&columns) {
+                        *to += column[sheet];
+                    }
+                }
+                Ok((Self::Alpha(sums), complete.missing))
+            }
             (statistic, data) => Err(StatsError::WrongData {
                 statistic: format!("{statistic:?}"),
                 data: match data {
                     BootstrapData::Values(_) => "one column",
                     BootstrapData::Pairs(..) => "two columns",
                     BootstrapData::Within(_) => "a within-subject design",
+                    BootstrapData::Sheets { .. } => "the items of a scale",
                 }
                 .to_owned(),
             }),
@@ -101,6 +135,7 @@ impl Sample {
             Self::Mean(v) | Self::Median(v) | Self::Pearson(v, _) | Self::Spearman(v, _) => v.len(),
             Self::Share { squares, .. } => squares.len(),
             Self::KendallW(table) => table.n,
+            Self::Alpha(people) => people.len(),
         }
     }
 
@@ -189,8 +224,25 @@ impl Sample {
                 (below > floor * rows.len() as f64).then(|| (above / below).min(1.0))
             }
             Self::KendallW(table) => table.resampled(counts).kendall_w(),
+            Self::Alpha(people) => weighted_alpha(people, counts),
         }
     }
+}
+
+/// Alpha of the sheets of people, each counted as often as drawn.
+fn weighted_alpha(people: &[Vec<f64>], counts: &[u32]) -> Option<f64> {
+    let mut sums = vec![0.0; people[0].len()];
+    for (own, &count) in people.iter().zip(counts).filter(|(_, c)| **c > 0) {
+        for (sum, v) in sums.iter_mut().zip(own) {
+            *sum += f64::from(count) * v;
+        }
+    }
+    let (n, items) = (sums[0], &sums[4..]);
+    let total = sums[2] - sums[1] * sums[1] / n;
+    let trace = sums[3] - items.iter().map(|x| x * x).sum::<f64>() / n;
+    let k = items.len() as f64;
+    (total > 1e-14 * sums[3] && total > 1e-14 * trace)
+        .then(|| k / (k - 1.0) * (1.0 - trace / total))
 }
 
 /// r of centred columns with row weights.

@@ -2,7 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{PMethod, Reasons, numerics::distributions::normal_two_sided, ranks};
+use crate::{
+    PMethod, Reasons,
+    numerics::{decimal::tied, distributions::normal_two_sided},
+    ranks,
+};
 
 /// Kendall's τ-b.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -39,9 +43,10 @@ fn tie_sums(values: &[f64]) -> (f64, f64, f64) {
 
 pub(super) fn test(x: &[f64], y: &[f64]) -> (Kendall, Reasons) {
     let mut reasons = Reasons::default();
+    let (x, y) = (tied(x), tied(y));
     let n = x.len() as f64;
     let pairs = 0.5 * n * (n - 1.0);
-    let ((tied_x, x1, x2), (tied_y, y1, y2)) = (tie_sums(x), tie_sums(y));
+    let ((tied_x, x1, x2), (tied_y, y1, y2)) = (tie_sums(&x), tie_sums(&y));
     if tied_x >= pairs || tied_y >= pairs {
         reasons.note("", "a column does not vary, so tau is 0/0");
         let none = Kendall {

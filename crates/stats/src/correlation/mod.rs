@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub use kendall::Kendall;
 pub use pearson::Pearson;
 pub use rm_correlation::{RmCorrelation, RmCorrelationAnalysis, rm_correlation};
-pub use spearman::Spearman;
+pub use spearman::{Spearman, SpearmanCompat};
 
 pub(crate) use pearson::coefficient;
 

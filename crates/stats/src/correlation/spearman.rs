@@ -3,7 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::{fisher_interval, p_of_r, spearman_exact};
-use crate::{PMethod, Reasons, numerics::distributions::normal_upper, ranks};
+use crate::{
+    PMethod, Reasons,
+    numerics::{decimal, distributions::normal_upper},
+    ranks,
+};
 
 /// Spearman's ρ.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -21,9 +25,6 @@ pub struct Spearman {
     /// All pairings, given the ties, |ρ| at least as large; up to 14 pairs. R is exact only
     /// to 9, without ties.
     pub p_exact: Option<f64>,
-    /// What R's `cor.test(method = "spearman")` prints: exact to n = 9, then an Edgeworth
-    /// series to n = 1290; beyond, and with ties, the t approximation.
-    pub p_r_default: Option<f64>,
     /// Lower end of the 95 % interval by Fisher's z with standard error 1/√(n-3), as JASP
     /// and pingouin.
     pub ci_low: Option<f64>,
@@ -34,11 +35,22 @@ pub struct Spearman {
     pub ci_bw_low: Option<f64>,
     /// Upper end.
     pub ci_bw_high: Option<f64>,
+    /// What other programs print for the same data.
+    #[serde(flatten)]
+    pub compat: SpearmanCompat,
+}
+
+/// Values that only other programs print, to compare with.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct SpearmanCompat {
+    /// R's `cor.test(method = "spearman")`: exact to n = 9, then an Edgeworth series to n = 1290; beyond, and
+    /// with ties, the t approximation.
+    pub p_r_default: Option<f64>,
 }
 
 /// Doubled ranks less their mean, and whether there are ties.
 fn centred_ranks(values: &[f64]) -> (Vec<i64>, bool) {
-    let (ranks, ties) = ranks::doubled(values);
+    let (ranks, ties) = ranks::doubled(&decimal::tied(values));
     let mean = values.len() as i64 + 1;
     (ranks.iter().map(|r| r - mean).collect(), ties > 0.0)
 }
@@ -76,11 +88,11 @@ pub(super) fn test(x: &[f64], y: &[f64]) -> (Spearman, Reasons) {
             df: None,
             p_t: None,
             p_exact: None,
-            p_r_default: None,
             ci_low: None,
             ci_high: None,
             ci_bw_low: None,
             ci_bw_high: None,
+            compat: SpearmanCompat::default(),
         };
         return (none, reasons);
     };
@@ -131,11 +143,11 @@ pub(super) fn test(x: &[f64], y: &[f64]) -> (Spearman, Reasons) {
         df: Some(x.len() - 2),
         p_t,
         p_exact,
-        p_r_default,
         ci_low: fisher.map(|(low, _)| low),
         ci_high: fisher.map(|(_, high)| high),
         ci_bw_low: bonett.map(|(low, _)| low),
         ci_bw_high: bonett.map(|(_, high)| high),
+        compat: SpearmanCompat { p_r_default },
     };
     (result, reasons)
 }

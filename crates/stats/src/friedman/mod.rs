@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     Reasons, WithinSubjects,
     numerics::{
+        decimal,
         distributions::{chi2_upper, f_upper},
         noncentral::f_ncp_interval,
     },
@@ -69,7 +70,7 @@ impl RankTable {
             sums: vec![0; data.k()],
             squares: 0,
         };
-        for row in data.rows() {
+        for row in decimal::tied(data.values()).chunks_exact(data.k()) {
             let (ranks, _) = ranks::doubled(row);
             for (sum, rank) in table.sums.iter_mut().zip(&ranks) {
                 *sum += rank;

@@ -3,7 +3,7 @@
 //! `statrs` stops its continued fraction after 140 terms and forms one tail as
 //! `1 - other`; with 10,000 subjects neither is enough.
 
-pub(crate) use statrs::function::gamma::ln_gamma;
+pub(crate) use libm::lgamma as ln_gamma;
 
 const MAX_TERMS: u32 = 100_000;
 const TINY: f64 = 1e-300;
@@ -50,7 +50,9 @@ pub(crate) fn beta_tails(a: f64, b: f64, x: f64, y: f64) -> (f64, f64) {
     if y <= 0.0 {
         return (1.0, 0.0);
     }
-    let front = (a * x.ln() + b * y.ln() - ln_beta(a, b)).exp();
+    // The logarithm of what is close to 1 has its digits in the other of both.
+    let ln = |of: f64, rest: f64| if rest < 0.5 { (-rest).ln_1p() } else { of.ln() };
+    let front = (a * ln(x, y) + b * ln(y, x) - ln_beta(a, b)).exp();
     if x < (a + 1.0) / (a + b + 2.0) {
         let low = (front * beta_fraction(a, b, x) / a).min(1.0);
         (low, 1.0 - low)
@@ -84,12 +86,27 @@ fn beta_fraction(a: f64, b: f64, x: f64) -> f64 {
     h
 }
 
+/// `x^a e^-x / Γ(a)`, without the cancellation of large logarithms.
+fn gamma_front(a: f64, x: f64) -> f64 {
+    if a < 10.0 {
+        return (a * x.ln() - x - ln_gamma(a)).exp();
+    }
+    let share = (x - a) / a;
+    let distance = if share.abs() < 0.5 {
+        share - share.ln_1p()
+    } else {
+        share - (x / a).ln()
+    };
+    let ln_root = 0.5 * (a / std::f64::consts::TAU).ln();
+    (ln_root - stirling_rest(a) - a * distance).exp()
+}
+
 /// `Q(a, x)`, the upper regularised incomplete gamma function.
 pub(crate) fn gamma_upper(a: f64, x: f64) -> f64 {
     if x <= 0.0 {
         return 1.0;
     }
-    let front = (a * x.ln() - x - ln_gamma(a)).exp();
+    let front = gamma_front(a, x);
     if x < a + 1.0 {
         let (mut term, mut sum, mut at) = (1.0 / a, 1.0 / a, a);
         for _ in 0..MAX_TERMS {

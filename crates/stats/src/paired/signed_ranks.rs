@@ -139,7 +139,7 @@ impl SignedRanks {
 }
 
 /// Differences up to which all changes of sign are counted.
-pub(crate) const MOST_EXACT: usize = 200;
+pub(crate) const MOST_EXACT: usize = 1000;
 
 #[cfg(test)]
 mod tests {

@@ -168,8 +168,7 @@ fn is_constant_difference(a: &[f64], b: &[f64], differences: &[f64]) -> bool {
     if spread > 1e-6 * scale {
         return false;
     }
-    decimal::as_written(&[a, b].concat()).is_some_and(|w| {
-        let (a, b) = w.split_at(a.len());
-        a.iter().zip(b).all(|(x, y)| x - y == a[0] - b[0])
-    })
+    let (n, both) = (a.len(), [a, b].concat());
+    let written = decimal::Written::of(&both);
+    (1..n).all(|i| written.same_difference((i, n + i), (0, n)))
 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::signed_ranks::{MOST_EXACT, SignedRanks, Zeros};
-use crate::{Reasons, numerics::decimal};
+use crate::Reasons;
 
 /// How a p value was computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -22,11 +22,12 @@ pub enum PMethod {
     StudentizedRange,
 }
 
-/// Wilcoxon's signed-rank test, with the numbers that other programs print.
+/// Wilcoxon's signed-rank test.
 ///
 /// Differences are ranked as written: 0.3 - 0.1 ties with 0.4 - 0.2, although the doubles
-/// differ in their last bit. R and SciPy rank the doubles; the names that quote them,
-/// `p_r_default`, `p_scipy_auto` and `p_zsplit`, do too.
+/// differ in their last bit. Numbers of more than 12 significant digits are rounded results, such as means of
+/// items: their differences tie within four units of the 15th digit of the largest value. R and SciPy rank the
+/// doubles.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Wilcoxon {
     /// Differences that are not zero.
@@ -45,7 +46,7 @@ pub struct Wilcoxon {
     pub p_method: Option<PMethod>,
     /// Holm's correction of `p` over all pairs.
     pub p_holm: Option<f64>,
-    /// All changes of sign, given the ties; up to 200 differences.
+    /// All changes of sign, given the ties; up to 1,000 differences.
     pub p_exact: Option<f64>,
     /// Its Holm correction.
     pub p_exact_holm: Option<f64>,
@@ -59,45 +60,45 @@ pub struct Wilcoxon {
     pub p_pratt: Option<f64>,
     /// Pratt, all changes of sign.
     pub p_pratt_exact: Option<f64>,
-    /// Zeros ranked and split between both sides; normal approximation, as SciPy.
-    pub p_zsplit: Option<f64>,
-    /// What R's `wilcox.test(paired = TRUE)` prints.
-    pub p_r_default: Option<f64>,
-    /// Its Holm correction.
-    pub p_r_default_holm: Option<f64>,
-    /// What `scipy.stats.wilcoxon` prints.
-    pub p_scipy_auto: Option<f64>,
     /// (W+ - W-) / (W+ + W-), from -1 to 1.
     pub rank_biserial: Option<f64>,
     /// Lower end of its 95 % interval: Fisher's z with the null standard error of W.
     pub rank_biserial_ci_low: Option<f64>,
     /// Upper end.
     pub rank_biserial_ci_high: Option<f64>,
+    /// What other programs print for the same data.
+    #[serde(flatten)]
+    pub compat: WilcoxonCompat,
 }
 
-/// Compares two columns of shape `(n,)`; `written` are the same numbers as integers, if
-/// they have a common decimal scale.
-pub(crate) fn test(
-    a: &[f64],
-    b: &[f64],
-    written: Option<(&[i128], &[i128])>,
-) -> (Wilcoxon, Reasons) {
-    let raw: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
-    let keys: Option<Vec<i128>> =
-        written.map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect());
-    // 64-bit keys sort twice as fast, and nearly always suffice.
-    let short: Option<Vec<i64>> = keys
-        .as_ref()
-        .and_then(|keys| keys.iter().map(|&k| i64::try_from(k).ok()).collect());
-    let table = |treatment: Zeros| match (&short, &keys) {
-        (Some(keys), _) => SignedRanks::of(keys, treatment),
-        (None, Some(keys)) => SignedRanks::of(keys, treatment),
-        (None, None) => SignedRanks::of(&raw, treatment),
-    };
-    let main = table(Zeros::Dropped);
-    let pratt = (main.zeros > 0).then(|| table(Zeros::RankedThenDropped));
+/// Values that only other programs print, to compare with.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct WilcoxonCompat {
+    /// SciPy's `zero_method="zsplit"`: zeros ranked and split between both sides; normal approximation. It ranks the
+    /// doubles; rounded numbers are given to it with their ties.
+    pub p_zsplit: Option<f64>,
+    /// R's `wilcox.test(paired = TRUE)`, which ranks the doubles.
+    pub p_r_default: Option<f64>,
+    /// Its Holm correction.
+    pub p_r_default_holm: Option<f64>,
+    /// `scipy.stats.wilcoxon`, which ranks the doubles.
+    pub p_scipy_auto: Option<f64>,
+}
+
+/// Compares two columns of shape `(n,)`; `keys` are their differences as written, with the ties that those have;
+/// `rounded` says that some numbers are longer than stand for themselves.
+pub(crate) fn test(a: &[f64], b: &[f64], keys: &[i64], rounded: bool) -> (Wilcoxon, Reasons) {
+    let main = SignedRanks::of(keys, Zeros::Dropped);
+    let pratt = (main.zeros > 0).then(|| SignedRanks::of(keys, Zeros::RankedThenDropped));
     let mut result = of_ranks(&main, pratt.as_ref().unwrap_or(&main));
-    quote_others(&mut result, &raw, &main);
+    let raw: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+    result.compat = quote_others(&result, &raw, &main);
+    let split = if rounded {
+        SignedRanks::of(keys, Zeros::Split)
+    } else {
+        SignedRanks::of(&raw, Zeros::Split)
+    };
+    result.compat.p_zsplit = split.p_normal(0.0);
     let reasons = reasons(&result);
     (result, reasons)
 }
@@ -139,18 +140,15 @@ fn of_ranks(main: &SignedRanks, pratt: &SignedRanks) -> Wilcoxon {
         p_normal_cc_holm: None,
         p_pratt: pratt.p_normal(0.0).filter(|_| some),
         p_pratt_exact,
-        p_zsplit: None,
-        p_r_default: None,
-        p_r_default_holm: None,
-        p_scipy_auto: None,
         rank_biserial: biserial,
         rank_biserial_ci_low: interval.map(|(low, _)| low),
         rank_biserial_ci_high: interval.map(|(_, high)| high),
+        compat: WilcoxonCompat::default(),
     }
 }
 
 /// The p values that rank raw doubles, by the rules of R 4.2 and SciPy 1.17.
-fn quote_others(result: &mut Wilcoxon, raw: &[f64], main: &SignedRanks) {
+fn quote_others(result: &Wilcoxon, raw: &[f64], main: &SignedRanks) -> WilcoxonCompat {
     let dropped = SignedRanks::of(raw, Zeros::Dropped);
     let clean = !dropped.has_ties && dropped.zeros == 0;
     let some = !dropped.ranks.is_empty();
@@ -165,23 +163,21 @@ fn quote_others(result: &mut Wilcoxon, raw: &[f64], main: &SignedRanks) {
     let r_default = clean && dropped.ranks.len() < 50;
     let scipy_auto = (clean && raw.len() <= 50) || raw.len() <= 13;
     let p_exact = (some && (r_default || scipy_auto)).then(exact).flatten();
-    result.p_zsplit = if dropped.zeros > 0 {
-        SignedRanks::of(raw, Zeros::Split).p_normal(0.0)
-    } else {
-        dropped.p_normal(0.0)
-    };
-    result.p_r_default = if r_default {
-        p_exact
-    } else {
-        dropped.p_normal(0.5).filter(|_| some)
-    };
-    result.p_scipy_auto = if !some {
-        Some(1.0)
-    } else if scipy_auto {
-        p_exact
-    } else {
-        dropped.p_normal(0.0)
-    };
+    WilcoxonCompat {
+        p_r_default: if r_default {
+            p_exact
+        } else {
+            dropped.p_normal(0.5).filter(|_| some)
+        },
+        p_scipy_auto: if !some {
+            Some(1.0)
+        } else if scipy_auto {
+            p_exact
+        } else {
+            dropped.p_normal(0.0)
+        },
+        ..WilcoxonCompat::default()
+    }
 }
 
 fn reasons(result: &Wilcoxon) -> Reasons {
@@ -223,11 +219,4 @@ fn reasons(result: &Wilcoxon) -> Reasons {
         );
     }
     reasons
-}
-
-/// The whole table as integers with one decimal scale, column by column.
-pub(crate) fn written_columns(columns: &[Vec<f64>]) -> Option<Vec<Vec<i128>>> {
-    let n = columns.first()?.len();
-    let whole = decimal::as_written(&columns.concat())?;
-    Some(whole.chunks_exact(n.max(1)).map(<[i128]>::to_vec).collect())
 }

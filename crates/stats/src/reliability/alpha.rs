@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::omega;
 use crate::{
-    Reasons, StatsError, complete, correlation,
+    BootstrapData, BootstrapSettings, Interval, Reasons, Statistic, StatsError, bootstrap,
+    complete, correlation,
     numerics::{
         distributions::f_quantile_upper,
         moments::{centred, is_constant},
@@ -20,7 +21,8 @@ pub struct Alpha {
     pub standardized: Option<f64>,
     /// r̄, the mean correlation of two items.
     pub mean_r: Option<f64>,
-    /// Lower end of Feldt's 95 % interval of `raw`.
+    /// Lower end of the 95 % interval of `raw`: Feldt's, or where people answered several sheets each the BCa
+    /// interval of a bootstrap that draws whole people (percentiles where BCa does not exist).
     pub ci_low: Option<f64>,
     /// Upper end.
     pub ci_high: Option<f64>,
@@ -63,6 +65,9 @@ pub struct AlphaAnalysis {
     pub k: usize,
     /// Respondents left out because an answer is missing.
     pub missing: usize,
+    /// People, where some answered several sheets.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub people: Option<usize>,
     /// Alpha of all items.
     pub alpha: Alpha,
     /// Alpha without each item, in their order.
@@ -78,23 +83,29 @@ pub struct AlphaAnalysis {
 /// Cronbach's alpha of items, each a column of shape `(respondents,)`; respondents with a
 /// missing answer are left out.
 ///
+/// Give `people` where the sheets belong to people: if one answered several, the sheets are not independent and the
+/// interval is that of a bootstrap over people, 10,000 resamples from a fixed seed; Feldt's would be too narrow.
+///
 /// # Errors
 /// [`StatsError::LengthMismatch`]; [`StatsError::DoubleName`]; [`StatsError::NotFinite`];
 /// [`StatsError::TooFew`] below two items or two complete respondents.
 ///
 /// # Source
-/// Cronbach (1951); interval of Feldt, Woodruff and Salih (1987). psych and pingouin use
+/// Cronbach (1951); interval of Feldt, Woodruff and Salih (1987), which holds for independent sheets. psych and pingouin use
 /// pairwise covariances by default: `raw_pairwise`.
 ///
 /// # Example
 /// ```
 /// let items = [[2.0, 4.0, 3.0, 5.0].map(Some), [1.0, 5.0, 3.0, 4.0].map(Some)];
 /// let columns: Vec<(&str, &[Option<f64>])> = vec![("a", &items[0]), ("b", &items[1])];
-/// let result = maveric_stats::alpha(&columns)?;
+/// let result = maveric_stats::alpha(&columns, None)?;
 /// assert!((result.alpha.raw.unwrap() - 8.0 / 9.0).abs() < 1e-12);
 /// # Ok::<(), maveric_stats::StatsError>(())
 /// ```
-pub fn alpha(items: &[(&str, &[Option<f64>])]) -> Result<AlphaAnalysis, StatsError> {
+pub fn alpha(
+    items: &[(&str, &[Option<f64>])],
+    people: Option<&[String]>,
+) -> Result<AlphaAnalysis, StatsError> {
     complete::enough("item", items.len(), 0, 2)?;
     for (i, (name, _)) in items.iter().enumerate() {
         if items[..i].iter().any(|(other, _)| other == name) {
@@ -132,7 +143,16 @@ pub fn alpha(items: &[(&str, &[Option<f64>])]) -> Result<AlphaAnalysis, StatsErr
         })
         .collect();
     let mean_r = mean_correlation(&covariances);
-    let interval = raw.and_then(|raw| feldt(raw, n as f64, k as f64));
+    let several = several_sheets(people, &complete)?;
+    let interval = match (several, people) {
+        (Some(found), Some(people)) => {
+            warnings.push(format!(
+                "{n} sheets come from {found} people: the interval of alpha is a bootstrap over people"
+            ));
+            by_person(items, people)?
+        }
+        _ => raw.and_then(|raw| feldt(raw, n as f64, k as f64)),
+    };
     let pairwise = pairwise_matrix(items);
     let omega = omega::total(&covariances);
     let standardized = |r: f64| k as f64 * r / (1.0 + (k as f64 - 1.0) * r);
@@ -155,12 +175,50 @@ pub fn alpha(items: &[(&str, &[Option<f64>])]) -> Result<AlphaAnalysis, StatsErr
         n,
         k,
         missing: complete.missing,
+        people: several,
         alpha,
         drop,
         item,
         warnings,
         undefined,
     })
+}
+
+/// How many people there are, where one of them answered several complete sheets.
+fn several_sheets(
+    people: Option<&[String]>,
+    complete: &complete::Complete,
+) -> Result<Option<usize>, StatsError> {
+    let Some(people) = people else {
+        return Ok(None);
+    };
+    let expected = complete.kept.len() + complete.missing;
+    if people.len() != expected {
+        return Err(StatsError::LengthMismatch {
+            name: "people".to_owned(),
+            found: people.len(),
+            expected,
+        });
+    }
+    let distinct: std::collections::BTreeSet<_> =
+        complete.kept.iter().map(|&row| &people[row]).collect();
+    Ok((distinct.len() < complete.kept.len()).then_some(distinct.len()))
+}
+
+/// The bootstrap interval over people; `None` where most resamples have no alpha, or one person answered everything.
+fn by_person(
+    items: &[(&str, &[Option<f64>])],
+    people: &[String],
+) -> Result<Option<(f64, f64)>, StatsError> {
+    let data = BootstrapData::Sheets { items, people };
+    match bootstrap(Statistic::Alpha, data, &BootstrapSettings::default()) {
+        Ok(found) => {
+            let ends = |i: &Interval| i.low.zip(i.high);
+            Ok(ends(&found.bca).or_else(|| ends(&found.percentile)))
+        }
+        Err(StatsError::TooFew { .. }) => Ok(None),
+        Err(other) => Err(other),
+    }
 }
 
 fn say_why(alpha: &Alpha, k: usize, undefined: &mut Reasons) {
@@ -175,12 +233,12 @@ fn say_why(alpha: &Alpha, k: usize, undefined: &mut Reasons) {
         (
             "alpha.ci_low",
             alpha.ci_low,
-            "there is no alpha to put an interval around",
+            "there is no alpha to put an interval around, or one person answered all sheets",
         ),
         (
             "alpha.ci_high",
             alpha.ci_high,
-            "there is no alpha to put an interval around",
+            "there is no alpha to put an interval around, or one person answered all sheets",
         ),
         ("alpha.mean_r", alpha.mean_r, constant),
         ("alpha.standardized", alpha.standardized, standardized),
@@ -314,4 +372,66 @@ fn feldt(alpha: f64, n: f64, k: f64) -> Option<(f64, f64)> {
     let high = f_quantile_upper(0.025, d1, d2)?;
     let low = f_quantile_upper(0.975, d1, d2)?;
     Some((1.0 - (1.0 - alpha) * high, 1.0 - (1.0 - alpha) * low))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sheets of people who answer alike each time: four sheets of a person say little more than one.
+    fn repeated(times: usize) -> (Vec<Vec<Option<f64>>>, Vec<String>) {
+        let own = [
+            [1.0, 2.0, 1.0],
+            [4.0, 5.0, 5.0],
+            [3.0, 2.0, 3.0],
+            [5.0, 4.0, 5.0],
+            [2.0, 2.0, 1.0],
+            [3.0, 4.0, 2.0],
+        ];
+        let sheets = (0..times).flat_map(|_| own.iter().zip(0..));
+        let people = sheets
+            .clone()
+            .map(|(_, who): (_, i32)| who.to_string())
+            .collect();
+        let column = |j: usize| sheets.clone().map(|(row, _)| Some(row[j])).collect();
+        ((0..3).map(column).collect(), people)
+    }
+
+    fn interval(times: usize, by_person: bool) -> (f64, f64) {
+        let (columns, people) = repeated(times);
+        let items: Vec<(&str, &[Option<f64>])> = ["a", "b", "c"]
+            .into_iter()
+            .zip(columns.iter().map(Vec::as_slice))
+            .collect();
+        let found = alpha(&items, by_person.then_some(&people[..])).unwrap();
+        assert_eq!(found.people, (by_person && times > 1).then_some(6));
+        (found.alpha.ci_low.unwrap(), found.alpha.ci_high.unwrap())
+    }
+
+    #[test]
+    fn copies_of_a_sheet_do_not_narrow_the_interval_over_people() {
+        let width = |(low, high): (f64, f64)| high - low;
+        let (once, naive, people) = (interval(1, true), interval(8, false), interval(8, true));
+        assert!(width(naive) < 0.5 * width(once), "{naive:?} {once:?}");
+        assert!(width(people) > 1.5 * width(naive), "{people:?} {naive:?}");
+        assert!(people.0 < 0.85 && people.1 > 0.92, "{people:?}");
+    }
+
+    #[test]
+    fn people_of_another_number_of_sheets_are_refused() {
+        let (columns, people) = repeated(2);
+        let items: Vec<(&str, &[Option<f64>])> = ["a", "b", "c"]
+            .into_iter()
+            .zip(columns.iter().map(Vec::as_slice))
+            .collect();
+        let error = alpha(&items, Some(&people[1..])).unwrap_err();
+        assert!(matches!(
+            error,
+            StatsError::LengthMismatch {
+                found: 11,
+                expected: 12,
+                ..
+            }
+        ));
+    }
 }

@@ -56,9 +56,11 @@ pub struct Reliability {
     pub n: usize,
     /// Respondents left out for a missing item.
     pub dropped: usize,
+    /// People, where some answered several sheets.
+    pub people: Option<usize>,
     /// Cronbach's alpha; `None` where it does not exist.
     pub alpha: Option<f64>,
-    /// Lower end of its 95 % interval (Feldt).
+    /// Lower end of its 95 % interval: Feldt's, or a bootstrap over people where some answered several sheets.
     pub ci_low: Option<f64>,
     /// Upper end.
     pub ci_high: Option<f64>,
@@ -155,7 +157,8 @@ fn beside(out: &Path, suffix: &str) -> PathBuf {
 }
 
 /// Reliability over one sheet a person: those from before the drives where there are any. After the conditions a person
-/// answers once a condition, and all sheets count, as the paper's scales were used.
+/// answers once a condition, and all sheets count, as the paper's scales were used; the interval then allows for sheets of one
+/// person being alike.
 fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Reliability {
     let names: Vec<String> = matrix
         .items
@@ -167,13 +170,13 @@ fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Relia
         .iter()
         .any(|(_, moment)| *moment == Moment::Pre);
     let asked = |moment: Moment| !before || moment == Moment::Pre;
-    let sheets: Vec<&Vec<Option<f64>>> = matrix
+    let (people, sheets): (Vec<String>, Vec<&Vec<Option<f64>>>) = matrix
         .respondents
         .iter()
         .zip(&matrix.answers)
         .filter(|((_, m), _)| asked(*m))
-        .map(|(_, row)| row)
-        .collect();
+        .map(|((who, _), row)| (who.to_string(), row))
+        .unzip();
     let columns: Vec<Vec<Option<f64>>> = (0..names.len())
         .map(|i| sheets.iter().map(|row| row[i]).collect())
         .collect();
@@ -182,7 +185,7 @@ fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Relia
         .zip(&columns)
         .map(|(name, column)| (name.as_str(), column.as_slice()))
         .collect();
-    let found = maveric_stats::alpha(&items).ok();
+    let found = maveric_stats::alpha(&items, Some(&people)).ok();
     let alpha = found.as_ref().map(|a| &a.alpha);
     let values: Vec<f64> = scores
         .iter()
@@ -204,6 +207,7 @@ fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Relia
         items: matrix.items.len(),
         n: found.as_ref().map_or(0, |a| a.n),
         dropped: found.as_ref().map_or(sheets.len(), |a| a.missing),
+        people: found.as_ref().and_then(|a| a.people),
         alpha: alpha.and_then(|a| a.raw),
         ci_low: alpha.and_then(|a| a.ci_low),
         ci_high: alpha.and_then(|a| a.ci_high),
@@ -337,6 +341,7 @@ fn write_reliabilities(out: &Path, rows: &[Reliability]) -> Result<(), StudyErro
         .integers("items", rows.iter().map(|r| count(r.items)))
         .integers("n", rows.iter().map(|r| count(r.n)))
         .integers("dropped", rows.iter().map(|r| count(r.dropped)))
+        .integers("people", rows.iter().map(|r| r.people.and_then(count)))
         .numbers("alpha", rows.iter().map(|r| r.alpha))
         .numbers("ci_low", rows.iter().map(|r| r.ci_low))
         .numbers("ci_high", rows.iter().map(|r| r.ci_high))

@@ -110,6 +110,8 @@ pub enum Test {
     Alpha {
         /// Columns of the items.
         items: Vec<String>,
+        /// Whose sheet it is, where people answered several.
+        subject: Option<String>,
     },
     /// Adjusted p values.
     Adjust {
@@ -243,7 +245,7 @@ fn without_apa(table: &Table, test: &Test) -> Result<Value, StudyError> {
             &columns::labels(table, group)?,
             &table.numbers(value)?,
         )?),
-        Test::Alpha { items } => {
+        Test::Alpha { items, subject } => {
             let found: Result<Vec<_>, StudyError> = items
                 .iter()
                 .map(|item| Ok((item.as_str(), table.numbers(item)?)))
@@ -251,7 +253,11 @@ fn without_apa(table: &Table, test: &Test) -> Result<Value, StudyError> {
             let found = found?;
             let items: Vec<(&str, &[Option<f64>])> =
                 found.iter().map(|(n, c)| (*n, c.as_slice())).collect();
-            plain(&tests::alpha(&items)?)
+            let people = subject
+                .as_ref()
+                .map(|s| columns::labels(table, s))
+                .transpose()?;
+            plain(&tests::alpha(&items, people.as_deref())?)
         }
         Test::Adjust { p } => plain(&tests::adjust(&table.all_numbers(p)?)?),
         Test::Bootstrap {
