@@ -1,10 +1,8 @@
 //! Draws a small study, lets its people answer and rate a car that drives faster and slower than they do.
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
-use maveric_domain::{ConditionId, Moment, Scale};
-use maveric_participants::{
-    Cohort, CohortSettings, Effects, MeasureValues, answer_before, preferred_shift, rate,
-};
+use maveric_domain::{ConditionId, MeasureValues, Moment, Scale};
+use maveric_participants::{Cohort, CohortSettings, Effects, answer_before, preferred_shift, rate};
 use std::collections::BTreeMap;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

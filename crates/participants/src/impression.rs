@@ -3,10 +3,9 @@
 use crate::{
     effects::{Effects, Loadings},
     person::Participant,
-    ratings::MeasureValues,
     response::{normal, stream},
 };
-use maveric_domain::ConditionId;
+use maveric_domain::{ConditionId, MeasureValues};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The shift that a person would like best, in the unit of [`Perception::shift`](crate::effects::Perception::shift): the truth that an

@@ -23,7 +23,7 @@ pub use effects::Effects;
 pub use error::ParticipantError;
 pub use impression::preferred_shift;
 pub use person::{Gender, Participant, Personality, Population, Trait};
-pub use ratings::{MeasureValues, Rated, RatingWarning, rate, rate_trial, spread};
+pub use ratings::{Rated, RatingWarning, rate, rate_trial};
 pub use settings::{CohortSettings, Group};
 #[cfg(test)]
 mod testing;

@@ -8,14 +8,11 @@ use crate::{
     person::Participant,
     response::{as_given, grade, maybe_left_out, normal, stream},
 };
-use maveric_domain::{Answer, ConditionId, Moment, ParticipantId, Scale};
+use maveric_domain::{Answer, ConditionId, MeasureValues, Moment, ParticipantId, Scale};
 use std::{
     collections::{BTreeMap, BTreeSet},
     fmt,
 };
-
-/// The objective measures of one drive by code name; `None` where the drive has none.
-pub type MeasureValues = BTreeMap<String, Option<f64>>;
 
 /// What was left out of the ratings.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,30 +54,9 @@ pub struct Rated {
     pub warnings: Vec<RatingWarning>,
 }
 
-/// Standard deviation of each measure over drives (n − 1): the unit in which people perceive differences.
-///
-/// A measure with fewer than two values, or with all of them equal, has none.
-pub fn spread(drives: &[&MeasureValues]) -> BTreeMap<String, f64> {
-    let names: BTreeSet<&String> = drives.iter().flat_map(|d| d.keys()).collect();
-    let sd = |name: &String| {
-        let values: Vec<f64> = drives
-            .iter()
-            .filter_map(|d| d.get(name).copied().flatten())
-            .collect();
-        let n = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / n;
-        let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-        Some((squares / (n - 1.0)).sqrt()).filter(|sd| sd.is_finite() && *sd > 0.0)
-    };
-    names
-        .into_iter()
-        .filter_map(|name| Some((name.clone(), sd(name)?)))
-        .collect()
-}
-
 /// Lets one participant rate the conditions that they sat through.
 ///
-/// `own` and `trials` hold objective measures by code name, `spread` their standard deviations in the population (see [`spread`]).
+/// `own` and `trials` hold objective measures by code name, `spread` their standard deviations in the population (see [`maveric_domain::spread`]).
 /// Only the scales that [`Effects::ratings`] knows are asked. Each answer depends on the seed, the person, the condition and
 /// the subscale alone.
 ///
@@ -276,6 +252,7 @@ impl RatingModel {
 mod tests {
     use super::*;
     use crate::testing::*;
+    use maveric_domain::spread;
 
     /// Mean correlation over studies of 24 of a trait's score with a difference of ratings.
     fn mean_r(
@@ -511,16 +488,5 @@ mod tests {
         let mut infinite = own.clone();
         infinite.insert("lane_changes".to_owned(), Some(f64::INFINITY));
         assert!(said(&[(ConditionId::MIMIC, infinite)]).contains("`lane_changes` is inf"));
-    }
-
-    #[test]
-    fn measures_that_do_not_vary_have_no_unit() {
-        let drive = |v: Option<f64>| {
-            MeasureValues::from([("x".to_owned(), Some(1.0)), ("y".to_owned(), v)])
-        };
-        let drives = [drive(Some(1.0)), drive(Some(3.0)), drive(None)];
-        let found = spread(&drives.iter().collect::<Vec<_>>());
-        assert_eq!(found, BTreeMap::from([("y".to_owned(), 2_f64.sqrt())]));
-        assert!(spread(&[]).is_empty());
     }
 }

@@ -4,11 +4,13 @@ use crate::{
     answers::answer_before,
     cohort::Cohort,
     effects::Effects,
-    ratings::{MeasureValues, rate, spread},
+    ratings::rate,
     response::{normal, stream},
     settings::CohortSettings,
 };
-use maveric_domain::{Answer, ConditionId, Moment, ParticipantId, Scale, Study};
+use maveric_domain::{
+    Answer, ConditionId, MeasureValues, Moment, ParticipantId, Scale, Study, spread,
+};
 use std::collections::BTreeMap;
 
 pub(crate) fn effects() -> Effects {

@@ -82,6 +82,9 @@ pub enum StudyError {
     /// A questionnaire that cannot be scored.
     #[error(transparent)]
     Measure(#[from] maveric_measures::MeasureError),
+    /// A study that cannot be analysed.
+    #[error(transparent)]
+    Analysis(#[from] maveric_analysis::AnalysisError),
     /// Training, personalising or steering that failed.
     #[error(transparent)]
     Model(#[from] maveric_model::ModelError),
@@ -113,6 +116,7 @@ impl StudyError {
             Self::Io { source, .. } if source.kind() == std::io::ErrorKind::NotFound => {
                 Some("check the path; relative paths start at the current folder".to_owned())
             }
+            Self::Analysis(error) => error.suggestion().map(str::to_owned),
             Self::Ingest(error) => error.suggestion(),
             Self::Model(error) => error.suggestion().map(str::to_owned),
             _ => None,

@@ -11,8 +11,8 @@ use crate::{
         surveys::write_answers,
     },
 };
-use maveric_domain::{ConditionId, Study};
-use maveric_participants::{Effects, MeasureValues, spread};
+use maveric_domain::{ConditionId, MeasureValues, Study, spread};
+use maveric_participants::Effects;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

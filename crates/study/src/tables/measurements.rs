@@ -5,14 +5,7 @@ use crate::error::StudyError;
 use maveric_domain::{ConditionId, DriveId, DriveMeta, DrivenBy, ParticipantId, Study};
 use std::{collections::BTreeMap, path::Path};
 
-/// What was measured of one drive.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct MeasuredDrive {
-    /// Whose drive it is.
-    pub meta: DriveMeta,
-    /// Code name of the measure → value; `None` where the drive has none.
-    pub values: BTreeMap<String, Option<f64>>,
-}
+pub use maveric_domain::MeasuredDrive;
 
 /// Writes measurements; the measures are columns in the order given.
 ///

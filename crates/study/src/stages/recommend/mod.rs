@@ -16,8 +16,9 @@ use crate::{
     atomic_write::write_json,
     error::StudyError,
     outcome::{Outcome, Watch},
-    stages::analyse::data::StudyData,
+    stages::analyse::read_study,
 };
+use maveric_analysis::StudyData;
 use maveric_domain::ParticipantId;
 use maveric_stats::Belief;
 use serde::Serialize;
@@ -80,7 +81,7 @@ pub fn recommend(
     options: &RecommendOptions,
     watch: Watch<'_>,
 ) -> Result<Outcome<Recommended>, StudyError> {
-    let data = StudyData::read(&options.results)?;
+    let data = read_study(&options.results)?;
     let wanted: Vec<&ParticipantId> = match &options.participant {
         None => data.participants.iter().collect(),
         Some(name) => {

@@ -4,7 +4,8 @@ use super::{
     SETTINGS,
     percept::{Dial, Percept},
 };
-use crate::{error::StudyError, stages::analyse::data::StudyData};
+use crate::error::StudyError;
+use maveric_analysis::StudyData;
 use maveric_domain::{ConditionId, ParticipantId};
 use maveric_stats::{Belief, Hierarchical, PersonRows, hierarchical};
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,8 @@
 //! What people make of a drive, learned from how aggressive they called it.
 
-use crate::{error::StudyError, stages::analyse::data::StudyData};
-use maveric_domain::{ConditionId, ParticipantId};
-use maveric_participants::{MeasureValues, spread};
+use crate::error::StudyError;
+use maveric_analysis::StudyData;
+use maveric_domain::{ConditionId, MeasureValues, ParticipantId, spread};
 use maveric_stats::{PersonRows, hierarchical};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

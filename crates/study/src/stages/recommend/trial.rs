@@ -20,8 +20,8 @@ use crate::{
         score::read_scales,
     },
 };
-use maveric_domain::{ConditionId, ParticipantId, stream_seed};
-use maveric_participants::{Effects, MeasureValues, Participant, preferred_shift, rate_trial};
+use maveric_domain::{ConditionId, MeasureValues, ParticipantId, stream_seed};
+use maveric_participants::{Effects, Participant, preferred_shift, rate_trial};
 use maveric_stats::{Belief, Proportion, proportion};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -234,7 +234,7 @@ impl Truth {
         let percept = Percept {
             shift: perception.shift.clone(),
             distance: perception.distance.clone(),
-            spread: maveric_participants::spread(&own),
+            spread: maveric_domain::spread(&own),
         };
         let dial = percept.dial(&many.data, people).ok_or_else(|| StudyError::NotPossible {
             problem: "with these effects nobody perceives Aggressive as more aggressive than Mimic, and Cautious as less".to_owned(),

@@ -20,16 +20,12 @@ use crate::{
     atomic_write::write_json,
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
-    stages::{
-        analyse::{self, Family, Friedman},
-        rate::read_effects,
-        report::write_page,
-        score::read_scales,
-    },
+    stages::{rate::read_effects, report::write_page, score::read_scales},
 };
+use maveric_analysis::{Family, Friedman};
 use maveric_domain::stream_seed;
 use serde::Serialize;
-use std::{path::PathBuf, sync::atomic::AtomicBool};
+use std::path::PathBuf;
 use study::World;
 
 /// What to rehearse.
@@ -113,10 +109,8 @@ pub fn rehearse(
         let [scale, size, index] = labels.each_ref().map(String::as_str);
         let seed = stream_seed(options.seed, &["rehearsal", scale, size, index]);
         let study = worlds[cell / options.participants.len()].study(n, seed)?;
-        let quiet = AtomicBool::new(false);
-        let watch = Watch::new(&|_, _, _| {}, &quiet);
         let analysis =
-            analyse::analysis(&study.data, &options.family, Friedman::Approximate, watch)?;
+            maveric_analysis::analyse(&study.data, &options.family, Friedman::Approximate)?;
         Ok(outcomes::outcomes(&analysis))
     })?;
     let cells: Vec<Cell> = grid
@@ -200,13 +194,11 @@ mod tests {
     }
 
     fn run(world: &World, n: usize, studies: u64) -> Cell {
-        let quiet = AtomicBool::new(false);
         let found: Vec<_> = (0..studies)
             .map(|seed| {
                 let study = world.study(n, 1000 + seed).unwrap();
-                let watch = Watch::new(&|_, _, _| {}, &quiet);
                 let family = Family::default();
-                let a = analyse::analysis(&study.data, &family, Friedman::Approximate, watch);
+                let a = maveric_analysis::analyse(&study.data, &family, Friedman::Approximate);
                 outcomes::outcomes(&a.unwrap())
             })
             .collect();

@@ -1,6 +1,6 @@
 //! Every test that a report prints, by name.
 
-use crate::stages::analyse::{Analysis, Correlation};
+use maveric_analysis::{Analysis, Correlation};
 use maveric_domain::ConditionId;
 use serde::Serialize;
 
@@ -110,7 +110,7 @@ pub(crate) fn outcomes(a: &Analysis) -> Vec<Found> {
             Part::Omnibus,
             format!("panel.{}.omnibus", panel.measure),
             None,
-            panel.omnibus_p,
+            panel.comparison.as_ref().and_then(|c| c.omnibus.p),
         );
     }
     for row in &a.kept {

@@ -1,8 +1,8 @@
 //! What drives look like, measure by measure: the generator of studies that are not driven.
 
 use crate::{atomic_write::read_text, error::StudyError};
-use maveric_domain::{ConditionId, stream_seed};
-use maveric_participants::{MeasureValues, Participant, Trait};
+use maveric_domain::{ConditionId, MeasureValues, stream_seed};
+use maveric_participants::{Participant, Trait};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_distr::{Distribution as _, StandardNormal};
 use rand_pcg::Pcg64;

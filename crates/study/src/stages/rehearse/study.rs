@@ -3,15 +3,14 @@
 use super::population::{Asked, PopulationModel};
 use crate::{
     error::StudyError,
-    stages::analyse::data::{StudyData, Tables},
     tables::{conditions::ConditionRow, embeddings::EmbeddingRow, measurements::MeasuredDrive},
 };
+use maveric_analysis::{StudyData, Tables};
 use maveric_domain::{
-    ConditionId, DriveId, DriveMeta, DrivenBy, Embedding, Moment, Scale, Score, Study,
+    ConditionId, DriveId, DriveMeta, DrivenBy, Embedding, MeasureValues, Moment, Scale, Score,
+    Study, spread,
 };
-use maveric_participants::{
-    Cohort, CohortSettings, Effects, MeasureValues, Participant, answer_before, rate, spread,
-};
+use maveric_participants::{Cohort, CohortSettings, Effects, Participant, answer_before, rate};
 
 /// How far Aggressive and Cautious are from Mimic, in ADB points.
 pub(crate) const POINTS: f64 = 15.0;
@@ -110,7 +109,7 @@ impl World {
         }
         Ok(Rehearsed {
             people,
-            data: StudyData::new(tables, "rehearsal")?,
+            data: StudyData::new(tables)?,
         })
     }
 }

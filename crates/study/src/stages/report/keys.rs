@@ -1,7 +1,7 @@
 //! Our results under the keys of the claims ledger.
 
 use super::people::People;
-use crate::stages::analyse::{Analysis, Correlation};
+use maveric_analysis::{Analysis, Correlation, Preference};
 use maveric_domain::ConditionId;
 use maveric_report::claims::Made;
 use std::collections::BTreeMap;
@@ -157,7 +157,7 @@ pub(super) fn results(
             &row.pooled,
         );
     }
-    let over = |of: fn(&crate::stages::analyse::Preference) -> usize| {
+    let over = |of: fn(&Preference) -> usize| {
         let n: usize = analysis.preferences.iter().map(|p| p.n).sum();
         percent(analysis.preferences.iter().map(of).sum(), n)
     };

@@ -3,12 +3,10 @@
 use super::{Run, said, watch};
 use crate::{
     error::StudyError,
-    stages::{
-        analyse::{Nearer, Panel, PanelPair},
-        report::keys::short,
-    },
+    stages::{report::keys::short, stats::apa_omnibus},
     watching::WatchedDrive,
 };
+use maveric_analysis::{Nearer, Panel, PanelPair};
 use maveric_domain::ConditionId;
 use maveric_report::{
     apa,
@@ -144,13 +142,33 @@ pub(super) fn section_kept(run: &Run) -> Result<Section, StudyError> {
     })
 }
 
+/// The omnibus test in words, with marks; `short` leaves out interval and ε, for a panel's width.
+pub(super) fn omnibus(panel: &Panel, short: bool) -> String {
+    match &panel.comparison {
+        None if short => format!("not tested: *n* = {}", panel.n),
+        None => format!(
+            "not tested: {} participants with a value in every condition",
+            panel.n
+        ),
+        Some(found) => apa_omnibus(&found.omnibus, found.n, short).map_or_else(
+            || "no test statistic: see the reasons in the analysis".to_owned(),
+            |s| s.markup().to_owned(),
+        ),
+    }
+}
+
 /// Which test answered each panel, and why.
 fn omnibus_table(run: &Run) -> tables::Table {
     let row = |panel: &Panel| {
+        let reasons = panel
+            .comparison
+            .as_ref()
+            .map(|c| c.reasons.as_slice())
+            .unwrap_or_default();
         vec![
             Cell::text(panel.title.clone()),
-            Cell::Marked(panel.omnibus.clone()),
-            Cell::text(capital_first(&panel.reasons.join("; "))),
+            Cell::Marked(omnibus(panel, false)),
+            Cell::text(capital_first(&reasons.join("; "))),
         ]
     };
     tables::Table {
@@ -220,7 +238,7 @@ fn panel(panel: &Panel) -> DifferencePanel {
         axis,
         conditions: ConditionId::AV.to_vec(),
         rows: panel.rows.clone(),
-        omnibus: panel.omnibus_short.clone(),
+        omnibus: omnibus(panel, true),
         pairs: panel
             .pairs
             .iter()

@@ -4,7 +4,6 @@ use super::{Run, printed, said, statement};
 use crate::{
     error::StudyError,
     stages::{
-        analyse::{AggressionLine as Line, LineRow},
         report::keys::short,
         train::{MODEL_FILE, embeddings_path},
     },
@@ -13,6 +12,7 @@ use crate::{
         embeddings::{EmbeddingRow, read_embeddings},
     },
 };
+use maveric_analysis::{AggressionLine as Line, LineRow};
 use maveric_domain::{ConditionId, DriveId, MetresPerSecond};
 use maveric_model::style_space::{AggressionAxis, PerpendicularEllipse};
 use maveric_report::{

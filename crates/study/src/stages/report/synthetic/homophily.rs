@@ -1,10 +1,8 @@
 //! The fifth section: who prefers what, and what goes with it.
 
 use super::{Run, capital, printed, statement};
-use crate::{
-    error::StudyError,
-    stages::analyse::{HomophilyRow, MixedRow},
-};
+use crate::error::StudyError;
+use maveric_analysis::{HomophilyRow, MixedRow};
 use maveric_domain::ConditionId;
 use maveric_report::{
     apa,

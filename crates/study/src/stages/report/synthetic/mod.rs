@@ -21,7 +21,6 @@ use crate::{
     error::StudyError,
     outcome::Watch,
     stages::{
-        analyse::{AggressionLine as Line, Analysis, Correlation as Found},
         generate::read_scenario,
         train::{MODEL_FILE, TrainingSummary, read_model, training_path},
     },
@@ -36,6 +35,7 @@ use car::section_car;
 use conditions::{section_conditions, section_kept};
 use embedding::{live, section_embedding};
 use homophily::section_homophily;
+use maveric_analysis::{AggressionLine as Line, Analysis, Correlation as Found};
 use maveric_domain::DriveId;
 use maveric_model::Model;
 use maveric_report::{
@@ -290,7 +290,8 @@ fn findings(run: &Run) -> Vec<String> {
     for panel in &a.panels {
         lines.push(format!(
             "{} over the conditions: {}",
-            panel.title, panel.omnibus
+            panel.title,
+            conditions::omnibus(panel, false)
         ));
     }
     lines

@@ -1,6 +1,6 @@
 //! What a reader should take away, a line each.
 
-use super::{Line, Run, percent, said};
+use super::{Line, Run, conditions::omnibus, percent, said};
 use maveric_domain::ConditionId;
 use maveric_report::claims::{LedgerRow, verdict_counts};
 
@@ -52,7 +52,7 @@ pub(super) fn summary(run: &Run, ledger: &[LedgerRow]) -> Vec<String> {
     if let Some(rated) = a.panels.iter().find(|p| p.measure == "aggressiveness") {
         lines.push(format!(
             "*Felt aggressiveness* over the conditions: {}.",
-            rated.omnibus
+            omnibus(rated, false)
         ));
     }
     let tested = a

@@ -1,17 +1,17 @@
 //! 9.1: the aggression line against the measures and the score; 9.4: what should not follow it.
 
-use super::{
-    adapt::{circular, correlate},
+use crate::{
+    AnalysisError,
+    correlations::{circular, correlate},
     data::StudyData,
     result::{AggressionLine, Correlation, Kept, LineRow},
 };
-use crate::error::StudyError;
 use maveric_domain::{ConditionId, MetresPerSecond};
 use maveric_measures::objective;
 use maveric_stats::CorrelationMethod;
 
 /// The measures that the paper found to follow the line, in its order.
-pub(super) const FOLLOWS: [&str; 5] = [
+pub(crate) const FOLLOWS: [&str; 5] = [
     "mean_velocity_mps",
     "mean_headway_time_s",
     "headway_merge_back_m",
@@ -22,12 +22,12 @@ pub(super) const FOLLOWS: [&str; 5] = [
 const DOES_NOT: [&str; 2] = ["min_headway_distance_m", "left_lane_fraction"];
 
 /// Name for people of a measure.
-pub(super) fn title(measure: &str) -> String {
+pub(crate) fn title(measure: &str) -> String {
     objective::find(measure).map_or_else(|| measure.to_owned(), |m| m.title.to_owned())
 }
 
 /// Unit of a measure, empty for counts and shares.
-pub(super) fn unit(measure: &str) -> String {
+pub(crate) fn unit(measure: &str) -> String {
     objective::find(measure)
         .map_or("", |m| if m.unit == "1" { "" } else { m.unit })
         .to_owned()
@@ -55,18 +55,20 @@ fn pairs(x: &[Option<f64>], y: &[Option<f64>]) -> Vec<(f64, f64)> {
 }
 
 /// Positions against the own drive's measures, and against ADB.
-pub(super) fn line(data: &StudyData, adb_used: bool) -> Result<AggressionLine, StudyError> {
+pub(crate) fn line(data: &StudyData, adb_used: bool) -> Result<AggressionLine, AnalysisError> {
     let positions = position(data, adb_used);
-    let row =
-        |measure: &str, title: String, values: Vec<Option<f64>>| -> Result<LineRow, StudyError> {
-            let correlation = correlate(&positions, &values, CorrelationMethod::Pearson)?;
-            Ok(LineRow {
-                measure: measure.to_owned(),
-                title,
-                correlation,
-                points: pairs(&positions, &values),
-            })
-        };
+    let row = |measure: &str,
+               title: String,
+               values: Vec<Option<f64>>|
+     -> Result<LineRow, AnalysisError> {
+        let correlation = correlate(&positions, &values, CorrelationMethod::Pearson)?;
+        Ok(LineRow {
+            measure: measure.to_owned(),
+            title,
+            correlation,
+            points: pairs(&positions, &values),
+        })
+    };
     let mut rows = Vec::new();
     for measure in FOLLOWS {
         rows.push(row(measure, title(measure), own(data, measure))?);
@@ -91,7 +93,7 @@ pub(super) fn line(data: &StudyData, adb_used: bool) -> Result<AggressionLine, S
 }
 
 /// Habits along the line and round the ellipse.
-pub(super) fn kept(data: &StudyData) -> Result<Vec<Kept>, StudyError> {
+pub(crate) fn kept(data: &StudyData) -> Result<Vec<Kept>, AnalysisError> {
     let positions = position(data, true);
     let angle = |p: &_| data.condition(p, ConditionId::PERPENDICULAR)?.angle_rad;
     let angles: Vec<Option<f64>> = data
@@ -99,7 +101,7 @@ pub(super) fn kept(data: &StudyData) -> Result<Vec<Kept>, StudyError> {
         .iter()
         .map(|p| angle(p).map(|a| a.rem_euclid(std::f64::consts::TAU)))
         .collect();
-    let one = |measure: &str| -> Result<Kept, StudyError> {
+    let one = |measure: &str| -> Result<Kept, AnalysisError> {
         let change = |p| {
             let mimic = data.measured(p, ConditionId::MIMIC, measure)?;
             Some(data.measured(p, ConditionId::PERPENDICULAR, measure)? - mimic)

@@ -1,7 +1,6 @@
 //! Which factors are held against rating differences: the family of tests, declared before looking.
 
-use super::data::StudyData;
-use crate::error::StudyError;
+use crate::{AnalysisError, data::StudyData};
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 
@@ -87,29 +86,24 @@ impl std::fmt::Display for Family {
 
 impl Family {
     /// Scale and factor of each member, once each, in the order declared.
-    pub(super) fn factors(&self, data: &StudyData) -> Result<Vec<(String, String)>, StudyError> {
+    pub(crate) fn factors(&self, data: &StudyData) -> Result<Vec<(String, String)>, AnalysisError> {
         let mut found: Vec<(String, String)> = Vec::new();
         for Member { scale, factor } in &self.0 {
             let known = data.pre_subscales(scale);
-            let unknown = |problem: String| {
-                StudyError::NotPossible {
-                problem,
-                help: Some("declare the family by scales and factors that were answered before the drives: --family mini_ipip,mdsi".to_owned()),
-            }
-            };
             if known.is_empty() {
-                return Err(unknown(format!(
-                    "the family names the scale `{scale}`, which nobody answered before the drives"
-                )));
+                return Err(AnalysisError::UnansweredScale {
+                    scale: scale.clone(),
+                });
             }
             let wanted = match factor {
                 None => known,
                 Some(factor) if known.contains(factor) => vec![factor.clone()],
                 Some(factor) => {
-                    return Err(unknown(format!(
-                        "the family names `{scale}.{factor}`, but the factors of {scale} are {}",
-                        known.join(", ")
-                    )));
+                    return Err(AnalysisError::UnknownFactor {
+                        scale: scale.clone(),
+                        factor: factor.clone(),
+                        known,
+                    });
                 }
             };
             for factor in wanted {

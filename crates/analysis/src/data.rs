@@ -1,17 +1,11 @@
-//! The tables of a run, side by side.
+//! The tables of a study, side by side.
 
-use crate::{
-    error::StudyError,
-    tables::{
-        conditions::{ConditionRow, read_conditions},
-        embeddings::{EmbeddingRow, read_embeddings},
-        measurements::{MeasuredDrive, read_measurements},
-        surveys::read_scores,
-    },
+use crate::AnalysisError;
+use maveric_domain::{
+    ConditionId, ConditionRow, DrivenBy, EmbeddingRow, MeasureValues, MeasuredDrive, Moment,
+    ParticipantId, Score, Study,
 };
-use maveric_domain::{ConditionId, DrivenBy, Moment, ParticipantId, Score, Study};
-use maveric_participants::MeasureValues;
-use std::{collections::BTreeMap, path::Path};
+use std::collections::BTreeMap;
 
 /// Scores by scale, subscale, moment and participant.
 #[derive(Debug, Clone, Default)]
@@ -53,24 +47,30 @@ impl Scores {
 
 /// The tables of a study, as stages write them: made by a run, or in memory.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Tables {
-    pub(crate) measurements: Vec<MeasuredDrive>,
-    pub(crate) embeddings: Vec<EmbeddingRow>,
-    pub(crate) conditions: Vec<ConditionRow>,
+pub struct Tables {
+    /// What was measured, a row a drive.
+    pub measurements: Vec<MeasuredDrive>,
+    /// Fitted embeddings.
+    pub embeddings: Vec<EmbeddingRow>,
+    /// Where in style space each condition lies.
+    pub conditions: Vec<ConditionRow>,
     /// Scores of the questionnaires before the drives.
-    pub(crate) pre: Vec<Score>,
+    pub pre: Vec<Score>,
     /// Scores of the ratings after the conditions.
-    pub(crate) post: Vec<Score>,
+    pub post: Vec<Score>,
 }
 
 /// What the analyses of a study read.
 #[derive(Debug, Clone)]
-pub(crate) struct StudyData {
+pub struct StudyData {
     /// Study 2's participants: those with an own drive, in order.
-    pub(crate) participants: Vec<ParticipantId>,
-    pub(crate) measurements: Vec<MeasuredDrive>,
-    pub(crate) embeddings: Vec<EmbeddingRow>,
-    pub(crate) conditions: Vec<ConditionRow>,
+    pub participants: Vec<ParticipantId>,
+    /// What was measured, a row a drive.
+    pub measurements: Vec<MeasuredDrive>,
+    /// Fitted embeddings.
+    pub embeddings: Vec<EmbeddingRow>,
+    /// Where in style space each condition lies.
+    pub conditions: Vec<ConditionRow>,
     /// Study 2's drives by condition and participant.
     drives: BTreeMap<ConditionId, BTreeMap<ParticipantId, usize>>,
     /// Subscales of the pre-study scales, in the order in which they were scored.
@@ -80,26 +80,11 @@ pub(crate) struct StudyData {
 }
 
 impl StudyData {
-    /// Reads the tables that a pipeline left in a folder.
+    /// Puts the tables of a study side by side.
     ///
     /// # Errors
-    /// [`StudyError`] if one cannot be read, or as [`StudyData::new`].
-    pub(crate) fn read(folder: &Path) -> Result<Self, StudyError> {
-        let tables = Tables {
-            measurements: read_measurements(&folder.join("measurements.parquet"))?,
-            embeddings: read_embeddings(&folder.join("embeddings.csv"))?,
-            conditions: read_conditions(&folder.join("conditions.csv"))?,
-            pre: read_scores(&folder.join("scores.csv"))?,
-            post: read_scores(&folder.join("rating_scores.csv"))?,
-        };
-        Self::new(tables, &folder.display().to_string())
-    }
-
-    /// Puts the tables of a study side by side; `whence` stands in the error message.
-    ///
-    /// # Errors
-    /// [`StudyError::NotPossible`] for fewer than three participants of Study 2.
-    pub(crate) fn new(tables: Tables, whence: &str) -> Result<Self, StudyError> {
+    /// [`AnalysisError::TooFewPeople`] for fewer than three participants of Study 2.
+    pub fn new(tables: Tables) -> Result<Self, AnalysisError> {
         let mut drives: BTreeMap<ConditionId, BTreeMap<ParticipantId, usize>> = BTreeMap::new();
         for (at, drive) in tables.measurements.iter().enumerate() {
             if drive.meta.study == Study::Two {
@@ -111,12 +96,8 @@ impl StudyData {
         let participants: Vec<ParticipantId> =
             own.into_iter().flat_map(BTreeMap::keys).cloned().collect();
         if participants.len() < 3 {
-            return Err(StudyError::NotPossible {
-                problem: format!(
-                    "{whence}: {} participants of Study 2 have an own drive, expected at least 3",
-                    participants.len()
-                ),
-                help: Some("run the pipeline with more participants: --set study2=6".to_owned()),
+            return Err(AnalysisError::TooFewPeople {
+                found: participants.len(),
             });
         }
         let mut subscales: Vec<(String, String)> = Vec::new();
@@ -141,14 +122,14 @@ impl StudyData {
     }
 
     /// Whether any drive was a driver model's.
-    pub(crate) fn is_synthetic(&self) -> bool {
+    pub fn is_synthetic(&self) -> bool {
         self.measurements
             .iter()
             .any(|d| d.meta.driven_by == DrivenBy::Synthetic)
     }
 
     /// A measure of a Study 2 participant's drive in a condition.
-    pub(crate) fn measured(
+    pub fn measured(
         &self,
         participant: &ParticipantId,
         condition: ConditionId,
@@ -159,7 +140,7 @@ impl StudyData {
     }
 
     /// The measures of a Study 2 participant's drive in a condition.
-    pub(crate) fn drive(
+    pub fn drive(
         &self,
         participant: &ParticipantId,
         condition: ConditionId,
@@ -169,7 +150,7 @@ impl StudyData {
     }
 
     /// A measure of every own drive of Study 1 that has it.
-    pub(crate) fn training_drives(&self, measure: &str) -> Vec<f64> {
+    pub fn training_drives(&self, measure: &str) -> Vec<f64> {
         let own =
             |d: &&MeasuredDrive| d.meta.study == Study::One && d.meta.condition == ConditionId::OWN;
         self.measurements
@@ -180,11 +161,7 @@ impl StudyData {
     }
 
     /// The own-drive embedding of a participant, fitted with or without the ADB score.
-    pub(crate) fn embedding(
-        &self,
-        participant: &ParticipantId,
-        adb_used: bool,
-    ) -> Option<&EmbeddingRow> {
+    pub fn embedding(&self, participant: &ParticipantId, adb_used: bool) -> Option<&EmbeddingRow> {
         self.embeddings.iter().find(|e| {
             e.participant == *participant
                 && e.condition == ConditionId::OWN
@@ -193,17 +170,12 @@ impl StudyData {
     }
 
     /// A questionnaire score from before the drives.
-    pub(crate) fn pre(
-        &self,
-        participant: &ParticipantId,
-        scale: &str,
-        subscale: &str,
-    ) -> Option<f64> {
+    pub fn pre(&self, participant: &ParticipantId, scale: &str, subscale: &str) -> Option<f64> {
         self.pre.get(participant, Moment::Pre, scale, subscale)
     }
 
     /// A questionnaire score about a condition.
-    pub(crate) fn post(
+    pub fn post(
         &self,
         participant: &ParticipantId,
         condition: ConditionId,
@@ -215,7 +187,7 @@ impl StudyData {
     }
 
     /// A participant's row of the conditions.
-    pub(crate) fn condition(
+    pub fn condition(
         &self,
         participant: &ParticipantId,
         condition: ConditionId,
@@ -225,7 +197,7 @@ impl StudyData {
     }
 
     /// Subscales of a pre-study scale, in the order in which they were scored.
-    pub(crate) fn pre_subscales(&self, scale: &str) -> Vec<String> {
+    pub fn pre_subscales(&self, scale: &str) -> Vec<String> {
         let of = self.subscales.iter().filter(|(s, _)| s == scale);
         of.map(|(_, subscale)| subscale.clone()).collect()
     }

@@ -1,17 +1,17 @@
 //! 9.5: who prefers what, and what goes with it.
 
-use super::{
-    adapt::{correlate, correlate_within},
+use crate::{
+    AnalysisError,
+    correlations::{correlate, correlate_within},
     data::StudyData,
     family::Family,
     result::{HomophilyRow, Preference, SimilarityRow},
 };
-use crate::error::StudyError;
 use maveric_domain::{ConditionId, ParticipantId};
 use maveric_stats::{CorrelationMethod, adjust, proportion};
 
 /// The ratings of a condition: code name, scale, subscale, and whether more of it is better.
-pub(super) const RATINGS: [(&str, &str, &str, bool); 4] = [
+pub(crate) const RATINGS: [(&str, &str, &str, bool); 4] = [
     ("competence", "rosas", "competence", true),
     (
         "intelligence",
@@ -23,7 +23,7 @@ pub(super) const RATINGS: [(&str, &str, &str, bool); 4] = [
     ("trust", "jian_trust", "overall", true),
 ];
 
-pub(super) fn rating(
+pub(crate) fn rating(
     data: &StudyData,
     p: &ParticipantId,
     condition: ConditionId,
@@ -34,10 +34,10 @@ pub(super) fn rating(
 }
 
 /// Every factor of the family against every rating difference.
-pub(super) fn homophily(
+pub(crate) fn homophily(
     data: &StudyData,
     family: &Family,
-) -> Result<Vec<HomophilyRow>, StudyError> {
+) -> Result<Vec<HomophilyRow>, AnalysisError> {
     // Mimic minus the other, once for all factors.
     let mut differences = Vec::new();
     for versus in [ConditionId::CAUTIOUS, ConditionId::AGGRESSIVE] {
@@ -85,7 +85,7 @@ pub(super) fn homophily(
 }
 
 /// Perceived similarity against the ratings, over participants × conditions.
-pub(super) fn similarity(data: &StudyData) -> Result<Vec<SimilarityRow>, StudyError> {
+pub(crate) fn similarity(data: &StudyData) -> Result<Vec<SimilarityRow>, AnalysisError> {
     let cells: Vec<(&ParticipantId, ConditionId)> = data
         .participants
         .iter()
@@ -114,7 +114,7 @@ pub(super) fn similarity(data: &StudyData) -> Result<Vec<SimilarityRow>, StudyEr
 }
 
 /// Who rated Aggressive and Cautious above Mimic.
-pub(super) fn preferences(data: &StudyData) -> Vec<Preference> {
+pub(crate) fn preferences(data: &StudyData) -> Vec<Preference> {
     let one = |&(name, _, _, more_is_better): &(&str, &str, &str, bool)| {
         let mut found = Preference {
             rating: name.to_owned(),

@@ -1,11 +1,11 @@
 //! 9.5: how a rating changes with the shift of the dial, in people who differ.
 
-use super::{
+use crate::{
+    AnalysisError,
     data::StudyData,
     homophily::{RATINGS, rating},
     result::MixedRow,
 };
-use crate::error::StudyError;
 use maveric_domain::ConditionId;
 use maveric_stats::{MixedMethod, StatsError, mixed_model};
 
@@ -15,7 +15,7 @@ const UNIT_POINTS: f64 = 10.0;
 /// Each rating on the shift and its square, with intercept and slope of the shift random over participants.
 ///
 /// A rating that cannot be fitted (too few answers, a constant) has no model and says why.
-pub(super) fn mixed(data: &StudyData) -> Result<Vec<MixedRow>, StudyError> {
+pub(crate) fn mixed(data: &StudyData) -> Result<Vec<MixedRow>, AnalysisError> {
     let cells: Vec<_> = data
         .participants
         .iter()

@@ -1,17 +1,17 @@
 //! 9.2: how well Mimic reproduces the driver; 9.3: whether it is nearer than the other conditions.
 
-use super::{
+use crate::{
+    AnalysisError,
     data::StudyData,
     line::{FOLLOWS, title},
     result::{MimicAccuracy, Nearer},
 };
-use crate::error::StudyError;
 use maveric_domain::ConditionId;
 use maveric_measures::mean_accuracy;
 use maveric_stats::{Adjustment, PosthocTest, WithinSubjects, adjust, posthoc};
 
 /// Mimic accuracy of each measure, beside what the mean of the training drivers would have reached.
-pub(super) fn accuracy(data: &StudyData) -> Vec<MimicAccuracy> {
+pub(crate) fn accuracy(data: &StudyData) -> Vec<MimicAccuracy> {
     let one = |measure: &str| {
         let own: Vec<Option<f64>> = data
             .participants
@@ -39,7 +39,7 @@ pub(super) fn accuracy(data: &StudyData) -> Vec<MimicAccuracy> {
 }
 
 /// |Mimic − own| against |other − own|, Holm over all rows.
-pub(super) fn nearer(data: &StudyData) -> Result<Vec<Nearer>, StudyError> {
+pub(crate) fn nearer(data: &StudyData) -> Result<Vec<Nearer>, AnalysisError> {
     let mut rows = Vec::new();
     for measure in FOLLOWS {
         for than in [ConditionId::AGGRESSIVE, ConditionId::CAUTIOUS] {

@@ -1,7 +1,6 @@
 //! The tests of `maveric_stats` as the analyses ask for them: too few data give no number, not a failure.
 
-use super::result::Correlation;
-use crate::error::StudyError;
+use crate::{AnalysisError, result::Correlation};
 use maveric_stats::{CorrelationMethod, StatsError, circular_linear, rm_correlation};
 
 fn none(method: &str, n: usize) -> Correlation {
@@ -24,11 +23,11 @@ fn complete(x: &[Option<f64>], y: &[Option<f64>]) -> usize {
 }
 
 /// Pearson's or Spearman's correlation of two columns, pairs with a missing member left out.
-pub(super) fn correlate(
+pub(crate) fn correlate(
     x: &[Option<f64>],
     y: &[Option<f64>],
     method: CorrelationMethod,
-) -> Result<Correlation, StudyError> {
+) -> Result<Correlation, AnalysisError> {
     let found = match maveric_stats::correlate(x, y, method, None) {
         Ok(found) => found,
         Err(StatsError::TooFew { .. }) => return Ok(none("pearson", complete(x, y))),
@@ -53,11 +52,11 @@ pub(super) fn correlate(
 }
 
 /// Correlation within people, for several pairs a person.
-pub(super) fn correlate_within(
+pub(crate) fn correlate_within(
     subjects: &[String],
     x: &[Option<f64>],
     y: &[Option<f64>],
-) -> Result<Correlation, StudyError> {
+) -> Result<Correlation, AnalysisError> {
     match rm_correlation(subjects, x, y) {
         Ok(found) => {
             let r = found.rm_corr;
@@ -79,10 +78,10 @@ pub(super) fn correlate_within(
 }
 
 /// Multiple R of a change on cosine and sine of an angle, and its p.
-pub(super) fn circular(
+pub(crate) fn circular(
     angle: &[Option<f64>],
     change: &[Option<f64>],
-) -> Result<(Option<f64>, Option<f64>), StudyError> {
+) -> Result<(Option<f64>, Option<f64>), AnalysisError> {
     match circular_linear(angle, change) {
         Ok(found) => Ok((found.r, found.p)),
         Err(StatsError::TooFew { .. }) => Ok((None, None)),

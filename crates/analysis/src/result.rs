@@ -1,8 +1,8 @@
 //! What the analyses of the paper give: everything that a figure, a table or a claim is made from.
 
-use super::family::Family;
+use crate::family::Family;
 use maveric_domain::ConditionId;
-use maveric_stats::{MixedModel, Proportion};
+use maveric_stats::{Comparison, MixedModel, Proportion};
 use serde::{Deserialize, Serialize};
 
 /// Every analysis of the paper over one study (method section 9).
@@ -123,20 +123,10 @@ pub struct Panel {
     pub n: usize,
     /// Participants left out for a missing value.
     pub dropped: Vec<String>,
-    /// `rm_anova` or `friedman`; `None` if there was nothing to test.
-    pub chosen: Option<String>,
-    /// Why.
-    pub reasons: Vec<String>,
-    /// The omnibus test in words, with marks.
-    pub omnibus: String,
-    /// The same without interval and ε, for a panel's width.
-    pub omnibus_short: String,
-    /// Its p value.
-    pub omnibus_p: Option<f64>,
     /// The pairs, Holm-adjusted over this panel's six.
     pub pairs: Vec<PanelPair>,
-    /// The whole comparison, as `maveric stats compare` prints it.
-    pub comparison: serde_json::Value,
+    /// The test over the conditions, with every check that was made; `None` with fewer than two participants in it.
+    pub comparison: Option<Comparison>,
 }
 
 /// One pair of conditions within a panel.

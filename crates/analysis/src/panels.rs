@@ -1,12 +1,11 @@
 //! 9.3: differences from the own drive in the four conditions, six panels.
 
-use super::{
-    Friedman,
+use crate::{
+    AnalysisError, Friedman,
     data::StudyData,
     line::{FOLLOWS, title, unit},
     result::{Panel, PanelPair},
 };
-use crate::{error::StudyError, stages::stats::apa_omnibus};
 use maveric_domain::{ConditionId, MetresPerSecond};
 use maveric_measures::difference_from_own;
 use maveric_stats::{WithinSubjects, compare, compare_without_exact};
@@ -17,7 +16,7 @@ const ALPHA: f64 = 0.05;
 const SAME_AGGRESSIVENESS: f64 = 4.0;
 
 /// The six panels of the paper, in its order.
-pub(super) fn panels(data: &StudyData, friedman: Friedman) -> Result<Vec<Panel>, StudyError> {
+pub(crate) fn panels(data: &StudyData, friedman: Friedman) -> Result<Vec<Panel>, AnalysisError> {
     let mut panels = Vec::new();
     for measure in FOLLOWS {
         let value = |p: &_, c| {
@@ -74,7 +73,7 @@ fn panel(
     unit: String,
     same: f64,
     rows: Vec<Vec<Option<f64>>>,
-) -> Result<Panel, StudyError> {
+) -> Result<Panel, AnalysisError> {
     let participants: Vec<String> = data.participants.iter().map(ToString::to_string).collect();
     let complete = |row: &Vec<Option<f64>>| row.iter().copied().collect::<Option<Vec<f64>>>();
     let mut subjects = Vec::new();
@@ -99,13 +98,8 @@ fn panel(
         rows,
         n,
         dropped,
-        chosen: None,
-        reasons: Vec::new(),
-        omnibus: format!("not tested: {n} participants with a value in every condition"),
-        omnibus_short: format!("not tested: *n* = {n}"),
-        omnibus_p: None,
         pairs: Vec::new(),
-        comparison: serde_json::Value::Null,
+        comparison: None,
     };
     if n < 2 {
         return Ok(panel);
@@ -116,17 +110,6 @@ fn panel(
         Friedman::Exact => compare(&tested, ALPHA)?,
         Friedman::Approximate => compare_without_exact(&tested, ALPHA)?,
     };
-    panel.chosen = serde_json::to_value(found.chosen)
-        .ok()
-        .and_then(|v| v.as_str().map(str::to_owned));
-    panel.reasons.clone_from(&found.reasons);
-    panel.omnibus_p = found.omnibus.p;
-    let none = || "no test statistic: see the reasons in the analysis".to_owned();
-    let said = |short: bool| {
-        apa_omnibus(&found.omnibus, found.n, short).map_or_else(none, |s| s.markup().to_owned())
-    };
-    panel.omnibus = said(false);
-    panel.omnibus_short = said(true);
     for (name, pair) in found.posthoc.pairs.iter() {
         let Some((first, second)) = name.split_once('|') else {
             continue;
@@ -139,6 +122,6 @@ fn panel(
             p_holm: pair.p_adjusted,
         });
     }
-    panel.comparison = serde_json::to_value(&found).unwrap_or_default();
+    panel.comparison = Some(found);
     Ok(panel)
 }

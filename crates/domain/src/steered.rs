@@ -1,0 +1,56 @@
+//! Where in style space the car should drive.
+
+use crate::{
+    condition::ConditionId,
+    embedding::Embedding,
+    error::DomainError,
+    ids::{DriveId, ParticipantId},
+};
+use serde::Serialize;
+
+/// One participant in one condition.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ConditionRow {
+    /// The participant.
+    pub participant: ParticipantId,
+    /// The condition.
+    pub condition: ConditionId,
+    /// Ŝ at the embedding, in points.
+    pub adb_hat: f64,
+    /// How far Ŝ moved from the participant's own, in points, after clamping.
+    pub moved_points: f64,
+    /// Angle on the perpendicular ellipse, in rad; only there.
+    pub angle_rad: Option<f64>,
+    /// Whether the embedding lies further out than any training driver's.
+    pub beyond_training: bool,
+    /// What it is one point of; none for the study's four conditions.
+    pub sweep: Option<SweepPoint>,
+    /// The embedding.
+    pub embedding: Embedding,
+}
+
+/// One point of a sweep, or one move along an attribute.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SweepPoint {
+    /// Name of the simulated drive: several points of one participant may be the same condition.
+    pub drive: DriveId,
+    /// What was moved along; `aggression` is the model's own head.
+    pub attribute: String,
+    /// How far it should have moved, in its own points.
+    pub requested_points: f64,
+    /// How far it moved within its range, in its own points.
+    pub attribute_points: f64,
+}
+
+impl ConditionRow {
+    /// Name of the drive simulated in this condition.
+    ///
+    /// # Errors
+    /// [`DomainError::BadId`] if participant and condition make no identifier.
+    pub fn drive(&self) -> Result<DriveId, DomainError> {
+        match &self.sweep {
+            Some(point) => Ok(point.drive.clone()),
+            None => DriveId::new(format!("{}-{}", self.participant, self.condition)),
+        }
+    }
+}
