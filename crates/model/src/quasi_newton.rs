@@ -25,7 +25,7 @@ const TRIES: usize = 12;
 ///
 /// # Source
 /// Lewis and Overton 2013, "Nonsmooth optimization via quasi-Newton methods": the line search is their algorithm 2.6.
-pub(crate) fn polish(
+pub fn polish(
     mut f: impl FnMut(&[f64]) -> Evaluated,
     start: Vec<f64>,
     mut here: Evaluated,

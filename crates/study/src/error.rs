@@ -90,7 +90,7 @@ pub enum StudyError {
     Model(#[from] maveric_model::ModelError),
     /// Recorded car-following that cannot be evaluated.
     #[error(transparent)]
-    Following(#[from] maveric_model::following::FollowingError),
+    Following(#[from] maveric_following::FollowingError),
     /// A drive that could not be simulated.
     #[error(transparent)]
     Simulator(#[from] maveric_simulator::SimulatorError),

@@ -11,7 +11,7 @@ use crate::{
     tables::{drives::read_drives, embeddings::read_embeddings},
 };
 use learned::Learned;
-use maveric_model::following::{
+use maveric_following::{
     Baselines, ClosedLoopSettings, FollowingEvaluation, FollowingRun, FollowingSettings,
     closed_loop_network::study, evaluate_beside,
 };

@@ -1,14 +1,12 @@
 //! The model's networks as what drives in a driver's place.
 
 use maveric_domain::Embedding;
-use maveric_model::{
-    Model, ModelError, Predictor, WindowBuffer,
-    following::{
-        Baselines, ClosedLoopStudy, Contender, DistanceLaw, FollowingMethod, FollowingRun,
-        FollowingSettings, InPlaceOf, KeepDistance, OpenLoop, Predicted, distance_rmse_m,
-        predicted_speeds_mps, simulate, speed_rmse_mps, straight_line, velocity_law,
-    },
+use maveric_following::{
+    Baselines, ClosedLoopStudy, Contender, DistanceLaw, FollowingMethod, FollowingRun,
+    FollowingSettings, InPlaceOf, KeepDistance, OpenLoop, Predicted, distance_rmse_m,
+    predicted_speeds_mps, simulate, speed_rmse_mps, straight_line, velocity_law,
 };
+use maveric_model::{Model, ModelError, Predictor, WindowBuffer};
 
 /// Time over which the rate of the gap is taken, in s.
 const GAP_RATE_S: f64 = 0.2;

@@ -1,6 +1,6 @@
 //! The tables of an evaluation as lines of text.
 
-use maveric_model::following::{
+use maveric_following::{
     ClosedLoopSeed, ClosedLoopStudy, FollowingEvaluation, FollowingMethod, Predicted,
 };
 

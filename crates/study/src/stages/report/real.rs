@@ -9,7 +9,7 @@ use crate::{
     error::StudyError,
     stages::train::{MODEL_FILE, TrainingSummary, training_path},
 };
-use maveric_model::following::{
+use maveric_following::{
     DriverEvaluation, FollowingEvaluation, FollowingMethod, MethodMean, Predicted,
 };
 use maveric_report::{

@@ -11,7 +11,7 @@ const CLOSED: f64 = 1e-7;
 ///
 /// # Source
 /// Nelder and Mead 1965, coefficients 1, 2, 1/2, 1/2; a point outside the bounds is moved onto them.
-pub(in super::super) fn polish(
+pub(crate) fn polish(
     bounds: &[(f64, f64)],
     start: Minimum,
     steps: usize,

@@ -6,12 +6,8 @@ use super::{
     layout::Layout,
     unrolled::{Batch, Gradient, LANES, World, gradient},
 };
-use crate::{
-    adam::cosine,
-    damped_newton::Evaluated,
-    following::{FollowingError, SafetyBound, Stretch},
-    quasi_newton::polish,
-};
+use crate::{FollowingError, SafetyBound, Stretch};
+use maveric_model::optimise::{Evaluated, cosine, polish};
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64;

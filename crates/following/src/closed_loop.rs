@@ -39,7 +39,7 @@ pub(super) struct EgoState {
 ///
 /// # Example
 /// ```
-/// # use maveric_model::following::{FollowingColumns, FollowingRun, simulate};
+/// # use maveric_following::{FollowingColumns, FollowingRun, simulate};
 /// # let columns = FollowingColumns {
 /// #     time_s: vec![0.0, 0.1, 0.2, 0.3, 0.4, 0.5], leader_x_m: vec![20.0, 21.0, 22.0, 23.0, 24.0, 25.0],
 /// #     lead_speed_mps: vec![10.0; 6], ego_speed_mps: vec![10.0; 6], gap_m: vec![20.0; 6],
@@ -47,7 +47,7 @@ pub(super) struct EgoState {
 /// let run = FollowingRun::new("P01", 10.0, columns)?;
 /// let coasting = simulate(&run.test(), "coasting", |_gap, _ego, _lead| 0.0)?;
 /// assert!((coasting.gap_m[1] - 20.0).abs() < 1e-9);
-/// # Ok::<(), maveric_model::following::FollowingError>(())
+/// # Ok::<(), maveric_following::FollowingError>(())
 /// ```
 pub fn simulate(
     stretch: &Stretch<'_>,
@@ -147,7 +147,7 @@ fn move_ego(speed_mps: f64, command_mps2: f64, step_s: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::following::made_up;
+    use crate::made_up;
 
     #[test]
     fn constant_speeds_keep_the_gap() {

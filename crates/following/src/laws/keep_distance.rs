@@ -58,7 +58,7 @@ impl SafetyBound {
     }
 
     /// How much [`SafetyBound::safe_speed_mps`] grows with the gap, in 1/s; 0 where no speed is safe.
-    pub(in super::super) fn safe_speed_slope_per_s(&self, gap_m: f64, lead_speed_mps: f64) -> f64 {
+    pub(crate) fn safe_speed_slope_per_s(&self, gap_m: f64, lead_speed_mps: f64) -> f64 {
         let safe = self.safe_speed_mps(gap_m, lead_speed_mps);
         if safe > 0.0 {
             let gained = self.reaction_s * self.reaction_accel_mps2;
@@ -106,7 +106,7 @@ impl<F: Fn(f64) -> f64> KeepDistance<F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::following::{FollowingError, made_up, simulate};
+    use crate::{FollowingError, made_up, simulate};
 
     const GAINS: Gains = Gains {
         speed_per_s: 0.4,

@@ -225,7 +225,7 @@ impl Stretch<'_> {
 #[cfg(test)]
 mod tests {
     use super::{FollowingError as E, *};
-    use crate::following::made_up;
+    use crate::made_up;
     use maveric_domain::{
         ConditionId, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording,
         Road, Study, VehicleId,

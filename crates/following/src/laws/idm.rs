@@ -80,7 +80,7 @@ impl Parametric for Idm {
 
 #[cfg(test)]
 mod tests {
-    use crate::following::made_up::DRIVER;
+    use crate::made_up::DRIVER;
 
     #[test]
     fn the_gap_at_which_idm_keeps_its_speed_is_the_published_one() {

@@ -1,6 +1,6 @@
 //! How a network is made and trained in closed loop.
 
-use crate::following::FollowingError;
+use crate::FollowingError;
 use serde::{Deserialize, Serialize};
 
 /// How a network is made and trained in closed loop.

@@ -1,9 +1,7 @@
 //! The network on every driver's test rows, from several training seeds.
 
 use super::{ClosedLoopNetwork, ClosedLoopSettings};
-use crate::following::{
-    FollowingError, FollowingRun, FollowingSettings, SimulationErrors, Stretch, simulate,
-};
+use crate::{FollowingError, FollowingRun, FollowingSettings, SimulationErrors, Stretch, simulate};
 use maveric_domain::stream_seed;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -131,7 +129,7 @@ fn errors_of<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::following::made_up;
+    use crate::made_up;
 
     #[test]
     fn a_stranger_is_followed_better_with_the_own_embedding_than_with_the_others_mean() {

@@ -1,6 +1,6 @@
 //! Newell's rule.
 
-use super::super::run::Stretch;
+use crate::run::Stretch;
 use serde::{Deserialize, Serialize};
 
 /// Newell's rule: ego drives where the leader was, `delay_s` ago and `distance_m` further back.
@@ -16,7 +16,7 @@ pub struct Newell {
 }
 
 impl Newell {
-    pub(in super::super) const BOUNDS: &'static [(f64, f64)] = &[(0.1, 4.0), (0.0, 30.0)];
+    pub(crate) const BOUNDS: &'static [(f64, f64)] = &[(0.1, 4.0), (0.0, 30.0)];
 
     /// The rule as a law to be asked once for each row of `stretch` but the last, in order; in m/s².
     ///
@@ -53,7 +53,7 @@ impl Newell {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::following::{made_up, simulate};
+    use crate::{made_up, simulate};
 
     #[test]
     fn ego_ends_where_the_leader_was() {

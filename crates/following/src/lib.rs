@@ -21,6 +21,9 @@ pub mod run;
 pub mod settings;
 pub mod simulation_errors;
 pub mod steering;
+#[cfg(test)]
+#[path = "../../model/tests/support/drives.rs"]
+mod test_drives;
 pub mod velocity;
 
 pub use baselines::{Baselines, DriverBaselines};

@@ -277,7 +277,7 @@ fn mean_over_drivers(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::following::{SearchSettings, made_up};
+    use crate::{SearchSettings, made_up};
 
     const QUICK: FollowingSettings = FollowingSettings {
         seed: 1,
@@ -288,7 +288,7 @@ mod tests {
         },
         moving_above_mps: 2.0,
         steering: SteeringGains::HellyPopulation,
-        safety: crate::following::SafetyBound {
+        safety: crate::SafetyBound {
             reaction_s: 0.3,
             reaction_accel_mps2: 1.0,
             ego_braking_mps2: 7.0,

@@ -111,7 +111,7 @@ fn rmse(errors: impl Iterator<Item = f64>) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::following::made_up::behind;
+    use crate::made_up::behind;
 
     #[test]
     fn the_score_is_the_one_worked_out_by_hand() {

@@ -1,7 +1,7 @@
 //! IDM along the directions in which other drivers differ.
 
 use super::{Parametric, idm::Idm};
-use crate::linear_algebra::{mean_and_covariance, symmetric_eigen};
+use nalgebra::{Matrix5, SVector, SymmetricEigen};
 use serde::{Deserialize, Serialize};
 
 /// Directions at most: as many as an embedding has numbers.
@@ -27,19 +27,27 @@ impl IdmDirections {
             .iter()
             .map(|law| law.parameters().map(f64::ln))
             .collect();
-        let points: Vec<&[f64]> = logs.iter().map(<[f64; 5]>::as_slice).collect();
-        let (mean, covariance) = mean_and_covariance(&points, 5);
-        let (values, vectors) = symmetric_eigen(&covariance, 5);
+        let points: Vec<SVector<f64, 5>> = logs.into_iter().map(SVector::from).collect();
+        let n = points.len().max(1) as f64;
+        let mean = points.iter().sum::<SVector<f64, 5>>() / n;
+        let away = points.iter().map(|p| p - mean);
+        let covariance: Matrix5<f64> = away.map(|d| d * d.transpose() / n).sum();
+        let found = SymmetricEigen::new(covariance);
         let mut order: Vec<usize> = (0..5).collect();
-        order.sort_by(|&a, &b| values[b].total_cmp(&values[a]));
+        order.sort_by(|&a, &b| found.eigenvalues[b].total_cmp(&found.eigenvalues[a]));
         let directions = order
             .into_iter()
             .take(MOST.min(laws.len().saturating_sub(1)))
-            .filter(|&at| values[at] > 0.0)
-            .map(|at| std::array::from_fn(|i| values[at].sqrt() * vectors[at][i]))
+            .filter(|&at| found.eigenvalues[at] > 0.0)
+            .map(|at| {
+                let direction = found.eigenvectors.column(at);
+                // Either sign is the same direction: the one whose largest number is positive.
+                let sign = direction[direction.icamax()].signum();
+                std::array::from_fn(|i| sign * found.eigenvalues[at].sqrt() * direction[i])
+            })
             .collect();
         Self {
-            mean: std::array::from_fn(|i| mean[i]),
+            mean: mean.into(),
             directions,
         }
     }
@@ -59,7 +67,7 @@ impl IdmDirections {
     }
 
     /// Bounds of the search along each direction.
-    pub(in super::super) fn bounds(&self) -> Vec<(f64, f64)> {
+    pub(crate) fn bounds(&self) -> Vec<(f64, f64)> {
         vec![(-REACH, REACH); self.directions.len()]
     }
 }
@@ -67,7 +75,7 @@ impl IdmDirections {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::following::made_up::DRIVER;
+    use crate::made_up::DRIVER;
 
     #[test]
     fn drivers_that_differ_in_the_time_gap_span_one_direction() {

@@ -52,8 +52,8 @@ impl ClosedLoopNetwork {
     ///
     /// # Example
     /// ```
-    /// # use maveric_model::following::{FollowingColumns, FollowingRun, SafetyBound};
-    /// use maveric_model::following::closed_loop_network::{ClosedLoopNetwork, ClosedLoopSettings};
+    /// # use maveric_following::{FollowingColumns, FollowingRun, SafetyBound};
+    /// use maveric_following::closed_loop_network::{ClosedLoopNetwork, ClosedLoopSettings};
     /// # let n = 90;
     /// # let columns = FollowingColumns {
     /// #     time_s: (0..n).map(|i| f64::from(i) / 10.0).collect(), leader_x_m: (0..n).map(f64::from).collect(),
@@ -65,7 +65,7 @@ impl ClosedLoopNetwork {
     /// let w = trained.network.personalize(&run.fit(), &settings);
     /// let accel_mps2 = trained.network.accel_mps2(&w, 20.0, 10.0, 10.0);
     /// assert!(accel_mps2.abs() < 4.0);
-    /// # Ok::<(), maveric_model::following::FollowingError>(())
+    /// # Ok::<(), maveric_following::FollowingError>(())
     /// ```
     pub fn train(
         drivers: &[Stretch<'_>],
@@ -123,7 +123,7 @@ impl ClosedLoopNetwork {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::following::{FollowingRun, SimulationErrors, made_up, simulate};
+    use crate::{FollowingRun, SimulationErrors, made_up, simulate};
 
     const QUICK: ClosedLoopSettings = ClosedLoopSettings {
         iterations: 120,

@@ -1,8 +1,8 @@
 //! V at the wheel: the predicted speed as a command, from a window of what was simulated.
 
 use super::{laws::keep_distance::KeepDistance, run::Stretch};
-use crate::{predict::Predictor, windows::WindowBuffer};
 use maveric_domain::{Situation, VehicleId, scene::Reference};
+use maveric_model::{Predictor, WindowBuffer};
 
 /// Time in which ego approaches the speed that V asks for, in s.
 ///
@@ -101,10 +101,9 @@ fn situation(time_s: f64, ego_speed_mps: f64, gap_m: f64, lead_speed_mps: f64) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        following::{FollowingRun, made_up, simulate},
+    use crate::{FollowingRun, made_up, simulate, test_drives::drivers};
+    use maveric_model::{
         params::{TrainParams, TrainSettings},
-        test_drives::drivers,
         train::{TrainingDrive, train},
     };
     use std::ops::ControlFlow;
@@ -142,8 +141,8 @@ mod tests {
         let far = |_: f64| 500.0;
         let with = alone(Some(KeepDistance {
             distance_m: far,
-            gains: crate::following::ConstantTimeGap::GAINS,
-            safety: crate::following::SafetyBound::default(),
+            gains: crate::ConstantTimeGap::GAINS,
+            safety: crate::SafetyBound::default(),
         }));
         assert!(with < -8.0 && with <= expected);
         let window = model.window_buffer();

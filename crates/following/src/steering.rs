@@ -87,7 +87,7 @@ pub(super) fn calibrate_gains(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::following::made_up;
+    use crate::made_up;
 
     #[test]
     fn the_gains_that_made_a_drive_are_recovered() {

@@ -12,7 +12,7 @@ const CONVERGED: f64 = 1e-3;
 /// Searches `bounds` by rand/1/bin with a weight drawn from 0.5..1 for each trial.
 ///
 /// A member is replaced as soon as a trial is better, within the generation. At least four members.
-pub(in super::super) fn minimise(
+pub(crate) fn minimise(
     bounds: &[(f64, f64)],
     members: usize,
     generations: usize,

@@ -34,7 +34,7 @@ impl Default for FollowingSettings {
 }
 
 impl FollowingSettings {
-    pub(in crate::following) fn check(&self) -> Result<(), FollowingError> {
+    pub(crate) fn check(&self) -> Result<(), FollowingError> {
         let safety = &self.safety;
         for (name, found, least) in [
             ("moving_above_mps", self.moving_above_mps, 0.0),

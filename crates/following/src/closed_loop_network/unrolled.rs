@@ -339,7 +339,7 @@ fn through_softsign(d: &mut Lanes, y: &Lanes) {
     }
 }
 
-/// Distance moved and the next speed, as in [`simulate`](super::super::simulate).
+/// Distance moved and the next speed, as in [`simulate`](crate::simulate).
 #[inline(always)]
 fn advance(speed: f64, asked: f64, step_s: f64) -> (f64, f64) {
     let a = asked.clamp(MIN_ACCEL_MPS2, MAX_ACCEL_MPS2);

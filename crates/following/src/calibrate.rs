@@ -235,7 +235,7 @@ pub(super) fn search_law<L: Copy>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::following::{
+    use crate::{
         made_up::{self, DRIVER, driven_by_idm},
         simulate,
     };

@@ -50,7 +50,7 @@ impl SimulationErrors {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::following::made_up;
+    use crate::made_up;
 
     #[test]
     fn errors_are_those_worked_out_by_hand() {
