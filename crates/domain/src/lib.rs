@@ -32,7 +32,7 @@ pub use measurement::{MeasureValues, MeasuredDrive, Measurement, spread};
 pub use recording::{EgoTrack, ObjectTrack, Recording};
 pub use scene::{EgoState, Reference, Road, Scene, Situation, VehicleState};
 pub use seed::stream_seed;
-pub use setpoints::Setpoints;
+pub use setpoints::{LaneWish, Setpoints, When};
 pub use steered::{ConditionRow, SweepPoint};
 pub use survey::{AdbScore, Answer, Moment, NormCorrelation, Norms, Scale, Score, Subscale};
 pub use trace::{LaneActivity, TraceRow};

@@ -3,7 +3,7 @@
 //! [`train()`] learns five sub-networks and an embedding per drive from [`maveric_domain::Drive`]s;
 //! [`personalize()`] fits an embedding to a new drive with the networks frozen; [`style_space`] moves an
 //! embedding along or across the direction of aggression; [`Predictor`] turns an embedding and a window of the
-//! last seconds into [`maveric_domain::Setpoints`]. No files, no clock, no controllers.
+//! last seconds into a [`Prediction`]. No files, no clock, no controllers.
 
 pub mod ablation;
 mod adam;
@@ -46,7 +46,7 @@ pub use personalize::{
     CurveParams, CurvePoint, CurveSettings, LearningCurve, Personalized, Personalizer, Start,
     Uncertainty, learning_curve, personalize,
 };
-pub use predict::Predictor;
+pub use predict::{Prediction, Predictor};
 pub use quality::{Calibration, CalibrationBin, Quality, Quantile, Residuals, RowsOf};
 pub use train::{
     Checkpoints, EpochReport, Trained, TrainingDrive, TrainingReport, train, train_resumable,

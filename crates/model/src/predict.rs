@@ -7,8 +7,19 @@ use crate::{
     scaling::{Scaling, Standardization},
     windows::{SIGNALS, WindowBuffer},
 };
-use maveric_domain::{Embedding, Setpoints};
+use maveric_domain::Embedding;
 use pulp::Arch;
+
+/// What the networks make of a window.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prediction {
+    /// v̂, in m/s.
+    pub speed_mps: f64,
+    /// f̂, in m.
+    pub following_distance_m: f64,
+    /// Calibrated probability that a lane change starts within the next second.
+    pub change_probability: f64,
+}
 
 /// A multi-layer perceptron for one row: weights input by input, so that the sums run along the outputs.
 #[derive(Debug, Clone)]
@@ -159,7 +170,7 @@ impl Predictor {
     ///
     /// # Errors
     /// [`ModelError::EmptyWindow`], or [`ModelError::WindowLength`] if the buffer was made with other settings.
-    pub fn predict(&self, window: &WindowBuffer) -> Result<Setpoints, ModelError> {
+    pub fn predict(&self, window: &WindowBuffer) -> Result<Prediction, ModelError> {
         let window = window.window().ok_or(ModelError::EmptyWindow)?;
         let (found, expected) = (window.steps(), self.steps);
         if found != expected {
@@ -183,7 +194,7 @@ impl Predictor {
         let code = self.speed_encoder.run(&input[input.len() - read..]);
         let speed = f64::from(self.speed_head.run(&code)[0]);
         let [low, high] = self.speed_range_mps;
-        Ok(Setpoints {
+        Ok(Prediction {
             speed_mps: self.scaling.signals[0].undo(speed).clamp(low, high),
             following_distance_m: self.following.distance_m(window.lead_speed_mps()),
             change_probability,

@@ -3,8 +3,8 @@
 //! `cargo run --release -p maveric-simulator --example idm_planner -- study_data/scenarios/stop_and_go.toml`
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
-use maveric_domain::{Setpoints, Situation};
-use maveric_simulator::{Driver, Planner, Scenario, rollout};
+use maveric_domain::{LaneWish, Setpoints};
+use maveric_simulator::{Driver, Planner, Scenario, View, rollout};
 
 /// The Intelligent Driver Model.
 ///
@@ -30,8 +30,8 @@ impl IdmCar {
 }
 
 impl Planner for IdmCar {
-    fn plan(&mut self, situation: &Situation) -> Setpoints {
-        let (speed, reference) = (situation.ego_speed_mps, &situation.reference);
+    fn plan(&mut self, view: &View<'_>) -> Setpoints {
+        let (speed, reference) = (view.scene.ego.speed_mps, &view.reference);
         // Ahead in its own lane; beside or behind, it is being passed and binds nobody.
         let ahead =
             reference.vehicle.is_some() && reference.dx_m > 0.0 && reference.dy_m.abs() < 1.83;
@@ -41,7 +41,7 @@ impl Planner for IdmCar {
             // The velocity controller gives about 0.6 m/s² for each m/s.
             speed_mps: (speed + wanted / 0.6).max(0.0),
             following_distance_m: self.standstill_m + self.time_gap_s * speed,
-            change_probability: 0.0,
+            wish: LaneWish::Stay,
         }
     }
 }

@@ -6,11 +6,12 @@
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use maveric_domain::{
-    ConditionId, Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Setpoints,
-    Situation, Study, drive::Direction, stream_seed,
+    ConditionId, Drive, DriveId, DriveMeta, DrivenBy, LaneWish, LatentTraits, ParticipantId,
+    Setpoints, Study, When, drive::Direction, stream_seed,
 };
 use maveric_simulator::{
-    Driver, DriverParams, People, Rollout, Scenario, SimulatorError, population_table, rollout,
+    Driver, DriverParams, People, Rollout, Scenario, SimulatorError, View, population_table,
+    rollout,
 };
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -80,17 +81,21 @@ fn figures(drive: &Drive, leads: u32) -> [Option<f64>; 9] {
     ]
 }
 
-/// A constant speed, a gap of 1.2 s, and a change the likelier the shorter the gap; back once well past.
-fn rule(speed_mps: f64) -> impl FnMut(&Situation) -> Setpoints {
-    move |situation| {
-        let gap_s = situation.reference.dx_m / situation.ego_speed_mps.max(1.0);
-        let present = situation.reference.vehicle.is_some();
-        let own_lane = situation.reference.dy_m.abs() < 1.83;
-        let likely = present && (own_lane && gap_s < 2.0 || !own_lane && gap_s < -1.4);
+/// A constant speed, a gap of 1.2 s, out within 2 s of the lead and back 1.4 s past it.
+fn rule(speed_mps: f64) -> impl FnMut(&View<'_>) -> Setpoints {
+    move |view: &View<'_>| {
+        let gap_s = view.reference.dx_m / view.scene.ego.speed_mps.max(1.0);
+        let present = view.reference.vehicle.is_some();
+        let own_lane = view.reference.dy_m.abs() < 1.83;
+        let wish = match (present, own_lane) {
+            (true, true) if gap_s < 2.0 => LaneWish::MoveOut(When::Now),
+            (true, false) if gap_s < -1.4 => LaneWish::MoveBack(When::Now),
+            _ => LaneWish::Stay,
+        };
         Setpoints {
             speed_mps,
-            following_distance_m: 1.2 * situation.ego_speed_mps,
-            change_probability: if likely { 0.3 } else { 0.002 },
+            following_distance_m: 1.2 * view.scene.ego.speed_mps,
+            wish,
         }
     }
 }
@@ -153,7 +158,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let driver = if automated {
             Driver::Automated(&mut planner, &scenario.settings().controllers)
         } else {
-            drawn.driver()
+            Driver::from(&drawn)
         };
         let driven = rollout(&scenario, driver, stream_seed(2, &[&person.to_string()]))?;
         let report = driven.report;

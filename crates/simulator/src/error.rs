@@ -19,7 +19,7 @@ pub enum SimulatorError {
     /// A set-point that no controller can follow.
     #[error("the planner gave `{name}` = {found} at {time_s} s, expected {expected}")]
     Setpoint {
-        /// Which of the three set-points.
+        /// Which of the set-points.
         name: &'static str,
         /// What was given.
         found: f64,

@@ -9,13 +9,16 @@ mod drivers;
 pub mod error;
 pub mod flow;
 mod neighbours;
+mod outcome;
 pub mod planner;
 mod response;
 pub mod road;
 mod rollout;
 pub mod scenario;
+mod session;
 mod traffic;
 mod vehicle;
+mod watch;
 mod world;
 
 pub use collision::{Collision, CollisionCause};
@@ -25,11 +28,13 @@ pub use drivers::{
     People, Person, Population, population_table,
 };
 pub use error::SimulatorError;
-pub use planner::{PLANNING_RATE_HZ, Planner};
+pub use outcome::{Rollout, RolloutReport};
+pub use planner::{PLANNING_RATE_HZ, PLANNING_STEP_S, Planner, View};
 pub use response::{LaneChangeTracking, StepResponse, lane_change_tracking, step_responses};
 pub use road::{CentreLine, MapPose, Segment};
-pub use rollout::{Driver, Rollout, RolloutReport, rollout};
+pub use rollout::rollout;
 pub use scenario::{
     ChangeRule, ControllerSettings, DynamicsSettings, Integrator, Scenario, ScenarioSettings,
     ScriptStep, VehicleModel, VehiclePlacement,
 };
+pub use session::{Driver, Session};

@@ -1,6 +1,6 @@
 //! What decides how the automated car drives.
 
-use maveric_domain::{Setpoints, Situation};
+use maveric_domain::{LaneActivity, Reference, Road, Scene, Setpoints, Situation};
 
 /// How often a planner is asked, and how often a drive is recorded, in Hz.
 pub const PLANNING_RATE_HZ: f64 = 20.0;
@@ -8,7 +8,33 @@ pub const PLANNING_RATE_HZ: f64 = 20.0;
 /// Time between two calls of [`Planner::plan`], in s.
 pub const PLANNING_STEP_S: f64 = 1.0 / PLANNING_RATE_HZ;
 
-/// Sees the situation and asks for a speed, a gap and the moment of a lane change.
+/// What a planner sees: everybody around, and what its own car is doing.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a> {
+    /// Everything visible now.
+    pub scene: &'a Scene,
+    /// The road.
+    pub road: &'a Road,
+    /// The reference vehicle's signals.
+    pub reference: Reference,
+    /// The lane that the car keeps, or that the change under way goes to.
+    pub lane: u8,
+    /// What the car is doing about its lane.
+    pub activity: LaneActivity,
+}
+
+impl View<'_> {
+    /// The paper's state information.
+    pub fn situation(&self) -> Situation {
+        Situation {
+            time_s: self.scene.time_s,
+            ego_speed_mps: self.scene.ego.speed_mps,
+            reference: self.reference,
+        }
+    }
+}
+
+/// Sees what is around and asks for a speed, a gap and a lane.
 ///
 /// Called at [`PLANNING_RATE_HZ`], in order of time, from the first row of the drive. One planner
 /// serves one drive: what it remembers, such as a window of the last seconds, is its own.
@@ -18,16 +44,16 @@ pub const PLANNING_STEP_S: f64 = 1.0 / PLANNING_RATE_HZ;
 ///
 /// # Example
 /// ```
-/// # use maveric_simulator::{Driver, Planner, Scenario, rollout};
-/// # use maveric_domain::{Seconds, Setpoints, Situation};
+/// # use maveric_simulator::{Driver, Planner, Scenario, View, rollout};
+/// # use maveric_domain::{LaneWish, Seconds, Setpoints};
 /// struct Steady(f64);
 ///
 /// impl Planner for Steady {
-///     fn plan(&mut self, situation: &Situation) -> Setpoints {
+///     fn plan(&mut self, view: &View<'_>) -> Setpoints {
 ///         Setpoints {
 ///             speed_mps: self.0,
-///             following_distance_m: 1.2 * situation.ego_speed_mps,
-///             change_probability: 0.0,
+///             following_distance_m: 1.2 * view.scene.ego.speed_mps,
+///             wish: LaneWish::Stay,
 ///         }
 ///     }
 /// }
@@ -40,11 +66,11 @@ pub const PLANNING_STEP_S: f64 = 1.0 / PLANNING_RATE_HZ;
 /// ```
 pub trait Planner {
     /// What to ask of the controllers now.
-    fn plan(&mut self, situation: &Situation) -> Setpoints;
+    fn plan(&mut self, view: &View<'_>) -> Setpoints;
 }
 
-impl<F: FnMut(&Situation) -> Setpoints> Planner for F {
-    fn plan(&mut self, situation: &Situation) -> Setpoints {
-        self(situation)
+impl<F: FnMut(&View<'_>) -> Setpoints> Planner for F {
+    fn plan(&mut self, view: &View<'_>) -> Setpoints {
+        self(view)
     }
 }

@@ -1,14 +1,19 @@
 //! How the controllers answer a step: what a control engineer would plot.
 
 use crate::{
-    control::path::{Manoeuvre, PathShape, Steering},
+    control::{
+        action::Manoeuvre,
+        path::{PathShape, Steering},
+    },
     error::SimulatorError,
-    planner::{PLANNING_RATE_HZ, Planner},
-    rollout::{Driver, Rollout, rollout},
+    outcome::Rollout,
+    planner::{PLANNING_RATE_HZ, Planner, View},
+    rollout::rollout,
     scenario::{Scenario, ScenarioSettings, SettingRange, VehiclePlacement, check_setting},
+    session::Driver,
     vehicle::{Command, build},
 };
-use maveric_domain::{MetresPerSecond, Setpoints, Situation};
+use maveric_domain::{LaneWish, MetresPerSecond, Setpoints};
 use serde::Serialize;
 
 /// A controlled quantity after its target has stepped.
@@ -106,8 +111,8 @@ fn driven(
 
 /// A planner that asks for `before` until the step and for `after` from then on.
 fn stepping(before: Setpoints, after: Setpoints) -> impl Planner {
-    move |situation: &Situation| {
-        if situation.time_s < STEP_AT_S {
+    move |view: &View<'_>| {
+        if view.scene.time_s < STEP_AT_S {
             before
         } else {
             after
@@ -115,16 +120,16 @@ fn stepping(before: Setpoints, after: Setpoints) -> impl Planner {
     }
 }
 
-fn asks(speed_mps: f64, following_distance_m: f64, change_probability: f64) -> Setpoints {
+fn asks(speed_mps: f64, following_distance_m: f64) -> Setpoints {
     Setpoints {
         speed_mps,
         following_distance_m,
-        change_probability,
+        wish: LaneWish::Stay,
     }
 }
 
 fn velocity(settings: ScenarioSettings) -> Result<StepResponse, SimulatorError> {
-    let planner = stepping(asks(25.0, 40.0, 0.0), asks(30.0, 40.0, 0.0));
+    let planner = stepping(asks(25.0, 40.0), asks(30.0, 40.0));
     let driven = driven(settings, planner)?;
     let value = driven.recording.ego().speed_mps.clone();
     Ok(response("velocity", "m/s", &value, STEP_AT_S, [25.0, 30.0]))
@@ -139,7 +144,7 @@ fn following_gap(
         0,
         25.0,
     )];
-    let planner = stepping(asks(33.0, 40.0, 0.0), asks(33.0, 30.0, 0.0));
+    let planner = stepping(asks(33.0, 40.0), asks(33.0, 30.0));
     let driven = driven(settings, planner)?;
     let (ego, lead) = (driven.recording.ego(), &driven.recording.others()[0]);
     let length_m = 0.5 * (ego.length_m + lead.length_m);

@@ -1,7 +1,7 @@
 //! Drives in background traffic: nobody collides, density holds, the same seed gives the same drive.
 
-use maveric_domain::{LatentTraits, Seconds, Setpoints, Situation};
-use maveric_simulator::{Driver, DriverParams, Rollout, Scenario, ScenarioSettings, rollout};
+use maveric_domain::{LaneWish, LatentTraits, Seconds, Setpoints, When};
+use maveric_simulator::{Driver, DriverParams, Rollout, Scenario, ScenarioSettings, View, rollout};
 
 const DENSE: &str = include_str!("../../../study_data/scenarios/dense.toml");
 const STOP_AND_GO: &str = include_str!("../../../study_data/scenarios/stop_and_go.toml");
@@ -22,13 +22,18 @@ fn by_person(scenario: &Scenario, seed: u64) -> Rollout {
 }
 
 fn by_car(scenario: &Scenario, seed: u64) -> Rollout {
-    let mut planner = |s: &Situation| {
-        let gap_s = s.reference.dx_m / s.ego_speed_mps.max(1.0);
-        let likely = s.reference.vehicle.is_some() && gap_s.abs() < 2.5;
+    let mut planner = |s: &View<'_>| {
+        let gap_s = s.reference.dx_m / s.scene.ego.speed_mps.max(1.0);
+        let near = s.reference.vehicle.is_some() && gap_s.abs() < 2.5;
+        let wish = match (near, s.lane) {
+            (true, 0) => LaneWish::MoveOut(When::Now),
+            (true, _) => LaneWish::MoveBack(When::Now),
+            _ => LaneWish::Stay,
+        };
         Setpoints {
             speed_mps: 30.0,
-            following_distance_m: 1.2 * s.ego_speed_mps,
-            change_probability: if likely { 0.1 } else { 0.0 },
+            following_distance_m: 1.2 * s.scene.ego.speed_mps,
+            wish,
         }
     };
     let settings = &scenario.settings().controllers;

@@ -4,7 +4,7 @@ use maveric_domain::{
     ConditionId, Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Study,
     drive::Direction, stream_seed,
 };
-use maveric_simulator::{People, Rollout, Scenario, rollout};
+use maveric_simulator::{Driver, People, Rollout, Scenario, rollout};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
@@ -26,7 +26,7 @@ fn drives(n: u64) -> Vec<Rollout> {
             spacing: normal(),
             pace: normal(),
         };
-        rollout(&scenario, people.draw(&traits, i, i).driver(), i)
+        rollout(&scenario, Driver::from(&people.draw(&traits, i, i)), i)
             .expect("the paper's scenario can be driven")
     };
     (0..n).map(one).collect()
@@ -89,7 +89,9 @@ fn the_same_seed_gives_the_same_drive() {
     let (people, scenario) = (people(), Scenario::paper());
     let drive = || {
         let person = people.draw(&LatentTraits::default(), 1, 1);
-        rollout(&scenario, person.driver(), 1).unwrap().recording
+        rollout(&scenario, Driver::from(&person), 1)
+            .unwrap()
+            .recording
     };
     assert_eq!(drive(), drive());
 }

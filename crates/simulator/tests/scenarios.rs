@@ -1,8 +1,8 @@
 //! Every scenario of the study data loads and can be driven; bad ones say what is wrong and where.
 
-use maveric_domain::{LatentTraits, Setpoints, Situation};
+use maveric_domain::{LaneWish, LatentTraits, Setpoints, When};
 use maveric_simulator::{
-    Collision, CollisionCause, Driver, DriverParams, Scenario, SimulatorError, rollout,
+    Collision, CollisionCause, Driver, DriverParams, Scenario, SimulatorError, View, rollout,
 };
 
 const PAPER: &str = include_str!("../../../study_data/scenarios/paper.toml");
@@ -35,15 +35,18 @@ const ALL: [(&str, &str); 7] = [
 ];
 
 /// Passes what is near ahead, merges back 1.4 s past it.
-fn simple(situation: &Situation) -> Setpoints {
-    let gap_s = situation.reference.dx_m / situation.ego_speed_mps.max(1.0);
-    let own_lane = situation.reference.dy_m.abs() < 1.83;
-    let likely = situation.reference.vehicle.is_some()
-        && (own_lane && gap_s < 2.0 || !own_lane && gap_s < -1.4);
+fn simple(view: &View<'_>) -> Setpoints {
+    let gap_s = view.reference.dx_m / view.scene.ego.speed_mps.max(1.0);
+    let own_lane = view.reference.dy_m.abs() < 1.83;
+    let wish = match (view.reference.vehicle.is_some(), own_lane) {
+        (true, true) if gap_s < 2.0 => LaneWish::MoveOut(When::Now),
+        (true, false) if gap_s < -1.4 => LaneWish::MoveBack(When::Now),
+        _ => LaneWish::Stay,
+    };
     Setpoints {
         speed_mps: 28.0,
-        following_distance_m: 1.2 * situation.ego_speed_mps,
-        change_probability: if likely { 0.3 } else { 0.0 },
+        following_distance_m: 1.2 * view.scene.ego.speed_mps,
+        wish,
     }
 }
 

@@ -4,12 +4,10 @@
 
 pub mod atomic_write;
 pub mod error;
-pub mod model_planner;
 pub mod outcome;
 pub mod stages;
 pub mod tables;
 pub mod watching;
 
 pub use error::StudyError;
-pub use model_planner::ModelPlanner;
 pub use outcome::{Outcome, Progress, Watch};

@@ -1,7 +1,9 @@
 //! What is written beside a recording, and that it leaves the recording alone.
 
 use super::{ROWS, bytes_of, meta, recording};
-use maveric_domain::{LaneActivity, Recording, Setpoints, TraceRow, drive::Direction};
+use maveric_domain::{
+    LaneActivity, LaneWish, Recording, Setpoints, TraceRow, When, drive::Direction,
+};
 use maveric_ingest::{
     Beside, Decision, DecisionKind, IngestError, IngestSettings, inspect, read_decisions, read_log,
     write_mcap_with,
@@ -17,7 +19,7 @@ fn trace() -> Vec<TraceRow> {
         asked: Setpoints {
             speed_mps: 30.0,
             following_distance_m: 36.0,
-            change_probability: 0.25,
+            wish: LaneWish::MoveOut(When::Now),
         },
         acceleration_mps2: -0.5,
         braked: (500..510).contains(&row),

@@ -1,9 +1,11 @@
 //! Random feasible scenarios of every kind, and planners of every style, some of them senseless.
 
-use maveric_domain::{MetresPerSecond, Setpoints, Situation, stream_seed};
+use maveric_domain::{
+    LaneActivity, LaneWish, MetresPerSecond, Setpoints, VehicleId, When, stream_seed,
+};
 use maveric_simulator::{
-    Integrator, Scenario, ScenarioSettings, ScriptStep, Segment, SimulatorError, VehicleModel,
-    VehiclePlacement, safe_distance,
+    Integrator, PLANNING_RATE_HZ, Scenario, ScenarioSettings, ScriptStep, Segment, SimulatorError,
+    VehicleModel, VehiclePlacement, View, safe_distance,
 };
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -223,8 +225,42 @@ fn hard_braking(rng: &mut Pcg64Mcg, s: &mut ScenarioSettings) {
     }
 }
 
+/// Chances of a lane change a second that add up to a wish.
+#[derive(Default)]
+struct Urge {
+    about: Option<VehicleId>,
+    hazard: f64,
+}
+
+impl Urge {
+    fn wish(&mut self, view: &View<'_>, probability: f64) -> LaneWish {
+        let changing = matches!(
+            view.activity,
+            LaneActivity::Changing | LaneActivity::GoingBack
+        );
+        if changing || view.reference.vehicle != self.about {
+            self.about = view.reference.vehicle;
+            self.hazard = 0.0;
+        }
+        if !changing && self.about.is_some() {
+            self.hazard -= (-probability.min(1.0 - 1e-9)).ln_1p() / PLANNING_RATE_HZ;
+        }
+        // Half a wish is said, too: a car that means to pass drives otherwise.
+        let when = match self.hazard {
+            0.4.. => When::Now,
+            0.1.. => When::NotYet,
+            _ => return LaneWish::Stay,
+        };
+        if view.lane == 0 {
+            LaneWish::MoveOut(when)
+        } else {
+            LaneWish::MoveBack(when)
+        }
+    }
+}
+
 /// A planner of some style: steady, passing, swinging or senseless.
-pub(crate) fn planner(kind: &str, number: u64) -> impl FnMut(&Situation) -> Setpoints {
+pub(crate) fn planner(kind: &str, number: u64) -> impl FnMut(&View<'_>) -> Setpoints {
     let seed = stream_seed(13, &["planner", kind, &number.to_string()]);
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let style = (rng.random::<f64>() * 4.0) as u8;
@@ -232,9 +268,10 @@ pub(crate) fn planner(kind: &str, number: u64) -> impl FnMut(&Situation) -> Setp
     let gap_s = between(&mut rng, -0.5, 2.5);
     let pass_s = between(&mut rng, 0.5, 3.0);
     let eager = between(&mut rng, 0.0, 1.0);
-    move |situation: &Situation| {
-        let v = situation.ego_speed_mps;
-        let reference = &situation.reference;
+    let mut urge = Urge::default();
+    move |view: &View<'_>| {
+        let v = view.scene.ego.speed_mps;
+        let reference = &view.reference;
         let time_gap = reference.dx_m / v.max(1.0);
         let own_lane = reference.dy_m.abs() < 1.83;
         let near = reference.vehicle.is_some()
@@ -244,28 +281,28 @@ pub(crate) fn planner(kind: &str, number: u64) -> impl FnMut(&Situation) -> Setp
             0 => Setpoints {
                 speed_mps,
                 following_distance_m: gap_s * v,
-                change_probability: eager * eager * eager,
+                wish: urge.wish(view, eager * eager * eager),
             },
             // Passes what is near.
             1 => Setpoints {
                 speed_mps,
                 following_distance_m: gap_s * v,
-                change_probability: if near { 0.05 + 0.9 * eager } else { 0.0 },
+                wish: urge.wish(view, if near { 0.05 + 0.9 * eager } else { 0.0 }),
             },
             // Swings between two wishes.
             2 => {
-                let high = ((situation.time_s / 7.0) as u64).is_multiple_of(2);
+                let high = ((view.scene.time_s / 7.0) as u64).is_multiple_of(2);
                 Setpoints {
                     speed_mps: if high { 45.0 } else { 5.0 },
                     following_distance_m: if high { 0.0 } else { 90.0 },
-                    change_probability: if near { eager } else { 0.0 },
+                    wish: urge.wish(view, if near { eager } else { 0.0 }),
                 }
             }
             // Asks for anything, another thing every time.
             _ => Setpoints {
                 speed_mps: between(&mut rng, -50.0, 200.0),
                 following_distance_m: between(&mut rng, -50.0, 300.0),
-                change_probability: rng.random::<f64>(),
+                wish: urge.wish(view, rng.random::<f64>()),
             },
         }
     }

@@ -1,24 +1,25 @@
 //! The automated car: a planner's set-points through the controllers.
 
 use super::{
+    action::{Action, Manoeuvre},
     emergency::EmergencyBrake,
     following::{self, Lead},
     intervention::{Intervention, InterventionKind},
-    lane_change::{ReturnRule, Wish, duration_s, gaps_are_safe, target_lane},
-    path::{Manoeuvre, Steering},
+    lane_change::{ReturnRule, duration_s, gaps_are_safe},
+    path::Steering,
     sideways::Sideways,
     velocity::{VelocityController, bounded_jerk},
 };
 use crate::{
     error::SimulatorError,
     neighbours::{ahead, ahead_or_entering},
-    planner::{PLANNING_STEP_S, Planner},
+    planner::{PLANNING_STEP_S, Planner, View},
     road::CentreLine,
-    rollout::Action,
     scenario::{ControllerSettings, VehicleSettings},
 };
 use maveric_domain::{
-    LaneActivity as LaneState, Road, Scene, Setpoints, Situation, TraceRow, drive::ReferenceTracker,
+    LaneActivity as LaneState, LaneWish, Road, Scene, Setpoints, TraceRow, When,
+    drive::ReferenceTracker,
 };
 
 /// A planner and the controllers that carry out what it asks.
@@ -31,7 +32,6 @@ pub(crate) struct AutomatedDriver<'a> {
     tracker: ReferenceTracker,
     velocity: VelocityController,
     velocity_leads: bool,
-    wish: Wish,
     return_rule: ReturnRule,
     command_mps2: f64,
     lane_state: LaneState,
@@ -61,7 +61,6 @@ impl<'a> AutomatedDriver<'a> {
             tracker: ReferenceTracker::new(road),
             velocity: VelocityController::default(),
             velocity_leads: true,
-            wish: Wish::default(),
             return_rule: ReturnRule::default(),
             command_mps2: 0.0,
             lane_state: LaneState::Keeping,
@@ -95,30 +94,27 @@ impl<'a> AutomatedDriver<'a> {
         steering: &Steering,
     ) -> Result<Action, SimulatorError> {
         let reference = self.tracker.observe(scene);
-        let situation = Situation {
-            time_s: scene.time_s,
-            ego_speed_mps: scene.ego.speed_mps,
+        let changing = steering.coming_from().is_some();
+        if !changing && self.lane_state != LaneState::Waiting {
+            self.lane_state = LaneState::Keeping;
+        }
+        let view = View {
+            scene,
+            road: &self.road,
             reference,
+            lane: steering.lane(),
+            activity: self.lane_state,
         };
-        let asked = checked(self.planner.plan(&situation), scene.time_s)?;
+        let asked = checked(self.planner.plan(&view), scene.time_s)?;
         self.asked = Some(asked);
         self.sideways
             .observe(self.settings, scene, &self.road, self.vehicle.width_m);
         let acceleration_mps2 = self.accelerate(scene, steering, &asked);
 
-        let manoeuvre = if steering.coming_from().is_some() {
+        let manoeuvre = if changing {
             self.give_up_if_unsafe(scene, steering)
         } else {
-            self.note_end_of_change();
             let here = steering.lane();
-            let target = target_lane(&self.road, here, &reference);
-            let wish = self.wish.due(
-                self.settings,
-                &reference,
-                asked.change_probability,
-                target > here,
-                PLANNING_STEP_S,
-            );
             let back = self.return_rule.due(
                 self.settings,
                 scene,
@@ -126,11 +122,12 @@ impl<'a> AutomatedDriver<'a> {
                 &reference,
                 PLANNING_STEP_S,
             );
-            let lane = if wish {
-                Some(target)
-            } else {
-                here.checked_sub(1).filter(|_| back)
+            let wished = match asked.wish {
+                LaneWish::MoveOut(When::Now) => Some(here + 1).filter(|&l| l < self.road.lanes),
+                LaneWish::MoveBack(When::Now) => here.checked_sub(1),
+                _ => None,
             };
+            let lane = wished.or_else(|| here.checked_sub(1).filter(|_| back));
             self.start_if_safe(scene, here, lane)
         };
         Ok(Action {
@@ -197,16 +194,6 @@ impl<'a> AutomatedDriver<'a> {
         self.interventions.extend(note);
         self.command_mps2 = command;
         command
-    }
-
-    /// A change carried out starts the count again; one given up is still wanted.
-    fn note_end_of_change(&mut self) {
-        match self.lane_state {
-            LaneState::Changing => self.wish.reset(),
-            LaneState::GoingBack => {}
-            LaneState::Keeping | LaneState::Waiting => return,
-        }
-        self.lane_state = LaneState::Keeping;
     }
 
     /// Before the line is crossed a change whose gaps have become unsafe is undone.
@@ -301,9 +288,6 @@ fn checked(asked: Setpoints, time_s: f64) -> Result<Setpoints, SimulatorError> {
             asked.following_distance_m,
             "a finite number",
         );
-    }
-    if !(0.0..=1.0).contains(&asked.change_probability) {
-        return refuse("change_probability", asked.change_probability, "0 to 1");
     }
     Ok(asked)
 }

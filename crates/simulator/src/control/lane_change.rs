@@ -1,70 +1,11 @@
-//! When a lane change starts, how long it takes, and whether it may.
+//! How long a lane change takes, and whether it may start.
 
 use super::safety::safe_distance_m;
 use crate::{
     neighbours::{Neighbour, ahead, ahead_or_entering, behind_or_entering},
-    scenario::{ChangeRule, ControllerSettings},
+    scenario::ControllerSettings,
 };
-use maveric_domain::{Reference, Road, Scene, VehicleId};
-
-/// Collects P(change) until it suffices.
-///
-/// # Source
-/// Calibration section 4: Λ = Σ −ln(1 − P) per second since this reference vehicle became the reference or the last change
-/// ended. Without a reference vehicle there is nothing to pass and nothing is collected (ours).
-#[derive(Debug, Clone, Default)]
-pub(super) struct Wish {
-    reference: Option<VehicleId>,
-    hazard: f64,
-}
-
-/// P is taken as at most this, so that Λ stays finite.
-const SUREST: f64 = 1.0 - 1e-9;
-
-impl Wish {
-    /// Forgets what was collected: a change has ended.
-    pub(super) fn reset(&mut self) {
-        self.hazard = 0.0;
-    }
-
-    /// Takes the present P(change) and says whether a change is due.
-    pub(super) fn due(
-        &mut self,
-        settings: &ControllerSettings,
-        reference: &Reference,
-        probability: f64,
-        moving_out: bool,
-        step_s: f64,
-    ) -> bool {
-        if reference.vehicle != self.reference {
-            self.reference = reference.vehicle;
-            self.hazard = 0.0;
-        }
-        if reference.vehicle.is_some() {
-            self.hazard -= (-probability.min(SUREST)).ln_1p() * step_s;
-        }
-        match settings.change_rule {
-            ChangeRule::Accumulated if moving_out => self.hazard > settings.hazard_threshold,
-            ChangeRule::Accumulated => self.hazard > settings.merge_back_hazard_threshold,
-            ChangeRule::Paper => probability > settings.probability_threshold,
-        }
-    }
-}
-
-/// The lane that a change due now goes to, from `here`.
-///
-/// Out of the right lane to the left, out of the leftmost to the right, as on the paper's two lanes; in between to the
-/// left while the reference vehicle is ahead in ego's lane, and back once it is not (ours).
-pub(super) fn target_lane(road: &Road, here: u8, reference: &Reference) -> u8 {
-    let own_lane = reference.dy_m.abs() < 0.5 * road.lane_width_m;
-    let to_pass = reference.vehicle.is_some() && own_lane && reference.dx_m > 0.0;
-    let leftmost = here + 1 >= road.lanes;
-    if here == 0 || (to_pass && !leftmost) {
-        here + 1
-    } else {
-        here - 1
-    }
-}
+use maveric_domain::{Reference, Road, Scene};
 
 /// Whether the gaps in `lane` pass the safety rule with `margin_m` on top: to who is there and to who is about to be, by `claims`.
 pub(super) fn gaps_are_safe(
@@ -148,7 +89,7 @@ impl ReturnRule {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maveric_domain::VehicleState;
+    use maveric_domain::{VehicleId, VehicleState};
 
     const SETTINGS: ControllerSettings = ControllerSettings::PAPER;
 
@@ -161,78 +102,6 @@ mod tests {
             length_m: 4.7,
         };
         Neighbour { vehicle, gap_m }
-    }
-
-    fn reference(id: u32) -> Reference {
-        Reference {
-            vehicle: Some(VehicleId(id)),
-            ..Reference::free_road(&Road::PAPER)
-        }
-    }
-
-    #[test]
-    fn small_probabilities_add_up_to_a_change() {
-        let mut wish = Wish::default();
-        let due = |wish: &mut Wish| wish.due(&SETTINGS, &reference(1), 0.1, true, 0.05);
-        let ticks = (0..1000).take_while(|_| !due(&mut wish)).count();
-        // 0.4 / -ln(0.9) = 3.8 s.
-        assert!((ticks as f64 * 0.05 - 3.8).abs() < 0.1, "{ticks}");
-    }
-
-    #[test]
-    fn moving_out_and_merging_back_have_their_own_thresholds() {
-        let later = ControllerSettings {
-            merge_back_hazard_threshold: 0.8,
-            ..SETTINGS
-        };
-        let ticks = |moving_out| {
-            let mut wish = Wish::default();
-            let due = |wish: &mut Wish| wish.due(&later, &reference(1), 0.1, moving_out, 0.05);
-            (0..1000).take_while(|_| !due(&mut wish)).count()
-        };
-        assert!(ticks(false).abs_diff(2 * ticks(true)) <= 2);
-    }
-
-    #[test]
-    fn another_reference_vehicle_starts_the_count_again() {
-        let mut wish = Wish::default();
-        for _ in 0..70 {
-            assert!(!wish.due(&SETTINGS, &reference(1), 0.1, true, 0.05));
-        }
-        for _ in 0..70 {
-            assert!(!wish.due(&SETTINGS, &reference(2), 0.1, true, 0.05));
-        }
-    }
-
-    #[test]
-    fn the_rule_of_the_paper_looks_at_this_moment_only() {
-        let settings = ControllerSettings {
-            change_rule: ChangeRule::Paper,
-            ..SETTINGS
-        };
-        let mut wish = Wish::default();
-        for _ in 0..2000 {
-            assert!(!wish.due(&settings, &reference(1), 0.19, true, 0.05));
-        }
-        assert!(wish.due(&settings, &reference(1), 0.21, true, 0.05));
-    }
-
-    #[test]
-    fn between_two_lanes_a_change_passes_what_is_ahead_and_else_goes_back() {
-        let road = Road {
-            lanes: 4,
-            ..Road::PAPER
-        };
-        let seen = |dx_m, dy_m| Reference {
-            dx_m,
-            dy_m,
-            ..reference(1)
-        };
-        assert_eq!(target_lane(&road, 0, &Reference::free_road(&road)), 1);
-        assert_eq!(target_lane(&road, 1, &seen(30.0, 0.1)), 2);
-        assert_eq!(target_lane(&road, 2, &seen(-30.0, -3.6)), 1);
-        assert_eq!(target_lane(&road, 3, &seen(30.0, 0.0)), 2);
-        assert_eq!(target_lane(&Road::PAPER, 1, &seen(30.0, 0.0)), 0);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Controllers: what makes set-points safe and a car out of them.
 
+pub(crate) mod action;
 mod automated;
 mod emergency;
 mod following;

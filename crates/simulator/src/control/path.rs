@@ -1,5 +1,6 @@
 //! Where the car steers: a lane's centre, or a Bezier curve to another's, by Stanley's rule.
 
+use super::action::Manoeuvre;
 use crate::{
     road::CentreLine,
     vehicle::{Pose, Vehicle},
@@ -136,23 +137,6 @@ struct Change {
     from: u8,
     start_x_m: f64,
     curve: Curve,
-}
-
-/// What the car's driver may ask of its steering.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Manoeuvre {
-    /// Change to `lane` over `duration_s` at the present speed.
-    Change {
-        /// Lane to go to.
-        lane: u8,
-        /// Time the change takes, in s.
-        duration_s: f64,
-    },
-    /// Go back to the lane the change under way came from.
-    GoBack {
-        /// Time that takes, in s.
-        duration_s: f64,
-    },
 }
 
 /// Keeps the lane, or carries out a change.

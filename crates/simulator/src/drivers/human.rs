@@ -9,11 +9,13 @@ use super::{
     perception::Perception,
 };
 use crate::{
-    control::path::{Manoeuvre, Steering},
+    control::{
+        action::{Action, Manoeuvre},
+        path::Steering,
+    },
     neighbours::{Neighbour, ahead},
     planner::PLANNING_STEP_S,
     road::CentreLine,
-    rollout::Action,
     scenario::VehicleSettings,
 };
 use maveric_domain::{Road, Scene, VehicleId, stream_seed};

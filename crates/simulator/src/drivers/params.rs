@@ -1,29 +1,44 @@
 //! One synthetic person on one day.
 
 use super::population::{EncounterNoise, Law, Population};
+use crate::{
+    error::SimulatorError,
+    scenario::{SettingRange, check_setting},
+};
 use maveric_domain::{LatentTraits, MetresPerSecond, stream_seed};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-/// How one synthetic person drives on one day.
-///
-/// Drawn, not made by hand, so that every value lies in its law's range.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// How one synthetic person drives on one day: drawn from a [`Population`], or written by hand and checked before the drive.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct DriverParams {
-    pub(crate) desired_speed_mps: f64,
-    pub(crate) passing_time_gap_s: f64,
-    pub(crate) passing_gain_mps: f64,
-    pub(crate) merge_back_time_gap_s: f64,
-    pub(crate) following_time_gap_s: f64,
-    pub(crate) acceleration_mps2: f64,
-    pub(crate) passing_speed_added_mps: f64,
-    pub(crate) passing_speed_over_lead_mps: f64,
-    pub(crate) lane_change_s: f64,
-    pub(crate) standstill_m: f64,
-    pub(crate) braking_mps2: f64,
-    pub(crate) noise: EncounterNoise,
+    /// Speed wanted on free road, in m/s.
+    pub desired_speed_mps: f64,
+    /// Time gap at which a pass starts, in s.
+    pub passing_time_gap_s: f64,
+    /// Speed gain needed to pass, in m/s.
+    pub passing_gain_mps: f64,
+    /// Time gap to the vehicle passed at which merging back starts, in s.
+    pub merge_back_time_gap_s: f64,
+    /// Time gap kept while following, in s.
+    pub following_time_gap_s: f64,
+    /// IDM acceleration, in m/s².
+    pub acceleration_mps2: f64,
+    /// Speed added while passing, in m/s.
+    pub passing_speed_added_mps: f64,
+    /// Least speed over the vehicle passed, in m/s.
+    pub passing_speed_over_lead_mps: f64,
+    /// Duration of a lane change, in s.
+    pub lane_change_s: f64,
+    /// IDM gap at standstill, in m.
+    pub standstill_m: f64,
+    /// IDM comfortable braking, in m/s².
+    pub braking_mps2: f64,
+    /// What changes from encounter to encounter.
+    pub noise: EncounterNoise,
 }
 
 /// Latents beyond this are taken as this, so that no parameter leaves the finite numbers.
@@ -83,6 +98,78 @@ impl DriverParams {
     /// Draws a person of the calibrated population; see [`Population::draw`].
     pub fn draw(traits: &LatentTraits, person_seed: u64, day_seed: u64) -> Self {
         Population::PAPER.draw(traits, person_seed, day_seed)
+    }
+
+    /// Whether every value lies where a person's may.
+    ///
+    /// # Errors
+    /// [`SimulatorError::Setting`] for the first that does not.
+    pub fn check(&self) -> Result<(), SimulatorError> {
+        for (key, found, low, high, words) in [
+            (
+                "desired_speed_mps",
+                self.desired_speed_mps,
+                7.0,
+                65.0,
+                "7 to 65 m/s",
+            ),
+            (
+                "passing_time_gap_s",
+                self.passing_time_gap_s,
+                0.7,
+                10.0,
+                "0.7 to 10 s",
+            ),
+            (
+                "passing_gain_mps",
+                self.passing_gain_mps,
+                0.0,
+                20.0,
+                "0 to 20 m/s",
+            ),
+            (
+                "merge_back_time_gap_s",
+                self.merge_back_time_gap_s,
+                0.5,
+                10.0,
+                "0.5 to 10 s",
+            ),
+            (
+                "following_time_gap_s",
+                self.following_time_gap_s,
+                0.7,
+                10.0,
+                "0.7 to 10 s",
+            ),
+            (
+                "acceleration_mps2",
+                self.acceleration_mps2,
+                0.3,
+                3.0,
+                "0.3 to 3 m/s²",
+            ),
+            (
+                "passing_speed_added_mps",
+                self.passing_speed_added_mps,
+                -5.0,
+                10.0,
+                "-5 to 10 m/s",
+            ),
+            (
+                "passing_speed_over_lead_mps",
+                self.passing_speed_over_lead_mps,
+                0.5,
+                10.0,
+                "0.5 to 10 m/s",
+            ),
+            ("lane_change_s", self.lane_change_s, 3.0, 10.0, "3 to 10 s"),
+            ("standstill_m", self.standstill_m, 1.0, 20.0, "1 to 20 m"),
+            ("braking_mps2", self.braking_mps2, 0.5, 6.0, "0.5 to 6 m/s²"),
+        ] {
+            let range = SettingRange::Within(low, high, words);
+            check_setting("driver", key, found, range)?;
+        }
+        self.noise.check("driver.noise")
     }
 
     /// Speed wanted on free road on this day.
@@ -186,6 +273,18 @@ mod tests {
         let sd = (speeds.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / 999.0).sqrt();
         assert!((mean - 66.5).abs() < 0.7, "{mean}");
         assert!((sd - 6.3).abs() < 0.5, "{sd}");
+    }
+
+    #[test]
+    fn a_driver_written_by_hand_is_checked_by_key() {
+        let mut driver = DriverParams::draw(&CALM, 1, 2);
+        assert!(driver.check().is_ok());
+        driver.noise.delay_s = 3.0;
+        let error = driver.check().unwrap_err().to_string();
+        assert!(error.contains("driver.noise.delay_s"), "{error}");
+        driver.lane_change_s = f64::NAN;
+        let error = driver.check().unwrap_err().to_string();
+        assert!(error.contains("driver.lane_change_s"), "{error}");
     }
 
     #[test]

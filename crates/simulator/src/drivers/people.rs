@@ -1,7 +1,7 @@
 //! Which kind of people there are.
 
 use super::{DriverParams, EvidenceParams, EvidencePopulation, Population};
-use crate::{error::SimulatorError, rollout::Driver};
+use crate::error::SimulatorError;
 use maveric_domain::LatentTraits;
 use serde::{Deserialize, Serialize};
 
@@ -55,14 +55,4 @@ pub enum Person {
     Driver(DriverParams),
     /// Who acts on evidence.
     Evidence(EvidenceParams),
-}
-
-impl Person {
-    /// This person at the wheel.
-    pub fn driver(&self) -> Driver<'_> {
-        match self {
-            Self::Driver(params) => Driver::Human(params),
-            Self::Evidence(params) => Driver::Evidence(params),
-        }
-    }
 }

@@ -58,6 +58,33 @@ pub struct EncounterNoise {
     pub speed_wander_time_s: f64,
 }
 
+impl EncounterNoise {
+    /// Refuses the first value out of range, naming it within `section`.
+    pub(super) fn check(&self, section: &str) -> Result<(), SimulatorError> {
+        let short = SettingRange::Within(0.0, 0.8, "0 to 0.8 s");
+        check_setting(section, "delay_s", self.delay_s, short)?;
+        let error = SettingRange::Within(0.0, 0.15, "0 to 0.15");
+        check_setting(section, "gap_error_sd", self.gap_error_sd, error)?;
+        for (key, found) in [
+            ("gap_error_time_s", self.gap_error_time_s),
+            ("speed_wander_time_s", self.speed_wander_time_s),
+        ] {
+            check_setting(section, key, found, SettingRange::Positive)?;
+        }
+        for (key, found) in [
+            ("passing_time_gap_log_sd", self.passing_time_gap_log_sd),
+            ("passing_gain_sd_mps", self.passing_gain_sd_mps),
+            ("passing_gain_falls_mps2", self.passing_gain_falls_mps2),
+            ("merge_back_log_sd", self.merge_back_log_sd),
+            ("speed_wander_sd_mps", self.speed_wander_sd_mps),
+        ] {
+            let range = SettingRange::Within(0.0, 2.0, "0 to 2");
+            check_setting(section, key, found, range)?;
+        }
+        Ok(())
+    }
+}
+
 /// The population of synthetic drivers.
 ///
 /// # Source
@@ -215,31 +242,10 @@ impl Population {
             }
             check_setting(&section, "day", law.day, SettingRange::NotNegative)?;
         }
-        let n = &self.noise;
         let standstill = SettingRange::Within(1.0, 20.0, "1 to 20 m");
         check_setting("drivers", "standstill_m", self.standstill_m, standstill)?;
         let braking = SettingRange::Within(0.5, 6.0, "0.5 to 6 m/s²");
         check_setting("drivers", "braking_mps2", self.braking_mps2, braking)?;
-        let short = SettingRange::Within(0.0, 0.8, "0 to 0.8 s");
-        check_setting("drivers.noise", "delay_s", n.delay_s, short)?;
-        let error = SettingRange::Within(0.0, 0.15, "0 to 0.15");
-        check_setting("drivers.noise", "gap_error_sd", n.gap_error_sd, error)?;
-        for (key, found) in [
-            ("gap_error_time_s", n.gap_error_time_s),
-            ("speed_wander_time_s", n.speed_wander_time_s),
-        ] {
-            check_setting("drivers.noise", key, found, SettingRange::Positive)?;
-        }
-        for (key, found) in [
-            ("passing_time_gap_log_sd", n.passing_time_gap_log_sd),
-            ("passing_gain_sd_mps", n.passing_gain_sd_mps),
-            ("passing_gain_falls_mps2", n.passing_gain_falls_mps2),
-            ("merge_back_log_sd", n.merge_back_log_sd),
-            ("speed_wander_sd_mps", n.speed_wander_sd_mps),
-        ] {
-            let range = SettingRange::Within(0.0, 2.0, "0 to 2");
-            check_setting("drivers.noise", key, found, range)?;
-        }
-        Ok(())
+        self.noise.check("drivers.noise")
     }
 }

@@ -1,10 +1,15 @@
 //! Drives of people and of the automated car, held against what they should come to.
 
 use super::*;
-use crate::scenario::{Integrator, ScenarioSettings, VehicleModel, VehiclePlacement};
+use crate::{
+    control::safe_distance,
+    drivers::DriverParams,
+    planner::{Planner, View},
+    scenario::{ControllerSettings, Integrator, ScenarioSettings, VehicleModel, VehiclePlacement},
+};
 use maveric_domain::{
-    ConditionId, Drive, DriveId, DriveMeta, DrivenBy, LaneActivity, LatentTraits, ParticipantId,
-    Seconds, Setpoints, Situation, Study, drive::Direction,
+    ConditionId, Drive, DriveId, DriveMeta, DrivenBy, LaneActivity, LaneWish, LatentTraits,
+    MetresPerSecond, ParticipantId, Seconds, Setpoints, Study, When, drive::Direction,
 };
 use proptest::prelude::*;
 
@@ -28,26 +33,42 @@ fn person(a: f64, b: f64, c: f64, seed: u64) -> DriverParams {
     DriverParams::draw(&traits, seed, seed)
 }
 
-/// Asks for the same at all times.
-fn always(speed_mps: f64, gap_m: f64, change: f64) -> impl FnMut(&Situation) -> Setpoints {
+/// Asks for the same at all times, and for its lane.
+fn always(speed_mps: f64, gap_m: f64) -> impl FnMut(&View<'_>) -> Setpoints {
     move |_| Setpoints {
         speed_mps,
         following_distance_m: gap_m,
-        change_probability: change,
+        wish: LaneWish::Stay,
+    }
+}
+
+/// Asks for the same at all times, and for the other lane.
+fn restless(speed_mps: f64, gap_m: f64, when: When) -> impl FnMut(&View<'_>) -> Setpoints {
+    move |view| Setpoints {
+        speed_mps,
+        following_distance_m: gap_m,
+        wish: if view.lane == 0 {
+            LaneWish::MoveOut(when)
+        } else {
+            LaneWish::MoveBack(when)
+        },
     }
 }
 
 /// Passes what is near ahead, merges back 1.4 s past it.
-fn passing(speed_mps: f64) -> impl FnMut(&Situation) -> Setpoints {
+fn passing(speed_mps: f64) -> impl FnMut(&View<'_>) -> Setpoints {
     move |s| {
-        let gap_s = s.reference.dx_m / s.ego_speed_mps.max(1.0);
+        let gap_s = s.reference.dx_m / s.scene.ego.speed_mps.max(1.0);
         let own_lane = s.reference.dy_m.abs() < 1.83;
-        let likely =
-            s.reference.vehicle.is_some() && (own_lane && gap_s < 2.0 || !own_lane && gap_s < -1.4);
+        let wish = match (s.reference.vehicle.is_some(), own_lane) {
+            (true, true) if gap_s < 2.0 => LaneWish::MoveOut(When::Now),
+            (true, false) if gap_s < -1.4 => LaneWish::MoveBack(When::Now),
+            _ => LaneWish::Stay,
+        };
         Setpoints {
             speed_mps,
-            following_distance_m: 1.2 * s.ego_speed_mps,
-            change_probability: if likely { 0.3 } else { 0.0 },
+            following_distance_m: 1.2 * s.scene.ego.speed_mps,
+            wish,
         }
     }
 }
@@ -88,7 +109,7 @@ fn final_gap_m(rollout: &Rollout, other: usize) -> f64 {
 #[test]
 fn the_car_stops_behind_a_standing_one() {
     let scenario = empty_road(120.0, vec![placed(400.0, 0, 0.0)]);
-    let stopped = automated(&scenario, always(30.0, 8.0, 0.0), 1);
+    let stopped = automated(&scenario, always(30.0, 8.0), 1);
     assert!(*stopped.recording.ego().speed_mps.last().unwrap() < 0.1);
     let gap = final_gap_m(&stopped, 0);
     assert!((2.0..12.0).contains(&gap), "{gap}");
@@ -170,7 +191,7 @@ fn the_car_returns_when_there_is_nobody_to_pass() {
         s.start.lane = 1;
         s.off_lane.interval_s = [1e5, 1e5];
     });
-    let returned = automated(&scenario, always(28.0, 40.0, 0.0), 1);
+    let returned = automated(&scenario, always(28.0, 40.0), 1);
     assert!(returned.recording.ego().y_m.last().unwrap().abs() < 0.1);
 }
 
@@ -197,7 +218,7 @@ fn in_bends_the_car_keeps_its_lane_and_the_lateral_acceleration_asked_for() {
         settings.vehicle.model = model;
         settings.vehicle.integrator = Integrator::Rk4;
         let scenario = Scenario::try_from(settings).unwrap();
-        let driven = automated(&scenario, always(32.0, 40.0, 0.0), 1);
+        let driven = automated(&scenario, always(32.0, 40.0), 1);
         let ego = driven.recording.ego();
         let limit = scenario.settings().controllers.curve_acceleration_mps2;
         let mut slowest = f64::MAX;
@@ -245,26 +266,12 @@ fn a_person_and_the_car_pass_on_the_middle_lanes_of_a_bending_road() {
 #[test]
 fn an_asked_gap_below_the_safe_distance_is_not_kept() {
     let scenario = empty_road(180.0, vec![placed(100.0, 0, 25.0)]);
-    let followed = automated(&scenario, always(33.0, 1.0, 0.0), 1);
+    let followed = automated(&scenario, always(33.0, 1.0), 1);
     let gap = final_gap_m(&followed, 0);
     let v = MetresPerSecond(25.0);
     let safe = safe_distance(&scenario.settings().controllers, v, v).0;
     assert!(gap > safe - 1.5, "{gap} {safe}");
     assert_eq!(followed.report.rule_violations, 0);
-}
-
-#[test]
-fn small_probabilities_pass_by_adding_up_and_never_by_the_rule_of_the_paper() {
-    let mut scenario = empty_road(120.0, vec![placed(60.0, 0, 24.0)]);
-    let left = |scenario: &Scenario| {
-        let driven = automated(scenario, always(27.0, 30.0, 0.05), 1);
-        driven.report.started_changes
-    };
-    assert!(left(&scenario) > 0);
-    let mut settings = scenario.settings().clone();
-    settings.controllers.change_rule = crate::scenario::ChangeRule::Paper;
-    scenario = Scenario::try_from(settings).unwrap();
-    assert_eq!(left(&scenario), 0);
 }
 
 #[test]
@@ -362,7 +369,7 @@ fn a_vehicle_out_of_sight_changes_nobody_elses_drive() {
 fn more_off_lane_traffic_leaves_the_order_of_the_leads() {
     let approach_speeds = |interval_s: f64| {
         let scenario = with(|s| s.off_lane.interval_s = [interval_s, interval_s]);
-        let driven = automated(&scenario, always(28.0, 40.0, 0.0), 4);
+        let driven = automated(&scenario, always(28.0, 40.0), 4);
         assert_eq!(driven.report.leads, 6);
         let ego = driven.recording.ego();
         let leads = driven.recording.others().iter().filter(|t| t.y_m[0] < 1.0);
@@ -378,28 +385,31 @@ fn more_off_lane_traffic_leaves_the_order_of_the_leads() {
 #[test]
 fn a_set_point_that_is_no_number_ends_the_drive_and_says_when() {
     for (row, rows) in [(0, 2), (1, 2), (57, 58)] {
-        let planner = move |s: &Situation| Setpoints {
+        let planner = move |s: &View<'_>| Setpoints {
             speed_mps: 25.0,
-            following_distance_m: 30.0,
-            change_probability: if s.time_s > 0.05 * f64::from(row) - 0.01 {
+            following_distance_m: if s.scene.time_s > 0.05 * f64::from(row) - 0.01 {
                 f64::NAN
             } else {
-                0.0
+                30.0
             },
+            wish: LaneWish::Stay,
         };
         let driven = automated(&Scenario::paper(), planner, 1);
         assert_eq!(driven.recording.rows(), rows);
         let error = driven.completed().unwrap_err().to_string();
-        let moment = format!("`change_probability` = NaN at {} s", f64::from(row) / 20.0);
+        let moment = format!(
+            "`following_distance_m` = NaN at {} s",
+            f64::from(row) / 20.0
+        );
         assert!(error.contains(&moment), "{error}");
     }
-    let whole = automated(&empty_road(5.0, vec![]), always(25.0, 30.0, 0.0), 1);
+    let whole = automated(&empty_road(5.0, vec![]), always(25.0, 30.0), 1);
     assert!(whole.completed().is_ok());
 }
 
 #[test]
 fn controller_settings_out_of_range_are_refused() {
-    let mut planner = always(30.0, 30.0, 0.0);
+    let mut planner = always(30.0, 30.0);
     let settings = ControllerSettings {
         gap_gain_per_s2: -1.0,
         ..ControllerSettings::PAPER
@@ -432,12 +442,12 @@ proptest! {
     fn no_planner_and_no_accepted_settings_make_the_car_collide(
         speed_mps in -50.0..200.0_f64,
         gap_m in -50.0..200.0_f64,
-        change in 0.0..=1.0_f64,
+        wish in prop::sample::select(vec![None, Some(When::NotYet), Some(When::Now)]),
         start in (130.0..400.0_f64, 0.0..30.0_f64),
         gains in (0.01..2.0_f64, 0.0..0.5_f64, 0.0..0.5_f64, 0.01..2.0_f64),
         rss in (0.3..3.0_f64, 3.0..8.0_f64, 0.0..1.0_f64, 1.0..50.0_f64),
         handing in (5.0..200.0_f64, 0.0..5.0_f64, 0.5..3.5_f64, 0.1..20.0_f64),
-        changing in (0.05..3.0_f64, 2.0..10.0_f64, 0.0..1.0_f64, 0.5..1.8_f64),
+        changing in (2.0..10.0_f64, 0.0..1.0_f64, 0.5..1.8_f64),
         seed in 0..u64::MAX,
     ) {
         let controllers = ControllerSettings {
@@ -453,10 +463,9 @@ proptest! {
             following_threshold_factor: handing.1,
             closing_braking_mps2: handing.2,
             handover_band_m: handing.3,
-            hazard_threshold: changing.0,
-            change_shortest_s: changing.1,
-            change_longest_s: changing.1 + changing.2 * (15.0 - changing.1),
-            change_time_factor: changing.3,
+            change_shortest_s: changing.0,
+            change_longest_s: changing.0 + changing.1 * (15.0 - changing.0),
+            change_time_factor: changing.2,
             ..ControllerSettings::PAPER
         };
         let scenario = with(|s| {
@@ -464,7 +473,10 @@ proptest! {
             s.vehicles = vec![placed(start.0, 0, start.1)];
             s.controllers = controllers;
         });
-        let driven = automated(&scenario, always(speed_mps, gap_m, change), seed);
+        let driven = match wish {
+            None => automated(&scenario, always(speed_mps, gap_m), seed),
+            Some(when) => automated(&scenario, restless(speed_mps, gap_m, when), seed),
+        };
         prop_assert_eq!(driven.report.collisions, 0);
     }
 }

@@ -4,7 +4,7 @@ use super::{Range, check};
 use crate::error::SimulatorError;
 use serde::{Deserialize, Serialize};
 
-/// When a lane change starts.
+/// How the paper's rule makes a wish of the probability of a lane change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ChangeRule {
@@ -69,13 +69,13 @@ pub struct ControllerSettings {
     /// Lateral safe distance: lateral braking, in m/s².
     #[serde(default = "paper_lateral_braking")]
     pub lateral_braking_mps2: f64,
-    /// Which rule starts a lane change.
+    /// Which rule makes a wish of a probability: for planners that have one; this and the next three are theirs alone.
     pub change_rule: ChangeRule,
-    /// Λ above which the car moves out of the right lane.
+    /// Λ above which moving out is wished for.
     pub hazard_threshold: f64,
-    /// Λ above which it changes back.
+    /// Λ above which moving back is.
     pub merge_back_hazard_threshold: f64,
-    /// δ: P(change) above which a change starts by the paper's rule.
+    /// δ: P(change) above which a change is wished for by the paper's rule.
     pub probability_threshold: f64,
     /// Longest duration of a lane change, in s.
     pub change_longest_s: f64,

@@ -10,7 +10,7 @@ use crate::{
 use maveric_domain::{ConditionId, DriveId, DriveMeta, DrivenBy, Seconds, Study, stream_seed};
 use maveric_ingest::{Beside, write_mcap_with};
 use maveric_participants::{Cohort, CohortSettings, PlannedDrive, answer_before};
-use maveric_simulator::{People, Scenario, rollout};
+use maveric_simulator::{Driver, People, Scenario, rollout};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -164,7 +164,7 @@ fn drive(
     let day = stream_seed(options.seed, &[planned.drive.as_str(), "day"]);
     let who = people.draw(&planned.traits, person, day);
     let world = stream_seed(options.seed, &[planned.drive.as_str(), "world"]);
-    let driven = rollout(scenario, who.driver(), world)?;
+    let driven = rollout(scenario, Driver::from(&who), world)?;
     let meta = DriveMeta {
         drive: planned.drive.clone(),
         participant: planned.participant.clone(),

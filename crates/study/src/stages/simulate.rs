@@ -3,7 +3,6 @@
 use crate::{
     atomic_write::atomic_write,
     error::StudyError,
-    model_planner::ModelPlanner,
     outcome::{Outcome, Watch, for_each_on},
     stages::{generate::read_scenario, train::read_model},
     tables::{
@@ -20,6 +19,7 @@ use maveric_ingest::{Beside, IngestSettings, write_mcap_with};
 use maveric_model::Model;
 use maveric_report::html::CentreLine;
 use maveric_simulator::{Driver, RolloutReport, Scenario, SimulatorError, rollout};
+use maveric_steering::ModelPlanner;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -285,7 +285,7 @@ fn drive(
     row: &ConditionRow,
     watched: bool,
 ) -> Result<Result<Driven, Stopped>, StudyError> {
-    let mut planner = ModelPlanner::new(model, &row.embedding)?;
+    let mut planner = ModelPlanner::new(model, &row.embedding, &scenario.settings().controllers)?;
     let id = row.drive()?;
     let seed = stream_seed(options.seed, &[id.as_str(), "world"]);
     let driven = rollout(

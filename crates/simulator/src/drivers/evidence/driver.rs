@@ -2,7 +2,10 @@
 
 use super::{merging::Merging, params::EvidenceParams, sideways::Sideways, urge::Urge};
 use crate::{
-    control::path::{Manoeuvre, Steering},
+    control::{
+        action::{Action, Manoeuvre},
+        path::Steering,
+    },
     drivers::{
         caution,
         idm::Idm,
@@ -13,7 +16,6 @@ use crate::{
     neighbours::ahead,
     planner::PLANNING_STEP_S,
     road::CentreLine,
-    rollout::Action,
     scenario::VehicleSettings,
 };
 use maveric_domain::{Road, Scene, VehicleId, stream_seed};

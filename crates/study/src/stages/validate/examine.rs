@@ -10,7 +10,6 @@ use super::{
 };
 use crate::{
     error::StudyError,
-    model_planner::ModelPlanner,
     outcome::{Watch, for_each_on},
 };
 use maveric_domain::{
@@ -21,6 +20,7 @@ use maveric_model::{
     style_space::{AggressionAxis, PerpendicularEllipse, share_outside_training, shift},
 };
 use maveric_simulator::{Driver, Scenario, rollout};
+use maveric_steering::ModelPlanner;
 use rand_pcg::{Pcg64Mcg, rand_core::SeedableRng};
 use serde::Serialize;
 
@@ -297,10 +297,10 @@ impl Bench<'_> {
     }
 
     fn drive(&self, model: &Model, ride: &Ride<'_>) -> Result<Ridden, StudyError> {
-        let mut planner = ModelPlanner::new(model, &ride.embedding)?;
         let id = ride.person.participant.as_str();
         let world = stream_seed(self.seed, &[id, "validate", &ride.world.to_string()]);
         let controllers = &self.scenario.settings().controllers;
+        let mut planner = ModelPlanner::new(model, &ride.embedding, controllers)?;
         let driven = rollout(
             self.scenario,
             Driver::Automated(&mut planner, controllers),

@@ -284,11 +284,8 @@ pub(super) struct Signals {
         skip_serializing_if = "Option::is_none"
     )]
     asked_gap_m: Option<f64>,
-    #[serde(
-        serialize_with = "short_option",
-        skip_serializing_if = "Option::is_none"
-    )]
-    change_probability: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lane_wish: Option<&'static str>,
     #[serde(
         serialize_with = "short_option",
         skip_serializing_if = "Option::is_none"
@@ -312,7 +309,7 @@ impl Signals {
             lead_speed_mps: lead.map(|l| l.1),
             asked_speed_mps: trace.map(|t| t.asked.speed_mps),
             asked_gap_m: trace.map(|t| t.asked.following_distance_m),
-            change_probability: trace.map(|t| t.asked.change_probability),
+            lane_wish: trace.map(|t| t.asked.wish.as_str()),
             acceleration_mps2: trace.map(|t| t.acceleration_mps2),
         }
     }

@@ -1,0 +1,295 @@
+//! A drive that is stepped from outside, a row at a time.
+
+use crate::{
+    collision::{Collision, cause},
+    control::{
+        AutomatedDriver, InterventionKind,
+        action::{Action, Manoeuvre},
+        path::{PathShape, Steering},
+    },
+    drivers::{DriverParams, EvidenceDriver, EvidenceParams, HumanDriver, Person},
+    error::SimulatorError,
+    outcome::{Rollout, RolloutReport},
+    planner::{PLANNING_RATE_HZ, Planner},
+    road::CentreLine,
+    scenario::{ControllerSettings, Scenario, ScenarioSettings},
+    traffic::EgoView,
+    vehicle::{Command, Vehicle, build, ego_state},
+    watch::Watch,
+    world::World,
+};
+use maveric_domain::{EgoTrack, MetresPerSecond, Recording, Road, Scene, TraceRow};
+
+/// Who drives.
+pub enum Driver<'a> {
+    /// A synthetic person.
+    Human(&'a DriverParams),
+    /// A synthetic person of the second kind.
+    Evidence(&'a EvidenceParams),
+    /// A planner, through the controllers.
+    Automated(&'a mut dyn Planner, &'a ControllerSettings),
+}
+
+impl<'a> From<&'a Person> for Driver<'a> {
+    fn from(person: &'a Person) -> Self {
+        match person {
+            Person::Driver(params) => Self::Human(params),
+            Person::Evidence(params) => Self::Evidence(params),
+        }
+    }
+}
+
+enum Seat<'a> {
+    Human(HumanDriver<'a>),
+    Evidence(EvidenceDriver<'a>),
+    Automated(AutomatedDriver<'a>),
+}
+
+/// A drive under way: [`Session::step`] moves everybody on by a row of the recording.
+///
+/// [`rollout`](crate::rollout()) steps one to its end. Whoever shows a drive while it happens steps it against a clock.
+///
+/// # Example
+/// ```
+/// # use maveric_simulator::{Driver, DriverParams, Scenario, Session};
+/// # use maveric_domain::{LatentTraits, Seconds};
+/// let scenario = Scenario::paper().with_duration(Seconds(10.0))?;
+/// let driver = DriverParams::draw(&LatentTraits::default(), 1, 1);
+/// let mut session = Session::new(&scenario, Driver::Human(&driver), 7)?;
+/// while session.step() {
+///     assert!(session.scene().ego.speed_mps > 0.0);
+/// }
+/// assert_eq!(session.finish()?.recording.rows(), 200);
+/// # Ok::<(), maveric_simulator::SimulatorError>(())
+/// ```
+pub struct Session<'a> {
+    settings: &'a ScenarioSettings,
+    road: Road,
+    line: &'a CentreLine,
+    rule: ControllerSettings,
+    seat: Seat<'a>,
+    car: Box<dyn Vehicle>,
+    steering: Steering,
+    world: World<'a>,
+    watch: Watch,
+    started_changes: u32,
+    trace: Vec<TraceRow>,
+    stopped: Option<SimulatorError>,
+    ego: EgoTrack,
+    time_s: Vec<f64>,
+    scene: Scene,
+    rows: usize,
+}
+
+impl<'a> Session<'a> {
+    /// Puts `driver` on the road of `scenario`; nothing has been recorded yet.
+    ///
+    /// # Errors
+    /// [`SimulatorError::Setting`] if the controller settings given with a planner, or a driver's parameters, are out of range.
+    pub fn new(
+        scenario: &'a Scenario,
+        driver: Driver<'a>,
+        seed: u64,
+    ) -> Result<Self, SimulatorError> {
+        let settings = scenario.settings();
+        let (road, line) = (scenario.road(), scenario.centre_line());
+        let vehicle = &settings.vehicle;
+        let mut shape = PathShape::Bezier;
+        let mut rule = settings.controllers.clone();
+        let seat = match driver {
+            Driver::Human(params) => {
+                params.check()?;
+                Seat::Human(HumanDriver::new(params, vehicle, road, line, seed))
+            }
+            Driver::Evidence(params) => {
+                params.check()?;
+                shape = PathShape::Eased {
+                    lateness: params.lateness,
+                };
+                Seat::Evidence(EvidenceDriver::new(params, vehicle, road, line, seed))
+            }
+            Driver::Automated(planner, controllers) => {
+                controllers.check()?;
+                rule = controllers.clone();
+                Seat::Automated(AutomatedDriver::new(
+                    planner,
+                    controllers,
+                    vehicle,
+                    road,
+                    line,
+                ))
+            }
+        };
+        let start = &settings.start;
+        let car = build(
+            vehicle,
+            road.lane_centre_m(start.lane),
+            MetresPerSecond::from_mph(start.speed_mph).0,
+        );
+        let steering = Steering::new(
+            road.lane_width_m,
+            rule.stanley_gain_per_s,
+            start.lane,
+            shape,
+        );
+        let rows = (settings.duration_s * PLANNING_RATE_HZ).round() as usize;
+        Ok(Self {
+            settings,
+            road,
+            line,
+            rule,
+            seat,
+            scene: Scene {
+                time_s: 0.0,
+                ego: ego_state(car.as_ref(), vehicle.length_m),
+                vehicles: Vec::new(),
+            },
+            car,
+            steering,
+            world: World::new(scenario, seed)?,
+            watch: Watch::default(),
+            started_changes: 0,
+            trace: Vec::new(),
+            stopped: None,
+            ego: EgoTrack {
+                length_m: vehicle.length_m,
+                ..EgoTrack::default()
+            },
+            time_s: Vec::with_capacity(rows),
+            rows,
+        })
+    }
+
+    /// Everything visible at the row recorded last; ego alone before the first.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Records the next row and drives on until the one after; false, and nothing done, once the drive is over.
+    pub fn step(&mut self) -> bool {
+        let row = self.time_s.len();
+        // A recording has at least two rows.
+        if row >= self.rows || (self.stopped.is_some() && row >= 2) {
+            return false;
+        }
+        self.record(row);
+        let action = self.act();
+        self.decide(row);
+        self.steering.drive_at(action.lane_offset_m);
+        if let Some(manoeuvre) = action.manoeuvre {
+            self.started_changes += u32::from(matches!(manoeuvre, Manoeuvre::Change { .. }));
+            self.steering.begin(manoeuvre, self.car.pose());
+        }
+        if let Seat::Automated(automated) = &self.seat
+            && self.stopped.is_none()
+        {
+            let now = automated.trace(self.scene.time_s, &self.steering);
+            self.trace.extend(now);
+        }
+        for _ in 0..self.settings.vehicle.steps_per_row() {
+            let command = Command {
+                acceleration_mps2: action.acceleration_mps2,
+                steering_rad: self.steering.angle_rad(self.car.as_ref(), self.line),
+            };
+            self.car.step(command, self.line);
+        }
+        self.world.advance();
+        true
+    }
+
+    fn record(&mut self, row: usize) {
+        let scene = &mut self.scene;
+        scene.time_s = row as f64 / PLANNING_RATE_HZ;
+        scene.ego = ego_state(self.car.as_ref(), self.settings.vehicle.length_m);
+        self.world.states(&mut scene.vehicles);
+        for vehicle in &mut scene.vehicles {
+            vehicle.x_m = self.line.lane_x_m(scene.ego.x_m, vehicle.x_m, vehicle.y_m);
+        }
+        self.time_s.push(scene.time_s);
+        self.ego.x_m.push(scene.ego.x_m);
+        self.ego.y_m.push(scene.ego.y_m);
+        self.ego.speed_mps.push(scene.ego.speed_mps);
+        self.world.record();
+        let width_m = self.settings.vehicle.width_m;
+        self.watch
+            .look(row, &self.scene, &self.road, &self.rule, width_m);
+    }
+
+    fn act(&mut self) -> Action {
+        let (scene, steering) = (&self.scene, &self.steering);
+        match &mut self.seat {
+            Seat::Human(human) => human.act(scene, steering),
+            Seat::Evidence(person) => person.act(scene, steering),
+            Seat::Automated(_) if self.stopped.is_some() => Action::NOTHING,
+            Seat::Automated(automated) => automated.act(scene, steering).unwrap_or_else(|error| {
+                self.stopped = Some(error);
+                Action::NOTHING
+            }),
+        }
+    }
+
+    fn decide(&mut self, row: usize) {
+        let ego = &self.scene.ego;
+        let view = EgoView {
+            x_m: ego.x_m,
+            y_m: ego.y_m,
+            speed_mps: ego.speed_mps,
+            length_m: ego.length_m,
+            lane: self.road.lane_at(ego.y_m),
+            bound_for: self.steering.lane(),
+            keeping: self.steering.coming_from().is_none(),
+            target_mps: self.world.target_mps(),
+        };
+        self.world.decide(&view, row, self.scene.time_s);
+    }
+
+    /// What was recorded, and what is to be said about it.
+    ///
+    /// # Errors
+    /// [`SimulatorError::Recording`] if fewer than two rows were driven.
+    pub fn finish(self) -> Result<Rollout, SimulatorError> {
+        let interventions = match self.seat {
+            Seat::Human(_) | Seat::Evidence(_) => Vec::new(),
+            Seat::Automated(automated) => automated.into_interventions(),
+        };
+        let counted = |of: fn(&InterventionKind) -> bool| {
+            interventions.iter().filter(|i| of(&i.kind)).count() as u32
+        };
+        let (leads, blocked_encounters) = self.world.counts();
+        let segment = vec![0; self.time_s.len()];
+        let recording = Recording::new(
+            self.road,
+            PLANNING_RATE_HZ,
+            self.time_s,
+            segment,
+            self.ego,
+            self.world.into_tracks(),
+        )?;
+        let width_m = self.settings.vehicle.width_m;
+        let collision = |&(row, vehicle)| Collision {
+            time_s: row as f64 / PLANNING_RATE_HZ,
+            vehicle,
+            cause: cause(&recording, self.line, &self.rule, width_m, (row, vehicle)),
+        };
+        let collisions: Vec<Collision> = self.watch.collisions.iter().map(collision).collect();
+        Ok(Rollout {
+            report: RolloutReport {
+                collisions: collisions.len() as u32,
+                rule_violations: self.watch.violations,
+                inside_safe_distance_s: self.watch.inside_s,
+                least_safe_distance_share: self.watch.least_share,
+                interventions: counted(|k| matches!(k, InterventionKind::Braked { .. })),
+                held_changes: counted(|k| matches!(k, InterventionKind::HeldChange { .. })),
+                given_up_changes: counted(|k| matches!(k, InterventionKind::GaveUpChange { .. })),
+                started_changes: self.started_changes,
+                leads,
+                blocked_encounters,
+            },
+            recording,
+            trace: self.trace,
+            interventions,
+            collisions,
+            stopped: self.stopped,
+        })
+    }
+}
