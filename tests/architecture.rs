@@ -17,7 +17,14 @@ fn allowed(name: &str) -> Vec<&'static str> {
         "following" => vec!["domain", "model"],
         "steering" => vec!["domain", "model", "simulator"],
         "study" => [
-            &["domain", "stats", "report", "analysis", "following", "steering"][..],
+            &[
+                "domain",
+                "stats",
+                "report",
+                "analysis",
+                "following",
+                "steering",
+            ][..],
             &SCIENCE[..],
         ]
         .concat(),
