@@ -3,13 +3,14 @@
 
 use maveric_analysis::{Family, Friedman, StudyData, Tables, analyse};
 use maveric_domain::{
-    ConditionId, DriveId, DriveMeta, DrivenBy, MeasuredDrive, Moment, ParticipantId, Score, Study,
+    ConditionId, DriveId, DriveMeta, DrivenBy, MeasuredDrive, Moment, ParticipantId, Score,
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut tables = Tables::default();
     for (i, own) in [26.0, 28.0, 31.0].into_iter().enumerate() {
         let participant = ParticipantId::new(format!("P{}", i + 1))?;
+        tables.tested.insert(participant.clone());
         for condition in [ConditionId::OWN].into_iter().chain(ConditionId::AV) {
             let faster = match condition {
                 ConditionId::AGGRESSIVE => 2.0 + 0.3 * i as f64,
@@ -20,7 +21,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 meta: DriveMeta {
                     drive: DriveId::new(format!("{participant}-{condition}"))?,
                     participant: participant.clone(),
-                    study: Study::Two,
                     condition,
                     driven_by: DrivenBy::Synthetic,
                 },

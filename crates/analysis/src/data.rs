@@ -3,9 +3,9 @@
 use crate::AnalysisError;
 use maveric_domain::{
     ConditionId, ConditionRow, DrivenBy, EmbeddingRow, MeasureValues, MeasuredDrive, Moment,
-    ParticipantId, Score, Study,
+    ParticipantId, Score,
 };
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Scores by scale, subscale, moment and participant.
 #[derive(Debug, Clone, Default)]
@@ -48,6 +48,10 @@ impl Scores {
 /// The tables of a study, as stages write them: made by a run, or in memory.
 #[derive(Debug, Clone, Default)]
 pub struct Tables {
+    /// Those whose drives were learned from.
+    pub learned_from: BTreeSet<ParticipantId>,
+    /// Those who sat through the conditions.
+    pub tested: BTreeSet<ParticipantId>,
     /// What was measured, a row a drive.
     pub measurements: Vec<MeasuredDrive>,
     /// Fitted embeddings.
@@ -63,7 +67,7 @@ pub struct Tables {
 /// What the analyses of a study read.
 #[derive(Debug, Clone)]
 pub struct StudyData {
-    /// Study 2's participants: those with an own drive, in order.
+    /// Those who sat through the conditions and have an own drive, in order.
     pub participants: Vec<ParticipantId>,
     /// What was measured, a row a drive.
     pub measurements: Vec<MeasuredDrive>,
@@ -71,7 +75,8 @@ pub struct StudyData {
     pub embeddings: Vec<EmbeddingRow>,
     /// Where in style space each condition lies.
     pub conditions: Vec<ConditionRow>,
-    /// Study 2's drives by condition and participant.
+    learned_from: BTreeSet<ParticipantId>,
+    /// The drives of those who are tested by condition and participant.
     drives: BTreeMap<ConditionId, BTreeMap<ParticipantId, usize>>,
     /// Subscales of the pre-study scales, in the order in which they were scored.
     subscales: Vec<(String, String)>,
@@ -83,11 +88,11 @@ impl StudyData {
     /// Puts the tables of a study side by side.
     ///
     /// # Errors
-    /// [`AnalysisError::TooFewPeople`] for fewer than three participants of Study 2.
+    /// [`AnalysisError::TooFewPeople`] for fewer than three people who are tested.
     pub fn new(tables: Tables) -> Result<Self, AnalysisError> {
         let mut drives: BTreeMap<ConditionId, BTreeMap<ParticipantId, usize>> = BTreeMap::new();
         for (at, drive) in tables.measurements.iter().enumerate() {
-            if drive.meta.study == Study::Two {
+            if tables.tested.contains(&drive.meta.participant) {
                 let of = drives.entry(drive.meta.condition).or_default();
                 of.entry(drive.meta.participant.clone()).or_insert(at);
             }
@@ -111,6 +116,7 @@ impl StudyData {
         }
         Ok(Self {
             participants,
+            learned_from: tables.learned_from,
             drives,
             subscales,
             pre: Scores::of(&tables.pre),
@@ -128,7 +134,7 @@ impl StudyData {
             .any(|d| d.meta.driven_by == DrivenBy::Synthetic)
     }
 
-    /// A measure of a Study 2 participant's drive in a condition.
+    /// A measure of a tested participant's drive in a condition.
     pub fn measured(
         &self,
         participant: &ParticipantId,
@@ -139,7 +145,7 @@ impl StudyData {
         self.measurements[at].values.get(measure).copied().flatten()
     }
 
-    /// The measures of a Study 2 participant's drive in a condition.
+    /// The measures of a tested participant's drive in a condition.
     pub fn drive(
         &self,
         participant: &ParticipantId,
@@ -149,10 +155,11 @@ impl StudyData {
         Some(&self.measurements[at].values)
     }
 
-    /// A measure of every own drive of Study 1 that has it.
+    /// A measure of every own drive of those who were learned from that has it.
     pub fn training_drives(&self, measure: &str) -> Vec<f64> {
-        let own =
-            |d: &&MeasuredDrive| d.meta.study == Study::One && d.meta.condition == ConditionId::OWN;
+        let own = |d: &&MeasuredDrive| {
+            self.learned_from.contains(&d.meta.participant) && d.meta.condition == ConditionId::OWN
+        };
         self.measurements
             .iter()
             .filter(own)

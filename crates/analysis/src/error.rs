@@ -5,7 +5,7 @@
 #[non_exhaustive]
 pub enum AnalysisError {
     /// Fewer people than any comparison needs.
-    #[error("{found} participants of Study 2 have an own drive, expected at least 3")]
+    #[error("{found} people who are tested have an own drive, expected at least 3")]
     TooFewPeople {
         /// People with an own drive.
         found: usize,

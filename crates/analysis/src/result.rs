@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub struct Analysis {
     /// Whether the people are made up.
     pub synthetic: bool,
-    /// Participants of Study 2.
+    /// Those who are tested.
     pub participants: usize,
     /// 9.1, with the ADB score in the fit of the embedding: as the paper does it.
     pub line: AggressionLine,

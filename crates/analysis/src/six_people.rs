@@ -3,7 +3,7 @@
 use crate::{Analysis, AnalysisError, Family, Friedman, StudyData, Tables, analyse};
 use maveric_domain::{
     ConditionId, DriveId, DriveMeta, DrivenBy, Embedding, EmbeddingRow, MeasuredDrive, Moment,
-    ParticipantId, Score, Study,
+    ParticipantId, Score,
 };
 use maveric_stats::OmnibusTest;
 use std::collections::BTreeMap;
@@ -35,7 +35,6 @@ fn drive(i: usize, condition: ConditionId, speed: Option<f64>) -> MeasuredDrive 
         meta: DriveMeta {
             drive: DriveId::new(format!("P{}-{condition}", i + 1)).unwrap(),
             participant: person(i),
-            study: Study::Two,
             condition,
             driven_by: DrivenBy::Human,
         },
@@ -59,7 +58,6 @@ fn position(i: usize) -> EmbeddingRow {
     EmbeddingRow {
         drive: DriveId::new(format!("P{}-own", i + 1)).unwrap(),
         participant: person(i),
-        study: Study::Two,
         condition: ConditionId::OWN,
         adb_used: true,
         adb: None,
@@ -75,6 +73,7 @@ fn position(i: usize) -> EmbeddingRow {
 fn tables() -> Tables {
     let mut tables = Tables::default();
     for i in 0..6 {
+        tables.tested.insert(person(i));
         tables
             .measurements
             .push(drive(i, ConditionId::OWN, Some(OWN[i])));

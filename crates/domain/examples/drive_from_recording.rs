@@ -3,7 +3,7 @@
 
 use maveric_domain::{
     ConditionId, DomainError, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack,
-    ParticipantId, Recording, Road, Study, VehicleId,
+    ParticipantId, Recording, Road, VehicleId,
 };
 
 fn main() -> Result<(), DomainError> {
@@ -27,7 +27,6 @@ fn main() -> Result<(), DomainError> {
     let meta = DriveMeta {
         drive: DriveId::new("P01-own")?,
         participant: ParticipantId::new("P01")?,
-        study: Study::One,
         condition: ConditionId::OWN,
         driven_by: DrivenBy::Synthetic,
     };

@@ -3,7 +3,7 @@
 use crate::{
     condition::ConditionId,
     embedding::Embedding,
-    ids::{DriveId, ParticipantId, Study},
+    ids::{DriveId, ParticipantId},
 };
 use serde::Serialize;
 
@@ -14,8 +14,6 @@ pub struct EmbeddingRow {
     pub drive: DriveId,
     /// Its driver.
     pub participant: ParticipantId,
-    /// The drive's study.
-    pub study: Study,
     /// The style the drive shows.
     pub condition: ConditionId,
     /// Whether the ADB score took part in the fit.

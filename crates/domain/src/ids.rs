@@ -2,7 +2,7 @@
 
 use crate::error::DomainError;
 use serde::{Deserialize, Serialize};
-use std::{fmt, str::FromStr};
+use std::fmt;
 
 fn checked(kind: &'static str, text: String) -> Result<String, DomainError> {
     let fits = (1..=64).contains(&text.len())
@@ -68,42 +68,6 @@ id!(
 /// A vehicle other than ego within one recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct VehicleId(pub u32);
-
-/// Which of the two studies of the paper.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub enum Study {
-    /// Model training: people drive, the networks learn.
-    #[serde(rename = "1")]
-    One,
-    /// Model testing: people drive once and sit through four AV conditions.
-    #[serde(rename = "2")]
-    Two,
-}
-
-impl Study {
-    /// `1` or `2`, as in files.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::One => "1",
-            Self::Two => "2",
-        }
-    }
-}
-
-impl FromStr for Study {
-    type Err = DomainError;
-    fn from_str(text: &str) -> Result<Self, DomainError> {
-        match text {
-            "1" => Ok(Self::One),
-            "2" => Ok(Self::Two),
-            _ => Err(DomainError::UnknownWord {
-                kind: "study",
-                found: text.to_owned(),
-                expected: "1, 2",
-            }),
-        }
-    }
-}
 
 #[cfg(test)]
 mod tests {

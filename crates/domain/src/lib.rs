@@ -27,7 +27,7 @@ pub use drive::{Drive, DriveMeta, DrivenBy, LaneChange};
 pub use embedding::Embedding;
 pub use error::DomainError;
 pub use fitted::{EmbeddingRow, FitDetails};
-pub use ids::{DriveId, ParticipantId, Study, VehicleId};
+pub use ids::{DriveId, ParticipantId, VehicleId};
 pub use measurement::{MeasureValues, MeasuredDrive, Measurement, spread};
 pub use recording::{EgoTrack, ObjectTrack, Recording};
 pub use scene::{EgoState, Reference, Road, Scene, Situation, VehicleState};

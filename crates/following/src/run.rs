@@ -228,7 +228,7 @@ mod tests {
     use crate::made_up;
     use maveric_domain::{
         ConditionId, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording,
-        Road, Study, VehicleId,
+        Road, VehicleId,
     };
 
     fn columns() -> FollowingColumns {
@@ -261,7 +261,6 @@ mod tests {
         let meta = DriveMeta {
             drive: DriveId::new("P01-own").unwrap(),
             participant: ParticipantId::new("P01").unwrap(),
-            study: Study::One,
             condition: ConditionId::OWN,
             driven_by: DrivenBy::Human,
         };

@@ -3,7 +3,6 @@
 
 use maveric_domain::{
     ConditionId, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ParticipantId, Recording, Road,
-    Study,
 };
 use maveric_ingest::{IngestSettings, drive_frame, read_log, write_mcap};
 use std::{error::Error, fs::File, path::PathBuf};
@@ -40,7 +39,6 @@ fn a_bag() -> Result<PathBuf, Box<dyn Error>> {
     let meta = DriveMeta {
         drive: DriveId::new("P01-own")?,
         participant: ParticipantId::new("P01")?,
-        study: Study::One,
         condition: ConditionId::OWN,
         driven_by: DrivenBy::Synthetic,
     };

@@ -14,8 +14,10 @@ use std::{
     str::FromStr,
 };
 
-/// Version of the columns below; a file of another version is refused.
-const VERSION: &str = "1";
+/// Version of what is written; version 1 also named one of two studies.
+const VERSION: &str = "2";
+/// Versions that are read.
+const READ: [&str; 2] = ["1", VERSION];
 /// What the names of our metadata begin with.
 const PREFIX: &str = "maveric.";
 
@@ -78,7 +80,6 @@ pub fn write_drive_to(
         ("version", VERSION.to_owned()),
         ("drive", meta.drive.to_string()),
         ("participant", meta.participant.to_string()),
-        ("study", meta.study.as_str().to_owned()),
         ("condition", meta.condition.to_string()),
         ("driven_by", meta.driven_by.as_str().to_owned()),
         ("rate_hz", drive.rate_hz().to_string()),
@@ -178,14 +179,16 @@ struct DriveFile<'a> {
 impl DriveFile<'_> {
     fn drive(&self) -> Result<Drive, IngestError> {
         let version = self.entry("version")?;
-        if version != VERSION {
-            let problem = format!("is a drive of format {version}, expected {VERSION}");
+        if !READ.contains(&version) {
+            let problem = format!(
+                "is a drive of format {version}, expected {}",
+                READ.join(" or ")
+            );
             return Err(bad(self.path, problem));
         }
         let meta = DriveMeta {
             drive: self.id("drive")?,
             participant: self.id("participant")?,
-            study: self.parsed("study")?,
             condition: self.parsed("condition")?,
             driven_by: self.parsed("driven_by")?,
         };

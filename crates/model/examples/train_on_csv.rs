@@ -6,7 +6,7 @@
 
 use maveric_domain::{
     ConditionId, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId,
-    Recording, Road, Study, VehicleId,
+    Recording, Road, VehicleId,
 };
 use maveric_model::{TrainParams, TrainSettings, TrainingDrive, train};
 use std::{collections::BTreeMap, error::Error, ops::ControlFlow};
@@ -90,12 +90,11 @@ fn drive(driver: &str, lines: &[Vec<&str>]) -> Result<Drive, Box<dyn Error>> {
         }
     }
     let recording = Recording::new(Road::PAPER, rate_hz, time_s, vec![0; n], ego, leads)?;
-    let (study, condition, driven_by) = (Study::One, ConditionId::OWN, DrivenBy::Synthetic);
+    let (condition, driven_by) = (ConditionId::OWN, DrivenBy::Synthetic);
     let (drive, participant) = (DriveId::new(driver)?, ParticipantId::new(driver)?);
     let meta = DriveMeta {
         drive,
         participant,
-        study,
         condition,
         driven_by,
     };

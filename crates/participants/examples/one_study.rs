@@ -1,7 +1,7 @@
 //! Draws a small study, lets its people answer and rate a car that drives faster and slower than they do.
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
-use maveric_domain::{ConditionId, MeasureValues, Moment, Scale};
+use maveric_domain::{ConditionId, Design, MeasureValues, Moment, Scale};
 use maveric_participants::{Cohort, CohortSettings, Effects, answer_before, preferred_shift, rate};
 use std::collections::BTreeMap;
 
@@ -15,7 +15,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     effects.ratings.retain(|scale, _| *scale == trust.id);
     let scales = [adb, trust];
 
-    let cohort = Cohort::draw(4, 4, seed, &CohortSettings::default())?;
+    let design = Design::from_toml(include_str!("../../../study_data/designs/paper.toml"))?;
+    let cohort = Cohort::draw(4, 4, seed, &CohortSettings::default(), &design)?;
     let before = answer_before(&cohort, &scales, &effects, seed)?;
     let drive = |mps: f64| MeasureValues::from([("mean_velocity_mps".to_owned(), Some(mps))]);
     let spread = BTreeMap::from([("mean_velocity_mps".to_owned(), 2.6)]);

@@ -10,7 +10,7 @@ use crate::{
     scale_model::ScaleModel,
     trait_mixing::TraitMixing,
 };
-use maveric_domain::{Answer, ConditionId, LatentTraits, Moment, Scale, Subscale};
+use maveric_domain::{Answer, LatentTraits, Moment, Scale, Subscale};
 use rand_pcg::Pcg64;
 use std::collections::BTreeSet;
 
@@ -59,7 +59,7 @@ pub fn answer_before(
         let roles = cohort
             .drives
             .iter()
-            .filter(|d| d.participant == participant.id && d.condition != ConditionId::OWN);
+            .filter(|d| d.participant == participant.id && d.role);
         for PlannedDrive {
             condition, traits, ..
         } in roles
@@ -209,10 +209,18 @@ fn graded(
 mod tests {
     use super::*;
     use crate::{settings::CohortSettings, testing::*};
+    use maveric_domain::ConditionId;
     use std::collections::BTreeMap;
 
     fn everybody(n1: usize, n2: usize, effects: &Effects) -> (Cohort, Vec<Answer>) {
-        let cohort = Cohort::draw(n1, n2, 11, &CohortSettings::default()).unwrap();
+        let cohort = Cohort::draw(
+            n1,
+            n2,
+            11,
+            &CohortSettings::default(),
+            &crate::testing::design(),
+        )
+        .unwrap();
         let answers = answer_before(&cohort, &scales(), effects, 11).unwrap();
         (cohort, answers)
     }
@@ -226,7 +234,14 @@ mod tests {
 
     #[test]
     fn the_adb_total_follows_aggressiveness_as_calibrated() {
-        let cohort = Cohort::draw(0, 2000, 11, &CohortSettings::default()).unwrap();
+        let cohort = Cohort::draw(
+            0,
+            2000,
+            11,
+            &CohortSettings::default(),
+            &crate::testing::design(),
+        )
+        .unwrap();
         let scales: Vec<Scale> = scales().into_iter().filter(|s| s.id == ADB).collect();
         let effects = Effects {
             answers: BTreeMap::new(),
@@ -362,7 +377,14 @@ mod tests {
     #[test]
     fn five_thousand_people_have_the_means_spreads_alphas_and_correlations_of_the_norms() {
         let n = 5000;
-        let cohort = Cohort::draw(0, n, 5, &CohortSettings::default()).unwrap();
+        let cohort = Cohort::draw(
+            0,
+            n,
+            5,
+            &CohortSettings::default(),
+            &crate::testing::design(),
+        )
+        .unwrap();
         let scales = scales();
         let answers = answer_before(&cohort, &scales, &complete(), 5).unwrap();
         let variance = |v: &[f64]| {
@@ -452,7 +474,14 @@ mod tests {
             .get_mut("mdsi")
             .unwrap()
             .insert("riskly".to_owned(), model);
-        let cohort = Cohort::draw(0, 1, 1, &CohortSettings::default()).unwrap();
+        let cohort = Cohort::draw(
+            0,
+            1,
+            1,
+            &CohortSettings::default(),
+            &crate::testing::design(),
+        )
+        .unwrap();
         let error = answer_before(&cohort, &scales(), &effects, 1).unwrap_err();
         assert!(error.to_string().contains("`mdsi.riskly`"), "{error}");
         effects

@@ -7,8 +7,31 @@ use crate::{
     settings::{CohortSettings, Group},
     trait_mixing::TraitMixing,
 };
-use maveric_domain::{ConditionId, DriveId, LatentTraits, ParticipantId, Study};
+use maveric_domain::{
+    ConditionId, Design, DriveId, LatentTraits, ParticipantId,
+    design::{By, Condition},
+};
 use serde::{Deserialize, Serialize};
+
+/// What a person takes part in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Part {
+    /// Their drives are learned from.
+    Learn,
+    /// They sit through the conditions.
+    Test,
+}
+
+impl Part {
+    /// The number that ids and folders of logs carry.
+    pub fn number(self) -> &'static str {
+        match self {
+            Self::Learn => "1",
+            Self::Test => "2",
+        }
+    }
+}
 
 /// A drive by hand that somebody is to make, and the traits to make it with.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -17,19 +40,23 @@ pub struct PlannedDrive {
     pub drive: DriveId,
     /// Who drives.
     pub participant: ParticipantId,
-    /// Which study.
-    pub study: Study,
-    /// Own, or the role that a professional demonstrates.
+    /// What the person takes part in.
+    pub part: Part,
+    /// Whether the drive shows a role, and not the person's own style.
+    pub role: bool,
+    /// The baseline, or the role that a professional demonstrates.
     pub condition: ConditionId,
     /// The person's traits; in a role with another aggressiveness.
     pub traits: LatentTraits,
 }
 
-/// The participants of both studies and the drives they make by hand.
+/// The participants of a study and the drives they make by hand.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cohort {
-    /// Study 1, then Study 2, by number.
+    /// Those who are learned from, then those who are tested, by number.
     pub participants: Vec<Participant>,
+    /// How many of them are learned from.
+    pub learners: usize,
     /// In the order of the participants; own drive first, then a professional's roles.
     pub drives: Vec<PlannedDrive>,
     /// What they were drawn by.
@@ -37,7 +64,7 @@ pub struct Cohort {
 }
 
 impl Cohort {
-    /// Draws `n_study1` + `n_study2` people, `S1P01`… and `S2P01`….
+    /// Draws `learn` + `test` people, `S1P01`… and `S2P01`…, for the conditions and roles of a design.
     ///
     /// Each person depends on the seed and their own number alone: a larger study starts with the same people. Shares
     /// (women, professionals) are met by rounding as numbers go up: 8 women and 4 professionals of 30, 4 and 5 women of 12.
@@ -47,22 +74,25 @@ impl Cohort {
     /// # Errors
     /// [`ParticipantError::BadSetting`].
     pub fn draw(
-        n_study1: usize,
-        n_study2: usize,
+        learn: usize,
+        test: usize,
         seed: u64,
         settings: &CohortSettings,
+        design: &Design,
     ) -> Result<Self, ParticipantError> {
         settings.check()?;
         let mut cohort = Self {
             participants: Vec::new(),
+            learners: learn,
             drives: Vec::new(),
             settings: settings.clone(),
         };
         let mixing = TraitMixing::of(settings)?;
-        for (study, n) in [(Study::One, n_study1), (Study::Two, n_study2)] {
+        for (part, n) in [(Part::Learn, learn), (Part::Test, test)] {
             for index in 0..n {
-                let participant = person(study, index, seed, settings, &mixing)?;
-                cohort.drives.extend(drives(&participant, seed, settings)?);
+                let participant = person(part, index, seed, settings, &mixing, design)?;
+                let drives = drives(&participant, part, seed, settings, design)?;
+                cohort.drives.extend(drives);
                 cohort.participants.push(participant);
             }
         }
@@ -82,19 +112,20 @@ fn picked(index: usize, share: f64, phase: f64) -> bool {
 }
 
 fn person(
-    study: Study,
+    part: Part,
     index: usize,
     seed: u64,
     settings: &CohortSettings,
     mixing: &TraitMixing,
+    design: &Design,
 ) -> Result<Participant, ParticipantError> {
-    let id = ParticipantId::new(format!("S{}P{:02}", study.as_str(), index + 1))?;
-    let (population, within) = match study {
-        Study::One => (Population::Internal, index),
-        Study::Two if index.is_multiple_of(2) => (Population::Internal, index / 2),
-        Study::Two => (Population::External, index / 2),
+    let id = ParticipantId::new(format!("S{}P{:02}", part.number(), index + 1))?;
+    let (population, within) = match part {
+        Part::Learn => (Population::Internal, index),
+        Part::Test if index.is_multiple_of(2) => (Population::Internal, index / 2),
+        Part::Test => (Population::External, index / 2),
     };
-    let group = settings.group(study, population);
+    let group = settings.group(part, population);
     let mut rng = stream(seed, &[id.as_str(), "latents"]);
     let draws = std::array::from_fn(|_| normal(&mut rng));
     let latent = |name| mixing.mix(name, &draws);
@@ -111,18 +142,17 @@ fn person(
         openness: latent(Trait::Openness),
     };
     Ok(Participant {
-        study,
         population,
-        age_years: age_years(group, study, population, within, seed),
+        age_years: age_years(group, part, population, within, seed),
         gender: if picked(within, group.female_share, 0.0) {
             Gender::Female
         } else {
             Gender::Male
         },
-        professional: study == Study::One && picked(index, settings.professional_share, 0.5),
-        order: match study {
-            Study::One => Vec::new(),
-            Study::Two => order(within),
+        professional: part == Part::Learn && picked(index, settings.professional_share, 0.5),
+        order: match part {
+            Part::Learn => Vec::new(),
+            Part::Test => order(within, design),
         },
         traits,
         personality,
@@ -131,11 +161,11 @@ fn person(
     })
 }
 
-fn age_years(group: &Group, study: Study, population: Population, within: usize, seed: u64) -> u32 {
+fn age_years(group: &Group, part: Part, population: Population, within: usize, seed: u64) -> u32 {
     let pair = (within / 2).to_string();
     let mut rng = stream(
         seed,
-        &["age", study.as_str(), population.as_str(), pair.as_str()],
+        &["age", part.number(), population.as_str(), pair.as_str()],
     );
     // A truncated normal: redraw, at most a handful of times, then take the edge.
     let deviation = (0..8)
@@ -148,84 +178,87 @@ fn age_years(group: &Group, study: Study, population: Population, within: usize,
         .clamp(18.0, 120.0) as u32
 }
 
-/// The order of the conditions: a row of a Latin square in which each condition follows each other one once.
+/// The order of the conditions: a row of a Latin square in which each condition follows each other one once; of two
+/// squares, one the other's mirror, where the number of conditions is odd.
 ///
 /// # Source
 /// Williams (1949). The paper says only that participants experience all four; the method says in random order.
-fn order(within: usize) -> Vec<ConditionId> {
-    const FIRST_ROW: [usize; 4] = [0, 1, 3, 2];
-    FIRST_ROW
-        .iter()
-        .map(|column| ConditionId::AV[(column + within) % 4])
-        .collect()
+fn order(within: usize, design: &Design) -> Vec<ConditionId> {
+    let ids: Vec<ConditionId> = design.conditions().iter().map(|c| c.id).collect();
+    let n = ids.len();
+    let first_row = (0..n).map(|j| match j {
+        0 => 0,
+        j if j.is_multiple_of(2) => n - j / 2,
+        j => j.div_ceil(2),
+    });
+    let mut row: Vec<ConditionId> = first_row.map(|column| ids[(column + within) % n]).collect();
+    if !n.is_multiple_of(2) && !(within / n).is_multiple_of(2) {
+        row.reverse();
+    }
+    row
 }
 
+/// The baseline by hand, and a professional's roles; without a baseline whoever is learned from drives the roles. A role lies
+/// on the side of the dial on which the condition of its name lies.
 fn drives(
     participant: &Participant,
+    part: Part,
     seed: u64,
     settings: &CohortSettings,
+    design: &Design,
 ) -> Result<Vec<PlannedDrive>, ParticipantError> {
-    let conditions: &[ConditionId] = if participant.professional {
-        &[
-            ConditionId::OWN,
-            ConditionId::AGGRESSIVE,
-            ConditionId::CAUTIOUS,
-        ]
-    } else {
-        &[ConditionId::OWN]
-    };
-    let plan = |&condition: &ConditionId| {
+    let own = design.baseline().filter(|b| b.by == By::Hand);
+    let in_roles = part == Part::Learn && (participant.professional || own.is_none());
+    let roles = design.roles().iter().filter(|_| in_roles);
+    let own = own.into_iter().map(|b| (b.id, false));
+    let plan = |(condition, role): (ConditionId, bool)| {
         let mut rng = stream(seed, &[participant.id.as_str(), "role", condition.as_str()]);
         let level = settings.role_aggressiveness;
         let mut traits = participant.traits;
-        match condition {
-            ConditionId::AGGRESSIVE => {
-                traits.aggressiveness = level + settings.role_sd * normal(&mut rng);
-            }
-            ConditionId::CAUTIOUS => {
-                traits.aggressiveness = -level + settings.role_sd * normal(&mut rng);
-            }
-            _ => {}
+        let side = design.condition(condition).and_then(Condition::side);
+        if let Some(side) = side.filter(|_| role) {
+            traits.aggressiveness = side.factor() * level + settings.role_sd * normal(&mut rng);
         }
         Ok(PlannedDrive {
             drive: DriveId::new(format!("{}-{condition}", participant.id))?,
             participant: participant.id.clone(),
-            study: participant.study,
+            part,
+            role,
             condition,
             traits,
         })
     };
-    conditions.iter().map(plan).collect()
+    own.chain(roles.map(|r| (r.id, true))).map(plan).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::design;
 
     fn paper() -> Cohort {
-        Cohort::draw(30, 24, 7, &CohortSettings::default()).unwrap()
+        Cohort::draw(30, 24, 7, &CohortSettings::default(), &design()).unwrap()
     }
 
     fn people(
         cohort: &Cohort,
-        study: Study,
+        part: Part,
         population: Population,
     ) -> impl Iterator<Item = &Participant> {
-        cohort
-            .participants
-            .iter()
-            .filter(move |p| p.study == study && p.population == population)
+        let (learn, test) = cohort.participants.split_at(cohort.learners);
+        let these = if part == Part::Learn { learn } else { test };
+        these.iter().filter(move |p| p.population == population)
     }
 
     #[test]
     fn the_cohort_is_as_the_paper_describes_it() {
         let cohort = paper();
-        for (study, population, n, age, women) in [
-            (Study::One, Population::Internal, 30, 35.4, 8),
-            (Study::Two, Population::Internal, 12, 34.42, 4),
-            (Study::Two, Population::External, 12, 43.92, 5),
+        for (part, population, n, age, women) in [
+            (Part::Learn, Population::Internal, 30, 35.4, 8),
+            (Part::Test, Population::Internal, 12, 34.42, 4),
+            (Part::Test, Population::External, 12, 43.92, 5),
         ] {
-            let group: Vec<&Participant> = people(&cohort, study, population).collect();
+            let group: Vec<&Participant> = people(&cohort, part, population).collect();
             assert_eq!(group.len(), n);
             assert_eq!(
                 group.iter().filter(|p| p.gender == Gender::Female).count(),
@@ -240,7 +273,7 @@ mod tests {
             cohort
                 .drives
                 .iter()
-                .filter(|d| d.study == Study::One)
+                .filter(|d| d.part == Part::Learn)
                 .count(),
             38
         );
@@ -264,7 +297,7 @@ mod tests {
 
     #[test]
     fn a_larger_study_starts_with_the_same_people() {
-        let small = Cohort::draw(4, 2, 7, &CohortSettings::default()).unwrap();
+        let small = Cohort::draw(4, 2, 7, &CohortSettings::default(), &design()).unwrap();
         assert_eq!(small.participants[..4], paper().participants[..4]);
         assert_eq!(small.participants[4..], paper().participants[30..32]);
         assert_eq!(
@@ -277,7 +310,7 @@ mod tests {
     #[test]
     fn any_small_number_works() {
         for n in 0..4 {
-            let cohort = Cohort::draw(n, 3 - n, 1, &CohortSettings::default()).unwrap();
+            let cohort = Cohort::draw(n, 3 - n, 1, &CohortSettings::default(), &design()).unwrap();
             assert_eq!(cohort.participants.len(), 3);
         }
     }
@@ -288,7 +321,7 @@ mod tests {
         let mut places = [[0; 4]; 4];
         let mut successions = [[0; 4]; 4];
         let number = |c: &ConditionId| ConditionId::AV.iter().position(|x| x == c).unwrap();
-        for p in cohort.participants.iter().filter(|p| p.study == Study::Two) {
+        for p in &cohort.participants[cohort.learners..] {
             for (place, condition) in p.order.iter().enumerate() {
                 places[place][number(condition)] += 1;
             }
@@ -306,7 +339,7 @@ mod tests {
 
     #[test]
     fn another_seed_draws_other_people() {
-        let other = Cohort::draw(1, 0, 8, &CohortSettings::default()).unwrap();
+        let other = Cohort::draw(1, 0, 8, &CohortSettings::default(), &design()).unwrap();
         assert_ne!(other.participants[0].traits, paper().participants[0].traits);
     }
 
@@ -314,7 +347,37 @@ mod tests {
     fn impossible_settings_are_named() {
         let mut settings = CohortSettings::default();
         settings.study1.female_share = f64::NAN;
-        let error = Cohort::draw(1, 1, 1, &settings).unwrap_err();
+        let error = Cohort::draw(1, 1, 1, &settings, &design()).unwrap_err();
         assert!(error.to_string().contains("study1.female_share"));
+    }
+
+    fn with_conditions(ids: &[&str]) -> Design {
+        let conditions = ids
+            .iter()
+            .map(|id| format!("[[condition]]\nid = \"{id}\"\n"));
+        let text = format!("[study]\ntitle = \"x\"\n{}", conditions.collect::<String>());
+        Design::from_toml(&text).unwrap()
+    }
+
+    #[test]
+    fn three_conditions_are_balanced_over_six_people_and_nobody_drives_what_the_design_has_not() {
+        let design = with_conditions(&["calm", "normal", "sporty"]);
+        let cohort = Cohort::draw(2, 12, 7, &CohortSettings::default(), &design).unwrap();
+        assert!(cohort.drives.is_empty());
+        let mut follows = [[0; 3]; 3];
+        let number = |c: &ConditionId| design.condition(*c).unwrap().place;
+        for p in &cohort.participants[2..] {
+            for pair in p.order.windows(2) {
+                follows[number(&pair[0])][number(&pair[1])] += 1;
+            }
+        }
+        for (i, row) in follows.iter().enumerate() {
+            for (j, &n) in row.iter().enumerate() {
+                assert_eq!(n, if i == j { 0 } else { 4 }, "{follows:?}");
+            }
+        }
+        let one = with_conditions(&["calm"]);
+        let cohort = Cohort::draw(0, 3, 7, &CohortSettings::default(), &one).unwrap();
+        assert!(cohort.participants.iter().all(|p| p.order.len() == 1));
     }
 }

@@ -18,7 +18,7 @@ pub mod settings;
 mod trait_mixing;
 
 pub use answers::answer_before;
-pub use cohort::{Cohort, PlannedDrive};
+pub use cohort::{Cohort, Part, PlannedDrive};
 pub use effects::Effects;
 pub use error::ParticipantError;
 pub use impression::preferred_shift;

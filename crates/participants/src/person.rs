@@ -1,6 +1,6 @@
 //! One synthetic person.
 
-use maveric_domain::{ConditionId, DomainError, LatentTraits, ParticipantId, Study};
+use maveric_domain::{ConditionId, DomainError, LatentTraits, ParticipantId};
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 
@@ -43,9 +43,9 @@ impl FromStr for Gender {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Population {
-    /// Within the institution: all of Study 1 and half of Study 2.
+    /// Within the institution: all who are learned from and half of those who are tested.
     Internal,
-    /// From the general public: half of Study 2.
+    /// From the general public: half of those who are tested.
     External,
 }
 
@@ -148,8 +148,6 @@ impl Trait {
 pub struct Participant {
     /// Such as `S2P07`.
     pub id: ParticipantId,
-    /// Which study.
-    pub study: Study,
     /// Where they were recruited.
     pub population: Population,
     /// Age in whole years.
@@ -158,7 +156,7 @@ pub struct Participant {
     pub gender: Gender,
     /// Whether they drive for a living and also demonstrate other styles.
     pub professional: bool,
-    /// The AV conditions in the order in which they sit through them; empty in Study 1.
+    /// The conditions in the order in which they sit through them; empty for those who are learned from.
     pub order: Vec<ConditionId>,
     /// What their driving comes from.
     pub traits: LatentTraits,

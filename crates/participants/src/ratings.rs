@@ -81,7 +81,7 @@ pub fn rate(
     check_measures(participant, own)?;
     let mut rated = Rated::default();
     let mut seen = BTreeSet::new();
-    for (index, (condition, values)) in trials.iter().enumerate() {
+    for (condition, values) in trials {
         check_measures(participant, values)?;
         let bad = |problem| {
             Err(ParticipantError::BadTrial {
@@ -90,18 +90,17 @@ pub fn rate(
                 problem,
             })
         };
-        if *condition == ConditionId::OWN {
-            return bad("is not driven by the car");
-        }
+        let Some(place) = participant.order.iter().position(|c| c == condition) else {
+            return bad("is none that they sat through");
+        };
         if !seen.insert(*condition) {
             return bad("is given twice");
         }
-        let place = participant.order.iter().position(|c| c == condition);
         let trial = Trial {
             participant,
             condition: *condition,
             label: condition.as_str(),
-            place: place.unwrap_or(index) as f64 - 1.5,
+            place: place as f64 - (participant.order.len() as f64 - 1.0) / 2.0,
             own,
             values,
             spread,
@@ -484,7 +483,9 @@ mod tests {
             .to_string()
         };
         assert!(said(&trials).contains("mimic is given twice"));
-        assert!(said(&[(ConditionId::OWN, own.clone())]).contains("own is not driven by the car"));
+        assert!(
+            said(&[(ConditionId::OWN, own.clone())]).contains("own is none that they sat through")
+        );
         let mut infinite = own.clone();
         infinite.insert("lane_changes".to_owned(), Some(f64::INFINITY));
         assert!(said(&[(ConditionId::MIMIC, infinite)]).contains("`lane_changes` is inf"));

@@ -1,7 +1,6 @@
 //! How a cohort is made up.
 
-use crate::{error::ParticipantError, person::Population, trait_mixing::TraitMixing};
-use maveric_domain::Study;
+use crate::{cohort::Part, error::ParticipantError, person::Population, trait_mixing::TraitMixing};
 use serde::{Deserialize, Serialize};
 
 /// A group of participants: how old, how many of them women.
@@ -24,13 +23,13 @@ pub struct Group {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CohortSettings {
-    /// Study 1, all recruited internally.
+    /// Those who are learned from, all recruited internally.
     pub study1: Group,
-    /// The half of Study 2 recruited internally: the participants of odd number.
+    /// The half of those who are tested that was recruited internally: the participants of odd number.
     pub study2_internal: Group,
-    /// The half of Study 2 recruited from the public: the participants of even number.
+    /// The half of them that was recruited from the public: the participants of even number.
     pub study2_external: Group,
-    /// Share of professionals in Study 1, 0 to 1.
+    /// Share of professionals among those who are learned from, 0 to 1.
     pub professional_share: f64,
     /// Aggressiveness at which professionals drive the aggressive role; its negative for the cautious one.
     pub role_aggressiveness: f64,
@@ -178,11 +177,11 @@ impl CohortSettings {
         TraitMixing::of(self).map(|_| ())
     }
 
-    pub(crate) fn group(&self, study: Study, population: Population) -> &Group {
-        match (study, population) {
-            (Study::One, _) => &self.study1,
-            (Study::Two, Population::Internal) => &self.study2_internal,
-            (Study::Two, Population::External) => &self.study2_external,
+    pub(crate) fn group(&self, part: Part, population: Population) -> &Group {
+        match (part, population) {
+            (Part::Learn, _) => &self.study1,
+            (Part::Test, Population::Internal) => &self.study2_internal,
+            (Part::Test, Population::External) => &self.study2_external,
         }
     }
 }

@@ -9,9 +9,14 @@ use crate::{
     settings::CohortSettings,
 };
 use maveric_domain::{
-    Answer, ConditionId, MeasureValues, Moment, ParticipantId, Scale, Study, spread,
+    Answer, ConditionId, Design, MeasureValues, Moment, ParticipantId, Scale, spread,
 };
 use std::collections::BTreeMap;
+
+/// The paper's.
+pub(crate) fn design() -> Design {
+    Design::from_toml(include_str!("../../../study_data/designs/paper.toml")).unwrap()
+}
 
 pub(crate) fn effects() -> Effects {
     toml::from_str(include_str!("../../../study_data/effects.toml")).unwrap()
@@ -117,7 +122,7 @@ pub(crate) fn correlation(x: &[f64], y: &[f64]) -> f64 {
     sum(&|a, b| a * b) / (sum(&|a, _| a * a) * sum(&|_, b| b * b)).sqrt()
 }
 
-/// One Study 2 of `n` people: all their answers, before and after.
+/// A study of `n` people: all their answers, before and after.
 pub(crate) struct TestStudy {
     pub(crate) cohort: Cohort,
     pub(crate) scales: Vec<Scale>,
@@ -127,7 +132,7 @@ pub(crate) struct TestStudy {
 impl TestStudy {
     pub(crate) fn run(n: usize, seed: u64, effects: &Effects) -> Self {
         let scales = scales();
-        let cohort = Cohort::draw(0, n, seed, &CohortSettings::default()).unwrap();
+        let cohort = Cohort::draw(0, n, seed, &CohortSettings::default(), &design()).unwrap();
         let mut answers = answer_before(&cohort, &scales, effects, seed).unwrap();
         let own: Vec<MeasureValues> = cohort
             .participants
@@ -136,7 +141,6 @@ impl TestStudy {
             .collect();
         let spread: BTreeMap<String, f64> = spread(&own.iter().collect::<Vec<_>>());
         for (p, own) in cohort.participants.iter().zip(&own) {
-            assert_eq!(p.study, Study::Two);
             let trials = trials(own, &p.id, seed);
             answers.extend(
                 rate(p, own, &trials, &spread, &scales, effects, seed)

@@ -7,7 +7,7 @@
 
 use maveric_domain::{
     ConditionId, Drive, DriveId, DriveMeta, DrivenBy, LaneWish, LatentTraits, ParticipantId,
-    Setpoints, Study, When, drive::Direction, stream_seed,
+    Setpoints, When, drive::Direction, stream_seed,
 };
 use maveric_simulator::{
     Driver, DriverParams, People, Rollout, Scenario, SimulatorError, View, population_table,
@@ -104,7 +104,6 @@ fn drive_of(rollout: &Rollout) -> Result<Drive, SimulatorError> {
     let meta = DriveMeta {
         drive: DriveId::new("example")?,
         participant: ParticipantId::new("example")?,
-        study: Study::One,
         condition: ConditionId::OWN,
         driven_by: DrivenBy::Synthetic,
     };

@@ -1,7 +1,7 @@
 //! The second kind of people, held against what they have to be: sane drivers, about as fast and as close as the paper's population.
 
 use maveric_domain::{
-    ConditionId, Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, Study,
+    ConditionId, Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId,
     drive::Direction, stream_seed,
 };
 use maveric_simulator::{Driver, People, Rollout, Scenario, rollout};
@@ -36,7 +36,6 @@ fn drive(rollout: &Rollout) -> Drive {
     let meta = DriveMeta {
         drive: DriveId::new("test").expect("a plain word"),
         participant: ParticipantId::new("test").expect("a plain word"),
-        study: Study::One,
         condition: ConditionId::OWN,
         driven_by: DrivenBy::Synthetic,
     };

@@ -13,6 +13,9 @@ Example: openssl rand -hex 32 > ~/study.key
 Ids become keyed hashes, ages bands of ten years, times and positions start at 0. A rare person or a rare style may still be recognised by
 who knows them: read the warnings.")]
 pub(crate) struct Export {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    #[arg(long, value_name = "FILE")]
+    design: Option<std::path::PathBuf>,
     /// Logs, or folders of logs; may be given more than once
     #[arg(long)]
     logs: Vec<std::path::PathBuf>,
@@ -45,6 +48,7 @@ pub(crate) struct Export {
 impl Export {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let options = ExportOptions {
+            design: self.design,
             logs: self.logs,
             mapping: self.mapping,
             participants: self.participants,

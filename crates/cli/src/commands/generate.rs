@@ -11,6 +11,9 @@ use maveric_study::stages::{
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: maveric generate --out study_data/generated/paper --seed 1")]
 pub(crate) struct Generate {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    #[arg(long, value_name = "FILE")]
+    design: Option<std::path::PathBuf>,
     /// Folder to write into: logs/study1, logs/study2, participants.csv, surveys.csv
     #[arg(long)]
     out: std::path::PathBuf,
@@ -26,12 +29,12 @@ pub(crate) struct Generate {
     /// Sizes of the effects in their answers (TOML)
     #[arg(long, default_value = "study_data/effects.toml")]
     effects: std::path::PathBuf,
-    /// Participants of Study 1
-    #[arg(long, default_value_t = 30)]
-    study1: usize,
-    /// Participants of Study 2
-    #[arg(long, default_value_t = 24)]
-    study2: usize,
+    /// People who are learned from
+    #[arg(long, alias = "study1", default_value_t = 30)]
+    learn: usize,
+    /// People who are tested
+    #[arg(long, alias = "study2", default_value_t = 24)]
+    test: usize,
     /// Length of a drive, in s; the scenario's when not given
     #[arg(long)]
     duration: Option<f64>,
@@ -55,13 +58,14 @@ pub(crate) struct Generate {
 impl Generate {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let options = GenerateOptions {
+            design: self.design,
             out: self.out,
             scenario: self.scenario,
             population: self.population,
             scales: self.scales,
             effects: self.effects,
-            study1: self.study1,
-            study2: self.study2,
+            learn: self.learn,
+            test: self.test,
             duration_s: self.duration,
             repeat_drives: self.repeat_drives,
             scenes: self.scene.unwrap_or_default(),

@@ -10,6 +10,9 @@ use maveric_study::stages::rate::{self, RateOptions};
     after_help = "Example: maveric rate --measures measurements.parquet --participants participants.csv --out ratings.csv"
 )]
 pub(crate) struct Rate {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    #[arg(long, value_name = "FILE")]
+    design: Option<std::path::PathBuf>,
     /// Measurements of own and AV drives
     #[arg(long)]
     measures: std::path::PathBuf,
@@ -36,6 +39,7 @@ pub(crate) struct Rate {
 impl Rate {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let options = RateOptions {
+            design: self.design,
             measures: self.measures,
             participants: self.participants,
             effects: self.effects,

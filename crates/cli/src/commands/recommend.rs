@@ -8,6 +8,9 @@ use maveric_study::stages::recommend::{self, RecommendOptions};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: maveric recommend study_data/generated/paper --participant S2P07")]
 pub(crate) struct Recommend {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    #[arg(long, value_name = "FILE")]
+    design: Option<std::path::PathBuf>,
     /// Folder of results, as the pipeline leaves it
     results: std::path::PathBuf,
     /// Whom to recommend to; everybody when not given
@@ -24,6 +27,7 @@ pub(crate) struct Recommend {
 impl Recommend {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let options = RecommendOptions {
+            design: self.design,
             results: self.results,
             participant: self.participant,
             out: self.out,

@@ -8,6 +8,9 @@ use maveric_study::stages::report::{self, ReportOptions};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: maveric report study_data/generated/paper --out reports/paper")]
 pub(crate) struct Report {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    #[arg(long, value_name = "FILE")]
+    design: Option<std::path::PathBuf>,
     /// Folder of results, as the pipeline leaves it
     results: std::path::PathBuf,
     /// Folder to write into: index.html, figures, tables
@@ -30,6 +33,7 @@ pub(crate) struct Report {
 impl Report {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let options = ReportOptions {
+            design: self.design,
             results: self.results,
             out: self.out,
             claims: self.claims,

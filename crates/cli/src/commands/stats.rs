@@ -237,6 +237,12 @@ enum TestArgs {
     Paper {
         /// Folder of results, as the pipeline leaves it
         results: PathBuf,
+        /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+        #[arg(long, value_name = "FILE")]
+        design: Option<PathBuf>,
+        /// Who took part; participants.csv among the results when not given, else the design's table
+        #[arg(long)]
+        participants: Option<PathBuf>,
         /// Analysis to write (JSON)
         #[arg(long)]
         out: PathBuf,
@@ -254,12 +260,16 @@ impl Stats {
         let (input, test) = match self.test {
             TestArgs::Paper {
                 results,
+                design,
+                participants,
                 out,
                 family,
                 format,
             } => {
                 let options = AnalyseOptions {
+                    design,
                     results,
+                    participants,
                     out,
                     family,
                 };

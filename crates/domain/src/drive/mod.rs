@@ -7,7 +7,7 @@ pub mod reference_vehicle;
 use crate::{
     ConditionId,
     error::DomainError,
-    ids::{DriveId, ParticipantId, Study},
+    ids::{DriveId, ParticipantId},
     recording::Recording,
     scene::{Road, Scene, Situation, bumper_distance_m},
 };
@@ -60,9 +60,7 @@ pub struct DriveMeta {
     pub drive: DriveId,
     /// The participant whose style it shows.
     pub participant: ParticipantId,
-    /// The study it belongs to.
-    pub study: Study,
-    /// The style shown.
+    /// The condition, the baseline or the role: a label of the study's design.
     pub condition: ConditionId,
     /// Who or what drove.
     pub driven_by: DrivenBy,

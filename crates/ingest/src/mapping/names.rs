@@ -1,9 +1,7 @@
 //! Ids from file names.
 
 use crate::error::IngestError;
-use maveric_domain::{
-    ConditionId, DomainError, DriveId, DriveMeta, DrivenBy, ParticipantId, Study,
-};
+use maveric_domain::{ConditionId, DomainError, DriveId, DriveMeta, DrivenBy, ParticipantId};
 use serde::Deserialize;
 use std::path::Path;
 
@@ -20,19 +18,15 @@ pub struct Names {
     pub drive: String,
     /// The participant's id.
     pub participant: String,
-    /// The study that the drives are used as.
-    #[serde(default = "study_one")]
-    pub study: Study,
+    /// Of earlier versions, and not read: who is learned from and who is tested is said by the study's design.
+    #[serde(default)]
+    pub study: Option<String>,
     /// Whose style the drives show.
     #[serde(default = "own")]
     pub condition: ConditionId,
     /// Who drove.
     #[serde(default = "human")]
     pub driven_by: DrivenBy,
-}
-
-fn study_one() -> Study {
-    Study::One
 }
 
 fn own() -> ConditionId {
@@ -83,7 +77,6 @@ pub(crate) fn meta_within(
             drive: DriveId::new(fill(&names.drive, &captures)).map_err(refused)?,
             participant: ParticipantId::new(fill(&names.participant, &captures))
                 .map_err(refused)?,
-            study: names.study,
             condition: names.condition,
             driven_by: names.driven_by,
         };
@@ -101,7 +94,6 @@ pub(crate) fn meta_within(
     let meta = DriveMeta {
         drive: DriveId::new(id.clone()).map_err(refused)?,
         participant: ParticipantId::new(id).map_err(refused)?,
-        study: study_one(),
         condition: own(),
         driven_by: human(),
     };

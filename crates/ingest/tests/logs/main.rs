@@ -19,7 +19,7 @@ mod tables;
 
 use maveric_domain::{
     ConditionId, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording,
-    Road, Study, VehicleId,
+    Road, VehicleId,
 };
 use maveric_ingest::write_mcap;
 use mcap::{Message, MessageStream, WriteOptions, read::LinearReader, records::Record};
@@ -32,7 +32,6 @@ fn meta() -> DriveMeta {
     DriveMeta {
         drive: DriveId::new("S2P07-mimic").unwrap(),
         participant: ParticipantId::new("S2P07").unwrap(),
-        study: Study::Two,
         condition: ConditionId::MIMIC,
         driven_by: DrivenBy::Automated,
     }

@@ -2,7 +2,7 @@
 
 use maveric_domain::{
     ConditionId, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId,
-    Recording, Road, Study, VehicleId,
+    Recording, Road, VehicleId,
 };
 
 const RATE_HZ: f64 = 20.0;
@@ -95,7 +95,6 @@ impl Scripted {
         let meta = DriveMeta {
             drive: DriveId::new("S2P01-own").unwrap(),
             participant: ParticipantId::new("S2P01").unwrap(),
-            study: Study::Two,
             condition: ConditionId::OWN,
             driven_by: DrivenBy::Synthetic,
         };

@@ -7,7 +7,7 @@
 
 use maveric_domain::{
     AdbScore, ConditionId, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack,
-    ParticipantId, Recording, Road, Study, VehicleId,
+    ParticipantId, Recording, Road, VehicleId,
 };
 
 /// How somebody drives in [`drive`].
@@ -137,7 +137,6 @@ pub(crate) fn drive_at(rate_hz: f64, name: &str, habits: &Habits, seconds: f64) 
     let meta = DriveMeta {
         drive: DriveId::new(format!("{name}-own")).unwrap(),
         participant: ParticipantId::new(name).unwrap(),
-        study: Study::One,
         condition: ConditionId::OWN,
         driven_by: DrivenBy::Synthetic,
     };

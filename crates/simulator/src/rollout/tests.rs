@@ -9,7 +9,7 @@ use crate::{
 };
 use maveric_domain::{
     ConditionId, Drive, DriveId, DriveMeta, DrivenBy, LaneActivity, LaneWish, LatentTraits,
-    MetresPerSecond, ParticipantId, Seconds, Setpoints, Study, When, drive::Direction,
+    MetresPerSecond, ParticipantId, Seconds, Setpoints, When, drive::Direction,
 };
 use proptest::prelude::*;
 
@@ -17,7 +17,6 @@ fn drive(rollout: &Rollout) -> Drive {
     let meta = DriveMeta {
         drive: DriveId::new("test").unwrap(),
         participant: ParticipantId::new("test").unwrap(),
-        study: Study::One,
         condition: ConditionId::OWN,
         driven_by: DrivenBy::Synthetic,
     };

@@ -2,12 +2,13 @@
 
 use crate::{
     atomic_write::{atomic_write, read_text},
+    design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
     stages::{rate::read_effects, score::read_scales, simulate::Scenes},
     tables::{participants::write_participants, surveys::write_answers},
 };
-use maveric_domain::{ConditionId, DriveId, DriveMeta, DrivenBy, Seconds, Study, stream_seed};
+use maveric_domain::{DriveId, DriveMeta, DrivenBy, Seconds, stream_seed};
 use maveric_ingest::{Beside, write_mcap_with};
 use maveric_participants::{Cohort, CohortSettings, PlannedDrive, answer_before};
 use maveric_simulator::{Driver, People, Scenario, rollout};
@@ -17,6 +18,8 @@ use std::path::{Path, PathBuf};
 /// What to make up.
 #[derive(Debug, Clone)]
 pub struct GenerateOptions {
+    /// The study's design; `study.toml` of the folder one stands in without, else the paper's.
+    pub design: Option<PathBuf>,
     /// Folder to write into.
     pub out: PathBuf,
     /// World to drive in; the paper's without.
@@ -27,10 +30,10 @@ pub struct GenerateOptions {
     pub scales: PathBuf,
     /// Sizes of the effects in the answers.
     pub effects: PathBuf,
-    /// Participants of Study 1.
-    pub study1: usize,
-    /// Participants of Study 2.
-    pub study2: usize,
+    /// People who are learned from.
+    pub learn: usize,
+    /// People who are tested.
+    pub test: usize,
     /// Length of a drive, in s; the scenario's without.
     pub duration_s: Option<f64>,
     /// Whether everybody drives as themselves once more, on another day: `logs/study1-again`, `logs/study2-again`.
@@ -95,11 +98,13 @@ pub fn generate(
     let people = read_people(options.population.as_deref(), &scenario)?;
     let scales = read_scales(&options.scales)?;
     let effects = read_effects(&options.effects)?;
+    let study = DesignFile::find(options.design.as_deref())?;
     let cohort = Cohort::draw(
-        options.study1,
-        options.study2,
+        options.learn,
+        options.test,
         options.seed,
         &CohortSettings::default(),
+        &study.design,
     )?;
     options
         .scenes
@@ -113,7 +118,11 @@ pub fn generate(
     let collisions = for_each_on(options.jobs, &planned, watch, "drives", |(planned, day)| {
         drive(options, &scenario, &people, planned, day)
     })?;
-    write_participants(&options.out.join("participants.csv"), &cohort.participants)?;
+    write_participants(
+        &options.out.join("participants.csv"),
+        &cohort,
+        &study.design,
+    )?;
     write_answers(&options.out.join("surveys.csv"), &answers)?;
     let value = Generated {
         participants: cohort.participants.len(),
@@ -139,10 +148,7 @@ pub fn generate(
 /// Everybody's own drive once more. Its name is another, and so are the day and the road that follow from the name; the
 /// person is the same.
 fn again(cohort: &Cohort) -> Result<Vec<PlannedDrive>, StudyError> {
-    let own = cohort
-        .drives
-        .iter()
-        .filter(|d| d.condition == ConditionId::OWN);
+    let own = cohort.drives.iter().filter(|d| !d.role);
     own.map(|d| {
         Ok(PlannedDrive {
             drive: DriveId::new(format!("{}-again", d.drive))?,
@@ -168,14 +174,10 @@ fn drive(
     let meta = DriveMeta {
         drive: planned.drive.clone(),
         participant: planned.participant.clone(),
-        study: planned.study,
         condition: planned.condition,
         driven_by: DrivenBy::Synthetic,
     };
-    let folder = match planned.study {
-        Study::One => "study1",
-        Study::Two => "study2",
-    };
+    let folder = format!("study{}", planned.part.number());
     let path = options
         .out
         .join("logs")

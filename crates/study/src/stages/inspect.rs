@@ -249,10 +249,9 @@ fn lines(content: &Inspected) -> Vec<String> {
             provenance,
         } => vec![
             format!(
-                "drive {} of {}, study {}, {}, {}",
+                "drive {} of {}, {}, {}",
                 meta.drive,
                 meta.participant,
-                meta.study.as_str(),
                 meta.condition,
                 meta.driven_by.as_str()
             ),

@@ -2,6 +2,7 @@
 
 use crate::{
     atomic_write::read_text,
+    design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch},
     stages::score::read_scales,
@@ -11,7 +12,7 @@ use crate::{
         surveys::write_answers,
     },
 };
-use maveric_domain::{ConditionId, MeasureValues, Study, spread};
+use maveric_domain::{ConditionId, MeasureValues, spread};
 use maveric_participants::Effects;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -19,6 +20,8 @@ use std::path::{Path, PathBuf};
 /// What to rate.
 #[derive(Debug, Clone)]
 pub struct RateOptions {
+    /// The study's design; `study.toml` of the folder one stands in without, else the paper's.
+    pub design: Option<PathBuf>,
     /// Measurements of own and AV drives.
     pub measures: PathBuf,
     /// The synthetic participants.
@@ -55,26 +58,42 @@ pub fn read_effects(path: &Path) -> Result<Effects, StudyError> {
     Ok(effects)
 }
 
-/// Lets each synthetic participant of Study 2 rate the conditions that they sat through.
+/// Lets each synthetic participant who is tested rate the conditions that they sat through and that the car drove; a condition
+/// that was recorded elsewhere has no made-up ratings.
 ///
 /// # Errors
 /// [`StudyError`] if a table cannot be read, and for participants without an own drive.
 pub fn rate(options: &RateOptions, watch: Watch<'_>) -> Result<Outcome<Ratings>, StudyError> {
     let drives = read_measurements(&options.measures)?;
-    let people = read_participants(&options.participants)?;
+    let study = DesignFile::find(options.design.as_deref())?;
+    let design = &study.design;
+    let tested = study.people(Some(&options.participants))?.tested();
+    let people = read_participants(&options.participants, design)?;
+    let Some(baseline) = design.baseline_id() else {
+        return Err(study.wrong(
+            "`baseline`: found none, expected a drive by hand that people compare the car with",
+            Some("add [baseline] with the id of that drive, such as id = \"own\"".to_owned()),
+        ));
+    };
+    let driven: Vec<ConditionId> = design
+        .conditions()
+        .iter()
+        .filter(|c| c.simulated())
+        .map(|c| c.id)
+        .collect();
     let effects = read_effects(&options.effects)?;
     let scales = read_scales(&options.scales)?;
-    let own = |d: &&MeasuredDrive| d.meta.condition == ConditionId::OWN;
+    let own = |d: &&MeasuredDrive| d.meta.condition == baseline;
     let by_hand: Vec<&MeasureValues> = drives.iter().filter(own).map(|d| &d.values).collect();
     let spread = spread(&by_hand);
     let mut answers = Vec::new();
     let mut warnings = Vec::new();
     let mut raters = 0;
-    for person in people.iter().filter(|p| p.study == Study::Two) {
+    for person in people.iter().filter(|p| tested.contains(&p.id)) {
         watch.check()?;
         let mine: Vec<&MeasuredDrive> = drives
             .iter()
-            .filter(|d| d.meta.study == Study::Two && d.meta.participant == person.id)
+            .filter(|d| d.meta.participant == person.id)
             .collect();
         let Some(own_drive) = mine.iter().copied().find(|d| own(d)) else {
             warnings.push(format!(
@@ -88,10 +107,11 @@ pub fn rate(options: &RateOptions, watch: Watch<'_>) -> Result<Outcome<Ratings>,
                 .find(|d| d.meta.condition == *c)
                 .map(|d| (*c, d.values.clone()))
         };
-        let trials: Vec<(ConditionId, MeasureValues)> =
-            person.order.iter().filter_map(trial).collect();
-        if trials.len() < person.order.len() {
-            let missing = person.order.len() - trials.len();
+        let mut asked = person.order.clone();
+        asked.retain(|c| driven.contains(c));
+        let trials: Vec<(ConditionId, MeasureValues)> = asked.iter().filter_map(trial).collect();
+        if trials.len() < asked.len() {
+            let missing = asked.len() - trials.len();
             warnings.push(format!(
                 "participant {}: {missing} conditions were not driven, so not rated",
                 person.id

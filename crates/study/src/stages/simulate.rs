@@ -12,9 +12,7 @@ use crate::{
     },
     watching::{WatchedDrive, braking, read_watched, write_watch_page},
 };
-use maveric_domain::{
-    Drive, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording, Study, stream_seed,
-};
+use maveric_domain::{Drive, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording, stream_seed};
 use maveric_ingest::{Beside, IngestSettings, write_mcap_with};
 use maveric_model::Model;
 use maveric_report::html::CentreLine;
@@ -302,7 +300,6 @@ fn drive(
     let meta = DriveMeta {
         drive: id,
         participant: row.participant.clone(),
-        study: Study::Two,
         condition: row.condition,
         driven_by: DrivenBy::Automated,
     };

@@ -266,7 +266,6 @@ pub fn train(
         rows.push(EmbeddingRow {
             drive: id,
             participant: meta.participant.clone(),
-            study: meta.study,
             condition: meta.condition,
             adb_used: adb_of(drive, &scores)?.is_some(),
             adb: adb_of(drive, &scores)?.map(AdbScore::points),

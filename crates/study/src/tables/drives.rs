@@ -77,7 +77,6 @@ pub fn write_drive_list(
             "participant",
             drives.iter().map(|d| d.0.participant.as_str()),
         )
-        .text("study", drives.iter().map(|d| d.0.study.as_str()))
         .text("condition", drives.iter().map(|d| d.0.condition.as_str()))
         .text("driven_by", drives.iter().map(|d| d.0.driven_by.as_str()))
         .integers("rows", drives.iter().map(|d| i64::try_from(d.1).ok()))

@@ -2,7 +2,7 @@
 
 use super::{Table, TableBuilder};
 use crate::error::StudyError;
-use maveric_domain::{ConditionId, DriveId, Embedding, ParticipantId, Study};
+use maveric_domain::{ConditionId, DriveId, Embedding, ParticipantId};
 use std::path::Path;
 
 pub use maveric_domain::{EmbeddingRow, FitDetails};
@@ -62,7 +62,6 @@ pub fn write_embeddings(path: &Path, rows: &[EmbeddingRow]) -> Result<(), StudyE
     let builder = TableBuilder::default()
         .text("drive", rows.iter().map(|r| r.drive.as_str()))
         .text("participant", rows.iter().map(|r| r.participant.as_str()))
-        .text("study", rows.iter().map(|r| r.study.as_str()))
         .text("condition", rows.iter().map(|r| r.condition.as_str()))
         .flags("adb_used", rows.iter().map(|r| r.adb_used))
         .numbers("adb", rows.iter().map(|r| r.adb))
@@ -106,7 +105,6 @@ pub fn read_embeddings(path: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
     let table = Table::read(path)?;
     let drive: Vec<DriveId> = table.ids("drive")?;
     let participant: Vec<ParticipantId> = table.ids("participant")?;
-    let study: Vec<Study> = table.parsed("study")?;
     let condition: Vec<ConditionId> = table.parsed("condition")?;
     let adb_used: Vec<bool> = table.parsed("adb_used")?;
     let adb = table.numbers("adb")?;
@@ -139,7 +137,6 @@ pub fn read_embeddings(path: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
             }),
             drive: drive[i].clone(),
             participant: participant[i].clone(),
-            study: study[i],
             condition: condition[i],
             adb_used: adb_used[i],
             adb: adb[i],
@@ -161,7 +158,6 @@ mod tests {
         let row = |name: &str, details: Option<FitDetails>| EmbeddingRow {
             drive: DriveId::new(name).unwrap(),
             participant: ParticipantId::new("P01").unwrap(),
-            study: Study::Two,
             condition: ConditionId::OWN,
             adb_used: false,
             adb: None,

@@ -2,7 +2,7 @@
 
 use super::{Table, TableBuilder};
 use crate::error::StudyError;
-use maveric_domain::{ConditionId, DriveId, DriveMeta, DrivenBy, ParticipantId, Study};
+use maveric_domain::{ConditionId, DriveId, DriveMeta, DrivenBy, ParticipantId};
 use std::{collections::BTreeMap, path::Path};
 
 pub use maveric_domain::MeasuredDrive;
@@ -22,7 +22,6 @@ pub fn write_measurements(
             "participant",
             drives.iter().map(|d| d.meta.participant.as_str()),
         )
-        .text("study", drives.iter().map(|d| d.meta.study.as_str()))
         .text(
             "condition",
             drives.iter().map(|d| d.meta.condition.as_str()),
@@ -50,7 +49,6 @@ pub fn read_measurements(path: &Path) -> Result<Vec<MeasuredDrive>, StudyError> 
     let table = Table::read(path)?;
     let drive: Vec<DriveId> = table.ids("drive")?;
     let participant: Vec<ParticipantId> = table.ids("participant")?;
-    let study: Vec<Study> = table.parsed("study")?;
     let condition: Vec<ConditionId> = table.parsed("condition")?;
     let driven_by: Vec<DrivenBy> = table.parsed("driven_by")?;
     let about = ["drive", "participant", "study", "condition", "driven_by"];
@@ -59,7 +57,6 @@ pub fn read_measurements(path: &Path) -> Result<Vec<MeasuredDrive>, StudyError> 
             meta: DriveMeta {
                 drive: drive[i].clone(),
                 participant: participant[i].clone(),
-                study: study[i],
                 condition: condition[i],
                 driven_by: driven_by[i],
             },

@@ -1,28 +1,45 @@
-//! Synthetic participants as a table: demographics first, then the latents behind their driving and answers.
+//! People as a table: demographics first, then, for made-up people, the latents behind their driving and answers.
 
 use super::{Table, TableBuilder};
-use crate::error::StudyError;
-use maveric_domain::{ConditionId, LatentTraits, ParticipantId, Study};
-use maveric_participants::{Gender, Participant, Personality, Population};
-use std::{collections::BTreeSet, path::Path};
+use crate::{design::listed, error::StudyError};
+use maveric_domain::{ConditionId, Design, LatentTraits, ParticipantId};
+use maveric_participants::{Cohort, Gender, Participant, Personality, Population};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
 
-/// Writes `participants.csv`; every `latent_` column exists only because these people are made up.
+/// Writes `participants.csv`; every `latent_` column exists only because these people are made up. The columns that tell who is
+/// learned from and who is tested are the design's.
 ///
 /// # Errors
 /// [`StudyError::Io`], [`StudyError::BadTable`].
-pub fn write_participants(path: &Path, people: &[Participant]) -> Result<(), StudyError> {
+pub fn write_participants(path: &Path, cohort: &Cohort, design: &Design) -> Result<(), StudyError> {
+    let people = &cohort.participants;
     let numbers = |of: fn(&Participant) -> f64| people.iter().map(move |p| Some(of(p)));
     let order = |p: &Participant| {
-        p.order
-            .iter()
-            .map(ConditionId::as_str)
-            .collect::<Vec<_>>()
-            .join(" ")
+        let words: Vec<&str> = p.order.iter().map(ConditionId::as_str).collect();
+        words.join(" ")
     };
-    TableBuilder::default()
-        .text("participant", people.iter().map(|p| p.id.as_str()))
-        .text("study", people.iter().map(|p| p.study.as_str()))
-        .text("population", people.iter().map(|p| p.population.as_str()))
+    let mut table =
+        TableBuilder::default().text("participant", people.iter().map(|p| p.id.as_str()));
+    let telling = design.people().columns();
+    for column in &telling {
+        let cell = |at: usize| {
+            let wanted = if at < cohort.learners {
+                &design.people().learn
+            } else {
+                &design.people().test
+            };
+            let word = wanted.as_ref().and_then(|w| w.get(*column));
+            word.cloned().unwrap_or_default()
+        };
+        table = table.text(column, (0..people.len()).map(cell));
+    }
+    if !telling.contains(&"population") {
+        table = table.text("population", people.iter().map(|p| p.population.as_str()));
+    }
+    table
         .integers("age", people.iter().map(|p| Some(i64::from(p.age_years))))
         .text("gender", people.iter().map(|p| p.gender.as_str()))
         .flags("professional", people.iter().map(|p| p.professional))
@@ -57,43 +74,46 @@ pub fn write_participants(path: &Path, people: &[Participant]) -> Result<(), Stu
 pub struct Enrolled {
     /// Such as `S2P07`.
     pub id: ParticipantId,
-    /// Which study.
-    pub study: Study,
+    /// Whether the networks learn from their drives, by the design.
+    pub learned_from: bool,
+    /// Whether they sat through the conditions, by the design.
+    pub tested: bool,
     /// Where they were recruited; `None` where it does not matter.
-    pub population: Option<Population>,
+    pub population: Option<String>,
     /// Age in years; the middle of the band where the table has bands (`30-39`). `None` where it was not given.
     pub age_years: Option<f64>,
     /// Gender in the table's own word; `None` where it was not given.
     pub gender: Option<String>,
     /// Whether they drive for a living and demonstrated roles.
     pub professional: bool,
-    /// The AV conditions in the order of the trials; empty where the table does not say.
+    /// The conditions in the order of the trials; empty where the table does not say.
     pub order: Vec<ConditionId>,
+    /// Every cell of their row that is not empty, by column: factors and covariates are taken from here.
+    pub cells: BTreeMap<String, String>,
 }
 
-/// Reads who takes part. Needed are the columns `participant` and `study`; `population`, `age`, `gender`, `professional` and
-/// `order` may be missing, or empty in places.
+/// Reads who takes part. Needed are the columns `participant` and those by which the design tells who is learned from and who is
+/// tested; `population`, `age`, `gender`, `professional` and `order` may be missing, or empty in places.
 ///
 /// # Errors
 /// As [`Table`] does; [`StudyError::BadCell`] for a participant listed twice, an age that is neither a number nor a band such as
-/// `30-39`, or a word that is none of the study's.
-pub fn read_enrolled(path: &Path) -> Result<Vec<Enrolled>, StudyError> {
+/// `30-39`, or a condition that is none of the design's.
+pub fn read_enrolled(path: &Path, design: &Design) -> Result<Vec<Enrolled>, StudyError> {
     let table = Table::read(path)?;
     let id: Vec<ParticipantId> = table.ids("participant")?;
-    let study: Vec<Study> = table.parsed("study")?;
-    let optional = |name: &str| {
-        if table.has(name) {
-            table.text(name)
-        } else {
-            Ok(vec![None; table.rows()])
-        }
-    };
-    let (population, age, gender) = (
-        optional("population")?,
-        optional("age")?,
-        optional("gender")?,
-    );
-    let (professional, order) = (optional("professional")?, optional("order")?);
+    let people = design.people();
+    let declared = design.factors().iter().chain(design.covariates());
+    for column in people
+        .columns()
+        .into_iter()
+        .chain(declared.map(|c| c.column.as_str()))
+    {
+        table.text(column)?;
+    }
+    let mut columns = Vec::new();
+    for name in table.columns() {
+        columns.push((name.clone(), trimmed(table.text(&name)?)));
+    }
     let mut seen = BTreeSet::new();
     (0..table.rows())
         .map(|i| {
@@ -105,29 +125,21 @@ pub fn read_enrolled(path: &Path) -> Result<Vec<Enrolled>, StudyError> {
                     "each participant once",
                 ));
             }
-            let cell = |cells: &[Option<String>]| {
-                cells[i]
-                    .as_deref()
-                    .map(str::trim)
-                    .unwrap_or_default()
-                    .to_owned()
-            };
+            let cells: BTreeMap<String, String> = columns
+                .iter()
+                .filter_map(|(name, cells)| Some((name.clone(), cells[i].clone()?)))
+                .collect();
+            let cell = |name: &str| cells.get(name).map(String::as_str);
             let bad =
                 |column, found: &str, expected: String| table.bad_cell(i, column, found, expected);
-            let (population, age, professional) =
-                (cell(&population), cell(&age), cell(&professional));
             Ok(Enrolled {
                 id: id[i].clone(),
-                study: study[i],
-                population: match population.as_str() {
-                    "" => None,
-                    word => Some(word.parse().map_err(|e: maveric_domain::DomainError| {
-                        bad("population", word, e.to_string())
-                    })?),
-                },
-                age_years: match age.as_str() {
-                    "" | "NA" => None,
-                    text => Some(years(text).ok_or_else(|| {
+                learned_from: people.learns_from(cell),
+                tested: people.tests(cell),
+                population: cell("population").map(str::to_owned),
+                age_years: match cell("age") {
+                    None | Some("NA") => None,
+                    Some(text) => Some(years(text).ok_or_else(|| {
                         bad(
                             "age",
                             text,
@@ -135,16 +147,25 @@ pub fn read_enrolled(path: &Path) -> Result<Vec<Enrolled>, StudyError> {
                         )
                     })?),
                 },
-                gender: Some(cell(&gender)).filter(|g| !g.is_empty()),
-                professional: match professional.as_str() {
-                    "" | "false" => false,
-                    "true" => true,
-                    other => return Err(bad("professional", other, "true or false".to_owned())),
+                gender: cell("gender").map(str::to_owned),
+                professional: match cell("professional") {
+                    None | Some("false") => false,
+                    Some("true") => true,
+                    Some(other) => {
+                        return Err(bad("professional", other, "true or false".to_owned()));
+                    }
                 },
-                order: conditions(&table, i, &cell(&order))?,
+                order: conditions(&table, i, cell("order").unwrap_or_default(), design)?,
+                cells,
             })
         })
         .collect()
+}
+
+/// Cells without blanks around them; an empty one is missing.
+fn trimmed(cells: Vec<Option<String>>) -> Vec<Option<String>> {
+    let trim = |cell: String| Some(cell.trim().to_owned()).filter(|c| !c.is_empty());
+    cells.into_iter().map(|cell| cell.and_then(trim)).collect()
 }
 
 /// An age, or the middle of a band of ages: 30-39 are those from 30 to below 40.
@@ -164,10 +185,25 @@ fn years(text: &str) -> Option<f64> {
     }
 }
 
-fn conditions(table: &Table, row: usize, words: &str) -> Result<Vec<ConditionId>, StudyError> {
+fn conditions(
+    table: &Table,
+    row: usize,
+    words: &str,
+    design: &Design,
+) -> Result<Vec<ConditionId>, StudyError> {
     let parse = |word: &str| {
-        let condition = word.parse::<ConditionId>();
-        condition.map_err(|e| table.bad_cell(row, "order", word, e.to_string()))
+        let known = word.parse::<ConditionId>().ok();
+        known
+            .filter(|id| design.condition(*id).is_some())
+            .ok_or_else(|| {
+                let ids: Vec<ConditionId> = design.conditions().iter().map(|c| c.id).collect();
+                table.bad_cell(
+                    row,
+                    "order",
+                    word,
+                    format!("conditions of the design: {}", listed(&ids)),
+                )
+            })
     };
     words.split_whitespace().map(parse).collect()
 }
@@ -175,11 +211,11 @@ fn conditions(table: &Table, row: usize, words: &str) -> Result<Vec<ConditionId>
 /// Reads synthetic participants back.
 ///
 /// # Errors
-/// As [`Table`] does; [`StudyError::NoColumn`] for real participants, who have no latents.
-pub fn read_participants(path: &Path) -> Result<Vec<Participant>, StudyError> {
+/// As [`Table`] does; [`StudyError::NoColumn`] for real participants, who have no latents; [`StudyError::BadCell`] for a condition
+/// that is none of the design's.
+pub fn read_participants(path: &Path, design: &Design) -> Result<Vec<Participant>, StudyError> {
     let table = Table::read(path)?;
     let id: Vec<ParticipantId> = table.ids("participant")?;
-    let study: Vec<Study> = table.parsed("study")?;
     let population: Vec<Population> = table.parsed("population")?;
     let age: Vec<u32> = table.parsed("age")?;
     let gender: Vec<Gender> = table.parsed("gender")?;
@@ -196,14 +232,14 @@ pub fn read_participants(path: &Path) -> Result<Vec<Participant>, StudyError> {
     let (openness, high_velocity) = (latent("openness")?, latent("high_velocity")?);
     (0..table.rows())
         .map(|i| {
+            let words = order[i].as_deref().unwrap_or_default();
             Ok(Participant {
                 id: id[i].clone(),
-                study: study[i],
                 population: population[i],
                 age_years: age[i],
                 gender: gender[i],
                 professional: professional[i],
-                order: conditions(&table, i, order[i].as_deref().unwrap_or_default())?,
+                order: conditions(&table, i, words, design)?,
                 traits: LatentTraits {
                     aggressiveness: aggressiveness[i],
                     spacing: spacing[i],
@@ -225,18 +261,21 @@ pub fn read_participants(path: &Path) -> Result<Vec<Participant>, StudyError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::design::DesignFile;
 
     fn read(text: &str) -> Result<Vec<Enrolled>, String> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("participants.csv");
         std::fs::write(&path, text).unwrap();
-        read_enrolled(&path).map_err(|e| e.to_string())
+        read_enrolled(&path, &DesignFile::paper().unwrap().design).map_err(|e| e.to_string())
     }
 
     #[test]
     fn real_people_have_no_latents_and_may_keep_things_to_themselves() {
-        let people = read("participant,study,age,gender,order\nA,1,41,female,\nB,2,30-39,,mimic cautious\nC,2,,other,\n").unwrap();
+        let people = read("participant,study,age,gender,order,hours\nA,1,41,female,,3.5\nB,2,30-39,,mimic cautious,\nC,2,,other,,\n").unwrap();
         assert_eq!(people[0].age_years, Some(41.0));
+        assert!(people[0].learned_from && !people[0].tested && people[1].tested);
+        assert_eq!(people[0].cells["hours"], "3.5");
         assert_eq!(
             (people[1].age_years, people[1].gender.as_deref()),
             (Some(35.0), None)
@@ -261,10 +300,9 @@ mod tests {
                 "row 1, column `age`: found `forty`",
             ),
             ("participant,study,age\nA,1,39-30\n", "39-30"),
-            ("participant,study,order\nA,2,mimic mimick\n", "mimick"),
             (
-                "participant,study,population\nA,2,public\n",
-                "internal, external",
+                "participant,study,order\nA,2,mimic mimick\n",
+                "found `mimick`, expected conditions of the design: mimic, aggressive, cautious, perpendicular",
             ),
             ("participant,age\nA,2\n", "no column `study`"),
         ] {

@@ -2,7 +2,7 @@
 
 use crate::error::IngestError;
 use maveric_domain::{
-    ConditionId, DomainError, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording, Road, Study,
+    ConditionId, DomainError, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording, Road,
 };
 use std::{collections::BTreeMap, path::Path, str::FromStr};
 
@@ -20,10 +20,9 @@ pub(crate) struct DriveRecord {
 /// The record's values for a recording.
 pub(crate) fn values(meta: &DriveMeta, recording: &Recording) -> BTreeMap<String, String> {
     let road = recording.road();
-    let pairs: [(&str, String); 10] = [
+    let pairs: [(&str, String); 9] = [
         ("drive", meta.drive.to_string()),
         ("participant", meta.participant.to_string()),
-        ("study", meta.study.as_str().to_owned()),
         ("condition", meta.condition.as_str().to_owned()),
         ("driven_by", meta.driven_by.as_str().to_owned()),
         ("lanes", road.lanes.to_string()),
@@ -48,7 +47,6 @@ pub(crate) fn parse(
         meta: DriveMeta {
             drive: of.id("drive", DriveId::new)?,
             participant: of.id("participant", ParticipantId::new)?,
-            study: of.word("study", "1 or 2", Study::from_str)?,
             condition: of.word("condition", "a condition", ConditionId::from_str)?,
             driven_by: of.word(
                 "driven_by",

@@ -5,6 +5,7 @@ mod wide;
 
 use crate::{
     atomic_write::atomic_write,
+    design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
     tables::{
@@ -13,7 +14,7 @@ use crate::{
         surveys::{read_answers, write_answers},
     },
 };
-use maveric_domain::{Answer, ConditionId, DriveId, DriveMeta, ParticipantId, Recording, Study};
+use maveric_domain::{Answer, ConditionId, Design, DriveId, DriveMeta, ParticipantId, Recording};
 use maveric_ingest::{IngestSettings, Mapping, log_files, read_log, write_mcap};
 use pseudonym::Pseudonyms;
 use serde::Serialize;
@@ -25,6 +26,8 @@ use std::{
 /// What to give away.
 #[derive(Debug, Clone)]
 pub struct ExportOptions {
+    /// The study's design; `study.toml` of the folder one stands in without, else the paper's.
+    pub design: Option<PathBuf>,
     /// Logs, or folders of logs; may be empty.
     pub logs: Vec<PathBuf>,
     /// What the columns of tables among them mean.
@@ -66,7 +69,7 @@ const FEWEST_ALIKE: usize = 3;
 ///   neither direction can be computed. No table of who is who is written.
 /// - Of a log only the recording is kept: who was where on the road, from time 0 and position 0 on. Dates, positions on a map, other
 ///   channels and file names are gone.
-/// - Of `participants.csv` only study, population, age in bands of ten years, gender, professional and order; of answers only
+/// - Of `participants.csv` only who is learned from and who is tested, population, age in bands of ten years, gender, professional and order; of answers only
 ///   what is scored. Free text and any other column is left out.
 ///
 /// What this cannot do: a driving style, or a rare combination of age, gender and answers, may still single somebody out for who
@@ -75,10 +78,12 @@ const FEWEST_ALIKE: usize = 3;
 /// # Errors
 /// [`StudyError`] if a file cannot be read, the key is too short or lies in `out`, or nothing was asked for.
 pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Exported>, StudyError> {
+    let study = DesignFile::find(options.design.as_deref())?;
+    let design = &study.design;
     let people = options
         .participants
         .as_deref()
-        .map(read_enrolled)
+        .map(|path| read_enrolled(path, design))
         .transpose()?
         .unwrap_or_default();
     let mut answers: Vec<Answer> = Vec::new();
@@ -143,14 +148,9 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
         watch,
         "drives written",
         |(meta, recording)| {
-            let folder = match meta.study {
-                Study::One => "study1",
-                Study::Two => "study2",
-            };
             let path = options
                 .out
                 .join("logs")
-                .join(folder)
                 .join(format!("{}.mcap", meta.drive));
             let moved = from_zero(recording)?;
             atomic_write(&path, |file| Ok(write_mcap(&moved, meta, file)?))
@@ -158,7 +158,12 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
     )?;
     let mut warnings = Vec::new();
     if !people.is_empty() {
-        write_people(&options.out.join("participants.csv"), &people, &names)?;
+        write_people(
+            &options.out.join("participants.csv"),
+            &people,
+            &names,
+            design,
+        )?;
         warnings.extend(alike(&people));
     }
     if !answers.is_empty() {
@@ -242,10 +247,15 @@ fn band(age_years: f64) -> String {
     format!("{low}-{}", low + BAND_YEARS - 1)
 }
 
-fn write_people(path: &Path, people: &[Enrolled], names: &Pseudonyms) -> Result<(), StudyError> {
+fn write_people(
+    path: &Path,
+    people: &[Enrolled],
+    names: &Pseudonyms,
+    design: &Design,
+) -> Result<(), StudyError> {
     let mut rows: Vec<(ParticipantId, &Enrolled)> =
         people.iter().map(|p| (names.of(&p.id), p)).collect();
-    rows.sort_by(|a, b| (a.1.study, &a.0).cmp(&(b.1.study, &b.0)));
+    rows.sort_by(|a, b| (!a.1.learned_from, &a.0).cmp(&(!b.1.learned_from, &b.0)));
     let order = |p: &Enrolled| {
         p.order
             .iter()
@@ -253,13 +263,16 @@ fn write_people(path: &Path, people: &[Enrolled], names: &Pseudonyms) -> Result<
             .collect::<Vec<_>>()
             .join(" ")
     };
-    TableBuilder::default()
-        .text("participant", rows.iter().map(|r| r.0.as_str()))
-        .text("study", rows.iter().map(|r| r.1.study.as_str()))
+    let mut table = TableBuilder::default().text("participant", rows.iter().map(|r| r.0.as_str()));
+    for column in design.people().columns() {
+        let cell = |r: &(ParticipantId, &Enrolled)| r.1.cells.get(column).cloned();
+        table = table.text(column, rows.iter().map(|r| cell(r).unwrap_or_default()));
+    }
+    table
         .text(
             "population",
             rows.iter()
-                .map(|r| r.1.population.map_or("", |p| p.as_str())),
+                .map(|r| r.1.population.as_deref().unwrap_or_default()),
         )
         .text(
             "age",
@@ -281,9 +294,12 @@ fn alike(people: &[Enrolled]) -> Vec<String> {
     let mut groups: BTreeMap<String, usize> = BTreeMap::new();
     for p in people {
         let said = [
-            format!("study {}", p.study.as_str()),
-            p.population
-                .map_or_else(String::new, |g| g.as_str().to_owned()),
+            if p.learned_from {
+                "learned from".to_owned()
+            } else {
+                String::new()
+            },
+            p.population.clone().unwrap_or_default(),
             p.age_years.map_or_else(String::new, band),
             p.gender.clone().unwrap_or_default(),
             if p.professional {

@@ -247,7 +247,6 @@ fn fit(
     let row = EmbeddingRow {
         drive: meta.drive.clone(),
         participant: meta.participant.clone(),
-        study: meta.study,
         condition: meta.condition,
         adb_used: found.used_adb,
         adb: task.adb.map(AdbScore::points),

@@ -14,6 +14,7 @@ pub use trial::{
 
 use crate::{
     atomic_write::write_json,
+    design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch},
     stages::analyse::read_study,
@@ -30,6 +31,8 @@ pub(crate) const SETTINGS: [f64; 7] = [-15.0, -10.0, -5.0, 0.0, 5.0, 10.0, 15.0]
 /// For whom to recommend.
 #[derive(Debug, Clone)]
 pub struct RecommendOptions {
+    /// The study's design; `study.toml` of the folder one stands in without, else the paper's.
+    pub design: Option<PathBuf>,
     /// Folder of results, as the pipeline leaves it.
     pub results: PathBuf,
     /// One participant; everybody without.
@@ -81,7 +84,9 @@ pub fn recommend(
     options: &RecommendOptions,
     watch: Watch<'_>,
 ) -> Result<Outcome<Recommended>, StudyError> {
-    let data = read_study(&options.results)?;
+    let study = DesignFile::find(options.design.as_deref())?;
+    let people = study.people_of(&options.results, None)?;
+    let data = read_study(&options.results, &people)?;
     let wanted: Vec<&ParticipantId> = match &options.participant {
         None => data.participants.iter().collect(),
         Some(name) => {

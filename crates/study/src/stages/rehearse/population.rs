@@ -379,9 +379,15 @@ pub(crate) mod tests {
     }
 
     fn mean_change(model: &PopulationModel, measure: &str, shift: f64) -> f64 {
-        let people = Cohort::draw(0, 400, 5, &CohortSettings::default())
-            .unwrap()
-            .participants;
+        let people = Cohort::draw(
+            0,
+            400,
+            5,
+            &CohortSettings::default(),
+            &crate::DesignFile::paper().unwrap().design,
+        )
+        .unwrap()
+        .participants;
         let changes = people.iter().filter_map(|p| {
             let d = model.drives(
                 p,
@@ -405,9 +411,15 @@ pub(crate) mod tests {
     #[test]
     fn a_drive_that_never_merges_back_has_neither_gap() {
         let model = shipped();
-        let people = Cohort::draw(0, 400, 6, &CohortSettings::default())
-            .unwrap()
-            .participants;
+        let people = Cohort::draw(
+            0,
+            400,
+            6,
+            &CohortSettings::default(),
+            &crate::DesignFile::paper().unwrap().design,
+        )
+        .unwrap()
+        .participants;
         let mut missing = 0;
         for p in &people {
             let own = model.drives(p, &[], 6).own;

@@ -2,13 +2,14 @@
 
 use super::population::{Asked, PopulationModel};
 use crate::{
+    design::DesignFile,
     error::StudyError,
     tables::{conditions::ConditionRow, embeddings::EmbeddingRow, measurements::MeasuredDrive},
 };
 use maveric_analysis::{StudyData, Tables};
 use maveric_domain::{
     ConditionId, DriveId, DriveMeta, DrivenBy, Embedding, MeasureValues, Moment, Scale, Score,
-    Study, spread,
+    spread,
 };
 use maveric_participants::{Cohort, CohortSettings, Effects, Participant, answer_before, rate};
 
@@ -43,9 +44,15 @@ impl World {
         }
     }
 
-    /// Draws a Study 2 of `n` people, their drives, answers and ratings.
+    /// Draws a study of `n` people, their drives, answers and ratings.
     pub(crate) fn study(&self, n: usize, seed: u64) -> Result<Rehearsed, StudyError> {
-        let cohort = Cohort::draw(0, n, seed, &CohortSettings::default())?;
+        let cohort = Cohort::draw(
+            0,
+            n,
+            seed,
+            &CohortSettings::default(),
+            &DesignFile::paper()?.design,
+        )?;
         let answers = answer_before(&cohort, &self.scales, &self.effects, seed)?;
         let pre = maveric_measures::score(&self.scales, &answers, None)?.scores;
         let people = cohort.participants;
@@ -79,6 +86,7 @@ impl World {
         }
         let post = maveric_measures::score(&self.scales, &ratings, None)?.scores;
         let mut tables = Tables {
+            tested: people.iter().map(|p| p.id.clone()).collect(),
             pre,
             post,
             ..Tables::default()
@@ -128,7 +136,6 @@ fn meta(person: &Participant, condition: ConditionId) -> Result<DriveMeta, Study
     Ok(DriveMeta {
         drive: DriveId::new(format!("{}-{condition}", person.id))?,
         participant: person.id.clone(),
-        study: Study::Two,
         condition,
         driven_by: if condition == ConditionId::OWN {
             DrivenBy::Synthetic
@@ -147,7 +154,6 @@ fn embedding(
     Ok(EmbeddingRow {
         drive: DriveId::new(format!("{}-own", person.id))?,
         participant: person.id.clone(),
-        study: Study::Two,
         condition: ConditionId::OWN,
         adb_used,
         adb,

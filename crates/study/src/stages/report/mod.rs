@@ -20,6 +20,8 @@ use std::path::{Path, PathBuf};
 /// What to report.
 #[derive(Debug, Clone)]
 pub struct ReportOptions {
+    /// The study's design; `study.toml` of the folder one stands in without, else the paper's.
+    pub design: Option<PathBuf>,
     /// Folder of results, as the pipeline leaves it.
     pub results: PathBuf,
     /// Folder to write into.

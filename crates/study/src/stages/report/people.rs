@@ -8,8 +8,8 @@ use crate::{
         surveys::read_scores,
     },
 };
-use maveric_domain::{Moment, Score, Study};
-use maveric_participants::{Gender, Population};
+use maveric_domain::{Design, Moment, Score};
+use maveric_participants::{Gender, Part, Population};
 use maveric_report::tables::ParticipantGroup;
 use std::path::Path;
 
@@ -31,30 +31,41 @@ fn sd(values: &[f64]) -> Option<f64> {
     (values.len() > 1).then(|| (squares / (values.len() - 1) as f64).sqrt())
 }
 
+/// Whether somebody takes part in this.
+fn takes(person: &Enrolled, part: Part) -> bool {
+    match part {
+        Part::Learn => person.learned_from,
+        Part::Test => person.tested,
+    }
+}
+
 impl People {
     pub(super) fn read(
         folder: &Path,
         participants: &Path,
         drives: &[MeasuredDrive],
+        design: &Design,
     ) -> Result<Self, StudyError> {
-        let by_hand = |study| {
+        let enrolled = read_enrolled(participants, design)?;
+        let by_hand = |part| {
+            let of_part = |d: &&MeasuredDrive| {
+                let mut people = enrolled.iter().filter(|p| takes(p, part));
+                people.any(|p| p.id == d.meta.participant)
+            };
             let hand = |d: &&MeasuredDrive| d.meta.driven_by != maveric_domain::DrivenBy::Automated;
-            drives
-                .iter()
-                .filter(|d| d.meta.study == study)
-                .filter(hand)
-                .count()
+            drives.iter().filter(of_part).filter(hand).count()
         };
         Ok(Self {
-            participants: read_enrolled(participants)?,
             scores: read_scores(&folder.join("scores.csv"))?,
-            drives: [by_hand(Study::One), by_hand(Study::Two)],
+            drives: [by_hand(Part::Learn), by_hand(Part::Test)],
+            participants: enrolled,
         })
     }
 
-    fn of(&self, study: Study, population: Option<Population>) -> Vec<&Enrolled> {
-        let fits =
-            |p: &&Enrolled| p.study == study && population.is_none_or(|g| p.population == Some(g));
+    fn of(&self, part: Part, population: Option<Population>) -> Vec<&Enrolled> {
+        let fits = |p: &&Enrolled| {
+            takes(p, part) && population.is_none_or(|g| p.population.as_deref() == Some(g.as_str()))
+        };
         self.participants.iter().filter(fits).collect()
     }
 
@@ -71,8 +82,8 @@ impl People {
         people.iter().filter_map(score).collect()
     }
 
-    fn group(&self, name: &str, study: Study, population: Option<Population>) -> ParticipantGroup {
-        let people = self.of(study, population);
+    fn group(&self, name: &str, part: Part, population: Option<Population>) -> ParticipantGroup {
+        let people = self.of(part, population);
         let ages: Vec<f64> = people.iter().filter_map(|p| p.age_years).collect();
         let genders: Vec<&str> = people.iter().filter_map(|p| p.gender.as_deref()).collect();
         let women = genders
@@ -80,10 +91,10 @@ impl People {
             .filter(|g| **g == Gender::Female.as_str())
             .count();
         let adb = self.adb(&people);
-        let drives = match (study, population) {
-            (Study::One, _) => self.drives[0],
-            (Study::Two, None) => self.drives[1],
-            (Study::Two, Some(_)) => people.len(),
+        let drives = match (part, population) {
+            (Part::Learn, _) => self.drives[0],
+            (Part::Test, None) => self.drives[1],
+            (Part::Test, Some(_)) => people.len(),
         };
         ParticipantGroup {
             group: name.to_owned(),
@@ -100,15 +111,15 @@ impl People {
     /// The rows of the participants table.
     pub(super) fn groups(&self) -> Vec<ParticipantGroup> {
         vec![
-            self.group("Study 1 (model training)", Study::One, None),
+            self.group("Study 1 (model training)", Part::Learn, None),
             self.group(
                 "Study 2 (model testing), internal",
-                Study::Two,
+                Part::Test,
                 Some(Population::Internal),
             ),
             self.group(
                 "Study 2 (model testing), external",
-                Study::Two,
+                Part::Test,
                 Some(Population::External),
             ),
         ]
@@ -117,13 +128,13 @@ impl People {
     /// What the claims ledger asks about the participants.
     pub(super) fn results(&self) -> Vec<(String, Option<f64>)> {
         let mut found = Vec::new();
-        for (key, study, population) in [
-            ("study1", Study::One, None),
-            ("study2", Study::Two, None),
-            ("study2.internal", Study::Two, Some(Population::Internal)),
-            ("study2.external", Study::Two, Some(Population::External)),
+        for (key, part, population) in [
+            ("study1", Part::Learn, None),
+            ("study2", Part::Test, None),
+            ("study2.internal", Part::Test, Some(Population::Internal)),
+            ("study2.external", Part::Test, Some(Population::External)),
         ] {
-            let group = self.group(key, study, population);
+            let group = self.group(key, part, population);
             found.push((format!("participants.{key}.n"), Some(group.n as f64)));
             found.push((format!("participants.{key}.mean_age"), group.mean_age));
             found.push((
@@ -136,7 +147,7 @@ impl People {
             Some(self.participants.len() as f64),
         ));
         let professionals = self
-            .of(Study::One, None)
+            .of(Part::Learn, None)
             .iter()
             .filter(|p| p.professional)
             .count();

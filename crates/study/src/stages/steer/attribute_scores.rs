@@ -224,13 +224,12 @@ fn questionnaire(path: &Path, name: &str, training: &[EmbeddingRow]) -> Result<S
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maveric_domain::{Embedding, Study};
+    use maveric_domain::Embedding;
 
     fn training(drive: &str, participant: &str, condition: ConditionId) -> EmbeddingRow {
         EmbeddingRow {
             drive: DriveId::new(drive).unwrap(),
             participant: ParticipantId::new(participant).unwrap(),
-            study: Study::One,
             condition,
             adb_used: false,
             adb: None,

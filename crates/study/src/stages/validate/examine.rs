@@ -13,7 +13,7 @@ use crate::{
     outcome::{Watch, for_each_on},
 };
 use maveric_domain::{
-    AdbScore, ConditionId, Drive, DriveId, DriveMeta, DrivenBy, Embedding, Study, stream_seed,
+    AdbScore, ConditionId, Drive, DriveId, DriveMeta, DrivenBy, Embedding, stream_seed,
 };
 use maveric_model::{
     Model, PersonalizeParams, PersonalizeSettings, personalize,
@@ -313,7 +313,6 @@ impl Bench<'_> {
         let meta = DriveMeta {
             drive: DriveId::new(format!("{id}-validate"))?,
             participant: ride.person.participant.clone(),
-            study: Study::Two,
             condition: ConditionId::MIMIC,
             driven_by: DrivenBy::Automated,
         };

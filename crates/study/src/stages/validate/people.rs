@@ -1,6 +1,7 @@
 //! Who took part, what they drove, and the seven measures of it.
 
 use crate::{
+    design::DesignFile,
     error::StudyError,
     stages::train::adb_of,
     tables::{drives::read_drives, participants::read_participants, surveys::read_scores},
@@ -54,12 +55,12 @@ pub(super) struct People {
 /// for made-up people, `participants.csv`.
 ///
 /// # Errors
-/// [`StudyError`] if a table cannot be read or fewer than three people of Study 2 drove twice.
+/// [`StudyError`] if a table cannot be read or fewer than three people who are tested drove twice.
 pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
     let scores = read_scores(&folder.join("scores.csv"))?;
     let people = folder.join("participants.csv");
     let latents: BTreeMap<ParticipantId, f64> = if people.exists() {
-        let rows = read_participants(&people)?.into_iter();
+        let rows = read_participants(&people, &DesignFile::paper()?.design)?.into_iter();
         rows.map(|p| (p.id, p.traits.aggressiveness)).collect()
     } else {
         BTreeMap::new()
@@ -105,7 +106,7 @@ pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
     if test.len() < 3 {
         return Err(StudyError::NotPossible {
             problem: format!(
-                "{}: {} people of Study 2 drove twice, expected at least 3",
+                "{}: {} people who are tested drove twice, expected at least 3",
                 folder.display(),
                 test.len()
             ),

@@ -18,6 +18,7 @@ use super::{
 };
 use crate::{
     atomic_write::{read_json, read_text},
+    design::DesignFile,
     error::StudyError,
     outcome::Watch,
     stages::{
@@ -79,6 +80,7 @@ pub(super) fn page(
     watch: Watch<'_>,
 ) -> Result<(Report, Vec<String>), StudyError> {
     let folder = options.results.as_path();
+    let study = DesignFile::find(options.design.as_deref())?;
     let analysis: Analysis = read_json(&folder.join("analysis.json"))?;
     let training: TrainingSummary = read_json(&training_path(&folder.join(MODEL_FILE)))?;
     let measured = read_measurements(&folder.join("measurements.parquet"))?;
@@ -97,7 +99,7 @@ pub(super) fn page(
     };
     let beside = folder.join("participants.csv");
     let participants = options.participants.as_deref().unwrap_or(&beside);
-    let people = People::read(folder, participants, &run.measured)?;
+    let people = People::read(folder, participants, &run.measured, &study.design)?;
     let list = File::read(&folder.join("drives/study2/drives.csv"))?;
     let durations = list.all_numbers("duration_s")?;
     let minutes = durations.iter().sum::<f64>() / durations.len() as f64 / 60.0;
