@@ -349,8 +349,68 @@ fn an_interrupted_run_ends_with_130_and_goes_on_where_it_stopped() {
 }
 
 #[test]
-fn a_pipeline_of_someone_elses_is_run_verified_traced_compared_and_cleaned() {
+fn other_settings_in_the_same_place_and_elsewhere_leave_nothing_behind() {
     let study = TempStudy::new();
+    let run = |more: &[&str]| {
+        let short = [
+            "run",
+            SMOKE,
+            "-j",
+            "2",
+            "--set",
+            "epochs=2",
+            "--set",
+            "duration=60",
+        ];
+        study.maveric(&[&short[..], more].concat()).ok()
+    };
+    let numbers = || std::fs::read(study.path("study_data/generated/smoke/analysis.json")).unwrap();
+    let files = || {
+        let drives = std::fs::read_dir(study.path("study_data/generated/smoke/drives/study2"));
+        let names = drives
+            .unwrap()
+            .map(|f| f.unwrap().file_name().into_string().unwrap());
+        names.collect::<std::collections::BTreeSet<_>>()
+    };
+    run(&[]);
+    let (first, drives) = (numbers(), files());
+    let replaced = run(&["--set", "study2=4"]);
+    let said = "the former results (study2=3, now 4) were replaced; `--variant NAME` keeps both";
+    assert_eq!(
+        replaced.stderr.matches(said).count(),
+        1,
+        "{}",
+        replaced.stderr
+    );
+    assert!(numbers() != first && files().len() > drives.len());
+    run(&[
+        "--set",
+        "seed=2",
+        "--set",
+        "out=study_data/generated/two",
+        "--set",
+        "report=reports/two",
+    ]);
+    run(&[]);
+    assert!(numbers() == first, "the first numbers again");
+    assert_eq!(files(), drives);
+    let verified = study.maveric(&["verify", SMOKE, "--set", "epochs=2", "--set", "duration=60"]);
+    assert!(verified.ok().stdout.contains("0 not as recorded"));
+
+    // A leftover drive is neither measured nor deleted.
+    let leftover = "study_data/generated/smoke/drives/study2/S2P04-own.parquet";
+    study.write(leftover, "a drive");
+    let short = ["run", SMOKE, "--set", "epochs=2", "--set", "duration=60"];
+    study
+        .maveric(&short)
+        .failed(1, &["S2P04-own.parquet", "made by no run", "--move-aside"]);
+    assert!(study.path(leftover).exists());
+    run(&["--move-aside"]);
+    assert!(numbers() == first && files() == drives);
+}
+
+/// The example of a pipeline that counts words, in the folder `name`.
+fn novels(study: &TempStudy, name: &str) {
     let example = support::root().join("crates/pipeline/examples/novels");
     for file in [
         "books.csv",
@@ -359,13 +419,80 @@ fn a_pipeline_of_someone_elses_is_run_verified_traced_compared_and_cleaned() {
         "texts/pride.txt",
         "texts/cities.txt",
     ] {
-        for copy in ["one", "two"] {
-            study.write(
-                &format!("{copy}/{file}"),
-                std::fs::read(example.join(file)).unwrap(),
-            );
-        }
+        let content = std::fs::read(example.join(file)).unwrap();
+        study.write(&format!("{name}/{file}"), content);
     }
+}
+
+#[test]
+fn variants_are_kept_compared_and_cleaned_side_by_side() {
+    let study = TempStudy::new();
+    novels(&study, "one");
+    let words = "one/pipelines/words.toml";
+    study.maveric(&["run", words]).ok();
+    study
+        .maveric(&["run", words, "--variant", "two", "--set", "top=2"])
+        .ok();
+    assert!(study.path("one/made/table.csv").exists());
+    assert!(study.path("one/made-two/table.csv").exists());
+    let differ = study
+        .maveric(&["diff", words, "--variant", "two"])
+        .ok()
+        .stdout;
+    assert!(
+        differ.contains("parameter `top` changed from 3 to 2"),
+        "{differ}"
+    );
+    assert!(!differ.contains("`out`"), "{differ}");
+    study
+        .maveric(&["diff", words, "--variant", "three"])
+        .failed(2, &["no variant `three`", "there are two"]);
+    study
+        .maveric(&["diff", words])
+        .failed(2, &["name two runs"]);
+    study
+        .maveric(&["run", words, "--variant", "../x"])
+        .failed(1, &["cannot name a variant"]);
+    study.write("one/made-two/rows/mine.txt", "");
+    let cleaned = study
+        .maveric(&["clean", words, "--variant", "two"])
+        .ok()
+        .stdout;
+    assert!(cleaned.contains("removed made-two/table.csv"), "{cleaned}");
+    assert!(study.path("one/made/table.csv").exists());
+    assert!(study.path("one/made-two/rows/mine.txt").exists());
+    let shown = study.maveric(&["run", words, "--show"]).ok().stdout;
+    assert!(shown.contains("name = \"words\"") && shown.contains("foreach = \"books.csv\""));
+}
+
+#[test]
+fn a_stage_can_print_the_command_that_makes_it_again() {
+    let study = TempStudy::new();
+    study.write(
+        "mine/pipelines/p.toml",
+        "name = 'p'\n[params]\nout = 'made'\nword = 'a'\n[[stage]]\nname = 'page'\n\
+         cmd = ['sh', '-c', 'echo \"$1\" {word} > {out}', 'sh', '{command}']\noutputs = ['{out}']\n",
+    );
+    let args = [
+        "run",
+        "mine/pipelines/p.toml",
+        "--variant",
+        "b",
+        "--set",
+        "word=it is",
+    ];
+    study.maveric(&[&args[..], &["-j", "2"]].concat()).ok();
+    let page = std::fs::read_to_string(study.path("mine/made-b")).unwrap();
+    let expected = "maveric run pipelines/p.toml --variant b --set 'word=it is' it is\n";
+    assert_eq!(page, expected);
+    assert!(study.maveric(&args).ok().stdout.contains("nothing was run"));
+}
+
+#[test]
+fn a_pipeline_of_someone_elses_is_run_verified_traced_compared_and_cleaned() {
+    let study = TempStudy::new();
+    novels(&study, "one");
+    novels(&study, "two");
     let (one, two) = ("one/pipelines/words.toml", "two/pipelines/words.toml");
     let ran = study
         .maveric(&["run", one, "-j", "2", "--cache", "cache"])

@@ -1,7 +1,7 @@
 //! Where a pipeline stands, and what its stages may call.
 
 use crate::diagnostics::Failure;
-use maveric_pipeline::{Pipeline, Place, Program, parse_override};
+use maveric_pipeline::{Pipeline, Place, Program, Settings, command_line, parse_override};
 use std::path::{Path, PathBuf};
 
 /// The pipeline that runs when none is named.
@@ -13,6 +13,9 @@ pub(crate) struct PipelineArgs {
     /// Change a parameter for this run; may be given more than once
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
+    /// Put everything that is made beside what is made without: every folder of outputs gets -NAME
+    #[arg(long, value_name = "NAME")]
+    variant: Option<String>,
 }
 
 impl PipelineArgs {
@@ -31,11 +34,28 @@ impl PipelineArgs {
 
     /// Reads the pipeline with its parameters changed as asked for.
     pub(crate) fn read(&self, file: &Path) -> Result<Pipeline, Failure> {
-        let overrides: Result<Vec<_>, _> =
-            self.set.iter().map(|text| parse_override(text)).collect();
-        let overrides = overrides.map_err(Failure::pipeline("could not read --set"))?;
-        Pipeline::read(file, &root(file)?, &overrides)
+        let set: Result<Vec<_>, _> = self.set.iter().map(|text| parse_override(text)).collect();
+        let root = root(file)?;
+        let settings = Settings {
+            set: set.map_err(Failure::pipeline("could not read --set"))?,
+            variant: self.variant.clone(),
+            provided: [("command".to_owned(), self.command(file, &root))].into(),
+        };
+        Pipeline::read(file, &root, &settings)
             .map_err(Failure::pipeline("could not read the pipeline"))
+    }
+
+    /// The command that makes the same again, from the root.
+    fn command(&self, file: &Path, root: &Path) -> String {
+        let file = maveric_pipeline::below_root(file, root);
+        let variant = self.variant.iter().flat_map(|name| ["--variant", name]);
+        let set = self.set.iter().flat_map(|pair| ["--set", pair]);
+        command_line(
+            ["maveric", "run", &file]
+                .into_iter()
+                .chain(variant)
+                .chain(set),
+        )
     }
 }
 

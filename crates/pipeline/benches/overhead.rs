@@ -13,7 +13,7 @@ use std::path::Path;
 
 use divan::Bencher;
 use divan::counter::{BytesCount, ItemsCount};
-use maveric_pipeline::{Graph, Pipeline, Place, RunOptions, run, status};
+use maveric_pipeline::{Graph, Pipeline, Place, RunOptions, Settings, run, status};
 
 fn main() {
     divan::main();
@@ -49,7 +49,7 @@ fn place(root: &Path) -> Place {
 }
 
 fn read(text: &str, root: &Path) -> Pipeline {
-    Pipeline::parse(text, "p.toml".as_ref(), root, &[]).unwrap()
+    Pipeline::parse(text, "p.toml".as_ref(), root, &Settings::default()).unwrap()
 }
 
 #[divan::bench(name = "pipeline/graph_read_and_ordered", args = [100, 10_000])]

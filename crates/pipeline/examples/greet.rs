@@ -1,7 +1,7 @@
 //! Brings a two-stage pipeline up to date twice, in a temporary folder.
 #![expect(clippy::print_stdout, reason = "an example shows what it does")]
 
-use maveric_pipeline::{Event, Pipeline, PipelineError, Place, RunOptions, run};
+use maveric_pipeline::{Event, Pipeline, PipelineError, Place, RunOptions, Settings, run};
 
 const PIPELINE: &str = r#"
 name = "greeting"
@@ -34,7 +34,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn bring_up_to_date(place: &Place, set: &[(String, String)]) -> Result<(), PipelineError> {
-    let pipeline = Pipeline::parse(PIPELINE, "greeting.toml".as_ref(), &place.root, set)?;
+    let settings = Settings {
+        set: set.to_vec(),
+        ..Settings::default()
+    };
+    let pipeline = Pipeline::parse(PIPELINE, "greeting.toml".as_ref(), &place.root, &settings)?;
     let report = run(
         &pipeline,
         place,

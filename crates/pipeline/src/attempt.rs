@@ -1,24 +1,25 @@
 //! One stage from its check to its record in the ledger.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitStatus;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
-use std::time::{Instant, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
-use crate::cache::{Cache, Ran};
+use crate::cache::{Cache, Damaged, Ran};
 use crate::check::{Past, Present};
 use crate::content::Hasher;
 use crate::executor::{Ended, Job, local};
 use crate::ledger::OpenLedger;
 use crate::lock::RunLock;
+use crate::own;
 use crate::surroundings::{Surroundings, is_between};
 use crate::{
-    Failure, FailureCause, Graph, Manifest, Pipeline, PipelineError, Place, Reason, Record, Stage,
-    Warning,
+    Failure, FailureCause, Graph, Manifest, Pipeline, PipelineError, Place, Reason, Record,
+    Setting, Stage, Warning,
 };
 
 /// What all stages of a run share.
@@ -32,6 +33,10 @@ pub(crate) struct Workshop<'a> {
     pub(crate) surroundings: OnceLock<Surroundings>,
     /// When each stage ran.
     pub(crate) times: Mutex<Vec<(String, SystemTime, SystemTime)>>,
+    /// Whether files that no run made are moved out of the way.
+    pub(crate) move_aside: bool,
+    /// Parameters of former results that are no more.
+    pub(crate) replaced: Mutex<BTreeSet<Setting>>,
     pub(crate) lock: RunLock,
     pub(crate) stop: &'a AtomicBool,
 }
@@ -48,11 +53,22 @@ pub(crate) enum Attempt {
     Interrupted,
 }
 
+/// How one try of a stage ended.
+enum Tried {
+    Ended(Attempt),
+    Failed {
+        cause: FailureCause,
+        last_lines: Vec<String>,
+        seconds: f64,
+    },
+}
+
 /// What is heard of a stage on the way.
 pub(crate) enum News {
     Started { reasons: Vec<Reason> },
     Line(String),
     Warning(Warning),
+    Retried { cause: FailureCause, retry: u32 },
 }
 
 /// Whether a stage must run.
@@ -104,24 +120,62 @@ impl Workshop<'_> {
             Examined::UpToDate => return Ok(Attempt::UpToDate),
             Examined::Stale { now, past, reasons } => (now, past, reasons),
         };
-        if !forced && self.restore(stage, &now, &past, tell)? {
+        if let Some(failure) = self.make_room(graph, stage, &now.files, tell)? {
+            return Ok(Attempt::Failed(failure));
+        }
+        self.note_replaced(&past, &reasons);
+        if !forced && self.restore(stage, &now, tell)? {
             return Ok(Attempt::Restored);
         }
         self.surroundings
             .get_or_init(|| Surroundings::of(graph, self.place));
         tell(News::Started { reasons });
-        self.ledger().begin(&stage.name, &stage.outputs)?;
-        self.clear(stage, &past)?;
+        let mut retry = 0;
+        loop {
+            self.begin(stage)?;
+            let (cause, last_lines, seconds) = match self.try_once(stage, &now, tell)? {
+                Tried::Ended(attempt) => return Ok(attempt),
+                Tried::Failed {
+                    cause,
+                    last_lines,
+                    seconds,
+                } => (cause, last_lines, seconds),
+            };
+            self.leave(stage)?;
+            if retry == stage.retries || matches!(cause, FailureCause::NotStarted { .. }) {
+                let failure = self.failure(stage, &now.files, cause, last_lines, Some(seconds));
+                return Ok(Attempt::Failed(failure));
+            }
+            retry += 1;
+            tell(News::Retried { cause, retry });
+        }
+    }
+
+    /// Runs a stage, for whose outputs there is room, once.
+    fn try_once(
+        &self,
+        stage: &Stage,
+        now: &Present,
+        tell: &mut dyn FnMut(News),
+    ) -> Result<Tried, PipelineError> {
         let (started, began) = (Instant::now(), SystemTime::now());
         let ended = self.execute(stage, &now.files, tell)?;
         let seconds = started.elapsed().as_secs_f64();
         self.note_time(stage, began);
-        let failed = |cause, last_lines| {
-            let failure = self.failure(stage, &now.files, cause, last_lines, Some(seconds));
-            Ok(Attempt::Failed(failure))
+        let failed = |cause, last_lines| Tried::Failed {
+            cause,
+            last_lines,
+            seconds,
         };
-        match ended {
-            Ended::Interrupted => Ok(Attempt::Interrupted),
+        Ok(match ended {
+            Ended::Interrupted => {
+                self.leave(stage)?;
+                Tried::Ended(Attempt::Interrupted)
+            }
+            Ended::TimedOut { last_lines } => {
+                let minutes = stage.resources.minutes.unwrap_or_default();
+                failed(FailureCause::TimedOut { minutes }, last_lines)
+            }
             Ended::NotStarted(error) => {
                 let cause = FailureCause::NotStarted {
                     program: self.place.program_of(stage).display().to_string(),
@@ -136,7 +190,7 @@ impl Workshop<'_> {
                 last_lines,
             } => {
                 if let Some(cause) = exit_cause(status) {
-                    return failed(cause, last_lines);
+                    return Ok(failed(cause, last_lines));
                 }
                 let run = Run {
                     made_from: now.made_from.clone(),
@@ -145,14 +199,14 @@ impl Workshop<'_> {
                     stdout: &stdout,
                 };
                 match self.record(stage, run, tell)? {
-                    None => Ok(Attempt::Done {
+                    None => Tried::Ended(Attempt::Done {
                         seconds,
                         peak_memory,
                     }),
                     Some(cause) => failed(cause, last_lines),
                 }
             }
-        }
+        })
     }
 
     /// Whether a stage is seen to be up to date without reading any file.
@@ -196,18 +250,22 @@ impl Workshop<'_> {
         &self,
         stage: &Stage,
         now: &Present,
-        past: &Past,
         tell: &mut dyn FnMut(News),
     ) -> Result<bool, PipelineError> {
         let Some(cache) = &self.cache else {
             return Ok(false);
         };
         let digest = now.made_from.digest();
-        let Some(made) = cache.find(stage, &digest) else {
-            return Ok(false);
+        let made = match cache.find(stage, &digest) {
+            Ok(Some(made)) => made,
+            Ok(None) => return Ok(false),
+            Err(Damaged) => {
+                let stage = stage.name.clone();
+                tell(News::Warning(Warning::CacheDamaged { stage }));
+                return Ok(false);
+            }
         };
-        self.ledger().begin(&stage.name, &stage.outputs)?;
-        self.clear(stage, past)?;
+        self.begin(stage)?;
         if !cache.restore(stage, &digest, &made, &self.place.root, &self.hasher)? {
             let stage = stage.name.clone();
             tell(News::Warning(Warning::CacheDamaged { stage }));
@@ -223,8 +281,8 @@ impl Workshop<'_> {
             made.seconds,
             made.peak_memory,
             made.outputs,
-        );
-        self.ledger().finish(&stage.name, record)?;
+        )?;
+        self.ledger().finish(stage, record)?;
         Ok(true)
     }
 
@@ -250,7 +308,7 @@ impl Workshop<'_> {
             self.keep_summary(stage, run.stdout)?;
         }
         let (seconds, peak) = ((run.seconds * 1e3).round() / 1e3, run.peak_memory);
-        let record = self.record_of(stage, run.made_from, seconds, peak, outputs);
+        let record = self.record_of(stage, run.made_from, seconds, peak, outputs)?;
         if let Some(cache) = &self.cache {
             let ran = Ran {
                 seconds,
@@ -267,7 +325,7 @@ impl Workshop<'_> {
                 })),
             }
         }
-        self.ledger().finish(&stage.name, record)?;
+        self.ledger().finish(stage, record)?;
         Ok(None)
     }
 
@@ -278,9 +336,21 @@ impl Workshop<'_> {
         seconds: f64,
         peak_memory: Option<u64>,
         outputs: BTreeMap<String, String>,
-    ) -> Record {
+    ) -> Result<Record, PipelineError> {
         let overrides = self.pipeline.overrides().iter();
-        Record {
+        let mut files = BTreeMap::new();
+        for output in outputs.keys() {
+            match self.hasher.names(output)? {
+                Some(names) if self.place.root.join(output).is_dir() => {
+                    files.insert(output.clone(), names);
+                }
+                _ => {}
+            }
+        }
+        Ok(Record {
+            stage: stage.name.clone(),
+            variant: self.pipeline.variant().map(str::to_owned),
+            files,
             digest: made_from.digest(),
             seconds,
             peak_memory,
@@ -291,11 +361,11 @@ impl Workshop<'_> {
                 .collect(),
             made_from,
             outputs,
-        }
+        })
     }
 
     fn keep_summary(&self, stage: &Stage, stdout: &str) -> Result<(), PipelineError> {
-        let path = self.place.stdout_of(&stage.name);
+        let path = self.place.stdout_of(&stage.name, &stage.key());
         fs::write(&path, stdout).map_err(PipelineError::io("write", path))
     }
 
@@ -304,8 +374,19 @@ impl Workshop<'_> {
         times.push((stage.name.clone(), began, SystemTime::now()));
     }
 
+    /// What the run has to say at its end.
+    pub(crate) fn warnings(&self) -> Vec<Warning> {
+        let mut warnings = self.written_outside();
+        let replaced = self.replaced.lock().unwrap_or_else(PoisonError::into_inner);
+        if !replaced.is_empty() {
+            let changes = replaced.iter().cloned().collect();
+            warnings.push(Warning::Replaced { changes });
+        }
+        warnings
+    }
+
     /// What was written beside the outputs while stages ran.
-    pub(crate) fn written_outside(&self) -> Vec<Warning> {
+    fn written_outside(&self) -> Vec<Warning> {
         let Some(surroundings) = self.surroundings.get() else {
             return Vec::new();
         };
@@ -321,20 +402,79 @@ impl Workshop<'_> {
         changes.filter_map(warning).collect()
     }
 
-    /// Makes room for the outputs: what the last run made goes, so that a stage that makes
-    /// fewer files leaves no old ones among the new; what is not ours stays.
-    pub(crate) fn clear(&self, stage: &Stage, past: &Past) -> Result<(), PipelineError> {
+    /// Sees that nothing stands where the stage has its outputs but what runs made; what does
+    /// is moved aside, where that was asked for, or the stage has failed.
+    pub(crate) fn make_room(
+        &self,
+        graph: &Graph<'_>,
+        stage: &Stage,
+        files: &[String],
+        tell: &mut dyn FnMut(News),
+    ) -> Result<Option<Failure>, PipelineError> {
+        let mut ledger = self.ledger();
+        let keys = ledger.overlapping(stage);
+        let paths = own::foreign(stage, &keys, ledger.get(), &self.hasher)?;
+        drop(ledger);
+        if paths.is_empty() {
+            return Ok(None);
+        }
+        if !self.move_aside {
+            let cause = FailureCause::Foreign { paths };
+            return Ok(Some(self.failure(stage, files, cause, Vec::new(), None)));
+        }
+        let folders = own::move_aside(&paths, graph, &self.place.root)?;
+        tell(News::Warning(Warning::MovedAside {
+            stage: stage.name.clone(),
+            files: paths.len(),
+            folders,
+        }));
+        Ok(None)
+    }
+
+    /// Notes that a stage is about to make its outputs, and removes what it had made before, so
+    /// that a stage that makes fewer files leaves no old ones among the new.
+    pub(crate) fn begin(&self, stage: &Stage) -> Result<(), PipelineError> {
+        let past = {
+            let mut ledger = self.ledger();
+            ledger.begin(stage)?;
+            ledger.get().left.get(&stage.key()).cloned()
+        };
+        own::clear(stage, &past.unwrap_or_default(), &self.place.root)?;
+        let stdout = self.place.stdout_of(&stage.name, &stage.key());
+        own::remove(&stdout).map_err(PipelineError::io("remove the old", &self.place.log_dir))
+    }
+
+    /// Notes which files a stage left that did not end well.
+    pub(crate) fn leave(&self, stage: &Stage) -> Result<(), PipelineError> {
+        let mut files = BTreeMap::new();
         for output in &stage.outputs {
-            let full = self.place.root.join(output);
-            if past.made(output) {
-                remove(&full).map_err(PipelineError::io("remove the old", &full))?;
-            }
-            if let Some(folder) = full.parent() {
-                fs::create_dir_all(folder).map_err(PipelineError::io("create", folder))?;
+            if let Some(names) = self.hasher.names(output)? {
+                files.insert(output.clone(), names);
             }
         }
-        remove(&self.place.stdout_of(&stage.name))
-            .map_err(PipelineError::io("remove the old", &self.place.log_dir))
+        self.ledger().leave(stage, files)
+    }
+
+    /// Remembers which settings of the last run are no longer those of this one.
+    pub(crate) fn note_replaced(&self, past: &Past, reasons: &[Reason]) {
+        let Some(record) = &past.record else { return };
+        let overrides = self.pipeline.overrides();
+        for reason in reasons {
+            if let Reason::ParameterChanged {
+                name,
+                before: Some(before),
+                now: Some(now),
+            } = reason
+                && (overrides.contains_key(name) || record.set.contains_key(name))
+            {
+                let mut replaced = self.replaced.lock().unwrap_or_else(PoisonError::into_inner);
+                replaced.insert(Setting {
+                    name: name.clone(),
+                    before: before.clone(),
+                    now: now.clone(),
+                });
+            }
+        }
     }
 
     fn execute(
@@ -353,6 +493,10 @@ impl Workshop<'_> {
             arguments: &stage.arguments(files),
             root: &self.place.root,
             stdin: self.lock.as_stdin()?,
+            limit: stage
+                .resources
+                .minutes
+                .map(|n| Duration::from_mins(n.into())),
             log,
         };
         local::run(job, self.stop, &mut |line| tell(News::Line(line))).map_err(failed())
@@ -389,19 +533,6 @@ impl Workshop<'_> {
     pub(crate) fn ledger(&self) -> MutexGuard<'_, OpenLedger> {
         // A panic elsewhere leaves the ledger as its last whole state.
         self.ledger.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-/// Removes a file, a link or a whole directory; nothing there is fine.
-pub(crate) fn remove(path: &Path) -> std::io::Result<()> {
-    let result = match fs::symlink_metadata(path) {
-        Ok(metadata) if metadata.is_dir() => fs::remove_dir_all(path),
-        Ok(_) => fs::remove_file(path),
-        Err(error) => Err(error),
-    };
-    match result {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
-        other => other,
     }
 }
 

@@ -5,7 +5,7 @@
 //! rename, so that the directory may lie on a network and many may write to it at once.
 //! What is taken out is hashed again: a damaged cache costs time and nothing else.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -23,6 +23,8 @@ pub(crate) struct Cache {
 /// What a run of a stage made.
 #[derive(Debug, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Made {
+    /// The hash of what it was made from.
+    digest: String,
     /// Content of each output, as in the ledger.
     pub(crate) outputs: BTreeMap<String, String>,
     files: Vec<CachedFile>,
@@ -39,6 +41,41 @@ struct CachedFile {
     within: String,
     content: String,
     executable: bool,
+}
+
+/// An entry of the cache that is not what its name says.
+#[derive(Debug)]
+pub(crate) struct Damaged;
+
+impl Made {
+    /// Whether it is of this run and stays within the stage's outputs.
+    fn is_of(&self, stage: &Stage, digest: &str) -> bool {
+        let outputs = self.outputs.keys().collect::<BTreeSet<_>>();
+        let contents = self.outputs.values().all(|content| {
+            let (hash, files) = content.split_once(" in ").unwrap_or((content, "0 files"));
+            let count = files.split(' ').next().unwrap_or_default();
+            is_hash(hash) && count.parse::<u64>().is_ok()
+        });
+        let within = |within: &str| {
+            let part = |part: &str| !matches!(part, "" | "." | "..");
+            let parts = within.strip_prefix('/');
+            within.is_empty() || parts.is_some_and(|parts| parts.split('/').all(part))
+        };
+        let own = |file: &CachedFile| {
+            stage.outputs.contains(&file.output) && within(&file.within) && is_hash(&file.content)
+        };
+        self.digest == digest
+            && outputs == stage.outputs.iter().collect()
+            && contents
+            && self.files.iter().all(own)
+    }
+}
+
+fn is_hash(text: &str) -> bool {
+    text.len() == 64
+        && text
+            .bytes()
+            .all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b))
 }
 
 /// How a run ended that is to be kept.
@@ -78,14 +115,21 @@ impl Cache {
     }
 
     /// What a run made before; nothing if it is not known or not readable.
-    pub(crate) fn find(&self, stage: &Stage, digest: &str) -> Option<Made> {
+    ///
+    /// # Errors
+    /// [`Damaged`] for an entry that is not this stage's own: it could write anywhere.
+    pub(crate) fn find(&self, stage: &Stage, digest: &str) -> Result<Option<Made>, Damaged> {
         if stage.outputs.is_empty() {
-            return None; // it is run for what it does
+            return Ok(None); // it is run for what it does
         }
-        let bytes = fs::read(self.made_of(stage, digest)).ok()?;
-        let made: Made = serde_json::from_slice(&bytes).ok()?;
-        let whole = stage.outputs.iter().all(|o| made.outputs.contains_key(o));
-        (whole && !stage.summary || made.summary.is_some()).then_some(made)
+        let Ok(bytes) = fs::read(self.made_of(stage, digest)) else {
+            return Ok(None);
+        };
+        let made: Made = serde_json::from_slice(&bytes).map_err(|_| Damaged)?;
+        if !made.is_of(stage, digest) {
+            return Err(Damaged);
+        }
+        Ok((!stage.summary || made.summary.is_some()).then_some(made))
     }
 
     /// Brings the outputs, for which there is room, as they were; `false` if what is in the
@@ -127,6 +171,10 @@ impl Cache {
                 std::io::ErrorKind::NotFound => Ok(false),
                 _ => Err(PipelineError::io("write", target)(error)),
             };
+        }
+        let hash = fs::read(target).map(|bytes| blake3::hash(&bytes).to_hex().to_string());
+        if hash.map_err(PipelineError::io("read", target))? != file.content {
+            return Ok(false);
         }
         set_mode(target, file.executable).map_err(PipelineError::io("write", target))?;
         Ok(true)
@@ -175,6 +223,7 @@ impl Cache {
             }
         }
         let made = Made {
+            digest: digest.to_owned(),
             outputs: outputs.clone(),
             files,
             seconds: ran.seconds,

@@ -28,9 +28,7 @@ impl Present {
             if !folder.is_dir() {
                 missing.push(share.folder.clone());
             }
-            files = share
-                .files(&place.root)
-                .map_err(PipelineError::io("read the directory", folder))?;
+            files = hasher.shares.files(share, &place.root)?;
         }
         let made_from = Manifest::of(stage, &files, place.program.as_ref(), hasher)?;
         let found: BTreeSet<&str> = made_from
@@ -51,23 +49,16 @@ impl Present {
 pub(crate) struct Past {
     /// Its last good run.
     pub(crate) record: Option<Record>,
-    /// Outputs of a run that was begun and not finished.
-    pub(crate) unfinished: Option<Vec<String>>,
+    /// Whether a run was begun that did not end well.
+    pub(crate) begun: bool,
 }
 
 impl Past {
     pub(crate) fn of(stage: &Stage, ledger: &Ledger) -> Self {
         Self {
-            record: ledger.stage.get(&stage.name).cloned(),
-            unfinished: ledger.unfinished.get(&stage.name).cloned(),
+            record: ledger.of(stage).cloned(),
+            begun: ledger.left.contains_key(&stage.key()),
         }
-    }
-
-    /// Whether `output` was made here, or begun: only such a file may be removed.
-    pub(crate) fn made(&self, output: &str) -> bool {
-        let recorded = self.record.as_ref();
-        recorded.is_some_and(|record| record.outputs.contains_key(output))
-            || self.unfinished.iter().flatten().any(|path| path == output)
     }
 
     /// Why `stage`, which would now be made from `now`, must run; empty if it need not.
@@ -78,9 +69,10 @@ impl Past {
         hasher: &Hasher<'_>,
     ) -> Result<Vec<Reason>, PipelineError> {
         let Some(record) = &self.record else {
-            return Ok(vec![match self.unfinished {
-                Some(_) => Reason::Unfinished,
-                None => Reason::NeverRun,
+            return Ok(vec![if self.begun {
+                Reason::Unfinished
+            } else {
+                Reason::NeverRun
             }]);
         };
         let mut reasons = record.made_from.differences(now);
@@ -90,11 +82,29 @@ impl Past {
                 (None, _) => reasons.push(Reason::OutputAdded { path }),
                 (Some(_), None) => reasons.push(Reason::OutputMissing { path }),
                 (Some(made), Some(found)) if *made != found => {
-                    reasons.push(Reason::OutputEdited { path });
+                    let foreign = added(output, record, hasher)?;
+                    reasons.push(match foreign {
+                        Some(path) => Reason::Foreign { path },
+                        None => Reason::OutputEdited { path },
+                    });
                 }
                 (Some(_), Some(_)) => {}
             }
         }
         Ok(reasons)
     }
+}
+
+/// The first file in a directory that its run had not made.
+fn added(
+    output: &str,
+    record: &Record,
+    hasher: &Hasher<'_>,
+) -> Result<Option<String>, PipelineError> {
+    let Some(files) = record.files.get(output) else {
+        return Ok(None);
+    };
+    let names = hasher.names(output)?.unwrap_or_default();
+    let added = names.iter().find(|name| files.binary_search(name).is_err());
+    Ok(added.map(|name| format!("{output}/{name}")))
 }

@@ -5,10 +5,10 @@ use std::fs;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use crate::attempt::remove;
 use crate::content::Hasher;
-use crate::ledger::{self, OpenLedger};
+use crate::ledger::{self, Ledger, Made, OpenLedger};
 use crate::lock::RunLock;
+use crate::own::{remove, remove_files};
 use crate::paths::with_ancestors;
 use crate::{Graph, Pipeline, PipelineError, Place};
 
@@ -19,11 +19,16 @@ pub struct Cleaned {
     pub removed: Vec<String>,
     /// Outputs that are not as their stages had left them, and so stay.
     pub kept: Vec<String>,
+    /// Files in outputs that no run made, and that so stay.
+    pub foreign: Vec<String>,
 }
 
 /// Removes the outputs of the targets (stages or files; all stages if there are none) with
 /// their logs and records. What stands in the place of an output but was not made here
 /// stays, and so does, without `force`, what was edited by hand. `dry_run` removes nothing.
+///
+/// Without targets that is also what stages made that the pipeline no longer has; what it
+/// made elsewhere, as another variant or by `--set`, stays.
 ///
 /// # Errors
 /// [`PipelineError::Busy`] if a run is at work, an unknown target, or if a file cannot be
@@ -44,54 +49,29 @@ pub fn clean(
     crate::cluster::refuse_while_jobs_run(place)?;
     let loaded = ledger::load(&place.ledger, Some(pipeline.name()))?;
     let mut ledger = OpenLedger::new(place.ledger.clone(), loaded)?;
+    let mut keys: BTreeSet<String> = named.iter().map(|&i| graph.stage(i).key()).collect();
+    if targets.is_empty() {
+        keys.extend(gone(pipeline, ledger.get()));
+    }
     let never = AtomicBool::new(false);
-    let hasher = Hasher::new(&place.root, place.hash_cache(), &never);
+    let cleaning = Cleaning {
+        place,
+        hasher: Hasher::new(&place.root, place.hash_cache(), &never),
+        force,
+        dry_run,
+    };
     let mut cleaned = Cleaned::default();
-    let names: BTreeSet<&str> = named
-        .iter()
-        .map(|&i| graph.stage(i).name.as_str())
-        .collect();
-    // Also what stages made that the pipeline no longer has.
-    let is_gone = |stage: &&String| pipeline.stages().iter().all(|s| s.name != **stage);
-    let recorded = ledger
-        .get()
-        .stage
-        .keys()
-        .chain(ledger.get().unfinished.keys());
-    let gone = recorded.filter(|stage| targets.is_empty() && is_gone(stage));
-    let stages: BTreeSet<String> = gone
-        .cloned()
-        .chain(names.iter().map(|s| (*s).to_owned()))
-        .collect();
-    for stage in &stages {
-        let record = ledger.get().stage.get(stage).cloned();
-        let unfinished = ledger.get().unfinished.get(stage).cloned();
-        let mut all = true;
-        for (output, content) in record.iter().flat_map(|record| &record.outputs) {
-            match hasher.content(output)? {
-                None => {}
-                Some(found) if found == *content || force => {
-                    remove_output(place, output, dry_run)?;
-                    cleaned.removed.push(output.clone());
-                }
-                Some(_) => {
-                    all = false;
-                    cleaned.kept.push(output.clone());
-                }
-            }
-        }
-        for output in unfinished.iter().flatten() {
-            if place.root.join(output).exists() {
-                remove_output(place, output, dry_run)?;
-                cleaned.removed.push(output.clone());
-            }
-        }
+    for key in &keys {
+        let Some(stage) = ledger.get().stage_of(key).map(str::to_owned) else {
+            continue;
+        };
+        let all = cleaning.remove(key, ledger.get(), &mut cleaned)?;
         if !dry_run {
-            for path in [place.log_of(stage), place.stdout_of(stage)] {
+            for path in [place.log_of(&stage), place.stdout_of(&stage, key)] {
                 remove(&path).map_err(PipelineError::io("remove", &path))?;
             }
-            if all && (record.is_some() || unfinished.is_some()) {
-                ledger.forget(stage)?;
+            if all {
+                ledger.forget(key)?;
             }
         }
     }
@@ -100,22 +80,90 @@ pub fn clean(
         let _ = fs::remove_file(place.hash_cache());
         let _ = fs::remove_dir(&place.log_dir); // stays if anything else is in it
     }
-    drop(lock);
+    lock.release();
     Ok(cleaned)
 }
 
-/// Removes an output and the directories above it that it leaves empty.
-fn remove_output(place: &Place, output: &str, dry_run: bool) -> Result<(), PipelineError> {
-    if dry_run {
-        return Ok(());
+/// Runs of stages that the pipeline no longer has, or no longer has there.
+fn gone<'l>(pipeline: &Pipeline, ledger: &'l Ledger) -> impl Iterator<Item = String> + 'l {
+    let stages = pipeline.stages().iter();
+    let stages: BTreeSet<String> = stages.map(|stage| stage.name.clone()).collect();
+    let variant = pipeline.variant().map(str::to_owned);
+    let has = move |stage: &str| stages.contains(stage);
+    let still = has.clone();
+    let runs = ledger.run.iter().filter(move |(_, record)| {
+        record.variant == variant && (!has(&record.stage) || record.set.is_empty())
+    });
+    let left = ledger.left.iter().filter(move |(_, l)| !still(&l.stage));
+    runs.map(|(key, _)| key.clone())
+        .chain(left.map(|(key, _)| key.clone()))
+}
+
+struct Cleaning<'a> {
+    place: &'a Place,
+    hasher: Hasher<'a>,
+    force: bool,
+    dry_run: bool,
+}
+
+impl Cleaning<'_> {
+    /// Removes what one run made; whether nothing of it is left.
+    fn remove(
+        &self,
+        key: &str,
+        ledger: &Ledger,
+        cleaned: &mut Cleaned,
+    ) -> Result<bool, PipelineError> {
+        let mut all = true;
+        for (output, made) in ledger.made_by(key) {
+            let Some(names) = self.hasher.names(output)? else {
+                continue;
+            };
+            let record = ledger.run.get(key).and_then(|r| r.outputs.get(output));
+            let files = match made {
+                Made::All | Made::If(_) => names,
+                Made::Files(files) => {
+                    let is_foreign = |name: &&String| files.binary_search(name).is_err();
+                    let foreign: Vec<String> = names.iter().filter(is_foreign).cloned().collect();
+                    let told = foreign.iter().map(|name| format!("{output}/{name}"));
+                    cleaned.foreign.extend(told);
+                    files.to_vec()
+                }
+            };
+            let edited = match record {
+                Some(content) => self.content_of(output, made)?.as_ref() != Some(content),
+                None => false,
+            };
+            if edited && !self.force {
+                all = false;
+                cleaned.kept.push(output.to_owned());
+                continue;
+            }
+            if !self.dry_run {
+                remove_files(output, &files, &self.place.root)?;
+                self.remove_empty_above(output);
+            }
+            cleaned.removed.push(output.to_owned());
+        }
+        Ok(all)
     }
-    let full = place.root.join(output);
-    remove(&full).map_err(PipelineError::io("remove", &full))?;
-    for above in with_ancestors(output).skip(1) {
-        let folder = place.root.join(above);
-        if Path::new(above).is_absolute() || fs::remove_dir(folder).is_err() {
-            break;
+
+    /// The content of what a run made in an output, without what others put there.
+    fn content_of(&self, output: &str, made: Made<'_>) -> Result<Option<String>, PipelineError> {
+        match made {
+            Made::Files(files) if self.place.root.join(output).is_dir() => {
+                self.hasher.content_of_some(output, files).map(Some)
+            }
+            _ => self.hasher.content(output),
         }
     }
-    Ok(())
+
+    fn remove_empty_above(&self, output: &str) {
+        for above in with_ancestors(output).skip(1) {
+            let folder = self.place.root.join(above);
+            if Path::new(above).is_absolute() || fs::remove_dir(folder).is_err() {
+                break;
+            }
+        }
+    }
 }

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 
 use crate::PipelineError;
 use crate::atomic_write::{self, Durability};
+use crate::shares::Shares;
 
 /// File systems stamp times in ticks of up to 10 ms: a file changed this lately could
 /// change again without looking changed, so its hash is not remembered.
@@ -42,6 +43,7 @@ pub(crate) struct Hasher<'a> {
     /// What is remembered, and whether anything is new in it.
     cache: Arc<Mutex<(Cache, bool)>>,
     cancel: &'a AtomicBool,
+    pub(crate) shares: Shares,
 }
 
 impl<'a> Hasher<'a> {
@@ -56,6 +58,7 @@ impl<'a> Hasher<'a> {
             cache_file,
             cache: Arc::new(Mutex::new((cache, false))),
             cancel,
+            shares: Shares::default(),
         }
     }
 
@@ -66,6 +69,7 @@ impl<'a> Hasher<'a> {
             cache_file: PathBuf::new(),
             cache: Arc::default(),
             cancel,
+            shares: Shares::default(),
         }
     }
 
@@ -77,6 +81,7 @@ impl<'a> Hasher<'a> {
             cache_file: self.cache_file.clone(),
             cache: self.cache.clone(),
             cancel: &STOPPED,
+            shares: self.shares.clone(),
         }
     }
 
@@ -97,6 +102,38 @@ impl<'a> Hasher<'a> {
             }
             Err(error) => Err(PipelineError::io("read", full)(error)),
         }
+    }
+
+    /// The names of the files in a directory, below it and in order; the empty name for a
+    /// file. `None` if nothing is there.
+    pub(crate) fn names(&self, path: &str) -> Result<Option<Vec<String>>, PipelineError> {
+        let full = self.root.join(path);
+        if !full.is_dir() {
+            let itself = full.symlink_metadata().is_ok();
+            return Ok(itself.then(|| vec![String::new()]));
+        }
+        let mut found = Vec::new();
+        list(&full, "", &mut found)?;
+        let mut names: Vec<String> = found
+            .into_iter()
+            .map(|found| found.within.trim_start_matches('/').to_owned())
+            .collect();
+        names.sort();
+        Ok(Some(names))
+    }
+
+    /// The content that a directory would have with only `files` in it, in order.
+    pub(crate) fn content_of_some(
+        &self,
+        path: &str,
+        files: &[String],
+    ) -> Result<String, PipelineError> {
+        let full = self.root.join(path);
+        let mut found = Vec::new();
+        list(&full, "", &mut found)?;
+        let is_one = |name: &str| files.binary_search_by(|f| (**f).cmp(name)).is_ok();
+        found.retain(|entry| is_one(entry.within.trim_start_matches('/')));
+        self.listing(&found)
     }
 
     /// The files of an output, each below it (empty for a file by itself) and with its
@@ -141,6 +178,10 @@ impl<'a> Hasher<'a> {
     fn directory(&self, full: &Path) -> Result<String, PipelineError> {
         let mut found = Vec::new();
         list(full, "", &mut found)?;
+        self.listing(&found)
+    }
+
+    fn listing(&self, found: &[Found]) -> Result<String, PipelineError> {
         let remembered = |entry: &Found| match &entry.kind {
             FoundKind::Link(target) => Some(target.clone()),
             FoundKind::File(full, metadata) => self.remembered(full, metadata),
@@ -149,7 +190,7 @@ impl<'a> Hasher<'a> {
         // Only what must be read is worth several threads.
         contents
             .par_iter_mut()
-            .zip(&found)
+            .zip(found)
             .filter(|(content, _)| content.is_none())
             .try_for_each(|(content, entry)| {
                 if let FoundKind::File(full, metadata) = &entry.kind {
@@ -258,7 +299,10 @@ fn list(folder: &Path, prefix: &str, found: &mut Vec<Found>) -> Result<(), Pipel
     names.sort_by(|a, b| a.0.cmp(&b.0));
     for (name, kind) in names {
         let full = folder.join(&name);
-        let within = format!("{prefix}/{}", name.to_string_lossy());
+        let Some(text) = name.to_str() else {
+            return Err(PipelineError::NameNotText { path: full });
+        };
+        let within = format!("{prefix}/{text}");
         let reading = || PipelineError::io("read", &full);
         if kind.is_dir() {
             list(&full, &within, found)?;

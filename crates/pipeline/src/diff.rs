@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use crate::content::Hasher;
+use crate::paths::with_ancestors;
 use crate::{FactKind, Ledger, PipelineError, Reason, Record};
 
 /// A run: its ledger and where its files are.
@@ -17,6 +18,14 @@ pub struct RunAt {
     pub ledger: Ledger,
     /// Its relative paths start here.
     pub root: PathBuf,
+    /// The variant; `None` for what was run without one.
+    pub variant: Option<String>,
+}
+
+impl RunAt {
+    fn records(&self) -> BTreeMap<&str, &Record> {
+        self.ledger.variant(self.variant.as_deref())
+    }
 }
 
 /// What two runs differ in.
@@ -107,18 +116,27 @@ pub struct NumberDifference {
 /// # Errors
 /// If a file cannot be read.
 pub fn diff(first: &RunAt, second: &RunAt) -> Result<RunDifference, PipelineError> {
-    let names = |run: &RunAt| run.ledger.stage.keys().cloned().collect::<BTreeSet<_>>();
-    let (a, b) = (names(first), names(second));
+    let (before, now) = (first.records(), second.records());
+    let names = |run: &BTreeMap<&str, &Record>| {
+        let names = run.keys().map(|name| (*name).to_owned());
+        names.collect::<BTreeSet<_>>()
+    };
+    let (a, b) = (names(&before), names(&now));
     let mut stages = Vec::new();
     let mut same = 0;
     for stage in a.intersection(&b) {
-        let (before, now) = (&first.ledger.stage[stage], &second.ledger.stage[stage]);
+        let (before, now) = (before[stage.as_str()], now[stage.as_str()]);
         let templated = |record: &Record| {
             let params = path_params(record);
             let rename = |path: &str| template(path, &params);
             record.made_from.clone().with_inputs_renamed(rename)
         };
-        let made_from = templated(before).differences(&templated(now));
+        let mut made_from = templated(before).differences(&templated(now));
+        // Another folder is no difference.
+        let moved = |name: &String| is_root(before, name) && is_root(now, name);
+        made_from.retain(
+            |reason| !matches!(reason, Reason::ParameterChanged { name, .. } if moved(name)),
+        );
         let outputs = outputs(before, now, &first.root, &second.root)?;
         if made_from.is_empty() && outputs.is_empty() {
             same += 1;
@@ -135,6 +153,17 @@ pub fn diff(first: &RunAt, second: &RunAt) -> Result<RunDifference, PipelineErro
         only_second: b.difference(&a).cloned().collect(),
         stages,
         same,
+    })
+}
+
+/// Whether the parameter's value is where outputs of a run begin.
+fn is_root(record: &Record, name: &str) -> bool {
+    let mut facts = record.made_from.facts(FactKind::Parameter);
+    let value = facts.find(|(param, _)| *param == name).map(|(_, v)| v);
+    let value = value.and_then(crate::paths::normalise);
+    value.is_some_and(|value| {
+        let mut above = record.outputs.keys().flat_map(|o| with_ancestors(o));
+        above.any(|above| above == value)
     })
 }
 

@@ -144,7 +144,13 @@ mod tests {
         let text = "name = 'p'\n[[stage]]\nname = 'fit'\nmatrix = {i = [1, 2, 3]}\n\
                     cmd = ['x']\noutputs = ['out/{i}']\n\
                     [[stage]]\nname = 'join'\ncmd = ['x']\ninputs = ['out']\noutputs = ['all']\n";
-        let p = Pipeline::parse(text, "p.toml".as_ref(), ".".as_ref(), &[]).unwrap();
+        let p = Pipeline::parse(
+            text,
+            "p.toml".as_ref(),
+            ".".as_ref(),
+            &crate::Settings::default(),
+        )
+        .unwrap();
         let graph = Graph::new(&p).unwrap();
         assert_eq!(graph.text(), "fit (x3)\njoin      <- fit (x3)\n");
         assert_eq!(graph.svg().matches("<rect").count(), 2);

@@ -182,6 +182,32 @@ pub enum PipelineError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A file whose name is no UTF-8 text.
+    #[error("the name of {} is not UTF-8 text, so that no pipeline can name it", path.display())]
+    NameNotText {
+        /// The file.
+        path: PathBuf,
+    },
+    /// `--variant` of a pipeline with outputs that it cannot move.
+    #[error(
+        "`--variant {variant}` cannot move `{output}` of stage `{stage}`: it does not begin with a parameter"
+    )]
+    NoRoot {
+        /// The variant.
+        variant: String,
+        /// The stage.
+        stage: String,
+        /// Its output, as written.
+        output: String,
+    },
+    /// A variant's name that cannot be one.
+    #[error(
+        "`{name}` cannot name a variant: letters, digits, `_` and `-`, the first a letter or digit"
+    )]
+    BadVariant {
+        /// The name.
+        name: String,
+    },
     /// The cancel flag was set while files were read.
     #[error("interrupted")]
     Interrupted,
@@ -203,11 +229,13 @@ impl PipelineError {
             }
             Self::TwoMakers { .. } => Some("give each stage an output of its own".to_owned()),
             Self::LedgerDamaged { path, .. } => Some(format!(
-                "restore {}, or delete it: every stage then runs again",
+                "restore {}, or delete it: every stage then runs again, and what former runs made has \
+                 to be removed or put aside (--move-aside)",
                 path.display()
             )),
             Self::LedgerNewer { path, .. } => Some(format!(
-                "use the newer program, or delete {}: every stage then runs again",
+                "use the newer program, or delete {}: every stage then runs again, and what former \
+                 runs made has to be removed or put aside (--move-aside)",
                 path.display()
             )),
             Self::HoldsOurs { .. } => {
@@ -229,7 +257,12 @@ impl PipelineError {
             Self::Engine { .. } => {
                 Some("check that the cluster's programs are on the PATH and answer".to_owned())
             }
+            Self::NameNotText { .. } => Some("rename it".to_owned()),
+            Self::NoRoot { .. } => Some(
+                "let outputs begin with a parameter, such as `out` in \"{out}/drives\"".to_owned(),
+            ),
             Self::OverrideType { .. }
+            | Self::BadVariant { .. }
             | Self::Cycle { .. }
             | Self::Io { .. }
             | Self::Interrupted => None,

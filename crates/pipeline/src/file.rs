@@ -41,9 +41,21 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::{PipelineError, Stage};
-use layers::{Layer, check_added, merged_params, merged_stages, with_layers};
+use layers::{Layer, check_added, merged_params, merged_stages, move_roots, with_layers};
 use tables::read_stages;
 use value::{check_name, required, string};
+
+/// What a run gives to a pipeline or changes in it.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Settings {
+    /// `--set` pairs, of which the last one wins.
+    pub set: Vec<(String, String)>,
+    /// The name of a variant: every parameter with which outputs begin gets `-NAME`, so that
+    /// it stands beside what is run without.
+    pub variant: Option<String>,
+    /// Parameters that stages may use and that the file need not have.
+    pub provided: BTreeMap<String, String>,
+}
 
 /// A pipeline as its file describes it, with every `{parameter}` replaced.
 ///
@@ -54,37 +66,34 @@ pub struct Pipeline {
     name: String,
     path: PathBuf,
     overrides: BTreeMap<String, String>,
+    variant: Option<String>,
+    text: String,
     stages: Vec<Stage>,
 }
 
 impl Pipeline {
-    /// Reads a pipeline file; `overrides` are `--set` pairs, of which the last one wins, and
-    /// tables for `foreach` are looked for below `root`.
+    /// Reads a pipeline file; tables for `foreach` are looked for below `root`.
     ///
     /// # Errors
     /// [`PipelineError::Unreadable`] if there is no such text file, otherwise as
     /// [`Pipeline::parse`].
-    pub fn read(
-        path: &Path,
-        root: &Path,
-        overrides: &[(String, String)],
-    ) -> Result<Self, PipelineError> {
+    pub fn read(path: &Path, root: &Path, settings: &Settings) -> Result<Self, PipelineError> {
         let text = std::fs::read_to_string(path).map_err(|source| PipelineError::Unreadable {
             path: path.to_owned(),
             source,
         })?;
-        Self::parse(&text, path, root, overrides)
+        Self::parse(&text, path, root, settings)
     }
 
     /// Reads a pipeline from text; `path` is named in messages, and files that the text
     /// extends are looked for beside it.
     ///
     /// # Errors
-    /// [`PipelineError::Malformed`] with the position, or one of the errors of overrides.
+    /// [`PipelineError::Malformed`] with the position, or one of the errors of settings.
     ///
     /// # Example
     /// ```
-    /// # use maveric_pipeline::Pipeline;
+    /// # use maveric_pipeline::{Pipeline, Settings};
     /// let text = r#"
     /// name = "greeting"
     /// [params]
@@ -94,7 +103,8 @@ impl Pipeline {
     /// cmd = ["sh", "-c", "echo {who} > hello.txt"]
     /// outputs = ["hello.txt"]
     /// "#;
-    /// let pipeline = Pipeline::parse(text, "greeting.toml".as_ref(), ".".as_ref(), &[])?;
+    /// let settings = Settings::default();
+    /// let pipeline = Pipeline::parse(text, "greeting.toml".as_ref(), ".".as_ref(), &settings)?;
     /// assert_eq!(pipeline.stages()[0].command[2], "echo world > hello.txt");
     /// # Ok::<(), maveric_pipeline::PipelineError>(())
     /// ```
@@ -102,10 +112,10 @@ impl Pipeline {
         text: &str,
         path: &Path,
         root: &Path,
-        overrides: &[(String, String)],
+        settings: &Settings,
     ) -> Result<Self, PipelineError> {
         with_layers(path, text, &[], &mut |layers| {
-            Self::assemble(layers, path, root, overrides)
+            Self::assemble(layers, path, root, settings)
         })
     }
 
@@ -113,22 +123,31 @@ impl Pipeline {
         layers: &[Layer<'_>],
         path: &Path,
         root: &Path,
-        overrides: &[(String, String)],
+        settings: &Settings,
     ) -> Result<Self, PipelineError> {
         let top = layers[0];
         let name = required(top.table, "name", "the pipeline", 0).map_err(|at| top.error(at))?;
         let text = string("name", name).map_err(|at| top.error(at))?;
         check_name(&text, name.span().start).map_err(|at| top.error(at))?;
         let mut params = merged_params(layers)?;
-        for (key, value) in overrides {
+        for (name, value) in &settings.provided {
+            params.provide(name, value);
+        }
+        for (key, value) in &settings.set {
             params.set(key, value)?;
         }
-        let stages = read_stages(&merged_stages(layers)?, &params, root)?;
+        let entries = merged_stages(layers)?;
+        if let Some(variant) = &settings.variant {
+            move_roots(&entries, &mut params, variant)?;
+        }
+        let stages = read_stages(&entries, &params, root)?;
         check_added(layers, &stages)?;
         Ok(Self {
             name: text,
             path: path.to_owned(),
-            overrides: overrides.iter().cloned().collect(),
+            overrides: settings.set.iter().cloned().collect(),
+            variant: settings.variant.clone(),
+            text: top.text.to_owned(),
             stages,
         })
     }
@@ -148,6 +167,16 @@ impl Pipeline {
         &self.stages
     }
 
+    /// The text of its own file, without what that extends.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The variant that it is, if it is one.
+    pub fn variant(&self) -> Option<&str> {
+        self.variant.as_deref()
+    }
+
     /// What `--set` replaced.
     pub fn overrides(&self) -> &BTreeMap<String, String> {
         &self.overrides
@@ -159,7 +188,12 @@ mod tests {
     use super::*;
 
     fn parsed(text: &str) -> Result<Pipeline, PipelineError> {
-        Pipeline::parse(text, Path::new("p.toml"), Path::new("."), &[])
+        Pipeline::parse(
+            text,
+            Path::new("p.toml"),
+            Path::new("."),
+            &Settings::default(),
+        )
     }
 
     fn message(text: &str) -> String {
@@ -184,9 +218,12 @@ mod tests {
     #[test]
     fn an_override_replaces_a_value_and_is_kept() {
         let text = format!("{STAGE_A}cmd = ['x', '{{seed}}']");
-        let overrides = [("seed".to_owned(), "7".to_owned())];
+        let settings = Settings {
+            set: vec![("seed".to_owned(), "7".to_owned())],
+            ..Settings::default()
+        };
         let pipeline =
-            Pipeline::parse(&text, Path::new("p.toml"), Path::new("."), &overrides).unwrap();
+            Pipeline::parse(&text, Path::new("p.toml"), Path::new("."), &settings).unwrap();
         assert_eq!(pipeline.stages()[0].command, ["x", "7"]);
         assert_eq!(pipeline.overrides()["seed"], "7");
     }
@@ -212,7 +249,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("t.csv"), table).unwrap();
         let text = format!("name = 'p'\n[params]\nseed = 1\n[[stage]]\nname = 'fit'\n{stage}");
-        Pipeline::parse(&text, Path::new("p.toml"), folder.path(), &[])
+        let settings = Settings::default();
+        Pipeline::parse(&text, Path::new("p.toml"), folder.path(), &settings)
     }
 
     fn names(pipeline: &Pipeline) -> Vec<&str> {
@@ -316,7 +354,7 @@ mod tests {
             std::fs::write(folder.path().join(name), text).unwrap();
         }
         let path = folder.path().join(files[0].0);
-        Pipeline::read(&path, folder.path(), &[]).map_err(|error| {
+        Pipeline::read(&path, folder.path(), &Settings::default()).map_err(|error| {
             let help = error.suggestion().unwrap_or_default();
             let folder = format!("{}/", folder.path().display());
             format!("{error} ({help})").replace(&folder, "")
@@ -383,6 +421,40 @@ mod tests {
         let again = "name = 'base'\nextends = 'mine.toml'\n";
         let error = extended(&[("mine.toml", head), ("base.toml", again)]).unwrap_err();
         assert_eq!(error, "base.toml:2:11: mine.toml extends itself ()");
+    }
+
+    #[test]
+    fn a_variant_moves_the_parameters_with_which_outputs_begin() {
+        let variant = |text: &str, name: &str| {
+            let settings = Settings {
+                variant: Some(name.to_owned()),
+                provided: BTreeMap::from([("command".to_owned(), "run {x}".to_owned())]),
+                ..Settings::default()
+            };
+            Pipeline::parse(text, Path::new("p.toml"), Path::new("."), &settings)
+        };
+        let text = "name = 'p'\n[params]\nout = 'data/'\nmodel = '{out}/model'\nreport = 'r'\nraw = 'in'\n\
+                    [[stage]]\nname = 'a'\ncmd = ['x', '{raw}', '{model}', '{command}']\n\
+                    inputs = ['{raw}']\noutputs = ['{model}']\n\
+                    [[stage]]\nname = 'b'\ncmd = ['y']\ninputs = ['{out}/model']\noutputs = ['{report}.html']\n";
+        let pipeline = variant(text, "b").unwrap();
+        let [a, b] = pipeline.stages() else {
+            unreachable!()
+        };
+        assert_eq!(a.command[1..], ["in", "data-b/model", "run {x}"]);
+        assert_eq!(
+            (&*a.outputs[0], &*b.inputs[0]),
+            ("data-b/model", "data-b/model")
+        );
+        assert_eq!(
+            (&*b.outputs[0], pipeline.variant()),
+            ("r-b.html", Some("b"))
+        );
+        let error = variant(&text.replace("'{report}.html'", "'made/it'"), "b").unwrap_err();
+        let expected =
+            "`--variant b` cannot move `made/it` of stage `b`: it does not begin with a parameter";
+        assert_eq!(error.to_string(), expected);
+        assert!(variant(text, "a/b").is_err());
     }
 
     #[test]

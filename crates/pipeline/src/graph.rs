@@ -361,7 +361,13 @@ mod tests {
         };
         let tables: String = (0..10_000).map(table).collect();
         let text = format!("name = 'p'\n{tables}");
-        let p = Pipeline::parse(&text, "p.toml".as_ref(), ".".as_ref(), &[]).unwrap();
+        let p = Pipeline::parse(
+            &text,
+            "p.toml".as_ref(),
+            ".".as_ref(),
+            &crate::Settings::default(),
+        )
+        .unwrap();
         assert_eq!(Graph::new(&p).unwrap().order().len(), 10_000);
     }
 }

@@ -3,6 +3,7 @@
 //! Writing the whole ledger after each stage would cost more than a short stage. Appending
 //! a line does not, and a line that a killed run left half-written is known by its hash.
 
+use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -25,11 +26,22 @@ pub(crate) enum Entry {
         ledger: Option<String>,
     },
     /// A stage is about to run, so what its outputs are is not known.
-    Begun { stage: String, outputs: Vec<String> },
+    Begun {
+        key: String,
+        stage: String,
+        outputs: Vec<String>,
+        /// Other runs that had made something in these outputs.
+        from: Vec<String>,
+    },
     /// A stage has run well.
-    Finished { stage: String, record: Box<Record> },
-    /// The outputs of a stage were removed.
-    Forgotten { stage: String },
+    Finished { key: String, record: Box<Record> },
+    /// A stage did not end well and left these files in its outputs.
+    Left {
+        key: String,
+        files: BTreeMap<String, Vec<String>>,
+    },
+    /// The outputs of a run were removed.
+    Forgotten { key: String },
 }
 
 impl Entry {
@@ -37,18 +49,23 @@ impl Entry {
     pub(crate) fn apply(self, ledger: &mut Ledger) {
         match self {
             Self::Onto { .. } => {}
-            Self::Begun { stage, outputs } => {
-                ledger.stage.remove(&stage);
-                ledger.unfinished.insert(stage, outputs);
+            Self::Begun {
+                key,
+                stage,
+                outputs,
+                from,
+            } => ledger.begin(&key, &stage, &outputs, &from),
+            Self::Finished { key, record } => {
+                ledger.left.remove(&key);
+                ledger.run.insert(key, *record);
             }
-            Self::Finished { stage, record } => {
-                ledger.unfinished.remove(&stage);
-                ledger.stage.insert(stage, *record);
+            Self::Left { key, files } => {
+                if let Some(left) = ledger.left.get_mut(&key) {
+                    left.open.clear();
+                    left.files = files;
+                }
             }
-            Self::Forgotten { stage } => {
-                ledger.unfinished.remove(&stage);
-                ledger.stage.remove(&stage);
-            }
+            Self::Forgotten { key } => ledger.forget(&key),
         }
     }
 }
@@ -157,15 +174,17 @@ mod tests {
 
     fn begun(stage: &str) -> Entry {
         Entry::Begun {
+            key: format!("é/{stage}.txt"),
             stage: stage.to_owned(),
-            outputs: vec!["é.txt".to_owned()],
+            outputs: vec![format!("é/{stage}.txt")],
+            from: Vec::new(),
         }
     }
 
     fn replayed(path: &Path, hash: Option<&str>) -> Vec<String> {
         let mut ledger = Ledger::empty("p");
         replay(path, hash.map(str::to_owned).as_ref(), &mut ledger).unwrap();
-        ledger.unfinished.into_keys().collect()
+        ledger.left.into_values().map(|left| left.stage).collect()
     }
 
     proptest! {

@@ -1,19 +1,29 @@
 //! What each output was made from, in a file that people can read and compare.
 
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+mod open;
+mod read;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 use crate::atomic_write::{self, Durability};
-use crate::journal::{self, Entry, Journal};
-use crate::{Manifest, PipelineError, Row};
+use crate::paths::{below, with_ancestors};
+use crate::{Manifest, PipelineError, Row, Stage};
+
+pub(crate) use open::OpenLedger;
+pub(crate) use read::{Loaded, load};
 
 /// The format that this version writes, and the newest that it reads.
-pub const LEDGER_VERSION: u32 = 2;
+pub const LEDGER_VERSION: u32 = 3;
 
 const HEADING: &str = "# What each stage's outputs were made from. Written at the end of a run; \
                        not meant to be edited.\n\n";
 
-/// The record of finished stages.
+/// The record of what runs made.
+///
+/// It is kept by output path: a run is found by the first of its outputs (in the order of
+/// their letters), so that runs of one stage into several places never forget each other's
+/// files. A stage without outputs has `//` and its name there.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ledger {
@@ -21,19 +31,23 @@ pub struct Ledger {
     pub version: u32,
     /// The pipeline's name.
     pub pipeline: String,
-    /// Outputs that stages were about to make when they were last begun, by stage. An entry
-    /// goes when its stage finishes.
+    /// What is there of runs that did not end well, or of which others have taken a part.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub unfinished: BTreeMap<String, Vec<String>>,
-    /// The last good run of each stage, by its name.
+    pub left: BTreeMap<String, Left>,
+    /// The last good run into each place.
     #[serde(default)]
-    pub stage: BTreeMap<String, Record>,
+    pub run: BTreeMap<String, Record>,
 }
 
 /// One good run of a stage.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Record {
+    /// The stage.
+    pub stage: String,
+    /// What `--variant` was, if it was given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub variant: Option<String>,
     /// The hash of `made_from`.
     pub digest: String,
     /// How long the stage ran, in seconds.
@@ -52,13 +66,38 @@ pub struct Record {
     /// The content of each output, by its path.
     #[serde(default)]
     pub outputs: BTreeMap<String, String>,
+    /// Of outputs that are directories, the files in them, in order.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub files: BTreeMap<String, Vec<String>>,
 }
 
-/// The part of a ledger that every version has had.
-#[derive(serde::Deserialize)]
-struct AnyVersion {
-    version: u32,
+/// What is there of a run that did not end well.
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Left {
+    /// The stage.
+    pub stage: String,
+    /// Outputs in the making when this was last written: whatever is there, the stage made it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub open: Vec<String>,
+    /// The files that are known to be the stage's, by output; the empty name for an output
+    /// that is a file itself.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub files: BTreeMap<String, Vec<String>>,
 }
+
+/// What of an output is a run's.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Made<'a> {
+    /// All of it, whatever it is.
+    All,
+    /// Files below it, in order; the empty name for itself.
+    Files(&'a [String]),
+    /// All of it, as long as it has this content: earlier versions kept no list of files.
+    If(&'a str),
+}
+
+const ITSELF: &[String] = &[String::new()];
 
 impl Ledger {
     /// A ledger in which nothing has been made.
@@ -66,8 +105,8 @@ impl Ledger {
         Self {
             version: LEDGER_VERSION,
             pipeline: pipeline.to_owned(),
-            unfinished: BTreeMap::new(),
-            stage: BTreeMap::new(),
+            left: BTreeMap::new(),
+            run: BTreeMap::new(),
         }
     }
 
@@ -89,44 +128,115 @@ impl Ledger {
         load(path, None).map(|loaded| loaded.ledger)
     }
 
-    fn parse(path: &Path, bytes: Vec<u8>, pipeline: Option<&str>) -> Result<Self, PipelineError> {
-        let damaged = |message: String| PipelineError::LedgerDamaged {
-            path: path.to_owned(),
-            message,
-        };
-        let text = String::from_utf8(bytes).map_err(|_| damaged("it is not text".to_owned()))?;
-        let at = |error: toml::de::Error| {
-            let line = error.span().and_then(|span| text.get(..span.start));
-            let line = line.map_or(1, |before| before.matches('\n').count() + 1);
-            damaged(format!("line {line}: {}", error.message()))
-        };
-        let ledger = toml::from_str::<Self>(&text);
-        if !matches!(&ledger, Ok(ledger) if ledger.version <= LEDGER_VERSION) {
-            let AnyVersion { version } = toml::from_str(&text).map_err(at)?;
-            if version > LEDGER_VERSION {
-                return Err(PipelineError::LedgerNewer {
-                    path: path.to_owned(),
-                    found: version,
-                    supported: LEDGER_VERSION,
-                });
+    /// The last good run of `stage` into the outputs that it has now.
+    pub fn of(&self, stage: &Stage) -> Option<&Record> {
+        let record = self.run.get(&stage.key());
+        record.filter(|record| record.stage == stage.name)
+    }
+
+    /// The last good runs of one variant (`None`: those without a name), by stage. Where a
+    /// stage has run into several places by `--set`, the one with the fewest settings counts.
+    pub fn variant(&self, name: Option<&str>) -> BTreeMap<&str, &Record> {
+        let mut found: BTreeMap<&str, &Record> = BTreeMap::new();
+        for record in self.run.values() {
+            let settings = |record: &Record| record.set.len();
+            if record.variant.as_deref() == name
+                && found
+                    .get(&*record.stage)
+                    .is_none_or(|other| settings(record) < settings(other))
+            {
+                found.insert(&record.stage, record);
             }
         }
-        let ledger = ledger.map_err(at)?;
-        if let Some(pipeline) = pipeline
-            && ledger.pipeline != pipeline
-        {
-            return Err(damaged(format!(
-                "it belongs to pipeline `{}`, not to `{pipeline}`",
-                ledger.pipeline
-            )));
+        found
+    }
+
+    /// The variants of which there are runs, in order.
+    pub fn variants(&self) -> BTreeSet<&str> {
+        let names = self.run.values().map(|record| record.variant.as_deref());
+        names.flatten().collect()
+    }
+
+    /// What of each output a run made, or the beginning of one.
+    pub(crate) fn made_by(&self, key: &str) -> BTreeMap<&str, Made<'_>> {
+        let mut made = BTreeMap::new();
+        if let Some(record) = self.run.get(key) {
+            for (output, content) in &record.outputs {
+                let kind = match record.files.get(output) {
+                    Some(files) => Made::Files(files),
+                    None if content.contains(" in ") => Made::If(content),
+                    None => Made::Files(ITSELF),
+                };
+                made.insert(output.as_str(), kind);
+            }
         }
-        let forged = |(_, record): &(&String, &Record)| record.digest != record.made_from.digest();
-        match ledger.stage.iter().find(forged) {
-            Some((stage, _)) => Err(damaged(format!(
-                "the digest of stage `{stage}` is not that of its entries"
-            ))),
-            None => Ok(ledger),
+        if let Some(left) = self.left.get(key) {
+            let files = left.files.iter();
+            made.extend(files.map(|(output, files)| (output.as_str(), Made::Files(files))));
+            made.extend(left.open.iter().map(|output| (output.as_str(), Made::All)));
         }
+        made
+    }
+
+    /// The stage of a run.
+    pub(crate) fn stage_of(&self, key: &str) -> Option<&str> {
+        let begun = self.left.get(key).map(|left| left.stage.as_str());
+        begun.or_else(|| self.run.get(key).map(|record| record.stage.as_str()))
+    }
+
+    /// Notes that a stage is about to make `outputs`: all that will be there is its own. Of
+    /// the runs `from`, which had made something there, those of the same stage are its
+    /// past; others lose what lies there.
+    pub(crate) fn begin(&mut self, key: &str, stage: &str, outputs: &[String], from: &[String]) {
+        let mut past = BTreeMap::new();
+        let mut making = outputs.to_vec();
+        for other in from.iter().map(String::as_str).chain([key]) {
+            let same = other == key || self.stage_of(other) == Some(stage);
+            let mut files = self.files_left(other);
+            let open = self.left.get(other).map(|left| left.open.clone());
+            let mut open = open.unwrap_or_default();
+            open.retain(|path| {
+                !with_ancestors(path).any(|above| outputs.iter().any(|o| o == above))
+            });
+            let name = self.stage_of(other).unwrap_or_default().to_owned();
+            self.forget(other);
+            for output in outputs {
+                take(&mut files, output);
+            }
+            if same {
+                past.append(&mut files);
+                making.append(&mut open);
+            } else if !files.is_empty() || !open.is_empty() {
+                let left = Left {
+                    stage: name,
+                    open,
+                    files,
+                };
+                self.left.insert(other.to_owned(), left);
+            }
+        }
+        let left = Left {
+            stage: stage.to_owned(),
+            open: making,
+            files: past,
+        };
+        self.left.insert(key.to_owned(), left);
+    }
+
+    pub(crate) fn forget(&mut self, key: &str) {
+        self.left.remove(key);
+        self.run.remove(key);
+    }
+
+    /// The files of a run by output, as far as they are known by name.
+    fn files_left(&self, key: &str) -> BTreeMap<String, Vec<String>> {
+        let files = |made: Made<'_>| match made {
+            Made::Files(files) => Some(files.to_vec()),
+            Made::All | Made::If(_) => None,
+        };
+        let made = self.made_by(key).into_iter();
+        made.filter_map(|(output, made)| Some((output.to_owned(), files(made)?)))
+            .collect()
     }
 
     fn write(&self, path: &Path) -> Result<(), PipelineError> {
@@ -144,131 +254,23 @@ impl Ledger {
     }
 }
 
-/// A ledger with its journal, and what is needed to go on with them.
-pub(crate) struct Loaded {
-    pub(crate) ledger: Ledger,
-    /// The hash of the ledger's bytes; `None` if there is no file.
-    hash: Option<String>,
-    /// Whether the journal added anything.
-    replayed: bool,
-}
-
-/// Reads the ledger of `pipeline` (of any, if `None`) and what a run noted that was killed.
-pub(crate) fn load(path: &Path, pipeline: Option<&str>) -> Result<Loaded, PipelineError> {
-    let (mut ledger, hash) = match std::fs::read(path) {
-        Ok(bytes) => {
-            let hash = blake3::hash(&bytes).to_hex().to_string();
-            (Ledger::parse(path, bytes, pipeline)?, Some(hash))
-        }
-        Err(error) => match pipeline {
-            Some(pipeline) if error.kind() == std::io::ErrorKind::NotFound => {
-                (Ledger::empty(pipeline), None)
+/// Takes what lies at or below `path` out of lists of files.
+fn take(files: &mut BTreeMap<String, Vec<String>>, path: &str) {
+    files.remove(path);
+    let inside: Vec<String> = below(files, path)
+        .map(|(output, _)| output.clone())
+        .collect();
+    for output in inside {
+        files.remove(&output);
+    }
+    for above in with_ancestors(path).skip(1) {
+        if let Some(names) = files.get_mut(above) {
+            let within = &path[above.len() + 1..];
+            names.retain(|name| !with_ancestors(name).any(|above| above == within));
+            if names.is_empty() {
+                files.remove(above);
             }
-            _ => return Err(PipelineError::io("read the ledger", path)(error)),
-        },
-    };
-    let replayed = journal::replay(&journal_of(path), hash.as_ref(), &mut ledger)?;
-    Ok(Loaded {
-        ledger,
-        hash,
-        replayed,
-    })
-}
-
-fn journal_of(ledger: &Path) -> PathBuf {
-    let mut name = ledger.as_os_str().to_owned();
-    name.push(".journal");
-    PathBuf::from(name)
-}
-
-/// A ledger held by one run: what happens goes to the journal at once and to the ledger's
-/// own file at the end.
-pub(crate) struct OpenLedger {
-    path: PathBuf,
-    ledger: Ledger,
-    hash: Option<String>,
-    replayed: bool,
-    journal: Option<Journal>,
-}
-
-impl OpenLedger {
-    /// To be called by the holder of the lock only.
-    ///
-    /// # Errors
-    /// If what a killed run had noted cannot be written into the ledger.
-    pub(crate) fn new(path: PathBuf, loaded: Loaded) -> Result<Self, PipelineError> {
-        atomic_write::remove_unfinished(&path);
-        let mut open = Self {
-            path,
-            ledger: loaded.ledger,
-            hash: loaded.hash,
-            replayed: loaded.replayed,
-            journal: None,
-        };
-        if open.replayed {
-            open.fold()?;
         }
-        Ok(open)
-    }
-
-    pub(crate) fn get(&self) -> &Ledger {
-        &self.ledger
-    }
-
-    /// Forgets stages that the pipeline no longer has.
-    pub(crate) fn retain(&mut self, is_named: impl Fn(&str) -> bool) {
-        self.ledger.stage.retain(|stage, _| is_named(stage));
-        self.ledger.unfinished.retain(|stage, _| is_named(stage));
-    }
-
-    /// Forgets the last run of a stage before it runs again.
-    pub(crate) fn begin(&mut self, stage: &str, outputs: &[String]) -> Result<(), PipelineError> {
-        self.enter(Entry::Begun {
-            stage: stage.to_owned(),
-            outputs: outputs.to_vec(),
-        })
-    }
-
-    pub(crate) fn finish(&mut self, stage: &str, record: Record) -> Result<(), PipelineError> {
-        self.enter(Entry::Finished {
-            stage: stage.to_owned(),
-            record: Box::new(record),
-        })
-    }
-
-    pub(crate) fn forget(&mut self, stage: &str) -> Result<(), PipelineError> {
-        self.enter(Entry::Forgotten {
-            stage: stage.to_owned(),
-        })
-    }
-
-    fn enter(&mut self, entry: Entry) -> Result<(), PipelineError> {
-        let journal = match &mut self.journal {
-            Some(journal) => journal,
-            None => self.journal.insert(Journal::create(
-                &journal_of(&self.path),
-                &self.ledger.pipeline,
-                self.hash.clone(),
-            )?),
-        };
-        journal.append(&entry)?;
-        entry.apply(&mut self.ledger);
-        Ok(())
-    }
-
-    /// Writes the ledger, if anything happened, and then drops the journal.
-    pub(crate) fn fold(&mut self) -> Result<(), PipelineError> {
-        if self.journal.is_none() && !self.replayed {
-            return Ok(());
-        }
-        self.ledger.write(&self.path)?;
-        let bytes = std::fs::read(&self.path).map_err(PipelineError::io("read", &self.path))?;
-        self.hash = Some(blake3::hash(&bytes).to_hex().to_string());
-        self.journal = None;
-        self.replayed = false;
-        // A journal that stays belongs to the old ledger and counts for nothing.
-        let _ = std::fs::remove_file(journal_of(&self.path));
-        Ok(())
     }
 }
 
@@ -276,71 +278,30 @@ impl OpenLedger {
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Result<Ledger, PipelineError> {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("p.lock");
-        std::fs::write(&path, text).unwrap();
-        Ledger::read(&path, "p")
-    }
-
     #[test]
-    fn what_is_written_is_read() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("new/p.lock");
-        let made_from: Manifest =
-            serde_json::from_str(r#"{"command": {"line": "x"}, "input": {"a b/ü.csv": "00"}}"#)
-                .unwrap();
-        let record = Record {
-            digest: made_from.digest(),
-            seconds: 1.25,
-            peak_memory: Some(1 << 20),
-            row: None,
-            set: BTreeMap::from([("seed".to_owned(), "7".to_owned())]),
-            made_from,
-            outputs: BTreeMap::from([("o".to_owned(), "11".to_owned())]),
+    fn a_stage_takes_over_what_lies_in_its_outputs_and_nothing_else() {
+        let list = |names: &[&str]| names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>();
+        let mut ledger = Ledger::empty("p");
+        let left = |stage: &str, files: &[(&str, &[&str])]| Left {
+            stage: stage.to_owned(),
+            open: Vec::new(),
+            files: files
+                .iter()
+                .map(|(output, names)| ((*output).to_owned(), list(names)))
+                .collect(),
         };
-        let load = || load(&path, Some("p")).unwrap();
-        let mut open = OpenLedger::new(path.clone(), load()).unwrap();
-        open.begin("a", &["o".to_owned()]).unwrap();
-        assert_eq!(&load().ledger, open.get());
-        open.finish("a", record).unwrap();
-        assert_eq!(&load().ledger, open.get());
-        assert!(!path.exists() && journal_of(&path).exists());
-        open.fold().unwrap();
-        assert_eq!(&load().ledger, open.get());
-        assert!(path.exists() && !journal_of(&path).exists());
-        open.forget("a").unwrap();
-        let mut next = OpenLedger::new(path.clone(), load()).unwrap();
-        assert!(next.get().stage.is_empty() && !journal_of(&path).exists());
-        next.fold().unwrap();
-    }
-
-    #[test]
-    fn a_damaged_ledger_is_an_error_that_says_what_to_do() {
-        let good = "version = 1\npipeline = 'p'\n";
-        for text in [
-            "",
-            "version = 1\npipe",
-            "version = 1\npipeline = 'other'\n",
-            &format!("{good}extra = 1\n"),
-            &format!("{good}[stage.a]\ndigest = 'no'\nseconds = 1.0\n[stage.a.made_from]\n"),
-        ] {
-            let error = read(text).unwrap_err();
-            assert!(
-                matches!(error, PipelineError::LedgerDamaged { .. }),
-                "{error}"
-            );
-            assert!(error.suggestion().unwrap().contains("delete it"));
-        }
-        assert!(read(good).is_ok());
-    }
-
-    #[test]
-    fn a_newer_ledger_is_refused_whatever_else_it_says() {
-        let error = read("version = 3\nnovelty = true\n").unwrap_err();
-        assert!(
-            matches!(error, PipelineError::LedgerNewer { found: 3, .. }),
-            "{error}"
-        );
+        let all = left("all", &[("out", &["a/1", "a/2", "ab", "b"])]);
+        let one = left("one", &[("out/a", &["0"]), ("rest", &[""])]);
+        ledger.left.insert("out".to_owned(), all);
+        ledger.left.insert("out/a".to_owned(), one);
+        let outputs = list(&["out/a"]);
+        ledger.begin("out/a", "one", &outputs, &list(&["out"]));
+        assert_eq!(ledger.left["out"].files["out"], ["ab", "b"]);
+        assert_eq!(ledger.left["out/a"].open, outputs);
+        // What the stage no longer makes is still known as its own.
+        assert_eq!(ledger.left["out/a"].files["rest"], [""]);
+        ledger.begin("x", "one", &list(&["x"]), &list(&["out/a"]));
+        assert!(!ledger.left.contains_key("out/a"));
+        assert_eq!(ledger.left["x"].files["rest"], [""]);
     }
 }

@@ -53,6 +53,12 @@ impl RunLock {
         Ok(Self { path, file })
     }
 
+    /// Gives the lock back although processes that a stage left behind may still hold it: its
+    /// run is over, and what they are is no stage any more.
+    pub(crate) fn release(&self) {
+        let _ = self.file.unlock(); // at worst it goes with the last of them
+    }
+
     /// The lock as a child's standard input, which reads as empty.
     ///
     /// A run that is killed outright thus leaves the lock to the stages that still write,

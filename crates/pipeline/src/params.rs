@@ -13,12 +13,14 @@ pub(crate) enum ParamKind {
     Integer,
     Float,
     Boolean,
+    /// A text in which braces are braces.
+    Literal,
 }
 
 impl ParamKind {
     pub(crate) fn described(self) -> &'static str {
         match self {
-            Self::Text => "a string",
+            Self::Text | Self::Literal => "a string",
             Self::Integer => "a whole number",
             Self::Float => "a number",
             Self::Boolean => "true or false",
@@ -27,7 +29,7 @@ impl ParamKind {
 
     pub(crate) fn admits(self, value: &str) -> bool {
         match self {
-            Self::Text => true,
+            Self::Text | Self::Literal => true,
             Self::Integer => value.parse::<i64>().is_ok(),
             Self::Float => value.parse::<f64>().is_ok_and(f64::is_finite),
             Self::Boolean => matches!(value, "true" | "false"),
@@ -121,6 +123,25 @@ impl Params {
         Ok(())
     }
 
+    /// Adds a parameter that the caller provides, unless there is one of the name.
+    pub(crate) fn provide(&mut self, name: &str, value: &str) {
+        let (kind, text) = (ParamKind::Literal, value.to_owned());
+        let param = Param { kind, text };
+        self.0.entry(name.to_owned()).or_insert(param);
+    }
+
+    /// The parameter with which a path begins, at the bottom of those that begin each other.
+    pub(crate) fn root_of(&self, path: &str) -> Option<String> {
+        let mut name = leading(path)?;
+        for _ in 0..self.0.len() {
+            match leading(&self.0.get(name)?.text) {
+                Some(next) => name = next,
+                None => return Some(name.to_owned()),
+            }
+        }
+        None // they begin each other in a circle, which is refused where they are used
+    }
+
     /// `text` with each `{name}` replaced, and `{{name}}` by `{name}`; the names replaced,
     /// also inside other parameters, join `used`. Braces around anything else stay.
     pub(crate) fn substitute(
@@ -190,6 +211,10 @@ impl Params {
                 name: name.to_owned(),
             });
         }
+        if param.kind == ParamKind::Literal {
+            used.insert(name.to_owned());
+            return Ok(param.text.clone());
+        }
         open.push(name.to_owned());
         let value = self.substitute_within(&param.text, used, open, &mut Text::Plain)?;
         open.pop();
@@ -204,6 +229,11 @@ pub(crate) fn is_name(name: &str) -> bool {
         && name
             .chars()
             .all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-')
+}
+
+/// The parameter with which a text begins.
+fn leading(text: &str) -> Option<&str> {
+    name_before(text.strip_prefix('{')?, "}")
 }
 
 fn name_before<'a>(text: &'a str, end: &str) -> Option<&'a str> {

@@ -79,8 +79,10 @@ impl Place {
         self.log_dir.join(format!("{stage}.log"))
     }
 
-    pub(crate) fn stdout_of(&self, stage: &str) -> PathBuf {
-        self.log_dir.join(format!("{stage}.out"))
+    /// What the last good run of a stage into the place with this key printed.
+    pub(crate) fn stdout_of(&self, stage: &str, key: &str) -> PathBuf {
+        let place = blake3::hash(key.as_bytes()).to_hex();
+        self.log_dir.join(format!("{stage}.{}.out", &place[..8]))
     }
 
     /// Refuses stages that would remove what the run needs, or be changed by its ledger.

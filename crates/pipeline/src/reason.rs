@@ -77,6 +77,11 @@ pub enum Reason {
         /// Its path.
         path: String,
     },
+    /// A file in an output was made by no run.
+    Foreign {
+        /// Its path.
+        path: String,
+    },
     /// The last run did not have this output.
     OutputAdded {
         /// Its path.
@@ -125,6 +130,7 @@ impl fmt::Display for Reason {
             Self::OutputEdited { path } => {
                 write!(f, "output `{path}` is not as the stage had left it")
             }
+            Self::Foreign { path } => write!(f, "`{path}` was made by no run"),
             Self::OutputAdded { path } => write!(f, "output `{path}` is new"),
         }
     }

@@ -61,6 +61,12 @@ pub enum FailureCause {
         /// The signal, where the system has them.
         signal: Option<i32>,
     },
+    /// It ran longer than it may.
+    #[error("it ran longer than {minutes} min (`minutes` in its resources)")]
+    TimedOut {
+        /// The longest that it may run, in minutes.
+        minutes: u32,
+    },
     /// Its program could not be started.
     #[error("`{program}` cannot be started: {message}")]
     NotStarted {
@@ -83,12 +89,27 @@ pub enum FailureCause {
         /// What the cluster says of it.
         state: String,
     },
+    /// Files stand where it has its outputs that no run made.
+    #[error(
+        "{} in its outputs, made by no run: move {} away, or run with --move-aside, which puts {} beside with the date",
+        crate::own::told(paths),
+        them(paths),
+        them(paths)
+    )]
+    Foreign {
+        /// The files, relative to the root.
+        paths: Vec<String>,
+    },
     /// The stages upstream ran but an input is not there.
     #[error("the stages before it did not make {}", paths.join(", "))]
     InputsMissing {
         /// The inputs that are not there.
         paths: Vec<String>,
     },
+}
+
+fn them(paths: &[String]) -> &'static str {
+    if paths.len() == 1 { "it" } else { "them" }
 }
 
 /// How a run ended as a whole.
@@ -148,6 +169,25 @@ pub enum Warning {
         /// The stages that ran at its time.
         stages: Vec<String>,
     },
+    /// Results were replaced by those of other settings in the same place.
+    #[error(
+        "the former results ({}) were replaced; `--variant NAME` keeps both",
+        settings(changes)
+    )]
+    Replaced {
+        /// Parameters that `--set` changed, or that it had changed before.
+        changes: Vec<Setting>,
+    },
+    /// Files that no run had made were moved out of a stage's outputs.
+    #[error("{} moved from the outputs of stage `{stage}` into {}", counted(*files), folders.join(", "))]
+    MovedAside {
+        /// The stage.
+        stage: String,
+        /// How many files.
+        files: usize,
+        /// Where they are now, relative to the root.
+        folders: Vec<String>,
+    },
     /// The cache held something else for a stage than what it had made.
     #[error("the cache is damaged for stage `{stage}`, which runs instead")]
     CacheDamaged {
@@ -162,6 +202,29 @@ pub enum Warning {
         /// What the system said.
         message: String,
     },
+}
+
+/// A parameter that has another value than in the run before.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+pub struct Setting {
+    /// Its name.
+    pub name: String,
+    /// Its value then.
+    pub before: String,
+    /// Its value now.
+    pub now: String,
+}
+
+fn settings(changes: &[Setting]) -> String {
+    let change = |s: &Setting| format!("{}={}, now {}", s.name, s.before, s.now);
+    changes.iter().map(change).collect::<Vec<_>>().join("; ")
+}
+
+fn counted(files: usize) -> String {
+    match files {
+        1 => "one file that no run had made was".to_owned(),
+        files => format!("{files} files that no run had made were"),
+    }
 }
 
 fn names(stages: &[String]) -> String {

@@ -14,10 +14,14 @@ use crate::content::Hasher;
 use crate::ledger::{self, OpenLedger};
 use crate::lock::RunLock;
 use crate::schedule::Schedule;
-use crate::{Failure, Graph, Pipeline, PipelineError, Place, Reason, RunReport, Warning};
+use crate::{
+    Failure, FailureCause, Graph, Pipeline, PipelineError, Place, Reason, RunReport, Warning,
+};
 
 /// How often the cancel flag is looked at.
 const TICK: Duration = Duration::from_millis(20);
+/// NFS remembers for up to 30 s (or 60, by its options) that a file is not there.
+const LOST_AFTER: Duration = Duration::from_mins(1);
 
 /// What to run and how.
 #[derive(Debug, Clone)]
@@ -29,8 +33,17 @@ pub struct RunOptions {
     pub jobs: Option<NonZeroUsize>,
     /// Run the targets (all stages if there are none) even if they are up to date.
     pub force: bool,
+    /// Move files that no run made out of the outputs of stages that run, beside them into a
+    /// folder with the date; they are an error otherwise.
+    pub move_aside: bool,
     /// After a failure, go on with what does not need the failed stage.
     pub keep_going: bool,
+    /// Memory in MiB that stages which run at once may ask for together; `None`: all that this
+    /// machine has. One that asks for more than that runs alone.
+    pub memory_mb: Option<u64>,
+    /// How long a task may be gone from a cluster without a word of its own before it counts
+    /// as lost: network file systems show a new file late.
+    pub lost_after: Duration,
     /// A directory from which outputs are taken that were made before from the same, and to
     /// which they go.
     pub cache: Option<PathBuf>,
@@ -59,7 +72,10 @@ impl Default for RunOptions {
             targets: Vec::new(),
             jobs: None,
             force: false,
+            move_aside: false,
             keep_going: false,
+            memory_mb: None,
+            lost_after: LOST_AFTER,
             cache: None,
             executor: Executor::Local,
             cancel: Arc::default(),
@@ -108,6 +124,17 @@ pub enum Event<'a> {
         settled: usize,
         /// How many stages are wanted.
         wanted: usize,
+    },
+    /// A stage failed and is tried again.
+    Retried {
+        /// The stage.
+        stage: &'a str,
+        /// What went wrong.
+        cause: &'a FailureCause,
+        /// Which retry this is, from 1.
+        retry: u32,
+        /// How many there may be.
+        retries: u32,
     },
     /// A stage's outputs were taken from the cache.
     Restored {
@@ -163,8 +190,7 @@ pub fn run(
     let lock = RunLock::acquire(place.lock())?;
     let loaded = ledger::load(&place.ledger, Some(pipeline.name()))?;
     let mut ledger = OpenLedger::new(place.ledger.clone(), loaded)?;
-    let named: BTreeSet<&str> = pipeline.stages().iter().map(|s| s.name.as_str()).collect();
-    ledger.retain(|stage| named.contains(stage));
+    ledger.forget_gone(pipeline.stages(), place);
     std::fs::create_dir_all(&place.log_dir).map_err(PipelineError::io("create", &place.log_dir))?;
     let stop = AtomicBool::new(false);
     let workshop = Workshop {
@@ -175,6 +201,8 @@ pub fn run(
         cache: options.cache.as_deref().map(Cache::new),
         surroundings: OnceLock::new(),
         times: Mutex::default(),
+        move_aside: options.move_aside,
+        replaced: Mutex::default(),
         lock,
         stop: &stop,
     };
@@ -184,12 +212,13 @@ pub fn run(
             .and_then(|()| work(&workshop, &mut schedule, &forced, options, observe)),
         engine => cluster::run(engine, &workshop, &mut schedule, &forced, options, observe),
     };
-    for warning in workshop.written_outside() {
+    for warning in workshop.warnings() {
         schedule.warn(warning, observe);
     }
     // Also after an error: what is done is done.
     let folded = workshop.ledger().fold();
     workshop.hasher.save();
+    workshop.lock.release();
     result?;
     folded?;
     Ok(schedule.report(place))
@@ -235,6 +264,9 @@ fn work(
         }
         let mut error = None;
         let mut running = 0;
+        let asked = |index: usize| graph.stage(index).resources.memory_mb.map_or(0, u64::from);
+        let memory = options.memory_mb.or_else(crate::memory::of_this_machine);
+        let mut in_use = 0;
         loop {
             if options.cancel.load(Ordering::Relaxed) {
                 schedule.interrupted = true;
@@ -244,7 +276,10 @@ fn work(
                 || schedule.interrupted
                 || (!schedule.failures.is_empty() && !options.keep_going);
             while !halted && running < jobs {
-                let Some(index) = schedule.begin_next() else {
+                let fits = |index: usize| {
+                    running == 0 || memory.is_none_or(|all| in_use + asked(index) <= all)
+                };
+                let Some(index) = schedule.begin_next(fits) else {
                     break;
                 };
                 // Most stages are up to date in most runs: not worth a worker.
@@ -252,6 +287,7 @@ fn work(
                     schedule.settle(index, Attempt::UpToDate, observe);
                 } else {
                     running += usize::from(to_workers.send(index).is_ok());
+                    in_use += asked(index);
                 }
             }
             if running == 0 {
@@ -261,10 +297,12 @@ fn work(
                 Ok(Message::News(index, news)) => schedule.hear(index, news, observe),
                 Ok(Message::Ended(index, Ok(attempt))) => {
                     running -= 1;
+                    in_use -= asked(index);
                     schedule.settle(index, attempt, observe);
                 }
-                Ok(Message::Ended(_, Err(failed))) => {
+                Ok(Message::Ended(index, Err(failed))) => {
                     running -= 1;
+                    in_use -= asked(index);
                     workshop.stop.store(true, Ordering::Relaxed);
                     error.get_or_insert(failed);
                 }

@@ -72,9 +72,11 @@ impl<'g> Schedule<'g> {
         }
     }
 
-    /// The first ready stage, which counts as running from now on.
-    pub(crate) fn begin_next(&mut self) -> Option<usize> {
-        let (_, index) = self.ready.pop_first()?;
+    /// The first ready stage that fits, which counts as running from now on.
+    pub(crate) fn begin_next(&mut self, fits: impl Fn(usize) -> bool) -> Option<usize> {
+        let next = self.ready.iter().find(|(_, index)| fits(*index)).copied()?;
+        self.ready.remove(&next);
+        let (_, index) = next;
         self.results[index].state = State::Running;
         Some(index)
     }
@@ -88,6 +90,12 @@ impl<'g> Schedule<'g> {
                 line: &line,
             }),
             News::Warning(warning) => self.warn(warning, observe),
+            News::Retried { cause, retry } => observe(Event::Retried {
+                stage: &stage.name,
+                cause: &cause,
+                retry,
+                retries: stage.retries,
+            }),
             News::Started { reasons } => {
                 observe(Event::Started {
                     stage: &stage.name,
@@ -179,7 +187,7 @@ impl<'g> Schedule<'g> {
         let printed = |&index: &usize| {
             let stage = self.graph.stage(index);
             let good = is_settled(self.results[index].state);
-            let text = std::fs::read_to_string(place.stdout_of(&stage.name)).ok();
+            let text = std::fs::read_to_string(place.stdout_of(&stage.name, &stage.key())).ok();
             let stage_name = stage.name.clone();
             text.filter(|_| good && stage.summary).map(|text| Summary {
                 stage: stage_name,

@@ -1,7 +1,13 @@
 //! Command lines and scripts of a POSIX shell.
 
 /// The words joined by spaces, each quoted for a POSIX shell where it needs to be.
-pub(crate) fn quoted<S: AsRef<str>>(words: impl IntoIterator<Item = S>) -> String {
+///
+/// # Example
+/// ```
+/// use maveric_pipeline::command_line;
+/// assert_eq!(command_line(["echo", "it is", "a/b.csv"]), "echo 'it is' a/b.csv");
+/// ```
+pub fn quoted<S: AsRef<str>>(words: impl IntoIterator<Item = S>) -> String {
     let words: Vec<String> = words.into_iter().map(|w| quoted_word(w.as_ref())).collect();
     words.join(" ")
 }

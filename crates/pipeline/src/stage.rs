@@ -1,7 +1,6 @@
 //! One step of a pipeline.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// One step: a command line, what it reads and what it makes.
 ///
@@ -32,7 +31,9 @@ pub struct Stage {
     pub share: Option<Share>,
     /// The row of a table that it is for, if it is one of a `foreach`.
     pub row: Option<Row>,
-    /// What it asks of a cluster.
+    /// How many times it is tried again after a failure.
+    pub retries: u32,
+    /// What it asks of a machine.
     pub resources: Resources,
 }
 
@@ -46,18 +47,18 @@ pub struct Row {
     pub line: u64,
 }
 
-/// What a stage asks of a cluster; on one machine it means nothing, and it is no part of
-/// what outputs are made from.
+/// What a stage asks of a machine or a cluster; no part of what outputs are made from.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Resources {
-    /// Processor cores.
+    /// Processor cores; only a cluster counts them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cpus: Option<u32>,
     /// Memory in MiB.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub memory_mb: Option<u32>,
-    /// The longest that it may run, in minutes.
+    /// The longest that it may run, in minutes; on a cluster, with all its retries so many times
+    /// as long.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub minutes: Option<u32>,
 }
@@ -81,7 +82,19 @@ pub struct Share {
 /// The word of a command that stands for a shard's files.
 pub(crate) const FILES: &str = "{files}";
 
+/// Under which a ledger keeps the runs of a stage: the first of its outputs in the order of
+/// their letters.
+pub(crate) fn key<'a>(name: &str, outputs: impl IntoIterator<Item = &'a String>) -> String {
+    let first = outputs.into_iter().min();
+    first.map_or_else(|| format!("//{name}"), Clone::clone)
+}
+
 impl Stage {
+    /// Under which a [`Ledger`](crate::Ledger) keeps its runs into these outputs.
+    pub fn key(&self) -> String {
+        key(&self.name, &self.outputs)
+    }
+
     /// Everything that it reads: its inputs, and the directory of which it reads a share.
     pub fn reads(&self) -> impl Iterator<Item = &str> {
         let folder = self.share.as_ref().map(|share| share.folder.as_str());
@@ -103,66 +116,23 @@ impl Stage {
 }
 
 impl Share {
-    /// The paths of its files as they are now, relative to the root, in order.
-    pub(crate) fn files(&self, root: &Path) -> std::io::Result<Vec<String>> {
-        let entries = match std::fs::read_dir(root.join(&self.folder)) {
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
-            entries => entries?,
-        };
-        let mut files = Vec::new();
-        for entry in entries {
-            let entry = entry?;
-            let Ok(name) = entry.file_name().into_string() else {
-                continue; // no pipeline file could name it
-            };
-            if self.has(&name) && entry.path().is_file() {
-                files.push(format!("{}/{name}", self.folder));
-            }
-        }
-        files.sort();
-        Ok(files)
-    }
-
-    fn has(&self, name: &str) -> bool {
-        let matches = match self.pattern.split_once('*') {
+    /// Whether a file of this name belongs to any share.
+    pub(crate) fn matches(&self, name: &str) -> bool {
+        match self.pattern.split_once('*') {
             None => name == self.pattern,
             Some((start, end)) => {
                 name.len() >= start.len() + end.len()
                     && name.starts_with(start)
                     && name.ends_with(end)
             }
-        };
+        }
+    }
+
+    /// The share to which a file of this name belongs.
+    pub(crate) fn shard_of(&self, name: &str) -> u32 {
         let hash = blake3::hash(name.as_bytes());
         let first = hash.as_bytes().first_chunk().copied().unwrap_or_default();
-        matches && u64::from_le_bytes(first) % u64::from(self.shards) == u64::from(self.shard)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_file_is_in_one_share_and_keeps_it_when_others_come() {
-        let folder = tempfile::tempdir().unwrap();
-        let write = |i: usize| std::fs::write(folder.path().join(format!("{i}.txt")), "").unwrap();
-        (0..40).for_each(write);
-        std::fs::write(folder.path().join("notes.md"), "").unwrap();
-        let shares = || {
-            let share = |shard| Share {
-                folder: ".".to_owned(),
-                pattern: "*.txt".to_owned(),
-                shard,
-                shards: 3,
-            };
-            [0, 1, 2].map(|shard| share(shard).files(folder.path()).unwrap())
-        };
-        let before = shares();
-        assert_eq!(before.iter().map(Vec::len).sum::<usize>(), 40);
-        assert!(before.iter().all(|share| share.len() > 4));
-        write(40);
-        let after = shares();
-        let changed = before.iter().zip(&after).filter(|(a, b)| a != b);
-        assert_eq!(changed.count(), 1);
+        // Below the number of shards, so it fits.
+        (u64::from_le_bytes(first) % u64::from(self.shards)) as u32
     }
 }

@@ -6,6 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
+use crate::own::ASIDE;
 use crate::paths::with_ancestors;
 use crate::{Graph, Place};
 
@@ -53,7 +54,8 @@ impl Surroundings {
             for (name, look) in looks(folder) {
                 let path = folder.join(&name);
                 let known = before.get(&name) == Some(&look) || self.made.contains(&path);
-                if !known && !place.is_ours(&path) {
+                let ours = place.is_ours(&path) || name.to_string_lossy().starts_with(ASIDE);
+                if !known && !ours {
                     changes.push((path, look.map(|(_, time)| time)));
                 }
             }

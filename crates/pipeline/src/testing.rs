@@ -11,5 +11,11 @@ pub(crate) fn pipeline(stages: &[(&str, &[&str], &[&str])]) -> Pipeline {
     };
     let tables: String = stages.iter().map(table).collect();
     let text = format!("name = 'test'\n{tables}");
-    Pipeline::parse(&text, "test.toml".as_ref(), ".".as_ref(), &[]).unwrap()
+    Pipeline::parse(
+        &text,
+        "test.toml".as_ref(),
+        ".".as_ref(),
+        &crate::Settings::default(),
+    )
+    .unwrap()
 }

@@ -93,7 +93,7 @@ pub fn trace(ledger: &Ledger, place: &Place, path: &str) -> Result<Trace, Pipeli
     let mut read: BTreeSet<&str> = BTreeSet::from([path.as_str()]);
     let mut stages = Vec::new();
     for name in order {
-        let record = &ledger.stage[name];
+        let record = &ledger.run[name];
         let facts = |kind| record.made_from.facts(kind);
         let owned = |(name, value): (&str, &str)| (name.to_owned(), value.to_owned());
         let file = |path: &str, content: &str| {
@@ -104,7 +104,7 @@ pub fn trace(ledger: &Ledger, place: &Place, path: &str) -> Result<Trace, Pipeli
                 makers: makers
                     .of_path(path)
                     .into_iter()
-                    .map(str::to_owned)
+                    .map(|key| ledger.run[key].stage.clone())
                     .collect(),
             })
         };
@@ -119,7 +119,7 @@ pub fn trace(ledger: &Ledger, place: &Place, path: &str) -> Result<Trace, Pipeli
             .map(|path| file(path, &record.outputs[*path]));
         let inputs = facts(FactKind::Input).map(|(path, content)| file(path, content));
         stages.push(TracedStage {
-            stage: name.to_owned(),
+            stage: record.stage.clone(),
             command: facts(FactKind::Command).map(|(_, line)| line).collect(),
             params: facts(FactKind::Parameter).map(owned).collect(),
             versions: facts(FactKind::Version).map(owned).collect(),
@@ -131,7 +131,7 @@ pub fn trace(ledger: &Ledger, place: &Place, path: &str) -> Result<Trace, Pipeli
             read.insert(path);
             if makers.of_path(path).is_empty() {
                 let readers = sources.entry((path, content)).or_default();
-                readers.push(name.to_owned());
+                readers.push(record.stage.clone());
             }
         }
     }
@@ -153,17 +153,17 @@ pub fn trace(ledger: &Ledger, place: &Place, path: &str) -> Result<Trace, Pipeli
     })
 }
 
-/// The stage that made each recorded output.
+/// The run that made each recorded output.
 struct Makers(BTreeMap<String, String>);
 
 impl Makers {
     fn of(ledger: &Ledger) -> Self {
-        let outputs = |(stage, record): (&String, &Record)| {
+        let outputs = |(key, record): (&String, &Record)| {
             let paths: Vec<_> = record.outputs.keys().cloned().collect();
-            let stage = stage.clone();
-            paths.into_iter().map(move |path| (path, stage.clone()))
+            let key = key.clone();
+            paths.into_iter().map(move |path| (path, key.clone()))
         };
-        Self(ledger.stage.iter().flat_map(outputs).collect())
+        Self(ledger.run.iter().flat_map(outputs).collect())
     }
 
     /// Who made `path`: it, a directory above it, or files in it.
@@ -185,7 +185,7 @@ struct Walk<'a> {
 
 impl<'a> Walk<'a> {
     fn before(&self, stage: &str) -> BTreeSet<&'a str> {
-        let record = self.ledger.stage.get(stage);
+        let record = self.ledger.run.get(stage);
         let inputs = record
             .into_iter()
             .flat_map(|r| r.made_from.facts(FactKind::Input));

@@ -77,7 +77,11 @@ pub fn verify(pipeline: &Pipeline, place: &Place) -> Result<Verification, Pipeli
     let hasher = Hasher::reading_all(&place.root, &never);
     let mut compared = BTreeSet::new();
     let mut findings = Vec::new();
-    for (stage, record) in &ledger.stage {
+    let recorded = pipeline
+        .stages()
+        .iter()
+        .filter_map(|stage| ledger.of(stage));
+    for record in recorded {
         let inputs = record.made_from.facts(FactKind::Input);
         let outputs = record.outputs.iter();
         let outputs = outputs.map(|(path, content)| (Role::Output, path.as_str(), &**content));
@@ -87,7 +91,7 @@ pub fn verify(pipeline: &Pipeline, place: &Place) -> Result<Verification, Pipeli
             let state = FileState::of(path, content, &hasher)?;
             if state != FileState::Same {
                 findings.push(Finding {
-                    stage: stage.clone(),
+                    stage: record.stage.clone(),
                     path: path.to_owned(),
                     role,
                     state,
@@ -95,11 +99,11 @@ pub fn verify(pipeline: &Pipeline, place: &Place) -> Result<Verification, Pipeli
             }
         }
     }
-    let stages = pipeline.stages().iter().map(|stage| &stage.name);
-    let never_run = stages.filter(|name| !ledger.stage.contains_key(*name));
+    let stages = pipeline.stages().iter();
+    let never_run = stages.filter(|stage| ledger.of(stage).is_none());
     Ok(Verification {
         compared: compared.len(),
         findings,
-        never_run: never_run.cloned().collect(),
+        never_run: never_run.map(|stage| stage.name.clone()).collect(),
     })
 }

@@ -21,7 +21,7 @@ after=
 for word in "$@"; do
   case "$word" in
     --array=*) last=${word#--array=0-}; last=${last%%%*} ;;
-    --dependency=afterok:*) after=$(echo "${word#--dependency=afterok:}" | tr : ' ') ;;
+    --dependency=*) echo "$word" >>"$FAKE/options"; after=$(echo "${word#--dependency=}" | tr , ' ') ;;
     --*) echo "$word" >>"$FAKE/options" ;;
     *) script=$word ;;
   esac
@@ -32,8 +32,9 @@ rmdir "$FAKE/lock"
 for i in $(seq 0 "$last"); do touch "$FAKE/queue/${job}_$i"; done
 for i in $(seq 0 "$last"); do
   ( for other in $after; do
-      while ls "$FAKE/queue/${other}_"* >/dev/null 2>&1; do sleep 0.02; done
-      if ls "$FAKE/failed/${other}_"* >/dev/null 2>&1; then
+      case $other in aftercorr:*) other=${other#aftercorr:}_$i ;; *) other=${other#afterok:}_ ;; esac
+      while ls "$FAKE/queue/${other}"* >/dev/null 2>&1; do sleep 0.02; done
+      if ls "$FAKE/failed/${other}"* >/dev/null 2>&1; then
         touch "$FAKE/failed/${job}_$i"; rm "$FAKE/queue/${job}_$i"; exit; fi
     done
     while [ -e "$FAKE/hold" ]; do sleep 0.02; done
@@ -115,8 +116,11 @@ fn project(text: &str) -> tempfile::TempDir {
 
 fn run_with(folder: &Path, executor: Executor, word: &str) -> Result<RunReport, PipelineError> {
     let root = folder.join("p");
-    let set = [("word".to_owned(), word.to_owned())];
-    let pipeline = Pipeline::read(&root.join("p.toml"), &root, &set).unwrap();
+    let settings = Settings {
+        set: vec![("word".to_owned(), word.to_owned())],
+        ..Settings::default()
+    };
+    let pipeline = Pipeline::read(&root.join("p.toml"), &root, &settings).unwrap();
     let place = Place {
         ledger: root.join("p.lock"),
         log_dir: root.join(".logs"),
@@ -125,6 +129,7 @@ fn run_with(folder: &Path, executor: Executor, word: &str) -> Result<RunReport, 
     };
     let options = RunOptions {
         executor,
+        lost_after: Duration::from_secs(2),
         ..RunOptions::default()
     };
     run(&pipeline, &place, &options, &mut |event| {
@@ -191,8 +196,8 @@ fn made(folder: &Path) -> Texts {
 
 fn digests(folder: &Path) -> Texts {
     let ledger = Ledger::read(&folder.join("p/p.lock"), "test").unwrap();
-    let digest = |(stage, record): (String, Record)| (stage, record.digest);
-    ledger.stage.into_iter().map(digest).collect()
+    let digest = |record: Record| (record.stage, record.digest);
+    ledger.run.into_values().map(digest).collect()
 }
 
 fn expected(word: &str) -> (Texts, Texts) {
@@ -290,4 +295,34 @@ fn hyperqueue_gets_the_same_tasks() {
     let plan = fs::read_to_string(folder.path().join("fake/plan.toml")).unwrap();
     let plan: toml::Value = toml::from_str(&plan).unwrap();
     assert_eq!(plan["task"][1]["deps"][0].as_integer(), Some(0));
+}
+
+#[test]
+fn a_step_of_a_fan_out_waits_for_its_own_step_before_and_for_no_other() {
+    let text = "name = 'test'\n[params]\nword = 'x'\n\
+                [[stage]]\nname = 'first'\nmatrix = { i = [1, 2, 3] }\noutputs = ['first/{i}']\n\
+                cmd = ['sh', '-c', 'echo {i}{word} > first/{i}']\n\
+                [[stage]]\nname = 'second'\nmatrix = { i = [1, 2, 3] }\ninputs = ['first/{i}']\n\
+                cmd = ['cp', 'first/{i}', 'second/{i}']\noutputs = ['second/{i}']\n";
+    let folder = project(text);
+    let ran = report(folder.path(), "slurm", "y");
+    assert_eq!(ran["outcome"], "done", "{ran}");
+    let made = fs::read_to_string(folder.path().join("p/second/3")).unwrap();
+    assert_eq!(made, "3y\n");
+    let options = fs::read_to_string(folder.path().join("fake/options")).unwrap();
+    assert!(options.contains("--dependency=aftercorr:1\n"), "{options}");
+}
+
+#[test]
+fn a_file_that_no_run_made_is_not_handed_to_a_cluster() {
+    let folder = project(PIPELINE);
+    let path = folder.path();
+    fs::create_dir_all(path.join("p/parts")).unwrap();
+    fs::write(path.join("p/parts/1.txt"), "mine").unwrap();
+    let ran = report(path, "slurm", "end");
+    assert_eq!(ran["failures"][0]["cause"]["kind"], "foreign", "{ran}");
+    assert_eq!(
+        fs::read_to_string(path.join("p/parts/1.txt")).unwrap(),
+        "mine"
+    );
 }

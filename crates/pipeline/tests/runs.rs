@@ -41,13 +41,11 @@ impl Project {
     }
 
     fn pipeline(&self) -> Pipeline {
-        Pipeline::parse(
-            &self.text,
-            Path::new("test.toml"),
-            self.root(),
-            &self.overrides,
-        )
-        .unwrap()
+        let settings = Settings {
+            set: self.overrides.clone(),
+            ..Settings::default()
+        };
+        Pipeline::parse(&self.text, Path::new("test.toml"), self.root(), &settings).unwrap()
     }
 
     fn run(&self) -> RunReport {
@@ -142,7 +140,7 @@ fn a_changed_parameter_rebuilds_what_follows_and_only_that() {
     assert!(
         project
             .read("state/test.lock")
-            .contains("[stage.two.set]\nword = \"fin\"")
+            .contains("[run.\"out/two.txt\".set]\nword = \"fin\"")
     );
     project.overrides.push(("seed".to_owned(), "2".to_owned()));
     let plan = plan(&project.pipeline(), &project.place(), &[], false).unwrap();
@@ -358,9 +356,9 @@ fn parallel_stages_overlap_and_make_what_one_at_a_time_makes() {
     project.options.force = true;
     assert_eq!(project.ran(), ["a", "b", "join"]);
     let serial = Ledger::read(&project.place().ledger, "test").unwrap();
-    for (stage, record) in &serial.stage {
-        assert_eq!(record.digest, parallel.stage[stage].digest);
-        assert_eq!(record.outputs, parallel.stage[stage].outputs);
+    for (key, record) in &serial.run {
+        assert_eq!(record.digest, parallel.run[key].digest);
+        assert_eq!(record.outputs, parallel.run[key].outputs);
     }
 }
 
@@ -503,5 +501,247 @@ fn a_damaged_ledger_is_left_as_it_is() {
     ));
     assert_eq!(project.read("state/test.lock"), "damaged");
     fs::remove_file(project.place().ledger).unwrap();
+    let project = Project {
+        options: RunOptions {
+            move_aside: true,
+            ..RunOptions::default()
+        },
+        ..project
+    };
     assert_eq!(project.ran(), ["one", "two", "folder"]);
+}
+
+/// A stage that makes a file for each line of its source, and one that counts them.
+const FOLDER: &str = r#"
+name = "test"
+[params]
+out = "out"
+lines = 3
+[[stage]]
+name = "split"
+cmd = ["sh", "-c", "mkdir -p {out}/parts/deep; for i in $(head -n {lines} source.txt); do echo $i > {out}/parts/deep/$i; done; [ ! -e fail ]"]
+inputs = ["source.txt"]
+outputs = ["{out}/parts"]
+[[stage]]
+name = "count"
+cmd = ["sh", "-c", "ls {out}/parts/deep | wc -l | tr -d ' ' > count-{out}"]
+inputs = ["{out}/parts"]
+outputs = ["count-{out}"]
+"#;
+
+fn folder() -> Project {
+    let project = Project::new(FOLDER);
+    project.write("source.txt", "1\n2\n3\n4\n");
+    project
+}
+
+fn set(project: &mut Project, pairs: &[(&str, &str)]) {
+    let owned = |(name, value): &(&str, &str)| ((*name).to_owned(), (*value).to_owned());
+    project.overrides = pairs.iter().map(owned).collect();
+}
+
+#[test]
+fn runs_into_other_places_never_leave_files_of_former_ones_among_the_new() {
+    let mut project = folder();
+    project.ran();
+    assert_eq!(project.read("count-out"), "3\n");
+    set(&mut project, &[("lines", "4")]);
+    project.ran();
+    assert_eq!(project.read("count-out"), "4\n");
+    set(&mut project, &[("lines", "2"), ("out", "other")]);
+    project.ran();
+    assert_eq!(project.read("count-other"), "2\n");
+    set(&mut project, &[]);
+    assert_eq!(project.ran(), ["split", "count"]);
+    assert_eq!(project.read("count-out"), "3\n");
+    // What was made elsewhere is still known, and up to date.
+    set(&mut project, &[("lines", "2"), ("out", "other")]);
+    assert_eq!(project.ran(), [""; 0]);
+}
+
+#[test]
+fn a_file_that_no_run_made_is_named_never_deleted_and_never_read() {
+    let mut project = folder();
+    project.ran();
+    project.write("out/parts/deep/notes", "mine");
+    let sentence = "`out/parts/deep/notes` was made by no run";
+    assert_eq!(project.why("split"), [sentence]);
+    let report = project.run();
+    assert_eq!(report.outcome, Outcome::Failed);
+    assert_eq!(
+        report.failures[0].to_string(),
+        "stage `split` failed: out/parts/deep/notes in its outputs, made by no run: move it away, \
+         or run with --move-aside, which puts it beside with the date"
+    );
+    assert_eq!(in_state(&report, State::Wanted), ["count"]);
+    project.options.force = true;
+    assert_eq!(
+        project.run().outcome,
+        Outcome::Failed,
+        "force does not remove it"
+    );
+    project.options.force = false;
+    project.options.move_aside = true;
+    let report = project.run();
+    assert_eq!(report.outcome, Outcome::Done);
+    let told = report.warnings[0].to_string();
+    let folder = told.rsplit(' ').next().unwrap();
+    assert!(folder.starts_with("out/moved-aside-2"), "{told}");
+    assert_eq!(project.read(&format!("{folder}/parts/deep/notes")), "mine");
+    assert_eq!(project.read("count-out"), "3\n");
+    assert!(report.warnings.len() == 1, "{:?}", report.warnings);
+}
+
+#[test]
+fn a_file_in_the_place_of_an_output_stays_too() {
+    let mut project = chain();
+    project.write("one.txt", "mine");
+    let report = project.run();
+    assert!(
+        report.failures[0]
+            .to_string()
+            .contains("one.txt in its outputs, made by no run")
+    );
+    assert_eq!(project.read("one.txt"), "mine");
+    project.options.move_aside = true;
+    assert_eq!(project.ran(), ["one", "two", "folder"]);
+    let aside = fs::read_dir(project.root()).unwrap().flatten();
+    let aside = aside
+        .map(|e| e.path())
+        .find(|p| p.to_string_lossy().contains("moved-aside-"));
+    assert_eq!(
+        fs::read_to_string(aside.unwrap().join("one.txt")).unwrap(),
+        "mine"
+    );
+}
+
+#[test]
+fn what_a_failed_stage_left_is_its_own_and_what_came_later_is_not() {
+    let project = folder();
+    project.write("fail", "");
+    assert_eq!(project.run().outcome, Outcome::Failed);
+    assert_eq!(project.read("out/parts/deep/3"), "3\n");
+    project.write("out/parts/deep/notes", "mine");
+    fs::remove_file(project.root().join("fail")).unwrap();
+    let failure = project.run().failures[0].to_string();
+    assert!(
+        failure.contains("out/parts/deep/notes in its outputs"),
+        "{failure}"
+    );
+    fs::remove_file(project.root().join("out/parts/deep/notes")).unwrap();
+    assert_eq!(project.ran(), ["split", "count"]);
+}
+
+#[test]
+fn clean_keeps_what_no_run_made_and_what_was_edited() {
+    let project = folder();
+    project.ran();
+    project.write("out/parts/notes", "mine");
+    let clean = |force| clean(&project.pipeline(), &project.place(), &[], force, false).unwrap();
+    project.write("out/parts/deep/1", "edited");
+    let cleaned = clean(false);
+    assert_eq!(cleaned.foreign, ["out/parts/notes"]);
+    assert_eq!(
+        (cleaned.kept, cleaned.removed),
+        (vec!["out/parts".to_owned()], vec!["count-out".to_owned()])
+    );
+    project.write("out/parts/deep/1", "1\n");
+    let cleaned = clean(false);
+    assert_eq!(cleaned.removed, ["out/parts"]);
+    assert_eq!(project.read("out/parts/notes"), "mine");
+    assert!(!project.root().join("out/parts/deep").exists());
+}
+
+#[test]
+fn what_a_stage_no_longer_makes_goes_when_it_runs_again() {
+    let text = |outputs: &str| {
+        format!(
+            "name = 'test'\n[[stage]]\nname = 'a'\ncmd = ['touch', 'b', 'd', 'c']\noutputs = {outputs}\n"
+        )
+    };
+    let mut project = Project::new(&text("['b', 'c', 'd']"));
+    project.ran();
+    project.text = text("['c', 'd']").replace("'b', ", "");
+    assert_eq!(project.ran(), ["a"]);
+    assert!(!project.root().join("b").exists());
+    assert!(project.root().join("d").exists());
+}
+
+#[test]
+fn a_name_that_is_no_text_is_an_error() {
+    use std::os::unix::ffi::OsStrExt;
+    let project =
+        Project::new("name = 'test'\n[[stage]]\nname = 'a'\ncmd = ['true']\ninputs = ['data']\n");
+    fs::create_dir(project.root().join("data")).unwrap();
+    let name = std::ffi::OsStr::from_bytes(b"data/\xff.csv");
+    fs::write(project.root().join(name), "").unwrap();
+    let error = project.try_run().unwrap_err();
+    assert!(error.to_string().contains("is not UTF-8 text"), "{error}");
+}
+
+#[test]
+fn a_stage_is_tried_again_as_often_as_it_may() {
+    let text = |retries: u32| {
+        format!(
+            "name = 'test'\n[[stage]]\nname = 'a'\nretries = {retries}\noutputs = ['a']\n\
+             cmd = ['sh', '-c', 'echo x >> a; echo x >> tries; [ $(wc -l < tries) -ge 3 ]']\n"
+        )
+    };
+    let mut project = Project::new(&text(1));
+    let report = project.run();
+    assert_eq!(report.failures.len(), 1);
+    assert_eq!(project.read("tries"), "x\nx\n");
+    project.text = text(2);
+    let mut heard = Vec::new();
+    let mut observe = |event: Event<'_>| {
+        if let Event::Retried {
+            cause,
+            retry,
+            retries,
+            ..
+        } = event
+        {
+            heard.push(format!("{cause} ({retry} of {retries})"));
+        }
+    };
+    fs::remove_file(project.root().join("tries")).unwrap();
+    let (pipeline, place) = (project.pipeline(), project.place());
+    let report = run(&pipeline, &place, &project.options, &mut observe).unwrap();
+    assert_eq!(report.outcome, Outcome::Done);
+    let said = "its program ended with exit status 1";
+    assert_eq!(
+        heard,
+        [format!("{said} (1 of 2)"), format!("{said} (2 of 2)")]
+    );
+    assert_eq!(project.read("a"), "x\n", "each try starts clean");
+}
+
+#[test]
+fn stages_run_at_once_only_as_long_as_there_is_memory_for_all_of_them() {
+    // Each notes how many run beside it.
+    let text = "name = 'test'\n[[stage]]\nname = 'a'\nmatrix = { i = [1, 2, 3, 4] }\n\
+                cmd = ['sh', '-c', 'touch on.{i}; sleep 0.1; ls on.* | wc -l > seen.{i}; sleep 0.1; rm on.{i}']\n\
+                outputs = ['seen.{i}']\nresources = { memory_mb = 60 }\n";
+    for (memory, most) in [(100, 1), (130, 2), (10, 1)] {
+        let mut project = Project::new(text);
+        project.options.jobs = Some(4.try_into().unwrap());
+        project.options.memory_mb = Some(memory);
+        assert_eq!(project.ran().len(), 4);
+        let seen = (1..=4).map(|i| project.read(&format!("seen.{i}")));
+        let seen = seen.map(|text| text.trim().parse::<u32>().unwrap()).max();
+        assert!(seen <= Some(most), "{memory} MiB: {seen:?} at once");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn what_a_stage_left_running_does_not_keep_the_next_run_out() {
+    let text = "name = 'test'\n[[stage]]\nname = 'a'\noutputs = ['pid']\n\
+                cmd = ['sh', '-c', 'sleep 100 <&0 >/dev/null 2>&1 & echo $! > pid']\n";
+    let project = Project::new(text);
+    assert_eq!(project.ran(), ["a"]);
+    assert_eq!(project.ran(), [""; 0]);
+    let pid = project.read("pid");
+    let alive = std::process::Command::new("kill").arg(pid.trim()).status();
+    assert!(alive.unwrap().success(), "it was still there");
 }

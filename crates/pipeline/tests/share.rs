@@ -11,6 +11,7 @@ use maveric_pipeline::*;
 struct Novels {
     folder: tempfile::TempDir,
     set: Vec<(String, String)>,
+    variant: Option<String>,
     options: RunOptions,
 }
 
@@ -24,6 +25,7 @@ impl Novels {
         Self {
             folder,
             set: Vec::new(),
+            variant: None,
             options: RunOptions::default(),
         }
     }
@@ -47,7 +49,12 @@ impl Novels {
 
     fn pipeline(&self) -> Pipeline {
         let file = self.path("pipelines/words.toml");
-        Pipeline::read(&file, self.folder.path(), &self.set).unwrap()
+        let settings = Settings {
+            set: self.set.clone(),
+            variant: self.variant.clone(),
+            ..Settings::default()
+        };
+        Pipeline::read(&file, self.folder.path(), &settings).unwrap()
     }
 
     fn run(&self) -> RunReport {
@@ -67,7 +74,12 @@ impl Novels {
         RunAt {
             ledger: Ledger::read(&self.place().ledger, "words").unwrap(),
             root: self.folder.path().to_owned(),
+            variant: self.variant.clone(),
         }
+    }
+
+    fn digest_of(&self, stage: &str) -> String {
+        self.at().ledger.variant(None)[stage].digest.clone()
     }
 }
 
@@ -170,10 +182,7 @@ fn a_colleague_with_the_same_inputs_takes_everything_from_the_cache() {
     assert!(report.summaries[0].text.contains("words in all"));
     assert_eq!(theirs.read("made/table.csv"), TABLE);
     assert_eq!(theirs.run_with(State::UpToDate).len(), 9);
-    assert_eq!(
-        mine.at().ledger.stage["table"].digest,
-        theirs.at().ledger.stage["table"].digest
-    );
+    assert_eq!(mine.digest_of("table"), theirs.digest_of("table"));
 
     // Damaged: said, thrown out, made again and put in again.
     let mut damaged = 0;
@@ -206,6 +215,72 @@ fn a_colleague_with_the_same_inputs_takes_everything_from_the_cache() {
     let mut without = Novels::new();
     without.options.cache = Some(without.path("books.csv"));
     assert_eq!(without.run().warnings.len(), 9);
+}
+
+#[test]
+fn an_entry_of_the_cache_that_could_write_anywhere_is_not_believed() {
+    let cache = tempfile::tempdir().unwrap();
+    let with_cache = || {
+        let mut novels = Novels::new();
+        novels.options.cache = Some(cache.path().to_owned());
+        novels.options.targets = vec!["table".to_owned()];
+        novels
+    };
+    let first = with_cache();
+    first.run();
+    let entries = || {
+        let folders = fs::read_dir(cache.path().join("v1/made"))
+            .unwrap()
+            .flatten();
+        let files = folders.flat_map(|e| fs::read_dir(e.path()).unwrap());
+        files.map(|e| e.unwrap().path()).collect::<Vec<_>>()
+    };
+    let table = entries()
+        .into_iter()
+        .find(|path| fs::read_to_string(path).unwrap().contains("made/table.csv"))
+        .unwrap();
+    let good = fs::read_to_string(&table).unwrap();
+    let entry: serde_json::Value = serde_json::from_str(&good).unwrap();
+    let hash = entry["files"][0]["content"].as_str().unwrap().to_owned();
+    let with = |pointer: &str, value: serde_json::Value| {
+        let mut entry = entry.clone();
+        *entry.pointer_mut(pointer).unwrap() = value;
+        entry.to_string()
+    };
+    for bad in [
+        with("/files/0/output", "../outside".into()),
+        with("/files/0/output", "/tmp/outside".into()),
+        with("/files/0/output", "books.csv".into()),
+        with("/files/0/within", "/../../outside".into()),
+        with("/files/0/within", "x/../outside".into()),
+        with("/files/0/content", "../../../../books.csv".into()),
+        with("/files/0/content", hash[1..].into()),
+        with("/outputs", serde_json::json!({})),
+        with("/outputs", serde_json::json!({"books.csv": hash})),
+        with("/digest", hash.clone().into()),
+        "{".to_owned(),
+    ] {
+        fs::write(&table, &bad).unwrap();
+        let next = with_cache();
+        let books = next.read("books.csv");
+        let report = next.run();
+        assert_eq!(report.warnings.len(), 1, "{bad}: {:?}", report.warnings);
+        assert!(
+            report.warnings[0]
+                .to_string()
+                .contains("damaged for stage `table`")
+        );
+        assert_eq!(
+            (next.read("made/table.csv"), next.read("books.csv")),
+            (TABLE.to_owned(), books)
+        );
+        assert!(!next.path("../outside").exists() && !Path::new("/tmp/outside").exists());
+    }
+    assert_eq!(
+        with_cache().run_with(State::Restored).len(),
+        9,
+        "it was put in again"
+    );
 }
 
 #[test]
@@ -285,18 +360,7 @@ fn diff_names_parameters_inputs_and_numbers() {
     first.run();
     second.run();
     let same = diff(&first.at(), &second.at()).unwrap();
-    let outputs = same
-        .stages
-        .iter()
-        .map(|stage| stage.outputs.len())
-        .sum::<usize>();
-    let parameters_only = same.stages.iter().flat_map(|s| &s.made_from);
-    assert_eq!(outputs, 0, "another folder is no difference: {same:?}");
-    assert!(
-        parameters_only
-            .into_iter()
-            .all(|r| r.to_string().contains("parameter `out`"))
-    );
+    assert_eq!(same.same, 9, "another folder is no difference: {same:?}");
     let books = second.read("books.csv").replace("1813", "1814");
     fs::write(second.path("books.csv"), books).unwrap();
     let text = second.read("texts/moby.txt");
@@ -347,8 +411,65 @@ fn clean_removes_what_was_made_here_and_nothing_else() {
     assert!(!novels.path("made/counts").exists());
     assert_eq!(clean(&[], true, false).removed, ["made/rows/pride.csv"]);
     assert_eq!(novels.read("made/notes.txt"), "mine");
-    assert!(novels.at().ledger.stage.is_empty());
+    assert!(novels.at().ledger.run.is_empty());
     assert_eq!(novels.run_with(State::Done).len(), 9);
+}
+
+#[test]
+fn variants_stand_side_by_side_and_are_compared_and_cleaned_apart() {
+    let mut novels = Novels::new();
+    novels.run();
+    novels.variant = Some("two".to_owned());
+    novels.set = vec![("top".to_owned(), "2".to_owned())];
+    let report = novels.run();
+    assert!(report.warnings.is_empty(), "{:?}", report.warnings);
+    assert_eq!(novels.run_with(State::UpToDate).len(), 9);
+    let second = novels.at();
+    (novels.variant, novels.set) = (None, Vec::new());
+    assert_eq!(novels.run_with(State::UpToDate).len(), 9);
+    assert!(
+        novels.run().summaries[0]
+            .text
+            .contains("moby,1851,the and i\n")
+    );
+    assert_eq!(novels.read("made/table.csv"), TABLE);
+    assert_eq!(
+        second.ledger.variants().into_iter().collect::<Vec<_>>(),
+        ["two"]
+    );
+    let lines = diff(&novels.at(), &second).unwrap().lines().join("\n");
+    assert!(
+        lines.contains("parameter `top` changed from 3 to 2"),
+        "{lines}"
+    );
+    assert!(
+        !lines.contains("`out`") && lines.contains("{out}/table.csv"),
+        "{lines}"
+    );
+    let trace = trace(&second.ledger, &novels.place(), "made-two/table.csv").unwrap();
+    assert_eq!(trace.stages.len(), 9);
+    assert!(trace.sources.iter().all(|s| !s.path.starts_with("made")));
+    // The same into the same place: said, and nothing of it stays.
+    novels.set = vec![("top".to_owned(), "1".to_owned())];
+    let warnings = novels.run().warnings;
+    let expected = "the former results (top=3, now 1) were replaced; `--variant NAME` keeps both";
+    assert_eq!(
+        warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        [expected]
+    );
+    novels.set = Vec::new();
+    assert!(
+        novels.run().warnings[0]
+            .to_string()
+            .contains("top=1, now 3")
+    );
+    let cleaned = clean(&novels.pipeline(), &novels.place(), &[], false, false).unwrap();
+    assert_eq!((cleaned.removed.len(), cleaned.kept.len()), (9, 0));
+    assert!(!novels.path("made").exists() && novels.path("made-two/table.csv").exists());
+    novels.variant = Some("two".to_owned());
+    let cleaned = clean(&novels.pipeline(), &novels.place(), &[], false, false).unwrap();
+    assert_eq!(cleaned.removed.len(), 9);
+    assert!(!novels.path("made-two").exists());
 }
 
 #[test]

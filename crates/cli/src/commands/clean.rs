@@ -51,7 +51,9 @@ impl Clean {
         let kept = cleaned.kept.iter();
         let kept =
             kept.map(|path| format!("kept {path}: it was edited by hand (--force removes it)"));
-        let mut lines: Vec<String> = removed.chain(kept).collect();
+        let foreign = cleaned.foreign.iter();
+        let foreign = foreign.map(|path| format!("kept {path}: no run made it"));
+        let mut lines: Vec<String> = removed.chain(kept).chain(foreign).collect();
         if lines.is_empty() {
             lines.push("nothing to remove".to_owned());
         }

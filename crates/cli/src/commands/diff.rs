@@ -1,21 +1,30 @@
 //! `maveric diff`.
 
 use super::{print_json, print_lines};
-use crate::{args::Format, diagnostics::Failure, place::place};
+use crate::{
+    args::Format,
+    diagnostics::Failure,
+    place::{DEFAULT_PIPELINE, place},
+};
 use maveric_pipeline::{Ledger, RunAt};
 use std::path::{Path, PathBuf};
 
 /// Say which inputs, parameters, numbers and figures of two runs differ
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Example: maveric diff pipelines/paper.toml ../last-week/pipelines/paper.toml
+Examples: maveric diff pipelines/paper.toml ../last-week/pipelines/paper.toml
+          maveric diff --variant a --variant b      two variants of the default pipeline
+          maveric diff --variant b                  what was run without a name, and a variant
 
 A run is a pipeline file, or the .lock file beside it.")]
 pub(crate) struct Diff {
-    /// One run
-    first: PathBuf,
+    /// One run; with --variant, the pipeline
+    first: Option<PathBuf>,
     /// The other
-    second: PathBuf,
+    second: Option<PathBuf>,
+    /// Compare variants of one pipeline; given once, against what was run without a name
+    #[arg(long = "variant", value_name = "NAME")]
+    variants: Vec<String>,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -23,7 +32,23 @@ pub(crate) struct Diff {
 
 impl Diff {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        let difference = maveric_pipeline::diff(&run_of(&self.first)?, &run_of(&self.second)?)
+        let file = |file: Option<PathBuf>| file.unwrap_or_else(|| DEFAULT_PIPELINE.into());
+        let (first, second) = match (self.variants.as_slice(), self.first, self.second) {
+            ([], Some(first), Some(second)) => (run_of(&first, None)?, run_of(&second, None)?),
+            ([one], first, None) => {
+                let file = file(first);
+                (run_of(&file, None)?, run_of(&file, Some(one))?)
+            }
+            ([one, other], first, None) => {
+                let file = file(first);
+                (run_of(&file, Some(one))?, run_of(&file, Some(other))?)
+            }
+            _ => {
+                let message = "name two runs, or one pipeline with one or two --variant";
+                return Err(Failure::Usage(message.to_owned()));
+            }
+        };
+        let difference = maveric_pipeline::diff(&first, &second)
             .map_err(Failure::pipeline("could not compare the runs"))?;
         match self.format {
             Format::Json => print_json(&difference),
@@ -32,11 +57,26 @@ impl Diff {
     }
 }
 
-fn run_of(file: &Path) -> Result<RunAt, Failure> {
+fn run_of(file: &Path, variant: Option<&String>) -> Result<RunAt, Failure> {
     let place = place(file)?;
     let ledger = Ledger::read_any(&place.ledger).map_err(Failure::pipeline(
         "could not read what the run was made from",
     ))?;
-    let root = place.root;
-    Ok(RunAt { ledger, root })
+    if let Some(name) = variant.filter(|name| !ledger.variants().contains(name.as_str())) {
+        let known: Vec<&str> = ledger.variants().into_iter().collect();
+        let known = if known.is_empty() {
+            "none has been run".to_owned()
+        } else {
+            format!("there are {}", known.join(", "))
+        };
+        return Err(Failure::Usage(format!(
+            "{} knows no variant `{name}`: {known}",
+            place.ledger.display()
+        )));
+    }
+    Ok(RunAt {
+        ledger,
+        root: place.root,
+        variant: variant.cloned(),
+    })
 }

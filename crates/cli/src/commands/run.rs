@@ -17,6 +17,7 @@ Examples: maveric run                                    the default study
           maveric run pipelines/smoke.toml -j 2          two stages at once
           maveric run pipelines/paper.toml train --force only the model, anew
           maveric run --why train                        why a stage would run
+          maveric run --variant b --set seed=2           another study, beside the first
           maveric run --cache /shared/maveric            take what a colleague has made
           maveric run --executor slurm                   on the cluster")]
 #[expect(
@@ -41,6 +42,12 @@ pub(crate) struct Run {
     /// Run the named stages (all when none are named) even if they are up to date
     #[arg(long)]
     force: bool,
+    /// Print the pipeline; run nothing
+    #[arg(long)]
+    show: bool,
+    /// Move files that no run made out of the way, into a folder beside with the date
+    #[arg(long)]
+    move_aside: bool,
     /// After a failure go on with what does not need the failed stage
     #[arg(long)]
     keep_going: bool,
@@ -81,6 +88,9 @@ impl Run {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let (file, targets) = PipelineArgs::split(self.words);
         let pipeline = self.pipeline.read(&file)?;
+        if self.show {
+            return print_lines(&[pipeline.text().trim_end().to_owned()]);
+        }
         let place = place(&file)?;
         if let Some(stage) = &self.why {
             let statuses = why(&pipeline, &place, stage)
@@ -96,6 +106,7 @@ impl Run {
             targets,
             jobs: self.jobs,
             force: self.force,
+            move_aside: self.move_aside,
             keep_going: self.keep_going,
             cache: self.cache,
             executor: self.executor.into(),
@@ -137,6 +148,12 @@ fn say(event: &Event<'_>) {
             });
             tell!("[{settled}/{wanted}] {stage}: done in {seconds:.1} s{memory}");
         }
+        Event::Retried {
+            stage,
+            cause,
+            retry,
+            retries,
+        } => tell!("{stage}: {cause}; retry {retry} of {retries}"),
         Event::Restored {
             stage,
             settled,

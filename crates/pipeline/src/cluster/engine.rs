@@ -16,10 +16,31 @@ pub(super) struct Group {
     /// Numbers of the tasks, in a row.
     pub(super) tasks: std::ops::Range<u32>,
     pub(super) resources: Resources,
+    /// How many times each is tried again.
+    pub(super) retries: u32,
     /// Tasks of jobs that were handed in before, as the cluster calls the jobs.
     pub(super) after_jobs: BTreeSet<String>,
-    /// Tasks of this submission; all have lower numbers.
-    pub(super) after_tasks: BTreeSet<u32>,
+    /// For each task, those of this submission that it waits for; all have lower numbers.
+    pub(super) after: Vec<BTreeSet<u32>>,
+}
+
+impl Group {
+    /// The longest that a task may take with all its retries, in minutes.
+    fn minutes(&self) -> Option<u32> {
+        let minutes = self.resources.minutes?;
+        Some(minutes.saturating_mul(self.retries.saturating_add(1)))
+    }
+
+    /// Whether each task waits for the task of the same place in `other`, and for no other of
+    /// it.
+    fn is_beside(&self, other: &std::ops::Range<u32>) -> bool {
+        let pairs = self.after.iter().zip(other.clone());
+        self.after.len() == other.len()
+            && pairs.into_iter().all(|(after, partner)| {
+                let mut inside = after.range(other.clone());
+                inside.next() == Some(&partner) && inside.next().is_none()
+            })
+    }
 }
 
 /// Slurm's usual limit on an array is 1001 tasks.
@@ -50,10 +71,20 @@ pub(super) fn submit(
     }
     let mut jobs: Vec<(std::ops::Range<u32>, String)> = Vec::new();
     for group in groups {
-        let mut after = group.after_jobs.clone();
-        for task in &group.after_tasks {
-            let job = jobs.iter().find(|(tasks, _)| tasks.contains(task));
-            after.extend(job.map(|(_, job)| job.clone()));
+        let mut after: BTreeSet<String> = BTreeSet::new();
+        after.extend(group.after_jobs.iter().map(|job| format!("afterok:{job}")));
+        for (tasks, job) in &jobs {
+            // One by one where that is enough: the second step of the first need not wait for
+            // the first step of the last.
+            if group.is_beside(tasks) {
+                after.insert(format!("aftercorr:{job}"));
+            } else if group
+                .after
+                .iter()
+                .any(|a| a.range(tasks.clone()).next().is_some())
+            {
+                after.insert(format!("afterok:{job}"));
+            }
         }
         let job = sbatch(pipeline, group, &after, at_once, root, spool)?;
         accepted(group, &job)?;
@@ -86,8 +117,8 @@ fn sbatch(
         .arg(format!("--chdir={}", root.display()))
         .arg(format!("--output={}/%A_%a.slurm", spool.display()));
     if !after.is_empty() {
-        let jobs: Vec<&str> = after.iter().map(String::as_str).collect();
-        command.arg(format!("--dependency=afterok:{}", jobs.join(":")));
+        let after: Vec<&str> = after.iter().map(String::as_str).collect();
+        command.arg(format!("--dependency={}", after.join(",")));
     }
     if let Some(cpus) = group.resources.cpus {
         command.arg(format!("--cpus-per-task={cpus}"));
@@ -95,7 +126,7 @@ fn sbatch(
     if let Some(memory) = group.resources.memory_mb {
         command.arg(format!("--mem={memory}M"));
     }
-    if let Some(minutes) = group.resources.minutes {
+    if let Some(minutes) = group.minutes() {
         command.arg(format!("--time={minutes}"));
     }
     let printed = output(command.arg(&starter))?;
@@ -142,9 +173,9 @@ fn hq_plan(pipeline: &str, groups: &[Group], root: &Path, spool: &Path) -> Strin
     let text = |path: &Path| toml::Value::String(path.display().to_string()).to_string();
     let mut plan = format!("name = {}\n", toml::Value::String(pipeline.to_owned()));
     for group in groups {
-        for task in group.tasks.clone() {
+        for (task, deps) in group.tasks.clone().zip(&group.after) {
+            let deps: Vec<u32> = deps.iter().copied().collect();
             let script = text(&super::script::script(spool, task));
-            let deps: Vec<u32> = group.after_tasks.iter().copied().collect();
             let cpus = group.resources.cpus.unwrap_or(1);
             let _ = write!(
                 plan,
@@ -152,10 +183,13 @@ fn hq_plan(pipeline: &str, groups: &[Group], root: &Path, spool: &Path) -> Strin
                  cwd = {}\nstdout = \"none\"\nstderr = \"none\"\n",
                 text(root)
             );
-            if let Some(minutes) = group.resources.minutes {
+            if let Some(minutes) = group.minutes() {
                 let _ = writeln!(plan, "time_limit = \"{minutes}m\"");
             }
-            let _ = writeln!(plan, "[[task.request]]\nresources = {{ cpus = {cpus} }}");
+            let memory = group.resources.memory_mb;
+            let memory = memory.map_or_else(String::new, |mib| format!(", mem = {mib}"));
+            let request = format!("[[task.request]]\nresources = {{ cpus = {cpus}{memory} }}");
+            let _ = writeln!(plan, "{request}");
         }
     }
     plan
@@ -199,7 +233,10 @@ pub(super) fn alive(
 pub(super) fn last_state(engine: Executor, task: &str) -> String {
     let unknown = || "the cluster no longer knows it".to_owned();
     if engine != Executor::Slurm {
-        return unknown();
+        return task
+            .split_once('_')
+            .and_then(|(job, number)| last_state_hq(job, number))
+            .unwrap_or_else(unknown);
     }
     // Where accounting is not kept, the controller still knows a job for some minutes.
     let of = |program: &str, arguments: &[&str]| output(Command::new(program).args(arguments)).ok();
@@ -216,6 +253,24 @@ pub(super) fn last_state(engine: Executor, task: &str) -> String {
         .filter(|state| !state.is_empty())
         .or_else(controlled)
         .unwrap_or_else(unknown)
+}
+
+/// State and error of a task as HyperQueue has them.
+fn last_state_hq(job: &str, number: &str) -> Option<String> {
+    let mut command = Command::new("hq");
+    let printed = output(command.args(["--output-mode", "json", "job", "info", job])).ok()?;
+    let answer: Value = serde_json::from_str(&printed).ok()?;
+    let mut tasks = answer[0]["tasks"].as_array()?.iter();
+    let task = tasks.find(|task| {
+        task["id"]
+            .as_u64()
+            .is_some_and(|id| id.to_string() == number)
+    })?;
+    let state = task["state"].as_str()?;
+    Some(match task["error"].as_str() {
+        Some(error) => format!("{state}: {}", error.trim()),
+        None => state.to_owned(),
+    })
 }
 
 /// Takes jobs back; that one has ended meanwhile is no error.
@@ -255,11 +310,12 @@ mod tests {
             tasks,
             resources: Resources {
                 cpus: Some(2),
-                memory_mb: None,
+                memory_mb: Some(300),
                 minutes: Some(5),
             },
+            retries: 1,
             after_jobs: BTreeSet::new(),
-            after_tasks: after.iter().copied().collect(),
+            after: vec![after.iter().copied().collect(); 2],
         };
         let groups = [group("a", 0..2, &[]), group("b", 2..3, &[0, 1])];
         let plan = hq_plan("p", &groups, "/r".as_ref(), "/s \"x".as_ref());
@@ -268,9 +324,29 @@ mod tests {
         assert_eq!(tasks.len(), 3);
         assert_eq!(tasks[2]["deps"].as_array().unwrap().len(), 2);
         assert_eq!(tasks[1]["command"][1].as_str(), Some("/s \"x/1.sh"));
+        assert_eq!(tasks[0]["time_limit"].as_str(), Some("10m"));
+        let resources = &tasks[0]["request"][0]["resources"];
+        assert_eq!(resources["mem"].as_integer(), Some(300));
         assert_eq!(
             tasks[0]["request"][0]["resources"]["cpus"].as_integer(),
             Some(2)
         );
+    }
+
+    #[test]
+    fn tasks_that_wait_for_their_namesakes_alone_are_beside_them() {
+        let group = |after: &[&[u32]]| Group {
+            name: "g".to_owned(),
+            tasks: 10..12,
+            resources: Resources::default(),
+            retries: 0,
+            after_jobs: BTreeSet::new(),
+            after: after.iter().map(|a| a.iter().copied().collect()).collect(),
+        };
+        assert!(group(&[&[4], &[5]]).is_beside(&(4..6)));
+        assert!(group(&[&[1, 4], &[5]]).is_beside(&(4..6)));
+        assert!(!group(&[&[4], &[5]]).is_beside(&(4..7)));
+        assert!(!group(&[&[5], &[4]]).is_beside(&(4..6)));
+        assert!(!group(&[&[4, 5], &[5]]).is_beside(&(4..6)));
     }
 }

@@ -18,8 +18,6 @@ use crate::{
 
 /// Between two looks: the first, and the longest.
 const LOOKS: [Duration; 2] = [Duration::from_millis(100), Duration::from_secs(3)];
-/// How long a task may be gone from the cluster before its word reaches us over a network.
-const WORD_AFTER_END: Duration = Duration::from_secs(4);
 /// How long the cluster may not answer.
 const SILENCE: Duration = Duration::from_mins(2);
 /// Last lines of a failed stage that are told.
@@ -46,6 +44,8 @@ pub(super) struct Follower<'a> {
     depth: Vec<usize>,
     /// Since when a task is gone without a word.
     gone: BTreeMap<String, Instant>,
+    /// Tasks that had told how they ended at the last look.
+    told: BTreeSet<(std::path::PathBuf, u32)>,
     heard: Instant,
 }
 
@@ -62,7 +62,7 @@ impl<'a> Follower<'a> {
             Some(jobs) if jobs.engine == engine => jobs,
             _ => {
                 super::refuse_while_jobs_run(workshop.place)?;
-                Jobs::new(engine)
+                Jobs::new(engine, file)
             }
         };
         let mut depth = vec![0; graph.order().len()];
@@ -79,6 +79,7 @@ impl<'a> Follower<'a> {
             standing: vec![Standing::Open; depth.len()],
             depth,
             gone: BTreeMap::new(),
+            told: BTreeSet::new(),
             heard: Instant::now(),
         })
     }
@@ -115,9 +116,9 @@ impl<'a> Follower<'a> {
     }
 
     /// Without its script, a copy of a task that still runs somewhere leaves no trace.
-    fn tidy_up(&self) -> Result<(), PipelineError> {
+    fn tidy_up(&mut self) -> Result<(), PipelineError> {
         let place = self.workshop.place;
-        self.jobs.write(&place.jobs())?;
+        self.jobs.compact()?;
         if self.jobs.tasks.is_empty() {
             let _ = fs::remove_dir_all(super::spools(place));
         }
@@ -151,7 +152,7 @@ impl<'a> Follower<'a> {
         let kept = self.jobs.jobs();
         dropped.retain(|job| !job.is_empty() && !kept.contains(job));
         engine::cancel(self.jobs.engine, &dropped);
-        self.jobs.write(&self.workshop.place.jobs())?;
+        self.jobs.compact()?;
         Ok(resumed)
     }
 
@@ -182,6 +183,7 @@ impl<'a> Follower<'a> {
     ) -> Result<bool, PipelineError> {
         // Asked before the endings are read: a task that ends in between is not missed.
         let alive = self.alive()?;
+        self.told = self.jobs.ended();
         let mut moved = false;
         let mut candidates = Vec::new();
         let mut going: BTreeSet<usize> = BTreeSet::new();
@@ -255,15 +257,23 @@ impl<'a> Follower<'a> {
                 Examined::UpToDate => Attempt::UpToDate,
                 Examined::Stale { now, past, reasons } => {
                     let mut tell = |news| schedule.hear(index, news, observe);
-                    if forced || !self.workshop.restore(stage, &now, &past, &mut tell)? {
-                        return Ok(Some(Candidate {
-                            index,
-                            now,
-                            reasons,
-                            depth,
-                        }));
+                    let workshop = self.workshop;
+                    if let Some(failure) =
+                        workshop.make_room(self.graph, stage, &now.files, &mut tell)?
+                    {
+                        Attempt::Failed(failure)
+                    } else {
+                        workshop.note_replaced(&past, &reasons);
+                        if forced || !workshop.restore(stage, &now, &mut tell)? {
+                            return Ok(Some(Candidate {
+                                index,
+                                now,
+                                reasons,
+                                depth,
+                            }));
+                        }
+                        Attempt::Restored
                     }
-                    Attempt::Restored
                 }
             };
             self.close(index, attempt, schedule, observe);
@@ -281,6 +291,14 @@ impl<'a> Follower<'a> {
             return Ok(None);
         }
         let now = Present::of(stage, self.workshop.place, &self.workshop.hasher)?;
+        let mut tell = |news| schedule.hear(index, news, observe);
+        let room = self
+            .workshop
+            .make_room(self.graph, stage, &now.files, &mut tell)?;
+        if let Some(failure) = room {
+            self.close(index, Attempt::Failed(failure), schedule, observe);
+            return Ok(None);
+        }
         let waits = |maker: &&usize| stands(maker) == Standing::OnCluster;
         let families: BTreeSet<&String> = makers
             .iter()
@@ -324,23 +342,26 @@ impl<'a> Follower<'a> {
         observe: &mut dyn FnMut(Event<'_>),
     ) -> Result<bool, PipelineError> {
         let stage = self.graph.stage(index);
-        let Some(task) = self.jobs.tasks.get(&stage.name).cloned() else {
+        let Some(task) = self.jobs.tasks.get(&stage.name) else {
             return Ok(false);
         };
+        let told = self.told.contains(&(task.spool.clone(), task.index));
+        if !told && alive.is_none_or(|alive| alive.contains(&task.id())) {
+            self.gone.remove(&stage.name);
+            return Ok(false);
+        }
+        let task = task.clone();
         let makers = self.graph.needs(index).iter().map(|need| need.maker);
         let standings: Vec<Standing> = makers.map(|maker| self.standing[maker]).collect();
-        let ended = read_ending(&task).filter(|_| !standings.contains(&Standing::OnCluster));
+        let ended = told.then(|| read_ending(&task)).flatten();
+        let ended = ended.filter(|_| !standings.contains(&Standing::OnCluster));
         let attempt = if let Some((code, seconds)) = ended {
             self.ended(stage, &task, code, seconds, schedule, index, observe)?
         } else {
-            if alive.is_none_or(|alive| alive.contains(&task.id())) {
-                self.gone.remove(&stage.name);
-                return Ok(false);
-            }
             if standings.contains(&Standing::Dead) {
                 // The cluster took it back with what it waited for.
                 task.give_up();
-                self.jobs.tasks.remove(&stage.name);
+                self.jobs.settle(&stage.name)?;
                 self.standing[index] = Standing::Dead;
                 schedule.settle(index, Attempt::Interrupted, observe);
                 return Ok(true);
@@ -349,7 +370,8 @@ impl<'a> Follower<'a> {
                 .gone
                 .entry(stage.name.clone())
                 .or_insert_with(Instant::now);
-            if since.elapsed() < WORD_AFTER_END || standings.contains(&Standing::OnCluster) {
+            if since.elapsed() < self.options.lost_after || standings.contains(&Standing::OnCluster)
+            {
                 return Ok(false);
             }
             task.give_up();
@@ -360,9 +382,8 @@ impl<'a> Follower<'a> {
             let said = self.keep_log(stage, &task)?;
             Attempt::Failed(self.workshop.failure(stage, &[], cause, said, Some(0.0)))
         };
-        self.jobs.tasks.remove(&stage.name);
+        self.jobs.settle(&stage.name)?;
         self.close(index, attempt, schedule, observe);
-        self.jobs.write(&self.workshop.place.jobs())?;
         Ok(true)
     }
 
@@ -399,6 +420,7 @@ impl<'a> Follower<'a> {
     ) -> Result<Attempt, PipelineError> {
         let said = self.keep_log(stage, task)?;
         let failed = |cause| {
+            self.workshop.leave(stage)?;
             let failure = self
                 .workshop
                 .failure(stage, &[], cause, said.clone(), Some(seconds));

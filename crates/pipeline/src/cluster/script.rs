@@ -86,23 +86,33 @@ pub(super) fn text(
     let program = program.to_string_lossy().into_owned();
     let arguments = stage.arguments(files);
     let command = quoted(std::iter::once(&program).chain(&arguments));
-    lines.push(format!(
-        "{command} </dev/null >\"$work.out\" 2>\"$work.err\""
-    ));
-    lines.push("code=$?".to_owned());
+    let made = outputs
+        .iter()
+        .filter(|path| is_relative(path) && !inside(path));
+    let made: Vec<&str> = made.copied().collect();
+    let run = format!("{command} </dev/null >\"$work.out\" 2>\"$work.err\"; code=$?");
+    if stage.retries == 0 {
+        lines.push(run);
+    } else {
+        let clear = match made.as_slice() {
+            [] => String::new(),
+            made => format!(" rm -rf {};", quoted(made)),
+        };
+        lines.push(format!(
+            "try=0; while {run}; [ $code != 0 ] && [ $try -lt {} ]; do try=$((try + 1));{clear} done",
+            stage.retries
+        ));
+    }
     // Another copy was first, or the run was given up: this one leaves no trace.
     lines.push(
-        r#"if [ -e "$spool/$n.ended" ] || [ ! -e "$spool/$n.sh" ]; then rm -rf "$work" "$work".*; exit 0; fi"#
+        r#"if [ -e "$spool/$n.ended" ] || [ ! -e "$spool/$n.sh" ] || ! mkdir "$spool/$n.first" 2>/dev/null; then cd "$spool"; rm -rf "$work" "$work".*; exit 0; fi"#
             .to_owned(),
     );
-    for output in outputs
-        .iter()
-        .filter(|path| is_relative(path) && !inside(path))
-    {
+    for output in &made {
         let name = word(output);
+        let place = folder(output).replace("mkdir -p ", "mkdir -p \"$root\"/");
         lines.push(format!(
-            "[ $code = 0 ] && [ -e {name} ] && {{ {}rm -rf \"$root\"/{name}; mv {name} \"$root\"/{name} || code=126; }}",
-            folder(output).replace("mkdir -p ", "mkdir -p \"$root\"/"),
+            "if [ $code = 0 ] && [ -e {name} ]; then {place}if [ -e \"$root\"/{name} ]; then echo {name} is in the way >>\"$work.err\"; code=126; else mv -T {name} \"$root\"/{name} || code=126; fi; fi",
         ));
     }
     lines.extend(
@@ -117,4 +127,95 @@ pub(super) fn text(
     );
     lines.push(String::new());
     lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Pipeline;
+    use std::fs;
+    use std::process::{Child, Command};
+
+    /// Starts a copy of the task that is the only stage of `text`.
+    fn start(root: &Path, spool: &Path) -> Child {
+        let copy = Command::new("sh")
+            .arg(script(spool, 0))
+            .current_dir(root)
+            .spawn();
+        copy.unwrap()
+    }
+
+    fn write_script(text_of: &str, root: &Path, spool: &Path) {
+        let settings = crate::Settings::default();
+        let pipeline = Pipeline::parse(text_of, "p.toml".as_ref(), root, &settings).unwrap();
+        let place = Place {
+            root: root.to_owned(),
+            ledger: root.join("p.lock"),
+            log_dir: root.join(".logs"),
+            program: None,
+        };
+        fs::create_dir_all(spool).unwrap();
+        let text = text(&pipeline.stages()[0], &[], &place, root, spool, 0);
+        fs::write(script(spool, 0), text).unwrap();
+    }
+
+    #[test]
+    fn of_two_copies_at_once_one_puts_its_outputs_in_place_and_tells() {
+        let text = "name = 'p'\n[[stage]]\nname = 'a'\noutputs = ['out']\n\
+                    cmd = ['sh', '-c', 'mkdir out; echo $$ > out/file; sleep 0.05']\n";
+        for round in 0..20 {
+            let folder = tempfile::tempdir().unwrap();
+            let (root, spool) = (folder.path().join("r"), folder.path().join("s"));
+            fs::create_dir_all(&root).unwrap();
+            write_script(text, &root, &spool);
+            let copies = [
+                start(&root, &spool),
+                start(&root, &spool),
+                start(&root, &spool),
+            ];
+            for mut copy in copies {
+                assert!(copy.wait().unwrap().success(), "round {round}");
+            }
+            let names: Vec<_> = fs::read_dir(root.join("out")).unwrap().flatten().collect();
+            assert_eq!(names.len(), 1, "round {round}: {names:?}");
+            assert!(
+                fs::read_to_string(ending(&spool, 0))
+                    .unwrap()
+                    .starts_with("0 ")
+            );
+        }
+    }
+
+    #[test]
+    fn a_file_in_the_way_is_not_overwritten() {
+        let text = "name = 'p'\n[[stage]]\nname = 'a'\noutputs = ['out']\ncmd = ['touch', 'out']\n";
+        let folder = tempfile::tempdir().unwrap();
+        let (root, spool) = (folder.path().join("r"), folder.path().join("s"));
+        fs::create_dir_all(&root).unwrap();
+        fs::write(root.join("out"), "mine").unwrap();
+        write_script(text, &root, &spool);
+        assert_eq!(start(&root, &spool).wait().unwrap().code(), Some(126));
+        assert_eq!(fs::read_to_string(root.join("out")).unwrap(), "mine");
+        let said = fs::read_to_string(printed(&spool, 0, "err")).unwrap();
+        assert_eq!(said, "out is in the way\n");
+    }
+
+    #[test]
+    fn a_task_tries_again_as_often_as_it_may_and_starts_clean() {
+        let text = "name = 'p'\n[[stage]]\nname = 'a'\nretries = 2\noutputs = ['out']\n\
+                    cmd = ['sh', '-c', 'echo x >> COUNT; echo $(wc -l < COUNT) >> out; [ $(wc -l < COUNT) -ge TIMES ]']\n";
+        for (times, code, made) in [(3, 0, Some("3\n")), (4, 1, None)] {
+            let folder = tempfile::tempdir().unwrap();
+            let (root, spool) = (folder.path().join("r"), folder.path().join("s"));
+            fs::create_dir_all(&root).unwrap();
+            let count = folder.path().join("count").display().to_string();
+            let text = text
+                .replace("COUNT", &count)
+                .replace("TIMES", &times.to_string());
+            write_script(&text, &root, &spool);
+            assert_eq!(start(&root, &spool).wait().unwrap().code(), Some(code));
+            assert_eq!(fs::read_to_string(root.join("out")).ok().as_deref(), made);
+            assert_eq!(fs::read_to_string(&count).unwrap(), "x\nx\nx\n");
+        }
+    }
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use super::engine::{self, Group, LARGEST_GROUP};
-use super::jobs::{Jobs, Task};
+use super::jobs::{Accepted, Jobs, Task};
 use super::script;
 use crate::attempt::Workshop;
 use crate::check::Present;
@@ -41,6 +41,7 @@ pub(super) fn submit(
     let family = |c: &Candidate| graph.stage(c.index).family.clone();
     candidates.sort_by_key(|c| (c.depth, family(c), c.index));
     let mut groups: Vec<Group> = Vec::new();
+    let mut tasks: Vec<(String, Task)> = Vec::new();
     let mut number_of: BTreeMap<usize, u32> = BTreeMap::new();
     let mut of_group = None;
     for (number, candidate) in candidates.iter().enumerate() {
@@ -56,8 +57,9 @@ pub(super) fn submit(
                 name: stage.family.clone(),
                 tasks: index..index,
                 resources: stage.resources,
+                retries: stage.retries,
                 after_jobs: BTreeSet::new(),
-                after_tasks: BTreeSet::new(),
+                after: Vec::new(),
             });
         }
         let open = |maker: usize| {
@@ -74,13 +76,15 @@ pub(super) fn submit(
         let made_from = made_from.without_inputs(|path| opens.contains(path));
         if let Some(group) = groups.last_mut() {
             group.tasks.end = index + 1;
+            let mut after = BTreeSet::new();
             for need in graph.needs(candidate.index) {
                 if let Some(number) = number_of.get(&need.maker) {
-                    group.after_tasks.insert(*number);
+                    after.insert(*number);
                 } else if let Some(task) = jobs.tasks.get(&graph.stage(need.maker).name) {
                     group.after_jobs.insert(task.job.clone());
                 }
             }
+            group.after.push(after);
             let task = Task {
                 job: String::new(),
                 index,
@@ -89,31 +93,25 @@ pub(super) fn submit(
                 made_from,
             };
             number_of.insert(candidate.index, index);
-            jobs.tasks.insert(stage.name.clone(), task);
+            tasks.push((stage.name.clone(), task));
         }
         // What its makers are about to make is not known yet, so neither is what it makes.
-        let past = crate::check::Past::of(stage, workshop.ledger().get());
-        workshop.ledger().begin(&stage.name, &stage.outputs)?;
-        workshop.clear(stage, &past)?;
+        workshop.begin(stage)?;
     }
-    let file = place.jobs();
-    jobs.write(&file)?;
+    jobs.begin(tasks)?;
     let (engine, pipeline) = (jobs.engine, graph.pipeline().name());
     let mut accepted = |group: &Group, job: &str| {
-        for task in jobs.tasks.values_mut() {
-            if task.spool == spool && group.tasks.contains(&task.index) {
-                job.clone_into(&mut task.job);
-                if engine == crate::Executor::HyperQueue {
-                    task.number = task.index;
-                }
-            }
-        }
         observe(Event::Submitted {
             job,
             stage: &group.name,
             tasks: group.tasks.len(),
         });
-        jobs.write(&file)
+        jobs.accept(Accepted {
+            spool: spool.clone(),
+            tasks: group.tasks.clone(),
+            job: job.to_owned(),
+            numbered: engine == crate::Executor::HyperQueue,
+        })
     };
     engine::submit(
         engine,

@@ -76,7 +76,8 @@ pub(crate) fn run(
         let _ = sender.send(Message::Dead(child.wait4()));
     });
     let mut kept = Kept::default();
-    let followed = follow(&messages, stop, &mut |stream, line| {
+    let until = job.limit.map(|limit| Instant::now() + limit);
+    let followed = follow(&messages, stop, until, &mut |stream, line| {
         job.log.write_all(&line)?;
         let text = String::from_utf8_lossy(&line).into_owned();
         kept.add(stream, &text);
@@ -86,15 +87,20 @@ pub(crate) fn run(
         Ok(())
     });
     match followed {
-        Ok(Some(used)) => Ok(Ended::Exited {
+        Ok(Followed::Dead(used)) => Ok(Ended::Exited {
             status: used.status,
             peak_memory: Some(used.rusage.maxrss).filter(|&bytes| bytes > 0),
             stdout: kept.stdout,
             last_lines: kept.last_lines.into(),
         }),
-        Ok(None) => {
+        Ok(Followed::Stopped) => {
             end(pid, &messages);
             Ok(Ended::Interrupted)
+        }
+        Ok(Followed::TooLong) => {
+            end(pid, &messages);
+            let last_lines = kept.last_lines.into();
+            Ok(Ended::TimedOut { last_lines })
         }
         Err(error) => {
             end(pid, &messages);
@@ -103,17 +109,28 @@ pub(crate) fn run(
     }
 }
 
-/// Passes lines on until the child is dead and its pipes are read; `None` if stopped.
+/// Why a child is no longer followed.
+enum Followed {
+    Dead(ResUse),
+    Stopped,
+    TooLong,
+}
+
+/// Passes lines on until the child is dead and its pipes are read.
 fn follow(
     messages: &Receiver<Message>,
     stop: &AtomicBool,
+    until: Option<Instant>,
     on_line: &mut dyn FnMut(Stream, Vec<u8>) -> std::io::Result<()>,
-) -> std::io::Result<Option<ResUse>> {
+) -> std::io::Result<Followed> {
     let mut open = 2;
     let mut dead: Option<(ResUse, Instant)> = None;
     loop {
         if stop.load(Ordering::Relaxed) {
-            return Ok(None);
+            return Ok(Followed::Stopped);
+        }
+        if dead.is_none() && until.is_some_and(|until| Instant::now() > until) {
+            return Ok(Followed::TooLong);
         }
         match messages.recv_timeout(TICK) {
             Ok(Message::Line(stream, line)) => on_line(stream, line)?,
@@ -124,7 +141,7 @@ fn follow(
         if let Some((used, since)) = dead
             && (open == 0 || since.elapsed() > PIPES_AFTER_DEATH)
         {
-            return Ok(Some(used));
+            return Ok(Followed::Dead(used));
         }
     }
 }
@@ -223,6 +240,14 @@ mod tests {
     use std::path::Path;
 
     fn shell(script: &str, stop: &AtomicBool) -> (Ended, String, Vec<String>) {
+        shell_for(script, stop, None)
+    }
+
+    fn shell_for(
+        script: &str,
+        stop: &AtomicBool,
+        limit: Option<Duration>,
+    ) -> (Ended, String, Vec<String>) {
         let folder = tempfile::tempdir().unwrap();
         let log = folder.path().join("log");
         let arguments = ["-c".to_owned(), script.to_owned()];
@@ -231,6 +256,7 @@ mod tests {
             arguments: &arguments,
             root: folder.path(),
             stdin: File::open("/dev/null").unwrap(),
+            limit,
             log: File::create(&log).unwrap(),
         };
         let mut stderr = Vec::new();
@@ -263,6 +289,14 @@ mod tests {
     fn a_child_left_in_the_background_is_not_waited_for() {
         let (ended, ..) = shell("sleep 5 & exit 0", &AtomicBool::new(false));
         assert!(matches!(ended, Ended::Exited { status, .. } if status.success()));
+    }
+
+    #[test]
+    fn a_child_that_runs_too_long_is_ended_with_what_it_had_said() {
+        let limit = Some(Duration::from_millis(200));
+        let script = "echo begun; sleep 600; echo over";
+        let (ended, ..) = shell_for(script, &AtomicBool::new(false), limit);
+        assert!(matches!(ended, Ended::TimedOut { last_lines } if last_lines == ["begun"]));
     }
 
     #[test]

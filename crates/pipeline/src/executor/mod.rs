@@ -5,6 +5,7 @@ pub(crate) mod local;
 use std::fs::File;
 use std::path::Path;
 use std::process::ExitStatus;
+use std::time::Duration;
 
 /// A command line with everything that its process needs.
 pub(crate) struct Job<'a> {
@@ -16,6 +17,8 @@ pub(crate) struct Job<'a> {
     pub(crate) root: &'a Path,
     /// Its standard input.
     pub(crate) stdin: File,
+    /// The longest that it may run.
+    pub(crate) limit: Option<Duration>,
     /// Takes all that it prints, both streams, line by line.
     pub(crate) log: File,
 }
@@ -29,6 +32,11 @@ pub(crate) enum Ended {
         peak_memory: Option<u64>,
         /// Its standard output; of a long one the last part, in whole lines.
         stdout: String,
+        /// The last lines of both streams.
+        last_lines: Vec<String>,
+    },
+    /// By us, because it ran too long.
+    TimedOut {
         /// The last lines of both streams.
         last_lines: Vec<String>,
     },

@@ -129,10 +129,8 @@ fn rows(path: &str, root: &Path) -> Result<Vec<Branch>, String> {
     let mut branches = Vec::new();
     for (line, cells) in rows {
         let value = |(name, text): (&String, &String)| {
-            let kind = ParamKind::Text;
-            // Braces in a cell are braces.
-            let text = text.replace('{', "{{").replace('}', "}}");
-            is_name(name).then(|| (name.clone(), Param { kind, text }))
+            let (kind, text) = (ParamKind::Literal, text.clone());
+            is_name(name).then_some((name.clone(), Param { kind, text }))
         };
         branches.push(Branch {
             values: heading.iter().zip(&cells).filter_map(value).collect(),

@@ -130,15 +130,28 @@ pub(crate) const STAGE_KEYS: &[Key] = &[
          with one `*`. The word `{files}` of cmd stands for a shard's files.",
     ),
     key(
+        "retries",
+        Kind::Count,
+        "How many times it is tried again after a failure; none when not given.",
+    ),
+    key(
         "resources",
         Kind::Table(RESOURCE_KEYS),
-        "What it asks of a cluster; no part of what its outputs are made from.",
+        "What it asks of a machine or a cluster; no part of what its outputs are made from.",
     ),
 ];
 
 /// The keys of `resources`.
 pub(crate) const RESOURCE_KEYS: &[Key] = &[
-    key("cpus", Kind::Count, "Processor cores."),
-    key("memory_mb", Kind::Count, "Memory in MiB."),
+    key(
+        "cpus",
+        Kind::Count,
+        "Processor cores; only a cluster counts them.",
+    ),
+    key(
+        "memory_mb",
+        Kind::Count,
+        "Memory in MiB: stages run at once only as long as it is enough for all of them.",
+    ),
     key("minutes", Kind::Count, "The longest that it may run."),
 ];

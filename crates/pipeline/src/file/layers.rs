@@ -1,6 +1,6 @@
 //! Pipeline files that build on another one: `extends = "paper.toml"`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use toml::de::{DeTable, DeValue};
@@ -10,7 +10,7 @@ use super::tables::read_params;
 use super::value::{Located, Value, check_keys, string, wrong_type};
 use crate::PipelineError;
 use crate::error::{FileProblem, nearest};
-use crate::params::Params;
+use crate::params::{Params, is_name};
 
 const TOP: &str = "the pipeline";
 
@@ -163,6 +163,45 @@ fn name_of<'t>(value: &'t Value<'t>) -> Option<&'t str> {
         DeValue::Table(table) => table.get("name")?.get_ref().as_str(),
         _ => None,
     }
+}
+
+/// Adds `-VARIANT` to every parameter with which an output begins.
+pub(super) fn move_roots(
+    entries: &[Entry<'_>],
+    params: &mut Params,
+    variant: &str,
+) -> Result<(), PipelineError> {
+    if !is_name(variant) {
+        let name = variant.to_owned();
+        return Err(PipelineError::BadVariant { name });
+    }
+    let mut roots = BTreeSet::new();
+    for entry in entries {
+        let outputs = match entry.value.get_ref() {
+            DeValue::Table(table) => table.get("outputs").map(Value::get_ref),
+            _ => None,
+        };
+        // What is no array of strings is refused where the stage is read.
+        let Some(DeValue::Array(outputs)) = outputs else {
+            continue;
+        };
+        for output in outputs.iter().filter_map(|value| value.get_ref().as_str()) {
+            let root = params
+                .root_of(output)
+                .ok_or_else(|| PipelineError::NoRoot {
+                    variant: variant.to_owned(),
+                    stage: name_of(entry.value).unwrap_or_default().to_owned(),
+                    output: output.to_owned(),
+                })?;
+            roots.insert(root);
+        }
+    }
+    for root in roots {
+        if let Some(param) = params.0.get_mut(&root) {
+            param.text = format!("{}-{variant}", param.text.trim_end_matches('/'));
+        }
+    }
+    Ok(())
 }
 
 /// Refuses a parameter that a file adds to those it extends and that no stage uses: it is

@@ -198,6 +198,10 @@ fn read_stage(
         inputs_help: help,
         share: branch.share,
         row: branch.row,
+        retries: match table.get("retries") {
+            Some(value) => fan::count("retries", value)?,
+            None => 0,
+        },
         resources: read_resources(table)?,
     };
     Ok((stage, name_at))
@@ -219,7 +223,7 @@ fn check_ids(branch: &Branch, in_paths: &BTreeSet<String>, at: usize) -> Result<
             at,
             problem: FileProblem::NotAnId {
                 column: column.clone(),
-                value: cell.text.replace("{{", "{").replace("}}", "}"),
+                value: cell.text.clone(),
                 table: row.table.clone(),
                 line: row.line,
             },

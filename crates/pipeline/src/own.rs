@@ -1,0 +1,246 @@
+//! What stands in the places of a stage's outputs: made by runs, or by nobody that we know.
+
+use std::fs;
+use std::path::Path;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use crate::content::Hasher;
+use crate::ledger::{Ledger, Left, Made};
+use crate::paths::with_ancestors;
+use crate::{Graph, PipelineError, Stage};
+
+/// How folders begin that hold what was moved out of a stage's way.
+pub(crate) const ASIDE: &str = "moved-aside-";
+
+/// A file below an output; the output itself for the empty name.
+fn join(output: &str, within: &str) -> String {
+    if within.is_empty() {
+        output.to_owned()
+    } else {
+        format!("{output}/{within}")
+    }
+}
+
+/// The files where `stage` has its outputs that none of the runs `keys` made.
+pub(crate) fn foreign(
+    stage: &Stage,
+    keys: &[String],
+    ledger: &Ledger,
+    hasher: &Hasher<'_>,
+) -> Result<Vec<String>, PipelineError> {
+    let mut made: Vec<(&str, Made<'_>)> = Vec::new();
+    for key in keys {
+        for (output, what) in ledger.made_by(key) {
+            made.push(match what {
+                Made::If(content) if hasher.content(output)?.as_deref() == Some(content) => {
+                    (output, Made::All)
+                }
+                what => (output, what),
+            });
+        }
+    }
+    let is_made = |path: &str| {
+        made.iter().any(|(output, what)| {
+            let within = path.strip_prefix(output);
+            let within = within.filter(|rest| rest.is_empty() || rest.starts_with('/'));
+            let within = within.map(|rest| rest.trim_start_matches('/'));
+            within.is_some_and(|within| match what {
+                Made::All => true,
+                Made::Files(files) => files.binary_search_by(|f| (**f).cmp(within)).is_ok(),
+                Made::If(_) => false,
+            })
+        })
+    };
+    let mut foreign = Vec::new();
+    for output in &stage.outputs {
+        for within in hasher.names(output)?.unwrap_or_default() {
+            let path = join(output, &within);
+            if !is_made(&path) {
+                foreign.push(path);
+            }
+        }
+    }
+    Ok(foreign)
+}
+
+/// Moves files beside the outputs in which they stand, into a folder with today's date that
+/// no stage reads; the folder of each, relative to the root.
+pub(crate) fn move_aside(
+    paths: &[String],
+    graph: &Graph<'_>,
+    root: &Path,
+) -> Result<Vec<String>, PipelineError> {
+    let today = today();
+    let mut folders: Vec<String> = Vec::new();
+    for path in paths {
+        let above = with_ancestors(path).skip(1);
+        let free = above.into_iter().find(|above| graph.is_free(above));
+        let (base, rest) = match free {
+            Some(base) => (format!("{base}/"), &path[base.len() + 1..]),
+            None if path.starts_with('/') => ("/".to_owned(), &path[1..]),
+            None => (String::new(), path.as_str()),
+        };
+        let numbers = std::iter::once(String::new()).chain((2..).map(|n: u32| format!("-{n}")));
+        let mut folders_of_today = numbers.map(|n| format!("{base}{ASIDE}{today}{n}"));
+        let is_taken = |folder: &String| root.join(folder).join(rest).symlink_metadata().is_ok();
+        let folder = folders_of_today.find(|folder| !is_taken(folder));
+        let folder = folder.unwrap_or_default();
+        let (from, to) = (root.join(path), root.join(&folder).join(rest));
+        if let Some(folder) = to.parent() {
+            fs::create_dir_all(folder).map_err(PipelineError::io("create", folder))?;
+        }
+        fs::rename(&from, &to).map_err(PipelineError::io("move aside", &from))?;
+        if !folders.contains(&folder) {
+            folders.push(folder);
+        }
+    }
+    Ok(folders)
+}
+
+/// Removes what stands in a stage's outputs, all of which is its own, and what else it had
+/// made before; nothing of anybody else.
+pub(crate) fn clear(stage: &Stage, past: &Left, root: &Path) -> Result<(), PipelineError> {
+    let failed = |path: &Path| PipelineError::io("remove the old", path.to_owned());
+    for output in stage.outputs.iter().chain(&past.open) {
+        let full = root.join(output);
+        // A link to a directory elsewhere is a person's choice and stays.
+        let is_link = full.symlink_metadata().is_ok_and(|m| m.is_symlink());
+        if is_link && full.is_dir() {
+            let entries = fs::read_dir(&full).map_err(failed(&full))?;
+            for entry in entries {
+                let path = entry.map_err(failed(&full))?.path();
+                remove(&path).map_err(failed(&path))?;
+            }
+        } else {
+            remove(&full).map_err(failed(&full))?;
+        }
+    }
+    for (output, files) in &past.files {
+        remove_files(output, files, root)?;
+    }
+    for output in &stage.outputs {
+        if let Some(folder) = root.join(output).parent() {
+            fs::create_dir_all(folder).map_err(PipelineError::io("create", folder))?;
+        }
+    }
+    Ok(())
+}
+
+/// Removes files of an output and the directories, up to the output itself, that are empty
+/// then; whether the output is gone.
+pub(crate) fn remove_files(
+    output: &str,
+    files: &[String],
+    root: &Path,
+) -> Result<bool, PipelineError> {
+    for within in files {
+        let path = join(output, within);
+        let full = root.join(&path);
+        if full.symlink_metadata().is_ok_and(|m| !m.is_dir()) {
+            fs::remove_file(&full).map_err(PipelineError::io("remove the old", &full))?;
+        }
+        for folder in with_ancestors(&path).skip(1) {
+            // One that is not empty stays, and so do those above it.
+            if folder.len() < output.len() || fs::remove_dir(root.join(folder)).is_err() {
+                break;
+            }
+        }
+    }
+    let full = root.join(output);
+    let _ = fs::remove_dir(&full); // one that was made empty
+    Ok(full.symlink_metadata().is_err())
+}
+
+/// Removes a file, a link or a whole directory; nothing there is fine.
+pub(crate) fn remove(path: &Path) -> std::io::Result<()> {
+    let result = match fs::symlink_metadata(path) {
+        Ok(metadata) if metadata.is_dir() => fs::remove_dir_all(path),
+        Ok(_) => fs::remove_file(path),
+        Err(error) => Err(error),
+    };
+    match result {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
+        other => other,
+    }
+}
+
+/// The date in Greenwich, as `2026-11-22`.
+fn today() -> String {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH);
+    let days = since.map_or(0, |since| since.as_secs() / 86_400);
+    date(i64::try_from(days).unwrap_or(0))
+}
+
+/// The date so many days after 1 January 1970.
+///
+/// # Source
+/// H. Hinnant, "chrono-compatible low-level date algorithms", `civil_from_days`.
+fn date(days: i64) -> String {
+    let shifted = days + 719_468;
+    let era = shifted.div_euclid(146_097);
+    let day_of_era = shifted.rem_euclid(146_097);
+    let year_of_era =
+        (day_of_era - day_of_era / 1_460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month_from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
+    let month = (month_from_march + 2) % 12 + 1;
+    let year = year_of_era + era * 400 + i64::from(month <= 2);
+    format!("{year:04}-{month:02}-{day:02}")
+}
+
+/// Where the folders for what is moved aside may stand.
+impl Graph<'_> {
+    /// Whether no stage reads or makes `path` or anything above it.
+    fn is_free(&self, path: &str) -> bool {
+        let stages = self.pipeline().stages();
+        let mut all = stages
+            .iter()
+            .flat_map(|s| s.reads().chain(s.outputs.iter().map(String::as_str)));
+        !all.any(|used| with_ancestors(path).any(|above| above == used))
+    }
+}
+
+/// A path as it is told of, relative to the root.
+pub(crate) fn told(paths: &[String]) -> String {
+    let shown: Vec<&str> = paths.iter().take(3).map(String::as_str).collect();
+    match paths.len() - shown.len() {
+        0 => shown.join(", "),
+        more => format!("{} and {more} more", shown.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn days_have_their_dates() {
+        for (days, expected) in [
+            (0, "1970-01-01"),
+            (59, "1970-03-01"),
+            (11_016, "2000-02-29"),
+            (20_779, "2026-11-22"),
+        ] {
+            assert_eq!(date(days), expected);
+        }
+    }
+
+    #[test]
+    fn only_the_files_named_go_and_the_directories_that_they_leave_empty() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path().to_owned();
+        for file in ["out/a/1", "out/a/b/2", "out/c/3", "out/c/mine", "beside"] {
+            let path = root.join(file);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, "").unwrap();
+        }
+        let files = ["a/1", "a/b/2", "c/3", "gone"].map(str::to_owned);
+        assert!(!remove_files("out", &files, &root).unwrap());
+        assert!(!root.join("out/a").exists() && root.join("out/c/mine").exists());
+        fs::remove_file(root.join("out/c/mine")).unwrap();
+        assert!(remove_files("out", &[], &root).is_ok_and(|gone| !gone));
+        assert!(remove_files("out", &["c/mine".to_owned()], &root).is_ok());
+        assert!(root.join("beside").exists());
+    }
+}
