@@ -97,7 +97,7 @@ fn processes(bencher: Bencher<'_, '_>, stages: usize) {
 }
 
 /// Reading, ordering and finding that nothing is to be done.
-#[divan::bench(name = "pipeline/nothing_to_do", args = [100, 1_000], sample_count = 10)]
+#[divan::bench(name = "pipeline/nothing_to_do", args = [100, 1_000, 10_000], sample_count = 10)]
 fn nothing_to_do(bencher: Bencher<'_, '_>, stages: usize) {
     let folder = tempfile::tempdir().unwrap();
     let (text, place) = (chains(stages), place(folder.path()));

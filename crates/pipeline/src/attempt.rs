@@ -211,21 +211,25 @@ impl Workshop<'_> {
 
     /// Whether a stage is seen to be up to date without reading any file.
     pub(crate) fn is_known_up_to_date(&self, stage: &Stage) -> bool {
-        let examined = self.examine_with(stage, false, &self.hasher.remembering());
-        matches!(examined, Ok(Examined::UpToDate))
+        let hasher = self.hasher.remembering();
+        let Ok(now) = Present::of(stage, self.place, &hasher) else {
+            return false;
+        };
+        let ledger = self.ledger();
+        let record = ledger.get().of(stage);
+        now.missing.is_empty()
+            && record.is_some_and(|record| {
+                let same = |output: &String| {
+                    let content = hasher.content(output).ok().flatten();
+                    content.is_some() && content.as_ref() == record.outputs.get(output)
+                };
+                record.made_from == now.made_from && stage.outputs.iter().all(same)
+            })
     }
 
     /// Holds a stage against the ledger and the files as they are.
     pub(crate) fn examine(&self, stage: &Stage, forced: bool) -> Result<Examined, PipelineError> {
-        self.examine_with(stage, forced, &self.hasher)
-    }
-
-    fn examine_with(
-        &self,
-        stage: &Stage,
-        forced: bool,
-        hasher: &Hasher<'_>,
-    ) -> Result<Examined, PipelineError> {
+        let hasher = &self.hasher;
         let now = Present::of(stage, self.place, hasher)?;
         if !now.missing.is_empty() {
             let paths = now.missing.clone();
