@@ -301,6 +301,19 @@ fn the_same_seed_gives_the_same_bytes_on_one_thread_and_on_two() {
             ])
             .ok();
     }
+    // Fewer people into the same folder: nobody who is no longer listed stays.
+    let fewer = [
+        "generate", "--out", "three", "--study1", "1", "--study2", "1",
+    ];
+    let short = ["--duration", "60", "--seed", "7"];
+    let more = [&fewer[..3], &["--study1", "2", "--study2", "1"][..]].concat();
+    study.maveric(&[&more[..], &short].concat()).ok();
+    assert!(study.path("three/logs/study1/S1P02-own.mcap").exists());
+    study.write("three/logs/study1/mine.mcap", "mine");
+    study.maveric(&[&fewer[..], &short].concat()).ok();
+    assert!(!study.path("three/logs/study1/S1P02-own.mcap").exists());
+    assert!(study.path("three/logs/study1/S1P01-own.mcap").exists());
+    assert!(study.path("three/logs/study1/mine.mcap").exists());
     let files = ["participants.csv", "surveys.csv", "model.maveric"];
     let logs = std::fs::read_dir(study.path("one/logs/study1")).unwrap();
     let logs = logs.map(|f| format!("logs/study1/{}", f.unwrap().file_name().to_string_lossy()));

@@ -22,7 +22,8 @@ Examples: maveric run                                    the default study
           maveric run --executor slurm                   on the cluster")]
 #[expect(
     clippy::struct_field_names,
-    reason = "the fields are named as their flags"
+    clippy::struct_excessive_bools,
+    reason = "the fields are the flags and named as they are"
 )]
 pub(crate) struct Run {
     /// Pipeline file; then stages or files to bring up to date, all when none are named
@@ -111,6 +112,7 @@ impl Run {
             cache: self.cache,
             executor: self.executor.into(),
             cancel: interrupt::flag().clone(),
+            ..RunOptions::default()
         };
         interrupt::be_patient();
         let report = run(&pipeline, &place, &options, &mut |event| say(&event))

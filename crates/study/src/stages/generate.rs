@@ -6,14 +6,19 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
     stages::{rate::read_effects, score::read_scales, simulate::Scenes},
-    tables::{participants::write_participants, surveys::write_answers},
+    tables::{
+        Table, drives::remove_former, participants::write_participants, surveys::write_answers,
+    },
 };
-use maveric_domain::{DriveId, DriveMeta, DrivenBy, Seconds, stream_seed};
+use maveric_domain::{DriveId, DriveMeta, DrivenBy, ParticipantId, Seconds, stream_seed};
 use maveric_ingest::{Beside, write_mcap_with};
 use maveric_participants::{Cohort, CohortSettings, PlannedDrive, answer_before};
 use maveric_simulator::{Driver, People, Scenario, rollout};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 /// What to make up.
 #[derive(Debug, Clone)]
@@ -118,11 +123,9 @@ pub fn generate(
     let collisions = for_each_on(options.jobs, &planned, watch, "drives", |(planned, day)| {
         drive(options, &scenario, &people, planned, day)
     })?;
-    write_participants(
-        &options.out.join("participants.csv"),
-        &cohort,
-        &study.design,
-    )?;
+    let people_file = options.out.join("participants.csv");
+    remove_former_logs(&options.out, &people_file, &planned)?;
+    write_participants(&people_file, &cohort, &study.design)?;
     write_answers(&options.out.join("surveys.csv"), &answers)?;
     let value = Generated {
         participants: cohort.participants.len(),
@@ -143,6 +146,40 @@ pub fn generate(
         summary,
         warnings: warnings.into_iter().collect(),
     })
+}
+
+/// Removes the logs of people whom an earlier call listed here, apart from those that were written now: whatever reads
+/// the folder would take them for drives of this study.
+fn remove_former_logs(
+    out: &Path,
+    people: &Path,
+    planned: &[(PlannedDrive, &str)],
+) -> Result<(), StudyError> {
+    let listed = Table::read(people).and_then(|table| table.ids("participant"));
+    let former: Vec<ParticipantId> = listed.unwrap_or_default();
+    let written: BTreeSet<String> = planned
+        .iter()
+        .map(|(drive, _)| format!("{}.mcap", drive.drive))
+        .collect();
+    for folder in std::fs::read_dir(out.join("logs"))
+        .into_iter()
+        .flatten()
+        .flatten()
+    {
+        for file in std::fs::read_dir(folder.path())
+            .into_iter()
+            .flatten()
+            .flatten()
+        {
+            let name = file.file_name().to_string_lossy().into_owned();
+            let theirs = |id: &ParticipantId| name.starts_with(&format!("{id}-"));
+            let is_log = file.path().extension().is_some_and(|e| e == "mcap");
+            if is_log && !written.contains(&name) && former.iter().any(theirs) {
+                remove_former(&file.path())?;
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Everybody's own drive once more. Its name is another, and so are the day and the road that follow from the name; the

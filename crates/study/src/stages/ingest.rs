@@ -282,6 +282,23 @@ mod tests {
     }
 
     #[test]
+    fn a_used_folder_keeps_no_drive_that_its_list_no_longer_has_and_no_other_file_goes() {
+        let folder = tempfile::tempdir().unwrap();
+        let (logs, out) = (folder.path().join("logs"), folder.path().join("drives"));
+        std::fs::create_dir(&logs).unwrap();
+        for log in ["S1P01-own", "S1P02-own"] {
+            std::fs::write(logs.join(format!("{log}.csv")), table(400)).unwrap();
+        }
+        run(vec![logs.clone()], &out).unwrap();
+        std::fs::write(out.join("mine.parquet"), "mine").unwrap();
+        assert!(names(&out).contains("S1P02-own.parquet"));
+        run(vec![logs.join("S1P01-own.csv")], &out).unwrap();
+        let left = names(&out);
+        assert!(left.contains("S1P01-own.parquet") && left.contains("mine.parquet"));
+        assert!(!left.contains("S1P02-own.parquet"), "{left:?}");
+    }
+
+    #[test]
     fn drives_appear_together_and_one_log_that_cannot_be_read_leaves_nothing() {
         let folder = tempfile::tempdir().unwrap();
         let (logs, out) = (

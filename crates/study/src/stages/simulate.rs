@@ -8,7 +8,7 @@ use crate::{
     tables::{
         TableBuilder,
         conditions::{ConditionRow, read_conditions},
-        drives::{write_drive, write_drive_list},
+        drives::{former_drives, remove_former, write_drive, write_drive_list},
     },
     watching::{WatchedDrive, braking, read_watched, write_watch_page},
 };
@@ -196,7 +196,12 @@ pub fn simulate(
     }
     let list: Vec<(DriveMeta, usize, f64)> =
         driven.iter().map(|d| (d.0.clone(), d.1, d.2)).collect();
-    write_drive_list(&options.out.join("drives"), &list)?;
+    let drives = options.out.join("drives");
+    for gone in former_drives(&drives, list.iter().map(|d| d.0.drive.as_str())) {
+        let log = options.out.join("logs").join(format!("{gone}.mcap"));
+        remove_former(&log)?;
+    }
+    write_drive_list(&drives, &list)?;
     let counts =
         |of: fn(&RolloutReport) -> u32| driven.iter().map(move |d| Some(i64::from(of(&d.3))));
     TableBuilder::default()

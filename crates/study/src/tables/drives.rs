@@ -1,10 +1,13 @@
 //! Drives as files: one Parquet file a drive, and `drives.csv` beside them.
 
-use super::TableBuilder;
+use super::{Table, TableBuilder};
 use crate::{atomic_write::atomic_write, error::StudyError};
-use maveric_domain::{Drive, DriveMeta};
+use maveric_domain::{Drive, DriveId, DriveMeta};
 use maveric_ingest::{Provenance, read_drive_from, write_drive_to};
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 /// Writes `<folder>/<drive>.parquet` of a drive that was made here, from no log.
 ///
@@ -63,7 +66,34 @@ pub fn read_drives(folder: &Path) -> Result<Vec<Drive>, StudyError> {
     paths.iter().map(|p| read_drive(p)).collect()
 }
 
-/// Writes `<folder>/drives.csv`: one row a drive.
+/// The drives that `<folder>/drives.csv` lists and that are not among `now`: made here by an earlier call, and no
+/// more. None where there is no such list.
+pub(crate) fn former_drives<'a>(
+    folder: &Path,
+    now: impl IntoIterator<Item = &'a str>,
+) -> Vec<DriveId> {
+    let listed = Table::read(&folder.join("drives.csv")).and_then(|list| list.ids("drive"));
+    let mut former: Vec<DriveId> = listed.unwrap_or_default();
+    let now: BTreeSet<&str> = now.into_iter().collect();
+    former.retain(|drive| !now.contains(drive.as_str()));
+    former
+}
+
+/// Removes a file of an earlier call; one that is not there is fine.
+///
+/// # Errors
+/// [`StudyError::Io`].
+pub(crate) fn remove_former(file: &Path) -> Result<(), StudyError> {
+    match std::fs::remove_file(file) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(StudyError::write(file)(error))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Writes `<folder>/drives.csv`: one row a drive. Drives that an earlier list has and this one has not are removed:
+/// whatever reads the folder would take them for drives of this study.
 ///
 /// # Errors
 /// [`StudyError::Io`], [`StudyError::BadTable`].
@@ -71,6 +101,9 @@ pub fn write_drive_list(
     folder: &Path,
     drives: &[(DriveMeta, usize, f64)],
 ) -> Result<(), StudyError> {
+    for gone in former_drives(folder, drives.iter().map(|d| d.0.drive.as_str())) {
+        remove_former(&folder.join(format!("{gone}.parquet")))?;
+    }
     TableBuilder::default()
         .text("drive", drives.iter().map(|d| d.0.drive.as_str()))
         .text(
