@@ -81,6 +81,56 @@ pub enum StatsError {
         /// The condition.
         condition: String,
     },
+    /// A factor whose every row has the same level.
+    #[error("factor `{factor}` has one level, `{level}`, expected at least 2")]
+    OneLevel {
+        /// The factor.
+        factor: String,
+        /// Its only level.
+        level: String,
+    },
+    /// A cell of the design, or a group, without a complete subject.
+    #[error("cell `{cell}` has no subject with all values, expected at least 1")]
+    EmptyCell {
+        /// Its levels, joined by `:`.
+        cell: String,
+    },
+    /// A subject under two levels of a factor between subjects.
+    #[error(
+        "subject `{subject}` is in `{first}` and in `{second}` of `{factor}`, expected one of them"
+    )]
+    TwoGroups {
+        /// The subject.
+        subject: String,
+        /// The factor between subjects.
+        factor: String,
+        /// The level of its first row.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// A predictor that the others determine.
+    #[error(
+        "`{name}` is determined by the other predictors, expected columns that are not sums of each other"
+    )]
+    Collinear {
+        /// The first column that adds nothing to those before it.
+        name: String,
+    },
+    /// A model without a best fit.
+    #[error("the model cannot be fitted: {reason}")]
+    NoFit {
+        /// Why.
+        reason: String,
+    },
+    /// A formula that cannot be read.
+    #[error("cannot read `{text}` in the formula, expected {expected}")]
+    Formula {
+        /// The part.
+        text: String,
+        /// What is understood.
+        expected: String,
+    },
     /// A parameter outside its range.
     #[error("`{name}` must be {expected}, got {found}")]
     BadParameter {
@@ -123,6 +173,13 @@ impl StatsError {
             Self::TooFew { dropped, .. } if *dropped > 0 => Some(
                 "a subject with a missing cell is left out: fill in or drop the condition that misses",
             ),
+            Self::TwoGroups { .. } => Some(
+                "a factor that changes within a subject is a within factor; or two people share a name",
+            ),
+            Self::EmptyCell { .. } => {
+                Some("leave out its level, or a factor, or subjects' missing values")
+            }
+            Self::Collinear { .. } => Some("leave it out of the formula"),
             Self::NotFinite { .. } => Some("leave the cell empty if the value is missing"),
             _ => None,
         }

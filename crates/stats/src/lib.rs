@@ -6,12 +6,16 @@
 
 mod adjust;
 mod analysis;
+mod bayes;
 mod bootstrap;
 mod compare;
 mod complete;
 mod correlation;
+mod equivalence;
 mod error;
+mod factorial;
 mod friedman;
+mod groups;
 mod hierarchical;
 mod mixed;
 mod named;
@@ -36,6 +40,10 @@ pub use analysis::{
     ConditionSummary, FriedmanAnalysis, RmAnovaAnalysis, WithinAnalysis, friedman, rm_anova,
     within, within_without_exact,
 };
+pub use bayes::{
+    BayesCorrelation, BayesCorrelationAnalysis, BayesT, BayesTAnalysis, bayes_correlation,
+    bayes_groups, bayes_one, bayes_paired,
+};
 pub use bootstrap::{Bootstrap, BootstrapData, BootstrapSettings, Interval, Statistic, bootstrap};
 pub use compare::{
     AssumptionCheck, Comparison, Omnibus, OmnibusP, OmnibusTest, SphericityCorrection, compare,
@@ -45,10 +53,23 @@ pub use correlation::{
     Correlation, CorrelationMethod, Kendall, Pearson, RmCorrelation, RmCorrelationAnalysis,
     Spearman, SpearmanCompat, correlate, rm_correlation,
 };
+pub use equivalence::{Bounds, Equivalence, Tost, equivalence, equivalence_one};
 pub use error::StatsError;
+pub use factorial::{
+    AlignedRanks, ArtEffect, ArtStrata, BetweenColumn, CellContrast, ExactTest, Factor, Factorial,
+    FactorialDesign, FactorialEffect, MarginalMean, SimpleEffect, WithinColumn, aligned_ranks,
+    factorial,
+};
 pub use friedman::Friedman;
+pub use groups::{
+    Dunn, GamesHowell, GroupSummary, GroupsAnalysis, Hedges, Kruskal, MannWhitney, MeanDifference,
+    OneWayAnova, SeveralGroups, WelchAnova, groups,
+};
 pub use hierarchical::{Belief, Hierarchical, PersonRows, hierarchical};
-pub use mixed::{FixedEffect, MixedMethod, MixedModel, mixed_model};
+pub use mixed::{
+    FixedEffect, Formula, InterceptVariance, MixedMethod, MixedModel, Predictor, RandomIntercept,
+    TermTest, mixed_model, random_intercept,
+};
 pub use named::Named;
 pub use normality::{Normality, SampleShape, ShapiroWilk, normality};
 pub use paired::{

@@ -17,7 +17,7 @@ pub struct Mauchly {
     /// Determinant of the contrast covariance over the (k-1)th power of its mean eigenvalue.
     #[serde(rename = "W")]
     pub w: Option<f64>,
-    /// -(n-1) ρ ln W, with ρ = 1 - (2q² + q + 2) / (6 q (n-1)), q = k-1.
+    /// -(n-1) ρ ln W, with ρ = 1 - (2q² + q + 2) / (6 q (n-1)), q = k-1; with groups n less their number in place of n-1.
     pub chi2: Option<f64>,
     /// q (q+1) / 2 - 1.
     pub df: Option<usize>,
@@ -64,24 +64,17 @@ pub struct Sphericity {
     pub df2_hf: Option<f64>,
 }
 
-/// Eigenvalues of the error matrix of orthonormal contrasts, times n-1, largest first.
-///
-/// They are squared singular values of the centred contrasts themselves.
-fn eigenvalues(residuals: &[f64], k: usize) -> Vec<f64> {
-    // Helmert contrasts of the residuals, which are centred both ways already.
-    let columns = (1..k)
-        .map(|j| {
-            let norm = ((j * (j + 1)) as f64).sqrt();
-            let contrast: Vec<f64> = residuals
-                .chunks_exact(k)
-                .map(|row| (row[..j].iter().sum::<f64>() - j as f64 * row[j]) / norm)
-                .collect();
-            centred(&contrast)
-        })
-        .collect();
-    let mut values = squared_singular_values(columns);
-    values.sort_by(|a, b| b.total_cmp(a));
-    values
+/// Residuals of Helmert's contrasts; the residuals of the design are centred both ways already.
+fn contrasts(residuals: &[f64], k: usize) -> Vec<Vec<f64>> {
+    let contrast = |j: usize| {
+        let norm = ((j * (j + 1)) as f64).sqrt();
+        let contrast: Vec<f64> = residuals
+            .chunks_exact(k)
+            .map(|row| (row[..j].iter().sum::<f64>() - j as f64 * row[j]) / norm)
+            .collect();
+        centred(&contrast)
+    };
+    (1..k).map(contrast).collect()
 }
 
 pub(crate) fn tests(
@@ -90,129 +83,158 @@ pub(crate) fn tests(
     anova: &RmAnova,
 ) -> (Mauchly, Sphericity, Reasons) {
     let mut reasons = Reasons::default();
-    let values = eigenvalues(residuals, data.k());
-    let mauchly = mauchly(data, &values, &mut reasons);
-    let sphericity = corrections(data, &values, anova, &mut reasons);
+    let spectrum = Spectrum::new(contrasts(residuals, data.k()), data.n() - 1, data.k());
+    let (mauchly, why) = spectrum.mauchly();
+    reasons.absorb("mauchly", why);
+    let (sphericity, why) = spectrum.corrections(anova.f, anova.df1, anova.df2);
+    reasons.absorb("sphericity", why);
     (mauchly, sphericity, reasons)
 }
 
-fn mauchly(data: &WithinSubjects, values: &[f64], reasons: &mut Reasons) -> Mauchly {
-    let (n, k) = (data.n(), data.k());
-    let mut none = |reason: &str| {
-        reasons.note("mauchly", reason);
-        Mauchly {
-            w: None,
-            chi2: None,
-            df: None,
-            p: None,
-            compat: MauchlyCompat::default(),
-        }
-    };
-    if k == 2 {
-        return none("two conditions have a single difference, so sphericity cannot fail");
-    }
-    let (largest, smallest) = (values[0], values[values.len() - 1]);
-    if largest <= 0.0 {
-        return none("the error sum of squares is zero");
-    }
-    // Squared singular values: relative rounding of the values themselves, squared.
-    let floor = (n.max(k) as f64 * f64::EPSILON).powi(2);
-    if n < k || smallest <= floor * largest {
-        return none(
-            "the error matrix is singular (fewer subjects than conditions, or one condition is determined by the others)",
-        );
-    }
-    let q = k as f64 - 1.0;
-    let freedom = n as f64 - 1.0;
-    let ln_mean = (values.iter().sum::<f64>() / q).ln();
-    let ln_w = values
-        .iter()
-        .map(|v| v.ln() - ln_mean)
-        .sum::<f64>()
-        .min(0.0);
-    let rho = 1.0 - (2.0 * q * q + q + 2.0) / (6.0 * q * freedom);
-    let df = (k - 1) * k / 2 - 1;
-    let chi2 = (-freedom * rho * ln_w).max(0.0);
-    let first = chi2_upper(chi2, df as f64);
-    let second = chi2_upper(chi2, df as f64 + 4.0);
-    let with_term = |third: f64| {
-        let numerator =
-            (q + 2.0) * (q - 1.0) * (q - 2.0) * (2.0 * q.powi(3) + 6.0 * q * q + 3.0 * third + 2.0);
-        let weight = numerator / (288.0 * (freedom * q * rho).powi(2));
-        (first + weight * (second - first)).clamp(0.0, 1.0)
-    };
-    Mauchly {
-        w: Some(ln_w.exp()),
-        chi2: Some(chi2),
-        df: Some(df),
-        p: Some(with_term(k as f64)),
-        compat: MauchlyCompat {
-            p_anderson: Some(with_term(q)),
-            p_chi2: Some(first),
-        },
-    }
+/// The error matrix of orthonormal contrasts.
+pub(crate) struct Spectrum {
+    /// Its eigenvalues times the degrees of freedom, largest first.
+    values: Vec<f64>,
+    /// Subjects less groups.
+    freedom: usize,
+    /// Conditions.
+    cells: usize,
 }
 
-fn corrections(
-    data: &WithinSubjects,
-    values: &[f64],
-    anova: &RmAnova,
-    reasons: &mut Reasons,
-) -> Sphericity {
-    let n = data.n() as f64;
-    let q = data.k() as f64 - 1.0;
-    let (sum, squares) = values
-        .iter()
-        .fold((0.0, 0.0), |(s, q), v| (s + v, q + v * v));
-    let lower_bound = 1.0 / q;
-    let gg = (squares > 0.0).then(|| (sum * sum / (q * squares)).clamp(lower_bound, 1.0));
-    let (hf_raw, hf) = match gg {
-        Some(gg) => {
-            let denominator = q * (n - 1.0 - q * gg);
-            let raw = (n * q * gg - 2.0) / denominator;
-            let raw = (denominator.abs() > 1e-12 * n)
-                .then_some(raw)
-                .filter(|r| r.is_finite());
-            let cut = raw.filter(|&raw| raw > 0.0).map_or(1.0, |raw| raw.min(1.0));
-            (raw, Some(cut))
+impl Spectrum {
+    /// `errors`: the residuals of each contrast, a number a subject. The eigenvalues are their squared singular values.
+    pub(crate) fn new(errors: Vec<Vec<f64>>, freedom: usize, cells: usize) -> Self {
+        let mut values = squared_singular_values(errors);
+        values.sort_by(|a, b| b.total_cmp(a));
+        Self {
+            values,
+            freedom,
+            cells,
         }
-        None => (None, None),
-    };
-    if gg.is_none() {
-        reasons.note_all(
-            &[
-                "sphericity.gg",
-                "sphericity.hf_raw",
-                "sphericity.hf",
-                "sphericity.p_gg",
-                "sphericity.p_hf",
-                "sphericity.p_lb",
-                "sphericity.df1_gg",
-                "sphericity.df2_gg",
-                "sphericity.df1_hf",
-                "sphericity.df2_hf",
-            ],
-            "the error sum of squares is zero, so the differences have no variances to compare",
-        );
-    } else if hf_raw.is_none() {
-        reasons.note(
-            "sphericity.hf_raw",
-            "the denominator of Huynh and Feldt's formula is zero",
-        );
     }
-    let (d1, d2) = (anova.df1 as f64, anova.df2 as f64);
-    let corrected = |epsilon: Option<f64>| Some(f_upper(anova.f?, d1 * epsilon?, d2 * epsilon?));
-    Sphericity {
-        gg,
-        hf_raw,
-        hf,
-        lower_bound,
-        p_gg: corrected(gg),
-        p_hf: corrected(hf),
-        p_lb: gg.and_then(|_| corrected(Some(lower_bound))),
-        df1_gg: gg.map(|e| e * d1),
-        df2_gg: gg.map(|e| e * d2),
-        df1_hf: hf.map(|e| e * d1),
-        df2_hf: hf.map(|e| e * d2),
+
+    pub(crate) fn mauchly(&self) -> (Mauchly, Reasons) {
+        let reasons = Reasons::default();
+        let values = &self.values;
+        let none = |mut reasons: Reasons, reason: &str| {
+            reasons.note("", reason);
+            let none = Mauchly {
+                w: None,
+                chi2: None,
+                df: None,
+                p: None,
+                compat: MauchlyCompat::default(),
+            };
+            (none, reasons)
+        };
+        let (q, freedom) = (values.len() as f64, self.freedom as f64);
+        if values.len() == 1 {
+            return none(
+                reasons,
+                "two conditions have a single difference, so sphericity cannot fail",
+            );
+        }
+        let (largest, smallest) = (values[0], values[values.len() - 1]);
+        if largest <= 0.0 {
+            return none(reasons, "the error sum of squares is zero");
+        }
+        // Squared singular values: relative rounding of the values themselves, squared.
+        let size = (self.freedom + 1).max(self.cells);
+        let floor = (size as f64 * f64::EPSILON).powi(2);
+        if self.freedom < values.len() || smallest <= floor * largest {
+            return none(
+                reasons,
+                "the error matrix is singular (fewer subjects than conditions, or one condition is determined by the others)",
+            );
+        }
+        let ln_mean = (values.iter().sum::<f64>() / q).ln();
+        let ln_w = values
+            .iter()
+            .map(|v| v.ln() - ln_mean)
+            .sum::<f64>()
+            .min(0.0);
+        let rho = 1.0 - (2.0 * q * q + q + 2.0) / (6.0 * q * freedom);
+        let df = values.len() * (values.len() + 1) / 2 - 1;
+        let chi2 = (-freedom * rho * ln_w).max(0.0);
+        let first = chi2_upper(chi2, df as f64);
+        let second = chi2_upper(chi2, df as f64 + 4.0);
+        let with_term = |third: f64| {
+            let numerator = (q + 2.0)
+                * (q - 1.0)
+                * (q - 2.0)
+                * (2.0 * q.powi(3) + 6.0 * q * q + 3.0 * third + 2.0);
+            let weight = numerator / (288.0 * (freedom * q * rho).powi(2));
+            (first + weight * (second - first)).clamp(0.0, 1.0)
+        };
+        let test = Mauchly {
+            w: Some(ln_w.exp()),
+            chi2: Some(chi2),
+            df: Some(df),
+            p: Some(with_term(self.cells as f64)),
+            compat: MauchlyCompat {
+                p_anderson: Some(with_term(q)),
+                p_chi2: Some(first),
+            },
+        };
+        (test, reasons)
+    }
+
+    /// Corrections of an F with that many degrees of freedom.
+    pub(crate) fn corrections(
+        &self,
+        f: Option<f64>,
+        df1: usize,
+        df2: usize,
+    ) -> (Sphericity, Reasons) {
+        let mut reasons = Reasons::default();
+        let (q, freedom) = (self.values.len() as f64, self.freedom as f64);
+        let (sum, squares) = self
+            .values
+            .iter()
+            .fold((0.0, 0.0), |(s, q), v| (s + v, q + v * v));
+        let lower_bound = 1.0 / q;
+        let gg = (squares > 0.0).then(|| (sum * sum / (q * squares)).clamp(lower_bound, 1.0));
+        let (hf_raw, hf) = match gg {
+            Some(gg) => {
+                let denominator = q * (freedom - q * gg);
+                let raw = ((freedom + 1.0) * q * gg - 2.0) / denominator;
+                let raw = (denominator.abs() > 1e-12 * freedom)
+                    .then_some(raw)
+                    .filter(|r| r.is_finite());
+                let cut = raw.filter(|&raw| raw > 0.0).map_or(1.0, |raw| raw.min(1.0));
+                (raw, Some(cut))
+            }
+            None => (None, None),
+        };
+        if gg.is_none() {
+            reasons.note_all(
+                &[
+                    "gg", "hf_raw", "hf", "p_gg", "p_hf", "p_lb", "df1_gg", "df2_gg", "df1_hf",
+                    "df2_hf",
+                ],
+                "the error sum of squares is zero, so the differences have no variances to compare",
+            );
+        } else if hf_raw.is_none() {
+            reasons.note(
+                "hf_raw",
+                "the denominator of Huynh and Feldt's formula is zero",
+            );
+        }
+        let (d1, d2) = (df1 as f64, df2 as f64);
+        let corrected = |epsilon: Option<f64>| Some(f_upper(f?, d1 * epsilon?, d2 * epsilon?));
+        let found = Sphericity {
+            gg,
+            hf_raw,
+            hf,
+            lower_bound,
+            p_gg: corrected(gg),
+            p_hf: corrected(hf),
+            p_lb: gg.and_then(|_| corrected(Some(lower_bound))),
+            df1_gg: gg.map(|e| e * d1),
+            df2_gg: gg.map(|e| e * d2),
+            df1_hf: hf.map(|e| e * d1),
+            df2_hf: hf.map(|e| e * d2),
+        };
+        (found, reasons)
     }
 }

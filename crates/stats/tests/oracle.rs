@@ -108,7 +108,15 @@ fn answer(case: &Value, table: &Table) -> Value {
             let (x, y) = (table.numbers("x"), table.numbers("y"));
             json(&stats::rm_correlation(&table.text("subject"), &x, &y).unwrap())
         }
+        "mixed" if case["fixed"].is_string() => random_intercept(case, table),
         "mixed" => mixed(case, table),
+        "factorial" => factorial(case, table),
+        "groups" => {
+            let (group, value) = (table.text("group"), table.numbers("value"));
+            json(&stats::groups(&group, &value).unwrap())
+        }
+        "equivalence" => equivalence(case, table),
+        "bayes" => bayes(case, table),
         "items" => {
             let columns: Vec<_> = table
                 .header
@@ -125,6 +133,113 @@ fn answer(case: &Value, table: &Table) -> Value {
         "reported" => json(&stats::recheck(&table.reported()).unwrap()),
         other => panic!("no call for design {other}"),
     }
+}
+
+/// Analysis of variance, and under `art` the aligned ranks.
+fn factorial(case: &Value, table: &Table) -> Value {
+    let names = |key: &str| -> Vec<String> {
+        let list = case[key].as_array().unwrap();
+        list.iter()
+            .map(|n| n.as_str().unwrap().to_owned())
+            .collect()
+    };
+    let (within, between) = (names("within"), names("between"));
+    let cells: Vec<_> = within.iter().map(|name| table.text(name)).collect();
+    let levels: Vec<_> = between.iter().map(|name| table.labels(name)).collect();
+    let within: Vec<stats::WithinColumn> = within
+        .iter()
+        .zip(&cells)
+        .map(|(name, cells)| (name.as_str(), &cells[..]))
+        .collect();
+    let between: Vec<stats::BetweenColumn> = between
+        .iter()
+        .zip(&levels)
+        .map(|(name, cells)| (name.as_str(), &cells[..]))
+        .collect();
+    let design = stats::FactorialDesign::from_columns(
+        &table.text("subject"),
+        &within,
+        &between,
+        &table.numbers("value"),
+    )
+    .unwrap();
+    let mut answer = serde_json::to_value(stats::factorial(&design)).unwrap();
+    let art = serde_json::to_value(stats::aligned_ranks(&design)).unwrap();
+    answer["art"] = art["art"].clone();
+    for (name, reason) in art["undefined"].as_object().unwrap() {
+        answer["undefined"][name] = reason.clone();
+    }
+    answer
+}
+
+fn equivalence(case: &Value, table: &Table) -> Value {
+    let (low, high) = (
+        case["bounds"][0].as_f64().unwrap(),
+        case["bounds"][1].as_f64().unwrap(),
+    );
+    let bounds = if case["standardized"] == Value::Bool(true) {
+        stats::Bounds::Standardized { low, high }
+    } else {
+        stats::Bounds::Raw { low, high }
+    };
+    let found = if case["kind"] == "paired" {
+        stats::equivalence(&table.within(), bounds)
+    } else {
+        let mu = case["mu"].as_f64().unwrap();
+        stats::equivalence_one(&table.numbers("value"), mu, bounds)
+    };
+    serde_json::to_value(found.unwrap()).unwrap()
+}
+
+fn bayes(case: &Value, table: &Table) -> Value {
+    let found = match case["kind"].as_str().unwrap() {
+        "paired" => stats::bayes_paired(&table.within()),
+        "two" => stats::bayes_groups(&table.text("group"), &table.numbers("value")).unwrap(),
+        "one" => {
+            let mu = case["mu"].as_f64().unwrap();
+            stats::bayes_one(&table.numbers("value"), mu).unwrap()
+        }
+        _ => {
+            let (x, y) = (table.numbers("x"), table.numbers("y"));
+            return serde_json::to_value(stats::bayes_correlation(&x, &y).unwrap()).unwrap();
+        }
+    };
+    serde_json::to_value(found).unwrap()
+}
+
+/// A predictor whose values are all numbers is a covariate, any other a factor.
+fn random_intercept(case: &Value, table: &Table) -> Value {
+    let formula: stats::Formula = case["fixed"].as_str().unwrap().parse().unwrap();
+    let labels: Vec<_> = formula
+        .predictors()
+        .iter()
+        .map(|name| table.labels(name))
+        .collect();
+    let numbers: Vec<Option<Vec<Option<f64>>>> = labels
+        .iter()
+        .map(|column| {
+            let number = |cell: &Option<String>| match cell {
+                None => Some(None),
+                Some(text) => text.parse().ok().map(Some),
+            };
+            column.iter().map(number).collect()
+        })
+        .collect();
+    let predictors: Vec<(&str, stats::Predictor)> = formula
+        .predictors()
+        .iter()
+        .zip(labels.iter().zip(&numbers))
+        .map(|(name, (labels, numbers))| {
+            let predictor = match numbers {
+                Some(numbers) => stats::Predictor::Covariate(numbers),
+                None => stats::Predictor::Factor(labels),
+            };
+            (name.as_str(), predictor)
+        })
+        .collect();
+    let (people, y) = (table.text("subject"), table.numbers("value"));
+    let found = stats::random_intercept(&people, &formula, &predictors, &y);
+    serde_json::to_value(found.unwrap()).unwrap()
 }
 
 /// Both likelihoods of one model, under `reml` and `ml`.
@@ -248,6 +363,20 @@ fn problem(
         let right = got.get(&format!("{name}.consistent")) == Some(consistent)
             && ((p - wanted) / wanted).abs() <= 1e-6;
         return (!right).then(|| format!("want {want}, got p {p}"));
+    }
+    match &want["value"] {
+        Value::Bool(_) => {
+            return (got.get(name) != Some(&want["value"]))
+                .then(|| format!("want {}, got {:?}", want["value"], got.get(name)));
+        }
+        Value::Array(list) => {
+            let have: Vec<&Value> = (0..)
+                .map_while(|i| got.get(&format!("{name}.{i}")))
+                .collect();
+            let same = have.len() == list.len() && list.iter().all(|v| have.contains(&v));
+            return (!same).then(|| format!("want {list:?}, got {have:?}"));
+        }
+        _ => {}
     }
     let Some(have) = number(got.get(name)) else {
         return Some(format!("want {}, got {:?}", want["value"], got.get(name)));

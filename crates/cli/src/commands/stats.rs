@@ -1,5 +1,7 @@
 //! `maveric stats`.
 
+mod designs;
+
 use super::print_outcome;
 use crate::{args::Format, diagnostics::Failure};
 use clap::{Args, Subcommand, ValueEnum};
@@ -233,6 +235,8 @@ enum TestArgs {
         #[command(flatten)]
         input: Input,
     },
+    #[command(flatten)]
+    Design(designs::DesignArgs),
     /// Every analysis of the paper over the results of a run
     Paper {
         /// Folder of results, as the pipeline leaves it
@@ -356,6 +360,7 @@ impl Stats {
             }
             TestArgs::Power { input } => (input, Test::Power),
             TestArgs::Recheck { input } => (input, Test::Recheck),
+            TestArgs::Design(design) => design.split()?,
         };
         print_outcome(input.format, "could not run the test", |_| {
             stats::stats(&input.data, &test)

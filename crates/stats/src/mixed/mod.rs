@@ -1,7 +1,14 @@
 //! Linear mixed models: several answers of one person, and people who differ.
 
 pub(crate) mod blocks;
+mod columns;
+mod formula;
+mod random_intercept;
 mod satterthwaite;
+
+pub use columns::Predictor;
+pub use formula::Formula;
+pub use random_intercept::{InterceptVariance, RandomIntercept, TermTest, random_intercept};
 
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +21,7 @@ use crate::{
     },
 };
 use blocks::{Block, Blocks, Weighted};
+use satterthwaite::{Information, Satterthwaite};
 
 /// Which likelihood is made largest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -297,12 +305,15 @@ fn describe(
 ) -> MixedModel {
     let mut undefined = Reasons::default();
     let psi = fit.l.times(&fit.l.transposed());
-    let freedom = satterthwaite::degrees_of_freedom(blocks, &psi, fit.variance);
+    let freedom = Satterthwaite::new(blocks, &psi, fit.variance, Information::Expected);
     let mut effect = |j: usize, name: &str| {
         let estimate = fit.beta[(j, 0)] + if j == 0 { offset } else { 0.0 };
         let se = Some((fit.variance * fit.xx_inverse[(j, j)]).sqrt())
             .filter(|se| se.is_finite() && *se > 0.0);
-        let df = freedom.as_ref().and_then(|df| df[j]);
+        let unit: Vec<f64> = (0..names.len())
+            .map(|i| f64::from(u8::from(i == j)))
+            .collect();
+        let df = freedom.as_ref().and_then(|freedom| freedom.df(&unit));
         let t = se.map(|se| estimate / se);
         let p = t.zip(df).map(|(t, df)| t_two_sided(t, df));
         let half = df

@@ -55,6 +55,12 @@ pub(crate) fn t_two_sided(t: f64, df: f64) -> f64 {
     positive(beta_tails(0.5 * df, 0.5, df / (df + square), square / (df + square)).0)
 }
 
+/// P(T > t) with `df` degrees of freedom.
+pub(crate) fn t_upper(t: f64, df: f64) -> f64 {
+    let half = 0.5 * t_two_sided(t, df);
+    if t > 0.0 { half } else { 1.0 - half }
+}
+
 /// t with P(|T| > t) = `p`.
 pub(crate) fn t_quantile_two_sided(p: f64, df: f64) -> Option<f64> {
     let guess = normal_quantile(1.0 - 0.5 * p);

@@ -125,6 +125,10 @@ impl Matrix {
 pub(crate) struct Cholesky(Matrix);
 
 impl Cholesky {
+    pub(crate) fn lower(self) -> Matrix {
+        self.0
+    }
+
     pub(crate) fn ln_determinant(&self) -> f64 {
         (0..self.0.rows).map(|i| 2.0 * self.0[(i, i)].ln()).sum()
     }

@@ -36,6 +36,11 @@ pub(crate) fn ln_beta(a: f64, b: f64) -> f64 {
         + q * (-share).ln_1p()
 }
 
+/// Hedges' exact correction, Γ(m/2) / (√(m/2) Γ((m-1)/2)), for m degrees of freedom, m > 1.
+pub(crate) fn hedges_factor(m: f64) -> f64 {
+    (ln_gamma_half_step(0.5 * (m - 1.0)) - 0.5 * (0.5 * m).ln()).exp()
+}
+
 /// `ln_gamma(x + 1/2) - ln_gamma(x)`.
 pub(crate) fn ln_gamma_half_step(x: f64) -> f64 {
     // B(x, 1/2) = Γ(x) Γ(1/2) / Γ(x + 1/2)

@@ -13,6 +13,12 @@ pub(crate) fn squared_singular_values(mut columns: Vec<Vec<f64>>) -> Vec<f64> {
     if height > width {
         reduce_to_triangle(&mut columns);
     }
+    orthogonalised(columns).iter().map(|c| dot(c, c)).collect()
+}
+
+/// Columns turned among themselves until they are orthogonal: with G their matrix, eigenvectors of G Gᵀ times the root of their eigenvalue.
+pub(crate) fn orthogonalised(mut columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let width = columns.len();
     for _ in 0..60 {
         let mut turned = false;
         for p in 0..width {
@@ -24,7 +30,7 @@ pub(crate) fn squared_singular_values(mut columns: Vec<Vec<f64>>) -> Vec<f64> {
             break;
         }
     }
-    columns.iter().map(|c| dot(c, c)).collect()
+    columns
 }
 
 /// Householder reflections; afterwards only the upper triangle is kept.

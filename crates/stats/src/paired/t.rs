@@ -9,7 +9,7 @@ use crate::{
         distributions::{t_quantile_two_sided, t_two_sided},
         moments::{is_rounding, largest, mean_and_square_sum},
         noncentral::t_ncp_interval,
-        special::ln_gamma_half_step,
+        special::hedges_factor,
     },
 };
 
@@ -151,13 +151,8 @@ pub(crate) fn t95(n: usize) -> Option<f64> {
     t_quantile_two_sided(0.05, n as f64 - 1.0)
 }
 
-/// Γ(m/2) / (√(m/2) Γ((m-1)/2)).
-fn hedges_factor(m: f64) -> f64 {
-    (ln_gamma_half_step(0.5 * (m - 1.0)) - 0.5 * (0.5 * m).ln()).exp()
-}
-
 /// Whether all differences are one number, as written or up to rounding.
-fn is_constant_difference(a: &[f64], b: &[f64], differences: &[f64]) -> bool {
+pub(crate) fn is_constant_difference(a: &[f64], b: &[f64], differences: &[f64]) -> bool {
     let scale = largest(a).max(largest(b));
     let spread = differences
         .iter()

@@ -35,6 +35,12 @@ impl Table {
         self.rows.iter().map(|row| row[j].clone()).collect()
     }
 
+    /// Text where a cell may be empty.
+    pub(crate) fn labels(&self, column: &str) -> Vec<Option<String>> {
+        let cells = self.text(column).into_iter();
+        cells.map(|c| (!c.is_empty()).then_some(c)).collect()
+    }
+
     pub(crate) fn numbers(&self, column: &str) -> Vec<Option<f64>> {
         let cells = self.text(column);
         cells

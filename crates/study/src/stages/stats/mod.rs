@@ -2,8 +2,10 @@
 
 mod apa;
 mod columns;
+mod designs;
 mod text;
 
+pub use designs::{Bounds, DesignTest, FactorialColumns, FactorialMethod};
 pub use maveric_stats::{Adjustment, CorrelationMethod, PosthocTest, Statistic};
 
 pub(crate) use apa::omnibus as apa_omnibus;
@@ -131,6 +133,8 @@ pub enum Test {
     Power,
     /// Do printed p values follow from printed coefficients?
     Recheck,
+    /// Groups, factors, bounds and models.
+    Design(DesignTest),
 }
 
 /// Confidence of an interval and level of a test.
@@ -267,6 +271,7 @@ fn without_apa(table: &Table, test: &Test) -> Result<Value, StudyError> {
         } => bootstrap(table, resampled, *resamples, *seed)?,
         Test::Power => plain(&tests::power(&columns::power_questions(table)?)?),
         Test::Recheck => plain(&tests::recheck(&columns::reported(table)?)?),
+        Test::Design(design) => designs::run(table, design)?,
         // The others have sentences.
         _ => Value::Null,
     })

@@ -1,0 +1,230 @@
+//! `maveric stats` of groups, factors, bounds and models.
+
+use super::Input;
+use crate::diagnostics::Failure;
+use clap::{Subcommand, ValueEnum};
+use maveric_study::stages::stats::{
+    Bounds, DesignTest, FactorialColumns, FactorialMethod, Test, WithinColumns,
+};
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(super) enum MethodArg {
+    Anova,
+    Art,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum DesignArgs {
+    /// Up to two factors within subjects and two between: F, corrected; means, contrasts, simple effects; or aligned ranks
+    #[command(after_help = "\
+The table: a row a cell, with subject, the factors and the value; without --within a row a person.
+Examples: maveric stats factorial data.csv --subject id --within style,load --between vehicle --value score
+          maveric stats factorial data.csv --between vehicle,age --value score --method art")]
+    Factorial {
+        #[command(flatten)]
+        input: Input,
+        /// Column that says whose row it is
+        #[arg(long, required_unless_present = "between")]
+        subject: Option<String>,
+        /// Columns of the factors within subjects, one or two
+        #[arg(
+            long,
+            value_delimiter = ',',
+            requires = "subject",
+            required_unless_present = "between"
+        )]
+        within: Vec<String>,
+        /// Columns of the factors between subjects, one or two
+        #[arg(long, value_delimiter = ',')]
+        between: Vec<String>,
+        /// Column with the value
+        #[arg(long)]
+        value: String,
+        /// Analysis of variance, or aligned ranks
+        #[arg(long, value_enum, default_value = "anova")]
+        method: MethodArg,
+    },
+    /// Independent groups: each pair, and all of them at once
+    #[command(after_help = "\
+The table: a row a person, with the group and the value.
+Example: maveric stats groups data.csv --group vehicle --value score")]
+    Groups {
+        #[command(flatten)]
+        input: Input,
+        /// Column that groups the rows
+        #[arg(long)]
+        group: String,
+        /// Column with the value
+        #[arg(long)]
+        value: String,
+    },
+    /// Is the difference of conditions, or of a mean from a value, smaller than bounds? Two one-sided tests
+    #[command(after_help = "\
+The table: a row a cell, with subject, condition and value; for one sample a column with the value.
+Examples: maveric stats equivalence data.csv --subject id --within condition --value score --bounds=-0.5,0.5
+          maveric stats equivalence data.csv --value score --mu=3 --bounds=-0.3,0.3 --standardized")]
+    Equivalence {
+        #[command(flatten)]
+        input: Input,
+        /// Column that says whose row it is
+        #[arg(long, requires = "within", required_unless_present = "mu")]
+        subject: Option<String>,
+        /// Column that says in which condition
+        #[arg(long, requires = "subject")]
+        within: Option<String>,
+        /// Column with the value
+        #[arg(long)]
+        value: String,
+        /// What the mean of one sample is compared with
+        #[arg(long, conflicts_with = "subject", allow_hyphen_values = true)]
+        mu: Option<f64>,
+        /// Differences that count as none: LOW,HIGH
+        #[arg(long, value_name = "LOW,HIGH", value_parser = two_numbers, allow_hyphen_values = true)]
+        bounds: (f64, f64),
+        /// The bounds are in standard deviations of the differences
+        #[arg(long)]
+        standardized: bool,
+    },
+    /// Bayes factors of t tests and correlations
+    #[command(
+        group = clap::ArgGroup::new("design").required(true).args(["subject", "mu", "group", "x"]),
+        after_help = "\
+The table: a row a cell with subject, condition and value; or a row a person with the value, with group and value, or with two values.
+Examples: maveric stats bayes data.csv --subject id --within condition --value score
+          maveric stats bayes data.csv --group vehicle --value score
+          maveric stats bayes data.csv --value score --mu=3
+          maveric stats bayes data.csv --x age --y speed"
+    )]
+    Bayes {
+        #[command(flatten)]
+        input: Input,
+        /// Column that says whose row it is
+        #[arg(long, requires = "within", requires = "value")]
+        subject: Option<String>,
+        /// Column that says in which condition
+        #[arg(long, requires = "subject")]
+        within: Option<String>,
+        /// Column with the value
+        #[arg(long, conflicts_with = "x")]
+        value: Option<String>,
+        /// What the mean of one sample is compared with
+        #[arg(long, requires = "value", allow_hyphen_values = true)]
+        mu: Option<f64>,
+        /// Column that groups the rows
+        #[arg(long, requires = "value")]
+        group: Option<String>,
+        /// First column of a correlation
+        #[arg(long, requires = "y")]
+        x: Option<String>,
+        /// Second column of a correlation
+        #[arg(long, requires = "x")]
+        y: Option<String>,
+    },
+}
+
+fn two_numbers(text: &str) -> Result<(f64, f64), String> {
+    let numbers = text.split_once(',').map(|(low, high)| {
+        let number = |part: &str| part.trim().parse::<f64>().ok();
+        number(low).zip(number(high))
+    });
+    numbers
+        .flatten()
+        .ok_or_else(|| "expected two numbers, as in -0.5,0.5".to_owned())
+}
+
+impl DesignArgs {
+    pub(super) fn split(self) -> Result<(Input, Test), Failure> {
+        let (input, test) = match self {
+            Self::Factorial {
+                input,
+                subject,
+                within,
+                between,
+                value,
+                method,
+            } => {
+                let columns = FactorialColumns {
+                    subject,
+                    within,
+                    between,
+                    value,
+                };
+                let method = match method {
+                    MethodArg::Anova => FactorialMethod::Anova,
+                    MethodArg::Art => FactorialMethod::Art,
+                };
+                (input, DesignTest::Factorial { columns, method })
+            }
+            Self::Groups {
+                input,
+                group,
+                value,
+            } => (input, DesignTest::Groups { group, value }),
+            Self::Equivalence {
+                input,
+                subject,
+                within,
+                value,
+                mu,
+                bounds: (low, high),
+                standardized,
+            } => {
+                let bounds = if standardized {
+                    Bounds::Standardized { low, high }
+                } else {
+                    Bounds::Raw { low, high }
+                };
+                let test = match (columns(subject, within, &value), mu) {
+                    (Some(columns), _) => DesignTest::Equivalence { columns, bounds },
+                    (None, Some(mu)) => DesignTest::EquivalenceOne { value, mu, bounds },
+                    (None, None) => return Err(needs("--subject and --within, or --mu")),
+                };
+                (input, test)
+            }
+            Self::Bayes {
+                input,
+                subject,
+                within,
+                value,
+                mu,
+                group,
+                x,
+                y,
+            } => (input, bayes((subject, within), value, mu, group, (x, y))?),
+        };
+        Ok((input, Test::Design(test)))
+    }
+}
+
+type Pair = (Option<String>, Option<String>);
+
+fn bayes(
+    (subject, within): Pair,
+    value: Option<String>,
+    mu: Option<f64>,
+    group: Option<String>,
+    (x, y): Pair,
+) -> Result<DesignTest, Failure> {
+    if let Some((x, y)) = x.zip(y) {
+        return Ok(DesignTest::BayesCorrelation { x, y });
+    }
+    let value = value.ok_or_else(|| needs("--value"))?;
+    Ok(match (columns(subject, within, &value), mu, group) {
+        (Some(columns), ..) => DesignTest::BayesPaired(columns),
+        (_, Some(mu), _) => DesignTest::BayesOne { value, mu },
+        (_, _, Some(group)) => DesignTest::BayesGroups { group, value },
+        _ => return Err(needs("--subject and --within, --group or --mu")),
+    })
+}
+
+fn columns(subject: Option<String>, within: Option<String>, value: &str) -> Option<WithinColumns> {
+    Some(WithinColumns {
+        subject: subject?,
+        within: within?,
+        value: value.to_owned(),
+    })
+}
+
+fn needs(flags: &str) -> Failure {
+    Failure::Usage(format!("this test needs {flags}"))
+}

@@ -1,0 +1,317 @@
+//! Whether a difference is small: two one-sided tests.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    Adjustment, Named, Reasons, StatsError, WithinSubjects, complete,
+    numerics::{
+        distributions::{self, t_quantile_two_sided, t_two_sided},
+        moments::{is_constant, mean_and_square_sum},
+    },
+    paired::t::is_constant_difference,
+};
+
+/// The level of each one-sided test.
+const LEVEL: f64 = 0.05;
+
+/// Which differences count as none: those between `low` and `high`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Bounds {
+    /// In the unit of the values.
+    Raw {
+        /// Lower bound.
+        low: f64,
+        /// Upper bound.
+        high: f64,
+    },
+    /// In standard deviations of the differences. Those are estimated, so the level holds approximately only.
+    Standardized {
+        /// Lower bound.
+        low: f64,
+        /// Upper bound.
+        high: f64,
+    },
+}
+
+/// Two one-sided t tests of one difference.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Tost {
+    /// Differences.
+    pub n: usize,
+    /// Their mean.
+    pub estimate: f64,
+    /// Its standard error.
+    pub se: Option<f64>,
+    /// n - 1.
+    pub df: usize,
+    /// Lower bound, in the unit of the values.
+    pub low: Option<f64>,
+    /// Upper bound, in the unit of the values.
+    pub high: Option<f64>,
+    /// (estimate - low) / se.
+    pub t_lower: Option<f64>,
+    /// One-sided p against an estimate at or below `low`.
+    pub p_lower: Option<f64>,
+    /// (estimate - high) / se.
+    pub t_upper: Option<f64>,
+    /// One-sided p against an estimate at or above `high`.
+    pub p_upper: Option<f64>,
+    /// The larger of the two.
+    pub p: Option<f64>,
+    /// Holm's correction of `p` over all pairs.
+    pub p_holm: Option<f64>,
+    /// Lower end of the 90 % interval of the estimate, which lies within the bounds where p < .05.
+    pub ci90_low: Option<f64>,
+    /// Upper end.
+    pub ci90_high: Option<f64>,
+    /// estimate / se: against no difference.
+    pub t: Option<f64>,
+    /// Two-sided p against no difference.
+    pub p_difference: Option<f64>,
+    /// Estimate over the standard deviation of the differences.
+    pub dz: Option<f64>,
+    /// Whether p < .05: the difference is smaller than the bounds.
+    pub equivalent: Option<bool>,
+    /// Whether `p_difference` < .05; both may hold, and neither.
+    pub different: Option<bool>,
+}
+
+/// Tests of equivalence of each pair of conditions, or of one sample.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Equivalence {
+    /// Complete subjects, or values.
+    pub n: usize,
+    /// Subjects left out because a cell is missing.
+    pub dropped: Vec<String>,
+    /// Values left out because they are missing.
+    pub missing: usize,
+    /// What counts as no difference, as given.
+    pub bounds: Bounds,
+    /// Each pair of conditions, A minus B; or `value` alone, less the value it is compared with.
+    pub tost: Named<Tost>,
+    /// Why numbers do not exist, by name.
+    pub undefined: Reasons,
+}
+
+/// Whether conditions differ by less than the bounds, for each pair of them.
+///
+/// # Errors
+/// [`StatsError::BadParameter`] unless both bounds are finite and low < high.
+///
+/// # Source
+/// Schuirmann (1987); Lakens (2017) for standardised bounds.
+///
+/// # Example
+/// ```
+/// use maveric_stats::{Bounds, WithinSubjects, equivalence};
+/// let rows = [[1.0, 1.1], [2.0, 1.9], [3.0, 3.2], [4.0, 4.0], [2.5, 2.4]].map(Vec::from);
+/// let data = WithinSubjects::from_rows(&["a", "b"], &["p", "q", "r", "s", "t"], &rows)?;
+/// let found = equivalence(&data, Bounds::Raw { low: -0.5, high: 0.5 })?;
+/// assert_eq!(found.tost.get("a|b").unwrap().equivalent, Some(true));
+/// # Ok::<(), maveric_stats::StatsError>(())
+/// ```
+pub fn equivalence(data: &WithinSubjects, bounds: Bounds) -> Result<Equivalence, StatsError> {
+    check(bounds)?;
+    let mut undefined = Reasons::default();
+    let mut tests = Vec::new();
+    for (i, j, name) in data.pairs() {
+        let (a, b) = (data.column(i), data.column(j));
+        let differences: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
+        let constant = is_constant_difference(&a, &b, &differences);
+        let (test, reasons) = tost(&differences, constant, bounds);
+        undefined.absorb(&format!("tost.{name}"), reasons);
+        tests.push((name, test));
+    }
+    let p: Vec<_> = tests.iter().map(|(_, t)| t.p).collect();
+    for ((_, test), p) in tests.iter_mut().zip(Adjustment::Holm.apply_defined(&p)) {
+        test.p_holm = p;
+    }
+    Ok(Equivalence {
+        n: data.n(),
+        dropped: data.dropped().to_vec(),
+        missing: 0,
+        bounds,
+        tost: tests.into_iter().collect(),
+        undefined,
+    })
+}
+
+/// Whether the mean of a sample differs from `mu` by less than the bounds; missing values are left out.
+///
+/// The result stands under `value`. Differences of pairs that are at hand may be given as they are, with `mu` 0.
+///
+/// # Errors
+/// [`StatsError::BadParameter`] unless both bounds are finite and low < high and `mu` is finite; [`StatsError::NotFinite`];
+/// [`StatsError::TooFew`] below two values.
+pub fn equivalence_one(
+    values: &[Option<f64>],
+    mu: f64,
+    bounds: Bounds,
+) -> Result<Equivalence, StatsError> {
+    check(bounds)?;
+    let (differences, constant) = less(values, mu)?;
+    let (mut test, reasons) = tost(&differences, constant, bounds);
+    test.p_holm = test.p;
+    let mut undefined = Reasons::default();
+    undefined.absorb("tost.value", reasons);
+    Ok(Equivalence {
+        n: test.n,
+        dropped: Vec::new(),
+        missing: values.len() - test.n,
+        bounds,
+        tost: [("value".to_owned(), test)].into_iter().collect(),
+        undefined,
+    })
+}
+
+/// The values that are there, less `mu`, and whether they are all equal.
+pub(crate) fn less(values: &[Option<f64>], mu: f64) -> Result<(Vec<f64>, bool), StatsError> {
+    finite("mu", mu)?;
+    let values = complete::values(values, "value", 2)?;
+    let constant = is_constant(&values);
+    Ok((values.into_iter().map(|v| v - mu).collect(), constant))
+}
+
+fn finite(name: &str, found: f64) -> Result<(), StatsError> {
+    let fine = found.is_finite();
+    fine.then_some(()).ok_or_else(|| StatsError::BadParameter {
+        name: name.to_owned(),
+        expected: "a finite number".to_owned(),
+        found,
+    })
+}
+
+fn check(bounds: Bounds) -> Result<(), StatsError> {
+    let (Bounds::Raw { low, high } | Bounds::Standardized { low, high }) = bounds;
+    finite("lower bound", low)?;
+    finite("upper bound", high)?;
+    (low < high)
+        .then_some(())
+        .ok_or_else(|| StatsError::BadParameter {
+            name: "upper bound".to_owned(),
+            expected: format!("above the lower one, {low}"),
+            found: high,
+        })
+}
+
+fn tost(differences: &[f64], constant: bool, bounds: Bounds) -> (Tost, Reasons) {
+    let mut reasons = Reasons::default();
+    let n = differences.len() as f64;
+    let df = n - 1.0;
+    let (estimate, squares) = mean_and_square_sum(differences.iter().copied());
+    let sd = (!constant && squares > 0.0).then(|| (squares / df).sqrt());
+    let se = sd.map(|sd| sd / n.sqrt());
+    let (low, high) = match bounds {
+        Bounds::Raw { low, high } => (Some(low), Some(high)),
+        Bounds::Standardized { low, high } => (sd.map(|sd| low * sd), sd.map(|sd| high * sd)),
+    };
+    if sd.is_none() {
+        let names = [
+            "se",
+            "low",
+            "high",
+            "t_lower",
+            "p_lower",
+            "t_upper",
+            "p_upper",
+            "p",
+            "p_holm",
+            "ci90_low",
+            "ci90_high",
+            "t",
+            "p_difference",
+            "dz",
+            "equivalent",
+            "different",
+        ];
+        let all = &names[..];
+        // Raw bounds exist whatever the data.
+        let kept = all
+            .iter()
+            .filter(|name| low.is_none() || !matches!(**name, "low" | "high"));
+        reasons.note_all(
+            &kept.copied().collect::<Vec<_>>(),
+            "the differences do not vary",
+        );
+    }
+    let over = |bound: Option<f64>| Some((estimate - bound?) / se?);
+    let (t_lower, t_upper) = (over(low), over(high));
+    let p_lower = t_lower.map(|t| distributions::t_upper(t, df));
+    let p_upper = t_upper.map(|t| distributions::t_upper(-t, df));
+    let p = p_lower.zip(p_upper).map(|(a, b)| a.max(b));
+    let half = se.and_then(|se| Some(se * t_quantile_two_sided(2.0 * LEVEL, df)?));
+    if half.is_none() {
+        let names = ["ci90_low", "ci90_high"];
+        reasons.note_all(&names, "t has no quantile at these degrees of freedom");
+    }
+    let t = se.map(|se| estimate / se);
+    let p_difference = t.map(|t| t_two_sided(t, df));
+    let test = Tost {
+        n: differences.len(),
+        estimate,
+        se,
+        df: differences.len() - 1,
+        low,
+        high,
+        t_lower,
+        p_lower,
+        t_upper,
+        p_upper,
+        p,
+        p_holm: None,
+        ci90_low: half.map(|h| estimate - h),
+        ci90_high: half.map(|h| estimate + h),
+        t,
+        p_difference,
+        dz: sd.map(|sd| estimate / sd),
+        equivalent: p.map(|p| p < LEVEL),
+        different: p_difference.map(|p| p < LEVEL),
+    };
+    (test, reasons)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_interval_lies_within_the_bounds_where_the_test_says_so() {
+        let values = [0.3, -0.2, 0.1, 0.4, -0.1, 0.2].map(Some);
+        for high in [0.2, 0.3, 0.35, 0.5] {
+            let bounds = Bounds::Raw { low: -high, high };
+            let found = equivalence_one(&values, 0.0, bounds).unwrap();
+            let test = found.tost.get("value").unwrap();
+            let inside = test.ci90_low.unwrap() > -high && test.ci90_high.unwrap() < high;
+            assert_eq!(test.equivalent, Some(inside));
+        }
+    }
+
+    #[test]
+    fn differences_that_do_not_vary_have_a_reason_for_each_missing_number() {
+        let data = WithinSubjects::from_rows(
+            &["a", "b"],
+            &["p", "q", "r"],
+            &[vec![1.1, 1.0], vec![2.1, 2.0], vec![3.1, 3.0]],
+        );
+        let bounds = Bounds::Raw {
+            low: -1.0,
+            high: 1.0,
+        };
+        let found = equivalence(&data.unwrap(), bounds).unwrap();
+        let test = found.tost.get("a|b").unwrap();
+        assert!(test.p.is_none() && test.low == Some(-1.0));
+        assert!(found.undefined.get("tost.a|b.equivalent").is_some());
+        assert!(found.undefined.get("tost.a|b.low").is_none());
+    }
+
+    #[test]
+    fn bounds_in_the_wrong_order_are_refused() {
+        let bounds = Bounds::Raw {
+            low: 1.0,
+            high: 0.0,
+        };
+        let error = equivalence_one(&[Some(1.0), Some(2.0)], 0.0, bounds).unwrap_err();
+        assert!(error.to_string().contains("above the lower one, 1"));
+    }
+}

@@ -1,0 +1,206 @@
+//! F of every effect.
+
+use serde::{Deserialize, Serialize};
+
+use super::{
+    Effect,
+    cells::{Cells, Rows, average, contrasts, products, unit_average},
+};
+use crate::{
+    Mauchly, Named, Reasons, Sphericity,
+    numerics::{distributions::f_upper, moments::dot, noncentral::f_ncp_interval},
+    sphericity,
+};
+
+/// One effect of a factorial design.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FactorialEffect {
+    /// Mean square of the effect over that of its error.
+    #[serde(rename = "F")]
+    pub f: Option<f64>,
+    /// Degrees of freedom of the effect.
+    pub df1: usize,
+    /// Of its error: (n - groups) times those of the part within subjects.
+    pub df2: usize,
+    /// P(F' ≥ F) if sphericity holds.
+    pub p: Option<f64>,
+    /// Type III sum of squares.
+    pub ss: f64,
+    /// Of its error.
+    pub ss_error: f64,
+    /// SS / (SS + SSe).
+    pub eta2_partial: Option<f64>,
+    /// Lower end of its 90 % interval, by the noncentral F: ncp / (ncp + df2).
+    pub eta2_partial_ci90_low: Option<f64>,
+    /// Upper end.
+    pub eta2_partial_ci90_high: Option<f64>,
+    /// SS / (SS + all error sums of squares), every factor counted as manipulated.
+    pub eta2_generalized: Option<f64>,
+    /// Lower end of its 90 % interval: the limits ncp MSe in the place of SS, the errors as observed.
+    pub eta2_generalized_ci90_low: Option<f64>,
+    /// Upper end.
+    pub eta2_generalized_ci90_high: Option<f64>,
+    /// With a factor within subjects (SS - df1 MSe) / (SS + SSe + SSs + MSs), s the subjects within groups; between subjects
+    /// (SS - df1 MSs) / (SS + (n - df1) MSs). It may be negative.
+    pub omega2_partial: Option<f64>,
+}
+
+pub(super) struct Tests {
+    pub(super) anova: Named<FactorialEffect>,
+    pub(super) sphericity: Named<Sphericity>,
+    pub(super) mauchly: Named<Mauchly>,
+}
+
+/// Sums of squares of one effect, and the residuals of its contrasts within subjects.
+pub(super) struct Sums {
+    pub(super) ss: f64,
+    pub(super) ss_error: f64,
+    pub(super) df1: usize,
+    pub(super) df2: usize,
+    errors: Rows,
+}
+
+impl Effect {
+    /// Weights of the groups and of the cells that the effect compares.
+    fn rows(self, cells: &Cells) -> (Rows, Rows) {
+        let design = cells.design;
+        let between = design.between.iter().enumerate().map(|(f, factor)| {
+            let k = factor.levels.len();
+            if self.has(f) {
+                contrasts(k)
+            } else {
+                average(k)
+            }
+        });
+        let first = design.between.len();
+        let within = design.within.iter().enumerate().map(|(f, factor)| {
+            let k = factor.levels.len();
+            if self.has(first + f) {
+                contrasts(k)
+            } else {
+                unit_average(k)
+            }
+        });
+        let (between, within): (Vec<Rows>, Vec<Rows>) = (between.collect(), within.collect());
+        (products(&between), products(&within))
+    }
+
+    pub(super) fn sums(self, cells: &Cells) -> Sums {
+        let (groups, within) = self.rows(cells);
+        let errors: Rows = within.iter().map(|row| cells.error(row)).collect();
+        Sums {
+            ss: cells.hypothesis(&groups, &within),
+            ss_error: errors.iter().map(|e| dot(e, e)).sum(),
+            df1: groups.len() * within.len(),
+            df2: cells.freedom * within.len(),
+            errors,
+        }
+    }
+
+    pub(super) fn is_within(self, cells: &Cells) -> bool {
+        self.0 >> cells.design.between.len() != 0
+    }
+}
+
+/// The error sums of squares of the subjects, and of all strata within subjects together.
+pub(super) fn errors(cells: &Cells) -> (f64, f64) {
+    let levels = cells.design.within.iter().map(|f| f.levels.len());
+    let rows = levels.map(|k| [unit_average(k), contrasts(k)].concat());
+    // The first row is the mean of all cells.
+    let squares = products(&rows.collect::<Vec<_>>());
+    let squares: Vec<f64> = squares.iter().map(|row| cells.error_square(row)).collect();
+    (squares[0], squares[1..].iter().sum())
+}
+
+pub(super) fn tests(cells: &Cells, undefined: &mut Reasons) -> Tests {
+    let (mut anova, mut epsilons, mut mauchly) = (Vec::new(), Vec::new(), Vec::new());
+    let (subjects, within) = errors(cells);
+    for effect in Effect::all(cells.design) {
+        let name = effect.name(cells.design);
+        let sums = effect.sums(cells);
+        let (test, reasons) = describe(effect, cells, &sums, subjects, subjects + within);
+        undefined.absorb(&format!("anova.{name}"), reasons);
+        if sums.errors.len() > 1 {
+            let spectrum =
+                sphericity::Spectrum::new(sums.errors, cells.freedom, cells.design.cells());
+            let (test_of, reasons) = spectrum.mauchly();
+            undefined.absorb(&format!("mauchly.{name}"), reasons);
+            mauchly.push((name.clone(), test_of));
+            let (epsilon, reasons) = spectrum.corrections(test.f, test.df1, test.df2);
+            undefined.absorb(&format!("sphericity.{name}"), reasons);
+            epsilons.push((name.clone(), epsilon));
+        }
+        anova.push((name, test));
+    }
+    Tests {
+        anova: anova.into_iter().collect(),
+        sphericity: epsilons.into_iter().collect(),
+        mauchly: mauchly.into_iter().collect(),
+    }
+}
+
+fn describe(
+    effect: Effect,
+    cells: &Cells,
+    sums: &Sums,
+    subjects: f64,
+    all_errors: f64,
+) -> (FactorialEffect, Reasons) {
+    let mut reasons = Reasons::default();
+    let (ss, ss_error) = (sums.ss, sums.ss_error);
+    let (d1, d2) = (sums.df1 as f64, sums.df2 as f64);
+    let ms_error = ss_error / d2;
+    let f = (ss_error > 0.0)
+        .then(|| ss / d1 / ms_error)
+        .filter(|f| f.is_finite());
+    let interval = f.and_then(|f| f_ncp_interval(f, d1, d2, 0.05));
+    if f.is_none() {
+        let names = ["F", "p", "omega2_partial"];
+        reasons.note_all(
+            &names,
+            "the error sum of squares is zero, so F has no finite value",
+        );
+    }
+    if interval.is_none() {
+        let names = [
+            "eta2_partial_ci90_low",
+            "eta2_partial_ci90_high",
+            "eta2_generalized_ci90_low",
+            "eta2_generalized_ci90_high",
+        ];
+        reasons.note_all(&names, "there is no F to invert");
+    }
+    if ss + ss_error <= 0.0 {
+        reasons.note("eta2_partial", "neither effect nor error varies: it is 0/0");
+    }
+    if ss + all_errors <= 0.0 {
+        reasons.note(
+            "eta2_generalized",
+            "neither effect nor errors vary: it is 0/0",
+        );
+    }
+    let ms_subjects = subjects / cells.freedom as f64;
+    let below = if effect.is_within(cells) {
+        ss + ss_error + subjects + ms_subjects
+    } else {
+        ss + (cells.design.n() as f64 - d1) * ms_subjects
+    };
+    let partial = |ncp: f64| ncp / (ncp + d2);
+    let generalized = |ncp: f64| ncp * ms_error / (ncp * ms_error + all_errors);
+    let test = FactorialEffect {
+        f,
+        df1: sums.df1,
+        df2: sums.df2,
+        p: f.map(|f| f_upper(f, d1, d2)),
+        ss,
+        ss_error,
+        eta2_partial: (ss + ss_error > 0.0).then(|| ss / (ss + ss_error)),
+        eta2_partial_ci90_low: interval.map(|(low, _)| partial(low)),
+        eta2_partial_ci90_high: interval.map(|(_, high)| partial(high)),
+        eta2_generalized: (ss + all_errors > 0.0).then(|| ss / (ss + all_errors)),
+        eta2_generalized_ci90_low: interval.map(|(low, _)| generalized(low)),
+        eta2_generalized_ci90_high: interval.map(|(_, high)| generalized(high)),
+        omega2_partial: f.map(|_| (ss - d1 * ms_error) / below),
+    };
+    (test, reasons)
+}

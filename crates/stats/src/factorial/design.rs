@@ -1,0 +1,302 @@
+//! The table of a factorial design: who has which value in which cell.
+
+use crate::{StatsError, complete, within_subjects::Index};
+
+/// A factor and its levels, in order of first appearance.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Factor {
+    /// Its name.
+    pub name: String,
+    /// Its levels, at least two.
+    pub levels: Vec<String>,
+}
+
+/// Subjects in groups (the cells of the factors between subjects), each with one value in every cell of the factors within.
+///
+/// Only complete subjects: one with a missing cell, or without a level of a factor between subjects, is left out whole and kept by
+/// name in [`dropped`](Self::dropped). Every group has a subject, and there are more subjects than groups.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FactorialDesign {
+    pub(super) between: Vec<Factor>,
+    pub(super) within: Vec<Factor>,
+    pub(super) subjects: Vec<String>,
+    dropped: Vec<String>,
+    /// Of each subject: its group, the last factor counting fastest.
+    pub(super) group: Vec<usize>,
+    /// Row-major, one row a subject, one column a cell within; the last factor counts fastest.
+    pub(super) values: Vec<f64>,
+}
+
+/// A factor that changes within subjects: its name and its level in each row.
+pub type WithinColumn<'a> = (&'a str, &'a [String]);
+
+/// A factor that does not: its name and its level in each row, which may be missing.
+pub type BetweenColumn<'a> = (&'a str, &'a [Option<String>]);
+
+/// Factors of a kind at most.
+const MOST_FACTORS: usize = 2;
+
+impl FactorialDesign {
+    /// Reads a tidy table: one row a cell, an empty value or no row for a missing one. All columns have shape `(rows,)`.
+    ///
+    /// Levels keep the order of their first appearance. Without a factor within subjects every row is a subject.
+    ///
+    /// # Errors
+    /// [`StatsError::LengthMismatch`]; [`StatsError::BadParameter`] unless there is a factor, and at most two of each kind;
+    /// [`StatsError::OneLevel`]; [`StatsError::NotFinite`]; [`StatsError::DoubleCell`]; [`StatsError::TwoGroups`] if a subject
+    /// changes its level of a factor between subjects; [`StatsError::EmptyCell`]; [`StatsError::DoubleName`];
+    /// [`StatsError::TooFew`] unless there are more complete subjects than groups.
+    ///
+    /// # Example
+    /// ```
+    /// use maveric_stats::FactorialDesign;
+    /// let names = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
+    /// let design = FactorialDesign::from_columns(
+    ///     &names("ann ann ben ben cem cem"),
+    ///     &[("mode", &names("calm sporty calm sporty calm sporty"))],
+    ///     &[],
+    ///     &[Some(1.0), Some(2.0), Some(4.0), Some(3.0), Some(5.0), None],
+    /// )?;
+    /// assert_eq!((design.n(), design.dropped()), (2, &["cem".to_owned()][..]));
+    /// # Ok::<(), maveric_stats::StatsError>(())
+    /// ```
+    pub fn from_columns(
+        subjects: &[String],
+        within: &[WithinColumn],
+        between: &[BetweenColumn],
+        values: &[Option<f64>],
+    ) -> Result<Self, StatsError> {
+        check_shape(subjects, within, between, values)?;
+        let within_index: Vec<Index> = within.iter().map(|(_, cells)| Index::of(cells)).collect();
+        let within: Vec<Factor> = within
+            .iter()
+            .zip(&within_index)
+            .map(|((name, _), index)| factor(name, index.names.clone()))
+            .collect::<Result<_, _>>()?;
+        let people = Index::of(subjects);
+        if let (true, Some(name)) = (within.is_empty(), people.repeated) {
+            let what = "subject".to_owned();
+            return Err(StatsError::DoubleName { what, name });
+        }
+        let n = people.names.len();
+        let levels: Vec<Levels> = between
+            .iter()
+            .map(|column| Levels::new(column, &people.names, &people.rows))
+            .collect::<Result<_, _>>()?;
+        let counts: Vec<usize> = within.iter().map(|f| f.levels.len()).collect();
+        let width: usize = counts.iter().product();
+        // The outer option says whether the cell had a row at all.
+        let mut cells: Vec<Option<Option<f64>>> = vec![None; n * width];
+        for (row, &value) in values.iter().enumerate() {
+            if let Some(value) = value {
+                complete::usable(value, "value", row)?;
+            }
+            let of_row: Vec<usize> = within_index.iter().map(|index| index.rows[row]).collect();
+            let cell = position(&counts, &of_row);
+            if cells[people.rows[row] * width + cell]
+                .replace(value)
+                .is_some()
+            {
+                return Err(StatsError::DoubleCell {
+                    subject: subjects[row].clone(),
+                    condition: name_of(&within, cell),
+                });
+            }
+        }
+        for cell in 0..width {
+            if (0..n).all(|i| cells[i * width + cell].flatten().is_none()) {
+                let cell = name_of(&within, cell);
+                return Err(StatsError::EmptyCell { cell });
+            }
+        }
+        let between: Vec<Factor> = levels.iter().map(|l| l.factor.clone()).collect();
+        let group_counts: Vec<usize> = between.iter().map(|f| f.levels.len()).collect();
+        let mut design = Self {
+            between,
+            within,
+            subjects: Vec::new(),
+            dropped: Vec::new(),
+            group: Vec::new(),
+            values: Vec::new(),
+        };
+        for (i, name) in people.names.into_iter().enumerate() {
+            let row: Option<Vec<f64>> = cells[i * width..(i + 1) * width]
+                .iter()
+                .map(|cell| cell.flatten())
+                .collect();
+            let levels: Option<Vec<usize>> = levels.iter().map(|l| l.of_subject[i]).collect();
+            if let (Some(row), Some(levels)) = (row, levels) {
+                design.values.extend(row);
+                design.group.push(position(&group_counts, &levels));
+                design.subjects.push(name);
+            } else {
+                design.dropped.push(name);
+            }
+        }
+        design.check_groups()
+    }
+
+    fn check_groups(self) -> Result<Self, StatsError> {
+        let groups = self.groups();
+        let empty = (0..groups).find(|g| !self.group.contains(g));
+        if let Some(group) = empty.filter(|_| groups > 1) {
+            let cell = name_of(&self.between, group);
+            return Err(StatsError::EmptyCell { cell });
+        }
+        complete::enough("subject", self.n(), self.dropped.len(), groups + 1)?;
+        Ok(self)
+    }
+
+    /// Number of complete subjects.
+    pub fn n(&self) -> usize {
+        self.subjects.len()
+    }
+
+    /// Names of the complete subjects, in order of first appearance.
+    pub fn subjects(&self) -> &[String] {
+        &self.subjects
+    }
+
+    /// Names of the subjects left out because a cell or a level is missing.
+    pub fn dropped(&self) -> &[String] {
+        &self.dropped
+    }
+
+    /// The factors within subjects.
+    pub fn within(&self) -> &[Factor] {
+        &self.within
+    }
+
+    /// The factors between subjects.
+    pub fn between(&self) -> &[Factor] {
+        &self.between
+    }
+
+    /// All factors, those between subjects first.
+    pub(super) fn factors(&self) -> Vec<&Factor> {
+        self.between.iter().chain(&self.within).collect()
+    }
+
+    /// Cells of the factors between subjects, 1 without any.
+    pub(super) fn groups(&self) -> usize {
+        self.between.iter().map(|f| f.levels.len()).product()
+    }
+
+    /// Cells of the factors within subjects, 1 without any.
+    pub(super) fn cells(&self) -> usize {
+        self.within.iter().map(|f| f.levels.len()).product()
+    }
+}
+
+/// The levels of one factor between subjects.
+struct Levels {
+    factor: Factor,
+    of_subject: Vec<Option<usize>>,
+}
+
+impl Levels {
+    fn new(
+        (name, column): &BetweenColumn,
+        people: &[String],
+        rows: &[usize],
+    ) -> Result<Self, StatsError> {
+        let present: Vec<String> = column.iter().flatten().cloned().collect();
+        let index = Index::of(&present);
+        let mut of_subject = vec![None; people.len()];
+        let mut next = index.rows.iter();
+        for (&person, cell) in rows.iter().zip(*column) {
+            let Some(level) = cell.as_ref().and_then(|_| next.next()) else {
+                continue;
+            };
+            let known = *of_subject[person].get_or_insert(*level);
+            if known != *level {
+                return Err(StatsError::TwoGroups {
+                    subject: people[person].clone(),
+                    factor: (*name).to_owned(),
+                    first: index.names[known].clone(),
+                    second: index.names[*level].clone(),
+                });
+            }
+        }
+        let factor = factor(name, index.names)?;
+        Ok(Self { factor, of_subject })
+    }
+}
+
+fn factor(name: &str, levels: Vec<String>) -> Result<Factor, StatsError> {
+    if levels.len() < 2 {
+        return Err(StatsError::OneLevel {
+            factor: name.to_owned(),
+            level: levels.into_iter().next().unwrap_or_default(),
+        });
+    }
+    let name = name.to_owned();
+    Ok(Factor { name, levels })
+}
+
+/// The place of a cell, the last factor counting fastest.
+fn position(counts: &[usize], levels: &[usize]) -> usize {
+    counts
+        .iter()
+        .zip(levels)
+        .fold(0, |at, (count, level)| at * count + level)
+}
+
+/// The levels of a cell, joined by `:`.
+fn name_of(factors: &[Factor], cell: usize) -> String {
+    let mut rest = cell;
+    let mut names: Vec<&str> = Vec::new();
+    for factor in factors.iter().rev() {
+        names.push(&factor.levels[rest % factor.levels.len()]);
+        rest /= factor.levels.len();
+    }
+    names.reverse();
+    names.join(":")
+}
+
+fn check_shape(
+    subjects: &[String],
+    within: &[WithinColumn],
+    between: &[BetweenColumn],
+    values: &[Option<f64>],
+) -> Result<(), StatsError> {
+    let columns = within.iter().map(|(name, c)| (*name, c.len()));
+    let columns = columns.chain(between.iter().map(|(name, c)| (*name, c.len())));
+    for (name, found) in columns.chain([("value", values.len())]) {
+        if found != subjects.len() {
+            return Err(StatsError::LengthMismatch {
+                name: name.to_owned(),
+                found,
+                expected: subjects.len(),
+            });
+        }
+    }
+    for (name, found, least) in [
+        ("factors within subjects", within.len(), 0),
+        ("factors between subjects", between.len(), 0),
+        (
+            "factors",
+            (within.len() + between.len()).min(MOST_FACTORS),
+            1,
+        ),
+    ] {
+        if found < least || found > MOST_FACTORS {
+            return Err(StatsError::BadParameter {
+                name: name.to_owned(),
+                expected: format!("{least} to {MOST_FACTORS} of them"),
+                found: found as f64,
+            });
+        }
+    }
+    let mut names: Vec<&str> = within.iter().map(|(name, _)| *name).collect();
+    names.extend(between.iter().map(|(name, _)| *name));
+    for (i, name) in names.iter().enumerate() {
+        if names[..i].contains(name) {
+            return Err(StatsError::DoubleName {
+                what: "factor".to_owned(),
+                name: (*name).to_owned(),
+            });
+        }
+    }
+    Ok(())
+}

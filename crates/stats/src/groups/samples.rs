@@ -1,0 +1,100 @@
+//! The values of each group, less one common value.
+
+use crate::{
+    Named, Reasons, StatsError, complete,
+    numerics::moments::{is_constant, mean_and_square_sum},
+    within_subjects::Index,
+};
+
+/// One group.
+pub(crate) struct Sample {
+    pub(crate) name: String,
+    /// Less [`Samples::pivot`].
+    pub(crate) values: Vec<f64>,
+    /// Of those values.
+    pub(crate) mean: f64,
+    /// Sum of squared deviations; exactly 0 if the values differ by rounding alone.
+    pub(crate) squares: f64,
+}
+
+impl Sample {
+    pub(crate) fn n(&self) -> f64 {
+        self.values.len() as f64
+    }
+
+    /// `None` for a single value.
+    pub(crate) fn variance(&self) -> Option<f64> {
+        (self.values.len() > 1).then(|| self.squares / (self.n() - 1.0))
+    }
+}
+
+/// All groups, in order of first appearance.
+pub(crate) struct Samples {
+    pub(crate) all: Vec<Sample>,
+    /// What was taken from each value, so that an offset costs no digits.
+    pub(crate) pivot: f64,
+    pub(crate) missing: usize,
+}
+
+impl Samples {
+    pub(crate) fn new(groups: &[String], values: &[Option<f64>]) -> Result<Self, StatsError> {
+        if groups.len() != values.len() {
+            return Err(StatsError::LengthMismatch {
+                name: "group".to_owned(),
+                found: groups.len(),
+                expected: values.len(),
+            });
+        }
+        let kept = complete::rows(&[("value", values)], "value", 1)?;
+        let index = Index::of(groups);
+        complete::enough("group", index.names.len(), kept.missing, 2)?;
+        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); index.names.len()];
+        for (&row, &value) in kept.kept.iter().zip(&kept.columns[0]) {
+            columns[index.rows[row]].push(value);
+        }
+        let pivot = kept.columns[0][0];
+        let sample = |(name, values): (String, Vec<f64>)| {
+            if values.is_empty() {
+                return Err(StatsError::EmptyCell { cell: name });
+            }
+            let constant = is_constant(&values);
+            let values: Vec<f64> = values.into_iter().map(|v| v - pivot).collect();
+            let (mean, squares) = mean_and_square_sum(values.iter().copied());
+            Ok(Sample {
+                name,
+                values,
+                mean,
+                squares: if constant { 0.0 } else { squares },
+            })
+        };
+        let all: Result<_, _> = index.names.into_iter().zip(columns).map(sample).collect();
+        Ok(Self {
+            all: all?,
+            pivot,
+            missing: kept.missing,
+        })
+    }
+
+    pub(crate) fn n(&self) -> usize {
+        self.all.iter().map(|s| s.values.len()).sum()
+    }
+
+    /// A test of each pair, its reasons noted below `prefix.A|B`.
+    pub(crate) fn pairs<T>(
+        &self,
+        prefix: &str,
+        undefined: &mut Reasons,
+        test: impl Fn(&Sample, &Sample) -> (T, Reasons),
+    ) -> Named<T> {
+        let mut found = Vec::new();
+        for (i, a) in self.all.iter().enumerate() {
+            for b in &self.all[i + 1..] {
+                let name = format!("{}|{}", a.name, b.name);
+                let (result, reasons) = test(a, b);
+                undefined.absorb(&format!("{prefix}.{name}"), reasons);
+                found.push((name, result));
+            }
+        }
+        found.into_iter().collect()
+    }
+}

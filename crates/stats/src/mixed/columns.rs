@@ -1,0 +1,263 @@
+//! The columns of a model: factors in treatment coding, covariates less their means.
+
+use super::formula::Formula;
+use crate::{StatsError, numerics::moments::dot, within_subjects::Index};
+
+/// One predictor, a value a row.
+#[derive(Debug, Clone, Copy)]
+pub enum Predictor<'a> {
+    /// Numbers.
+    Covariate(&'a [Option<f64>]),
+    /// Labels; the first level to appear is the reference.
+    Factor(&'a [Option<String>]),
+}
+
+impl Predictor<'_> {
+    pub(super) fn rows(&self) -> usize {
+        match self {
+            Self::Covariate(values) => values.len(),
+            Self::Factor(cells) => cells.len(),
+        }
+    }
+
+    pub(super) fn is_missing(&self, row: usize) -> bool {
+        match self {
+            Self::Covariate(values) => values[row].is_none(),
+            Self::Factor(cells) => cells[row].is_none(),
+        }
+    }
+}
+
+/// One predictor on the rows that are used.
+enum Coded {
+    Covariate {
+        /// Less `mean`.
+        values: Vec<f64>,
+        mean: f64,
+    },
+    Factor {
+        levels: Vec<String>,
+        of_row: Vec<usize>,
+    },
+}
+
+/// Product of dummies of levels (0 for a covariate) of the predictors of one term.
+#[derive(Debug, Clone, PartialEq)]
+struct Column {
+    /// Predictor, and its level if it is a factor.
+    parts: Vec<(usize, usize)>,
+}
+
+/// How one predictor enters a combination of coefficients.
+#[derive(Debug, Clone)]
+pub(super) enum Weight {
+    /// Of a factor: a weight a level.
+    Levels(Vec<f64>),
+    /// Of a covariate: its coefficient.
+    Slope,
+    /// Of a covariate: at this value, less its mean.
+    At(f64),
+}
+
+/// All columns after the intercept, in the order of the terms.
+pub(super) struct Columns<'a> {
+    formula: &'a Formula,
+    coded: Vec<Coded>,
+    products: Vec<Column>,
+}
+
+impl<'a> Columns<'a> {
+    /// `predictors` in the order of the formula's, all there in the rows `kept`.
+    pub(super) fn new(
+        formula: &'a Formula,
+        predictors: &[Predictor],
+        kept: &[usize],
+    ) -> Result<Self, StatsError> {
+        let coded: Vec<Coded> = formula
+            .predictors()
+            .iter()
+            .zip(predictors)
+            .map(|(name, predictor)| code(name, predictor, kept))
+            .collect::<Result<_, _>>()?;
+        let mut columns = Vec::new();
+        for term in formula.terms() {
+            let mut products: Vec<Vec<(usize, usize)>> = vec![Vec::new()];
+            for &p in term {
+                let levels = match &coded[p] {
+                    Coded::Covariate { .. } => 0..1,
+                    Coded::Factor { levels, .. } => 1..levels.len(),
+                };
+                products = levels
+                    .flat_map(|level| {
+                        products
+                            .iter()
+                            .map(move |part| [&part[..], &[(p, level)]].concat())
+                    })
+                    .collect();
+            }
+            columns.extend(products.into_iter().map(|parts| Column { parts }));
+        }
+        Ok(Self {
+            formula,
+            coded,
+            products: columns,
+        })
+    }
+
+    /// Columns, the intercept counted.
+    pub(super) fn count(&self) -> usize {
+        self.products.len() + 1
+    }
+
+    /// Column `j` in row `i` of those that are used; 0 is the intercept.
+    pub(super) fn value(&self, i: usize, j: usize) -> f64 {
+        let Some(column) = j.checked_sub(1).map(|j| &self.products[j]) else {
+            return 1.0;
+        };
+        let part = |&(p, level): &(usize, usize)| match &self.coded[p] {
+            Coded::Covariate { values, .. } => values[i],
+            Coded::Factor { of_row, .. } => f64::from(u8::from(of_row[i] == level)),
+        };
+        column.parts.iter().map(part).product()
+    }
+
+    /// `(Intercept)`, `x`, `a[a2]`, `a[a2]:x`.
+    pub(super) fn name(&self, j: usize) -> String {
+        let Some(column) = j.checked_sub(1).map(|j| &self.products[j]) else {
+            return "(Intercept)".to_owned();
+        };
+        let part = |&(p, level): &(usize, usize)| {
+            let name = &self.formula.predictors()[p];
+            match &self.coded[p] {
+                Coded::Covariate { .. } => name.clone(),
+                Coded::Factor { levels, .. } => format!("{name}[{}]", levels[level]),
+            }
+        };
+        column.parts.iter().map(part).collect::<Vec<_>>().join(":")
+    }
+
+    /// The first column that those before it determine.
+    pub(super) fn collinear(&self, rows: usize) -> Option<String> {
+        let mut basis: Vec<Vec<f64>> = Vec::new();
+        for j in 0..self.count() {
+            let mut column: Vec<f64> = (0..rows).map(|i| self.value(i, j)).collect();
+            let size = dot(&column, &column).sqrt();
+            // Twice, so that rounding leaves nothing of the others.
+            for _ in 0..2 {
+                for other in &basis {
+                    let along = dot(&column, other);
+                    for (c, o) in column.iter_mut().zip(other) {
+                        *c -= along * o;
+                    }
+                }
+            }
+            let left = dot(&column, &column).sqrt();
+            if left <= 1e-9 * size {
+                return Some(self.name(j));
+            }
+            basis.push(column.into_iter().map(|c| c / left).collect());
+        }
+        None
+    }
+
+    /// Levels of predictor `p` if it is a factor.
+    pub(super) fn levels(&self, p: usize) -> Option<&[String]> {
+        match &self.coded[p] {
+            Coded::Covariate { .. } => None,
+            Coded::Factor { levels, .. } => Some(levels),
+        }
+    }
+
+    /// Every factor averaged over its levels, every covariate at 0 as it was given.
+    pub(super) fn at_zero(&self) -> Vec<Weight> {
+        self.weights(|mean| Weight::At(-mean))
+    }
+
+    /// Every factor averaged over its levels, every covariate at its mean.
+    pub(super) fn at_means(&self) -> Vec<Weight> {
+        self.weights(|_| Weight::At(0.0))
+    }
+
+    fn weights(&self, covariate: impl Fn(f64) -> Weight) -> Vec<Weight> {
+        let weight = |coded: &Coded| match coded {
+            Coded::Covariate { mean, .. } => covariate(*mean),
+            Coded::Factor { levels, .. } => {
+                Weight::Levels(vec![1.0 / levels.len() as f64; levels.len()])
+            }
+        };
+        self.coded.iter().map(weight).collect()
+    }
+
+    /// The coefficient of column `j` with covariates as given, not less their means: every level its reference but those of `j`.
+    pub(super) fn coefficient(&self, j: usize) -> Vec<f64> {
+        let mut weights = self.at_zero();
+        for weight in &mut weights {
+            if let Weight::Levels(levels) = weight {
+                levels.fill(0.0);
+                levels[0] = 1.0;
+            }
+        }
+        if let Some(column) = j.checked_sub(1).map(|j| &self.products[j]) {
+            for &(p, level) in &column.parts {
+                match &mut weights[p] {
+                    Weight::Levels(levels) => (levels[0], levels[level]) = (-1.0, 1.0),
+                    covariate => *covariate = Weight::Slope,
+                }
+            }
+        }
+        self.combination(&weights)
+    }
+
+    /// The coefficients of the columns in a combination of the model's values.
+    pub(super) fn combination(&self, weights: &[Weight]) -> Vec<f64> {
+        let of_column = |column: &Column| -> f64 {
+            let factor = |(p, weight): (usize, &Weight)| {
+                let part = column.parts.iter().find(|(q, _)| *q == p);
+                match (weight, part) {
+                    (Weight::Levels(levels), Some(&(_, level))) => levels[level],
+                    // The column is the same at every level.
+                    (Weight::Levels(levels), None) => levels.iter().sum(),
+                    (Weight::Slope, Some(_)) | (Weight::At(_), None) => 1.0,
+                    (Weight::Slope, None) => 0.0,
+                    (Weight::At(value), Some(_)) => *value,
+                }
+            };
+            weights.iter().enumerate().map(factor).product()
+        };
+        let intercept = Column { parts: Vec::new() };
+        std::iter::once(&intercept)
+            .chain(&self.products)
+            .map(of_column)
+            .collect()
+    }
+}
+
+fn code(name: &str, predictor: &Predictor, kept: &[usize]) -> Result<Coded, StatsError> {
+    match predictor {
+        Predictor::Covariate(cells) => {
+            let given: Vec<f64> = kept.iter().filter_map(|&row| cells[row]).collect();
+            let first = given.first().copied().unwrap_or(0.0);
+            let shift = given.iter().map(|v| v - first).sum::<f64>() / given.len() as f64;
+            Ok(Coded::Covariate {
+                values: given.iter().map(|v| (v - first) - shift).collect(),
+                mean: first + shift,
+            })
+        }
+        Predictor::Factor(cells) => {
+            // In order of appearance in all rows, without levels that no row has that is used.
+            let all: Vec<String> = cells.iter().flatten().cloned().collect();
+            let used: Vec<String> = kept.iter().filter_map(|&row| cells[row].clone()).collect();
+            let mut levels = Index::of(&all).names;
+            levels.retain(|level| used.contains(level));
+            if levels.len() < 2 {
+                return Err(StatsError::OneLevel {
+                    factor: name.to_owned(),
+                    level: levels.into_iter().next().unwrap_or_default(),
+                });
+            }
+            let place = |cell: &String| levels.iter().position(|level| level == cell);
+            let of_row = used.iter().filter_map(place).collect();
+            Ok(Coded::Factor { levels, of_row })
+        }
+    }
+}

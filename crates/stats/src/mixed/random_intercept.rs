@@ -1,0 +1,533 @@
+//! People who differ in their level: a mixed model with a random intercept, tested term by term.
+
+use serde::{Deserialize, Serialize};
+
+use super::{
+    Fit, FixedEffect, MixedMethod,
+    blocks::{Block, Blocks},
+    columns::{Columns, Predictor, Weight},
+    fit,
+    formula::Formula,
+    groups, profile,
+    satterthwaite::{Information, Satterthwaite},
+};
+use crate::{
+    MarginalMean, Named, Reasons, StatsError, complete,
+    numerics::{
+        distributions::{f_upper, t_quantile_two_sided, t_two_sided},
+        matrix::{Cholesky, Matrix},
+        moments::dot,
+        spectrum::orthogonalised,
+    },
+};
+
+/// Variances of a model with a random intercept.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct InterceptVariance {
+    /// Of the subjects' levels; exactly 0 if they differ less than chance would have them.
+    pub subject: f64,
+    /// Within a subject.
+    pub residual: f64,
+}
+
+/// The test of one term of the formula.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TermTest {
+    /// Wald's statistic over `df1`.
+    #[serde(rename = "F")]
+    pub f: f64,
+    /// Coefficients of the term.
+    pub df1: usize,
+    /// Satterthwaite's degrees of freedom.
+    pub df2: Option<f64>,
+    /// P(F' ≥ F).
+    pub p: Option<f64>,
+}
+
+/// A linear model with a random intercept of the subject.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RandomIntercept {
+    /// The fixed effects, written out.
+    pub formula: String,
+    /// Rows with all values.
+    pub n_obs: usize,
+    /// Subjects.
+    pub n_subjects: usize,
+    /// Rows left out because a value is missing.
+    pub missing: usize,
+    /// Both variances.
+    pub variance: InterceptVariance,
+    /// Share of the subjects in the sum of both: the correlation of two values of one subject.
+    pub icc: f64,
+    /// -2 ln of the restricted likelihood at its top.
+    pub reml_criterion: f64,
+    /// ln of the restricted likelihood.
+    pub log_likelihood: f64,
+    /// Coefficients: `(Intercept)`, `x`, `a[a2]`, `a[a2]:x`; the first level of a factor is the reference.
+    pub coef: Named<FixedEffect>,
+    /// Type III tests of each term: at covariates of 0, averaged over the levels of the other factors.
+    pub anova: Named<TermTest>,
+    /// Marginal means of each term of factors alone, by cell: covariates at their mean, other factors averaged.
+    pub emm: Named<Named<MarginalMean>>,
+    /// Why numbers do not exist, by name.
+    pub undefined: Reasons,
+}
+
+/// Fits y = X β + u + ε with u ~ N(0, τ²) a subject and ε ~ N(0, σ²) a row, by restricted maximum likelihood.
+///
+/// `subjects`, `y` and each predictor have shape `(rows,)`; rows with a missing value are left out, the subject's others stay.
+/// Coefficients and terms are tested with Satterthwaite's degrees of freedom from the observed information of the variances, as
+/// lmerTest; where the likelihood has its top at τ² = 0 those are n - p.
+///
+/// # Errors
+/// [`StatsError::Formula`] if the formula asks for a predictor that is not there; [`StatsError::LengthMismatch`];
+/// [`StatsError::NotFinite`]; [`StatsError::OneLevel`]; [`StatsError::Collinear`] with the name of the column;
+/// [`StatsError::TooFew`] unless there are two subjects and more rows than columns and subjects; [`StatsError::NoFit`] if the
+/// predictors explain y whole.
+///
+/// # Source
+/// Bates, Mächler, Bolker and Walker (2015); Kuznetsova, Brockhoff and Christensen (2017), section 2 (Fai and Cornelius for terms of several coefficients).
+///
+/// # Example
+/// ```
+/// use maveric_stats::{Predictor, random_intercept};
+/// let people: Vec<String> = (0..12).map(|i| (i / 4).to_string()).collect();
+/// let day: Vec<_> = (0..12).map(|i| Some(f64::from(i % 4))).collect();
+/// let y = [1.0, 2.1, 2.9, 4.2, 2.0, 3.4, 4.9, 6.6, 0.5, 1.2, 2.2, 2.7].map(Some);
+/// let fit = random_intercept(&people, &"day".parse()?, &[("day", Predictor::Covariate(&day))], &y)?;
+/// let slope = fit.coef.get("day").unwrap();
+/// assert!((slope.estimate - 1.11).abs() < 1e-6 && (slope.df.unwrap() - 8.0).abs() < 1e-4);
+/// # Ok::<(), maveric_stats::StatsError>(())
+/// ```
+pub fn random_intercept(
+    subjects: &[String],
+    formula: &Formula,
+    predictors: &[(&str, Predictor)],
+    y: &[Option<f64>],
+) -> Result<RandomIntercept, StatsError> {
+    let used = find(formula, predictors)?;
+    let lengths = used.iter().map(Predictor::rows).chain([subjects.len()]);
+    for (found, name) in lengths.zip(
+        formula
+            .predictors()
+            .iter()
+            .map(String::as_str)
+            .chain(["subject"]),
+    ) {
+        if found != y.len() {
+            return Err(StatsError::LengthMismatch {
+                name: name.to_owned(),
+                found,
+                expected: y.len(),
+            });
+        }
+    }
+    for (name, predictor) in formula.predictors().iter().zip(&used) {
+        if let Predictor::Covariate(values) = predictor {
+            complete::values(values, name, 1)?;
+        }
+    }
+    let values = complete::rows(&[("value", y)], "row", 1)?;
+    let kept: Vec<usize> = (values.kept.iter().copied())
+        .filter(|&row| !used.iter().any(|p| p.is_missing(row)))
+        .collect();
+    let people = groups(subjects, &kept);
+    let columns = Columns::new(formula, &used, &kept)?;
+    let (n, p) = (kept.len(), columns.count());
+    let missing = y.len() - n;
+    complete::enough("subject", people.len(), missing, 2)?;
+    complete::enough("row", n, missing, p.max(people.len()) + 1)?;
+    if let Some(name) = columns.collinear(n) {
+        return Err(StatsError::Collinear { name });
+    }
+    let given: Vec<f64> = kept.iter().filter_map(|&row| y[row]).collect();
+    let offset = given[0] + given.iter().map(|v| v - given[0]).sum::<f64>() / n as f64;
+    let block = |rows: &Vec<usize>| {
+        Block::new(
+            Matrix::from(rows.len(), p, |i, j| columns.value(rows[i], j)),
+            Matrix::from(rows.len(), 1, |_, _| 1.0),
+            Matrix::from(rows.len(), 1, |i, _| given[rows[i]] - offset),
+        )
+    };
+    let blocks = Blocks::new(people.iter().map(block).collect());
+    let no_fit = || {
+        StatsError::NoFit {
+        reason: "the predictors explain all of the values, so nothing is left to estimate a variance from".to_owned(),
+    }
+    };
+    let found = to_the_top(&blocks, fit(&blocks, MixedMethod::Reml).ok_or_else(no_fit)?);
+    let mut result = Described::new(&blocks, &found, &columns, offset).result(formula);
+    (result.n_subjects, result.missing) = (people.len(), missing);
+    Ok(result)
+}
+
+/// The predictors of the formula, in its order.
+fn find<'a>(
+    formula: &Formula,
+    predictors: &[(&str, Predictor<'a>)],
+) -> Result<Vec<Predictor<'a>>, StatsError> {
+    let one = |name: &String| {
+        let found = predictors.iter().find(|(known, _)| known == name);
+        found.map(|(_, p)| *p).ok_or_else(|| StatsError::Formula {
+            text: name.clone(),
+            expected: "the name of a predictor".to_owned(),
+        })
+    };
+    formula.predictors().iter().map(one).collect()
+}
+
+/// The same fit to the last digits: exactly 0 where that is the top, else by parabolas through three points.
+fn to_the_top(blocks: &Blocks, start: Fit) -> Fit {
+    let at = |theta: f64| {
+        let l = Matrix::from(1, 1, |_, _| theta);
+        let (beta, xx_inverse, variance, deviance) = profile(blocks, &l, MixedMethod::Reml)?;
+        Some(Fit {
+            l,
+            beta,
+            xx_inverse,
+            variance,
+            deviance,
+        })
+    };
+    if let Some(zero) = at(0.0).filter(|zero| zero.deviance <= start.deviance + 1e-9) {
+        return zero;
+    }
+    let mut best = start;
+    for _ in 0..4 {
+        let theta = best.l[(0, 0)].abs();
+        let step = 1e-4 * theta;
+        let (Some(low), Some(high)) = (at(theta - step), at(theta + step)) else {
+            return best;
+        };
+        let slope = (high.deviance - low.deviance) / (2.0 * step);
+        let curvature = (high.deviance - 2.0 * best.deviance + low.deviance) / (step * step);
+        let next = at(theta - slope / curvature).filter(|_| curvature > 0.0);
+        // Rounding of the deviance may hide which of the two is lower.
+        match next.filter(|next| next.deviance <= best.deviance + 1e-9) {
+            Some(next) => best = next,
+            None => return best,
+        }
+    }
+    best
+}
+
+/// A fit and what its combinations of coefficients need.
+struct Described<'a> {
+    blocks: &'a Blocks,
+    fit: &'a Fit,
+    columns: &'a Columns<'a>,
+    offset: f64,
+    freedom: Option<Satterthwaite>,
+}
+
+const NO_FREEDOM: &str = "the variances have no information, so neither have degrees of freedom";
+
+impl<'a> Described<'a> {
+    fn new(blocks: &'a Blocks, fit: &'a Fit, columns: &'a Columns<'a>, offset: f64) -> Self {
+        let psi = fit.l.times(&fit.l.transposed());
+        let observed = Information::Observed(&fit.beta);
+        Self {
+            blocks,
+            fit,
+            columns,
+            offset,
+            freedom: Satterthwaite::new(blocks, &psi, fit.variance, observed),
+        }
+    }
+
+    /// Estimate (its share of the offset counted), standard error and degrees of freedom.
+    fn estimate(&self, weights: &[f64]) -> (f64, f64, Option<f64>) {
+        let beta: Vec<f64> = (0..weights.len()).map(|j| self.fit.beta[(j, 0)]).collect();
+        let variance = self.fit.variance * self.fit.xx_inverse.between(weights, weights);
+        let df = self.freedom.as_ref().and_then(|s| s.df(weights));
+        (
+            dot(weights, &beta) + weights[0] * self.offset,
+            variance.sqrt(),
+            df,
+        )
+    }
+
+    fn result(&self, formula: &Formula) -> RandomIntercept {
+        let mut undefined = Reasons::default();
+        let residual = self.fit.variance;
+        let subject = residual * self.fit.l[(0, 0)].powi(2);
+        RandomIntercept {
+            formula: formula.to_string(),
+            n_obs: self.blocks.rows,
+            n_subjects: 0,
+            missing: 0,
+            variance: InterceptVariance { subject, residual },
+            icc: subject / (subject + residual),
+            reml_criterion: self.fit.deviance,
+            log_likelihood: -0.5 * self.fit.deviance,
+            coef: self.coefficients(&mut undefined),
+            anova: self.terms(formula, &mut undefined),
+            emm: self.means(formula, &mut undefined),
+            undefined,
+        }
+    }
+
+    fn coefficients(&self, undefined: &mut Reasons) -> Named<FixedEffect> {
+        let one = |j: usize| {
+            let name = self.columns.name(j);
+            let (estimate, se, df) = self.estimate(&self.columns.coefficient(j));
+            let t = estimate / se;
+            let half = df.and_then(|df| Some(se * t_quantile_two_sided(0.05, df)?));
+            if df.is_none() || half.is_none() {
+                for part in ["df", "p", "ci_low", "ci_high"] {
+                    undefined.note(&format!("coef.{name}.{part}"), NO_FREEDOM);
+                }
+            }
+            let effect = FixedEffect {
+                estimate,
+                se: Some(se),
+                df,
+                t: Some(t),
+                p: df.map(|df| t_two_sided(t, df)),
+                ci_low: half.map(|h| estimate - h),
+                ci_high: half.map(|h| estimate + h),
+            };
+            (name, effect)
+        };
+        (0..self.columns.count()).map(one).collect()
+    }
+
+    fn terms(&self, formula: &Formula, undefined: &mut Reasons) -> Named<TermTest> {
+        let one = |term: &Vec<usize>| {
+            let name = formula.name(term);
+            let test = self.wald(&self.hypothesis(term));
+            if test.p.is_none() {
+                for part in ["df2", "p"] {
+                    undefined.note(&format!("anova.{name}.{part}"), NO_FREEDOM);
+                }
+            }
+            (name, test)
+        };
+        formula.terms().iter().map(one).collect()
+    }
+
+    /// Contrasts of the levels of the term's factors, in the slope of its covariates.
+    fn hypothesis(&self, term: &[usize]) -> Vec<Vec<f64>> {
+        let mut rows = vec![self.columns.at_zero()];
+        for &p in term {
+            let choices: Vec<Weight> = match self.columns.levels(p) {
+                None => vec![Weight::Slope],
+                Some(levels) => (1..levels.len())
+                    .map(|i| {
+                        let weight = |j: usize| match j {
+                            0 => -1.0,
+                            j if j == i => 1.0,
+                            _ => 0.0,
+                        };
+                        Weight::Levels((0..levels.len()).map(weight).collect())
+                    })
+                    .collect(),
+            };
+            rows = choices
+                .iter()
+                .flat_map(|choice| {
+                    rows.iter().map(|row| {
+                        let mut row = row.clone();
+                        row[p] = choice.clone();
+                        row
+                    })
+                })
+                .collect();
+        }
+        rows.iter()
+            .map(|row| self.columns.combination(row))
+            .collect()
+    }
+
+    /// F of several combinations at once, along the principal axes of their covariance.
+    fn wald(&self, rows: &[Vec<f64>]) -> TermTest {
+        let q = rows.len();
+        let c = &self.fit.xx_inverse;
+        let covariance = Matrix::from(q, q, |i, j| {
+            self.fit.variance * c.between(&rows[i], &rows[j])
+        });
+        let estimates: Vec<f64> = rows
+            .iter()
+            .map(|row| {
+                (0..row.len())
+                    .map(|j| row[j] * self.fit.beta[(j, 0)])
+                    .sum::<f64>()
+                    + row[0] * self.offset
+            })
+            .collect();
+        let lower = covariance.cholesky().map(Cholesky::lower);
+        // Independent combinations of independent columns have a covariance of full rank.
+        let axes = lower.map_or_else(Vec::new, |l| {
+            orthogonalised(
+                (0..q)
+                    .map(|j| (0..q).map(|i| l[(i, j)]).collect())
+                    .collect(),
+            )
+        });
+        let (mut sum, mut freedoms) = (0.0, Vec::new());
+        for axis in &axes {
+            // Of length √variance along the axis.
+            let variance = dot(axis, axis);
+            sum += (dot(axis, &estimates) / variance).powi(2);
+            let weights: Vec<f64> = (0..self.columns.count())
+                .map(|j| rows.iter().zip(axis).map(|(row, a)| a * row[j]).sum())
+                .collect();
+            freedoms.push(self.freedom.as_ref().and_then(|s| s.df(&weights)));
+        }
+        let freedoms: Option<Vec<f64>> = freedoms.into_iter().collect();
+        let f = sum / q as f64;
+        let df2 = freedoms.and_then(|f| of_several(&f));
+        TermTest {
+            f,
+            df1: q,
+            df2,
+            p: df2.map(|df2| f_upper(f, q as f64, df2)),
+        }
+    }
+
+    fn means(&self, formula: &Formula, undefined: &mut Reasons) -> Named<Named<MarginalMean>> {
+        let mut found = Vec::new();
+        for term in formula.terms() {
+            let levels: Option<Vec<&[String]>> =
+                term.iter().map(|&p| self.columns.levels(p)).collect();
+            let Some(levels) = levels else { continue };
+            let mut cells = vec![(Vec::new(), self.columns.at_means())];
+            for (&p, levels) in term.iter().zip(&levels) {
+                let mut next = Vec::new();
+                for (names, weights) in &cells {
+                    for (i, level) in levels.iter().enumerate() {
+                        let (mut names, mut weights) = (names.clone(), weights.clone());
+                        names.push(level.as_str());
+                        let one = (0..levels.len()).map(|j| f64::from(u8::from(i == j)));
+                        weights[p] = Weight::Levels(one.collect());
+                        next.push((names, weights));
+                    }
+                }
+                cells = next;
+            }
+            let name = formula.name(term);
+            let cell = |(names, weights): (Vec<&str>, Vec<Weight>)| {
+                let cell = names.join(":");
+                let (mean, se, df) = self.estimate(&self.columns.combination(&weights));
+                let half = df.and_then(|df| Some(se * t_quantile_two_sided(0.05, df)?));
+                if half.is_none() {
+                    undefined.note(&format!("emm.{name}.{cell}"), NO_FREEDOM);
+                }
+                let mean = MarginalMean {
+                    mean,
+                    se,
+                    ci_low: half.map(|h| mean - h),
+                    ci_high: half.map(|h| mean + h),
+                };
+                (cell, mean)
+            };
+            let cells: Named<MarginalMean> = cells.into_iter().map(cell).collect();
+            found.push((name, cells));
+        }
+        found.into_iter().collect()
+    }
+}
+
+/// Degrees of freedom of an F from those of its axes.
+///
+/// # Source
+/// Fai and Cornelius (1996): E = Σ ν / (ν - 2) is the mean of q F, so that the degrees of freedom are 2 E / (E - q).
+fn of_several(freedoms: &[f64]) -> Option<f64> {
+    let q = freedoms.len() as f64;
+    let first = *freedoms.first()?;
+    if freedoms.iter().all(|df| (df - first).abs() < 1e-8 * first) {
+        return Some(first);
+    }
+    if freedoms.iter().any(|df| *df <= 2.0) {
+        return Some(2.0);
+    }
+    let mean: f64 = freedoms.iter().map(|df| df / (df - 2.0)).sum();
+    Some(2.0 * mean / (mean - q)).filter(|df| df.is_finite() && *df > 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Made {
+        people: Vec<String>,
+        mode: Vec<Option<String>>,
+        speed: Vec<Option<f64>>,
+        y: Vec<Option<f64>>,
+    }
+
+    /// Six people, three modes, a speed.
+    fn made() -> Made {
+        let row = |i: usize| (i * 37 % 11) as f64;
+        Made {
+            people: (0..18).map(|i| (i / 3).to_string()).collect(),
+            mode: (0..18)
+                .map(|i| Some(["calm", "mean", "sporty"][i % 3].to_owned()))
+                .collect(),
+            speed: (0..18)
+                .map(|i| Some(row(i) + 0.5 * (i % 4) as f64))
+                .collect(),
+            y: (0..18)
+                .map(|i| Some(row(i + 5) * 0.3 + (i / 3) as f64 + (i % 3) as f64))
+                .collect(),
+        }
+    }
+
+    fn run(made: &Made, formula: &str) -> Result<RandomIntercept, StatsError> {
+        let predictors = [
+            ("mode", Predictor::Factor(&made.mode)),
+            ("speed", Predictor::Covariate(&made.speed)),
+            ("again", Predictor::Covariate(&made.speed)),
+        ];
+        random_intercept(&made.people, &formula.parse()?, &predictors, &made.y)
+    }
+
+    #[test]
+    fn one_factor_without_gaps_is_the_analysis_of_variance() {
+        let made = made();
+        let fit = run(&made, "mode").unwrap();
+        let mode: Vec<String> = made.mode.iter().flatten().cloned().collect();
+        let data = crate::WithinSubjects::from_long(&made.people, &mode, &made.y).unwrap();
+        let anova = crate::rm_anova(&data).rm_anova;
+        let term = fit.anova.get("mode").unwrap();
+        assert!((term.f / anova.f.unwrap() - 1.0).abs() < 1e-6);
+        assert!((term.df2.unwrap() - anova.df2 as f64).abs() < 1e-4);
+        assert_eq!(fit.emm.get("mode").unwrap().len(), 3);
+    }
+
+    #[test]
+    fn offsets_of_value_and_covariate_move_the_intercept_alone() {
+        let near = made();
+        let mut far = made();
+        far.y = far.y.iter().map(|v| v.map(|v| v + 1e8)).collect();
+        far.speed = far.speed.iter().map(|v| v.map(|v| v + 1e6)).collect();
+        let (near, far) = (
+            run(&near, "mode + speed").unwrap(),
+            run(&far, "mode + speed").unwrap(),
+        );
+        for name in ["mode[mean]", "mode[sporty]", "speed"] {
+            let (a, b) = (near.coef.get(name).unwrap(), far.coef.get(name).unwrap());
+            assert!((a.estimate - b.estimate).abs() < 1e-6, "{name}");
+            assert!((a.df.unwrap() / b.df.unwrap() - 1.0).abs() < 1e-4, "{name}");
+        }
+        let slope = far.coef.get("speed").unwrap().estimate;
+        let moved = far.coef.get("(Intercept)").unwrap().estimate - 1e8 + slope * 1e6;
+        assert!((moved - near.coef.get("(Intercept)").unwrap().estimate).abs() < 1e-5);
+    }
+
+    #[test]
+    fn what_cannot_be_fitted_is_refused_by_name() {
+        let said = |formula: &str| run(&made(), formula).unwrap_err();
+        assert!(matches!(said("speed + again"), StatsError::Collinear { name } if name == "again"));
+        assert!(matches!(said("week"), StatsError::Formula { text, .. } if text == "week"));
+        let mut flat = made();
+        flat.y = vec![Some(3.0); 18];
+        assert!(matches!(run(&flat, "mode"), Err(StatsError::NoFit { .. })));
+        let mut one = made();
+        one.mode = vec![Some("calm".to_owned()); 18];
+        assert!(matches!(
+            run(&one, "mode"),
+            Err(StatsError::OneLevel { .. })
+        ));
+    }
+}
