@@ -1,8 +1,9 @@
 //! Times of the main calls; run by hand with `cargo bench -p maveric-stats`.
 
 use maveric_stats::{
-    Adjustment, BootstrapData, BootstrapSettings, CorrelationMethod, PosthocTest, Statistic,
-    WithinSubjects, bootstrap, compare, correlate, friedman, posthoc, rm_anova, within,
+    Adjustment, BootstrapData, BootstrapSettings, CorrelationMethod, FactorialDesign, Formula,
+    PosthocTest, Predictor, Statistic, WithinSubjects, aligned_ranks, bootstrap, compare,
+    correlate, factorial, friedman, groups, ordinal, posthoc, random_intercept, rm_anova, within,
     within_without_exact,
 };
 use rand::{Rng, SeedableRng};
@@ -92,4 +93,62 @@ fn bootstrap_eta2(bencher: divan::Bencher) {
             &settings,
         )
     });
+}
+
+/// A long table: subjects, names of the columns of `data`, values.
+fn long(data: &WithinSubjects) -> (Vec<String>, Vec<String>, Vec<Option<f64>>) {
+    let (mut subjects, mut conditions, mut values) = (Vec::new(), Vec::new(), Vec::new());
+    for (subject, row) in data.subjects().iter().zip(data.rows()) {
+        for (condition, value) in data.conditions().iter().zip(row) {
+            subjects.push(subject.clone());
+            conditions.push(condition.clone());
+            values.push(Some(*value));
+        }
+    }
+    (subjects, conditions, values)
+}
+
+/// 24 subjects in 2 x 2 cells.
+fn two_by_two() -> FactorialDesign {
+    let (subjects, cells, values) = long(&table(24, 4, 100.0));
+    let level = |bit: usize| -> Vec<String> {
+        let of = |cell: &String| cell[1..].parse::<usize>().expect("a number") >> bit & 1;
+        cells.iter().map(|cell| of(cell).to_string()).collect()
+    };
+    let (a, b) = (level(1), level(0));
+    FactorialDesign::from_columns(&subjects, &[("a", &a), ("b", &b)], &[], &values)
+        .expect("the table is complete")
+}
+
+#[divan::bench(name = "stats/factorial/24x(2x2)")]
+fn factorial_24(bencher: divan::Bencher) {
+    let design = two_by_two();
+    bencher.bench(|| factorial(&design));
+}
+
+#[divan::bench(name = "stats/aligned_ranks/24x(2x2)")]
+fn aligned_ranks_24(bencher: divan::Bencher) {
+    let design = two_by_two();
+    bencher.bench(|| aligned_ranks(&design));
+}
+
+#[divan::bench(name = "stats/ordinal/24x4")]
+fn ordinal_24(bencher: divan::Bencher) {
+    let (subjects, conditions, values) = long(&table(24, 4, 1.0));
+    bencher.bench(|| ordinal(&subjects, &conditions, &values));
+}
+
+#[divan::bench(name = "stats/random_intercept/24x4")]
+fn mixed_24(bencher: divan::Bencher) {
+    let (subjects, conditions, values) = long(&table(24, 4, 100.0));
+    let conditions: Vec<Option<String>> = conditions.into_iter().map(Some).collect();
+    let formula: Formula = "condition".parse().expect("a formula");
+    let predictors = [("condition", Predictor::Factor(&conditions))];
+    bencher.bench(|| random_intercept(&subjects, &formula, &predictors, &values));
+}
+
+#[divan::bench(name = "stats/groups/3x24")]
+fn groups_72(bencher: divan::Bencher) {
+    let (_, names, values) = long(&table(24, 3, 100.0));
+    bencher.bench(|| groups(&names, &values));
 }

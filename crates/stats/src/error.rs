@@ -117,6 +117,14 @@ pub enum StatsError {
         /// The first column that adds nothing to those before it.
         name: String,
     },
+    /// An ordered answer that is no whole number.
+    #[error("value {value} in row {row} (from 0) is not a whole number, as ordered answers are")]
+    NotWhole {
+        /// Row, counted from 0.
+        row: usize,
+        /// What was found.
+        value: f64,
+    },
     /// A model without a best fit.
     #[error("the model cannot be fitted: {reason}")]
     NoFit {

@@ -21,6 +21,7 @@ mod mixed;
 mod named;
 mod normality;
 mod numerics;
+mod ordinal;
 mod paired;
 mod posthoc;
 mod power;
@@ -72,6 +73,9 @@ pub use mixed::{
 };
 pub use named::Named;
 pub use normality::{Normality, SampleShape, ShapiroWilk, normality};
+pub use ordinal::{
+    LikelihoodRatio, Ordinal, OrdinalFit, OrdinalParameter, OrdinalVariance, ordinal,
+};
 pub use paired::{
     conover::Conover, nemenyi::Nemenyi, pooled::PooledT, t::PairedT, wilcoxon::PMethod,
     wilcoxon::Wilcoxon, wilcoxon::WilcoxonCompat,

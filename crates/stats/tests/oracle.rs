@@ -110,6 +110,10 @@ fn answer(case: &Value, table: &Table) -> Value {
         }
         "mixed" if case["fixed"].is_string() => random_intercept(case, table),
         "mixed" => mixed(case, table),
+        "ordinal" => {
+            let (subject, condition) = (table.text("subject"), table.text("condition"));
+            json(&stats::ordinal(&subject, &condition, &table.numbers("value")).unwrap())
+        }
         "factorial" => factorial(case, table),
         "groups" => {
             let (group, value) = (table.text("group"), table.numbers("value"));

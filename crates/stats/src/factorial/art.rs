@@ -165,11 +165,15 @@ impl Aligner {
 fn whole(values: &[f64]) -> (Vec<i128>, i128) {
     match Written::of(values) {
         Written::Decimals(written) => {
-            let whole = written.iter().map(|w| i128::from(*w) - i128::from(written[0]));
+            let whole = written
+                .iter()
+                .map(|w| i128::from(*w) - i128::from(written[0]));
             (whole.collect(), 0)
         }
         Written::Rounded { values, tolerance } => {
-            let units = values.iter().map(|v| ((v - values[0]) / tolerance * 64.0).round() as i128);
+            let units = values
+                .iter()
+                .map(|v| ((v - values[0]) / tolerance * 64.0).round() as i128);
             (units.collect(), 64)
         }
     }

@@ -35,7 +35,7 @@ pub struct Dunn {
 
 pub(super) fn tests(samples: &Samples) -> (Kruskal, Named<Dunn>, Reasons) {
     let mut reasons = Reasons::default();
-    let values: Vec<f64> = samples.all.iter().flat_map(|s| s.values.clone()).collect();
+    let values: Vec<f64> = samples.all.iter().flat_map(|s| s.keys.clone()).collect();
     let (doubled, ties) = ranks::doubled(&values);
     let n = values.len() as f64;
     let mut from = 0;

@@ -48,8 +48,8 @@ pub struct MannWhitney {
 
 pub(super) fn test(a: &Sample, b: &Sample) -> (MannWhitney, Reasons) {
     let mut reasons = Reasons::default();
-    let values = [&a.values[..], &b.values].concat();
-    let (doubled, ties) = ranks::doubled(&values);
+    let keys = [&a.keys[..], &b.keys].concat();
+    let (doubled, ties) = ranks::doubled(&keys);
     let (na, nb) = (a.values.len() as i64, b.values.len() as i64);
     let n = (na + nb) as f64;
     let sum: i64 = doubled[..a.values.len()].iter().sum();

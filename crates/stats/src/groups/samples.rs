@@ -2,7 +2,10 @@
 
 use crate::{
     Named, Reasons, StatsError, complete,
-    numerics::moments::{is_constant, mean_and_square_sum},
+    numerics::{
+        decimal,
+        moments::{is_constant, mean_and_square_sum},
+    },
     within_subjects::Index,
 };
 
@@ -11,6 +14,8 @@ pub(crate) struct Sample {
     pub(crate) name: String,
     /// Less [`Samples::pivot`].
     pub(crate) values: Vec<f64>,
+    /// For ranking: as given, equal where they tie.
+    pub(crate) keys: Vec<f64>,
     /// Of those values.
     pub(crate) mean: f64,
     /// Sum of squared deviations; exactly 0 if the values differ by rounding alone.
@@ -48,12 +53,15 @@ impl Samples {
         let kept = complete::rows(&[("value", values)], "value", 1)?;
         let index = Index::of(groups);
         complete::enough("group", index.names.len(), kept.missing, 2)?;
-        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); index.names.len()];
-        for (&row, &value) in kept.kept.iter().zip(&kept.columns[0]) {
-            columns[index.rows[row]].push(value);
+        let mut columns = vec![(Vec::new(), Vec::new()); index.names.len()];
+        let given = &kept.columns[0];
+        for ((&row, &value), &key) in kept.kept.iter().zip(given).zip(&*decimal::tied(given)) {
+            let (values, keys) = &mut columns[index.rows[row]];
+            values.push(value);
+            keys.push(key);
         }
         let pivot = kept.columns[0][0];
-        let sample = |(name, values): (String, Vec<f64>)| {
+        let sample = |(name, (values, keys)): (String, (Vec<f64>, Vec<f64>))| {
             if values.is_empty() {
                 return Err(StatsError::EmptyCell { cell: name });
             }
@@ -63,6 +71,7 @@ impl Samples {
             Ok(Sample {
                 name,
                 values,
+                keys,
                 mean,
                 squares: if constant { 0.0 } else { squares },
             })

@@ -1,10 +1,10 @@
 //! `maveric stats` of groups, factors, bounds and models.
 
-use super::Input;
+use super::{Input, Within};
 use crate::diagnostics::Failure;
 use clap::{Subcommand, ValueEnum};
 use maveric_study::stages::stats::{
-    Bounds, DesignTest, FactorialColumns, FactorialMethod, Test, WithinColumns,
+    Bounds, DesignTest, FactorialColumns, FactorialMethod, Formula, Test, WithinColumns,
 };
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -44,6 +44,29 @@ Examples: maveric stats factorial data.csv --subject id --within style,load --be
         #[arg(long, value_enum, default_value = "anova")]
         method: MethodArg,
     },
+    /// A linear model with a random intercept: coefficients, terms, marginal means; Satterthwaite's degrees of freedom
+    #[command(after_help = "\
+The table: any number of rows a person, with subject, the predictors and the value. A predictor whose values are all numbers is a
+covariate, any other a factor. Rows with a missing value are left out; the person's others stay.
+Example: maveric stats mixed data.csv --subject id --fixed \"age*style + speed\" --value score")]
+    Mixed {
+        #[command(flatten)]
+        input: Input,
+        /// Column that says whose row it is
+        #[arg(long)]
+        subject: String,
+        /// Fixed effects: columns joined by +, : (their product) or * (both and their product)
+        #[arg(long, value_parser = formula)]
+        fixed: Formula,
+        /// Column with the value
+        #[arg(long)]
+        value: String,
+    },
+    /// Ordered answers: a cumulative logit model with a random intercept
+    #[command(after_help = "\
+The table: any number of rows a person and condition, with subject, condition and the answer as a whole number.
+Example: maveric stats ordinal data.csv --subject id --within condition --value answer")]
+    Ordinal(Within),
     /// Independent groups: each pair, and all of them at once
     #[command(after_help = "\
 The table: a row a person, with the group and the value.
@@ -122,6 +145,10 @@ Examples: maveric stats bayes data.csv --subject id --within condition --value s
     },
 }
 
+fn formula(text: &str) -> Result<Formula, String> {
+    text.parse::<Formula>().map_err(|e| e.to_string())
+}
+
 fn two_numbers(text: &str) -> Result<(f64, f64), String> {
     let numbers = text.split_once(',').map(|(low, high)| {
         let number = |part: &str| part.trim().parse::<f64>().ok();
@@ -154,6 +181,23 @@ impl DesignArgs {
                     MethodArg::Art => FactorialMethod::Art,
                 };
                 (input, DesignTest::Factorial { columns, method })
+            }
+            Self::Mixed {
+                input,
+                subject,
+                fixed,
+                value,
+            } => {
+                let test = DesignTest::Mixed {
+                    subject,
+                    fixed,
+                    value,
+                };
+                (input, test)
+            }
+            Self::Ordinal(within) => {
+                let (input, columns) = within.split();
+                (input, DesignTest::Ordinal(columns))
             }
             Self::Groups {
                 input,

@@ -2,8 +2,8 @@
 
 use super::{WithinColumns, columns, plain};
 use crate::{error::StudyError, tables::Table};
-pub use maveric_stats::Bounds;
-use maveric_stats::{self as tests, BetweenColumn, FactorialDesign, WithinColumn};
+use maveric_stats::{self as tests, BetweenColumn, FactorialDesign, Predictor, WithinColumn};
+pub use maveric_stats::{Bounds, Formula};
 use serde_json::Value;
 
 /// How a factorial design is tested.
@@ -38,6 +38,17 @@ pub enum DesignTest {
         /// How it is tested.
         method: FactorialMethod,
     },
+    /// A linear model with a random intercept.
+    Mixed {
+        /// Whose row it is.
+        subject: String,
+        /// The fixed effects; a predictor whose values are all numbers is a covariate, any other a factor.
+        fixed: Formula,
+        /// The value.
+        value: String,
+    },
+    /// A cumulative logit model of whole numbers of which the order counts, with a random intercept.
+    Ordinal(WithinColumns),
     /// Independent groups.
     Groups {
         /// The groups.
@@ -97,6 +108,18 @@ pub(super) fn run(table: &Table, test: &DesignTest) -> Result<Value, StudyError>
                 FactorialMethod::Art => plain(&tests::aligned_ranks(&design)),
             }
         }
+        DesignTest::Mixed {
+            subject,
+            fixed,
+            value,
+        } => mixed(table, subject, fixed, value)?,
+        DesignTest::Ordinal(c) => {
+            let (people, conditions) = (
+                columns::labels(table, &c.subject)?,
+                columns::labels(table, &c.within)?,
+            );
+            plain(&tests::ordinal(&people, &conditions, &one(&c.value)?)?)
+        }
         DesignTest::Groups { group, value } => plain(&tests::groups(
             &columns::labels(table, group)?,
             &one(value)?,
@@ -149,4 +172,43 @@ fn factorial(table: &Table, columns: &FactorialColumns) -> Result<FactorialDesig
     Ok(FactorialDesign::from_columns(
         &subjects, &within, &between, &values,
     )?)
+}
+
+/// Cells of a predictor.
+enum Cells {
+    Numbers(Vec<Option<f64>>),
+    Labels(Vec<Option<String>>),
+}
+
+/// Reads the columns of a formula and fits the model.
+fn mixed(table: &Table, subject: &str, fixed: &Formula, value: &str) -> Result<Value, StudyError> {
+    let read = |name: &String| {
+        let cells = table.text(name)?;
+        let is_number = |cell: &Option<String>| {
+            cell.as_ref()
+                .is_none_or(|cell| cell.trim().parse::<f64>().is_ok())
+        };
+        Ok(if cells.iter().all(is_number) {
+            Cells::Numbers(table.numbers(name)?)
+        } else {
+            Cells::Labels(cells)
+        })
+    };
+    let cells: Result<Vec<Cells>, StudyError> = fixed.predictors().iter().map(read).collect();
+    let cells = cells?;
+    let predictors: Vec<(&str, Predictor)> = fixed
+        .predictors()
+        .iter()
+        .zip(&cells)
+        .map(|(name, cells)| {
+            let predictor = match cells {
+                Cells::Numbers(numbers) => Predictor::Covariate(numbers),
+                Cells::Labels(labels) => Predictor::Factor(labels),
+            };
+            (name.as_str(), predictor)
+        })
+        .collect();
+    let people = columns::labels(table, subject)?;
+    let found = tests::random_intercept(&people, fixed, &predictors, &table.numbers(value)?)?;
+    Ok(plain(&found))
 }

@@ -5,7 +5,7 @@ mod columns;
 mod designs;
 mod text;
 
-pub use designs::{Bounds, DesignTest, FactorialColumns, FactorialMethod};
+pub use designs::{Bounds, DesignTest, FactorialColumns, FactorialMethod, Formula};
 pub use maveric_stats::{Adjustment, CorrelationMethod, PosthocTest, Statistic};
 
 pub(crate) use apa::omnibus as apa_omnibus;

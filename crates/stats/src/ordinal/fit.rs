@@ -1,0 +1,143 @@
+//! The top of the likelihood.
+
+use super::likelihood::{Rule, Sample};
+use crate::numerics::{matrix::Matrix, moments::dot};
+
+/// The highest point of a likelihood.
+pub(super) struct Top {
+    pub(super) at: Vec<f64>,
+    /// Standard errors from the observed information; of σ too.
+    pub(super) se: Vec<Option<f64>>,
+    pub(super) value: f64,
+}
+
+/// Beyond these, on the scale of the logit, an estimate grows without bound.
+const LARGEST_ESTIMATE: f64 = 25.0;
+const LARGEST_ERROR: f64 = 200.0;
+const LARGEST_SD: f64 = 100.0;
+/// An SD that is called zero: the likelihood is flat in its square.
+const NO_SD: f64 = 1e-4;
+
+impl Top {
+    pub(super) fn sd(&self) -> f64 {
+        self.at.last().copied().unwrap_or(0.0)
+    }
+
+    pub(super) fn is_finite(&self, at: usize) -> bool {
+        self.at[at].abs() < LARGEST_ESTIMATE && self.se[at].is_none_or(|se| se < LARGEST_ERROR)
+    }
+}
+
+/// Finds it by Newton's method, with the gradient's differences for its derivative; from a point nearby if one is known.
+///
+/// `None` if that does not settle.
+pub(super) fn top(sample: &Sample, rule: &Rule, from: Option<&Top>) -> Option<Top> {
+    let size = sample.parameters();
+    let mut at = sample.start();
+    if let Some(near) = from.filter(|near| near.sd() > NO_SD) {
+        at.clone_from(&near.at);
+    }
+    let mut gradient = vec![0.0; size];
+    let mut value = sample.ln_likelihood(rule, &at, &mut gradient)?;
+    let mut settled = false;
+    for _ in 0..100 {
+        let step = uphill(sample, rule, &at, &gradient)?;
+        let gain = dot(&step, &gradient);
+        let mut share = 1.0;
+        let (next, there) = loop {
+            let next: Vec<f64> = at.iter().zip(&step).map(|(x, s)| x + share * s).collect();
+            let there = sample.ln_likelihood(rule, &next, &mut gradient);
+            if let Some(there) = there.filter(|there| *there >= value + 1e-4 * share * gain - 1e-11)
+            {
+                break (next, there);
+            }
+            share *= 0.5;
+            if share < 1e-8 {
+                return None;
+            }
+        };
+        (at, value) = (next, there);
+        if gain < 1e-11 && share > 0.5 {
+            settled = true;
+            break;
+        }
+    }
+    let sd = at[size - 1].abs();
+    at[size - 1] = if sd < NO_SD { 0.0 } else { sd };
+    if !settled || sd > LARGEST_SD {
+        return None;
+    }
+    let value = sample.ln_likelihood(rule, &at, &mut gradient)?;
+    let se = errors(sample, rule, &at);
+    Some(Top { at, se, value })
+}
+
+/// -∂²/∂θ² by differences of the gradient, on both sides or on one.
+fn information(
+    sample: &Sample,
+    rule: &Rule,
+    at: &[f64],
+    step: f64,
+    here: Option<&[f64]>,
+) -> Option<Matrix> {
+    let size = at.len();
+    let mut rows = Matrix::zeros(size, size);
+    let (mut moved, mut up, mut down) = (at.to_vec(), vec![0.0; size], vec![0.0; size]);
+    for j in 0..size {
+        let h = step * (1.0 + at[j].abs());
+        moved[j] = at[j] + h;
+        sample.ln_likelihood(rule, &moved, &mut up)?;
+        let width = if let Some(here) = here {
+            down.copy_from_slice(here);
+            h
+        } else {
+            moved[j] = at[j] - h;
+            sample.ln_likelihood(rule, &moved, &mut down)?;
+            2.0 * h
+        };
+        moved[j] = at[j];
+        for i in 0..size {
+            rows[(j, i)] = (down[i] - up[i]) / width;
+        }
+    }
+    Some(Matrix::from(size, size, |i, j| {
+        0.5 * (rows[(i, j)] + rows[(j, i)])
+    }))
+}
+
+/// Newton's step, bent towards the gradient where the likelihood is not concave, and no longer than a few logits.
+fn uphill(sample: &Sample, rule: &Rule, at: &[f64], gradient: &[f64]) -> Option<Vec<f64>> {
+    let size = at.len();
+    let information = information(sample, rule, at, 1e-6, Some(gradient))?;
+    let slope = Matrix::from(size, 1, |i, _| gradient[i]);
+    let mut ridge = 0.0;
+    for _ in 0..60 {
+        let mut bent = information.clone();
+        for i in 0..size {
+            bent[(i, i)] += ridge;
+        }
+        if let Some(factor) = bent.cholesky() {
+            let step = factor.solve(&slope);
+            let step: Vec<f64> = (0..size).map(|i| step[(i, 0)]).collect();
+            let longest = step.iter().fold(0.0_f64, |m, s| m.max(s.abs()));
+            let share = (3.0 / longest).min(1.0);
+            return Some(step.into_iter().map(|s| share * s).collect());
+        }
+        ridge = if ridge > 0.0 { 4.0 * ridge } else { 1e-3 };
+    }
+    None
+}
+
+fn errors(sample: &Sample, rule: &Rule, at: &[f64]) -> Vec<Option<f64>> {
+    // At 0 the SD is not estimated, and has nothing to do with the others.
+    let free = at.len() - usize::from(at[at.len() - 1].abs() < NO_SD);
+    let inverse = information(sample, rule, at, 1e-4, None).and_then(|all| {
+        let part = Matrix::from(free, free, |i, j| all[(i, j)]);
+        Some(part.cholesky()?.inverse())
+    });
+    let error = |i: usize| {
+        let variance = inverse.as_ref().filter(|_| i < free)?[(i, i)];
+        Some(variance.sqrt()).filter(|se| se.is_finite() && *se > 0.0)
+    };
+    (0..at.len()).map(error).collect()
+}

@@ -1,0 +1,313 @@
+//! Ordered answers: a cumulative logit model with a random intercept.
+
+mod fit;
+mod likelihood;
+mod rows;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    Named, Reasons, StatsError,
+    numerics::distributions::{chi2_upper, normal_quantile, normal_two_sided},
+};
+use fit::{Top, top};
+use likelihood::{Rule, Sample};
+use rows::Answers;
+
+/// A threshold or a coefficient, on the scale of the logit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OrdinalParameter {
+    /// The estimate.
+    pub estimate: Option<f64>,
+    /// Its standard error, from the observed information.
+    pub se: Option<f64>,
+    /// estimate / se.
+    pub z: Option<f64>,
+    /// Two-sided.
+    pub p: Option<f64>,
+    /// Lower end of the 95 % interval.
+    pub ci_low: Option<f64>,
+    /// Upper end.
+    pub ci_high: Option<f64>,
+}
+
+/// The variance of the subjects' intercepts.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OrdinalVariance {
+    /// On the scale of the logit.
+    pub subject: Option<f64>,
+}
+
+/// The likelihood ratio test of the conditions.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LikelihoodRatio {
+    /// Twice the difference of the log likelihoods with and without conditions, of all rows.
+    pub chi2: Option<f64>,
+    /// Conditions less 1.
+    pub df: usize,
+    /// P(χ² ≥ chi2).
+    pub p: Option<f64>,
+}
+
+/// One fit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OrdinalFit {
+    /// Thresholds `j|k` between neighbouring answers that occur.
+    pub threshold: Named<OrdinalParameter>,
+    /// Conditions, against the first: positive where answers are higher.
+    pub coef: Named<OrdinalParameter>,
+    /// Of the subjects.
+    pub variance: OrdinalVariance,
+    /// ln of the likelihood at its top, or its limit where a coefficient has no finite estimate.
+    pub log_likelihood: Option<f64>,
+    /// Against the model without conditions.
+    pub lr: LikelihoodRatio,
+}
+
+/// A cumulative logit model of ordered answers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Ordinal {
+    /// Answers.
+    pub n_obs: usize,
+    /// Subjects.
+    pub n_subjects: usize,
+    /// Rows left out because the answer is missing.
+    pub missing: usize,
+    /// Names of the conditions; the first is the reference.
+    pub conditions: Vec<String>,
+    /// The answers that occur.
+    pub answers: Vec<i64>,
+    /// By adaptive Gauss-Hermite quadrature with 10 nodes.
+    #[serde(flatten)]
+    pub quadrature: OrdinalFit,
+    /// By Laplace's approximation, a single node: as other programs do by default.
+    pub laplace: OrdinalFit,
+    /// Why numbers do not exist, by name.
+    pub undefined: Reasons,
+}
+
+/// Fits logit P(answer ≤ j) = threshold j - coefficient of the condition - u, with u ~ N(0, τ²) a subject.
+///
+/// The three columns have shape `(rows,)`; answers are whole numbers of which the order alone counts; any number of rows a subject and
+/// condition. The integral over u is taken around each subject's mode with its curvature there. A condition in which everybody gives
+/// the lowest or highest answer has no finite coefficient: the others are the limit, which is the fit without its rows.
+///
+/// # Errors
+/// [`StatsError::LengthMismatch`]; [`StatsError::NotFinite`]; [`StatsError::NotWhole`]; [`StatsError::TooFewConditions`];
+/// [`StatsError::EmptyCell`] for a condition without an answer; [`StatsError::TooFew`] below two subjects; [`StatsError::NoFit`] if
+/// all answers are equal, or the conditions separate them whole.
+///
+/// # Source
+/// McCullagh (1980); Tutz and Hennevogl (1996); Pinheiro and Bates (1995) for the quadrature. Agrees with R's `ordinal::clmm`.
+///
+/// # Example
+/// ```
+/// let people: Vec<String> = (0..16).map(|i| (i / 2).to_string()).collect();
+/// let mode: Vec<String> = (0..16).map(|i| ["calm", "sporty"][i % 2].to_owned()).collect();
+/// let answer = [1, 3, 2, 3, 1, 2, 2, 4, 3, 3, 2, 1, 3, 4, 1, 3].map(|a| Some(f64::from(a)));
+/// let found = maveric_stats::ordinal(&people, &mode, &answer)?;
+/// assert!(found.quadrature.coef.get("sporty").unwrap().estimate.unwrap() > 0.0);
+/// # Ok::<(), maveric_stats::StatsError>(())
+/// ```
+pub fn ordinal(
+    subjects: &[String],
+    conditions: &[String],
+    answers: &[Option<f64>],
+) -> Result<Ordinal, StatsError> {
+    let data = Answers::new(subjects, conditions, answers)?;
+    let reduced = data.without_separated()?;
+    let (with, without) = (reduced.sample(), data.without_conditions().sample());
+    let mut undefined = Reasons::default();
+    let mut fit = |rule: &Rule, from: Option<&(Top, Top)>, prefix: &str| {
+        let with = top(&with, rule, from.map(|(with, _)| with));
+        let without = top(&without, rule, from.map(|(_, without)| without));
+        let mut reasons = Reasons::default();
+        let described = describe(
+            &data,
+            &reduced,
+            with.as_ref(),
+            without.as_ref(),
+            &mut reasons,
+        );
+        undefined.absorb(prefix, reasons);
+        (described, with.zip(without))
+    };
+    let (laplace, from) = fit(&Rule::laplace(), None, "laplace");
+    let (quadrature, _) = fit(&Rule::ten_nodes(), from.as_ref(), "");
+    Ok(Ordinal {
+        n_obs: data.rows.len(),
+        n_subjects: data.subjects,
+        missing: answers.len() - data.rows.len(),
+        conditions: data.conditions.clone(),
+        answers: data.categories.clone(),
+        quadrature,
+        laplace,
+        undefined,
+    })
+}
+
+const NOT_CONVERGED: &str =
+    "the model does not converge: answers hardly differ within people, or conditions separate them";
+
+fn describe(
+    data: &Answers,
+    reduced: &Answers,
+    with: Option<&Top>,
+    without: Option<&Top>,
+    undefined: &mut Reasons,
+) -> OrdinalFit {
+    let sample: Sample = reduced.sample();
+    let mut parameter = |name: String, found: Result<usize, &str>| {
+        let found = match (found, with) {
+            (Ok(at), Some(top)) if top.is_finite(at) => Ok((top.at[at], top.se[at])),
+            (Ok(_), Some(_)) => Err("the answers leave it without a finite estimate"),
+            (Ok(_), None) => Err(NOT_CONVERGED),
+            (Err(reason), _) => Err(reason),
+        };
+        if let Err(reason) = found {
+            undefined.note(&name, reason);
+        }
+        let found = found.ok();
+        let se = found.and_then(|(_, se)| se);
+        if found.is_some() && se.is_none() {
+            for part in ["se", "z", "p", "ci_low", "ci_high"] {
+                undefined.note(
+                    &format!("{name}.{part}"),
+                    "the likelihood is flat in this direction",
+                );
+            }
+        }
+        let estimate = found.map(|(estimate, _)| estimate);
+        let z = estimate.zip(se).map(|(estimate, se)| estimate / se);
+        let half = se.map(|se| se * normal_quantile(0.975));
+        OrdinalParameter {
+            estimate,
+            se,
+            z,
+            p: z.map(normal_two_sided),
+            ci_low: estimate.zip(half).map(|(e, h)| e - h),
+            ci_high: estimate.zip(half).map(|(e, h)| e + h),
+        }
+    };
+    // With another reference thresholds and coefficients would mean something else.
+    let reference = reduced.conditions.first() == data.conditions.first();
+    let no_reference = "the reference condition has one extreme answer only, so nothing finite can be said against it";
+    let mut threshold = Vec::new();
+    for pair in data.categories.windows(2) {
+        let name = format!("{}|{}", pair[0], pair[1]);
+        let at = reduced
+            .categories
+            .windows(2)
+            .position(|known| known == pair);
+        let found = if reference {
+            at.ok_or("an answer beside it occurs only in conditions with one extreme answer")
+        } else {
+            Err(no_reference)
+        };
+        threshold.push((name.clone(), parameter(format!("threshold.{name}"), found)));
+    }
+    let mut coef = Vec::new();
+    for name in &data.conditions[1..] {
+        let at = reduced.conditions.iter().position(|known| known == name);
+        let found = match at {
+            _ if !reference => Err(no_reference),
+            None => {
+                Err("everybody gives the same extreme answer in this condition: no finite estimate")
+            }
+            Some(at) => Ok(sample.thresholds() + at - 1),
+        };
+        coef.push((name.clone(), parameter(format!("coef.{name}"), found)));
+    }
+    if with.is_none() {
+        undefined.note_all(&["variance.subject", "log_likelihood"], NOT_CONVERGED);
+    }
+    let chi2 = with
+        .zip(without)
+        .map(|(with, without)| (2.0 * (with.value - without.value)).max(0.0));
+    if chi2.is_none() {
+        undefined.note_all(&["lr.chi2", "lr.p"], NOT_CONVERGED);
+    }
+    let df = data.conditions.len() - 1;
+    OrdinalFit {
+        threshold: threshold.into_iter().collect(),
+        coef: coef.into_iter().collect(),
+        variance: OrdinalVariance {
+            subject: with.map(|top| top.sd() * top.sd()),
+        },
+        log_likelihood: with.map(|top| top.value),
+        lr: LikelihoodRatio {
+            chi2,
+            df,
+            p: chi2.map(|chi2| chi2_upper(chi2, df as f64)),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Answers of eight people in three conditions.
+    fn made(third: [i32; 8]) -> (Vec<String>, Vec<String>, Vec<Option<f64>>) {
+        let first = [1, 2, 2, 3, 1, 3, 2, 4];
+        let second = [2, 2, 3, 4, 3, 2, 1, 4];
+        let people = (0..24).map(|i| (i / 3).to_string()).collect();
+        let conditions = (0..24).map(|i| ["a", "b", "c"][i % 3].to_owned()).collect();
+        let answers = (0..8).flat_map(|i| [first[i], second[i], third[i]]);
+        (
+            people,
+            conditions,
+            answers.map(|a| Some(f64::from(a))).collect(),
+        )
+    }
+
+    #[test]
+    fn only_the_order_of_the_answers_counts() {
+        let (people, conditions, answers) = made([1, 1, 2, 2, 1, 3, 1, 2]);
+        let stretched: Vec<_> = answers.iter().map(|a| a.map(|a| a * a)).collect();
+        let plain = ordinal(&people, &conditions, &answers).unwrap();
+        let other = ordinal(&people, &conditions, &stretched).unwrap();
+        assert_eq!(plain.quadrature.coef, other.quadrature.coef);
+        assert_eq!(other.answers, [1, 4, 9, 16]);
+        assert!(other.quadrature.threshold.get("4|9").is_some());
+    }
+
+    #[test]
+    fn a_condition_of_highest_answers_leaves_the_others_as_without_it() {
+        let (people, conditions, answers) = made([4; 8]);
+        let all = ordinal(&people, &conditions, &answers).unwrap();
+        let keep = |i: &usize| conditions[*i] != "c";
+        let rows: Vec<usize> = (0..24).filter(keep).collect();
+        let pick = |from: &[String]| rows.iter().map(|&i| from[i].clone()).collect::<Vec<_>>();
+        let fewer: Vec<_> = rows.iter().map(|&i| answers[i]).collect();
+        let fewer = ordinal(&pick(&people), &pick(&conditions), &fewer).unwrap();
+        assert_eq!(all.quadrature.coef.get("b"), fewer.quadrature.coef.get("b"));
+        assert!(all.quadrature.coef.get("c").unwrap().estimate.is_none());
+        assert!(all.undefined.get("coef.c.p").is_some());
+        assert!(all.quadrature.lr.p.unwrap() < 0.01);
+    }
+
+    #[test]
+    fn people_who_do_not_differ_have_a_variance_of_zero_and_still_a_test() {
+        // Everybody's answers are a permutation of the same three.
+        let people: Vec<String> = (0..18).map(|i| (i / 3).to_string()).collect();
+        let conditions: Vec<String> = (0..18).map(|i| ["a", "b", "c"][i % 3].to_owned()).collect();
+        let answers: Vec<_> = (0..18)
+            .map(|i| Some([1.0, 2.0, 3.0][(i + i / 3) % 3]))
+            .collect();
+        let found = ordinal(&people, &conditions, &answers).unwrap();
+        assert!(found.quadrature.variance.subject.unwrap() < 1e-8);
+        assert!(found.quadrature.coef.get("b").unwrap().p.unwrap() > 0.5);
+    }
+
+    #[test]
+    fn what_is_no_ordered_answer_is_refused() {
+        let (people, conditions, mut answers) = made([1; 8]);
+        answers[5] = Some(2.5);
+        let error = ordinal(&people, &conditions, &answers).unwrap_err();
+        assert!(matches!(error, StatsError::NotWhole { row: 5, .. }));
+        let equal = vec![Some(3.0); 24];
+        let error = ordinal(&people, &conditions, &equal).unwrap_err();
+        assert!(matches!(error, StatsError::NoFit { .. }));
+    }
+}

@@ -1,0 +1,153 @@
+//! The rows of ordered answers, and which conditions separate them.
+
+use super::likelihood::Sample;
+use crate::{StatsError, complete, within_subjects::Index};
+
+/// One answer: positions of its subject, condition and category.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Row {
+    subject: usize,
+    condition: usize,
+    category: usize,
+}
+
+/// Answers, with the names of what occurs among them.
+#[derive(Debug, Clone)]
+pub(super) struct Answers {
+    pub(super) rows: Vec<Row>,
+    /// How many subjects there are; all have a row in the whole data.
+    pub(super) subjects: usize,
+    /// In order of first appearance.
+    pub(super) conditions: Vec<String>,
+    /// Ascending.
+    pub(super) categories: Vec<i64>,
+}
+
+impl Answers {
+    pub(super) fn new(
+        subjects: &[String],
+        conditions: &[String],
+        answers: &[Option<f64>],
+    ) -> Result<Self, StatsError> {
+        for (name, found) in [("condition", conditions.len()), ("value", answers.len())] {
+            if found != subjects.len() {
+                return Err(StatsError::LengthMismatch {
+                    name: name.to_owned(),
+                    found,
+                    expected: subjects.len(),
+                });
+            }
+        }
+        let kept = complete::rows(&[("value", answers)], "answer", 2)?;
+        let mut whole = Vec::with_capacity(kept.kept.len());
+        for (&row, &value) in kept.kept.iter().zip(&kept.columns[0]) {
+            // Beyond this doubles skip whole numbers.
+            if value.fract().abs() > 0.0 || value.abs() > 9e15 {
+                return Err(StatsError::NotWhole { row, value });
+            }
+            whole.push(value as i64);
+        }
+        let mut categories = whole.clone();
+        categories.sort_unstable();
+        categories.dedup();
+        let named = Index::of(conditions);
+        if named.names.len() < 2 {
+            let found = named.names.len();
+            return Err(StatsError::TooFewConditions { found });
+        }
+        let used: Vec<String> = kept.kept.iter().map(|&row| subjects[row].clone()).collect();
+        let people = Index::of(&used);
+        complete::enough("subject", people.names.len(), kept.missing, 2)?;
+        let rows: Vec<Row> = (kept.kept.iter().zip(&whole).zip(&people.rows))
+            .map(|((&row, answer), &subject)| Row {
+                subject,
+                condition: named.rows[row],
+                category: categories.partition_point(|c| c < answer),
+            })
+            .collect();
+        for (condition, name) in named.names.iter().enumerate() {
+            if rows.iter().all(|row| row.condition != condition) {
+                let cell = name.clone();
+                return Err(StatsError::EmptyCell { cell });
+            }
+        }
+        if categories.len() < 2 {
+            return Err(StatsError::NoFit {
+                reason: format!("all answers are {}", categories[0]),
+            });
+        }
+        Ok(Self {
+            rows,
+            subjects: people.names.len(),
+            conditions: named.names,
+            categories,
+        })
+    }
+
+    /// The same without conditions whose every answer is the lowest or the highest of those left.
+    ///
+    /// In the limit of an infinite coefficient their rows have probability 1, whoever answers.
+    pub(super) fn without_separated(&self) -> Result<Self, StatsError> {
+        let mut left = self.clone();
+        loop {
+            let highest = left.categories.len() - 1;
+            let extreme = (0..left.conditions.len()).find(|&condition| {
+                let mut of = left.rows.iter().filter(|row| row.condition == condition);
+                let first = of.next().map_or(0, |row| row.category);
+                (first == 0 || first == highest) && of.all(|row| row.category == first)
+            });
+            let Some(extreme) = extreme else {
+                return Ok(left);
+            };
+            left = left.without(extreme)?;
+        }
+    }
+
+    fn without(&self, condition: usize) -> Result<Self, StatsError> {
+        let mut rows: Vec<Row> = self
+            .rows
+            .iter()
+            .copied()
+            .filter(|row| row.condition != condition)
+            .collect();
+        let occurs = |category: usize| rows.iter().any(|row| row.category == category);
+        let kept: Vec<usize> = (0..self.categories.len()).filter(|c| occurs(*c)).collect();
+        if kept.len() < 2 {
+            return Err(StatsError::NoFit {
+                reason: "the conditions separate the answers whole, so no coefficient is finite"
+                    .to_owned(),
+            });
+        }
+        for row in &mut rows {
+            row.category = kept.partition_point(|c| *c < row.category);
+            row.condition -= usize::from(row.condition > condition);
+        }
+        let mut conditions = self.conditions.clone();
+        conditions.remove(condition);
+        Ok(Self {
+            rows,
+            subjects: self.subjects,
+            conditions,
+            categories: kept.iter().map(|&c| self.categories[c]).collect(),
+        })
+    }
+
+    /// All rows as if of one condition.
+    pub(super) fn without_conditions(&self) -> Self {
+        let mut one = self.clone();
+        one.conditions.truncate(1);
+        for row in &mut one.rows {
+            row.condition = 0;
+        }
+        one
+    }
+
+    pub(super) fn sample(&self) -> Sample {
+        let mut of_subject = vec![Vec::new(); self.subjects];
+        for row in &self.rows {
+            of_subject[row.subject].push((row.category, row.condition));
+        }
+        of_subject.retain(|rows| !rows.is_empty());
+        Sample::new(of_subject, self.categories.len(), self.conditions.len())
+    }
+}
