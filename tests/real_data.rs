@@ -64,7 +64,14 @@ fn ngsim_pairs_in_feet_go_to_the_same_table() {
             "closed_loop_seeds=1",
         ])
         .ok();
-    for said in ["network in closed loop", "harmed by personalising", "Gipps"] {
+    for said in [
+        "network in closed loop",
+        "harmed by personalising",
+        "Gipps",
+        "driven by default",
+        "shrinkage of the own time gap",
+        "mean of network and IDM, both shrunken",
+    ] {
         assert!(ran.stdout.contains(said), "{said}: {}", ran.stdout);
     }
     let text =
@@ -79,11 +86,79 @@ fn ngsim_pairs_in_feet_go_to_the_same_table() {
             .all(|g| g.as_f64().unwrap() < 40.0)
     );
     let closed_loop = &found["closed_loop"]["seeds"][0];
-    for w in ["own", "mean"] {
+    for w in ["own", "shrunken", "mean"] {
         for driver in closed_loop[w].as_array().unwrap() {
             assert_eq!(driver["reached_zero"], false, "the safety bound holds");
         }
     }
+}
+
+#[test]
+fn people_are_judged_by_what_was_learned_from_others() {
+    let Some(data) = shared("ngsim_i80_pairs") else {
+        return;
+    };
+    let study = TempStudy::new();
+    for group in ["learned", "judged"] {
+        std::fs::create_dir(study.path(group)).unwrap();
+    }
+    let mut files: Vec<_> = std::fs::read_dir(data)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| {
+            path.file_name()
+                .unwrap()
+                .to_str()
+                .unwrap()
+                .starts_with("i80")
+        })
+        .collect();
+    files.sort();
+    for (at, file) in files.iter().take(6).enumerate() {
+        let group = if at < 4 { "learned" } else { "judged" };
+        let to = study.path(group).join(file.file_name().unwrap());
+        std::fs::copy(file, to).unwrap();
+    }
+    for group in ["learned", "judged"] {
+        let drives = format!("{group}_drives");
+        let mapping = "study_data/mappings/ngsim_pairs.toml";
+        study
+            .maveric(&["ingest", group, "--mapping", mapping, "--out", &drives])
+            .ok();
+    }
+    let ran = study
+        .maveric(&[
+            "evaluate",
+            "--drives",
+            "judged_drives",
+            "--learn",
+            "learned_drives",
+            "--moving-above-mps",
+            "1",
+            "--closed-loop-seeds",
+            "1",
+            "--out",
+            "following.json",
+        ])
+        .ok();
+    assert!(
+        ran.stdout.contains("learned from 4 people"),
+        "{}",
+        ran.stdout
+    );
+    let text = std::fs::read_to_string(study.path("following.json")).unwrap();
+    let found: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(found["drivers"].as_array().unwrap().len(), 2);
+    assert_eq!(found["time_gap_shrinkage"]["people"], 4);
+    assert!(
+        found["closed_loop"]["strangers"].is_null(),
+        "all are strangers"
+    );
+    // The choice is made on those who were learned from.
+    assert_eq!(found["driven"]["means"][0]["drivers"], 4);
+    let pair = &found["compared"][0];
+    let interval = ["low_m", "mean_m", "high_m"].map(|end| pair[end].as_f64().unwrap());
+    assert!(interval.is_sorted(), "{pair}");
 }
 
 #[test]

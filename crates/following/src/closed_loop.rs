@@ -1,6 +1,6 @@
 //! Ego's gap and speed under a law, behind the recorded leader.
 
-use super::{error::FollowingError, run::Stretch};
+use crate::{error::FollowingError, run::Stretch};
 
 /// Least acceleration, in m/s².
 pub const MIN_ACCEL_MPS2: f64 = -8.0;

@@ -1,241 +1,241 @@
 //! Every method on every driver's test rows.
 
-use super::{
-    baselines::{Baselines, DriverBaselines},
+use crate::{
     closed_loop::{ClosedLoop, simulate},
+    closed_loop_network::{TrainedFor, study, train_all},
     error::FollowingError,
-    laws::{helly::Gains, keep_distance::KeepDistance},
-    method::FollowingMethod,
-    open_loop::distance_rmse_m,
+    keep_distance::KeepDistance,
+    law::{Law, TIME_GAP_GAINS},
+    method::FollowingMethod as M,
+    peers::{self, Peers},
     results::{
-        DriverEvaluation, FollowingEvaluation, MethodErrors, MethodMean, MethodSeries, TestSeries,
+        Choice, DriverEvaluation, FollowingEvaluation, MethodErrors, MethodMean, MethodSeries,
+        TestSeries,
     },
     run::{FollowingRun, Stretch},
     settings::FollowingSettings,
     simulation_errors::SimulationErrors,
-    steering::{Steered, SteeringGains, calibrate_gains},
 };
-use maveric_domain::stream_seed;
-use rayon::prelude::*;
 
 /// F of one driver: following distance (m) from the leader's speed (m/s).
 pub type DistanceLaw<'a> = Box<dyn Fn(f64) -> f64 + 'a>;
 
-/// Drives in one driver's place over a stretch, as [`simulate`] does.
-pub type InPlaceOf<'a> = Box<dyn Fn(&Stretch<'_>) -> Result<ClosedLoop, FollowingError> + 'a>;
-
-/// Another learned method to try beside F.
-pub struct Contender<'a> {
-    /// Which one.
-    pub method: FollowingMethod,
-    /// One entry a driver, in the order of the runs.
-    pub drivers: Vec<InPlaceOf<'a>>,
+/// F of each driver, in the order of the runs.
+pub struct Distances<'a> {
+    /// With the driver's own embedding.
+    pub own: Vec<DistanceLaw<'a>>,
+    /// With the mean embedding of the training drivers.
+    pub mean: Vec<DistanceLaw<'a>>,
 }
 
-/// Fits the baselines and tries them and F, own and mean, on every driver's test rows.
+/// Tries the laws, the network in closed loop and F, where it is given, on the test rows of `judged`.
 ///
-/// `own_f` and `mean_f` hold one F a driver, in the order of `runs`: with the driver's own embedding, and with the
-/// mean embedding of the training drivers. To try several networks fit once and call [`evaluate_beside`].
+/// What is known of people before a driver is met are the fit rows of `learned`, without the driver's own: give the same runs
+/// twice, and each is judged beside the others; or two groups of people. The network learns from all of `learned`. The
+/// comparisons of the result are left empty.
 ///
 /// # Errors
-/// Those of [`Baselines::calibrate`] and [`evaluate_beside`].
+/// [`FollowingError::TooFewDrivers`] below two people to learn from; [`FollowingError::TooShort`] below nine rows; [`FollowingError::LawCount`] if there is not one F a
+/// driver; [`FollowingError::LawNotFinite`] if an F is NaN or infinite where it is asked; [`FollowingError::NeverMoves`] for a
+/// driver without a time gap; [`FollowingError::RatesDiffer`]; [`FollowingError::BadSetting`].
 ///
 /// # Source
 /// Method section 5 for the steering by F and its safety constraint; the protocol is that of the closed-loop
 /// calibration of car-following models (Kesting and Treiber 2008): only the leader is recorded.
 pub fn evaluate(
-    runs: &[FollowingRun],
-    own_f: &[DistanceLaw<'_>],
-    mean_f: &[DistanceLaw<'_>],
-    settings: &FollowingSettings,
-) -> Result<FollowingEvaluation, FollowingError> {
-    let baselines = Baselines::calibrate(runs, settings)?;
-    evaluate_beside(runs, &baselines, own_f, mean_f, &[], settings)
-}
-
-/// Tries F, own and mean, and `others`, beside baselines that were fitted to the same `runs`.
-///
-/// # Errors
-/// [`FollowingError::LawCount`] if there is not one F, one set of baselines, or one of each contender, a driver;
-/// [`FollowingError::LawNotFinite`] if an F is NaN or infinite where it is asked; [`FollowingError::BadSetting`];
-/// what a contender fails with.
-pub fn evaluate_beside(
-    runs: &[FollowingRun],
-    baselines: &Baselines,
-    own_f: &[DistanceLaw<'_>],
-    mean_f: &[DistanceLaw<'_>],
-    others: &[Contender<'_>],
+    judged: &[FollowingRun],
+    learned: &[FollowingRun],
+    f: Option<&Distances<'_>>,
     settings: &FollowingSettings,
 ) -> Result<FollowingEvaluation, FollowingError> {
     settings.check()?;
-    let expected = runs.len();
-    let counts = others.iter().map(|c| (c.method.as_str(), c.drivers.len()));
-    for (what, found) in [
-        ("own_f", own_f.len()),
-        ("mean_f", mean_f.len()),
-        ("baselines", baselines.drivers.len()),
-    ]
-    .into_iter()
-    .chain(counts)
-    {
-        if found != expected {
-            return Err(FollowingError::LawCount {
-                what,
-                found,
-                expected,
-            });
-        }
-    }
-    let gains = steering_gains(runs, baselines, own_f, settings)?;
-    let drivers = (0..runs.len())
-        .map(|i| {
-            let contestants = Contestants {
-                laws: &baselines.drivers[i],
-                own_f: &own_f[i],
-                mean_f: &mean_f[i],
-                gains: gains[i],
-                others: others.iter().map(|c| (c.method, &c.drivers[i])).collect(),
-            };
-            evaluate_driver(&runs[i], &contestants, settings)
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    let methods = drivers.first().map_or(&[][..], |d| &d.methods);
-    let means = methods
-        .iter()
-        .enumerate()
-        .map(|(at, m)| mean_over_drivers(m.method, &drivers, at))
-        .collect();
-    Ok(FollowingEvaluation {
-        drivers,
-        means,
-        baselines: baselines.clone(),
-        open_loop: Vec::new(),
-        closed_loop: None,
-    })
-}
-
-/// Everything that drives in one driver's place.
-struct Contestants<'a> {
-    laws: &'a DriverBaselines,
-    own_f: &'a DistanceLaw<'a>,
-    mean_f: &'a DistanceLaw<'a>,
-    /// How hard to steer by F.
-    gains: Gains,
-    others: Vec<(FollowingMethod, &'a InPlaceOf<'a>)>,
-}
-
-fn steering_gains(
-    runs: &[FollowingRun],
-    baselines: &Baselines,
-    own_f: &[DistanceLaw<'_>],
-    settings: &FollowingSettings,
-) -> Result<Vec<Gains>, FollowingError> {
-    let helly = baselines.drivers.iter();
-    if settings.steering == SteeringGains::HellyPopulation {
-        return Ok(helly.map(|laws| laws.helly_population.law.gains).collect());
-    }
-    if runs.len() < 2 {
+    if learned.len() < 2 {
         return Err(FollowingError::TooFewDrivers {
-            found: runs.len(),
+            found: learned.len(),
             expected: 2,
         });
     }
-    let steered = runs
-        .iter()
-        .zip(own_f)
-        .map(|(run, f)| Steered::new(run, f))
-        .collect::<Result<Vec<_>, _>>()?;
-    let fitted = (0..runs.len()).into_par_iter().map(|driver| {
-        let others: Vec<&Steered<'_>> = (0..runs.len())
-            .filter(|&other| other != driver)
-            .map(|other| &steered[other])
-            .collect();
-        let seed = stream_seed(settings.seed, &[runs[driver].driver(), "steering_gains"]);
-        calibrate_gains(&others, settings.safety, &settings.search, seed).law
-    });
-    Ok(fitted.collect())
-}
-
-fn evaluate_driver(
-    run: &FollowingRun,
-    contestants: &Contestants<'_>,
-    settings: &FollowingSettings,
-) -> Result<DriverEvaluation, FollowingError> {
-    let test = run.test();
-    let mut methods = Vec::with_capacity(FollowingMethod::ALL.len());
-    let mut series = recorded_series(run);
-    for method in FollowingMethod::ALL {
-        let Some(simulated) = drive(run, method, contestants, settings)? else {
-            continue;
-        };
-        let errors = SimulationErrors::of(&test, &simulated);
-        methods.push(MethodErrors { method, errors });
-        let gap_m = each_second(run, &simulated.gap_m);
-        series.simulated.push(MethodSeries {
-            method,
-            gap_m: gap_m.into_iter().map(|gap| gap.max(0.0)).collect(),
-            speed_mps: each_second(run, &simulated.speed_mps),
-        });
+    for run in judged.iter().chain(learned) {
+        run.long_enough()?;
     }
-    let above_mps = settings.moving_above_mps;
-    Ok(DriverEvaluation {
-        driver: run.driver().to_owned(),
-        methods,
-        steering_gains: contestants.gains,
-        open_loop_own_rmse_m: distance_rmse_m(&test, above_mps, contestants.own_f),
-        open_loop_mean_rmse_m: distance_rmse_m(&test, above_mps, contestants.mean_f),
-        series,
+    for (what, laws) in f.iter().flat_map(|f| [("own", &f.own), ("mean", &f.mean)]) {
+        if laws.len() != judged.len() {
+            return Err(FollowingError::LawCount {
+                what,
+                found: laws.len(),
+                expected: judged.len(),
+            });
+        }
+    }
+    let (mut laws, time_gap_shrinkage) = peers::idm(judged, learned, settings)?;
+    peers::add_the_rest(&mut laws, judged, learned, settings)?;
+    let (driven, closed_loop) = if settings.closed_loop_seeds == 0 {
+        (None, None)
+    } else {
+        let closed_loop = study(judged, learned, settings)?;
+        (Some(choose(learned, settings)?), Some(closed_loop))
+    };
+    let networks = closed_loop.as_ref().map_or(&[][..], |c| &c.trained);
+    let drivers = drive(judged, &laws, networks, f, settings)?;
+    Ok(FollowingEvaluation {
+        learned_from: learned.len(),
+        driven,
+        means: means(&drivers),
+        drivers,
+        compared: Vec::new(),
+        peers: laws,
+        time_gap_shrinkage,
+        closed_loop,
     })
 }
 
-/// `None` for a learned method that nobody entered.
-fn drive(
-    run: &FollowingRun,
-    method: FollowingMethod,
-    contestants: &Contestants<'_>,
+/// The candidate with the least error on the last third of the fit rows, after seeing the first two thirds of them.
+fn choose(
+    learned: &[FollowingRun],
     settings: &FollowingSettings,
-) -> Result<Option<ClosedLoop>, FollowingError> {
-    use FollowingMethod as M;
-    let (test, name, laws) = (run.test(), method.as_str(), contestants.laws);
-    let by_idm = |law: super::Idm| simulate(&test, name, |g, v, lead| law.accel_mps2(g, v, lead));
-    let by_helly =
-        |law: super::Helly| simulate(&test, name, |g, v, lead| law.accel_mps2(g, v, lead));
-    let by_time_gap =
-        |law: super::ConstantTimeGap| simulate(&test, name, |g, v, l| law.accel_mps2(g, v, l));
-    let by_distance = |f: &DistanceLaw<'_>| {
+) -> Result<Choice, FollowingError> {
+    let fits = learned
+        .iter()
+        .map(FollowingRun::fit_alone)
+        .collect::<Result<Vec<_>, _>>()?;
+    let (laws, _) = peers::idm(&fits, &fits, settings)?;
+    let networks = train_all(&fits, &fits, settings)?;
+    let drivers = drive(&fits, &laws, &networks, None, settings)?;
+    let means: Vec<MethodMean> = M::CANDIDATES
+        .iter()
+        .filter_map(|&method| MethodMean::of(method, &drivers))
+        .collect();
+    let best = means
+        .iter()
+        .min_by(|a, b| a.gap_rmse_m.total_cmp(&b.gap_rmse_m));
+    Ok(Choice {
+        method: best.map_or(M::CANDIDATES[0], |best| best.method),
+        means,
+    })
+}
+
+fn means(drivers: &[DriverEvaluation]) -> Vec<MethodMean> {
+    M::all()
+        .filter_map(|m| MethodMean::of(m, drivers))
+        .collect()
+}
+
+fn drive(
+    judged: &[FollowingRun],
+    laws: &[Peers],
+    networks: &[TrainedFor],
+    f: Option<&Distances<'_>>,
+    settings: &FollowingSettings,
+) -> Result<Vec<DriverEvaluation>, FollowingError> {
+    judged
+        .iter()
+        .zip(laws)
+        .enumerate()
+        .map(|(at, (run, laws))| {
+            let test = run.test();
+            let mut methods = Vec::new();
+            let mut series = recorded_series(run);
+            for method in M::all() {
+                let driver = Driver {
+                    test: &test,
+                    laws,
+                    networks,
+                    at,
+                    f: f.map(|f| (&f.own[at], &f.mean[at])),
+                    settings,
+                };
+                let Some(simulated) = driver.drive(method)? else {
+                    continue;
+                };
+                methods.push(MethodErrors {
+                    method,
+                    errors: SimulationErrors::of(&test, &simulated),
+                });
+                let gap_m = each_second(run, &simulated.gap_m);
+                series.simulated.push(MethodSeries {
+                    method,
+                    gap_m: gap_m.into_iter().map(|gap| gap.max(0.0)).collect(),
+                    speed_mps: each_second(run, &simulated.speed_mps),
+                });
+            }
+            Ok(DriverEvaluation {
+                driver: run.driver().to_owned(),
+                methods,
+                series,
+            })
+        })
+        .collect()
+}
+
+/// Everything that may drive in one driver's place.
+struct Driver<'a> {
+    test: &'a Stretch<'a>,
+    laws: &'a Peers,
+    /// Networks that drive together, and which of their drivers this is.
+    networks: &'a [TrainedFor],
+    at: usize,
+    f: Option<(&'a DistanceLaw<'a>, &'a DistanceLaw<'a>)>,
+    settings: &'a FollowingSettings,
+}
+
+impl Driver<'_> {
+    /// `None` for a method that was not fitted or given.
+    fn drive(&self, method: M) -> Result<Option<ClosedLoop>, FollowingError> {
+        let by = |law: &mut dyn FnMut(f64, f64, f64) -> f64| {
+            simulate(self.test, method.as_str(), law).map(Some)
+        };
+        let network = |embedding: fn(&TrainedFor, usize) -> &[f64]| {
+            let count = self.networks.len() as f64;
+            let asked = move |g, v, lead| {
+                let each = self.networks.iter().map(|trained| {
+                    let w = embedding(trained, self.at);
+                    trained.network.accel_mps2(w, g, v, lead)
+                });
+                each.sum::<f64>() / count
+            };
+            (!self.networks.is_empty()).then_some(asked)
+        };
+        match method {
+            M::ClosedLoopOwn => network(|t, at| &t.own[at]).map(|mut law| by(&mut law)),
+            M::ClosedLoopShrunken => network(|t, at| &t.shrunken[at]).map(|mut law| by(&mut law)),
+            M::ClosedLoopMean => {
+                network(|t, _| t.network.mean_embedding()).map(|mut law| by(&mut law))
+            }
+            M::ClosedLoopAndIdmShrunken => {
+                let idm = self.laws.laws.get(&M::IdmPopulationShrunkenTimeGap);
+                network(|t, at| &t.shrunken[at])
+                    .zip(idm)
+                    .map(|(learned, idm)| {
+                        let mut idm = idm.law.driving(self.test);
+                        by(&mut |g, v, lead| 0.5 * (learned(g, v, lead) + idm(g, v, lead)))
+                    })
+            }
+            M::FollowingDistanceOwn => self.f.map(|(own, _)| by(&mut self.keeping(own))),
+            M::FollowingDistanceMean => self.f.map(|(_, mean)| by(&mut self.keeping(mean))),
+            fitted => self
+                .laws
+                .laws
+                .get(&fitted)
+                .map(|found| by(&mut found.law.driving(self.test))),
+        }
+        .transpose()
+        .map(Option::flatten)
+    }
+
+    /// Steers to F with the gains of Helly's law of the others.
+    fn keeping<'f>(&self, f: &'f DistanceLaw<'_>) -> impl FnMut(f64, f64, f64) -> f64 + 'f {
+        let helly = self.laws.laws.get(&M::HellyPopulation);
+        let gains = match helly.map(|found| found.law) {
+            Some(Law::Helly(law)) => law.gains,
+            _ => TIME_GAP_GAINS,
+        };
         let law = KeepDistance {
             distance_m: f,
-            gains: contestants.gains,
-            safety: settings.safety,
+            gains,
+            safety: self.settings.safety,
         };
-        simulate(&test, name, |g, v, lead| law.accel_mps2(g, v, lead))
-    };
-    match method {
-        M::ConstantTimeGapOwn => by_time_gap(laws.constant_time_gap_own),
-        M::ConstantTimeGapPopulation => by_time_gap(laws.constant_time_gap_population),
-        M::NewellOwn => simulate(&test, name, laws.newell_own.law.law(&test)),
-        M::HellyOwn => by_helly(laws.helly_own.law),
-        M::HellyPopulation => by_helly(laws.helly_population.law),
-        M::GippsOwn => {
-            let law = laws.gipps_own.law;
-            simulate(&test, name, |g, v, lead| law.accel_mps2(g, v, lead))
-        }
-        M::IdmOwn => by_idm(laws.idm_own.law),
-        M::IdmPopulation => by_idm(laws.idm_population.law),
-        M::IdmPopulationOwnTimeGap => by_idm(laws.idm_population_own_time_gap.law),
-        M::IdmPopulationOwnTimeGapAndStandstill => {
-            by_idm(laws.idm_population_own_time_gap_and_standstill.law)
-        }
-        M::IdmPrincipalDirections => by_idm(laws.idm_principal_directions.law),
-        M::FollowingDistanceOwn => by_distance(contestants.own_f),
-        M::FollowingDistanceMean => by_distance(contestants.mean_f),
-        M::IdmFloor => by_idm(laws.idm_floor.law),
-        M::VelocityOwn | M::VelocityAndDistanceOwn | M::ClosedLoopOwn | M::ClosedLoopMean => {
-            let entered = contestants.others.iter().find(|(m, _)| *m == method);
-            return entered.map(|(_, drive)| drive(&test)).transpose();
-        }
+        move |g, v, lead| law.accel_mps2(g, v, lead)
     }
-    .map(Some)
 }
 
 fn recorded_series(run: &FollowingRun) -> TestSeries {
@@ -246,7 +246,7 @@ fn recorded_series(run: &FollowingRun) -> TestSeries {
         gap_m: test(&columns.gap_m),
         ego_speed_mps: test(&columns.ego_speed_mps),
         lead_speed_mps: test(&columns.lead_speed_mps),
-        simulated: Vec::with_capacity(FollowingMethod::ALL.len()),
+        simulated: Vec::new(),
     }
 }
 
@@ -255,53 +255,31 @@ fn each_second(run: &FollowingRun, column: &[f64]) -> Vec<f64> {
     column.iter().step_by(stride).copied().collect()
 }
 
-fn mean_over_drivers(
-    method: FollowingMethod,
-    drivers: &[DriverEvaluation],
-    at: usize,
-) -> MethodMean {
-    let errors = || drivers.iter().map(|driver| driver.methods[at].errors);
-    let mean =
-        |of: fn(SimulationErrors) -> f64| errors().map(of).sum::<f64>() / drivers.len() as f64;
-    MethodMean {
-        method,
-        gap_rmse_m: mean(|e| e.gap_rmse_m),
-        speed_rmse_mps: mean(|e| e.speed_rmse_mps),
-        nrmse: mean(|e| e.nrmse),
-        mixed: mean(|e| e.mixed),
-        reached_zero: errors().filter(|e| e.reached_zero).count(),
-        drivers: drivers.len(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{SearchSettings, made_up};
+    use crate::{ClosedLoopSettings, SearchSettings, made_up};
 
-    const QUICK: FollowingSettings = FollowingSettings {
-        seed: 1,
-        search: SearchSettings {
-            members_per_parameter: 4,
-            generations: 15,
-            simplex_steps: 40,
-        },
-        moving_above_mps: 2.0,
-        steering: SteeringGains::HellyPopulation,
-        safety: crate::SafetyBound {
-            reaction_s: 0.3,
-            reaction_accel_mps2: 1.0,
-            ego_braking_mps2: 7.0,
-            lead_braking_mps2: 8.0,
-            standstill_gap_m: 2.0,
-        },
-    };
+    fn quick(closed_loop_seeds: usize) -> FollowingSettings {
+        FollowingSettings {
+            search: SearchSettings {
+                members_per_parameter: 4,
+                generations: 15,
+                simplex_steps: 40,
+            },
+            closed_loop_seeds,
+            closed_loop: ClosedLoopSettings {
+                iterations: 60,
+                ..ClosedLoopSettings::default()
+            },
+            ..FollowingSettings::default()
+        }
+    }
 
-    fn runs() -> Vec<FollowingRun> {
-        [1.0, 1.5, 2.2]
-            .into_iter()
-            .map(|t| made_up::driven_by_idm(&format!("T{t}"), made_up::DRIVER.with_time_gap_s(t)))
-            .collect()
+    fn runs(time_gaps_s: &[f64]) -> Vec<FollowingRun> {
+        let run =
+            |t: &f64| made_up::driven_by_idm(&format!("T{t}"), made_up::DRIVER.with_time_gap_s(*t));
+        time_gaps_s.iter().map(run).collect()
     }
 
     fn lines(slopes_s: &[f64]) -> Vec<DistanceLaw<'static>> {
@@ -310,63 +288,64 @@ mod tests {
         slopes_s.iter().map(line).collect()
     }
 
-    fn gap(evaluation: &FollowingEvaluation, method: FollowingMethod) -> f64 {
-        let mean = evaluation.means.iter().find(|m| m.method == method);
-        mean.unwrap().gap_rmse_m
+    fn gap(evaluation: &FollowingEvaluation, method: M) -> f64 {
+        evaluation.mean(method).unwrap().gap_rmse_m
     }
 
     #[test]
     fn what_is_known_of_the_driver_orders_the_methods() {
-        let own = lines(&[1.1, 1.6, 2.3]);
-        let mean = lines(&[1.65; 3]);
-        let found = evaluate(&runs(), &own, &mean, &QUICK).unwrap();
+        let runs = runs(&[1.0, 1.5, 2.2]);
+        let f = Distances {
+            own: lines(&[1.1, 1.6, 2.3]),
+            mean: lines(&[1.65; 3]),
+        };
+        let found = evaluate(&runs, &runs, Some(&f), &quick(0)).unwrap();
         let rmse = |method| gap(&found, method);
-        let population = rmse(FollowingMethod::IdmPopulation);
-        assert!(rmse(FollowingMethod::IdmOwn) < population);
-        assert!(rmse(FollowingMethod::IdmPopulationOwnTimeGap) < population);
-        let mean = rmse(FollowingMethod::FollowingDistanceMean);
-        assert!(rmse(FollowingMethod::FollowingDistanceOwn) < mean);
+        let population = rmse(M::IdmPopulation);
+        assert!(rmse(M::IdmOwn) < population);
+        assert!(rmse(M::IdmPopulationOwnTimeGap) < population);
+        assert!(rmse(M::FollowingDistanceOwn) < rmse(M::FollowingDistanceMean));
+        assert!(found.mean(M::ClosedLoopOwn).is_none() && found.driven.is_none());
+        assert!(found.harmed(M::IdmOwn, M::IdmPopulation).is_empty());
+        let middle = found.mean(M::IdmPopulation).unwrap().gap_rmse_median_m;
+        let mut all = found.differences_m(M::IdmPopulation, M::IdmOwn);
+        all.sort_by(f64::total_cmp);
+        assert!(all[0] > 0.0 && middle > all[0]);
     }
 
     #[test]
-    fn a_contender_stands_beside_f_and_says_whom_it_harms() {
-        let runs = runs();
-        let baselines = Baselines::calibrate(&runs, &QUICK).unwrap();
-        let f = lines(&[1.5; 3]);
-        let as_recorded = |t: f64| -> InPlaceOf<'static> {
-            let law = made_up::DRIVER.with_time_gap_s(t);
-            Box::new(move |s| simulate(s, "own", |g, v, lead| law.accel_mps2(g, v, lead)))
-        };
-        let others = [
-            Contender {
-                method: FollowingMethod::ClosedLoopOwn,
-                drivers: [1.0, 1.4, 2.2].map(as_recorded).into(),
-            },
-            Contender {
-                method: FollowingMethod::ClosedLoopMean,
-                drivers: [1.5; 3].map(as_recorded).into(),
-            },
-        ];
-        let found = evaluate_beside(&runs, &baselines, &f, &f, &others, &QUICK).unwrap();
-        assert!(gap(&found, FollowingMethod::ClosedLoopOwn) < 1.0);
-        let harmed = found.harmed(
-            FollowingMethod::ClosedLoopOwn,
-            FollowingMethod::ClosedLoopMean,
-        );
-        assert_eq!(harmed, ["T1.5"]);
-        assert!(found.mean(FollowingMethod::VelocityOwn).is_none());
+    fn people_can_be_judged_by_what_was_learned_from_others() {
+        let (judged, learned) = (runs(&[1.8]), runs(&[1.0, 1.5, 2.2]));
+        let found = evaluate(&judged, &learned, None, &quick(1)).unwrap();
+        assert_eq!((found.drivers.len(), found.learned_from), (1, 3));
+        let driven = found.driven.as_ref().unwrap();
+        assert_eq!(driven.means.len(), M::CANDIDATES.len());
+        assert!(driven.means.iter().all(|m| m.drivers == 3));
+        let least = |m: &MethodMean| gap_of(driven, driven.method) <= m.gap_rmse_m;
+        assert!(driven.means.iter().all(least));
+        assert!(gap(&found, M::ClosedLoopShrunken) < gap(&found, M::ClosedLoopMean));
+        assert_eq!(found.time_gap_shrinkage.people, 3);
+    }
+
+    fn gap_of(choice: &Choice, method: M) -> f64 {
+        let found = choice.means.iter().find(|m| m.method == method);
+        found.unwrap().gap_rmse_m
     }
 
     #[test]
     fn series_are_once_a_second_and_never_below_zero() {
-        let nothing_kept = lines(&[-9.0; 3]);
-        let found = evaluate(&runs(), &nothing_kept, &nothing_kept, &QUICK).unwrap();
+        let runs = runs(&[1.0, 1.5, 2.2]);
+        let nothing_kept = Distances {
+            own: lines(&[-9.0; 3]),
+            mean: lines(&[-9.0; 3]),
+        };
+        let found = evaluate(&runs, &runs, Some(&nothing_kept), &quick(0)).unwrap();
         for driver in &found.drivers {
             let series = &driver.series;
             assert_eq!(series.time_s.len(), 50);
             assert!((series.time_s[1] - series.time_s[0] - 1.0).abs() < 1e-9);
-            // Four learned methods are not entered.
-            assert_eq!(series.simulated.len(), FollowingMethod::ALL.len() - 4);
+            // The network's four rows are not entered.
+            assert_eq!(series.simulated.len(), M::all().count() - 4);
             for method in &series.simulated {
                 assert_eq!((method.gap_m.len(), method.speed_mps.len()), (50, 50));
                 assert!(method.gap_m.iter().all(|&gap| gap >= 0.0));
@@ -376,59 +355,43 @@ mod tests {
 
     #[test]
     fn the_same_seed_gives_the_same_bytes_and_they_survive_a_file() {
-        let f = lines(&[1.5; 3]);
-        let first = evaluate(&runs(), &f, &f, &QUICK).unwrap();
-        assert_eq!(first, evaluate(&runs(), &f, &f, &QUICK).unwrap());
+        let runs = runs(&[1.0, 1.5, 2.2]);
+        let first = evaluate(&runs, &runs, None, &quick(1)).unwrap();
+        assert_eq!(first, evaluate(&runs, &runs, None, &quick(1)).unwrap());
         let text = serde_json::to_string(&first).unwrap();
         assert_eq!(first, serde_json::from_str(&text).unwrap());
     }
 
     #[test]
-    fn gains_fitted_to_the_others_do_not_read_the_drivers_own_rows() {
-        let settings = FollowingSettings {
-            steering: SteeringGains::OtherDrivers,
-            ..QUICK
-        };
-        let baselines = Baselines::calibrate(&runs(), &QUICK).unwrap();
-        let gains = |own_f: &[DistanceLaw<'_>]| {
-            let mean_f = lines(&[1.5; 3]);
-            let found = evaluate_beside(&runs(), &baselines, own_f, &mean_f, &[], &settings);
-            found
-                .unwrap()
-                .drivers
-                .iter()
-                .map(|d| d.steering_gains)
-                .collect::<Vec<_>>()
-        };
-        let before = gains(&lines(&[1.1, 1.6, 2.3]));
-        let after = gains(&lines(&[0.7, 1.6, 2.3]));
-        assert_eq!(before[0], after[0]);
-        assert_ne!(before[1], after[1]);
-    }
-
-    #[test]
-    fn the_test_rows_do_not_move_what_was_fitted_before_them() {
-        let mut runs = runs();
-        let before = Baselines::calibrate(&runs, &QUICK).unwrap();
+    fn the_test_rows_move_nothing_but_the_floor() {
+        let mut runs = runs(&[1.0, 1.5, 2.2]);
+        let before = evaluate(&runs, &runs, None, &quick(1)).unwrap();
         for run in &mut runs {
             let mut columns = run.columns().clone();
             columns.gap_m[run.test_start()..].fill(50.0);
             *run = FollowingRun::new(run.driver(), run.rate_hz(), columns).unwrap();
         }
-        let after = Baselines::calibrate(&runs, &QUICK).unwrap();
-        for (a, b) in before.drivers.iter().zip(&after.drivers) {
-            assert_eq!((a.idm_own, a.idm_population), (b.idm_own, b.idm_population));
-            assert_eq!(a.helly_population, b.helly_population);
-            assert_ne!(a.idm_floor, b.idm_floor);
+        let after = evaluate(&runs, &runs, None, &quick(1)).unwrap();
+        assert_eq!(before.driven, after.driven);
+        let networks = [&before, &after].map(|e| e.closed_loop.as_ref().unwrap().trained.clone());
+        assert_eq!(networks[0], networks[1]);
+        assert_eq!(before.time_gap_shrinkage, after.time_gap_shrinkage);
+        for (mut a, mut b) in before.peers.into_iter().zip(after.peers) {
+            assert_ne!(a.laws.remove(&M::IdmFloor), b.laws.remove(&M::IdmFloor));
+            assert_eq!(a, b);
         }
     }
 
     #[test]
-    fn one_driver_has_no_population_and_each_needs_a_distance_law() {
-        let f = lines(&[1.5; 2]);
-        let one = evaluate(&runs()[..1], &f[..1], &f[..1], &QUICK);
+    fn one_person_has_no_others_and_each_driver_needs_an_f() {
+        let runs = runs(&[1.0, 1.5, 2.2]);
+        let one = evaluate(&runs[..1], &runs[..1], None, &quick(0));
         assert!(matches!(one, Err(FollowingError::TooFewDrivers { .. })));
-        let short = evaluate(&runs(), &f, &f, &QUICK);
+        let f = Distances {
+            own: lines(&[1.5; 2]),
+            mean: lines(&[1.5; 3]),
+        };
+        let short = evaluate(&runs, &runs, Some(&f), &quick(0));
         assert!(matches!(
             short,
             Err(FollowingError::LawCount {

@@ -1,12 +1,11 @@
 //! Made-up runs for the tests of this folder.
 
-use super::{
-    closed_loop::ClosedLoop,
+use crate::{
+    closed_loop::{ClosedLoop, simulate},
     error::FollowingError,
-    laws::idm::Idm,
     run::{FollowingColumns, FollowingRun, Stretch},
-    simulate,
 };
+use maveric_laws::Idm;
 
 pub(super) const RATE_HZ: f64 = 10.0;
 

@@ -26,22 +26,20 @@ pub enum FollowingMethod {
     IdmPopulation,
     /// The same with the driver's own time gap.
     IdmPopulationOwnTimeGap,
-    /// The same with the driver's own time gap and gap at standstill.
-    IdmPopulationOwnTimeGapAndStandstill,
-    /// IDM moved along the principal directions of the other drivers' own fits.
-    IdmPrincipalDirections,
-    /// V with the driver's own embedding, through a lag.
-    VelocityOwn,
-    /// The smaller of V's and F's commands, with the driver's own embedding.
-    VelocityAndDistanceOwn,
-    /// F with the driver's own embedding.
+    /// The same with the own time gap shrunken towards that of the other drivers.
+    IdmPopulationShrunkenTimeGap,
+    /// The model's following distance with the driver's own embedding.
     FollowingDistanceOwn,
-    /// F with the mean embedding: what personalising adds is the difference to it.
+    /// The same with the mean embedding: what personalising adds is the difference to it.
     FollowingDistanceMean,
     /// The network trained through its own closed loop, with the driver's own embedding.
     ClosedLoopOwn,
+    /// The same network with the own embedding shrunken towards the mean one.
+    ClosedLoopShrunken,
     /// The same network with the mean embedding.
     ClosedLoopMean,
+    /// The mean of what that network and IDM ask for, embedding and time gap shrunken alike.
+    ClosedLoopAndIdmShrunken,
     /// IDM fitted to the test rows themselves: about what it can do at all, and no prediction.
     IdmFloor,
 }
@@ -57,91 +55,121 @@ pub enum Knows {
     Test,
 }
 
+use FollowingMethod as M;
+
 impl FollowingMethod {
-    /// All methods, in the order of tables.
-    pub const ALL: [Self; 18] = [
-        Self::ConstantTimeGapOwn,
-        Self::ConstantTimeGapPopulation,
-        Self::NewellOwn,
-        Self::HellyOwn,
-        Self::HellyPopulation,
-        Self::GippsOwn,
-        Self::IdmOwn,
-        Self::IdmPopulation,
-        Self::IdmPopulationOwnTimeGap,
-        Self::IdmPopulationOwnTimeGapAndStandstill,
-        Self::IdmPrincipalDirections,
-        Self::VelocityOwn,
-        Self::VelocityAndDistanceOwn,
-        Self::FollowingDistanceOwn,
-        Self::FollowingDistanceMean,
-        Self::ClosedLoopOwn,
-        Self::ClosedLoopMean,
-        Self::IdmFloor,
+    /// All methods, in the order of tables, with their words in files and a few for a person to read.
+    const TABLE: [(Self, &'static str, &'static str); 17] = [
+        (
+            M::ConstantTimeGapOwn,
+            "constant_time_gap_own",
+            "constant time gap, own mean",
+        ),
+        (
+            M::ConstantTimeGapPopulation,
+            "constant_time_gap_population",
+            "constant time gap, population mean",
+        ),
+        (M::NewellOwn, "newell_own", "Newell, own"),
+        (M::HellyOwn, "helly_own", "Helly, own"),
+        (M::HellyPopulation, "helly_population", "Helly, population"),
+        (M::GippsOwn, "gipps_own", "Gipps, own"),
+        (M::IdmOwn, "idm_own", "IDM, own"),
+        (M::IdmPopulation, "idm_population", "IDM, population"),
+        (
+            M::IdmPopulationOwnTimeGap,
+            "idm_population_own_time_gap",
+            "IDM, population and own time gap",
+        ),
+        (
+            M::IdmPopulationShrunkenTimeGap,
+            "idm_population_shrunken_time_gap",
+            "IDM, population and shrunken time gap",
+        ),
+        (
+            M::FollowingDistanceOwn,
+            "following_distance_own",
+            "F, own embedding",
+        ),
+        (
+            M::FollowingDistanceMean,
+            "following_distance_mean",
+            "F, mean embedding",
+        ),
+        (
+            M::ClosedLoopOwn,
+            "closed_loop_own",
+            "network in closed loop, own embedding",
+        ),
+        (
+            M::ClosedLoopShrunken,
+            "closed_loop_shrunken",
+            "network in closed loop, shrunken embedding",
+        ),
+        (
+            M::ClosedLoopMean,
+            "closed_loop_mean",
+            "network in closed loop, mean embedding",
+        ),
+        (
+            M::ClosedLoopAndIdmShrunken,
+            "closed_loop_and_idm_shrunken",
+            "mean of network and IDM, both shrunken",
+        ),
+        (
+            M::IdmFloor,
+            "idm_floor",
+            "floor: IDM fitted to the test rows",
+        ),
     ];
+
+    /// What may be driven by default: what is best among these on the fit rows.
+    pub const CANDIDATES: [Self; 4] = [
+        M::IdmPopulationOwnTimeGap,
+        M::IdmPopulationShrunkenTimeGap,
+        M::ClosedLoopShrunken,
+        M::ClosedLoopAndIdmShrunken,
+    ];
+
+    /// Pairs to compare driver by driver: what personalising adds, and how each stands beside IDM with the own time gap.
+    pub const PAIRS: [(Self, Self); 10] = [
+        (M::ClosedLoopOwn, M::ClosedLoopMean),
+        (M::ClosedLoopShrunken, M::ClosedLoopMean),
+        (M::ClosedLoopShrunken, M::ClosedLoopOwn),
+        (M::IdmPopulationOwnTimeGap, M::IdmPopulation),
+        (M::IdmPopulationShrunkenTimeGap, M::IdmPopulation),
+        (M::FollowingDistanceOwn, M::FollowingDistanceMean),
+        (M::IdmPopulationShrunkenTimeGap, M::IdmPopulationOwnTimeGap),
+        (M::ClosedLoopShrunken, M::IdmPopulationOwnTimeGap),
+        (M::ClosedLoopAndIdmShrunken, M::IdmPopulationOwnTimeGap),
+        (M::ClosedLoopShrunken, M::IdmOwn),
+    ];
+
+    /// All methods, in the order of tables.
+    pub fn all() -> impl Iterator<Item = Self> {
+        Self::TABLE.iter().map(|row| row.0)
+    }
 
     /// Word used in files.
     pub fn as_str(self) -> &'static str {
-        match self {
-            Self::ConstantTimeGapOwn => "constant_time_gap_own",
-            Self::ConstantTimeGapPopulation => "constant_time_gap_population",
-            Self::NewellOwn => "newell_own",
-            Self::HellyOwn => "helly_own",
-            Self::HellyPopulation => "helly_population",
-            Self::GippsOwn => "gipps_own",
-            Self::IdmOwn => "idm_own",
-            Self::IdmPopulation => "idm_population",
-            Self::IdmPopulationOwnTimeGap => "idm_population_own_time_gap",
-            Self::IdmPopulationOwnTimeGapAndStandstill => {
-                "idm_population_own_time_gap_and_standstill"
-            }
-            Self::IdmPrincipalDirections => "idm_principal_directions",
-            Self::VelocityOwn => "velocity_own",
-            Self::VelocityAndDistanceOwn => "velocity_and_distance_own",
-            Self::FollowingDistanceOwn => "following_distance_own",
-            Self::FollowingDistanceMean => "following_distance_mean",
-            Self::ClosedLoopOwn => "closed_loop_own",
-            Self::ClosedLoopMean => "closed_loop_mean",
-            Self::IdmFloor => "idm_floor",
-        }
+        Self::TABLE[self as usize].1
+    }
+
+    /// A few words for a person to read.
+    pub fn label(self) -> &'static str {
+        Self::TABLE[self as usize].2
     }
 
     /// What the method knows of people before the test.
     pub fn knows(self) -> Knows {
         match self {
-            Self::ConstantTimeGapPopulation
-            | Self::HellyPopulation
-            | Self::IdmPopulation
-            | Self::FollowingDistanceMean
-            | Self::ClosedLoopMean => Knows::Population,
-            Self::IdmFloor => Knows::Test,
+            M::ConstantTimeGapPopulation
+            | M::HellyPopulation
+            | M::IdmPopulation
+            | M::FollowingDistanceMean
+            | M::ClosedLoopMean => Knows::Population,
+            M::IdmFloor => Knows::Test,
             _ => Knows::Driver,
-        }
-    }
-
-    /// A few words for a person to read.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::ConstantTimeGapOwn => "constant time gap, own mean",
-            Self::ConstantTimeGapPopulation => "constant time gap, population mean",
-            Self::NewellOwn => "Newell, own",
-            Self::HellyOwn => "Helly, own",
-            Self::HellyPopulation => "Helly, population",
-            Self::GippsOwn => "Gipps, own",
-            Self::IdmOwn => "IDM, own",
-            Self::IdmPopulation => "IDM, population",
-            Self::IdmPopulationOwnTimeGap => "IDM, population and own time gap",
-            Self::IdmPopulationOwnTimeGapAndStandstill => {
-                "IDM, population and own time gap, standstill"
-            }
-            Self::IdmPrincipalDirections => "IDM, others' principal directions",
-            Self::VelocityOwn => "V alone, own embedding",
-            Self::VelocityAndDistanceOwn => "V and F, smaller command, own embedding",
-            Self::FollowingDistanceOwn => "F, own embedding",
-            Self::FollowingDistanceMean => "F, mean embedding",
-            Self::ClosedLoopOwn => "network in closed loop, own embedding",
-            Self::ClosedLoopMean => "network in closed loop, mean embedding",
-            Self::IdmFloor => "floor: IDM fitted to the test rows",
         }
     }
 }
@@ -149,5 +177,19 @@ impl FollowingMethod {
 impl fmt::Display for FollowingMethod {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.as_str())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_method_stands_in_its_own_row_under_the_word_of_its_file() {
+        for method in FollowingMethod::all() {
+            assert_eq!(FollowingMethod::TABLE[method as usize].0, method);
+            let text = serde_json::to_string(&method).unwrap();
+            assert_eq!(text, format!("\"{method}\""));
+        }
     }
 }

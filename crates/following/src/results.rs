@@ -1,12 +1,8 @@
 //! What an evaluation gives: tables and series, ready for a file.
 
-use super::{
-    baselines::Baselines,
-    closed_loop_network::ClosedLoopStudy,
-    laws::helly::Gains,
-    method::{FollowingMethod, Knows},
-    open_loop::OpenLoop,
-    simulation_errors::SimulationErrors,
+use crate::{
+    closed_loop_network::ClosedLoopStudy, method::FollowingMethod, method::Knows, peers::Peers,
+    shrinkage::Shrinkage, simulation_errors::SimulationErrors,
 };
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +23,8 @@ pub struct MethodMean {
     pub method: FollowingMethod,
     /// Mean RMSE of the gap, in m.
     pub gap_rmse_m: f64,
+    /// Median over drivers of the RMSE of the gap, in m: a few drivers carry the mean.
+    pub gap_rmse_median_m: f64,
     /// Mean RMSE of the speed, in m/s.
     pub speed_rmse_mps: f64,
     /// Mean RMSE of the gap over the root mean square gap.
@@ -37,6 +35,37 @@ pub struct MethodMean {
     pub reached_zero: usize,
     /// Number of drivers.
     pub drivers: usize,
+}
+
+/// Two methods driver by driver: the RMSE of the gap under one less that under the other.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Compared {
+    /// The one.
+    pub method: FollowingMethod,
+    /// The other.
+    pub beside: FollowingMethod,
+    /// Mean difference, in m; below 0 where `method` is nearer.
+    pub mean_m: f64,
+    /// Lower end of its 95 % interval, drivers drawn with replacement; `None` with too few of them.
+    pub low_m: Option<f64>,
+    /// Upper end.
+    pub high_m: Option<f64>,
+    /// Median difference, in m.
+    pub median_m: f64,
+    /// For how many drivers `method` is nearer.
+    pub better: usize,
+    /// For how many it is further off.
+    pub worse: usize,
+}
+
+/// What is driven by default, and how that was chosen: each candidate on the last third of the *fit rows* of those who were
+/// learned from, after seeing the first two thirds of them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Choice {
+    /// What is driven: the least mean RMSE of the gap.
+    pub method: FollowingMethod,
+    /// Every candidate there.
+    pub means: Vec<MethodMean>,
 }
 
 /// Gap and speed under one method at the times of a [`TestSeries`].
@@ -70,14 +99,8 @@ pub struct TestSeries {
 pub struct DriverEvaluation {
     /// Name of the driver.
     pub driver: String,
-    /// One entry a method that was tried, in the order of [`FollowingMethod::ALL`].
+    /// One entry a method that was tried, in the order of [`FollowingMethod::all`].
     pub methods: Vec<MethodErrors>,
-    /// The gains with which F steered.
-    pub steering_gains: Gains,
-    /// RMSE of F with the own embedding against the recorded gap over test rows in which ego moves, in m, without driving.
-    pub open_loop_own_rmse_m: Option<f64>,
-    /// The same with the mean embedding.
-    pub open_loop_mean_rmse_m: Option<f64>,
     /// The test rows, to draw.
     pub series: TestSeries,
 }
@@ -85,14 +108,20 @@ pub struct DriverEvaluation {
 /// Every method on every driver's test rows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FollowingEvaluation {
+    /// How many people were learned from.
+    pub learned_from: usize,
+    /// What is driven by default; `None` without the network.
+    pub driven: Option<Choice>,
     /// One entry a driver, in the order of the runs.
     pub drivers: Vec<DriverEvaluation>,
-    /// One entry a method that was tried, in the order of [`FollowingMethod::ALL`].
+    /// One entry a method that was tried, in the order of [`FollowingMethod::all`].
     pub means: Vec<MethodMean>,
-    /// The laws that stand beside the networks.
-    pub baselines: Baselines,
-    /// Predictions without driving; empty unless somebody made them.
-    pub open_loop: Vec<OpenLoop>,
+    /// Pairs of methods driver by driver; empty unless somebody compared them.
+    pub compared: Vec<Compared>,
+    /// The laws that stand beside the networks, one entry a driver.
+    pub peers: Vec<Peers>,
+    /// How much of the logarithm of an own time gap to believe.
+    pub time_gap_shrinkage: Shrinkage,
     /// The network trained in closed loop; `None` if it was not trained.
     pub closed_loop: Option<ClosedLoopStudy>,
 }
@@ -113,6 +142,12 @@ impl FollowingEvaluation {
         method.knows() != Knows::Test && best.is_some_and(|b| b.method == method)
     }
 
+    /// The RMSE of the gap under `method` less that under `beside`, in m, a driver; empty unless both were tried.
+    pub fn differences_m(&self, method: FollowingMethod, beside: FollowingMethod) -> Vec<f64> {
+        let one = |d: &DriverEvaluation| Some(d.gap_rmse_m(method)? - d.gap_rmse_m(beside)?);
+        self.drivers.iter().filter_map(one).collect()
+    }
+
     /// The drivers whom `own` follows no better than `mean`, by the RMSE of the gap: whom personalising harms.
     pub fn harmed(&self, own: FollowingMethod, mean: FollowingMethod) -> Vec<&str> {
         self.drivers
@@ -131,5 +166,46 @@ impl DriverEvaluation {
     pub fn gap_rmse_m(&self, method: FollowingMethod) -> Option<f64> {
         let found = self.methods.iter().find(|m| m.method == method);
         found.map(|m| m.errors.gap_rmse_m)
+    }
+}
+
+impl MethodMean {
+    /// Over the drivers on whom `method` was tried; `None` without one.
+    pub(crate) fn of(method: FollowingMethod, drivers: &[DriverEvaluation]) -> Option<Self> {
+        let errors: Vec<SimulationErrors> = drivers
+            .iter()
+            .flat_map(|d| &d.methods)
+            .filter(|m| m.method == method)
+            .map(|m| m.errors)
+            .collect();
+        if errors.is_empty() {
+            return None;
+        }
+        let mean = |of: fn(&SimulationErrors) -> f64| {
+            errors.iter().map(of).sum::<f64>() / errors.len() as f64
+        };
+        let gaps: Vec<f64> = errors.iter().map(|e| e.gap_rmse_m).collect();
+        Some(Self {
+            method,
+            gap_rmse_m: mean(|e| e.gap_rmse_m),
+            gap_rmse_median_m: median(&gaps),
+            speed_rmse_mps: mean(|e| e.speed_rmse_mps),
+            nrmse: mean(|e| e.nrmse),
+            mixed: mean(|e| e.mixed),
+            reached_zero: errors.iter().filter(|e| e.reached_zero).count(),
+            drivers: errors.len(),
+        })
+    }
+}
+
+/// The middle of some numbers, or the mean of both in the middle; 0 without any.
+pub fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let n = sorted.len();
+    match n {
+        0 => 0.0,
+        _ if n % 2 == 1 => sorted[n / 2],
+        _ => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
     }
 }

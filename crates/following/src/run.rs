@@ -1,6 +1,6 @@
 //! One driver behind one leader, evenly sampled.
 
-use super::error::FollowingError;
+use crate::error::FollowingError;
 use maveric_domain::Drive;
 use std::ops::Range;
 
@@ -131,22 +131,48 @@ impl FollowingRun {
         Stretch { run: self, rows }
     }
 
+    /// The driver's rows as a run of their own: what can be tried before the test.
+    ///
+    /// # Errors
+    /// [`FollowingError::TooShort`] where fewer than four rows are left.
+    pub fn fit_alone(&self) -> Result<Self, FollowingError> {
+        let (c, end) = (&self.columns, self.test_start());
+        let columns = FollowingColumns {
+            time_s: c.time_s[..end].to_vec(),
+            leader_x_m: c.leader_x_m[..end].to_vec(),
+            lead_speed_mps: c.lead_speed_mps[..end].to_vec(),
+            ego_speed_mps: c.ego_speed_mps[..end].to_vec(),
+            gap_m: c.gap_m[..end].to_vec(),
+        };
+        Self::new(self.driver.clone(), self.rate_hz, columns)
+    }
+
     /// The rest.
     pub fn test(&self) -> Stretch<'_> {
         let rows = self.test_start()..self.rows();
         Stretch { run: self, rows }
     }
 
+    /// Whether both halves of the fit rows, and of the fit rows of those, have two rows.
+    pub(crate) fn long_enough(&self) -> Result<(), FollowingError> {
+        self.at_least(9)
+    }
+
+    fn at_least(&self, expected: usize) -> Result<(), FollowingError> {
+        if self.rows() >= expected {
+            return Ok(());
+        }
+        Err(FollowingError::TooShort {
+            driver: self.driver.clone(),
+            found: self.rows(),
+            expected,
+        })
+    }
+
     fn check(&self) -> Result<(), FollowingError> {
         let driver = || self.driver.clone();
+        self.at_least(MIN_ROWS)?;
         let expected = self.rows();
-        if expected < MIN_ROWS {
-            return Err(FollowingError::TooShort {
-                driver: driver(),
-                found: expected,
-                expected: MIN_ROWS,
-            });
-        }
         if !(self.rate_hz.is_finite() && self.rate_hz > 0.0) {
             return Err(FollowingError::BadRate {
                 driver: driver(),
@@ -195,6 +221,20 @@ impl FollowingRun {
 }
 
 impl Stretch<'_> {
+    /// Its first half and its second.
+    pub fn halves(&self) -> [Self; 2] {
+        let middle = self.rows.start + self.rows.len() / 2;
+        [self.rows.start..middle, middle..self.rows.end].map(|rows| Self {
+            run: self.run,
+            rows,
+        })
+    }
+
+    /// How long it lasts, in s.
+    pub fn seconds(&self) -> f64 {
+        self.rows.len() as f64 / self.run.rate_hz
+    }
+
     /// Rows of the run that it covers.
     pub fn rows(&self) -> Range<usize> {
         self.rows.clone()
@@ -272,6 +312,12 @@ mod tests {
         let run = FollowingRun::new("P01", 10.0, columns()).unwrap();
         assert_eq!(run.fit().rows(), 0..6);
         assert_eq!(run.test().rows(), 6..10);
+        let halves = run.test().halves();
+        assert_eq!([halves[0].rows(), halves[1].rows()], [6..8, 8..10]);
+        assert!((run.test().seconds() - 0.4).abs() < 1e-12);
+        let alone = run.fit_alone().unwrap();
+        assert_eq!(alone.columns().time_s, run.columns().time_s[..6]);
+        assert_eq!(alone.test().rows(), 4..6);
     }
 
     #[test]

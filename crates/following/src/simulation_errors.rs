@@ -1,6 +1,6 @@
 //! How far a closed-loop run is from the recording.
 
-use super::{closed_loop::ClosedLoop, run::Stretch};
+use crate::{closed_loop::ClosedLoop, run::Stretch};
 use serde::{Deserialize, Serialize};
 
 /// How far a closed-loop run is from the recording, over the rows after the first.

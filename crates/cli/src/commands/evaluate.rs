@@ -6,22 +6,26 @@ use maveric_study::stages::evaluate::{self, EvaluateOptions};
 
 /// Predict each drive's unseen last third in closed loop, beside car-following models
 ///
-/// Drives F and V of the model, a network trained here through its own simulated following, and constant time gap,
-/// Newell, Helly, Gipps and IDM calibrated to the first two thirds; prints the whole table.
+/// Trains a network through its own simulated following, calibrates constant time gap, Newell, Helly, Gipps and IDM to the first
+/// two thirds, drives by them and by F of a model, prints the whole table and says what is best on the fit rows.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example: maveric evaluate --model model.maveric --embeddings embeddings.csv --drives drives --out following.json"
+    after_help = "Examples: maveric evaluate --drives drives --model model.maveric --embeddings embeddings.csv --out following.json\n          \
+                  maveric evaluate --drives drives --learn other_drives --out following.json"
 )]
 pub(crate) struct Evaluate {
-    /// Trained model
-    #[arg(long)]
-    model: std::path::PathBuf,
-    /// Embeddings fitted to the first two thirds
-    #[arg(long)]
-    embeddings: std::path::PathBuf,
-    /// Folder of drives
+    /// Folder of the drives that are judged
     #[arg(long)]
     drives: std::path::PathBuf,
+    /// Folder of drives to learn from instead: their first two thirds; a drive in both is judged by the others
+    #[arg(long)]
+    learn: Option<std::path::PathBuf>,
+    /// Trained model, for F; left out without it
+    #[arg(long, requires = "embeddings")]
+    model: Option<std::path::PathBuf>,
+    /// Embeddings fitted to the first two thirds of the drives
+    #[arg(long, requires = "model")]
+    embeddings: Option<std::path::PathBuf>,
     /// Results to write (JSON)
     #[arg(long)]
     out: std::path::PathBuf,
@@ -42,9 +46,9 @@ pub(crate) struct Evaluate {
 impl Evaluate {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let options = EvaluateOptions {
-            model: self.model,
-            embeddings: self.embeddings,
             drives: self.drives,
+            learn: self.learn,
+            model: self.model.zip(self.embeddings),
             out: self.out,
             seed: self.seed,
             moving_above_mps: self.moving_above_mps,

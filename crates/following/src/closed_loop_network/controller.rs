@@ -4,11 +4,10 @@
     reason = "code for one processor must be inlined into the function compiled for it"
 )]
 
-use super::{super::laws::keep_distance::SafetyBound, layout::OUTPUTS};
+use super::layout::OUTPUTS;
+use maveric_laws::{LEAST_GAP_M, Rss};
 use serde::{Deserialize, Serialize};
 
-/// Gap below which the controller reads this gap, in m, so that a collision is a hard braking and not infinity.
-const LEAST_GAP_M: f64 = 0.1;
 /// Where the outputs are 0: 1.5 s, 2 m, 1 m/s² and 0.4 s²/m, an unremarkable driver.
 const USUAL: [f64; OUTPUTS] = [1.5, 2.0, 1.0, 0.4];
 
@@ -62,7 +61,7 @@ impl Parameters {
 
     /// a·(1 - (s*/gap)²), s* = s0 + max(0, v·T + c·v·(v - v_lead)), and never more than the safety bound allows.
     #[inline(always)]
-    pub(super) fn accel_mps2(&self, safety: &SafetyBound, gap: f64, v: f64, lead: f64) -> f64 {
+    pub(super) fn accel_mps2(&self, safety: &Rss, gap: f64, v: f64, lead: f64) -> f64 {
         let wanted = self.standstill_gap_m + self.moving_m(v, lead).max(0.0);
         let ratio = wanted / gap.max(LEAST_GAP_M);
         let steering = self.accel_mps2 * (1.0 - ratio * ratio);
@@ -80,7 +79,7 @@ impl Parameters {
     pub(super) fn back(
         &self,
         outputs: [f64; OUTPUTS],
-        safety: &SafetyBound,
+        safety: &Rss,
         (gap, v, lead): (f64, f64, f64),
         d_accel: f64,
     ) -> Back {

@@ -7,15 +7,17 @@
 
 mod controller;
 mod layout;
-mod seeds;
 mod settings;
+mod study;
 mod training;
 mod unrolled;
 
-pub use seeds::{ClosedLoopSeed, ClosedLoopStudy, study};
 pub use settings::ClosedLoopSettings;
+pub use study::{ClosedLoopSeed, ClosedLoopStudy, TrainedFor};
+pub(crate) use study::{study, train_all};
 
-use super::{FollowingError, SafetyBound, Stretch};
+use crate::{FollowingError, Stretch};
+use maveric_laws::Rss;
 use serde::{Deserialize, Serialize};
 use unrolled::World;
 
@@ -52,7 +54,7 @@ impl ClosedLoopNetwork {
     ///
     /// # Example
     /// ```
-    /// # use maveric_following::{FollowingColumns, FollowingRun, SafetyBound};
+    /// # use maveric_following::{FollowingColumns, FollowingRun, SAFETY};
     /// use maveric_following::closed_loop_network::{ClosedLoopNetwork, ClosedLoopSettings};
     /// # let n = 90;
     /// # let columns = FollowingColumns {
@@ -61,7 +63,7 @@ impl ClosedLoopNetwork {
     /// # };
     /// # let run = FollowingRun::new("P01", 10.0, columns)?;
     /// let settings = ClosedLoopSettings { iterations: 20, ..ClosedLoopSettings::default() };
-    /// let trained = ClosedLoopNetwork::train(&[run.fit()], &settings, SafetyBound::default(), 1)?;
+    /// let trained = ClosedLoopNetwork::train(&[run.fit()], &settings, SAFETY, 1)?;
     /// let w = trained.network.personalize(&run.fit(), &settings);
     /// let accel_mps2 = trained.network.accel_mps2(&w, 20.0, 10.0, 10.0);
     /// assert!(accel_mps2.abs() < 4.0);
@@ -70,7 +72,7 @@ impl ClosedLoopNetwork {
     pub fn train(
         drivers: &[Stretch<'_>],
         settings: &ClosedLoopSettings,
-        safety: SafetyBound,
+        safety: Rss,
         seed: u64,
     ) -> Result<TrainedClosedLoop, FollowingError> {
         training::train(drivers, settings, safety, seed)
@@ -123,7 +125,7 @@ impl ClosedLoopNetwork {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FollowingRun, SimulationErrors, made_up, simulate};
+    use crate::{FollowingRun, SAFETY, SimulationErrors, made_up, simulate};
 
     const QUICK: ClosedLoopSettings = ClosedLoopSettings {
         iterations: 120,
@@ -138,7 +140,7 @@ mod tests {
 
     fn train(runs: &[FollowingRun], seed: u64) -> TrainedClosedLoop {
         let fits: Vec<_> = runs.iter().map(FollowingRun::fit).collect();
-        ClosedLoopNetwork::train(&fits, &QUICK, SafetyBound::default(), seed).unwrap()
+        ClosedLoopNetwork::train(&fits, &QUICK, SAFETY, seed).unwrap()
     }
 
     fn gap_rmse_m(network: &ClosedLoopNetwork, run: &FollowingRun, w: &[f64]) -> f64 {
@@ -208,7 +210,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_trained_is_refused() {
-        let safety = SafetyBound::default();
+        let safety = SAFETY;
         let none = ClosedLoopNetwork::train(&[], &QUICK, safety, 1);
         assert!(matches!(none, Err(FollowingError::TooFewDrivers { .. })));
         let runs = drivers();

@@ -1,6 +1,6 @@
 //! How a network is made and trained in closed loop.
 
-use crate::FollowingError;
+use crate::{FollowingError, settings::check};
 use serde::{Deserialize, Serialize};
 
 /// How a network is made and trained in closed loop.
@@ -46,34 +46,18 @@ impl ClosedLoopSettings {
     };
 
     pub(super) fn check(&self) -> Result<(), FollowingError> {
-        let least = f64::MIN_POSITIVE;
-        for (name, found, least) in [
+        let above = f64::MIN_POSITIVE;
+        check(&[
             ("embedding_size", self.embedding_size as f64, 1.0),
             ("hidden_units", self.hidden_units as f64, 1.0),
-            ("segment_s", self.segment_s, least),
+            ("segment_s", self.segment_s, above),
             ("iterations", self.iterations as f64, 1.0),
-            ("learning_rate", self.learning_rate, least),
-            ("embedding_rate", self.embedding_rate, least),
+            ("learning_rate", self.learning_rate, above),
+            ("embedding_rate", self.embedding_rate, above),
             ("weight_decay", self.weight_decay, 0.0),
             ("embedding_prior", self.embedding_prior, 0.0),
             ("speed_weight", self.speed_weight, 0.0),
-        ] {
-            if !(found.is_finite() && found >= least) {
-                let expected = if least >= 1.0 {
-                    "at least 1"
-                } else if least > 0.0 {
-                    "a finite number above 0"
-                } else {
-                    "a finite number, 0 or above"
-                };
-                return Err(FollowingError::BadSetting {
-                    name,
-                    found,
-                    expected,
-                });
-            }
-        }
-        Ok(())
+        ])
     }
 }
 

@@ -6,7 +6,8 @@ use super::{
     layout::Layout,
     unrolled::{Batch, Gradient, LANES, World, gradient},
 };
-use crate::{FollowingError, SafetyBound, Stretch};
+use crate::{FollowingError, Stretch};
+use maveric_laws::Rss;
 use maveric_model::optimise::{Evaluated, cosine, polish};
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
@@ -23,7 +24,7 @@ const MOST_ITERATIONS: usize = 60;
 pub(super) fn train(
     drivers: &[Stretch<'_>],
     settings: &ClosedLoopSettings,
-    safety: SafetyBound,
+    safety: Rss,
     seed: u64,
 ) -> Result<TrainedClosedLoop, FollowingError> {
     settings.check()?;

@@ -6,13 +6,11 @@
 )]
 
 use super::{
-    super::{
-        closed_loop::{MAX_ACCEL_MPS2, MIN_ACCEL_MPS2},
-        laws::keep_distance::SafetyBound,
-    },
     controller,
     layout::{INPUTS, Layout, OUTPUTS},
 };
+use crate::closed_loop::{MAX_ACCEL_MPS2, MIN_ACCEL_MPS2};
+use maveric_laws::Rss;
 use pulp::Arch;
 
 /// Segments simulated abreast.
@@ -41,7 +39,7 @@ pub(super) struct Batch {
 pub(super) struct World {
     pub(super) layout: Layout,
     pub(super) scaling: controller::Scaling,
-    pub(super) safety: SafetyBound,
+    pub(super) safety: Rss,
     pub(super) step_s: f64,
     /// Weight of a squared error of 1 m.
     pub(super) gap_weight: f64,
@@ -101,6 +99,67 @@ fn step_of(tape: &mut [Lanes], layout: Layout, at: usize) -> Step<'_> {
     }
 }
 
+/// A network with the embeddings of a batch: what comes of them is the same at every step.
+struct Styled<'a> {
+    first_base: Vec<Lanes>,
+    last_base: Vec<Lanes>,
+    first: &'a [f64],
+    second: &'a [f64],
+    second_bias: &'a [f64],
+    last: &'a [f64],
+}
+
+impl<'a> Styled<'a> {
+    /// `w` gives number `k` of the embedding of a lane.
+    #[inline(always)]
+    fn of(layout: Layout, weights: &'a [f64], w: impl Fn(usize, usize) -> f64) -> Self {
+        let d = layout.embedding;
+        let base = |matrix: &[f64], biases: &[f64]| -> Vec<Lanes> {
+            let line = |(line, &bias): (&[f64], &f64)| -> Lanes {
+                std::array::from_fn(|lane| bias + (0..d).map(|k| line[k] * w(lane, k)).sum::<f64>())
+            };
+            matrix.chunks_exact(d).zip(biases).map(line).collect()
+        };
+        Self {
+            first_base: base(&weights[layout.style()], &weights[layout.first_bias()]),
+            last_base: base(&weights[layout.direct()], &weights[layout.last_bias()]),
+            first: &weights[layout.first()],
+            second: &weights[layout.second()],
+            second_bias: &weights[layout.second_bias()],
+            last: &weights[layout.last()],
+        }
+    }
+
+    #[inline(always)]
+    fn forward(
+        &self,
+        inputs: &[Lanes; INPUTS],
+        first: &mut [Lanes],
+        second: &mut [Lanes],
+        outputs: &mut [Lanes],
+    ) {
+        let h = first.len();
+        for (unit, y) in first.iter_mut().enumerate() {
+            let mut sum = self.first_base[unit];
+            multiply_add(
+                &mut sum,
+                &self.first[unit * INPUTS..(unit + 1) * INPUTS],
+                inputs,
+            );
+            *y = softsign(sum);
+        }
+        for (unit, y) in second.iter_mut().enumerate() {
+            let mut sum = [self.second_bias[unit]; LANES];
+            multiply_add(&mut sum, &self.second[unit * h..(unit + 1) * h], first);
+            *y = softsign(sum);
+        }
+        for (unit, y) in outputs.iter_mut().enumerate() {
+            *y = self.last_base[unit];
+            multiply_add(y, &self.last[unit * h..(unit + 1) * h], second);
+        }
+    }
+}
+
 /// Simulates the batch and goes back through it.
 ///
 /// # Source
@@ -125,22 +184,9 @@ fn there_and_back(world: &World, weights: &[f64], embeddings: &[f64], batch: &Ba
     let mut out = Gradient::zero(layout.len(), embeddings.len());
     let mut tape = vec![[0.0; LANES]; steps * (2 + 2 * h + OUTPUTS)];
 
-    // The embedding's part of the first and last layer is the same at every step.
     let w = |lane: usize, k: usize| embeddings[batch.drivers[lane] * d + k];
-    let from_style = |line: &[f64], bias: f64| -> Lanes {
-        std::array::from_fn(|lane| bias + (0..d).map(|k| line[k] * w(lane, k)).sum::<f64>())
-    };
-    let styled = |matrix: &[f64], biases: &[f64]| -> Vec<Lanes> {
-        matrix
-            .chunks_exact(d)
-            .zip(biases)
-            .map(|(line, &b)| from_style(line, b))
-            .collect()
-    };
-    let first_base = styled(&weights[layout.style()], &weights[layout.first_bias()]);
-    let last_base = styled(&weights[layout.direct()], &weights[layout.last_bias()]);
-    let (first, second) = (&weights[layout.first()], &weights[layout.second()]);
-    let (second_bias, last) = (&weights[layout.second_bias()], &weights[layout.last()]);
+    let network = Styled::of(layout, weights, w);
+    let (first, second, last) = (network.first, network.second, network.last);
 
     let (mut gap, mut speed) = (batch.gap_m[0], batch.speed_mps[0]);
     // Δgap and Δspeed after each step.
@@ -149,26 +195,12 @@ fn there_and_back(world: &World, weights: &[f64], embeddings: &[f64], batch: &Ba
         let step = step_of(&mut tape, layout, at);
         *step.gap_m = gap;
         *step.speed_mps = speed;
-        let inputs = inputs(world, &speed);
-        for (unit, y) in step.first.iter_mut().enumerate() {
-            let mut sum = first_base[unit];
-            multiply_add(
-                &mut sum,
-                &first[unit * INPUTS..(unit + 1) * INPUTS],
-                &inputs,
-            );
-            *y = softsign(sum);
-        }
-        for (unit, y) in step.second.iter_mut().enumerate() {
-            let mut sum = [second_bias[unit]; LANES];
-            multiply_add(&mut sum, &second[unit * h..(unit + 1) * h], step.first);
-            *y = softsign(sum);
-        }
-        for (unit, y) in step.outputs.iter_mut().enumerate() {
-            let mut sum = last_base[unit];
-            multiply_add(&mut sum, &last[unit * h..(unit + 1) * h], step.second);
-            *y = sum;
-        }
+        network.forward(
+            &inputs(world, &speed),
+            step.first,
+            step.second,
+            step.outputs,
+        );
         for l in 0..LANES {
             let o = std::array::from_fn(|k| step.outputs[k][l]);
             let (g, v, lead) = (gap[l], speed[l], batch.lead_mps[at][l]);
@@ -375,36 +407,17 @@ pub(super) fn parameters(
     embedding: &[f64],
     speed: f64,
 ) -> controller::Parameters {
-    let layout = world.layout;
-    let s = &world.scaling;
-    let inputs = [s.input(speed)];
-    let dot = |line: &[f64], x: &[f64]| line.iter().zip(x).map(|(a, b)| a * b).sum::<f64>();
-    let line = |range: std::ops::Range<usize>, row: usize, width: usize| {
-        let start = range.start + row * width;
-        &weights[start..start + width]
-    };
-    let (d, h) = (layout.embedding, layout.hidden);
-    let squash = |x: f64| x / (1.0 + x.abs());
-    let first: Vec<f64> = (0..h)
-        .map(|u| {
-            squash(
-                weights[layout.first_bias()][u]
-                    + dot(line(layout.style(), u, d), embedding)
-                    + dot(line(layout.first(), u, INPUTS), &inputs),
-            )
-        })
-        .collect();
-    let second: Vec<f64> = (0..h)
-        .map(|u| {
-            squash(weights[layout.second_bias()][u] + dot(line(layout.second(), u, h), &first))
-        })
-        .collect();
-    let outputs = std::array::from_fn(|k| {
-        weights[layout.last_bias()][k]
-            + dot(line(layout.direct(), k, d), embedding)
-            + dot(line(layout.last(), k, h), &second)
-    });
-    controller::Parameters::of(outputs)
+    let h = world.layout.hidden;
+    let network = Styled::of(world.layout, weights, |_, k| embedding[k]);
+    let (mut first, mut second) = (vec![[0.0; LANES]; h], vec![[0.0; LANES]; h]);
+    let mut outputs = [[0.0; LANES]; OUTPUTS];
+    network.forward(
+        &inputs(world, &[speed; LANES]),
+        &mut first,
+        &mut second,
+        &mut outputs,
+    );
+    controller::Parameters::of(outputs.map(|lanes| lanes[0]))
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ pub enum Follower {
     Model,
     /// The network with the mean embedding of the training drivers.
     MeanEmbedding,
-    /// The network trained in closed loop, with the driver's own embedding.
+    /// The network trained in closed loop, with the driver's own embedding shrunken towards the mean one.
     ClosedLoop,
     /// The same with the mean embedding.
     ClosedLoopMean,
@@ -40,7 +40,7 @@ impl Follower {
             Self::Recorded => "recorded",
             Self::Model => "F, own embedding",
             Self::MeanEmbedding => "F, mean embedding",
-            Self::ClosedLoop => "network in closed loop, own",
+            Self::ClosedLoop => "network in closed loop, shrunken",
             Self::ClosedLoopMean => "network in closed loop, mean",
             Self::Idm => "IDM, own",
             Self::Floor => "floor",

@@ -10,6 +10,8 @@ pub struct FollowingRow {
     pub model: String,
     /// Root-mean-square error of the gap, in metres.
     pub gap_rmse_m: Option<f64>,
+    /// Median over drivers of the same, in metres.
+    pub gap_rmse_median_m: Option<f64>,
     /// Root-mean-square error of the speed, in m/s.
     pub speed_rmse_mps: Option<f64>,
     /// The gap's error over the root mean square of the gap.
@@ -30,6 +32,7 @@ pub fn following_errors(rows: &[FollowingRow], data_set: &str, drivers: usize) -
         columns: vec![
             Column::left("Model"),
             Column::right("Gap RMSE (m)"),
+            Column::right("Median (m)"),
             Column::right("Speed RMSE (m/s)"),
             Column::right("Gap NRMSE"),
             Column::right("Mixed error"),
@@ -48,6 +51,7 @@ pub fn following_errors(rows: &[FollowingRow], data_set: &str, drivers: usize) -
                         row.model.clone()
                     }),
                     Cell::number(row.gap_rmse_m, 2),
+                    Cell::number(row.gap_rmse_median_m, 2),
                     Cell::number(row.speed_rmse_mps, 2),
                     Cell::number(row.gap_nrmse, 3),
                     Cell::number(row.mixed, 3),

@@ -1,6 +1,6 @@
 //! `evaluate`: how well each driver's unseen last third is predicted in closed loop.
 
-mod learned;
+mod compare;
 mod text;
 
 use crate::{
@@ -10,22 +10,22 @@ use crate::{
     stages::train::read_model,
     tables::{drives::read_drives, embeddings::read_embeddings},
 };
-use learned::Learned;
 use maveric_following::{
-    Baselines, ClosedLoopSettings, FollowingEvaluation, FollowingRun, FollowingSettings,
-    closed_loop_network::study, evaluate_beside,
+    DistanceLaw, Distances, FollowingEvaluation, FollowingRun, FollowingSettings,
+    evaluate as evaluate_following,
 };
-use std::path::PathBuf;
+use maveric_model::Predictor;
+use std::path::{Path, PathBuf};
 
 /// What to evaluate.
 #[derive(Debug, Clone)]
 pub struct EvaluateOptions {
-    /// Trained model.
-    pub model: PathBuf,
-    /// Embeddings fitted to the first two thirds.
-    pub embeddings: PathBuf,
-    /// Folder of drives.
+    /// Folder of the drives that are judged.
     pub drives: PathBuf,
+    /// Folder of the drives whose people are learned from; without it those who are judged, each from the others.
+    pub learn: Option<PathBuf>,
+    /// A trained model, and embeddings fitted to the first two thirds of the drives; without them F is left out.
+    pub model: Option<(PathBuf, PathBuf)>,
     /// Results to write.
     pub out: PathBuf,
     /// Root of every random choice.
@@ -36,8 +36,8 @@ pub struct EvaluateOptions {
     pub closed_loop_seeds: usize,
 }
 
-/// Simulates every driver's last third behind the recorded leader: by F and V of the model, by a network that is
-/// trained here through its own simulated following, and by the baselines.
+/// Simulates every driver's last third behind the recorded leader: by a network that is trained here through its own simulated
+/// following, by laws that are fitted here, and by F of a model.
 ///
 /// # Errors
 /// [`StudyError`] if an input cannot be read, a drive has no embedding, or has rows without a lead vehicle.
@@ -45,56 +45,31 @@ pub fn evaluate(
     options: &EvaluateOptions,
     watch: Watch<'_>,
 ) -> Result<Outcome<FollowingEvaluation>, StudyError> {
-    let model = read_model(&options.model)?;
-    if !model.learned().following_distance {
-        return Err(StudyError::file(
-            &options.model,
-            "learned no following distance: its drives had no following rows",
-        ));
-    }
-    let embeddings = read_embeddings(&options.embeddings)?;
-    let (mut runs, mut own) = (Vec::new(), Vec::new());
-    for drive in read_drives(&options.drives)? {
-        let id = drive.meta().drive.clone();
-        let Some(row) = embeddings.iter().find(|e| e.drive == id) else {
-            return Err(StudyError::file(
-                &options.embeddings,
-                format!("has no embedding of drive `{id}`"),
-            ));
-        };
-        runs.push(FollowingRun::from_drive(&drive)?);
-        own.push(row.embedding.clone());
-    }
+    watch.step(0, 2, "laws and networks")?;
+    let judged = read_runs(&options.drives)?;
+    let learned = match &options.learn {
+        Some(folder) => read_runs(folder)?,
+        None => judged.clone(),
+    };
     let settings = FollowingSettings {
         seed: options.seed,
         moving_above_mps: options.moving_above_mps,
+        closed_loop_seeds: options.closed_loop_seeds,
         ..FollowingSettings::default()
     };
-    let learned = Learned::new(&model, &own)?;
-    watch.step(0, 3, "baselines")?;
-    let baselines = Baselines::calibrate(&runs, &settings)?;
-    watch.step(1, 3, "network in closed loop")?;
-    let closed_loop = if options.closed_loop_seeds > 0 {
-        let how = ClosedLoopSettings::default();
-        Some(study(&runs, &how, &settings, options.closed_loop_seeds)?)
-    } else {
-        None
-    };
-    watch.step(2, 3, "driving")?;
-    let mut others = learned.velocity(&runs, &baselines, &settings);
-    if let Some(study) = &closed_loop {
-        others.extend(learned::closed_loop(study));
-    }
-    let (own_f, mean_f) = learned.distances();
-    let mut found = evaluate_beside(&runs, &baselines, &own_f, &mean_f, &others, &settings)?;
-    found.open_loop = learned.open_loop(&runs, &baselines, &settings);
-    drop(others);
-    found.closed_loop = closed_loop;
-    watch.step(3, 3, "driving")?;
+    let model = options.model.as_ref();
+    let f = model
+        .map(|(model, embeddings)| read_distances(model, embeddings, &judged))
+        .transpose()?;
+    let mut found = evaluate_following(&judged, &learned, f.as_ref(), &settings)?;
+    watch.step(1, 2, "comparing")?;
+    found.compared = compare::pairs(&found, options.seed)?;
     write_json(&options.out, &found)?;
+    watch.step(2, 2, "comparing")?;
     let mut summary = vec![format!(
-        "{} drivers, last third of each drive, closed loop: {}",
-        runs.len(),
+        "{} drivers, last third of each drive, closed loop; learned from {} people: {}",
+        judged.len(),
+        learned.len(),
         options.out.display()
     )];
     summary.extend(text::lines(&found));
@@ -102,5 +77,46 @@ pub fn evaluate(
         value: found,
         summary,
         warnings: Vec::new(),
+    })
+}
+
+fn read_runs(folder: &Path) -> Result<Vec<FollowingRun>, StudyError> {
+    let drives = read_drives(folder)?;
+    let runs = drives.iter().map(FollowingRun::from_drive);
+    Ok(runs.collect::<Result<_, _>>()?)
+}
+
+/// F of each driver with the own and with the mean embedding.
+fn read_distances(
+    model_file: &Path,
+    embeddings_file: &Path,
+    judged: &[FollowingRun],
+) -> Result<Distances<'static>, StudyError> {
+    let model = read_model(model_file)?;
+    if !model.learned().following_distance {
+        return Err(StudyError::file(
+            model_file,
+            "learned no following distance: its drives had no following rows",
+        ));
+    }
+    let embeddings = read_embeddings(embeddings_file)?;
+    let by = |predictor: Predictor| -> DistanceLaw<'static> {
+        Box::new(move |speed| predictor.following_distance(speed))
+    };
+    let mean = Predictor::new(&model, model.mean_embedding())?;
+    let own = judged
+        .iter()
+        .map(|run| {
+            let id = run.driver();
+            let row = embeddings.iter().find(|e| e.drive.as_str() == id);
+            let row = row.ok_or_else(|| {
+                StudyError::file(embeddings_file, format!("has no embedding of drive `{id}`"))
+            })?;
+            Ok(by(Predictor::new(&model, &row.embedding)?))
+        })
+        .collect::<Result<_, StudyError>>()?;
+    Ok(Distances {
+        own,
+        mean: judged.iter().map(|_| by(mean.clone())).collect(),
     })
 }

@@ -43,7 +43,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("simulate", 3),
         ("measure", 1),
         ("rate", 1),
-        ("evaluate", 2),
+        ("evaluate", 3),
         ("stats", 4),
         ("ablate", 1),
         ("validate", 1),

@@ -34,7 +34,7 @@ fn the_gradient_through_the_closed_loop_is_the_difference_quotient() {
             speed_mean_mps: 14.0,
             speed_sd_mps: 3.0,
         },
-        safety: SafetyBound::default(),
+        safety: crate::SAFETY,
         step_s: 0.1,
         gap_weight: 0.02,
         speed_weight: 0.1,
@@ -93,7 +93,7 @@ fn braking_to_a_stop_and_the_bounds_have_the_slopes_of_their_branches() {
         assert!((d_v - by_v).abs() < 1e-4, "{v} {a}: {d_v} {by_v}");
         assert!((d_a - by_a).abs() < 1e-4, "{v} {a}: {d_a} {by_a}");
     }
-    let safety = SafetyBound::default();
+    let safety = crate::SAFETY;
     // A gap at which the bound commands: 3 m at 10 m/s behind 9 m/s.
     let asked = controller::Parameters::of([0.0; OUTPUTS]);
     for (g, v, lead) in [(3.0, 10.0, 9.0), (25.0, 10.0, 9.0)] {

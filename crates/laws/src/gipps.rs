@@ -1,14 +1,12 @@
 //! Gipps' law.
 
-use super::Parametric;
 use serde::{Deserialize, Serialize};
 
 /// Gipps' law: the speed at which ego can still stop behind a leader that brakes, reached within the reaction time.
 ///
 /// # Source
 /// Gipps 1981, with his choice of half a reaction time as margin. He steps by the reaction time; here the speed it
-/// asks for at the end of that time is approached evenly, so that the law can be asked at any rate. The bounds of the
-/// calibration are ours: reaction time 0.1-3 s, expected braking of the leader 0.1-8 m/s², the rest as for IDM.
+/// asks for at the end of that time is approached evenly, so that the law can be asked at any rate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Gipps {
     /// Speed on a free road, in m/s.
@@ -27,6 +25,7 @@ pub struct Gipps {
 
 impl Gipps {
     /// Acceleration, in m/s².
+    #[inline]
     pub fn accel_mps2(&self, gap_m: f64, ego_speed_mps: f64, lead_speed_mps: f64) -> f64 {
         let (v, tau, b) = (ego_speed_mps, self.reaction_s, self.ego_braking_mps2);
         let share = v / self.desired_speed_mps;
@@ -36,32 +35,6 @@ impl Gipps {
         let room = 2.0 * (gap_m - self.standstill_gap_m) - v * tau + lead_stops;
         let safe = (b * b * tau * tau + b * room).max(0.0).sqrt() - b * tau;
         (free.min(safe.max(0.0)) - v) / tau
-    }
-}
-
-impl Parametric for Gipps {
-    const BOUNDS: &'static [(f64, f64)] = &[
-        (20.0, 50.0),
-        (0.1, 3.0),
-        (0.1, 10.0),
-        (0.1, 4.0),
-        (0.1, 6.0),
-        (0.1, 8.0),
-    ];
-
-    fn from_parameters(p: &[f64]) -> Self {
-        Self {
-            desired_speed_mps: p[0],
-            reaction_s: p[1],
-            standstill_gap_m: p[2],
-            max_accel_mps2: p[3],
-            ego_braking_mps2: p[4],
-            lead_braking_mps2: p[5],
-        }
-    }
-
-    fn accel_mps2(&self, gap_m: f64, ego_speed_mps: f64, lead_speed_mps: f64) -> f64 {
-        Self::accel_mps2(self, gap_m, ego_speed_mps, lead_speed_mps)
     }
 }
 

@@ -1,0 +1,119 @@
+//! The Intelligent Driver Model and its improved form.
+
+use crate::LEAST_GAP_M;
+use serde::{Deserialize, Serialize};
+
+/// The Intelligent Driver Model: a·(1 − (v/v0)⁴ − (s*/gap)²), s* = s0 + max(0, v·T + v·(v − v_lead)/(2√(a·b))).
+///
+/// # Source
+/// Treiber, Hennecke and Helbing 2000.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Idm {
+    /// v0: speed on a free road, in m/s.
+    pub desired_speed_mps: f64,
+    /// T: time gap, in s.
+    pub time_gap_s: f64,
+    /// s0: gap at standstill, in m.
+    pub standstill_gap_m: f64,
+    /// a: greatest acceleration, in m/s².
+    pub max_accel_mps2: f64,
+    /// b: comfortable braking, in m/s².
+    pub comfortable_braking_mps2: f64,
+}
+
+impl Idm {
+    /// s*: the gap wanted at these speeds, in m.
+    #[inline]
+    pub fn desired_gap_m(&self, ego_speed_mps: f64, lead_speed_mps: f64) -> f64 {
+        let v = ego_speed_mps;
+        let braking = 2.0 * (self.max_accel_mps2 * self.comfortable_braking_mps2).sqrt();
+        let dynamic = v * self.time_gap_s + v * (v - lead_speed_mps) / braking;
+        self.standstill_gap_m + dynamic.max(0.0)
+    }
+
+    /// Acceleration, in m/s².
+    #[inline]
+    pub fn accel_mps2(&self, gap_m: f64, ego_speed_mps: f64, lead_speed_mps: f64) -> f64 {
+        let desired = self.desired_gap_m(ego_speed_mps, lead_speed_mps);
+        let free = (ego_speed_mps / self.desired_speed_mps).powi(4);
+        self.max_accel_mps2 * (1.0 - free - (desired / gap_m.max(LEAST_GAP_M)).powi(2))
+    }
+
+    /// Acceleration by the improved model, in m/s²; `gap_factor` multiplies the wanted gap: below 1 for a driver who is
+    /// about to pass.
+    ///
+    /// # Source
+    /// Treiber and Kesting, Traffic Flow Dynamics (2013), section 11.3.7: unlike the first model its equilibrium gap does
+    /// not grow near the desired speed.
+    pub fn improved_accel_mps2(
+        &self,
+        gap_m: f64,
+        ego_speed_mps: f64,
+        lead_speed_mps: f64,
+        gap_factor: f64,
+    ) -> f64 {
+        let (a, b) = (self.max_accel_mps2, self.comfortable_braking_mps2);
+        let ratio = ego_speed_mps / self.desired_speed_mps;
+        let free = if ratio <= 1.0 {
+            a * (1.0 - ratio.powi(4))
+        } else {
+            -b * (1.0 - ratio.powf(-4.0 * a / b))
+        };
+        if gap_m == f64::INFINITY {
+            return free;
+        }
+        let desired = gap_factor * self.desired_gap_m(ego_speed_mps, lead_speed_mps);
+        let z = desired / gap_m.max(LEAST_GAP_M);
+        match (ratio <= 1.0, z >= 1.0) {
+            (true, true) => a * (1.0 - z * z),
+            (true, false) if free > 1e-6 => free * (1.0 - z.powf(2.0 * a / free)),
+            (false, true) => free + a * (1.0 - z * z),
+            (_, false) => free,
+        }
+    }
+
+    /// The same driver with another time gap, in s.
+    #[must_use]
+    pub fn with_time_gap_s(self, time_gap_s: f64) -> Self {
+        Self { time_gap_s, ..self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DRIVER: Idm = Idm {
+        desired_speed_mps: 30.0,
+        time_gap_s: 1.2,
+        standstill_gap_m: 2.0,
+        max_accel_mps2: 1.4,
+        comfortable_braking_mps2: 2.5,
+    };
+
+    #[test]
+    fn the_gap_at_which_idm_keeps_its_speed_is_the_published_one() {
+        let v: f64 = 20.0;
+        let gap = (2.0 + v * 1.2) / (1.0 - (v / 30.0).powi(4)).sqrt();
+        assert!(DRIVER.accel_mps2(gap, v, v).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_gap_of_zero_is_a_hard_braking_and_an_infinite_one_a_free_road() {
+        let accel = DRIVER.accel_mps2(0.0, 10.0, 10.0);
+        assert!(accel.is_finite() && accel < -8.0);
+        assert!(DRIVER.accel_mps2(f64::INFINITY, 30.0, 30.0).abs() < 1e-12);
+        let free = DRIVER.improved_accel_mps2(f64::INFINITY, 33.0, 33.0, 1.0);
+        assert!(free < -0.3);
+    }
+
+    #[test]
+    fn the_improved_equilibrium_gap_is_the_time_gap_even_near_the_desired_speed() {
+        for speed in [15.0, 29.9] {
+            let gap = 2.0 + 1.2 * speed;
+            assert!(DRIVER.improved_accel_mps2(gap, speed, speed, 1.0).abs() < 1e-9);
+            let half = DRIVER.improved_accel_mps2(0.5 * gap, speed, speed, 0.5);
+            assert!(half.abs() < 1e-9);
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! Laws of car-following and lane changing as pure functions of plain numbers.
+//!
+//! Gaps are bumper to bumper, in m; an infinite gap is a free road. A law knows nothing of who asks it.
+
+mod gipps;
+mod helly;
+mod idm;
+mod mobil;
+mod newell;
+mod rss;
+
+pub use gipps::Gipps;
+pub use helly::{Gains, Helly};
+pub use idm::Idm;
+pub use mobil::{Mobil, Sides};
+pub use newell::newell_accel_mps2;
+pub use rss::Rss;
+
+/// Gap below which a law reads this gap, in m, so that a collision is a hard braking and not infinity.
+pub const LEAST_GAP_M: f64 = 0.1;
