@@ -69,14 +69,14 @@ fn from_logs_and_answers_to_the_report() {
         .failed(1, &["mine", "not empty"]);
     let settings = ["--set", "epochs=2", "--set", "duration=60", "-j", "2"];
     let run = study
-        .maveric(&[&["run", "mine/pipelines/study.toml"][..], &settings].concat())
+        .maveric_in("mine", &[&["run"][..], &settings].concat())
         .ok();
     assert!(run.stdout.contains("index.html"), "{}", run.stdout);
     let page = read(&study.path("mine/report/index.html"));
     // The sample was made up, its logs say so, and so does the page.
     assert!(page.contains("ynthetic participants") && !page.contains("NaN"));
     assert!(page.contains("McDonald") && page.contains("Reliability"));
-    let answered = read(&study.path("mine/results/surveys.csv"));
+    let answered = read(&study.path("mine/results/answers.csv"));
     for moment in [",pre,adb,", ",mimic,jian_trust,", ",perpendicular,rosas,"] {
         assert!(answered.contains(moment), "{moment}");
     }
@@ -101,7 +101,7 @@ fn from_logs_and_answers_to_the_report() {
         4
     );
     let again = study
-        .maveric(&[&["run", "mine/pipelines/study.toml"][..], &settings].concat())
+        .maveric_in("mine", &[&["run"][..], &settings].concat())
         .ok();
     assert!(again.stdout.contains("nothing was run"), "{}", again.stdout);
 }
@@ -292,7 +292,7 @@ fn what_is_given_away_names_nobody() {
             .skip(1)
             .map(|l| {
                 l.split(',')
-                    .skip(5)
+                    .skip(4)
                     .map(|v| v.chars().take(4).collect::<String>())
                     .collect::<Vec<_>>()
                     .join(",")
@@ -303,7 +303,7 @@ fn what_is_given_away_names_nobody() {
     };
     assert_eq!(
         ingest("mine/logs/study2", "before"),
-        ingest("shared/logs/study2", "after")
+        ingest("shared/logs", "after")
     );
     export("nowhere", "none").failed(1, &["nowhere"]);
     study.write("short", "abc");

@@ -9,6 +9,8 @@
     reason = "each test file uses its own part of this, and a test stops at the first surprise"
 )]
 
+pub mod own_logs;
+
 use std::{
     path::{Path, PathBuf},
     process::{Command, Output},
@@ -85,6 +87,12 @@ impl TempStudy {
 
     pub fn maveric(&self, args: &[&str]) -> Ran {
         Ran::from(self.command(args).output().unwrap())
+    }
+
+    /// The program run in a folder below this one, such as a study's own.
+    pub fn maveric_in(&self, folder: &str, args: &[&str]) -> Ran {
+        let mut command = self.command(args);
+        Ran::from(command.current_dir(self.path(folder)).output().unwrap())
     }
 }
 

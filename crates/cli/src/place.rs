@@ -4,8 +4,39 @@ use crate::diagnostics::Failure;
 use maveric_pipeline::{Pipeline, Place, Program, Settings, command_line, parse_override};
 use std::path::{Path, PathBuf};
 
-/// The pipeline that runs when none is named.
-pub(crate) const DEFAULT_PIPELINE: &str = "pipelines/paper.toml";
+/// The pipeline of the folder one stands in: that of its study, else the paper's.
+pub(crate) const DEFAULT_PIPELINE: &str = ".";
+/// The paper's.
+const PAPER_PIPELINE: &str = "pipelines/paper.toml";
+/// A study's own pipeline, where it has one.
+const OWN_PIPELINE: &str = "pipelines/study.toml";
+/// Where the pipeline that follows from a study's design is written.
+const DESIGNED_PIPELINE: &str = ".study.toml";
+
+/// The file that was named; for the folder one stands in, with a `study.toml` its own pipeline, else the one that follows from the
+/// design; without, the paper's.
+fn named(file: &Path) -> Result<PathBuf, Failure> {
+    if file != Path::new(DEFAULT_PIPELINE) {
+        return Ok(file.to_owned());
+    }
+    if !Path::new(maveric_study::design::DESIGN_FILE).is_file() {
+        return Ok(PathBuf::from(PAPER_PIPELINE));
+    }
+    if Path::new(OWN_PIPELINE).is_file() {
+        return Ok(PathBuf::from(OWN_PIPELINE));
+    }
+    let doing = "could not make the study's pipeline";
+    let study = maveric_study::DesignFile::find(None).map_err(Failure::study(doing))?;
+    maveric_study::check_design(&study).map_err(Failure::study(doing))?;
+    let text = maveric_study::design_pipeline(&study);
+    let file = PathBuf::from(DESIGNED_PIPELINE);
+    if std::fs::read_to_string(&file).is_ok_and(|there| there == text) {
+        return Ok(file);
+    }
+    maveric_study::atomic_write::atomic_write_bytes(&file, text.as_bytes())
+        .map_err(Failure::study(doing))?;
+    Ok(file)
+}
 
 /// What every command about a pipeline takes.
 #[derive(Debug, clap::Args)]
@@ -34,6 +65,7 @@ impl PipelineArgs {
 
     /// Reads the pipeline with its parameters changed as asked for.
     pub(crate) fn read(&self, file: &Path) -> Result<Pipeline, Failure> {
+        let file = &named(file)?;
         let set: Result<Vec<_>, _> = self.set.iter().map(|text| parse_override(text)).collect();
         let root = root(file)?;
         let settings = Settings {
@@ -59,6 +91,18 @@ impl PipelineArgs {
     }
 }
 
+/// What one should know of the study of the folder one stands in; nothing where it is none, or another pipeline was named.
+pub(crate) fn study_notes(file: &Path) -> Result<Vec<String>, Failure> {
+    if file != Path::new(DEFAULT_PIPELINE)
+        || !Path::new(maveric_study::design::DESIGN_FILE).is_file()
+    {
+        return Ok(Vec::new());
+    }
+    let doing = "could not tell what is in the study";
+    let study = maveric_study::DesignFile::find(None).map_err(Failure::study(doing))?;
+    maveric_study::study_notes(&study, Path::new("results")).map_err(Failure::study(doing))
+}
+
 /// The project's root: above `pipelines/`, else the current folder.
 fn root(file: &Path) -> Result<PathBuf, Failure> {
     let doing = "could not find the project's folder";
@@ -76,6 +120,7 @@ fn root(file: &Path) -> Result<PathBuf, Failure> {
 /// Where the pipeline of `file` runs: its root, the ledger beside the pipeline file, and this program
 /// under its own name.
 pub(crate) fn place(file: &Path) -> Result<Place, Failure> {
+    let file = &named(file)?;
     let doing = "could not find this program's own file";
     let program = std::env::current_exe().map_err(|e| Failure::io(doing, e))?;
     let folder = file.parent().unwrap_or(Path::new(""));

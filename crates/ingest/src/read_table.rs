@@ -3,9 +3,12 @@
 use crate::{
     assemble::{Target, assemble},
     error::IngestError,
-    mapping::{FrameKind, Layout, Mapping, RoadMapping, names::meta_within},
+    mapping::{FrameKind, Layout, Mapping, RoadMapping, TableMapping, names::meta_within},
     quality::{Warning, WarningKind},
-    raw::table::{self, TableDrive},
+    raw::table::{
+        self, TableDrive,
+        open::{Kind, Table},
+    },
     settings::Ingested,
 };
 use std::path::Path;
@@ -29,6 +32,7 @@ pub(crate) fn read_table(
     let columns = mapping.table.as_ref().ok_or_else(no_mapping)?;
     let mapped = mapping.road.unwrap_or(RoadMapping::UNKNOWN);
     let drives = table::read(path, columns, &mapped, max_gap_s)?;
+    let told = told_by_columns(path, mapping, columns)?;
     let several = columns.layout == Layout::Long;
     let headed = several && columns.columns.heading.is_some();
     let mut found = Vec::new();
@@ -36,7 +40,7 @@ pub(crate) fn read_table(
     let mut sparse = 0;
     for drive in drives {
         let TableDrive {
-            captures,
+            mut captures,
             road,
             lane_steps,
             raw,
@@ -51,6 +55,7 @@ pub(crate) fn read_table(
             own_lane_only: road.lanes == 1 && !headed,
             ..Target::mapped(&road, rate_hz, max_gap_s)
         };
+        captures.extend(told.iter().cloned());
         let (meta, told) = meta_within(path, mapping.names.as_ref(), &captures)?;
         if !told {
             let what = "the file's name does not fit the mapping's pattern: it is the drive's name";
@@ -90,4 +95,45 @@ pub(crate) fn read_table(
         (Some(_), None) => {}
     }
     Ok(found)
+}
+
+/// What columns of the table say throughout, for the names of drives.
+fn told_by_columns(
+    path: &Path,
+    mapping: &Mapping,
+    table: &TableMapping,
+) -> Result<Vec<(String, String)>, IngestError> {
+    let Some(names) = mapping.names.as_ref().filter(|n| !n.columns.is_empty()) else {
+        return Ok(Vec::new());
+    };
+    let bytes = std::fs::read(path).map_err(|e| IngestError::io(path, e))?;
+    let wanted: Vec<(&str, Kind)> = names
+        .columns
+        .values()
+        .map(|column| (column.as_str(), Kind::Word))
+        .collect();
+    let read = Table::open(path, bytes, table.into(), &wanted)?;
+    let mut told = Vec::new();
+    for (name, column) in &names.columns {
+        let mut words: Vec<String> = read.words(column)?.into_iter().flatten().collect();
+        words.sort();
+        words.dedup();
+        match words.as_slice() {
+            [one] => told.push((name.clone(), one.clone())),
+            words => {
+                return Err(IngestError::BadTable {
+                    path: path.to_owned(),
+                    reason: format!(
+                        "column `{column}` holds {}, expected one word throughout a file: the names of drives take it from there",
+                        if words.is_empty() {
+                            "nothing".to_owned()
+                        } else {
+                            words.join(", ")
+                        }
+                    ),
+                });
+            }
+        }
+    }
+    Ok(told)
 }

@@ -3,9 +3,13 @@
 use crate::{
     atomic_write::read_text,
     error::StudyError,
-    tables::participants::{Enrolled, read_enrolled},
+    tables::{
+        drives::read_drives,
+        participants::{Enrolled, read_enrolled},
+    },
 };
-use maveric_domain::{ConditionId, Design, DriveMeta, ParticipantId};
+use maveric_domain::{ConditionId, Design, Drive, ParticipantId};
+use maveric_participants::Part;
 use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
@@ -53,6 +57,18 @@ impl DesignFile {
             Some(path) => Self::read(path),
             None if Path::new(DESIGN_FILE).is_file() => Self::read(Path::new(DESIGN_FILE)),
             None => Self::paper(),
+        }
+    }
+
+    /// The design that was asked for; else `study.toml` of the folder one stands in; else none: what works without a design.
+    ///
+    /// # Errors
+    /// As [`DesignFile::read`].
+    pub fn here(given: Option<&Path>) -> Result<Option<Self>, StudyError> {
+        match given {
+            Some(path) => Self::read(path).map(Some),
+            None if Path::new(DESIGN_FILE).is_file() => Self::find(None).map(Some),
+            None => Ok(None),
         }
     }
 
@@ -129,35 +145,65 @@ impl People {
         self.enrolled.iter().find(|p| p.id == *id)
     }
 
-    /// Those whose drives the networks learn from.
+    /// Those whose drives the networks learn from, less those who are left out.
     pub fn learned_from(&self) -> BTreeSet<ParticipantId> {
-        let learned = self.enrolled.iter().filter(|p| p.learned_from);
+        let learned = self
+            .enrolled
+            .iter()
+            .filter(|p| p.learned_from && p.excluded.is_none());
         learned.map(|p| p.id.clone()).collect()
     }
 
-    /// Those who sat through the conditions.
+    /// Those who sat through the conditions, less those who are left out.
     pub fn tested(&self) -> BTreeSet<ParticipantId> {
-        let tested = self.enrolled.iter().filter(|p| p.tested);
+        let tested = self
+            .enrolled
+            .iter()
+            .filter(|p| p.tested && p.excluded.is_none());
         tested.map(|p| p.id.clone()).collect()
     }
 }
 
-/// Why a drive belongs to no study of this design; none where it does.
-pub fn stranger(meta: &DriveMeta, design: &Design, people: Option<&People>) -> Option<String> {
-    if !design.knows(meta.condition) {
-        return Some(format!(
-            "condition `{}` is not in the design, which has {}",
-            meta.condition,
-            listed(&design.labels())
-        ));
+/// The drives of a folder: all; with a design those of the people whom it learns from or, of those whom it tests, the drives that
+/// the car is fitted to: the baseline by hand.
+///
+/// # Errors
+/// [`StudyError`] if a drive or the design cannot be read, or none is left.
+pub(crate) fn drives_of(
+    folder: &Path,
+    design: Option<&Path>,
+    participants: Option<&Path>,
+    part: Part,
+) -> Result<Vec<Drive>, StudyError> {
+    let mut drives = read_drives(folder)?;
+    let Some(study) = DesignFile::here(design)? else {
+        return Ok(drives);
+    };
+    let people = study.people(participants)?;
+    let (ids, whom) = match part {
+        Part::Learn => (people.learned_from(), "learned from"),
+        Part::Test => (people.tested(), "tested"),
+    };
+    let baseline = study.design.baseline_id();
+    drives.retain(|drive| {
+        let meta = drive.meta();
+        let fits = part == Part::Learn || Some(meta.condition) == baseline;
+        fits && ids.contains(&meta.participant)
+    });
+    if drives.is_empty() {
+        return Err(StudyError::BadFile {
+            path: folder.to_owned(),
+            problem: format!(
+                "holds no drive by hand of the {} people who are {whom}",
+                ids.len()
+            ),
+            help: Some(format!(
+                "who is {whom} is said by [people] of {}, whose drives these are by [names] of the mapping; [baseline] names the drive by hand",
+                study.name()
+            )),
+        });
     }
-    let people = people?;
-    people.find(&meta.participant).is_none().then(|| {
-        format!(
-            "participant {} is not in the table of people",
-            meta.participant
-        )
-    })
+    Ok(drives)
 }
 
 /// Ids in a row: `a, b, c`.

@@ -4,12 +4,18 @@
 
 pub mod atomic_write;
 pub mod design;
+pub mod design_check;
+pub mod design_pipeline;
 pub mod error;
+pub mod gate;
 pub mod outcome;
 pub mod stages;
+mod style_scale;
 pub mod tables;
 pub mod watching;
 
 pub use design::DesignFile;
+pub use design_check::{check_design, study_notes};
+pub use design_pipeline::design_pipeline;
 pub use error::StudyError;
 pub use outcome::{Outcome, Progress, Watch};

@@ -14,21 +14,21 @@ pub(crate) struct Generate {
     /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
     #[arg(long, value_name = "FILE")]
     design: Option<std::path::PathBuf>,
-    /// Folder to write into: logs/study1, logs/study2, participants.csv, surveys.csv
+    /// Folder to write into: logs/study1, logs/study2, participants.csv, surveys.csv; the files that the design names when not given
     #[arg(long)]
-    out: std::path::PathBuf,
-    /// World to drive in (TOML); the paper's when not given
+    out: Option<std::path::PathBuf>,
+    /// World to drive in (TOML); the design's when not given, else the paper's
     #[arg(long)]
     scenario: Option<std::path::PathBuf>,
     /// Who drives (TOML), such as study_data/population_misspecified.toml; the scenario's people when not given
     #[arg(long)]
     population: Option<std::path::PathBuf>,
-    /// Folder of questionnaire definitions
-    #[arg(long, default_value = "study_data/scales")]
-    scales: std::path::PathBuf,
-    /// Sizes of the effects in their answers (TOML)
-    #[arg(long, default_value = "study_data/effects.toml")]
-    effects: std::path::PathBuf,
+    /// Folder of questionnaire definitions; the design's when not given, else study_data/scales
+    #[arg(long)]
+    scales: Option<std::path::PathBuf>,
+    /// Sizes of the effects in their answers (TOML); the design's when not given, else study_data/effects.toml
+    #[arg(long)]
+    effects: Option<std::path::PathBuf>,
     /// People who are learned from
     #[arg(long, alias = "study1", default_value_t = 30)]
     learn: usize,

@@ -16,6 +16,10 @@ pub(crate) struct Import {
     /// What wrote it
     #[arg(long, value_enum)]
     from: From,
+    /// Design of the study (TOML), which says what conditions there are; study.toml of the folder one stands in when not given,
+    /// else the paper's
+    #[arg(long, value_name = "FILE")]
+    design: Option<std::path::PathBuf>,
     /// What its columns mean (TOML), where they are not called SCALE_ITEM
     #[arg(long)]
     columns: Option<std::path::PathBuf>,
@@ -46,6 +50,7 @@ impl Import {
                 From::Otree => SurveySoftware::OTree,
                 From::Jspsych => SurveySoftware::JsPsych,
             },
+            design: self.design,
             file: self.file,
             scales: self.scales,
             columns: self.columns,

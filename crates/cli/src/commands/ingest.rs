@@ -8,9 +8,14 @@ use maveric_study::stages::ingest::{self, IngestOptions};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: maveric ingest logs/study1 --out drives/study1")]
 pub(crate) struct Ingest {
-    /// Logs, or folders of logs
-    #[arg(required = true)]
+    /// Logs, or folders of logs; those of the design when none are given
     logs: Vec<std::path::PathBuf>,
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given. Without either nothing is left out
+    #[arg(long, value_name = "FILE")]
+    design: Option<std::path::PathBuf>,
+    /// Who takes part; the design's table when not given
+    #[arg(long)]
+    participants: Option<std::path::PathBuf>,
     /// Folder to write into: one Parquet file a drive, drives.csv, exclusions.csv
     #[arg(long)]
     out: std::path::PathBuf,
@@ -35,6 +40,8 @@ impl Ingest {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let options = IngestOptions {
             logs: self.logs,
+            design: self.design,
+            participants: self.participants,
             out: self.out,
             mapping: self.mapping,
             rate_hz: self.rate,

@@ -4,12 +4,28 @@ use super::print_outcome;
 use crate::{args::Format, diagnostics::Failure};
 use maveric_study::stages::init::{self, InitOptions};
 
-/// Make the folder of a study of your own: pipeline, scales, mappings, and what goes where
+/// Make the folder of a study of your own: its design, scales, a mapping, and what goes where
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: maveric init my_study")]
+#[command(after_help = "\
+Examples: maveric init my_study                                                     the paper's study
+          maveric init my_study --conditions calm,normal,sporty --style none        cars of your own, only their logs are read
+          maveric init my_study --conditions calm,sporty --style mdsi.risky         a dial of another score
+          maveric init my_study --conditions calm,sporty --synthetic                to rehearse with made-up people")]
 pub(crate) struct Init {
     /// The folder; not there yet, or empty
     folder: std::path::PathBuf,
+    /// The conditions, in the order of the page; the paper's study when not given
+    #[arg(long, value_delimiter = ',', value_name = "IDS")]
+    conditions: Vec<String>,
+    /// The score that the dial turns, or none where every car was recorded; adb.total when not given
+    #[arg(long, value_name = "none|SCALE.SUBSCALE", requires = "conditions")]
+    style: Option<String>,
+    /// The people will be made up
+    #[arg(long)]
+    synthetic: bool,
+    /// The paper's study
+    #[arg(long, conflicts_with = "conditions")]
+    paper: bool,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -19,6 +35,13 @@ impl Init {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let options = InitOptions {
             folder: self.folder,
+            conditions: if self.paper {
+                Vec::new()
+            } else {
+                self.conditions
+            },
+            style: self.style,
+            synthetic: self.synthetic,
         };
         print_outcome(self.format, "could not make the study's folder", |watch| {
             init::init(&options, watch)

@@ -13,6 +13,12 @@ pub(crate) struct Measure {
     /// Folder of drives; may be given more than once
     #[arg(long, required = true)]
     drives: Vec<std::path::PathBuf>,
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given. Without either nothing is left out
+    #[arg(long, value_name = "FILE")]
+    design: Option<std::path::PathBuf>,
+    /// Who takes part; the design's table when not given
+    #[arg(long)]
+    participants: Option<std::path::PathBuf>,
     /// Table to write (CSV or Parquet by its name)
     #[arg(long)]
     out: std::path::PathBuf,
@@ -24,6 +30,8 @@ pub(crate) struct Measure {
 impl Measure {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let options = MeasureOptions {
+            design: self.design,
+            participants: self.participants,
             drives: self.drives,
             out: self.out,
         };

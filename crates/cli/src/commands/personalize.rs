@@ -10,6 +10,12 @@ use maveric_study::stages::personalize::{self, PersonalizeOptions};
     after_help = "Example: maveric personalize --model model.maveric --drives drives/study2 --scores scores.csv --out embeddings.csv"
 )]
 pub(crate) struct Personalize {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given. Without either every drive counts
+    #[arg(long, value_name = "FILE")]
+    design: Option<std::path::PathBuf>,
+    /// Who takes part; the design's table when not given
+    #[arg(long)]
+    participants: Option<std::path::PathBuf>,
     /// Trained model
     #[arg(long)]
     model: std::path::PathBuf,
@@ -42,6 +48,8 @@ pub(crate) struct Personalize {
 impl Personalize {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let options = PersonalizeOptions {
+            design: self.design,
+            participants: self.participants,
             model: self.model,
             drives: self.drives,
             scores: self.scores,

@@ -9,6 +9,9 @@ use maveric_study::stages::score::{self, Moments, ScoreOptions};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: maveric score --surveys surveys.csv --out scores.csv")]
 pub(crate) struct Score {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given. Without either nothing is left out
+    #[arg(long, value_name = "FILE")]
+    design: Option<std::path::PathBuf>,
     /// Answers: participant, moment, scale, item, answer; may be given more than once
     #[arg(long, required = true)]
     surveys: Vec<std::path::PathBuf>,
@@ -42,6 +45,7 @@ enum Which {
 impl Score {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let options = ScoreOptions {
+            design: self.design,
             surveys: self.surveys,
             participants: self.participants,
             scales: self.scales,

@@ -10,6 +10,9 @@ use maveric_study::stages::simulate::{self, Scenes, SimulateOptions, WatchOption
     after_help = "Example: maveric simulate --model model.maveric --conditions conditions.csv --out av --watch P07.html --watch-participant P07"
 )]
 pub(crate) struct Simulate {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given. Without either every condition is driven
+    #[arg(long, value_name = "FILE")]
+    design: Option<std::path::PathBuf>,
     /// Trained model
     #[arg(long)]
     model: std::path::PathBuf,
@@ -51,6 +54,7 @@ pub(crate) struct Simulate {
 impl Simulate {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let options = SimulateOptions {
+            design: self.design,
             model: self.model,
             conditions: self.conditions,
             out: self.out,

@@ -238,6 +238,7 @@ enum TestArgs {
     #[command(flatten)]
     Design(designs::DesignArgs),
     /// Every analysis of the paper over the results of a run
+    #[command(alias = "study")]
     Paper {
         /// Folder of results, as the pipeline leaves it
         results: PathBuf,

@@ -3,8 +3,8 @@
 use super::run::print_statuses;
 use crate::{
     args::Format,
-    diagnostics::Failure,
-    place::{DEFAULT_PIPELINE, PipelineArgs, place},
+    diagnostics::{Failure, tell},
+    place::{DEFAULT_PIPELINE, PipelineArgs, place, study_notes},
 };
 use std::path::PathBuf;
 
@@ -27,6 +27,10 @@ impl Status {
         let pipeline = self.pipeline.read(&self.file)?;
         let statuses = maveric_pipeline::status(&pipeline, &place(&self.file)?)
             .map_err(Failure::pipeline("could not tell the pipeline's status"))?;
-        print_statuses(self.format, &statuses)
+        print_statuses(self.format, &statuses)?;
+        for note in study_notes(&self.file)? {
+            tell!("{note}");
+        }
+        Ok(())
     }
 }

@@ -4,7 +4,7 @@ use super::print_outcome;
 use crate::{args::Format, diagnostics::Failure};
 use maveric_study::stages::steer::{self, AttributeOptions, SteerOptions};
 
-/// Place the four conditions in style space: mimic, aggressive, cautious, perpendicular
+/// Place the conditions of the design in style space
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example: maveric steer --model model.maveric --embeddings embeddings.csv --out conditions.csv\n\
@@ -12,6 +12,9 @@ use maveric_study::stages::steer::{self, AttributeOptions, SteerOptions};
     Another direction: maveric steer --model model.maveric --embeddings embeddings.csv --attribute mini_ipip.openness --scores scores.csv --points 1 --hold aggression --out openness.csv"
 )]
 pub(crate) struct Steer {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    #[arg(long, value_name = "FILE")]
+    design: Option<std::path::PathBuf>,
     /// Trained model
     #[arg(long)]
     model: std::path::PathBuf,
@@ -21,10 +24,10 @@ pub(crate) struct Steer {
     /// Conditions to write
     #[arg(long)]
     out: std::path::PathBuf,
-    /// How far to move, in points of the ADB scale or of the attribute
-    #[arg(long, default_value_t = 15.0)]
-    points: f64,
-    /// Place these points in place of the four conditions, such as --sweep=-20,-10,0,10,20
+    /// A step of the dial, in points of the style or of the attribute; the design's when not given
+    #[arg(long)]
+    points: Option<f64>,
+    /// Place these points in place of the conditions, such as --sweep=-20,-10,0,10,20
     #[arg(
         long,
         value_delimiter = ',',
@@ -52,6 +55,7 @@ pub(crate) struct Steer {
 impl Steer {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let options = SteerOptions {
+            design: self.design,
             model: self.model,
             embeddings: self.embeddings,
             out: self.out,

@@ -10,6 +10,12 @@ use maveric_study::stages::train::{self, TrainOptions};
     after_help = "Example: maveric train --drives drives/study1 --scores scores.csv --out model.maveric"
 )]
 pub(crate) struct Train {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given. Without either every drive counts
+    #[arg(long, value_name = "FILE")]
+    design: Option<std::path::PathBuf>,
+    /// Who takes part; the design's table when not given
+    #[arg(long)]
+    participants: Option<std::path::PathBuf>,
     /// Folder of drives
     #[arg(long)]
     drives: std::path::PathBuf,
@@ -54,6 +60,8 @@ pub(crate) struct Train {
 impl Train {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let options = TrainOptions {
+            design: self.design,
+            participants: self.participants,
             drives: self.drives,
             scores: self.scores,
             out: self.out,

@@ -3,17 +3,24 @@
 use crate::error::IngestError;
 use maveric_domain::{ConditionId, DomainError, DriveId, DriveMeta, DrivenBy, ParticipantId};
 use serde::Deserialize;
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
 /// How a file's name says whose drive it is.
 ///
 /// `file` is a pattern for the name without its extension, such as `pair_{run}_f{place}`: each name in braces
-/// takes what stands there, up to the text that follows. `drive` and `participant` are put together from these.
+/// takes what stands there, up to the text that follows. `drive`, `participant` and `condition` are put together from these,
+/// from the name of the folder that the file lies in, and from columns of the table that hold one word throughout.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Names {
     /// Pattern of the file's name.
     pub file: String,
+    /// Pattern of the folder's name.
+    #[serde(default)]
+    pub folder: Option<String>,
+    /// Name in braces → column of the table that holds it.
+    #[serde(default)]
+    pub columns: BTreeMap<String, String>,
     /// The drive's id.
     pub drive: String,
     /// The participant's id.
@@ -21,16 +28,20 @@ pub struct Names {
     /// Of earlier versions, and not read: who is learned from and who is tested is said by the study's design.
     #[serde(default)]
     pub study: Option<String>,
-    /// Whose style the drives show.
+    /// The condition, the baseline or the role: an id, or put together like the others.
     #[serde(default = "own")]
-    pub condition: ConditionId,
+    pub condition: String,
+    /// What files call conditions → their ids.
+    #[serde(default)]
+    pub words: BTreeMap<String, ConditionId>,
     /// Who drove.
     #[serde(default = "human")]
     pub driven_by: DrivenBy,
 }
 
-fn own() -> ConditionId {
-    ConditionId::OWN
+/// What a drive is called of which nothing is said: the person's own style by hand.
+fn own() -> String {
+    "own".to_owned()
 }
 
 fn human() -> DrivenBy {
@@ -69,7 +80,9 @@ pub(crate) fn meta_within(
     };
     if let Some(names) = names
         && let Some(mut captures) = capture(&names.file, &stem)
+        && let Some(of_folder) = in_folder(names, path)
     {
+        captures.extend(of_folder);
         captures.extend(within.iter().map(|(k, v)| (*k, v.as_str())));
         let captures: Vec<(&str, String)> = captures.iter().map(|(k, v)| (*k, safe(v))).collect();
         let captures: Vec<(&str, &str)> = captures.iter().map(|(k, v)| (*k, v.as_str())).collect();
@@ -77,7 +90,7 @@ pub(crate) fn meta_within(
             drive: DriveId::new(fill(&names.drive, &captures)).map_err(refused)?,
             participant: ParticipantId::new(fill(&names.participant, &captures))
                 .map_err(refused)?,
-            condition: names.condition,
+            condition: condition(names, &captures).map_err(refused)?,
             driven_by: names.driven_by,
         };
         return Ok((meta, true));
@@ -94,10 +107,26 @@ pub(crate) fn meta_within(
     let meta = DriveMeta {
         drive: DriveId::new(id.clone()).map_err(refused)?,
         participant: ParticipantId::new(id).map_err(refused)?,
-        condition: own(),
+        condition: own().parse().map_err(refused)?,
         driven_by: human(),
     };
     Ok((meta, names.is_none()))
+}
+
+/// What stands in the places of the pattern of the folder's name; nothing without a pattern, none where it does not fit.
+fn in_folder<'a>(names: &'a Names, path: &'a Path) -> Option<Vec<(&'a str, &'a str)>> {
+    match &names.folder {
+        None => Some(Vec::new()),
+        Some(pattern) => capture(pattern, path.parent()?.file_name()?.to_str()?),
+    }
+}
+
+fn condition(names: &Names, captures: &[(&str, &str)]) -> Result<ConditionId, DomainError> {
+    let word = fill(&names.condition, captures);
+    match names.words.get(&word) {
+        Some(id) => Ok(*id),
+        None => word.parse(),
+    }
 }
 
 /// Length of an id.
@@ -174,6 +203,42 @@ mod tests {
     fn a_star_stands_for_any_characters() {
         assert!(matches("*manifest*.csv", "my_manifest_2.csv"));
         assert!(!matches("manifest.csv", "manifest2.csv"));
+    }
+
+    #[test]
+    fn the_condition_may_stand_in_the_files_name_the_folders_or_the_table() {
+        let read = |text: &str| toml::from_str::<Names>(text).unwrap();
+        let of = |names: &Names, within: &[(String, String)]| {
+            let (meta, told) =
+                meta_within(Path::new("logs/calm/P07_B.csv"), Some(names), within).unwrap();
+            (meta.drive.to_string(), meta.condition.to_string(), told)
+        };
+        let file = read(
+            "file = \"{who}_{condition}\"\ndrive = \"{who}-{condition}\"\nparticipant = \"{who}\"\ncondition = \"{condition}\"\nwords = { B = \"sporty\" }",
+        );
+        assert_eq!(
+            of(&file, &[]),
+            ("P07-B".to_owned(), "sporty".to_owned(), true)
+        );
+        let folder = read(
+            "file = \"{who}_{_}\"\nfolder = \"{condition}\"\ndrive = \"{who}-{condition}\"\nparticipant = \"{who}\"\ncondition = \"{condition}\"",
+        );
+        assert_eq!(
+            of(&folder, &[]),
+            ("P07-calm".to_owned(), "calm".to_owned(), true)
+        );
+        let column = read(
+            "file = \"{who}_{_}\"\ncolumns = { condition = \"car\" }\ndrive = \"{who}-{condition}\"\nparticipant = \"{who}\"\ncondition = \"{condition}\"",
+        );
+        let within = [("condition".to_owned(), "normal".to_owned())];
+        assert_eq!(
+            of(&column, &within),
+            ("P07-normal".to_owned(), "normal".to_owned(), true)
+        );
+        let other = read(
+            "file = \"{who}_{_}\"\nfolder = \"run-{condition}\"\ndrive = \"{who}\"\nparticipant = \"{who}\"",
+        );
+        assert!(!of(&other, &[]).2);
     }
 
     #[test]

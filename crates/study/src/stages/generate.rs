@@ -12,7 +12,7 @@ use crate::{
 };
 use maveric_domain::{DriveId, DriveMeta, DrivenBy, ParticipantId, Seconds, stream_seed};
 use maveric_ingest::{Beside, write_mcap_with};
-use maveric_participants::{Cohort, CohortSettings, PlannedDrive, answer_before};
+use maveric_participants::{Cohort, CohortSettings, Part, PlannedDrive, answer_before};
 use maveric_simulator::{Driver, People, Scenario, rollout};
 use serde::Serialize;
 use std::{
@@ -25,16 +25,16 @@ use std::{
 pub struct GenerateOptions {
     /// The study's design; `study.toml` of the folder one stands in without, else the paper's.
     pub design: Option<PathBuf>,
-    /// Folder to write into.
-    pub out: PathBuf,
-    /// World to drive in; the paper's without.
+    /// Folder to write into; without, the files that the design names, from its folder.
+    pub out: Option<PathBuf>,
+    /// World to drive in; the design's without, else the paper's.
     pub scenario: Option<PathBuf>,
     /// Who drives (TOML); the scenario's people without.
     pub population: Option<PathBuf>,
-    /// Folder of questionnaire definitions.
-    pub scales: PathBuf,
-    /// Sizes of the effects in the answers.
-    pub effects: PathBuf,
+    /// Folder of questionnaire definitions; the design's without.
+    pub scales: Option<PathBuf>,
+    /// Sizes of the effects in the answers; the design's without.
+    pub effects: Option<PathBuf>,
     /// People who are learned from.
     pub learn: usize,
     /// People who are tested.
@@ -99,11 +99,20 @@ pub fn generate(
     options: &GenerateOptions,
     watch: Watch<'_>,
 ) -> Result<Outcome<Generated>, StudyError> {
-    let scenario = read_scenario(options.scenario.as_deref(), options.duration_s)?;
-    let people = read_people(options.population.as_deref(), &scenario)?;
-    let scales = read_scales(&options.scales)?;
-    let effects = read_effects(&options.effects)?;
     let study = DesignFile::find(options.design.as_deref())?;
+    let place = Place::of(options, &study)?;
+    let scenario = read_scenario(place.scenario.as_deref(), options.duration_s)?;
+    let people = read_people(options.population.as_deref(), &scenario)?;
+    let scales = read_scales(&place.scales)?;
+    let mut effects = read_effects(&place.effects)?;
+    // What is not asked is not answered.
+    effects
+        .answers
+        .retain(|id, _| scales.iter().any(|s| s.id == *id));
+    effects
+        .ratings
+        .retain(|id, _| scales.iter().any(|s| s.id == *id));
+    place.refuse_real_people()?;
     let cohort = Cohort::draw(
         options.learn,
         options.test,
@@ -121,12 +130,11 @@ pub fn generate(
         planned.extend(again(&cohort)?.into_iter().map(|d| (d, "-again")));
     }
     let collisions = for_each_on(options.jobs, &planned, watch, "drives", |(planned, day)| {
-        drive(options, &scenario, &people, planned, day)
+        drive(options, &place, &scenario, &people, planned, day)
     })?;
-    let people_file = options.out.join("participants.csv");
-    remove_former_logs(&options.out, &people_file, &planned)?;
-    write_participants(&people_file, &cohort, &study.design)?;
-    write_answers(&options.out.join("surveys.csv"), &answers)?;
+    remove_former_logs(&place, &planned)?;
+    write_participants(&place.people, &cohort, &study.design)?;
+    write_answers(&place.answers, &answers)?;
     let value = Generated {
         participants: cohort.participants.len(),
         drives: planned.len(),
@@ -139,7 +147,7 @@ pub fn generate(
         "{} synthetic participants, {} drives: {}",
         value.participants,
         value.drives,
-        options.out.display()
+        place.people.display()
     )];
     Ok(Outcome {
         value,
@@ -148,20 +156,90 @@ pub fn generate(
     })
 }
 
+/// Where everything is and goes.
+struct Place {
+    logs: PathBuf,
+    people: PathBuf,
+    answers: PathBuf,
+    scenario: Option<PathBuf>,
+    scales: PathBuf,
+    effects: PathBuf,
+}
+
+impl Place {
+    fn of(options: &GenerateOptions, study: &DesignFile) -> Result<Self, StudyError> {
+        let files = study.design.files();
+        let own = |given: &Option<PathBuf>, path: Option<&PathBuf>, usual: &str| {
+            let of_design = || {
+                path.filter(|_| study.path.is_some())
+                    .map(|p| study.resolve(p))
+            };
+            given
+                .clone()
+                .or_else(of_design)
+                .unwrap_or_else(|| usual.into())
+        };
+        let world = Some(&files.scenario).filter(|_| study.path.is_some());
+        let world = world.map(|p| study.resolve(p)).filter(|p| p.is_file());
+        let (logs, people, answers) = match &options.out {
+            Some(out) => (
+                out.join("logs"),
+                out.join("participants.csv"),
+                out.join("surveys.csv"),
+            ),
+            None if study.path.is_some() => (
+                study.resolve(&files.logs),
+                study.resolve(&study.design.people().file),
+                study.resolve(&files.answers),
+            ),
+            None => {
+                return Err(StudyError::NotPossible {
+                    problem: "there is no folder to write into".to_owned(),
+                    help: Some("give --out FOLDER, or --design FILE of a study".to_owned()),
+                });
+            }
+        };
+        Ok(Self {
+            logs,
+            people,
+            answers,
+            scenario: options.scenario.clone().or(world),
+            scales: own(&options.scales, Some(&files.scales), "study_data/scales"),
+            effects: own(
+                &options.effects,
+                files.effects.as_ref(),
+                "study_data/effects.toml",
+            ),
+        })
+    }
+
+    /// Real people are never replaced: their table has rows and no latents.
+    fn refuse_real_people(&self) -> Result<(), StudyError> {
+        if !self.people.is_file() {
+            return Ok(());
+        }
+        let table = Table::read(&self.people)?;
+        if table.rows() == 0 || table.has("latent_pace") {
+            return Ok(());
+        }
+        Err(StudyError::BadFile {
+            path: self.people.clone(),
+            problem: format!("holds {} people who were not made up", table.rows()),
+            help: Some("make people up in a folder of their own: --out FOLDER".to_owned()),
+        })
+    }
+}
+
 /// Removes the logs of people whom an earlier call listed here, apart from those that were written now: whatever reads
 /// the folder would take them for drives of this study.
-fn remove_former_logs(
-    out: &Path,
-    people: &Path,
-    planned: &[(PlannedDrive, &str)],
-) -> Result<(), StudyError> {
-    let listed = Table::read(people).and_then(|table| table.ids("participant"));
+fn remove_former_logs(place: &Place, planned: &[(PlannedDrive, &str)]) -> Result<(), StudyError> {
+    let listed = Table::read(&place.people).and_then(|table| table.ids("participant"));
     let former: Vec<ParticipantId> = listed.unwrap_or_default();
     let written: BTreeSet<String> = planned
         .iter()
         .map(|(drive, _)| format!("{}.mcap", drive.drive))
         .collect();
-    for folder in std::fs::read_dir(out.join("logs"))
+    for folder in std::fs::read_dir(&place.logs)
         .into_iter()
         .flatten()
         .flatten()
@@ -198,6 +276,7 @@ fn again(cohort: &Cohort) -> Result<Vec<PlannedDrive>, StudyError> {
 /// Drives once and writes the log; gives the number of collisions.
 fn drive(
     options: &GenerateOptions,
+    place: &Place,
     scenario: &Scenario,
     people: &People,
     planned: &PlannedDrive,
@@ -215,9 +294,8 @@ fn drive(
         driven_by: DrivenBy::Synthetic,
     };
     let folder = format!("study{}", planned.part.number());
-    let path = options
-        .out
-        .join("logs")
+    let path = place
+        .logs
         .join(format!("{folder}{day_name}"))
         .join(format!("{}.mcap", planned.drive));
     let beside = Beside {

@@ -1,7 +1,9 @@
 //! `measure`: the objective measures, a row a drive.
 
 use crate::{
+    design::DesignFile,
     error::StudyError,
+    gate::{Gate, counted},
     outcome::{Outcome, Watch},
     tables::{
         drives::read_drives,
@@ -14,6 +16,10 @@ use std::path::PathBuf;
 /// What to measure.
 #[derive(Debug, Clone)]
 pub struct MeasureOptions {
+    /// The study's design; `study.toml` of the folder one stands in without. Without either every drive is measured.
+    pub design: Option<PathBuf>,
+    /// Who takes part; the design's table without.
+    pub participants: Option<PathBuf>,
     /// Folders of drives.
     pub drives: Vec<PathBuf>,
     /// Table to write.
@@ -41,10 +47,22 @@ pub fn measure(
 ) -> Result<Outcome<Measured>, StudyError> {
     let measures = maveric_measures::objective::all();
     let names: Vec<&'static str> = measures.iter().map(|m| m.name).collect();
-    let mut rows = Vec::new();
+    let study = DesignFile::here(options.design.as_deref())?;
+    let gate = study
+        .map(|study| Gate::of(&study, options.participants.as_deref()))
+        .transpose()?;
+    let (mut rows, mut left_out) = (Vec::new(), Vec::new());
     for (done, folder) in options.drives.iter().enumerate() {
         for drive in read_drives(folder)? {
             watch.check()?;
+            let duration_s = drive.rows().time_s.last().copied().unwrap_or(0.0);
+            let why = gate
+                .as_ref()
+                .and_then(|g| g.drive(drive.meta(), duration_s));
+            if let Some(why) = why {
+                left_out.push((drive.meta().drive.clone(), why));
+                continue;
+            }
             let values = measures
                 .iter()
                 .map(|m| (m.name.to_owned(), m.of(&drive)))
@@ -61,7 +79,7 @@ pub fn measure(
         .iter()
         .map(|name| rows.iter().filter(|r| r.values[*name].is_none()).count())
         .collect();
-    let warnings = measures
+    let mut warnings: Vec<String> = measures
         .iter()
         .zip(&missing)
         .filter(|(_, count)| **count > 0)
@@ -74,11 +92,17 @@ pub fn measure(
             )
         })
         .collect();
-    let summary = vec![format!(
+    warnings.extend(
+        left_out
+            .iter()
+            .map(|(drive, why)| format!("drive {drive}: {why}")),
+    );
+    let mut summary = vec![format!(
         "{} drives measured: {}",
         rows.len(),
         options.out.display()
     )];
+    summary.extend(counted("drives", left_out.iter().map(|(_, why)| why)));
     Ok(Outcome {
         value: Measured {
             drives: rows.len(),

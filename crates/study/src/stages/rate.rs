@@ -81,8 +81,15 @@ pub fn rate(options: &RateOptions, watch: Watch<'_>) -> Result<Outcome<Ratings>,
         .filter(|c| c.simulated())
         .map(|c| c.id)
         .collect();
-    let effects = read_effects(&options.effects)?;
     let scales = read_scales(&options.scales)?;
+    let mut effects = read_effects(&options.effects)?;
+    // What is not asked is not answered.
+    effects
+        .ratings
+        .retain(|id, _| scales.iter().any(|s| s.id == *id));
+    effects
+        .answers
+        .retain(|id, _| scales.iter().any(|s| s.id == *id));
     let own = |d: &&MeasuredDrive| d.meta.condition == baseline;
     let by_hand: Vec<&MeasureValues> = drives.iter().filter(own).map(|d| &d.values).collect();
     let spread = spread(&by_hand);

@@ -2,7 +2,9 @@
 
 use crate::{
     atomic_write::read_text,
+    design::DesignFile,
     error::StudyError,
+    gate::{Gate, LeftOut, counted},
     outcome::{Outcome, Watch},
     tables::{
         Table, TableBuilder,
@@ -12,15 +14,20 @@ use crate::{
 use maveric_domain::{Answer, Moment, ParticipantId, Scale, Score, Subscale};
 use maveric_measures::{
     ItemMatrix, ScoreWarning, parse_scale,
-    survey::{response_styles, too_fast},
+    survey::{SheetTime, response_styles, too_fast},
 };
 use maveric_stats::AlphaAnalysis;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 /// What to score.
 #[derive(Debug, Clone)]
 pub struct ScoreOptions {
+    /// The study's design; `study.toml` of the folder one stands in without. Without either every answer is scored.
+    pub design: Option<PathBuf>,
     /// Files of answers.
     pub surveys: Vec<PathBuf>,
     /// Who should have answered: whoever of them did not is listed, and strangers are left out.
@@ -278,6 +285,7 @@ pub fn score(
         times.retain(|t| t.moment != Moment::Pre);
     }
     watch.check()?;
+    let left_out = let_in(options, &mut answers, &mut times)?;
     if answers.is_empty() {
         return Err(StudyError::NotPossible {
             problem: "the surveys hold no answers".to_owned(),
@@ -308,17 +316,46 @@ pub fn score(
     write_scores(&options.out, &scored.scores)?;
     write_reliabilities(&options.out, &reliabilities)?;
     TableBuilder::default()
-        .text("who", warnings.iter().map(|w| w.participant().as_str()))
-        .text("what", warnings.iter().map(|_| "questionnaires"))
-        .text("why", warnings.iter().map(ToString::to_string))
+        .text(
+            "who",
+            warnings
+                .iter()
+                .map(ScoreWarning::participant)
+                .chain(left_out.keys().map(|(who, ..)| who))
+                .map(ParticipantId::as_str),
+        )
+        .text(
+            "what",
+            warnings.iter().map(|_| "questionnaires".to_owned()).chain(
+                left_out
+                    .keys()
+                    .map(|(_, moment, _)| format!("answers ({moment})")),
+            ),
+        )
+        .text(
+            "why",
+            warnings
+                .iter()
+                .map(ToString::to_string)
+                .chain(left_out.keys().map(|(.., why)| why.to_string())),
+        )
         .write(&exclusions_path(&options.out))?;
     let missing = scored.scores.iter().filter(|s| s.value.is_none()).count();
-    let summary = vec![format!(
+    let mut summary = vec![format!(
         "{} scores ({missing} missing): {}",
         scored.scores.len(),
         options.out.display()
     )];
-    let warnings = warnings.iter().map(ToString::to_string).collect();
+    summary.extend(counted(
+        "sheets of answers",
+        left_out.keys().map(|(.., why)| why),
+    ));
+    let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    warnings.extend(
+        left_out.iter().map(|((who, moment, why), n)| {
+            format!("participant {who} ({moment}): {n} answers {why}")
+        }),
+    );
     Ok(Outcome {
         value: ScoredSurveys {
             scores: scored.scores.len(),
@@ -328,6 +365,33 @@ pub fn score(
         summary,
         warnings,
     })
+}
+
+/// Whose answers, when, and why they are left out → how many.
+type LeftOutAnswers = BTreeMap<(ParticipantId, Moment, LeftOut), usize>;
+
+/// Takes out the answers that the design does not let in.
+fn let_in(
+    options: &ScoreOptions,
+    answers: &mut Vec<Answer>,
+    times: &mut Vec<SheetTime>,
+) -> Result<LeftOutAnswers, StudyError> {
+    let mut left_out = LeftOutAnswers::new();
+    let Some(study) = DesignFile::here(options.design.as_deref())? else {
+        return Ok(left_out);
+    };
+    let gate = Gate::of(&study, options.participants.as_deref())?;
+    answers.retain(|a| match gate.answer(&a.participant, a.moment) {
+        None => true,
+        Some(why) => {
+            *left_out
+                .entry((a.participant.clone(), a.moment, why))
+                .or_default() += 1;
+            false
+        }
+    });
+    times.retain(|t| gate.answer(&t.participant, t.moment).is_none());
+    Ok(left_out)
 }
 
 fn count(found: usize) -> Option<i64> {
@@ -385,6 +449,7 @@ mod tests {
         let header = "participant,moment,scale,item,answer,seconds\n";
         std::fs::write(&surveys, format!("{header}{rows}")).unwrap();
         let options = ScoreOptions {
+            design: None,
             surveys: vec![surveys],
             participants: None,
             scales: folder.path().join("scales"),

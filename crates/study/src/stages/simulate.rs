@@ -2,6 +2,7 @@
 
 use crate::{
     atomic_write::atomic_write,
+    design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
     stages::{generate::read_scenario, train::read_model},
@@ -12,7 +13,9 @@ use crate::{
     },
     watching::{WatchedDrive, braking, read_watched, write_watch_page},
 };
-use maveric_domain::{Drive, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording, stream_seed};
+use maveric_domain::{
+    Drive, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording, design::Condition, stream_seed,
+};
 use maveric_ingest::{Beside, IngestSettings, write_mcap_with};
 use maveric_model::Model;
 use maveric_report::html::CentreLine;
@@ -24,6 +27,9 @@ use std::path::PathBuf;
 /// What to drive.
 #[derive(Debug, Clone)]
 pub struct SimulateOptions {
+    /// The study's design, which says what is not simulated; `study.toml` of the folder one stands in without. Without either every
+    /// condition is.
+    pub design: Option<PathBuf>,
     /// Trained model.
     pub model: PathBuf,
     /// Conditions to drive.
@@ -152,7 +158,16 @@ pub fn simulate(
     watch: Watch<'_>,
 ) -> Result<Outcome<Simulated>, StudyError> {
     let model = read_model(&options.model)?;
-    let conditions = read_conditions(&options.conditions)?;
+    let mut conditions = read_conditions(&options.conditions)?;
+    if let Some(study) = DesignFile::here(options.design.as_deref())? {
+        // A sweep drives what the design does not name; of what it names, only what is not recorded elsewhere.
+        let simulated = |id| study.design.condition(id).is_some_and(Condition::simulated);
+        conditions.retain(|row| row.sweep.is_some() || simulated(row.condition));
+        if conditions.is_empty() {
+            let problem = "holds no condition that the design lets the program drive";
+            return Err(StudyError::file(&options.conditions, problem));
+        }
+    }
     let mut names = std::collections::BTreeSet::new();
     for row in &conditions {
         let drive = row.drive()?;

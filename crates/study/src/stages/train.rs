@@ -2,10 +2,11 @@
 
 use crate::{
     atomic_write::{atomic_write_bytes, write_json},
+    design::drives_of,
     error::StudyError,
     outcome::{Outcome, Watch},
+    style_scale::style_scores,
     tables::{
-        drives::read_drives,
         embeddings::{EmbeddingRow, write_embeddings},
         surveys::read_scores,
     },
@@ -15,6 +16,7 @@ use maveric_model::{
     Checkpoints, EpochReport, Model, ModelError, Quality, Selection, TrainParams, TrainSettings,
     TrainingDrive, TrainingState, checkpoint, style_space::AggressionAxis, train_resumable,
 };
+use maveric_participants::Part;
 use serde::{Deserialize, Serialize};
 use std::{
     ops::ControlFlow,
@@ -25,6 +27,10 @@ use std::{
 /// What to train on, and how.
 #[derive(Debug, Clone)]
 pub struct TrainOptions {
+    /// The study's design; `study.toml` of the folder one stands in without. Without either every drive counts.
+    pub design: Option<PathBuf>,
+    /// Who takes part; the design's table without.
+    pub participants: Option<PathBuf>,
     /// Folder of drives.
     pub drives: PathBuf,
     /// Questionnaire scores.
@@ -158,13 +164,20 @@ pub fn train(
     options: &TrainOptions,
     watch: Watch<'_>,
 ) -> Result<Outcome<TrainingSummary>, StudyError> {
-    let drives = read_drives(&options.drives)?;
+    let design = options.design.as_deref();
+    let drives = drives_of(
+        &options.drives,
+        design,
+        options.participants.as_deref(),
+        Part::Learn,
+    )?;
     let scores = options
         .scores
         .as_deref()
         .map(read_scores)
         .transpose()?
         .unwrap_or_default();
+    let (scores, scale) = style_scores(scores, design)?;
     let settings = TrainSettings {
         embedding_size: options.embedding_size,
         epochs: options.epochs,
@@ -280,6 +293,7 @@ pub fn train(
             embedding,
         });
     }
+    scale.outward_rows(&mut rows);
     write_embeddings(&embeddings_path(&options.out), &rows)?;
     let checkpoint = checkpoint_path(&options.out);
     if checkpoint.exists() {

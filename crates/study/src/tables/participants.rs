@@ -78,6 +78,8 @@ pub struct Enrolled {
     pub learned_from: bool,
     /// Whether they sat through the conditions, by the design.
     pub tested: bool,
+    /// Why the design leaves them out by name.
+    pub excluded: Option<String>,
     /// Where they were recruited; `None` where it does not matter.
     pub population: Option<String>,
     /// Age in years; the middle of the band where the table has bands (`30-39`). `None` where it was not given.
@@ -136,6 +138,7 @@ pub fn read_enrolled(path: &Path, design: &Design) -> Result<Vec<Enrolled>, Stud
                 id: id[i].clone(),
                 learned_from: people.learns_from(cell),
                 tested: people.tests(cell),
+                excluded: design.exclude().person(&id[i]).map(str::to_owned),
                 population: cell("population").map(str::to_owned),
                 age_years: match cell("age") {
                     None | Some("NA") => None,

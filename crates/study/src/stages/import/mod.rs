@@ -6,6 +6,7 @@ mod otree;
 
 use crate::{
     atomic_write::read_text,
+    design::{DesignFile, listed},
     error::StudyError,
     outcome::{Outcome, Watch},
     stages::score::read_scales,
@@ -32,6 +33,8 @@ pub enum SurveySoftware {
 /// What to import.
 #[derive(Debug, Clone)]
 pub struct ImportOptions {
+    /// The study's design, which says what conditions there are; `study.toml` of the folder one stands in without, else the paper's.
+    pub design: Option<PathBuf>,
     /// What wrote it.
     pub from: SurveySoftware,
     /// The export.
@@ -105,6 +108,15 @@ pub fn import(options: &ImportOptions, watch: Watch<'_>) -> Result<Outcome<Impor
         unused,
         mut warnings,
     } = found;
+    let study = DesignFile::find(options.design.as_deref())?;
+    let unknown = unknown_moments(&mut rows, &study);
+    let left_out: usize = unknown.values().sum();
+    warnings.extend(unknown.into_iter().map(|((moment, place), n)| {
+        format!(
+            "{n} answers left out: condition `{moment}` ({place}) is none of the design's: {}",
+            listed(&study.design.labels())
+        )
+    }));
     refuse_twice(&options.file, &rows, &scales)?;
     if rows.is_empty() {
         let patterns: Vec<String> = scales.iter().map(|s| map.pattern(s)).collect();
@@ -141,7 +153,7 @@ pub fn import(options: &ImportOptions, watch: Watch<'_>) -> Result<Outcome<Impor
         let each: Vec<String> = n.iter().map(|(scale, n)| format!("{scale} {n}")).collect();
         each.join(", ")
     };
-    let summary = vec![
+    let mut summary = vec![
         format!(
             "{} answers of {} participants: {}",
             rows.len(),
@@ -154,6 +166,9 @@ pub fn import(options: &ImportOptions, watch: Watch<'_>) -> Result<Outcome<Impor
             unused.len()
         ),
     ];
+    if left_out > 0 {
+        summary.push(format!("{left_out} answers left out by unknown condition"));
+    }
     let value = Imported {
         participants: participants.len(),
         answers: rows.len(),
@@ -165,6 +180,19 @@ pub fn import(options: &ImportOptions, watch: Watch<'_>) -> Result<Outcome<Impor
         summary,
         warnings,
     })
+}
+
+/// Takes out the answers about conditions that the design does not have: how many, by condition and place.
+fn unknown_moments(rows: &mut Vec<Row>, study: &DesignFile) -> BTreeMap<(Moment, String), usize> {
+    let mut unknown = BTreeMap::new();
+    rows.retain(|row| match row.moment {
+        Moment::After(condition) if !study.design.knows(condition) => {
+            *unknown.entry((row.moment, row.place.clone())).or_default() += 1;
+            false
+        }
+        _ => true,
+    });
+    unknown
 }
 
 /// Refuses a sheet that is there twice: one row of a person too many, or a condition rated twice.
@@ -230,6 +258,7 @@ mod tests {
             folder.path().join(name)
         };
         let options = ImportOptions {
+            design: None,
             from,
             file: write("export", text),
             scales,
@@ -266,6 +295,18 @@ mod tests {
     }
 
     #[test]
+    fn answers_about_a_condition_that_the_design_has_not_are_left_out_and_listed() {
+        let text = OTREE.replace("cautious", "kautious");
+        let (warnings, table) = run(SurveySoftware::OTree, &text, None).unwrap();
+        assert!(!table.contains("kautious") && table.contains("P02,pre,calm,1,7"));
+        let said = warnings.iter().find(|w| w.contains("kautious")).unwrap();
+        assert!(
+            said.contains("3 answers left out") && said.contains("own, mimic, aggressive"),
+            "{said}"
+        );
+    }
+
+    #[test]
     fn faults_name_participant_scale_and_item() {
         let fails = |from: &str, to: &str| {
             assert!(OTREE.contains(from), "{from}");
@@ -297,7 +338,6 @@ mod tests {
                 "intro.1.player.calm_4",
                 "item 4 is not among its 3 items",
             ),
-            ("cautious", "kautious", "kautious"),
             ("x2,P02", "x2,P 02", "P 02"),
             ("x2,P02", "x2,", "row 2"),
         ] {

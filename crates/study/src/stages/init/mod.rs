@@ -1,18 +1,23 @@
 //! `init`: the folder of a study of one's own.
 
+mod study_text;
+
 use crate::{
     atomic_write::atomic_write_bytes,
+    design::DESIGN_FILE,
     error::StudyError,
     outcome::{Outcome, Watch},
 };
+use maveric_domain::{
+    ConditionId, Scale,
+    design::{DesignError, ScoreName},
+};
 use serde::Serialize;
 use std::path::PathBuf;
+use study_text::{Wanted, study_text};
 
 /// Folders that start empty.
-const FOLDERS: [&str; 3] = ["logs/study1", "logs/study2", "surveys"];
-
-/// The header that the table of people starts with.
-const PARTICIPANTS: &str = "participant,study,population,age,gender,professional,order\n";
+const FOLDERS: [&str; 2] = ["logs", "surveys"];
 
 /// A file of this project, below a new study's folder.
 macro_rules! shipped {
@@ -27,16 +32,12 @@ macro_rules! shipped {
     };
 }
 
-/// Name and text of every file.
-const FILES: [(&str, &str); 16] = [
+/// Name and text of the files of every study.
+const FILES: [(&str, &str); 12] = [
     ("README.md", include_str!("README.md")),
-    ("pipelines/study.toml", include_str!("study.toml")),
-    ("mappings/study1.toml", include_str!("mapping_study1.toml")),
-    ("mappings/study2.toml", include_str!("mapping_study2.toml")),
+    ("mapping.toml", include_str!("mapping.toml")),
     ("surveys/columns.toml", include_str!("columns.toml")),
-    ("participants.csv", PARTICIPANTS),
     shipped!("scenario.toml", "scenarios/paper.toml"),
-    shipped!("claims.toml"),
     shipped!("scales/adb.toml"),
     shipped!("scales/mdsi.toml"),
     shipped!("scales/mini_ipip.toml"),
@@ -47,11 +48,24 @@ const FILES: [(&str, &str); 16] = [
     shipped!("scales/aggressiveness.toml"),
 ];
 
+/// Those of made-up people.
+const EFFECTS: (&str, &str) = shipped!("effects.toml");
+/// Those of the paper's study.
+const CLAIMS: (&str, &str) = shipped!("claims.toml");
+/// The paper's design.
+const PAPER: &str = include_str!("../../../../../study_data/designs/paper.toml");
+
 /// What to make.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct InitOptions {
     /// The study's folder; not there yet, or empty.
     pub folder: PathBuf,
+    /// The conditions, in the order of the page; the paper's study without.
+    pub conditions: Vec<String>,
+    /// What the dial turns: `SCALE.SUBSCALE` of a shipped scale, or `none`; the ADB score without.
+    pub style: Option<String>,
+    /// Whether the people will be made up.
+    pub synthetic: bool,
 }
 
 /// What was made.
@@ -61,11 +75,12 @@ pub struct Initialised {
     pub files: Vec<String>,
 }
 
-/// Makes the folder of a study: a pipeline from raw logs and answers to the report, the scales, mappings to fill in, and a README that says
-/// what goes where.
+/// Makes the folder of a study: its design to fill in, the scales, a mapping, and a README that says what goes where. Without
+/// conditions it is the paper's study.
 ///
 /// # Errors
-/// [`StudyError::BadFile`] for a folder with something in it: nothing is overwritten; [`StudyError::Io`].
+/// [`StudyError::BadFile`] for a folder with something in it: nothing is overwritten; [`StudyError::NotPossible`] for a condition
+/// that is no id or a style that no shipped scale has; [`StudyError::Io`].
 pub fn init(options: &InitOptions, watch: Watch<'_>) -> Result<Outcome<Initialised>, StudyError> {
     let folder = &options.folder;
     if folder.exists() {
@@ -78,30 +93,118 @@ pub fn init(options: &InitOptions, watch: Watch<'_>) -> Result<Outcome<Initialis
             });
         }
     }
+    let (design, people) = texts(options)?;
+    let mut files = FILES.to_vec();
+    files.push((DESIGN_FILE, &design));
+    files.push(("participants.csv", people));
+    if options.synthetic || options.conditions.is_empty() {
+        files.push(EFFECTS);
+    }
+    if options.conditions.is_empty() {
+        files.push(CLAIMS);
+    }
     for name in FOLDERS {
         let path = folder.join(name);
         std::fs::create_dir_all(&path).map_err(StudyError::write(&path))?;
     }
-    for (name, text) in FILES {
+    for (name, text) in &files {
         watch.check()?;
         atomic_write_bytes(&folder.join(name), text.as_bytes())?;
     }
-    let pipeline = folder.join("pipelines/study.toml");
     let summary = vec![
         format!("a study's folder: {}", folder.display()),
         format!(
-            "read {}, fill it in, then: maveric run {}",
+            "read {}, fill in {DESIGN_FILE} and the folder, then there: maveric run",
             folder.join("README.md").display(),
-            pipeline.display()
         ),
     ];
     Ok(Outcome {
         value: Initialised {
-            files: FILES.iter().map(|(name, _)| (*name).to_owned()).collect(),
+            files: files.iter().map(|(name, _)| (*name).to_owned()).collect(),
         },
         summary,
         warnings: Vec::new(),
     })
+}
+
+/// The design, and the header of the table of people.
+fn texts(options: &InitOptions) -> Result<(String, &'static str), StudyError> {
+    if options.conditions.is_empty() {
+        let software = if options.synthetic {
+            "software = \"table\""
+        } else {
+            "software = \"otree\"\ncolumns = \"surveys/columns.toml\""
+        };
+        let paper = PAPER
+            .replace("#:schema schema.json\n", "")
+            .replace("\"../scales\"", &format!("\"scales\"\n{software}"))
+            .replace("../scenarios/paper.toml", "scenario.toml")
+            .replace("../", "")
+            .replace(
+                "synthetic = true ",
+                &format!("synthetic = {} ", options.synthetic),
+            );
+        return Ok((
+            paper,
+            "participant,study,population,age,gender,professional,order\n",
+        ));
+    }
+    let refused = |error: DesignError| StudyError::NotPossible {
+        problem: error.to_string(),
+        help: error.suggestion(),
+    };
+    let mut conditions = Vec::new();
+    for word in &options.conditions {
+        let id: ConditionId = word.trim().parse()?;
+        if conditions.contains(&id) {
+            let twice = format!("`{id}` twice");
+            return Err(refused(DesignError::key(
+                "--conditions",
+                twice,
+                "each once",
+            )));
+        }
+        conditions.push(id);
+    }
+    let style = match options.style.as_deref().unwrap_or("adb.total") {
+        "none" => None,
+        name => Some(score(name).map_err(refused)?),
+    };
+    let text = study_text(&Wanted {
+        conditions: &conditions,
+        style: style.as_ref().map(|(name, range)| (name, *range)),
+        synthetic: options.synthetic,
+    });
+    let people = if style.is_some() {
+        "participant,part,population,age,gender,professional,order\n"
+    } else {
+        "participant,population,age,gender,order\n"
+    };
+    Ok((text, people))
+}
+
+/// A score of a shipped scale, and its range.
+fn score(name: &str) -> Result<(ScoreName, [f64; 2]), DesignError> {
+    let scales = FILES.iter().filter(|(file, _)| file.starts_with("scales/"));
+    let scales: Vec<Scale> = scales
+        .filter_map(|(_, text)| maveric_measures::parse_scale(text).ok())
+        .collect();
+    let mut names = Vec::new();
+    for scale in &scales {
+        for subscale in &scale.subscales {
+            let full = format!("{}.{}", scale.id, subscale.id);
+            if full == name {
+                let (low, high) = scale.score_range(subscale);
+                let score = name
+                    .parse()
+                    .map_err(|e: String| DesignError::key("--style", e, ""))?;
+                return Ok((score, [low, high]));
+            }
+            names.push(full);
+        }
+    }
+    let known = ["none"].into_iter().chain(names.iter().map(String::as_str));
+    Err(DesignError::word("--style", name, known))
 }
 
 #[cfg(test)]
@@ -121,5 +224,29 @@ mod tests {
             .map(|(n, _)| (*n).to_owned())
             .collect();
         assert_eq!(names.collect::<BTreeSet<String>>(), written);
+    }
+
+    #[test]
+    fn the_papers_study_in_a_folder_of_its_own_is_a_design_with_files_below_it() {
+        let (text, _) = texts(&InitOptions::default()).unwrap();
+        let design = maveric_domain::Design::from_toml(&text).unwrap();
+        assert_eq!(design.files().scales, PathBuf::from("scales"));
+        assert_eq!(design.files().claims, Some(PathBuf::from("claims.toml")));
+        assert!(!design.synthetic() && !text.contains(".."));
+    }
+
+    #[test]
+    fn a_style_that_no_scale_has_is_named_with_the_nearest() {
+        let options = InitOptions {
+            conditions: vec!["calm".to_owned()],
+            style: Some("mdsi.riskyy".to_owned()),
+            ..InitOptions::default()
+        };
+        let error = texts(&options).unwrap_err();
+        assert!(
+            error.to_string().contains("`--style`: found `mdsi.riskyy`"),
+            "{error}"
+        );
+        assert_eq!(error.suggestion().unwrap(), "did you mean `mdsi.risky`?");
     }
 }

@@ -5,11 +5,12 @@ mod learning_curve;
 pub use learning_curve::{CurveRow, MeanWithInterval};
 
 use crate::{
+    design::drives_of,
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
     stages::train::{adb_of, read_model},
+    style_scale::style_scores,
     tables::{
-        drives::read_drives,
         embeddings::{EmbeddingRow, FitDetails, write_embeddings},
         surveys::read_scores,
     },
@@ -19,12 +20,17 @@ use maveric_model::{
     Model, ModelError, PersonalizeParams, PersonalizeSettings, Personalized, Personalizer,
     style_space::AggressionAxis,
 };
+use maveric_participants::Part;
 use serde::Serialize;
 use std::{collections::BTreeSet, path::PathBuf};
 
 /// What to fit.
 #[derive(Debug, Clone)]
 pub struct PersonalizeOptions {
+    /// The study's design; `study.toml` of the folder one stands in without. Without either every drive counts.
+    pub design: Option<PathBuf>,
+    /// Who takes part; the design's table without.
+    pub participants: Option<PathBuf>,
     /// Trained model.
     pub model: PathBuf,
     /// Folder of drives.
@@ -81,8 +87,19 @@ pub fn personalize(
     watch: Watch<'_>,
 ) -> Result<Outcome<PersonalizedDrives>, StudyError> {
     let model = read_model(&options.model)?;
-    let drives = read_drives(&options.drives)?;
+    let design = options.design.as_deref();
+    let drives = drives_of(
+        &options.drives,
+        design,
+        options.participants.as_deref(),
+        Part::Test,
+    )?;
     let scores = options.scores.as_deref().map(read_scores).transpose()?;
+    let stretched = scores
+        .map(|scores| style_scores(scores, design))
+        .transpose()?;
+    let scale = stretched.as_ref().map(|(_, scale)| *scale);
+    let scores = stretched.map(|(scores, _)| scores);
     let scored_without_drive = match (&scores, &options.scores) {
         (Some(scores), Some(path)) => scored_without_drive(scores, &drives, path)?,
         _ => 0,
@@ -163,6 +180,9 @@ pub fn personalize(
         }
         None => Vec::new(),
     };
+    if let Some(scale) = scale {
+        scale.outward_rows(&mut rows);
+    }
     write_embeddings(&options.out, &rows)?;
     let largest = rows
         .iter()

@@ -1,11 +1,13 @@
 //! `steer`: where in style space each participant's conditions lie, or the points of a sweep.
 
 mod attribute_scores;
+mod conditions;
 mod sweep;
 
 pub use attribute_scores::AttributeSummary;
 
 use crate::{
+    design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch},
     stages::train::read_model,
@@ -14,27 +16,28 @@ use crate::{
         embeddings::{EmbeddingRow, read_embeddings},
     },
 };
-use maveric_domain::{ConditionId, Embedding, ParticipantId, stream_seed};
+use maveric_domain::{ConditionId, Embedding, ParticipantId};
 use maveric_model::{
-    Model, ModelError,
-    style_space::{AggressionAxis, PerpendicularEllipse, share_outside_training, shift},
+    Model,
+    style_space::{AggressionAxis, share_outside_training},
 };
-use rand_pcg::{Pcg64Mcg, rand_core::SeedableRng};
 use serde::Serialize;
 use std::path::PathBuf;
 
 /// What to steer.
 #[derive(Debug, Clone)]
 pub struct SteerOptions {
+    /// The study's design; `study.toml` of the folder one stands in without, else the paper's.
+    pub design: Option<PathBuf>,
     /// Trained model.
     pub model: PathBuf,
     /// Fitted embeddings.
     pub embeddings: PathBuf,
     /// Conditions to write.
     pub out: PathBuf,
-    /// How far to move, in points of ADB or of the attribute.
-    pub points: f64,
-    /// Points to sweep over in place of the four conditions; may be empty.
+    /// A step of the dial, in points of the style or of the attribute; the design's without.
+    pub points: Option<f64>,
+    /// Points to sweep over in place of the conditions; may be empty.
     pub sweep: Vec<f64>,
     /// What to move along in place of aggression.
     pub attribute: Option<AttributeOptions>,
@@ -66,7 +69,7 @@ pub struct Steered {
     pub conditions: Vec<ConditionRow>,
 }
 
-/// Places Mimic, Aggressive, Cautious and Perpendicular for every own-drive embedding that was fitted with its ADB
+/// Places every condition of the design that has a learned car, for every own-drive embedding that was fitted with its ADB
 /// score; for one without a score, the fit without. With a sweep or an attribute, places its points instead.
 ///
 /// # Errors
@@ -79,7 +82,14 @@ pub fn steer(options: &SteerOptions, watch: Watch<'_>) -> Result<Outcome<Steered
     let model = read_model(&options.model)?;
     let rows = read_embeddings(&options.embeddings)?;
     let axis = AggressionAxis::of(&model)?;
-    let own = own_drives(&rows);
+    let study = DesignFile::find(options.design.as_deref())?;
+    let Some(baseline) = study.design.baseline_id() else {
+        return Err(study.wrong(
+            "`baseline`: found none, expected the drive by hand that the car is fitted to",
+            Some("add [baseline] with the id of that drive, such as id = \"own\"".to_owned()),
+        ));
+    };
+    let own = own_drives(&rows, baseline);
     if own.is_empty() {
         return Err(StudyError::file(
             &options.embeddings,
@@ -87,7 +97,7 @@ pub fn steer(options: &SteerOptions, watch: Watch<'_>) -> Result<Outcome<Steered
         ));
     }
     let outcome = if options.sweep.is_empty() && options.attribute.is_none() {
-        four_conditions(options, &model, &axis, &own, watch)?
+        conditions::conditions(options, &study, &model, &axis, &own, watch)?
     } else {
         sweep::sweep(options, &model, &axis, &own, watch)?
     };
@@ -96,8 +106,8 @@ pub fn steer(options: &SteerOptions, watch: Watch<'_>) -> Result<Outcome<Steered
 }
 
 /// One row a participant: the fit with the ADB score where there is one.
-fn own_drives(rows: &[EmbeddingRow]) -> Vec<&EmbeddingRow> {
-    let own = |r: &&EmbeddingRow| r.condition == ConditionId::OWN;
+fn own_drives(rows: &[EmbeddingRow], baseline: ConditionId) -> Vec<&EmbeddingRow> {
+    let own = |r: &&EmbeddingRow| r.condition == baseline;
     let has_adb_fit = |p: &ParticipantId| {
         let mut fits = rows.iter().filter(own);
         fits.any(|r| r.participant == *p && r.adb_used)
@@ -106,93 +116,6 @@ fn own_drives(rows: &[EmbeddingRow]) -> Vec<&EmbeddingRow> {
         .filter(own)
         .filter(|r| r.adb_used == has_adb_fit(&r.participant))
         .collect()
-}
-
-fn four_conditions(
-    options: &SteerOptions,
-    model: &Model,
-    axis: &AggressionAxis,
-    own: &[&EmbeddingRow],
-    watch: Watch<'_>,
-) -> Result<Outcome<Steered>, StudyError> {
-    let mut warnings = Vec::new();
-    let ellipse = match PerpendicularEllipse::of(model) {
-        Err(error @ ModelError::NoPerpendicular { .. }) => {
-            warnings.push(format!("condition perpendicular left out: {error}"));
-            None
-        }
-        other => Some(other?),
-    };
-    let mut conditions = Vec::new();
-    let mut clamped = 0;
-    for row in own {
-        watch.check()?;
-        let mut place =
-            |condition, embedding: Embedding, moved_points, angle_rad| -> Result<(), StudyError> {
-                conditions.push(ConditionRow {
-                    participant: row.participant.clone(),
-                    condition,
-                    adb_hat: axis.aggression_hat(&embedding)?,
-                    moved_points,
-                    angle_rad,
-                    beyond_training: is_beyond(model, &embedding)?,
-                    sweep: None,
-                    embedding,
-                });
-                Ok(())
-            };
-        let up = shift(axis, &row.embedding, options.points)?;
-        let down = shift(axis, &row.embedding, -options.points)?;
-        clamped += usize::from(up.clamped) + usize::from(down.clamped);
-        place(ConditionId::MIMIC, row.embedding.clone(), 0.0, None)?;
-        place(
-            ConditionId::AGGRESSIVE,
-            up.embedding,
-            up.effective_points,
-            None,
-        )?;
-        place(
-            ConditionId::CAUTIOUS,
-            down.embedding,
-            down.effective_points,
-            None,
-        )?;
-        if let Some(ellipse) = &ellipse {
-            let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(
-                options.seed,
-                &[row.participant.as_str(), "perpendicular"],
-            ));
-            let across = ellipse.sample(&row.embedding, &mut rng)?;
-            place(
-                ConditionId::PERPENDICULAR,
-                across.embedding,
-                0.0,
-                Some(across.angle_rad),
-            )?;
-        }
-    }
-    if clamped > 0 {
-        warnings.push(format!(
-            "{clamped} of {} shifts were cut short by the ends of the ADB scale",
-            2 * own.len()
-        ));
-    }
-    let summary = vec![format!(
-        "{} participants × {} conditions: {}",
-        own.len(),
-        if ellipse.is_some() { 4 } else { 3 },
-        options.out.display()
-    )];
-    Ok(Outcome {
-        value: Steered {
-            participants: own.len(),
-            clamped,
-            attributes: Vec::new(),
-            conditions,
-        },
-        summary,
-        warnings,
-    })
 }
 
 fn is_beyond(model: &Model, embedding: &Embedding) -> Result<bool, StudyError> {

@@ -19,6 +19,8 @@ use maveric_model::{
     style_space::{AggressionAxis, LinearHead, StyleMetric, shift},
 };
 
+/// A step of the dial, in points, where nothing says how far one is.
+const STEP_POINTS: f64 = 15.0;
 /// Change of S, in points, that counts as none.
 const UNMOVED: f64 = 1e-6;
 
@@ -30,7 +32,8 @@ pub(super) fn sweep(
     watch: Watch<'_>,
 ) -> Result<Outcome<Steered>, StudyError> {
     let points = if options.sweep.is_empty() {
-        vec![-options.points, 0.0, options.points]
+        let step = options.points.unwrap_or(STEP_POINTS);
+        vec![-step, 0.0, step]
     } else {
         options.sweep.clone()
     };

@@ -1,7 +1,11 @@
 //! `ingest`: raw logs to drives, one Parquet file each.
 
+mod logs;
+
 use crate::{
+    design::DesignFile,
     error::StudyError,
+    gate::{Gate, LeftOut, counted},
     outcome::{Outcome, Watch, for_each_on},
     tables::{
         TableBuilder,
@@ -9,7 +13,7 @@ use crate::{
     },
 };
 use maveric_domain::{Drive, DriveMeta};
-use maveric_ingest::{IngestSettings, Mapping, Provenance, Warning, log_files, read_log};
+use maveric_ingest::{Provenance, Warning, read_log};
 use serde::Serialize;
 use std::{
     collections::BTreeSet,
@@ -21,8 +25,12 @@ use tempfile::TempDir;
 /// What to ingest.
 #[derive(Debug, Clone)]
 pub struct IngestOptions {
-    /// Logs, or folders of logs.
+    /// Logs, or folders of logs; none for all that the design names.
     pub logs: Vec<PathBuf>,
+    /// The study's design; `study.toml` of the folder one stands in without. Without either every drive is let in.
+    pub design: Option<PathBuf>,
+    /// Who takes part; the design's table without.
+    pub participants: Option<PathBuf>,
     /// Folder to write into.
     pub out: PathBuf,
     /// What columns mean, for tables.
@@ -42,6 +50,8 @@ pub struct IngestedDrives {
     pub drives: Vec<DriveMeta>,
     /// Rows over all drives.
     pub rows: usize,
+    /// Drives that the design does not let in, each with the rule.
+    pub left_out: Vec<(DriveMeta, LeftOut)>,
 }
 
 /// A drive that is written but not yet in its place.
@@ -68,35 +78,26 @@ pub fn ingest(
     options: &IngestOptions,
     watch: Watch<'_>,
 ) -> Result<Outcome<IngestedDrives>, StudyError> {
-    let mapping = options.mapping.as_deref().map(Mapping::read).transpose()?;
-    let settings = IngestSettings {
-        mapping,
-        rate_hz: options.rate_hz,
-        recover: options.recover,
-        ..IngestSettings::default()
-    };
-    let mut logs = Vec::new();
-    for log in &options.logs {
-        let found = log_files(log, settings.mapping.as_ref())?;
-        if found.is_empty() {
-            return Err(StudyError::file(
-                log,
-                "holds no logs (.mcap, .csv, .tsv, .txt, .parquet)",
-            ));
-        }
-        logs.extend(found);
-    }
+    let study = DesignFile::here(options.design.as_deref())?;
+    let gate = study
+        .as_ref()
+        .map(|study| Gate::of(study, options.participants.as_deref()))
+        .transpose()?;
+    let logs = logs::of(options, study.as_ref())?;
     let aside = Aside::new(&options.out)?;
-    let numbered: Vec<(usize, &Path)> = logs.iter().map(PathBuf::as_path).enumerate().collect();
+    let numbered: Vec<(usize, &logs::Log)> = logs.iter().enumerate().collect();
     let written = for_each_on(options.jobs, &numbered, watch, "logs ingested", |log| {
-        write_log(
-            *log,
-            aside.folder.path(),
-            &settings,
-            options.mapping.as_deref(),
-        )
+        write_log(*log, aside.folder.path())
     })?;
-    let mut drives: Vec<Written> = written.into_iter().flatten().collect();
+    let (mut drives, left_out) = sorted_out(written.into_iter().flatten(), gate.as_ref());
+    if let (true, Some((meta, why))) = (drives.is_empty(), left_out.first()) {
+        return Err(StudyError::NotPossible {
+            problem: format!("no drive is let in; {}: {why}", meta.drive),
+            help: Some(
+                "say whose drives these are under [names] of the mapping, or add people and conditions to the study".to_owned(),
+            ),
+        });
+    }
     let mut ids = BTreeSet::new();
     if let Some(twice) = drives.iter().find(|d| !ids.insert(&d.meta.drive)) {
         return Err(StudyError::NotPossible {
@@ -113,7 +114,7 @@ pub fn ingest(
         let place = options.out.join(format!("{}.parquet", drive.meta.drive));
         std::fs::rename(&drive.file, &place).map_err(StudyError::write(&place))?;
     }
-    write_exclusions(&options.out, &drives)?;
+    write_exclusions(&options.out, &drives, &left_out)?;
     let mut warnings: Vec<String> = Vec::new();
     for drive in &drives {
         warnings.extend(drive.warnings.iter().map(Warning::to_string));
@@ -125,21 +126,28 @@ pub fn ingest(
             d.meta.drive
         )
     }));
+    warnings.extend(
+        left_out
+            .iter()
+            .map(|(m, w)| format!("drive {}: {w}", m.drive)),
+    );
     let rows = drives.iter().map(|d| d.rows).sum();
     let list: Vec<(DriveMeta, usize, f64)> = drives
         .into_iter()
         .map(|d| (d.meta, d.rows, d.duration_s))
         .collect();
     write_drive_list(&options.out, &list)?;
-    let summary = vec![format!(
+    let mut summary = vec![format!(
         "{} drives, {rows} rows: {}",
         list.len(),
         options.out.display()
     )];
+    summary.extend(counted("drives", left_out.iter().map(|(_, why)| why)));
     Ok(Outcome {
         value: IngestedDrives {
             drives: list.into_iter().map(|l| l.0).collect(),
             rows,
+            left_out,
         },
         summary,
         warnings,
@@ -200,16 +208,26 @@ impl Aside {
     }
 }
 
+/// The drives that are let in, and the others with the reason.
+fn sorted_out(
+    written: impl Iterator<Item = Written>,
+    gate: Option<&Gate>,
+) -> (Vec<Written>, Vec<(DriveMeta, LeftOut)>) {
+    let (mut drives, mut left_out) = (Vec::new(), Vec::new());
+    for drive in written {
+        match gate.and_then(|gate| gate.drive(&drive.meta, drive.duration_s)) {
+            None => drives.push(drive),
+            Some(why) => left_out.push((drive.meta, why)),
+        }
+    }
+    (drives, left_out)
+}
+
 /// Writes the drives of one log into a folder of its own in `aside`, so that equal names do not meet there.
-fn write_log(
-    (number, log): (usize, &Path),
-    aside: &Path,
-    settings: &IngestSettings,
-    mapping: Option<&Path>,
-) -> Result<Vec<Written>, StudyError> {
-    let provenance = Provenance::of(log, mapping, settings)?;
+fn write_log((number, log): (usize, &logs::Log), aside: &Path) -> Result<Vec<Written>, StudyError> {
+    let provenance = Provenance::of(&log.path, log.mapping.as_deref(), &log.settings)?;
     let mut written = Vec::new();
-    for (vehicle, found) in read_log(log, settings)?.into_iter().enumerate() {
+    for (vehicle, found) in read_log(&log.path, &log.settings)?.into_iter().enumerate() {
         let drive = Drive::from_recording(found.meta, &found.recording)?;
         let folder = aside.join(format!("{number}-{vehicle}"));
         let rows = drive.rows();
@@ -225,12 +243,17 @@ fn write_log(
     Ok(written)
 }
 
-/// Writes what was repaired or left out, in the order of the logs.
-fn write_exclusions(folder: &Path, drives: &[Written]) -> Result<(), StudyError> {
+/// Writes what was repaired or left out, in the order of the logs, then the drives that the design does not let in.
+fn write_exclusions(
+    folder: &Path,
+    drives: &[Written],
+    left_out: &[(DriveMeta, LeftOut)],
+) -> Result<(), StudyError> {
     let rows: Vec<(&DriveMeta, &Warning)> = drives
         .iter()
         .flat_map(|d| d.warnings.iter().map(move |w| (&d.meta, w)))
         .collect();
+    let out = || left_out.iter();
     let log = |w: &Warning| {
         w.file
             .file_name()
@@ -239,10 +262,31 @@ fn write_exclusions(folder: &Path, drives: &[Written]) -> Result<(), StudyError>
             .into_owned()
     };
     TableBuilder::default()
-        .text("drive", rows.iter().map(|r| r.0.drive.as_str()))
-        .text("log", rows.iter().map(|r| log(r.1)))
-        .text("what", rows.iter().map(|r| r.1.what.as_str()))
-        .integers("count", rows.iter().map(|r| i64::try_from(r.1.count).ok()))
+        .text(
+            "drive",
+            rows.iter()
+                .map(|r| r.0)
+                .chain(out().map(|o| &o.0))
+                .map(|m| m.drive.as_str()),
+        )
+        .text(
+            "log",
+            rows.iter()
+                .map(|r| log(r.1))
+                .chain(out().map(|_| String::new())),
+        )
+        .text(
+            "what",
+            rows.iter()
+                .map(|r| r.1.what.clone())
+                .chain(out().map(|o| o.1.to_string())),
+        )
+        .integers(
+            "count",
+            rows.iter()
+                .map(|r| i64::try_from(r.1.count).ok())
+                .chain(out().map(|_| Some(1))),
+        )
         .write(&folder.join("exclusions.csv"))
 }
 
@@ -263,6 +307,8 @@ mod tests {
         let mappings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
         let options = IngestOptions {
             logs,
+            design: None,
+            participants: None,
             out: out.to_owned(),
             mapping: Some(mappings.join("ours.toml")),
             rate_hz: None,

@@ -1,0 +1,220 @@
+//! A design held against what there is: scales, measures, people, drives and answers.
+
+use crate::{design::DesignFile, error::StudyError, stages::score::read_scales, tables::Table};
+use maveric_domain::{
+    Scale,
+    design::{DesignError, Quantity, ScoreName},
+};
+use maveric_measures::objective;
+use std::{collections::BTreeSet, path::Path};
+
+/// Says whether every scale, measure and person that a design names is there.
+///
+/// # Errors
+/// [`StudyError`] naming the design's file, the key, what it says and what would be possible.
+pub fn check_design(study: &DesignFile) -> Result<(), StudyError> {
+    let folder = study.resolve(&study.design.files().scales);
+    let scales = read_scales(&folder)?;
+    of_scales(study, &scales).map_err(|error| {
+        let help = error.suggestion();
+        study.wrong(error.to_string(), help)
+    })?;
+    let people = study.people(None)?;
+    let ids = || people.enrolled.iter().map(|p| p.id.as_str());
+    let excluded = study.design.exclude().people.keys();
+    match excluded.into_iter().find(|id| people.find(id).is_none()) {
+        None => Ok(()),
+        Some(stranger) => {
+            let error = DesignError::word("exclude.people", stranger.as_str(), ids());
+            let help = error.suggestion();
+            Err(study.wrong(error.to_string(), help))
+        }
+    }
+}
+
+/// What an outcome may be: a measure's column, or a score of a scale.
+struct Known {
+    measures: Vec<&'static str>,
+    scores: Vec<String>,
+}
+
+impl Known {
+    fn of(scales: &[Scale]) -> Self {
+        let of_scale = |scale: &Scale| {
+            let name = |sub: &maveric_domain::Subscale| format!("{}.{}", scale.id, sub.id);
+            scale.subscales.iter().map(name).collect::<Vec<_>>()
+        };
+        Self {
+            measures: objective::all().iter().map(|m| m.name).collect(),
+            scores: scales.iter().flat_map(of_scale).collect(),
+        }
+    }
+
+    fn score(&self, key: impl Into<String>, name: &ScoreName) -> Result<(), DesignError> {
+        let name = name.to_string();
+        if self.scores.contains(&name) {
+            return Ok(());
+        }
+        Err(DesignError::word(
+            key,
+            &name,
+            self.scores.iter().map(String::as_str),
+        ))
+    }
+
+    fn measure(&self, key: impl Into<String>, name: &str) -> Result<(), DesignError> {
+        if self.measures.contains(&name) {
+            return Ok(());
+        }
+        Err(DesignError::word(key, name, self.measures.iter().copied()))
+    }
+
+    fn either(&self, key: impl Into<String>, name: &str) -> Result<(), DesignError> {
+        if self.measures.contains(&name) || self.scores.iter().any(|s| s == name) {
+            return Ok(());
+        }
+        let all = self.measures.iter().copied();
+        Err(DesignError::word(
+            key,
+            name,
+            all.chain(self.scores.iter().map(String::as_str)),
+        ))
+    }
+}
+
+fn of_scales(study: &DesignFile, scales: &[Scale]) -> Result<(), DesignError> {
+    let (design, known) = (&study.design, Known::of(scales));
+    if let Some(style) = design.style() {
+        known.score("style.score", &style.score)?;
+        style_range(study, scales)?;
+    }
+    for outcome in design.outcomes() {
+        match &outcome.quantity {
+            Quantity::Measure(name) => known.measure("outcome.measure", name)?,
+            Quantity::Score(name) => known.score("outcome.scale", name)?,
+        }
+    }
+    for condition in design.conditions() {
+        for name in condition.expected.keys() {
+            known.either(format!("condition.{}.expected", condition.id), name)?;
+        }
+    }
+    for (at, hypothesis) in design.hypotheses().iter().enumerate() {
+        known.either(
+            format!("hypothesis[{}].outcome", at + 1),
+            &hypothesis.outcome,
+        )?;
+    }
+    for rating in design.homophily().iter().flat_map(|h| &h.ratings) {
+        known.score("homophily.ratings", rating)?;
+    }
+    for factor in design.homophily().iter().flat_map(|h| &h.factors) {
+        let whole = scales.iter().map(|s| s.id.as_str());
+        if !known.scores.contains(factor) && !whole.clone().any(|id| id == factor) {
+            let all = whole.chain(known.scores.iter().map(String::as_str));
+            return Err(DesignError::word("homophily.factors", factor, all));
+        }
+    }
+    Ok(())
+}
+
+/// The range of the style is that of its scale or lies within it, and no condition asks for more than its width.
+fn style_range(study: &DesignFile, scales: &[Scale]) -> Result<(), DesignError> {
+    let Some(style) = study.design.style() else {
+        return Ok(());
+    };
+    let scale = scales.iter().find(|s| s.id == style.score.scale);
+    let subscale = scale.and_then(|s| s.subscales.iter().find(|u| u.id == style.score.subscale));
+    let Some((low, high)) = scale
+        .zip(subscale)
+        .map(|(scale, sub)| scale.score_range(sub))
+    else {
+        return Ok(());
+    };
+    let [from, to] = style.range.unwrap_or([low, high]);
+    if from < low || to > high {
+        return Err(DesignError::key(
+            "style.range",
+            format!("[{from}, {to}]"),
+            format!(
+                "within {low} to {high}, the range of `{}` in its scale's file",
+                style.score
+            ),
+        ));
+    }
+    let beyond = study
+        .design
+        .conditions()
+        .iter()
+        .find(|c| c.dial().is_some_and(|d| d.abs() > to - from));
+    match beyond.and_then(|c| Some((c, c.dial()?))) {
+        None => Ok(()),
+        Some((condition, dial)) => Err(DesignError::key(
+            format!("condition.{}.car.dial", condition.id),
+            dial,
+            format!(
+                "at most {} points either way, the width of `{}`",
+                to - from,
+                style.score
+            ),
+        )),
+    }
+}
+
+/// What one should know of a study before it is run: who is left out by name, which declared condition nobody drove or rated yet.
+/// `results` is where the runs of the study write.
+///
+/// # Errors
+/// As [`check_design`], and if a table cannot be read.
+pub fn study_notes(study: &DesignFile, results: &Path) -> Result<Vec<String>, StudyError> {
+    check_design(study)?;
+    let design = &study.design;
+    let (people, drives) = (&design.exclude().people, &design.exclude().drives);
+    let out = people.iter().map(|(id, why)| (id.to_string(), why));
+    let out = out.chain(drives.iter().map(|(id, why)| (id.to_string(), why)));
+    let mut notes: Vec<String> = out
+        .map(|(id, why)| format!("{id} is left out: {why}"))
+        .collect();
+    let driven = words(
+        &[
+            results.join("drives/drives.csv"),
+            results.join("av/drives/drives.csv"),
+        ],
+        "condition",
+    )?;
+    let answers = [
+        results.join("answers.csv"),
+        results.join("ratings.csv"),
+        study.resolve(&design.files().answers),
+    ];
+    let rated = words(&answers, "moment")?;
+    for condition in design.conditions() {
+        let id = condition.id.as_str();
+        if driven.as_ref().is_some_and(|d| !d.contains(id)) {
+            notes.push(format!("condition {id}: nobody drove it"));
+        }
+        if rated.as_ref().is_some_and(|r| !r.contains(id)) {
+            notes.push(format!("condition {id}: nobody rated it"));
+        }
+    }
+    Ok(notes)
+}
+
+/// What stands in a column of those tables that are there and have it; none where there is no such table yet.
+fn words<P: AsRef<Path>>(
+    tables: &[P],
+    column: &str,
+) -> Result<Option<BTreeSet<String>>, StudyError> {
+    let mut found: Option<BTreeSet<String>> = None;
+    for path in tables.iter().map(AsRef::as_ref).filter(|p| p.is_file()) {
+        if path.extension().is_none_or(|e| e != "csv") {
+            continue;
+        }
+        let table = Table::read(path)?;
+        if table.has(column) {
+            let words = table.text(column)?.into_iter().flatten();
+            found.get_or_insert_default().extend(words);
+        }
+    }
+    Ok(found)
+}

@@ -1,0 +1,133 @@
+//! Which logs are read, and by which mapping.
+
+use super::IngestOptions;
+use crate::{design::DesignFile, error::StudyError};
+use maveric_domain::design::Mappings;
+use maveric_ingest::{IngestSettings, Mapping, log_files};
+use std::path::{Path, PathBuf};
+
+/// A log, and how it is read.
+#[derive(Debug, Clone)]
+pub(super) struct Log {
+    pub(super) path: PathBuf,
+    pub(super) mapping: Option<PathBuf>,
+    pub(super) settings: IngestSettings,
+}
+
+/// The logs that were named; none named, every log below the folders of the design, each rig by its own mapping.
+///
+/// # Errors
+/// [`StudyError::BadFile`] for a folder without logs; [`StudyError::Ingest`] for a mapping that is none.
+pub(super) fn of(
+    options: &IngestOptions,
+    study: Option<&DesignFile>,
+) -> Result<Vec<Log>, StudyError> {
+    let mut found = Vec::new();
+    let own = || match (&options.mapping, study) {
+        (Some(given), _) => Some(given.clone()),
+        (None, Some(study)) => match &study.design.files().mapping {
+            Mappings::One(file) => Some(study.resolve(file)).filter(|file| file.is_file()),
+            Mappings::Rigs(_) => None,
+        },
+        (None, None) => None,
+    };
+    if !options.logs.is_empty() {
+        let (mapping, settings) = settings(options, own())?;
+        for path in &options.logs {
+            let logs = log_files(path, settings.mapping.as_ref())?;
+            found.extend(read_by(
+                refuse_none(path, logs)?,
+                mapping.as_ref(),
+                &settings,
+            ));
+        }
+        return Ok(found);
+    }
+    let Some(study) = study else {
+        return Err(StudyError::NotPossible {
+            problem: "no logs are named, and there is no design that names them".to_owned(),
+            help: Some("name logs or folders of logs, or give --design study.toml".to_owned()),
+        });
+    };
+    let files = study.design.files();
+    let all = study.resolve(&files.logs);
+    let mut rigs: Vec<PathBuf> = Vec::new();
+    if let Mappings::Rigs(mappings) = &files.mapping {
+        for rig in mappings {
+            let folder = study.resolve(&rig.logs);
+            let file = options.mapping.clone();
+            let file = file.or_else(|| rig.file.as_ref().map(|f| study.resolve(f)));
+            let (mapping, settings) = settings(options, file)?;
+            let logs = below(&folder, settings.mapping.as_ref(), &rigs)?;
+            found.extend(read_by(
+                refuse_none(&folder, logs)?,
+                mapping.as_ref(),
+                &settings,
+            ));
+            rigs.push(folder);
+        }
+    }
+    let (mapping, settings) = settings(options, own())?;
+    if all.is_dir() || rigs.is_empty() {
+        let logs = below(&all, settings.mapping.as_ref(), &rigs)?;
+        if rigs.is_empty() {
+            refuse_none(&all, logs.clone())?;
+        }
+        found.extend(read_by(logs, mapping.as_ref(), &settings));
+    }
+    Ok(found)
+}
+
+fn settings(
+    options: &IngestOptions,
+    mapping: Option<PathBuf>,
+) -> Result<(Option<PathBuf>, IngestSettings), StudyError> {
+    let settings = IngestSettings {
+        mapping: mapping.as_deref().map(Mapping::read).transpose()?,
+        rate_hz: options.rate_hz,
+        recover: options.recover,
+        ..IngestSettings::default()
+    };
+    Ok((mapping, settings))
+}
+
+fn read_by(logs: Vec<PathBuf>, mapping: Option<&PathBuf>, settings: &IngestSettings) -> Vec<Log> {
+    let log = |path| Log {
+        path,
+        mapping: mapping.cloned(),
+        settings: settings.clone(),
+    };
+    logs.into_iter().map(log).collect()
+}
+
+fn refuse_none(folder: &Path, logs: Vec<PathBuf>) -> Result<Vec<PathBuf>, StudyError> {
+    if logs.is_empty() {
+        let problem = "holds no logs (.mcap, .csv, .tsv, .txt, .parquet)";
+        return Err(StudyError::file(folder, problem));
+    }
+    Ok(logs)
+}
+
+/// The logs of a folder and of the folders in it, those in `apart` left alone; in the order of their names.
+fn below(
+    folder: &Path,
+    mapping: Option<&Mapping>,
+    apart: &[PathBuf],
+) -> Result<Vec<PathBuf>, StudyError> {
+    let mut found = log_files(folder, mapping)?;
+    let mut folders = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(StudyError::read(folder))? {
+        let path = entry.map_err(StudyError::read(folder))?.path();
+        let hidden = path
+            .file_name()
+            .is_some_and(|n| n.to_string_lossy().starts_with('.'));
+        if path.is_dir() && !hidden && !found.contains(&path) && !apart.contains(&path) {
+            folders.push(path);
+        }
+    }
+    folders.sort();
+    for folder in folders {
+        found.extend(below(&folder, mapping, apart)?);
+    }
+    Ok(found)
+}

@@ -1,0 +1,146 @@
+//! The score that the dial turns, on the scale on which the networks learn it.
+//!
+//! The style head is learned on the range of the ADB score, 11 to 55 points; another score is stretched onto it on the way in, and
+//! back on the way out, so that every file has the points of the study's own score.
+
+use crate::{design::DesignFile, error::StudyError, stages::score::read_scales};
+use maveric_domain::{AdbScore, EmbeddingRow, Score, design::DesignError};
+use std::path::Path;
+
+/// Lowest and highest score of a study's style.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct StyleScale {
+    low: f64,
+    high: f64,
+}
+
+impl StyleScale {
+    const ADB: Self = Self {
+        low: AdbScore::MIN,
+        high: AdbScore::MAX,
+    };
+
+    /// The scale of a design's style; the ADB score's where it has none.
+    ///
+    /// # Errors
+    /// [`StudyError`] where neither the design nor a questionnaire says the range.
+    pub(crate) fn of(study: &DesignFile) -> Result<Self, StudyError> {
+        let Some(style) = study.design.style() else {
+            return Ok(Self::ADB);
+        };
+        if let Some([low, high]) = style.range {
+            return Ok(Self { low, high });
+        }
+        let scales = read_scales(&study.resolve(&study.design.files().scales))?;
+        let scale = scales.iter().find(|s| s.id == style.score.scale);
+        let found = scale.and_then(|scale| {
+            let sub = scale
+                .subscales
+                .iter()
+                .find(|u| u.id == style.score.subscale)?;
+            Some(scale.score_range(sub))
+        });
+        match found {
+            Some((low, high)) => Ok(Self { low, high }),
+            None => {
+                let ids: Vec<String> = scales
+                    .iter()
+                    .flat_map(|s| s.subscales.iter().map(|u| format!("{}.{}", s.id, u.id)))
+                    .collect();
+                let name = style.score.to_string();
+                let error = DesignError::word("style.score", &name, ids.iter().map(String::as_str));
+                let help = error.suggestion();
+                Err(study.wrong(error.to_string(), help))
+            }
+        }
+    }
+
+    /// Points of the networks for one point of this score.
+    pub(crate) fn stretch(self) -> f64 {
+        if self == Self::ADB {
+            return 1.0;
+        }
+        (AdbScore::MAX - AdbScore::MIN) / (self.high - self.low)
+    }
+
+    fn inward(self, points: f64) -> f64 {
+        if self == Self::ADB {
+            return points;
+        }
+        AdbScore::MIN + (points - self.low) * self.stretch()
+    }
+
+    /// A score of the networks as a score of the study.
+    pub(crate) fn outward(self, points: f64) -> f64 {
+        if self == Self::ADB {
+            return points;
+        }
+        self.low + (points - AdbScore::MIN) / self.stretch()
+    }
+
+    /// Embeddings that were fitted to stretched scores, in points of the study's own.
+    pub(crate) fn outward_rows(self, rows: &mut [EmbeddingRow]) {
+        for row in rows {
+            row.adb = row.adb.map(|x| self.outward(x));
+            row.adb_hat = row.adb_hat.map(|x| self.outward(x));
+        }
+    }
+}
+
+/// The scores from which the networks learn: the design's style, under the name and on the range of the ADB score. Without a
+/// design they are as they are; with one that has no style there are none. Gives the scale to come back by.
+///
+/// # Errors
+/// [`StudyError`] naming participant and score for one outside the range of the style.
+pub(crate) fn style_scores(
+    mut scores: Vec<Score>,
+    design: Option<&Path>,
+) -> Result<(Vec<Score>, StyleScale), StudyError> {
+    let Some(study) = DesignFile::here(design)? else {
+        return Ok((scores, StyleScale::ADB));
+    };
+    let Some(style) = study.design.style() else {
+        return Ok((Vec::new(), StyleScale::ADB));
+    };
+    let scale = StyleScale::of(&study)?;
+    let of = |s: &Score, name: (&str, &str)| s.scale == name.0 && s.subscale == name.1;
+    let own = (style.score.scale.as_str(), style.score.subscale.as_str());
+    scores.retain(|s| of(s, own) || !of(s, ("adb", "total")));
+    for score in scores.iter_mut().filter(|s| of(s, own)) {
+        if let Some(value) = score.value {
+            if !(scale.low..=scale.high).contains(&value) {
+                return Err(study.wrong(
+                    format!(
+                        "`style.range`: participant {} ({}) scores {value} on `{}`, expected {} to {}",
+                        score.participant, score.moment, style.score, scale.low, scale.high
+                    ),
+                    Some("widen `range` to that of the questionnaire, or check the answers".to_owned()),
+                ));
+            }
+            score.value = Some(scale.inward(value).clamp(AdbScore::MIN, AdbScore::MAX));
+        }
+        "adb".clone_into(&mut score.scale);
+        "total".clone_into(&mut score.subscale);
+    }
+    Ok((scores, scale))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn another_score_is_stretched_onto_the_range_of_the_networks_and_back() {
+        let risky = StyleScale {
+            low: 1.0,
+            high: 6.0,
+        };
+        assert!(
+            (risky.inward(1.0) - 11.0).abs() < 1e-12 && (risky.inward(6.0) - 55.0).abs() < 1e-12
+        );
+        assert!((risky.outward(risky.inward(3.7)) - 3.7).abs() < 1e-12);
+        assert!((risky.stretch() - 8.8).abs() < 1e-12);
+        // The ADB score itself is not touched, to the last digit.
+        assert!(StyleScale::ADB.inward(30.1).to_bits() == 30.1f64.to_bits());
+    }
+}
