@@ -11,7 +11,7 @@ const PAPER_PIPELINE: &str = "pipelines/paper.toml";
 /// A study's own pipeline, where it has one.
 const OWN_PIPELINE: &str = "pipelines/study.toml";
 /// Where the pipeline that follows from a study's design is written.
-const DESIGNED_PIPELINE: &str = ".study.toml";
+const DESIGNED_PIPELINE: &str = ".maveric/study.toml";
 
 /// The file that was named; for the folder one stands in, with a `study.toml` its own pipeline, else the one that follows from the
 /// design; without, the paper's.

@@ -12,7 +12,7 @@ use crate::{
 };
 use maveric_domain::{DriveId, DriveMeta, DrivenBy, ParticipantId, Seconds, stream_seed};
 use maveric_ingest::{Beside, write_mcap_with};
-use maveric_participants::{Cohort, CohortSettings, Part, PlannedDrive, answer_before};
+use maveric_participants::{Cohort, CohortSettings, PlannedDrive, answer_before};
 use maveric_simulator::{Driver, People, Scenario, rollout};
 use serde::Serialize;
 use std::{
