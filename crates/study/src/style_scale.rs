@@ -4,7 +4,7 @@
 //! back on the way out, so that every file has the points of the study's own score.
 
 use crate::{design::DesignFile, error::StudyError, stages::score::read_scales};
-use maveric_domain::{AdbScore, EmbeddingRow, Score, design::DesignError};
+use maveric_domain::{AdbScore, EmbeddingRow, Scale, Score, Subscale, design::DesignError};
 use std::path::Path;
 
 /// Lowest and highest score of a study's style.
@@ -40,19 +40,18 @@ impl StyleScale {
                 .find(|u| u.id == style.score.subscale)?;
             Some(scale.score_range(sub))
         });
-        match found {
-            Some((low, high)) => Ok(Self { low, high }),
-            None => {
-                let ids: Vec<String> = scales
-                    .iter()
-                    .flat_map(|s| s.subscales.iter().map(|u| format!("{}.{}", s.id, u.id)))
-                    .collect();
-                let name = style.score.to_string();
-                let error = DesignError::word("style.score", &name, ids.iter().map(String::as_str));
-                let help = error.suggestion();
-                Err(study.wrong(error.to_string(), help))
-            }
+        if let Some((low, high)) = found {
+            return Ok(Self { low, high });
         }
+        let of_scale = |s: &Scale| {
+            let name = |u: &Subscale| format!("{}.{}", s.id, u.id);
+            s.subscales.iter().map(name).collect::<Vec<String>>()
+        };
+        let ids: Vec<String> = scales.iter().flat_map(of_scale).collect();
+        let name = style.score.to_string();
+        let error = DesignError::word("style.score", &name, ids.iter().map(String::as_str));
+        let help = error.suggestion();
+        Err(study.wrong(error.to_string(), help))
     }
 
     /// Points of the networks for one point of this score.

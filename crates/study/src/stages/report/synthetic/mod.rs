@@ -100,12 +100,15 @@ pub(super) fn page(
     let beside = folder.join("participants.csv");
     let participants = options.participants.as_deref().unwrap_or(&beside);
     let people = People::read(folder, participants, &run.measured, &study.design)?;
-    let list = File::read(&folder.join("drives/study2/drives.csv"))?;
+    // The drives by hand have a folder of their own, or stand with all others.
+    let by_hand = Some(folder.join("drives/study2")).filter(|d| d.is_dir());
+    let by_hand = by_hand.unwrap_or_else(|| folder.join("drives"));
+    let list = File::read(&by_hand.join("drives.csv"))?;
     let durations = list.all_numbers("duration_s")?;
     let minutes = durations.iter().sum::<f64>() / durations.len() as f64 / 60.0;
     let first = list.ids::<DriveId>("drive")?.into_iter().next();
     let road = match first {
-        Some(id) => *read_drive(&folder.join(format!("drives/study2/{id}.parquet")))?.road(),
+        Some(id) => *read_drive(&by_hand.join(format!("{id}.parquet")))?.road(),
         None => return Err(StudyError::file(list.path(), "lists no drive")),
     };
     let given = |key| {
