@@ -57,7 +57,7 @@ impl Idm {
         let free = if ratio <= 1.0 {
             a * (1.0 - ratio.powi(4))
         } else {
-            -b * (1.0 - ratio.powf(-4.0 * a / b))
+            -b * (1.0 - libm::pow(ratio, -4.0 * a / b))
         };
         if gap_m == f64::INFINITY {
             return free;
@@ -66,10 +66,44 @@ impl Idm {
         let z = desired / gap_m.max(LEAST_GAP_M);
         match (ratio <= 1.0, z >= 1.0) {
             (true, true) => a * (1.0 - z * z),
-            (true, false) if free > 1e-6 => free * (1.0 - z.powf(2.0 * a / free)),
+            (true, false) if free > 1e-6 => free * (1.0 - libm::pow(z, 2.0 * a / free)),
             (false, true) => free + a * (1.0 - z * z),
             (_, false) => free,
         }
+    }
+
+    /// The interaction with the lead alone, a·(1 − (s*/gap)²), in m/s², where the gap is shorter than wanted.
+    pub fn held_back_mps2(
+        &self,
+        gap_m: f64,
+        ego_speed_mps: f64,
+        lead_speed_mps: f64,
+    ) -> Option<f64> {
+        let z = self.desired_gap_m(ego_speed_mps, lead_speed_mps) / gap_m.max(LEAST_GAP_M);
+        (z >= 1.0).then_some(self.max_accel_mps2 * (1.0 - z * z))
+    }
+
+    /// Speed at which the first model keeps `gap_m` behind a vehicle of the same speed, in m/s.
+    ///
+    /// Solves s0 + v·T = gap·√(1 − (v/v0)⁴) by bisection.
+    pub fn equilibrium_speed_mps(&self, gap_m: f64) -> f64 {
+        let excess = |v: f64| {
+            let free = (1.0 - (v / self.desired_speed_mps).powi(4)).max(0.0);
+            self.standstill_gap_m + v * self.time_gap_s - gap_m * free.sqrt()
+        };
+        let (mut low, mut high) = (0.0, self.desired_speed_mps);
+        if excess(low) >= 0.0 {
+            return 0.0;
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if excess(middle) < 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        low
     }
 
     /// The same driver with another time gap, in s.
@@ -96,6 +130,26 @@ mod tests {
         let v: f64 = 20.0;
         let gap = (2.0 + v * 1.2) / (1.0 - (v / 30.0).powi(4)).sqrt();
         assert!(DRIVER.accel_mps2(gap, v, v).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_speed_of_an_equilibrium_is_one() {
+        for gap in [5.0, 20.0, 60.0] {
+            let v = DRIVER.equilibrium_speed_mps(gap);
+            assert!(DRIVER.accel_mps2(gap, v, v).abs() < 1e-9, "{gap} {v}");
+        }
+        assert!(DRIVER.equilibrium_speed_mps(1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_lead_holds_back_only_nearer_than_the_wanted_gap() {
+        let wanted = DRIVER.desired_gap_m(25.0, 24.0);
+        assert!(DRIVER.held_back_mps2(1.01 * wanted, 25.0, 24.0).is_none());
+        assert!(
+            DRIVER
+                .held_back_mps2(0.4 * wanted, 25.0, 24.0)
+                .is_some_and(|a| a < -4.0)
+        );
     }
 
     #[test]

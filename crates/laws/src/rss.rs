@@ -63,6 +63,63 @@ impl Rss {
     }
 }
 
+/// The rule across the road.
+///
+/// # Source
+/// Shalev-Shwartz, Shammah and Shashua 2017, Definition 6.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LateralRss {
+    /// μ: what is left between the sides, in m.
+    pub margin_m: f64,
+    /// ρ: reaction time of both, in s.
+    pub reaction_s: f64,
+    /// Acceleration towards the other during it, in m/s².
+    pub reaction_mps2: f64,
+    /// Lateral braking, in m/s².
+    pub braking_mps2: f64,
+}
+
+impl LateralRss {
+    /// Distance between the sides of two vehicles that move towards each other with these lateral speeds, at which both can still stop
+    /// moving sideways without touching, in m.
+    ///
+    /// d = μ + Σ over both of (t + t_ρ)/2 · ρ + t_ρ |t_ρ| / (2 b), with t the speed towards the other, t_ρ = t + ρ a, at least μ.
+    pub fn distance_m(&self, one_mps: f64, other_mps: f64) -> f64 {
+        let needs = |towards_mps: f64| {
+            let then = towards_mps + self.reaction_s * self.reaction_mps2;
+            0.5 * (towards_mps + then) * self.reaction_s
+                + then * then.abs() / (2.0 * self.braking_mps2)
+        };
+        self.margin_m + (needs(one_mps) + needs(other_mps)).max(0.0)
+    }
+}
+
+/// Braking that is needed not to come nearer than `margin_m`, in m/s², positive.
+///
+/// Counts on the lead keeping its braking `lead_braking_mps2` (positive) until it stands.
+pub fn needed_braking_mps2(
+    gap_m: f64,
+    margin_m: f64,
+    speed_mps: f64,
+    lead_speed_mps: f64,
+    lead_braking_mps2: f64,
+) -> f64 {
+    let room = (gap_m - margin_m).max(crate::LEAST_GAP_M);
+    let closing = speed_mps - lead_speed_mps;
+    if closing <= 0.0 {
+        return 0.0;
+    }
+    if lead_braking_mps2 <= 0.5 {
+        return closing * closing / (2.0 * room);
+    }
+    // If the speeds meet before the lead stands, only that counts: stopping behind its last place would not help.
+    if 2.0 * room / closing < lead_speed_mps / lead_braking_mps2 {
+        return lead_braking_mps2 + closing * closing / (2.0 * room);
+    }
+    let lead_stops_in = lead_speed_mps * lead_speed_mps / (2.0 * lead_braking_mps2);
+    speed_mps * speed_mps / (2.0 * (room + lead_stops_in))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -93,5 +150,38 @@ mod tests {
         }
         assert!(RSS.safe_speed_mps(1.0, 0.0).abs() < 1e-12);
         assert!(RSS.safe_speed_slope_per_s(1.0, 0.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_needed_braking_just_avoids_the_margin() {
+        assert!((needed_braking_mps2(52.0, 2.0, 30.0, 20.0, 0.0) - 1.0).abs() < 1e-12);
+        assert!(needed_braking_mps2(52.0, 2.0, 20.0, 20.0, 4.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn two_that_brake_sideways_in_time_come_no_nearer_than_the_margin() {
+        let rule = LateralRss {
+            margin_m: 0.2,
+            reaction_s: 0.3,
+            reaction_mps2: 0.2,
+            braking_mps2: 0.8,
+        };
+        for (mut one, mut other) in [(1.2_f64, 0.0_f64), (0.6, 0.9), (1.0, -0.3)] {
+            let mut apart = rule.distance_m(one, other);
+            let step = 1e-4;
+            for tick in 0..40_000 {
+                let reacting = f64::from(tick) * step < rule.reaction_s;
+                for speed in [&mut one, &mut other] {
+                    *speed += step
+                        * if reacting {
+                            rule.reaction_mps2
+                        } else {
+                            -rule.braking_mps2 * speed.signum()
+                        };
+                }
+                apart -= (one + other) * step;
+                assert!(apart > rule.margin_m - 1e-3, "{apart}");
+            }
+        }
     }
 }

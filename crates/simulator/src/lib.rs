@@ -9,6 +9,7 @@ mod drivers;
 pub mod error;
 pub mod flow;
 mod neighbours;
+mod normal;
 mod outcome;
 pub mod planner;
 mod response;
@@ -34,7 +35,7 @@ pub use response::{LaneChangeTracking, StepResponse, lane_change_tracking, step_
 pub use road::{CentreLine, MapPose, Segment};
 pub use rollout::rollout;
 pub use scenario::{
-    ChangeRule, ControllerSettings, DynamicsSettings, Integrator, Scenario, ScenarioSettings,
-    ScriptStep, VehicleModel, VehiclePlacement,
+    ChangeRule, ControllerSettings, DynamicsSettings, FollowingRule, Integrator, Scenario,
+    ScenarioSettings, ScriptStep, VehicleModel, VehiclePlacement,
 };
 pub use session::{Driver, Session};

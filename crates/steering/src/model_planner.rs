@@ -11,6 +11,7 @@ pub struct ModelPlanner {
     predictor: Predictor,
     buffer: WindowBuffer,
     rule: PaperRule,
+    controllers: ControllerSettings,
     failure: Option<ModelError>,
 }
 
@@ -28,8 +29,14 @@ impl ModelPlanner {
             predictor: Predictor::new(model, embedding)?,
             buffer: model.window_buffer(),
             rule: PaperRule::new(settings),
+            controllers: settings.literal(),
             failure: None,
         })
+    }
+
+    /// The controllers that go with this planner: those given, and the paper's rule of following behind a probability.
+    pub fn controllers(&self) -> ControllerSettings {
+        self.controllers.clone()
     }
 
     /// The first situation that the model could not answer, if there was one: the drive then says nothing about

@@ -57,9 +57,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let start = std::time::Instant::now();
     let each = all.div_ceil(KINDS.len() as u64);
     println!(
-        "| kind | drives | km | braked | changes held | given up | collisions where the assumptions held | where not |"
+        "| kind | drives | km | braked | changes held | given up | s inside the safe distance a drive, mean and most | least share of it | collisions where the assumptions held | where not |"
     );
-    println!("|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|");
     let mut total = 0;
     for kind in KINDS {
         let outcomes: Vec<Outcome> = (0..each)
@@ -68,6 +68,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .collect::<Result<_, _>>()?;
         let sum =
             |of: fn(&RolloutReport) -> u32| -> u32 { outcomes.iter().map(|o| of(&o.report)).sum() };
+        let inside: Vec<f64> = outcomes
+            .iter()
+            .map(|o| o.report.inside_safe_distance_s)
+            .collect();
         let km: f64 = outcomes.iter().map(|o| o.km).sum();
         let mut causes: BTreeMap<CollisionCause, u32> = BTreeMap::new();
         for cause in outcomes.iter().flat_map(|o| &o.causes) {
@@ -77,10 +81,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         total += held;
         let others: Vec<String> = causes.iter().map(|(c, n)| format!("{c:?} {n}")).collect();
         println!(
-            "| {kind} | {each} | {km:.0} | {} | {} | {} | {held} | {} |",
+            "| {kind} | {each} | {km:.0} | {} | {} | {} | {:.2}, {:.1} | {:.2} | {held} | {} |",
             sum(|r| r.interventions),
             sum(|r| r.held_changes),
             sum(|r| r.given_up_changes),
+            inside.iter().sum::<f64>() / each as f64,
+            inside.iter().copied().fold(0.0, f64::max),
+            outcomes
+                .iter()
+                .map(|o| o.report.least_safe_distance_share)
+                .fold(1.0, f64::min),
             if others.is_empty() {
                 "0".to_owned()
             } else {

@@ -6,6 +6,7 @@ use super::{
     following::{self, Lead},
     intervention::{Intervention, InterventionKind},
     lane_change::{ReturnRule, duration_s, gaps_are_safe},
+    passing::DrivingUp,
     path::Steering,
     sideways::Sideways,
     velocity::{VelocityController, bounded_jerk},
@@ -15,10 +16,10 @@ use crate::{
     neighbours::{ahead, ahead_or_entering},
     planner::{PLANNING_STEP_S, Planner, View},
     road::CentreLine,
-    scenario::{ControllerSettings, VehicleSettings},
+    scenario::{ControllerSettings, FollowingRule, VehicleSettings},
 };
 use maveric_domain::{
-    LaneActivity as LaneState, LaneWish, Road, Scene, Setpoints, TraceRow, When,
+    LaneActivity as LaneState, LaneWish, Road, Scene, Setpoints, TraceRow, VehicleId, When,
     drive::ReferenceTracker,
 };
 
@@ -32,6 +33,7 @@ pub(crate) struct AutomatedDriver<'a> {
     tracker: ReferenceTracker,
     velocity: VelocityController,
     velocity_leads: bool,
+    driving_up: DrivingUp,
     return_rule: ReturnRule,
     command_mps2: f64,
     lane_state: LaneState,
@@ -61,6 +63,7 @@ impl<'a> AutomatedDriver<'a> {
             tracker: ReferenceTracker::new(road),
             velocity: VelocityController::default(),
             velocity_leads: true,
+            driving_up: DrivingUp::default(),
             return_rule: ReturnRule::default(),
             command_mps2: 0.0,
             lane_state: LaneState::Keeping,
@@ -154,6 +157,7 @@ impl<'a> AutomatedDriver<'a> {
             self.velocity_leads,
             PLANNING_STEP_S,
         );
+        let driven_up_to = self.driven_up_to(scene, steering, asked);
         // The lane being left counts for the first half of a change, the one entered from its start.
         let left_behind = steering
             .coming_from()
@@ -163,19 +167,13 @@ impl<'a> AutomatedDriver<'a> {
             .into_iter()
             .flatten()
             .filter_map(|lane| ahead_or_entering(scene, &self.road, lane, self.sideways.claims()))
+            .filter(|n| driven_up_to != Some(n.vehicle.id))
             .map(|n| {
                 let lead = Lead {
                     gap_m: n.gap_m,
                     speed_mps: n.vehicle.speed_mps,
                 };
-                following::command(
-                    s,
-                    asked.following_distance_m,
-                    speed,
-                    lead,
-                    cruise,
-                    self.lane_state == LaneState::Waiting,
-                )
+                following::command(s, asked.following_distance_m, speed, lead, cruise)
             })
             .fold(cruise, f64::min);
         self.velocity_leads = wanted >= cruise;
@@ -189,11 +187,45 @@ impl<'a> AutomatedDriver<'a> {
             scene,
             &self.road,
             self.sideways.claims(),
-            smooth,
+            (smooth, driven_up_to),
         );
         self.interventions.extend(note);
         self.command_mps2 = command;
         command
+    }
+
+    /// The vehicle ahead that is about to be passed, while the car means to and may.
+    fn driven_up_to(
+        &mut self,
+        scene: &Scene,
+        steering: &Steering,
+        asked: &Setpoints,
+    ) -> Option<VehicleId> {
+        let s = self.settings;
+        if s.following_rule == FollowingRule::Paper {
+            return None;
+        }
+        let claims = self.sideways.claims();
+        let speed = scene.ego.speed_mps;
+        let lead = match (steering.coming_from(), asked.wish) {
+            // Out of a lane: the lead left behind, until the line is crossed.
+            (Some(from), _) => {
+                let out = from < steering.lane() && self.lane_state == LaneState::Changing;
+                let early = steering.progress(scene.ego.x_m) < Some(0.5);
+                ahead_or_entering(scene, &self.road, from, claims).filter(|_| out && early)
+            }
+            (None, LaneWish::MoveOut(_)) => {
+                let (here, left) = (steering.lane(), steering.lane() + 1);
+                let lead = ahead_or_entering(scene, &self.road, here, claims);
+                let may = left < self.road.lanes
+                    && gaps_are_safe(s, scene, &self.road, left, claims, s.margin_m)
+                    && duration_s(s, speed, lead).is_some();
+                lead.filter(|_| may)
+            }
+            (None, _) => None,
+        }?;
+        let may = self.driving_up.may(s, speed, &lead);
+        may.then_some(lead.vehicle.id)
     }
 
     /// Before the line is crossed a change whose gaps have become unsafe is undone.

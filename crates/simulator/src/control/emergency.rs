@@ -2,7 +2,7 @@
 
 use super::{
     intervention::{Intervention, InterventionKind},
-    safety::{needed_braking_mps2, safe_distance_m},
+    safety::safe_distance_m,
 };
 use crate::{
     neighbours::{ahead_or_entering, in_the_way},
@@ -10,6 +10,7 @@ use crate::{
     scenario::{ControllerSettings, VehicleSettings},
 };
 use maveric_domain::{Road, Scene, VehicleId};
+use maveric_laws::needed_braking_mps2;
 
 /// Sideways room beside a vehicle below which it is in the way, in m.
 const SIDE_CLEARANCE_M: f64 = 0.2;
@@ -34,6 +35,8 @@ impl EmergencyBrake {
     }
 
     /// The command that the car gets where the controllers ask for `wanted_mps2`, and a note where it begins to differ.
+    ///
+    /// Behind the vehicle `driven_up_to` the safe distance alone is no reason to brake.
     pub(super) fn override_command(
         &mut self,
         settings: &ControllerSettings,
@@ -41,7 +44,7 @@ impl EmergencyBrake {
         scene: &Scene,
         road: &Road,
         claims: &[Option<u8>],
-        wanted_mps2: f64,
+        (wanted_mps2, driven_up_to): (f64, Option<VehicleId>),
     ) -> (f64, Option<Intervention>) {
         let needed = self
             .needed_mps2(settings, vehicle, scene)
@@ -56,7 +59,13 @@ impl EmergencyBrake {
         } else {
             wanted_mps2
         };
-        let command = command.min(rule_allows_mps2(settings, scene, road, claims));
+        let command = command.min(rule_allows_mps2(
+            settings,
+            scene,
+            road,
+            claims,
+            driven_up_to,
+        ));
         let overrides = command < wanted_mps2;
         let begins = (overrides && !self.braking).then_some(Intervention {
             time_s: scene.time_s,
@@ -99,11 +108,12 @@ fn rule_allows_mps2(
     scene: &Scene,
     road: &Road,
     claims: &[Option<u8>],
+    driven_up_to: Option<VehicleId>,
 ) -> f64 {
     let lane = road.lane_at(scene.ego.y_m);
     ahead_or_entering(scene, road, lane, claims).map_or(f64::INFINITY, |n| {
         let safe = safe_distance_m(settings, scene.ego.speed_mps, n.vehicle.speed_mps);
-        if n.gap_m >= safe {
+        if n.gap_m >= safe || driven_up_to == Some(n.vehicle.id) {
             return f64::INFINITY;
         }
         -settings.own_braking_mps2 * ((1.0 - n.gap_m / safe) / FULL_AT).min(1.0)
@@ -162,8 +172,14 @@ mod tests {
                 }],
             };
             let road = scenario.road();
-            let (command, note) =
-                brake.override_command(&s.controllers, &s.vehicle, &scene, &road, &[None], 0.5);
+            let (command, note) = brake.override_command(
+                &s.controllers,
+                &s.vehicle,
+                &scene,
+                &road,
+                &[None],
+                (0.5, None),
+            );
             noted.extend(note);
             command
         };

@@ -1,7 +1,10 @@
 //! Following controller: f̂ behind a lead, and when it takes part.
 
 use super::safety;
-use crate::scenario::ControllerSettings;
+use crate::scenario::{ControllerSettings, FollowingRule};
+
+/// Opening speed asked for at most where the gap is too short, in m/s: a car that cut in is let go, not fled from.
+const OPENS_AT_MPS: f64 = 3.0;
 
 /// A vehicle ahead in a lane that ego uses.
 #[derive(Debug, Clone, Copy)]
@@ -23,18 +26,43 @@ pub(super) fn kept_distance_m(
     asked_m.max(safe)
 }
 
-/// λ: the gap below which the following controller takes part, in m.
+/// Acceleration wanted behind `lead`, in m/s², where the velocity controller wants `cruise_mps2`: never more than that.
+pub(super) fn command(
+    settings: &ControllerSettings,
+    asked_m: f64,
+    speed_mps: f64,
+    lead: Lead,
+    cruise_mps2: f64,
+) -> f64 {
+    let kept = kept_distance_m(settings, asked_m, speed_mps, lead);
+    match settings.following_rule {
+        FollowingRule::AskedGap => settling(settings, kept, speed_mps, lead).min(cruise_mps2),
+        FollowingRule::Paper => below_threshold(settings, kept, speed_mps, lead, cruise_mps2),
+    }
+}
+
+/// Towards the gap `kept_m`, without going past it: the closing speed falls with what is left, linearly near the end and before that by a
+/// braking of `approach_braking_mps2`.
+///
+/// With gains k on speed and c on the gap the gap obeys ë + k ė + k c e = 0: critically damped at c = k / 4.
+fn settling(settings: &ControllerSettings, kept_m: f64, speed_mps: f64, lead: Lead) -> f64 {
+    let left_m = lead.gap_m - kept_m;
+    let linear = settings.approach_gain_per_s * left_m;
+    let closing = if left_m > 0.0 {
+        linear.min((2.0 * settings.approach_braking_mps2 * left_m).sqrt())
+    } else {
+        linear.max(-OPENS_AT_MPS)
+    };
+    settings.following_gain_per_s * (lead.speed_mps + closing - speed_mps)
+}
+
+/// λ: the gap below which the paper's following controller takes part, in m.
 ///
 /// # Source
 /// Calibration section 4: max(15 m, 0.7·f̂', safe distance + closing²/(2·2 m/s²)). A λ above the gap at which a
 /// driver passes stops the car before the lane-change predictor may speak. The prototype's car was a point mass; ours
 /// has lags and a jerk bound, so λ also covers the closing speed over `closing_response_s`.
-pub(super) fn threshold_m(
-    settings: &ControllerSettings,
-    kept_m: f64,
-    speed_mps: f64,
-    lead: Lead,
-) -> f64 {
+fn threshold_m(settings: &ControllerSettings, kept_m: f64, speed_mps: f64, lead: Lead) -> f64 {
     let safe = safety::safe_distance_m(settings, speed_mps, lead.speed_mps) + settings.margin_m;
     let closing = (speed_mps - lead.speed_mps).max(0.0);
     let braking = closing * closing / (2.0 * settings.closing_braking_mps2)
@@ -45,61 +73,39 @@ pub(super) fn threshold_m(
         .max(safe + braking)
 }
 
-/// Acceleration wanted behind `lead`, in m/s², where the velocity controller wants `cruise_mps2`.
-///
-/// From λ down it is the smaller of the two, above λ and the hand-over band it is `cruise_mps2`, in between a mixture. Proportional on the
-/// difference of speeds, whose integral is the error of the gap: a PI controller.
-pub(super) fn command(
+/// From λ down it is the smaller of following and velocity, above λ and the hand-over band it is `cruise_mps2`, in between a mixture.
+/// Proportional on the difference of speeds, whose integral is the error of the gap: a PI controller.
+fn below_threshold(
     settings: &ControllerSettings,
-    asked_m: f64,
+    kept_m: f64,
     speed_mps: f64,
     lead: Lead,
     cruise_mps2: f64,
-    change_is_due: bool,
 ) -> f64 {
-    let kept = kept_distance_m(settings, asked_m, speed_mps, lead);
-    let below = threshold_m(settings, kept, speed_mps, lead) - lead.gap_m;
+    let below = threshold_m(settings, kept_m, speed_mps, lead) - lead.gap_m;
     let share = (1.0 + below / settings.handover_band_m).clamp(0.0, 1.0);
-    let follow = settings.gap_gain_per_s2 * (lead.gap_m - kept)
+    let follow = settings.gap_gain_per_s2 * (lead.gap_m - kept_m)
         + settings.speed_difference_gain_per_s * (lead.speed_mps - speed_mps);
-    let one_sided = cruise_mps2 + share * (follow.min(cruise_mps2) - cruise_mps2);
-    let met = if change_is_due {
-        0.0
-    } else {
-        met_share(settings, speed_mps, lead)
-    };
-    one_sided + met * (follow - one_sided)
+    cruise_mps2 + share * (follow.min(cruise_mps2) - cruise_mps2)
 }
-
-/// How far ego has settled behind `lead`: 1 at equal speeds within a time gap of [`FOLLOWS_WITHIN_S`], 0 from
-/// `met_within_mps` of difference up.
-///
-/// # Source
-/// Method section 5: λ short while closing in, F alone once the speeds have met and no change is due.
-fn met_share(settings: &ControllerSettings, speed_mps: f64, lead: Lead) -> f64 {
-    let within = settings.met_within_mps;
-    if within <= 0.0 || lead.gap_m > FOLLOWS_WITHIN_S * speed_mps {
-        return 0.0;
-    }
-    (2.0 - 2.0 * (speed_mps - lead.speed_mps).abs() / within).clamp(0.0, 1.0)
-}
-
-/// Time gap within which ego counts as following, in s: that of the method's following rows.
-const FOLLOWS_WITHIN_S: f64 = 3.0;
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const SETTINGS: ControllerSettings = ControllerSettings::PAPER;
+    const ASKED: ControllerSettings = ControllerSettings::PAPER;
+
+    fn paper() -> ControllerSettings {
+        ASKED.literal()
+    }
 
     #[test]
-    fn it_stays_out_of_the_way_at_the_gap_where_people_pass() {
+    fn the_papers_rule_stays_out_of_the_way_at_the_gap_where_people_pass() {
         let lead = Lead {
             gap_m: 45.0,
             speed_mps: 27.0,
         };
-        let wanted = command(&SETTINGS, 40.0, 30.0, lead, 0.3, false);
+        let wanted = command(&paper(), 40.0, 30.0, lead, 0.3);
         assert!((wanted - 0.3).abs() < 1e-12);
     }
 
@@ -109,9 +115,11 @@ mod tests {
             gap_m: 15.0,
             speed_mps: 28.0,
         };
-        let kept = kept_distance_m(&SETTINGS, 0.0, 30.0, lead);
-        assert!((kept - safety::safe_distance_m(&SETTINGS, 30.0, 28.0) - 2.0).abs() < 1e-12);
-        assert!(command(&SETTINGS, 0.0, 30.0, lead, 2.0, false) < 0.0);
+        let kept = kept_distance_m(&ASKED, 0.0, 30.0, lead);
+        assert!((kept - safety::safe_distance_m(&ASKED, 30.0, 28.0) - 2.0).abs() < 1e-12);
+        for settings in [ASKED, paper()] {
+            assert!(command(&settings, 0.0, 30.0, lead, 2.0) < 0.0);
+        }
     }
 
     #[test]
@@ -120,40 +128,33 @@ mod tests {
             gap_m: 14.9,
             speed_mps: 10.0,
         };
-        let near = ControllerSettings {
-            following_threshold_m: 30.0,
-            ..SETTINGS
-        };
-        assert!(command(&near, 14.9, 10.0, lead, 2.0, false).abs() < 1e-12);
+        for settings in [ASKED, paper()] {
+            let near = ControllerSettings {
+                following_threshold_m: 30.0,
+                ..settings
+            };
+            assert!(command(&near, 14.9, 10.0, lead, 2.0).abs() < 1e-12);
+        }
     }
 
     #[test]
-    fn once_speeds_have_met_f_leads_both_ways_and_yields_to_a_change() {
-        let met = ControllerSettings {
-            met_within_mps: 1.0,
-            ..SETTINGS
+    fn it_never_asks_for_more_than_the_velocity_controller() {
+        let far = Lead {
+            gap_m: 150.0,
+            speed_mps: 33.0,
         };
-        let lead = Lead {
-            gap_m: 60.0,
-            speed_mps: 28.0,
-        };
-        // 20 m too far: F speeds up although V asks for less; with a change due V's wish stands.
-        let wanted = command(&met, 40.0, 28.0, lead, 0.1, false);
-        assert!((wanted - 0.8).abs() < 1e-12);
-        assert!((command(&met, 40.0, 28.0, lead, 0.1, true) - 0.1).abs() < 1e-12);
-        // Still closing in at 3 m/s: as without the rule.
-        assert!((command(&met, 40.0, 31.0, lead, 0.1, false) - 0.1).abs() < 1e-12);
+        assert!((command(&ASKED, 40.0, 30.0, far, 0.1) - 0.1).abs() < 1e-12);
     }
 
     #[test]
-    fn the_hand_over_does_not_jump() {
+    fn the_papers_hand_over_does_not_jump() {
         let mut last = None;
         for tenth in 0..600 {
             let lead = Lead {
                 gap_m: 60.0 - 0.1 * f64::from(tenth),
                 speed_mps: 26.0,
             };
-            let wanted = command(&SETTINGS, 40.0, 30.0, lead, 0.5, false);
+            let wanted = command(&paper(), 40.0, 30.0, lead, 0.5);
             if let Some(last) = last.replace(wanted) {
                 assert!((wanted - last).abs() < 0.15);
             }

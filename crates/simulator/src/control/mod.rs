@@ -6,6 +6,7 @@ mod emergency;
 mod following;
 mod intervention;
 mod lane_change;
+mod passing;
 pub(crate) mod path;
 mod safety;
 mod sideways;

@@ -28,13 +28,13 @@ impl Bezier {
         Self {
             x: [
                 from.0,
-                from.0 + handle * heading_rad.cos(),
+                from.0 + handle * libm::cos(heading_rad),
                 end - handle,
                 end,
             ],
             y: [
                 from.1,
-                from.1 + handle * heading_rad.sin(),
+                from.1 + handle * libm::sin(heading_rad),
                 target_y_m,
                 target_y_m,
             ],
@@ -67,7 +67,7 @@ impl Bezier {
             }
         }
         let s = 0.5 * (low + high);
-        let heading = Self::slope(&self.y, s).atan2(Self::slope(&self.x, s));
+        let heading = libm::atan2(Self::slope(&self.y, s), Self::slope(&self.x, s));
         (Self::value(&self.y, s), heading)
     }
 }
@@ -244,8 +244,8 @@ impl Steering {
             self.change = None;
         }
         let (path_y, path_heading) = self.path_at(axle.x_m);
-        let error = (path_y - axle.y_m) * path_heading.cos();
-        let pull = (self.gain_per_s * error).atan2(pose.speed_mps + SOFTENING_MPS);
+        let error = (path_y - axle.y_m) * libm::cos(path_heading);
+        let pull = libm::atan2(self.gain_per_s * error, pose.speed_mps + SOFTENING_MPS);
         let slip = car.front_slip_rad(line.curvature_per_m(pose.x_m));
         path_heading - axle.heading_rad + pull + slip
     }

@@ -1,9 +1,9 @@
 //! What a population comes to: each parameter's distribution, and how much people differ from themselves.
 
 use super::{params::DriverParams, population::Population};
+use crate::normal::standard_normal;
 use maveric_domain::{LatentTraits, stream_seed};
 use rand::SeedableRng;
-use rand_distr::{Distribution as _, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
 
@@ -65,7 +65,7 @@ pub fn population_table(population: &Population, n: usize, seed: u64) -> Vec<Dis
     let person = |i: usize| {
         let own = stream_seed(seed, &["population", &i.to_string()]);
         let mut rng = Pcg64Mcg::seed_from_u64(own);
-        let mut normal = || StandardNormal.sample(&mut rng);
+        let mut normal = || standard_normal(&mut rng);
         let traits = LatentTraits {
             aggressiveness: normal(),
             spacing: normal(),
@@ -91,7 +91,7 @@ pub fn population_table(population: &Population, n: usize, seed: u64) -> Vec<Dis
 
 /// SD over mean of exp(s·N).
 fn log_normal_sd(s: f64) -> f64 {
-    (s * s).exp_m1().sqrt()
+    libm::expm1(s * s).sqrt()
 }
 
 fn mean_of(values: &[f64]) -> f64 {

@@ -2,7 +2,7 @@
 
 use super::{
     caution,
-    idm::{Idm, SeenLead},
+    idm::{Following, SeenLead},
     noise::OrnsteinUhlenbeck,
     params::DriverParams,
     passing::{Passing, is_clear},
@@ -19,6 +19,7 @@ use crate::{
     scenario::VehicleSettings,
 };
 use maveric_domain::{Road, Scene, VehicleId, stream_seed};
+use maveric_laws::Idm;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
@@ -82,29 +83,32 @@ impl<'a> HumanDriver<'a> {
         let lead = ahead(scene, &self.road, lane);
         let seen = self.perception.see(lead, speed, error);
         let bend_mps = caution::bend_speed_mps(self.line, scene.ego.x_m);
-        let mut idm = Idm {
-            desired_speed_mps: (self.params.desired_speed_mps + wander)
-                .min(bend_mps)
-                .max(caution::SLOWEST_MPS),
-            time_gap_s: self.params.following_time_gap_s,
-            standstill_m: self.params.standstill_m,
-            acceleration_mps2: self.params.acceleration_mps2,
-            braking_mps2: self.params.braking_mps2,
+        let mut follow = Following {
+            idm: Idm {
+                desired_speed_mps: (self.params.desired_speed_mps + wander)
+                    .min(bend_mps)
+                    .max(caution::SLOWEST_MPS),
+                time_gap_s: self.params.following_time_gap_s,
+                standstill_gap_m: self.params.standstill_m,
+                max_accel_mps2: self.params.acceleration_mps2,
+                comfortable_braking_mps2: self.params.braking_mps2,
+            },
             gap_factor: 1.0,
         };
 
         let out = (lane == 0 || lane + 1 < self.road.lanes)
-            .then(|| self.moves_out(scene, lane, lead, seen, keeping, &mut idm))
+            .then(|| self.moves_out(scene, lane, lead, seen, keeping, &mut follow))
             .flatten();
         let manoeuvre = if lane == 0 || out.is_some() {
             out
         } else {
-            self.in_a_passing_lane(scene, lane, keeping, error, &mut idm)
+            self.in_a_passing_lane(scene, lane, keeping, error, &mut follow)
         };
-        idm.desired_speed_mps = idm
+        follow.idm.desired_speed_mps = follow
+            .idm
             .desired_speed_mps
             .min(bend_mps.max(caution::SLOWEST_MPS));
-        let wanted = idm.acceleration(speed, seen);
+        let wanted = follow.acceleration_mps2(speed, seen);
         let braking = caution::emergency_braking_mps2(scene, self.vehicle.width_m);
         Action {
             acceleration_mps2: braking.map_or(wanted, |b| wanted.min(-b)),
@@ -120,7 +124,7 @@ impl<'a> HumanDriver<'a> {
         lead: Option<Neighbour>,
         seen: Option<SeenLead>,
         keeping: bool,
-        idm: &mut Idm,
+        follow: &mut Following,
     ) -> Option<Manoeuvre> {
         let speed = scene.ego.speed_mps;
         let pass_at_s = self.passing.wanted_at(self.params, lead, speed)?;
@@ -130,8 +134,12 @@ impl<'a> HumanDriver<'a> {
         {
             return None;
         }
-        idm.time_gap_s = idm.time_gap_s.min(0.5 * pass_at_s).max(SHORTEST_TIME_GAP_S);
-        idm.gap_factor = ABOUT_TO_PASS;
+        follow.idm.time_gap_s = follow
+            .idm
+            .time_gap_s
+            .min(0.5 * pass_at_s)
+            .max(SHORTEST_TIME_GAP_S);
+        follow.gap_factor = ABOUT_TO_PASS;
         let near = seen?.gap_m < pass_at_s * speed;
         if !(near && keeping) {
             return None;
@@ -150,14 +158,15 @@ impl<'a> HumanDriver<'a> {
         lane: u8,
         keeping: bool,
         error: f64,
-        idm: &mut Idm,
+        follow: &mut Following,
     ) -> Option<Manoeuvre> {
         let passed = scene
             .vehicles
             .iter()
             .find(|v| Some(v.id) == self.passed)
             .map_or(0.0, |v| v.speed_mps);
-        idm.desired_speed_mps = (idm.desired_speed_mps + self.params.passing_speed_added_mps)
+        follow.idm.desired_speed_mps = (follow.idm.desired_speed_mps
+            + self.params.passing_speed_added_mps)
             .max(passed + self.params.passing_speed_over_lead_mps);
         let right = lane - 1;
         let back = keeping && self.passing.merges_back(scene, &self.road, right, error);

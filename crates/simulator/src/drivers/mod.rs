@@ -6,7 +6,6 @@ mod evidence;
 mod human;
 mod idm;
 mod noise;
-mod normal;
 mod params;
 mod passing;
 mod people;

@@ -1,6 +1,6 @@
 //! Ornstein-Uhlenbeck noise: wander that is the same from one moment to the next.
 
-use rand_distr::{Distribution, StandardNormal};
+use crate::normal::standard_normal;
 use rand_pcg::Pcg64Mcg;
 
 /// A stationary Ornstein-Uhlenbeck process, sampled evenly.
@@ -15,8 +15,8 @@ pub(super) struct OrnsteinUhlenbeck {
 impl OrnsteinUhlenbeck {
     /// Standard deviation `sd`, correlation time `time_s`, a sample every `step_s`.
     pub(super) fn new(sd: f64, time_s: f64, step_s: f64, mut rng: Pcg64Mcg) -> Self {
-        let keep = (-step_s / time_s).exp();
-        let first: f64 = StandardNormal.sample(&mut rng);
+        let keep = libm::exp(-step_s / time_s);
+        let first = standard_normal(&mut rng);
         Self {
             keep,
             kick: sd * (1.0 - keep * keep).sqrt(),
@@ -27,7 +27,7 @@ impl OrnsteinUhlenbeck {
 
     /// The next sample.
     pub(super) fn next(&mut self) -> f64 {
-        let noise: f64 = StandardNormal.sample(&mut self.rng);
+        let noise = standard_normal(&mut self.rng);
         self.value = self.keep * self.value + self.kick * noise;
         self.value
     }

@@ -3,11 +3,11 @@
 use super::population::{EncounterNoise, Law, Population};
 use crate::{
     error::SimulatorError,
+    normal::standard_normal,
     scenario::{SettingRange, check_setting},
 };
 use maveric_domain::{LatentTraits, MetresPerSecond, stream_seed};
 use rand::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
 
@@ -52,7 +52,7 @@ struct Draw<'a> {
 
 impl Draw<'_> {
     fn normal(seed: u64, kind: &str, name: &str) -> f64 {
-        StandardNormal.sample(&mut Pcg64Mcg::seed_from_u64(stream_seed(
+        standard_normal(&mut Pcg64Mcg::seed_from_u64(stream_seed(
             seed,
             &[kind, name],
         )))
@@ -82,7 +82,7 @@ impl Draw<'_> {
     }
 
     fn exponential(&self, name: &str, law: &Law) -> f64 {
-        let value = law.centre * (law.scale * self.z(name, law) + self.day(name, law)).exp();
+        let value = law.centre * libm::exp(law.scale * self.z(name, law) + self.day(name, law));
         value.clamp(law.lowest, law.highest)
     }
 

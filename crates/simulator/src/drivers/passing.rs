@@ -3,10 +3,10 @@
 use super::params::DriverParams;
 use crate::{
     neighbours::{Neighbour, ahead, behind},
+    normal::standard_normal,
     planner::PLANNING_STEP_S,
 };
 use maveric_domain::{Road, Scene, VehicleId};
-use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 
 /// Time gap within which a driver is behind a lead rather than approaching it, in s.
@@ -41,7 +41,7 @@ impl Passing {
     }
 
     fn normal(&mut self) -> f64 {
-        StandardNormal.sample(&mut self.rng)
+        standard_normal(&mut self.rng)
     }
 
     /// Time gap (s) at which the pass of `lead` starts, if this person means to pass it.
@@ -58,7 +58,7 @@ impl Passing {
             _ => Encounter {
                 lead: id,
                 time_gap_s: params.passing_time_gap_s
-                    * (params.noise.passing_time_gap_log_sd * self.normal()).exp(),
+                    * libm::exp(params.noise.passing_time_gap_log_sd * self.normal()),
                 gain_mps: params.passing_gain_mps
                     + params.noise.passing_gain_sd_mps * self.normal(),
                 behind_for_s: 0.0,
@@ -76,7 +76,7 @@ impl Passing {
 
     /// A pass begins: what merging back will take this time.
     pub(super) fn begin(&mut self, params: &DriverParams) {
-        let factor = (params.noise.merge_back_log_sd * self.normal()).exp();
+        let factor = libm::exp(params.noise.merge_back_log_sd * self.normal());
         self.merge_back_time_gap_s = params.merge_back_time_gap_s * factor;
     }
 

@@ -4,6 +4,7 @@ use crate::{
     error::SimulatorError,
     scenario::{SettingRange, check_setting},
 };
+use maveric_laws::Idm;
 use serde::{Deserialize, Serialize};
 
 /// A vehicle of the background traffic and how it follows, by the Intelligent Driver Model.
@@ -84,27 +85,20 @@ impl IdmDriver {
             .try_for_each(|(key, found, range)| check_setting(section, key, found, range))
     }
 
+    /// This driver's law.
+    pub(super) fn law(&self) -> Idm {
+        Idm {
+            desired_speed_mps: self.desired_speed_mps,
+            time_gap_s: self.time_gap_s,
+            standstill_gap_m: self.standstill_m,
+            max_accel_mps2: self.acceleration_mps2,
+            comfortable_braking_mps2: self.braking_mps2,
+        }
+    }
+
     /// Speed at which this driver keeps `gap_m` behind a vehicle of the same speed, in m/s.
-    ///
-    /// Solves s0 + vT = gap·√(1 − (v/v0)⁴), the equilibrium of the model, by bisection.
     pub fn equilibrium_speed_mps(&self, gap_m: f64) -> f64 {
-        let excess = |v: f64| {
-            let free = (1.0 - (v / self.desired_speed_mps).powi(4)).max(0.0);
-            self.standstill_m + v * self.time_gap_s - gap_m * free.sqrt()
-        };
-        let (mut low, mut high) = (0.0, self.desired_speed_mps);
-        if excess(low) >= 0.0 {
-            return 0.0;
-        }
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if excess(middle) < 0.0 {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        low
+        self.law().equilibrium_speed_mps(gap_m)
     }
 }
 

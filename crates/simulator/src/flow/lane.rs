@@ -307,13 +307,13 @@ mod tests {
     }
 
     #[test]
-    fn acceleration_is_that_of_the_formula() {
+    fn acceleration_is_that_of_the_law() {
         let mut lane = two(30.0, 20.0, 18.0);
         lane.accelerate(Ends::Open);
-        let wanted = 2.0 + 20.0 * 1.6 + 20.0 * 2.0 / (2.0 * (0.73_f64 * 1.67).sqrt());
-        let expected = 0.73 * (1.0 - (20.0 / (120.0 / 3.6_f64)).powi(4) - (wanted / 30.0).powi(2));
+        let law = IdmDriver::CAR.law();
+        let expected = law.accel_mps2(30.0, 20.0, 18.0);
         assert!((lane.acc[0] - expected).abs() < 1e-12, "{:?}", lane.acc);
-        let free = 0.73 * (1.0 - (18.0 / (120.0 / 3.6_f64)).powi(4));
+        let free = law.accel_mps2(f64::INFINITY, 18.0, 18.0);
         assert!((lane.acc[1] - free).abs() < 1e-12);
     }
 

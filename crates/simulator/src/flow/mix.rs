@@ -6,10 +6,10 @@ use super::{
 };
 use crate::{
     error::SimulatorError,
+    normal::standard_normal,
     scenario::{SettingRange, check_setting},
 };
 use rand::{RngExt, SeedableRng};
-use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
 
@@ -70,7 +70,7 @@ impl TrafficMix {
     pub(crate) fn draw(&self, rng: &mut Pcg64Mcg) -> IdmDriver {
         let truck = rng.random::<f64>() < self.truck_share;
         let mut factor = |spread: f64| {
-            let normal: f64 = StandardNormal.sample(rng);
+            let normal: f64 = standard_normal(rng);
             1.0 + spread * normal.clamp(-2.0, 2.0)
         };
         let (speed, gap) = (
@@ -159,7 +159,7 @@ pub fn departures(
         let mut time_s = 0.0;
         loop {
             let uniform: f64 = rng.random();
-            time_s += LEAST_HEADWAY_S - rest_s * (1.0 - uniform).ln();
+            time_s += LEAST_HEADWAY_S - rest_s * libm::log(1.0 - uniform);
             if time_s > duration_s {
                 break;
             }

@@ -5,6 +5,7 @@ use crate::{
     error::SimulatorError,
     scenario::{SettingRange, check_setting},
 };
+use maveric_laws::Sides;
 use serde::{Deserialize, Serialize};
 
 /// How the background changes lane.
@@ -98,36 +99,31 @@ impl Mobil {
         sign: f64,
         ends: Ends,
     ) -> bool {
+        let rule = maveric_laws::Mobil {
+            politeness: self.politeness,
+            threshold_mps2: self.threshold_mps2,
+            keep_right_mps2: self.keep_right_mps2,
+            safe_braking_mps2: self.safe_braking_mps2,
+        };
         let (x, v) = (own.x[i], own.v[i]);
         let (gap, lead_v) = ahead.map_or((f64::INFINITY, v), |j| {
             (ends.forward(x, target.x[j]) - target.length[j], target.v[j])
         });
-        if gap < LEAST_ROOM_M {
+        let room = |f: usize| ends.forward(target.x[f], x) - own.length[i];
+        if gap < LEAST_ROOM_M || behind.is_some_and(|f| room(f) < LEAST_ROOM_M) {
             return false;
         }
-        let gained = own.toward(i, gap, lead_v) - own.acc[i];
-        let mut others = 0.0;
-        if let Some(f) = behind {
-            let gap = ends.forward(target.x[f], x) - own.length[i];
-            if gap < LEAST_ROOM_M {
-                return false;
-            }
-            let after = target.toward(f, gap, v);
-            if after < -self.safe_braking_mps2 {
-                return false;
-            }
-            others += after - target.acc[f];
-        }
-        if gained + own.acc[i] < -self.safe_braking_mps2 {
-            return false;
-        }
-        if let Some(o) = own.previous(i, ends) {
-            let (gap, lead_v) = own.lead(i, ends);
-            // Its gap to the vehicle ahead of the one that goes.
-            let after = own.toward(o, gap + own.ahead_of(o, i, ends), lead_v);
-            others += after - own.acc[o];
-        }
-        gained + self.politeness * others > self.threshold_mps2 + sign * self.keep_right_mps2
+        let sides = Sides {
+            own: (own.acc[i], own.toward(i, gap, lead_v)),
+            new_follower: behind.map(|f| (target.acc[f], target.toward(f, room(f), v))),
+            old_follower: own.previous(i, ends).map(|o| {
+                let (gap, lead_v) = own.lead(i, ends);
+                // Its gap to the vehicle ahead of the one that goes.
+                let gap = gap + own.ahead_of(o, i, ends);
+                (own.acc[o], own.toward(o, gap, lead_v))
+            }),
+        };
+        rule.wants(&sides, sign > 0.0)
     }
 }
 

@@ -58,7 +58,7 @@ impl Piece {
         for panel in 0..panels as usize {
             for (node, weight) in GAUSS {
                 let at = width * (panel as f64 + node);
-                let (sin, cos) = (self.pose.heading_rad + self.turned(at)).sin_cos();
+                let (sin, cos) = libm::sincos(self.pose.heading_rad + self.turned(at));
                 x += weight * cos;
                 y += weight * sin;
             }
@@ -158,7 +158,7 @@ impl CentreLine {
             Some((lap, i, along)) => {
                 let start = self.lap_start(lap);
                 let local = self.pieces[i].after(along);
-                let (sin, cos) = start.heading_rad.sin_cos();
+                let (sin, cos) = libm::sincos(start.heading_rad);
                 MapPose {
                     x_m: start.x_m + cos * local.x_m - sin * local.y_m,
                     y_m: start.y_m + sin * local.x_m + cos * local.y_m,
@@ -166,7 +166,7 @@ impl CentreLine {
                 }
             }
         };
-        let (sin, cos) = centre.heading_rad.sin_cos();
+        let (sin, cos) = libm::sincos(centre.heading_rad);
         MapPose {
             x_m: centre.x_m - y_m * sin,
             y_m: centre.y_m + y_m * cos,
@@ -188,7 +188,7 @@ impl CentreLine {
             } else {
                 -(k as f64 + 1.0) * self.turn_rad
             };
-            let (sin, cos) = turn.sin_cos();
+            let (sin, cos) = libm::sincos(turn);
             let sign = if forward { 1.0 } else { -1.0 };
             pose.x_m += sign * (cos * end.x_m - sin * end.y_m);
             pose.y_m += sign * (sin * end.x_m + cos * end.y_m);

@@ -14,6 +14,16 @@ pub enum ChangeRule {
     Paper,
 }
 
+/// How the car follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FollowingRule {
+    /// The gap asked for is the gap kept; a car that means to pass drives up to the lead.
+    AskedGap,
+    /// The paper, to the letter: the following controller takes part below λ only.
+    Paper,
+}
+
 /// What the controllers do with a planner's set-points.
 ///
 /// # Source
@@ -28,6 +38,18 @@ pub struct ControllerSettings {
     pub velocity_gain_per_s: f64,
     /// Velocity controller, integral gain, in 1/s².
     pub velocity_integral_per_s2: f64,
+    /// Which rule follows. The next four are those of [`FollowingRule::AskedGap`], the seven after them the paper's.
+    pub following_rule: FollowingRule,
+    /// Following controller, gain on the speed, in 1/s.
+    pub following_gain_per_s: f64,
+    /// Closing speed for each m by which the gap is longer than asked, in 1/s.
+    pub approach_gain_per_s: f64,
+    /// Braking with which a long gap is closed, in m/s².
+    pub approach_braking_mps2: f64,
+    /// Least share of the safe distance to which a car that means to pass drives up.
+    pub passing_least_share: f64,
+    /// Time inside the safe distance that it may spend behind a lead, in s.
+    pub passing_inside_s: f64,
     /// Following controller, gain on the gap, in 1/s².
     pub gap_gain_per_s2: f64,
     /// Following controller, gain on the difference of speeds, in 1/s.
@@ -41,9 +63,6 @@ pub struct ControllerSettings {
     /// λ also covers the closing speed over this time, in s: throttle lag and jerk bound, which a point-mass car
     /// does not have.
     pub closing_response_s: f64,
-    /// Two-sided λ: once the speeds of ego and lead differ by less than this, in m/s, and no change is due, the
-    /// following controller leads alone; 0: it never does.
-    pub met_within_mps: f64,
     /// Band above λ over which the following controller takes over, in m: no jump, and no flutter at the edge.
     pub handover_band_m: f64,
     /// Bound on the change of acceleration, in m/s³; braking for safety is free of it.
@@ -124,13 +143,18 @@ impl ControllerSettings {
         speed_range_mps: [15.0, 38.0],
         velocity_gain_per_s: 0.6,
         velocity_integral_per_s2: 0.05,
+        following_rule: FollowingRule::AskedGap,
+        following_gain_per_s: 1.2,
+        approach_gain_per_s: 0.3,
+        approach_braking_mps2: 1.5,
+        passing_least_share: 0.75,
+        passing_inside_s: 3.0,
         gap_gain_per_s2: 0.04,
         speed_difference_gain_per_s: 0.5,
         following_threshold_m: 15.0,
         following_threshold_factor: 0.7,
         closing_braking_mps2: 2.0,
         closing_response_s: 0.3,
-        met_within_mps: 0.0,
         handover_band_m: 3.0,
         jerk_limit_mps3: 4.0,
         reaction_s: 0.3,
@@ -157,6 +181,15 @@ impl ControllerSettings {
         curve_braking_mps2: 1.0,
     };
 
+    /// The same with the paper's rule of following, for planners that leave moving out to a probability.
+    #[must_use]
+    pub fn literal(&self) -> Self {
+        Self {
+            following_rule: FollowingRule::Paper,
+            ..self.clone()
+        }
+    }
+
     /// Whether every number is in its range.
     ///
     /// # Errors
@@ -179,6 +212,31 @@ impl ControllerSettings {
                 "velocity_integral_per_s2",
                 self.velocity_integral_per_s2,
                 small_gain,
+            ),
+            (
+                "following_gain_per_s",
+                self.following_gain_per_s,
+                Range::Within(0.2, 2.0, "0.2 to 2"),
+            ),
+            (
+                "approach_gain_per_s",
+                self.approach_gain_per_s,
+                Range::Within(0.02, 0.5, "0.02 to 0.5"),
+            ),
+            (
+                "approach_braking_mps2",
+                self.approach_braking_mps2,
+                Range::Within(0.5, 3.0, "0.5 to 3 m/s²"),
+            ),
+            (
+                "passing_least_share",
+                self.passing_least_share,
+                Range::Within(0.5, 1.0, "0.5 to 1"),
+            ),
+            (
+                "passing_inside_s",
+                self.passing_inside_s,
+                Range::Within(0.0, 30.0, "0 to 30 s"),
             ),
             ("gap_gain_per_s2", self.gap_gain_per_s2, small_gain),
             (
@@ -205,11 +263,6 @@ impl ControllerSettings {
                 "closing_response_s",
                 self.closing_response_s,
                 Range::Within(0.0, 3.0, "0 to 3 s"),
-            ),
-            (
-                "met_within_mps",
-                self.met_within_mps,
-                Range::Within(0.0, 3.0, "0 to 3 m/s"),
             ),
             (
                 "handover_band_m",

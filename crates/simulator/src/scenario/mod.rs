@@ -11,7 +11,7 @@ mod vehicle;
 use crate::{drivers::Population, error::SimulatorError, road::CentreLine};
 pub use background::{BackgroundSettings, WaveSettings};
 use check::{Range, check};
-pub use controllers::{ChangeRule, ControllerSettings};
+pub use controllers::{ChangeRule, ControllerSettings, FollowingRule};
 use maveric_domain::{MetresPerSecond, Road};
 pub use placement::{ScriptStep, VehiclePlacement};
 pub use road::{RoadSettings, StartSettings};

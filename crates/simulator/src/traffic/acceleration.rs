@@ -2,6 +2,7 @@
 
 use super::{Car, EgoView, Role, blocked, distance_m};
 use crate::{road::CentreLine, scenario::ScenarioSettings};
+use maveric_laws::Idm;
 
 /// Lateral acceleration at most in a bend, and braking before it, in m/s²: chosen.
 const BEND_MPS2: (f64, f64) = (3.0, 1.0);
@@ -9,12 +10,14 @@ const BEND_MPS2: (f64, f64) = (3.0, 1.0);
 const ACCELERATION_MPS2: f64 = 2.0;
 /// Sideways distance of centres below which a vehicle is in another's way, in m.
 const IN_THE_WAY_M: f64 = 2.4;
-/// Gap at standstill, in m.
-const STANDSTILL_M: f64 = 2.0;
-/// Time gap kept, in s: short, so that a car which ego has passed keeps its speed behind it.
-const TIME_GAP_S: f64 = 0.6;
-/// Acceleration and comfortable braking of the car-following rule, in m/s².
-const FOLLOWING_MPS2: (f64, f64) = (1.5, 2.5);
+/// How the others follow: a short time gap, so that a car which ego has passed keeps its speed behind it.
+const FOLLOWING: Idm = Idm {
+    desired_speed_mps: f64::INFINITY,
+    time_gap_s: 0.6,
+    standstill_gap_m: 2.0,
+    max_accel_mps2: 1.5,
+    comfortable_braking_mps2: 2.5,
+};
 /// Hardest braking, in m/s².
 const BRAKING_MPS2: f64 = 8.0;
 
@@ -65,13 +68,7 @@ pub(crate) fn held_back(car: &Car, cars: &[Car], ego: &EgoView) -> f64 {
     let Some((gap_m, speed_mps)) = nearest else {
         return f64::INFINITY;
     };
-    let (a, b) = FOLLOWING_MPS2;
-    let closing = own.speed_mps - speed_mps;
-    let dynamic = own.speed_mps * (TIME_GAP_S + closing / (2.0 * (a * b).sqrt()));
-    let z = (STANDSTILL_M + dynamic.max(0.0)) / gap_m.max(0.1);
-    if z < 1.0 {
-        f64::INFINITY
-    } else {
-        (a * (1.0 - z * z)).max(-BRAKING_MPS2)
-    }
+    FOLLOWING
+        .held_back_mps2(gap_m, own.speed_mps, speed_mps)
+        .map_or(f64::INFINITY, |wanted| wanted.max(-BRAKING_MPS2))
 }

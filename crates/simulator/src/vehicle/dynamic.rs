@@ -68,8 +68,8 @@ impl DynamicsSettings {
             let limit = left * weight * load_share;
             (-stiffness * slip_rad).clamp(-limit, limit)
         };
-        let front_slip = (across + front * yaw_rate).atan2(along) - steering_rad;
-        let rear_slip = (across - rear * yaw_rate).atan2(along);
+        let front_slip = libm::atan2(across + front * yaw_rate, along) - steering_rad;
+        let rear_slip = libm::atan2(across - rear * yaw_rate, along);
         SideForces {
             front_n: force(
                 front_slip,
@@ -120,7 +120,7 @@ impl DynamicBicycle {
         ];
         let after = rk4(state, s.step_s, |share, &[x, y, heading, along, a]| {
             let along = along.max(0.0);
-            let yaw_rate = along * (steering + share * turn_rad).tan() / s.wheelbase_m;
+            let yaw_rate = along * libm::tan(steering + share * turn_rad) / s.wheelbase_m;
             let place = velocity(line, [x, y, heading], [along, rear * yaw_rate, yaw_rate]);
             [
                 place[0],
@@ -139,7 +139,7 @@ impl DynamicBicycle {
         ] = after;
         self.along_mps = self.along_mps.max(0.0);
         self.steering_rad += turn_rad;
-        self.yaw_rate_rad_per_s = self.along_mps * self.steering_rad.tan() / s.wheelbase_m;
+        self.yaw_rate_rad_per_s = self.along_mps * libm::tan(self.steering_rad) / s.wheelbase_m;
         self.across_mps = rear * self.yaw_rate_rad_per_s;
     }
 
@@ -148,7 +148,7 @@ impl DynamicBicycle {
         let d = &s.dynamics;
         let (front, rear) = (d.front_axle_m, d.rear_axle_m(s.wheelbase_m));
         let steering = self.steering_rad;
-        let wheels = [0.0, 0.5, 1.0].map(|share| (steering + share * turn_rad).sin_cos());
+        let wheels = [0.0, 0.5, 1.0].map(|share| libm::sincos(steering + share * turn_rad));
         let state = [
             self.x_m,
             self.y_m,
@@ -188,7 +188,7 @@ impl DynamicBicycle {
 
 /// Rates of x, y and ψ in the road frame.
 fn velocity(line: &CentreLine, [x, y, heading]: [f64; 3], [u, w, r]: [f64; 3]) -> [f64; 3] {
-    let (sin, cos) = heading.sin_cos();
+    let (sin, cos) = libm::sincos(heading);
     let curvature = line.curvature_per_m(x);
     let along = (u * cos - w * sin) / (1.0 - curvature * y);
     [along, u * sin + w * cos, r - curvature * along]
@@ -207,12 +207,12 @@ impl Vehicle for DynamicBicycle {
     }
 
     fn pose(&self) -> Pose {
-        let (sin, cos) = self.heading_rad.sin_cos();
+        let (sin, cos) = libm::sincos(self.heading_rad);
         Pose {
             x_m: self.x_m + self.middle_m() * cos,
             y_m: self.y_m + self.middle_m() * sin,
             heading_rad: self.heading_rad,
-            speed_mps: self.along_mps.hypot(self.across_mps),
+            speed_mps: libm::hypot(self.along_mps, self.across_mps),
         }
     }
 

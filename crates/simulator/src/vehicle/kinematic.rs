@@ -57,12 +57,12 @@ impl KinematicBicycle {
         self.steering_rad += turn_rad;
 
         let travelled = 0.5 * (before + self.speed_mps) * s.step_s;
-        let slip = (0.5 * self.steering_rad.tan()).atan();
+        let slip = libm::atan(0.5 * libm::tan(self.steering_rad));
         let curvature = line.curvature_per_m(self.x_m);
-        let along = travelled * (self.heading_rad + slip).cos() / (1.0 - curvature * self.y_m);
+        let along = travelled * libm::cos(self.heading_rad + slip) / (1.0 - curvature * self.y_m);
         self.x_m += along;
-        self.y_m += travelled * (self.heading_rad + slip).sin();
-        self.heading_rad += travelled * slip.sin() / (0.5 * s.wheelbase_m) - curvature * along;
+        self.y_m += travelled * libm::sin(self.heading_rad + slip);
+        self.heading_rad += travelled * libm::sin(slip) / (0.5 * s.wheelbase_m) - curvature * along;
     }
 
     fn step_rk4(&mut self, wanted_mps2: f64, turn_rad: f64, line: &CentreLine) {
@@ -70,7 +70,7 @@ impl KinematicBicycle {
         let steering = self.steering_rad;
         // The wheels turn evenly over the step; sin β and cos β at its start, middle and end.
         let slip = |share: f64| {
-            let half = 0.5 * (steering + share * turn_rad).tan();
+            let half = 0.5 * libm::tan(steering + share * turn_rad);
             let cos = 1.0 / (1.0 + half * half).sqrt();
             (half * cos, cos)
         };
@@ -84,7 +84,7 @@ impl KinematicBicycle {
         ];
         let after = rk4(state, s.step_s, |share, &[x, y, heading, speed, a]| {
             let (sin_slip, cos_slip) = slips[(2.0 * share) as usize];
-            let (sin, cos) = heading.sin_cos();
+            let (sin, cos) = libm::sincos(heading);
             let speed = speed.max(0.0);
             let curvature = line.curvature_per_m(x);
             let along = speed * (cos * cos_slip - sin * sin_slip) / (1.0 - curvature * y);

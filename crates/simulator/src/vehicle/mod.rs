@@ -79,7 +79,7 @@ pub(crate) fn ego_state(car: &dyn Vehicle, length_m: f64) -> EgoState {
 ///
 /// To second order in `ahead_m` over the radius of the bend: millimetres at the tightest radius allowed.
 fn ahead_of(line: &CentreLine, x_m: f64, y_m: f64, heading_rad: f64, ahead_m: f64) -> FrontAxle {
-    let (sin, cos) = heading_rad.sin_cos();
+    let (sin, cos) = libm::sincos(heading_rad);
     let curvature = line.curvature_per_m(x_m);
     let along = ahead_m * cos / (1.0 - curvature * y_m);
     FrontAxle {

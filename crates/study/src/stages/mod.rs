@@ -31,7 +31,7 @@ use std::collections::BTreeMap;
 /// does not retrain a model.
 pub fn versions() -> BTreeMap<String, String> {
     [
-        ("generate", 2),
+        ("generate", 3),
         ("import", 1),
         ("codebook", 1),
         ("export", 1),
@@ -40,13 +40,13 @@ pub fn versions() -> BTreeMap<String, String> {
         ("train", 2),
         ("personalize", 2),
         ("steer", 1),
-        ("simulate", 3),
+        ("simulate", 4),
         ("measure", 1),
         ("rate", 1),
         ("evaluate", 3),
         ("stats", 4),
         ("ablate", 1),
-        ("validate", 1),
+        ("validate", 2),
         ("recommend", 1),
         ("rehearse", 1),
         ("rehearse-dial", 1),

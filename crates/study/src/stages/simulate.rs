@@ -223,6 +223,14 @@ pub fn simulate(
         .text("drive", driven.iter().map(|d| d.0.drive.as_str()))
         .integers("collisions", counts(|r| r.collisions))
         .integers("rule_violations", counts(|r| r.rule_violations))
+        .numbers(
+            "inside_safe_distance_s",
+            driven.iter().map(|d| Some(d.3.inside_safe_distance_s)),
+        )
+        .numbers(
+            "least_safe_distance_share",
+            driven.iter().map(|d| Some(d.3.least_safe_distance_share)),
+        )
         .integers("interventions", counts(|r| r.interventions))
         .integers("held_changes", counts(|r| r.held_changes))
         .integers("given_up_changes", counts(|r| r.given_up_changes))
@@ -304,11 +312,12 @@ fn drive(
     watched: bool,
 ) -> Result<Result<Driven, Stopped>, StudyError> {
     let mut planner = ModelPlanner::new(model, &row.embedding, &scenario.settings().controllers)?;
+    let controllers = planner.controllers();
     let id = row.drive()?;
     let seed = stream_seed(options.seed, &[id.as_str(), "world"]);
     let driven = rollout(
         scenario,
-        Driver::Automated(&mut planner, &scenario.settings().controllers),
+        Driver::Automated(&mut planner, &controllers),
         seed,
     )?;
     if let Some(error) = planner.failure() {

@@ -8,7 +8,7 @@ use crate::{
     },
     drivers::{
         caution,
-        idm::Idm,
+        idm::Following,
         noise::OrnsteinUhlenbeck,
         passing::is_clear,
         perception::{GAP_ERROR_TIME_S, Perception},
@@ -19,6 +19,7 @@ use crate::{
     scenario::VehicleSettings,
 };
 use maveric_domain::{Road, Scene, VehicleId, stream_seed};
+use maveric_laws::Idm;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
@@ -87,12 +88,14 @@ impl<'a> EvidenceDriver<'a> {
         let bend_mps = caution::bend_speed_mps(self.line, scene.ego.x_m);
         let (low, high) = GAP_FACTOR;
         let gap_factor = (1.0 + self.gap_wander.next()).clamp(low, high);
-        let mut idm = Idm {
-            desired_speed_mps: p.desired_speed_mps + self.speed_wander.next(),
-            time_gap_s: p.following_time_gap_s * gap_factor,
-            standstill_m: p.standstill_m,
-            acceleration_mps2: p.acceleration_mps2,
-            braking_mps2: p.braking_mps2,
+        let mut follow = Following {
+            idm: Idm {
+                desired_speed_mps: p.desired_speed_mps + self.speed_wander.next(),
+                time_gap_s: p.following_time_gap_s * gap_factor,
+                standstill_gap_m: p.standstill_m,
+                max_accel_mps2: p.acceleration_mps2,
+                comfortable_braking_mps2: p.braking_mps2,
+            },
             gap_factor: 1.0,
         };
 
@@ -104,8 +107,9 @@ impl<'a> EvidenceDriver<'a> {
             && lead.is_some_and(|n| caution::gets_past(&n, speed, p.lane_change_s));
         let mut manoeuvre = None;
         if may_pass {
-            idm.gap_factor = 1.0 - GIVES_UP * readiness;
-            idm.time_gap_s = (idm.time_gap_s * idm.gap_factor).max(SHORTEST_TIME_GAP_S);
+            follow.gap_factor = 1.0 - GIVES_UP * readiness;
+            follow.idm.time_gap_s =
+                (follow.idm.time_gap_s * follow.gap_factor).max(SHORTEST_TIME_GAP_S);
             if readiness >= 1.0 && keeping {
                 self.merging.begin(p);
                 self.passed = lead.map(|n| n.vehicle.id);
@@ -115,12 +119,14 @@ impl<'a> EvidenceDriver<'a> {
         if lane > 0 && manoeuvre.is_none() {
             let passed = scene.vehicles.iter().find(|v| Some(v.id) == self.passed);
             let passed_mps = passed.map_or(0.0, |v| v.speed_mps);
-            idm.desired_speed_mps = (idm.desired_speed_mps + p.passing_speed_added_mps)
+            follow.idm.desired_speed_mps = (follow.idm.desired_speed_mps
+                + p.passing_speed_added_mps)
                 .max(passed_mps + p.passing_speed_over_lead_mps);
             let back = self.merging.next(p, scene, &self.road, lane - 1, error);
             manoeuvre = (back && keeping).then(|| self.change_to(lane - 1));
         }
-        idm.desired_speed_mps = idm
+        follow.idm.desired_speed_mps = follow
+            .idm
             .desired_speed_mps
             .min(bend_mps)
             .max(caution::SLOWEST_MPS);
@@ -129,7 +135,7 @@ impl<'a> EvidenceDriver<'a> {
         } else {
             0.0
         };
-        let wanted = idm.acceleration(speed, seen);
+        let wanted = follow.acceleration_mps2(speed, seen);
         let braking = caution::emergency_braking_mps2(scene, self.vehicle.width_m);
         Action {
             acceleration_mps2: braking.map_or(wanted, |b| wanted.min(-b)),

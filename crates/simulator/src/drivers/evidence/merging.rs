@@ -2,11 +2,9 @@
 
 use super::params::EvidenceParams;
 use crate::{
-    drivers::{
-        normal::standard_normal,
-        passing::{has_room_ahead, least_room_behind_m},
-    },
+    drivers::passing::{has_room_ahead, least_room_behind_m},
     neighbours::behind,
+    normal::standard_normal,
     planner::PLANNING_STEP_S,
 };
 use maveric_domain::{Road, Scene};

@@ -2,8 +2,8 @@
 
 use super::params::EvidenceParams;
 use crate::{
-    drivers::normal::standard_normal,
     error::SimulatorError,
+    normal::standard_normal,
     scenario::{SettingRange, check_setting},
 };
 use maveric_domain::{LatentTraits, MetresPerSecond, stream_seed};

@@ -299,11 +299,12 @@ impl Bench<'_> {
     fn drive(&self, model: &Model, ride: &Ride<'_>) -> Result<Ridden, StudyError> {
         let id = ride.person.participant.as_str();
         let world = stream_seed(self.seed, &[id, "validate", &ride.world.to_string()]);
-        let controllers = &self.scenario.settings().controllers;
-        let mut planner = ModelPlanner::new(model, &ride.embedding, controllers)?;
+        let settings = &self.scenario.settings().controllers;
+        let mut planner = ModelPlanner::new(model, &ride.embedding, settings)?;
+        let controllers = planner.controllers();
         let driven = rollout(
             self.scenario,
-            Driver::Automated(&mut planner, controllers),
+            Driver::Automated(&mut planner, &controllers),
             world,
         )?
         .completed()?;

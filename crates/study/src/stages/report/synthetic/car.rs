@@ -69,8 +69,8 @@ pub(super) fn section_car(
         title: "The car and its drivers".to_owned(),
         intro: vec![
             "The networks ask for a speed, a gap and the moment of a lane change; these controllers carry it out. The gap is shown twice: \
-             with the hand-over of this scenario, in which the following controller takes part below λ only and the gap settles near λ, and \
-             with a two-sided one, in which it leads alone."
+             by the rule of this scenario, and by the paper's, in which the following controller takes part below λ only and the gap settles \
+             near λ."
                 .to_owned(),
         ],
         figures: vec![steps(&answers, context)?, quality(&tracked, context)?],
@@ -91,8 +91,8 @@ fn steps(answers: &[StepResponse], context: &Context) -> Result<Figure, StudyErr
 fn panel(answer: &StepResponse) -> StepPanel {
     let (title, axis) = match answer.name {
         "velocity" => ("Velocity", "Speed (m/s)"),
-        "following_gap" => ("Gap, this hand-over", "Gap (m)"),
-        "following_gap_two_sided" => ("Gap, two-sided hand-over", "Gap (m)"),
+        "following_gap" => ("Gap, this rule", "Gap (m)"),
+        "following_gap_paper" => ("Gap, the paper's rule", "Gap (m)"),
         _ => ("Lane change", "Lateral position (m)"),
     };
     let first = answer.value.first().copied().unwrap_or_default();

@@ -7,7 +7,7 @@ use rand_pcg::Pcg64Mcg;
 ///
 /// # Source
 /// Marsaglia's polar method, with `libm`'s logarithm: the standard library's differs from machine to machine in the last place.
-pub(super) fn standard_normal(rng: &mut Pcg64Mcg) -> f64 {
+pub(crate) fn standard_normal(rng: &mut Pcg64Mcg) -> f64 {
     loop {
         let u = 2.0 * rng.random::<f64>() - 1.0;
         let v = 2.0 * rng.random::<f64>() - 1.0;
