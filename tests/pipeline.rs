@@ -53,7 +53,7 @@ fn bad_results_are_said(study: &TempStudy) {
     for panel in empty["panels"].as_array_mut().unwrap() {
         panel["rows"] = serde_json::json!([]);
         panel["participants"] = serde_json::json!([]);
-        panel["pairs"] = serde_json::json!([]);
+        panel["contrasts"] = serde_json::json!([]);
     }
     for row in empty["line"]["rows"].as_array_mut().unwrap() {
         row["points"] = serde_json::json!([]);
@@ -64,7 +64,7 @@ fn bad_results_are_said(study: &TempStudy) {
     for row in empty["preferences"].as_array_mut().unwrap() {
         row["n"] = 0.into();
     }
-    for list in ["accuracy", "nearer", "homophily", "similarity"] {
+    for list in ["reproduction", "nearer", "homophily", "similarity"] {
         empty[list] = serde_json::json!([]);
     }
     study.write(path, empty.to_string());
@@ -80,7 +80,7 @@ fn bad_results_are_said(study: &TempStudy) {
     let page = std::fs::read_to_string(study.path("reports/bad/index.html")).unwrap();
     for said in [
         "No participant has a value in any condition",
-        "No participant is left along the aggression line",
+        "No participant is left along the line",
         "&lt;script&gt;alert(1)&lt;/script&gt; &amp; &quot;Eve&quot;",
     ] {
         assert!(page.contains(said), "{said}");

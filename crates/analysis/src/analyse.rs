@@ -1,10 +1,9 @@
 //! Every analysis of a study.
 
 use crate::{
-    Analysis, AnalysisError, Exclusion, Family, MimicAccuracy, Panel, StudyData, accuracy,
-    homophily, line, mixed, panels,
+    Analysis, AnalysisError, Exclusion, Panel, Reproduction, StudyData, compare, homophily, line,
+    mixed, reproduction, verdict,
 };
-use maveric_domain::ConditionId;
 
 /// How much work Friedman's p is worth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,67 +14,104 @@ pub enum Friedman {
     Approximate,
 }
 
-/// Every analysis of method section 9 over the tables of one study.
+/// Every analysis that the design of a study asks for.
 ///
 /// # Errors
-/// [`AnalysisError`] if the family names what nobody answered, or a test refuses its data.
+/// [`AnalysisError`] if the design names a factor that nobody answered, or a test refuses its data.
 ///
 /// # Source
 /// Method section 9.
-pub fn analyse(
-    data: &StudyData,
-    family: &Family,
-    friedman: Friedman,
-) -> Result<Analysis, AnalysisError> {
-    let line = line::line(data, true)?;
-    let line_without_adb = line::line(data, false)?;
-    let accuracy = accuracy::accuracy(data);
-    let nearer = accuracy::nearer(data)?;
-    let panels = panels::panels(data, friedman)?;
-    let kept = line::kept(data)?;
-    let shifted: Vec<bool> = data
-        .conditions
-        .iter()
-        .filter(|c| matches!(c.condition, ConditionId::AGGRESSIVE | ConditionId::CAUTIOUS))
-        .map(|c| c.beyond_training)
-        .collect();
-    let beyond = shifted.iter().filter(|b| **b).count() as f64 / shifted.len() as f64;
-    let exclusions = exclusions(&panels, &accuracy);
+pub fn analyse(data: &StudyData, friedman: Friedman) -> Result<Analysis, AnalysisError> {
+    let reproduction = reproduction::reproduction(data);
+    let panels = compare::panels(data, friedman)?;
+    let exclusions = exclusions(&panels, &reproduction);
     Ok(Analysis {
         synthetic: data.is_synthetic(),
         participants: data.participants.len(),
-        line,
-        line_without_adb,
-        accuracy,
+        flow: data.flow.clone(),
+        hypotheses: verdict::verdicts(data, &panels)?,
+        line: line::line(data, true)?,
+        line_without_adb: line::line(data, false)?,
+        reproduction,
         panels,
-        nearer,
-        kept,
-        homophily: homophily::homophily(data, family)?,
-        family: family.clone(),
+        nearer: reproduction::nearer(data)?,
+        kept: line::kept(data)?,
+        homophily: homophily::homophily(data)?,
         mixed: mixed::mixed(data)?,
         similarity: homophily::similarity(data)?,
         preferences: homophily::preferences(data),
-        beyond_training: Some(beyond).filter(|b| b.is_finite()),
+        beyond_training: beyond_training(data),
+        notes: notes(data),
         exclusions,
     })
 }
 
-fn exclusions(panels: &[Panel], accuracy: &[MimicAccuracy]) -> Vec<Exclusion> {
+fn beyond_training(data: &StudyData) -> Option<f64> {
+    let shifted = data.shifted();
+    let rows = data.conditions.iter().filter(|row| {
+        shifted.contains(&row.condition) && data.participants.contains(&row.participant)
+    });
+    let beyond: Vec<bool> = rows.map(|row| row.beyond_training).collect();
+    let share = beyond.iter().filter(|b| **b).count() as f64 / beyond.len() as f64;
+    Some(share).filter(|s| s.is_finite())
+}
+
+/// What the design asks for and is done in another way.
+fn notes(data: &StudyData) -> Vec<String> {
+    let design = &data.design;
+    let names = |columns: &[maveric_domain::design::Column]| {
+        let names: Vec<&str> = columns.iter().map(|c| c.column.as_str()).collect();
+        names.join(" and ")
+    };
+    let mut notes = Vec::new();
+    if !design.factors().is_empty() {
+        notes.push(format!(
+            "People are divided by {}: every outcome is tested within each group, and Holm’s correction counts the contrasts of all groups. \
+             No test across the groups was made.",
+            names(design.factors())
+        ));
+    }
+    if !design.covariates().is_empty() {
+        notes.push(format!(
+            "The influence of {} was declared as a covariate and is not taken out: the tests compare conditions within people, in whom it \
+             does not change.",
+            names(design.covariates())
+        ));
+    }
+    if design.conditions().iter().any(|c| !c.levels.is_empty()) {
+        notes.push(
+            "The conditions cross factors: they are tested as one row of conditions, without main effects and interactions."
+                .to_owned(),
+        );
+    }
+    notes
+}
+
+fn exclusions(panels: &[Panel], reproduction: &[Reproduction]) -> Vec<Exclusion> {
     let mut found = Vec::new();
     for panel in panels {
         for who in &panel.dropped {
             found.push(Exclusion {
                 who: who.clone(),
                 what: format!("comparison of {}", panel.title.to_lowercase()),
-                why: "no value in at least one condition or in the own drive".to_owned(),
+                why: if panel.differences_from.is_some() {
+                    "no value in at least one condition or in the baseline drive".to_owned()
+                } else {
+                    "no value in at least one condition".to_owned()
+                },
             });
         }
     }
-    for row in accuracy.iter().filter(|a| a.dropped > 0) {
+    for row in reproduction.iter().filter(|a| a.dropped > 0) {
         found.push(Exclusion {
             who: format!("{} participants", row.dropped),
-            what: format!("mimic accuracy of {}", row.title.to_lowercase()),
-            why: "no value in the own or the Mimic drive, or an own value of zero".to_owned(),
+            what: format!(
+                "accuracy of {} in {}",
+                row.title.to_lowercase(),
+                row.condition
+            ),
+            why: "no value in the baseline drive or in that condition, or a baseline of zero"
+                .to_owned(),
         });
     }
     found

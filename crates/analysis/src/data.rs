@@ -1,9 +1,13 @@
 //! The tables of a study, side by side.
 
-use crate::AnalysisError;
+use crate::{
+    AnalysisError,
+    exclusions::{self, Driven, Flow, LeftOut},
+};
 use maveric_domain::{
-    ConditionId, ConditionRow, DrivenBy, EmbeddingRow, MeasureValues, MeasuredDrive, Moment,
-    ParticipantId, Score,
+    Answer, ConditionId, ConditionRow, Design, DriveId, DrivenBy, EmbeddingRow, MeasureValues,
+    MeasuredDrive, Moment, ParticipantId, Scale, Score,
+    design::{Condition, ScoreName, Sign},
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -45,29 +49,48 @@ impl Scores {
     }
 }
 
+/// Somebody in the table of people.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Person {
+    /// Who.
+    pub id: ParticipantId,
+    /// Whether the networks learn from their drives.
+    pub learned: bool,
+    /// Whether they sat through the conditions.
+    pub tested: bool,
+    /// Every further column: factors and covariates.
+    pub columns: BTreeMap<String, String>,
+}
+
 /// The tables of a study, as stages write them: made by a run, or in memory.
 #[derive(Debug, Clone, Default)]
 pub struct Tables {
-    /// Those whose drives were learned from.
-    pub learned_from: BTreeSet<ParticipantId>,
-    /// Those who sat through the conditions.
-    pub tested: BTreeSet<ParticipantId>,
+    /// Who takes part; where it is empty, everybody who drove was tested.
+    pub people: Vec<Person>,
     /// What was measured, a row a drive.
     pub measurements: Vec<MeasuredDrive>,
-    /// Fitted embeddings.
+    /// Fitted embeddings; empty without a model.
     pub embeddings: Vec<EmbeddingRow>,
-    /// Where in style space each condition lies.
+    /// Where in style space each condition lies; empty without a learned car.
     pub conditions: Vec<ConditionRow>,
     /// Scores of the questionnaires before the drives.
     pub pre: Vec<Score>,
     /// Scores of the ratings after the conditions.
     pub post: Vec<Score>,
+    /// The questionnaires.
+    pub scales: Vec<Scale>,
+    /// Answers, by which the design's rules judge sheets.
+    pub answers: Vec<Answer>,
+    /// How long each drive took, in s, where it is known.
+    pub durations_s: BTreeMap<DriveId, f64>,
 }
 
-/// What the analyses of a study read.
+/// What the analyses of a study read: whoever is left out by the design is not in it.
 #[derive(Debug, Clone)]
 pub struct StudyData {
-    /// Those who sat through the conditions and have an own drive, in order.
+    /// What the study is.
+    pub design: Design,
+    /// Those who were tested and drove or rated something, in order.
     pub participants: Vec<ParticipantId>,
     /// What was measured, a row a drive.
     pub measurements: Vec<MeasuredDrive>,
@@ -75,77 +98,169 @@ pub struct StudyData {
     pub embeddings: Vec<EmbeddingRow>,
     /// Where in style space each condition lies.
     pub conditions: Vec<ConditionRow>,
-    learned_from: BTreeSet<ParticipantId>,
-    /// The drives of those who are tested by condition and participant.
+    /// How many there were at each step.
+    pub flow: Flow,
+    people: BTreeMap<ParticipantId, Person>,
+    scales: Vec<Scale>,
+    /// Drives of tested people by condition and participant.
     drives: BTreeMap<ConditionId, BTreeMap<ParticipantId, usize>>,
-    /// Subscales of the pre-study scales, in the order in which they were scored.
-    subscales: Vec<(String, String)>,
+    /// Subscales answered before the drives and after a condition, in the order in which they were scored.
+    before: Vec<ScoreName>,
+    after: Vec<ScoreName>,
     pre: Scores,
     post: Scores,
 }
 
 impl StudyData {
-    /// Puts the tables of a study side by side.
+    /// Puts the tables of a study side by side, without what the design leaves out, by name or by rule.
     ///
     /// # Errors
-    /// [`AnalysisError::TooFewPeople`] for fewer than three people who are tested.
-    pub fn new(tables: Tables) -> Result<Self, AnalysisError> {
+    /// [`AnalysisError::TooFewPeople`] for fewer than three who drove or rated a condition;
+    /// [`AnalysisError::NobodyThere`] for a condition that nobody drove or rated.
+    pub fn new(design: &Design, tables: Tables) -> Result<Self, AnalysisError> {
+        let driven: Vec<Driven> = tables
+            .measurements
+            .iter()
+            .map(|d| Driven {
+                drive: d.meta.drive.clone(),
+                participant: d.meta.participant.clone(),
+                condition: d.meta.condition,
+                duration_s: tables.durations_s.get(&d.meta.drive).copied(),
+            })
+            .collect();
+        let left_out = LeftOut::of(
+            design,
+            &driven,
+            (&tables.scales, &tables.answers),
+            &tables.post,
+        );
+        let in_study = |c| design.baseline_id() == Some(c) || design.condition(c).is_some();
+        let tested = |p: &ParticipantId| {
+            tables.people.is_empty() || tables.people.iter().any(|q| q.id == *p && q.tested)
+        };
+        let there: BTreeSet<ParticipantId> = driven
+            .iter()
+            .map(|d| (&d.participant, d.condition))
+            .chain(tables.post.iter().filter_map(|s| match s.moment {
+                Moment::After(c) if s.value.is_some() => Some((&s.participant, c)),
+                _ => None,
+            }))
+            .filter(|(p, c)| in_study(*c) && tested(p))
+            .map(|(p, _)| p.clone())
+            .collect();
+        let flow = exclusions::flow(design, &tables.people, &there, &left_out);
+        let mut measurements = tables.measurements;
+        measurements.retain(|d| left_out.keeps(&d.meta.participant, d.meta.condition));
+        let (mut pre, mut post) = (tables.pre, tables.post);
+        for scores in [&mut pre, &mut post] {
+            scores.retain(|s| match s.moment {
+                Moment::After(c) => left_out.keeps(&s.participant, c),
+                Moment::Pre => left_out.keeps_person(&s.participant),
+            });
+        }
         let mut drives: BTreeMap<ConditionId, BTreeMap<ParticipantId, usize>> = BTreeMap::new();
-        for (at, drive) in tables.measurements.iter().enumerate() {
-            if tables.tested.contains(&drive.meta.participant) {
+        for (at, drive) in measurements.iter().enumerate() {
+            if there.contains(&drive.meta.participant) {
                 let of = drives.entry(drive.meta.condition).or_default();
                 of.entry(drive.meta.participant.clone()).or_insert(at);
             }
         }
-        let own = drives.get(&ConditionId::OWN);
-        let participants: Vec<ParticipantId> =
-            own.into_iter().flat_map(BTreeMap::keys).cloned().collect();
+        let participants: Vec<ParticipantId> = there
+            .into_iter()
+            .filter(|p| left_out.keeps_person(p))
+            .collect();
         if participants.len() < 3 {
             return Err(AnalysisError::TooFewPeople {
                 found: participants.len(),
             });
         }
-        let mut subscales: Vec<(String, String)> = Vec::new();
-        for score in &tables.pre {
-            let known = |(scale, subscale): &(String, String)| {
-                *scale == score.scale && *subscale == score.subscale
-            };
-            if !subscales.iter().any(known) {
-                subscales.push((score.scale.clone(), score.subscale.clone()));
+        let subscales = |scores: &[Score]| {
+            let mut found: Vec<ScoreName> = Vec::new();
+            for score in scores {
+                let name = ScoreName {
+                    scale: score.scale.clone(),
+                    subscale: score.subscale.clone(),
+                };
+                if !found.contains(&name) {
+                    found.push(name);
+                }
             }
-        }
-        Ok(Self {
+            found
+        };
+        let data = Self {
+            design: design.clone(),
             participants,
-            learned_from: tables.learned_from,
+            flow,
             drives,
-            subscales,
-            pre: Scores::of(&tables.pre),
-            post: Scores::of(&tables.post),
-            measurements: tables.measurements,
+            before: subscales(&pre),
+            after: subscales(&post),
+            pre: Scores::of(&pre),
+            post: Scores::of(&post),
+            measurements,
             embeddings: tables.embeddings,
             conditions: tables.conditions,
-        })
+            people: tables
+                .people
+                .into_iter()
+                .map(|p| (p.id.clone(), p))
+                .collect(),
+            scales: tables.scales,
+        };
+        for condition in data.design.conditions() {
+            let id = condition.id;
+            let driven = data.drives.get(&id).is_some_and(|of| !of.is_empty());
+            let rated = |p| {
+                data.after
+                    .iter()
+                    .any(|name| data.rated(p, id, name).is_some())
+            };
+            if !driven && !data.participants.iter().any(rated) {
+                return Err(AnalysisError::NobodyThere { condition: id });
+            }
+        }
+        Ok(data)
     }
 
-    /// Whether any drive was a driver model's.
+    /// Whether the people are made up: the design says so, or a drive was a driver model's.
     pub fn is_synthetic(&self) -> bool {
-        self.measurements
-            .iter()
-            .any(|d| d.meta.driven_by == DrivenBy::Synthetic)
+        self.design.synthetic()
+            || self
+                .measurements
+                .iter()
+                .any(|d| d.meta.driven_by == DrivenBy::Synthetic)
     }
 
-    /// A measure of a tested participant's drive in a condition.
+    /// The condition that drives as the person does: 0 on the dial.
+    pub fn own_style(&self) -> Option<ConditionId> {
+        let own = |c: &&Condition| c.dial() == Some(0.0);
+        self.design.conditions().iter().find(own).map(|c| c.id)
+    }
+
+    /// The conditions elsewhere on the dial, in the order of the design.
+    pub fn shifted(&self) -> Vec<ConditionId> {
+        let away = |c: &&Condition| c.side().is_some();
+        self.design
+            .conditions()
+            .iter()
+            .filter(away)
+            .map(|c| c.id)
+            .collect()
+    }
+
+    /// A measure of a participant's drive.
     pub fn measured(
         &self,
         participant: &ParticipantId,
         condition: ConditionId,
         measure: &str,
     ) -> Option<f64> {
-        let at = *self.drives.get(&condition)?.get(participant)?;
-        self.measurements[at].values.get(measure).copied().flatten()
+        self.drive(participant, condition)?
+            .get(measure)
+            .copied()
+            .flatten()
     }
 
-    /// The measures of a tested participant's drive in a condition.
+    /// The measures of a participant's drive.
     pub fn drive(
         &self,
         participant: &ParticipantId,
@@ -155,42 +270,59 @@ impl StudyData {
         Some(&self.measurements[at].values)
     }
 
-    /// A measure of every own drive of those who were learned from that has it.
+    /// A measure of a participant's baseline drive.
+    pub fn baseline(&self, participant: &ParticipantId, measure: &str) -> Option<f64> {
+        self.measured(participant, self.design.baseline_id()?, measure)
+    }
+
+    /// Whether any tested person's drive has this measure.
+    pub(crate) fn is_measured(&self, measure: &str) -> bool {
+        self.drives.values().flat_map(BTreeMap::values).any(|&at| {
+            self.measurements[at]
+                .values
+                .get(measure)
+                .is_some_and(Option::is_some)
+        })
+    }
+
+    /// A measure of every baseline drive that the networks learned from and that has it.
     pub fn training_drives(&self, measure: &str) -> Vec<f64> {
-        let own = |d: &&MeasuredDrive| {
-            self.learned_from.contains(&d.meta.participant) && d.meta.condition == ConditionId::OWN
+        let learned = |d: &&MeasuredDrive| {
+            let person = self.people.get(&d.meta.participant);
+            person.is_some_and(|p| p.learned) && Some(d.meta.condition) == self.design.baseline_id()
         };
         self.measurements
             .iter()
-            .filter(own)
+            .filter(learned)
             .filter_map(|d| d.values.get(measure).copied().flatten())
             .collect()
     }
 
-    /// The own-drive embedding of a participant, fitted with or without the ADB score.
+    /// The embedding of a participant's baseline drive, fitted with or without the score.
     pub fn embedding(&self, participant: &ParticipantId, adb_used: bool) -> Option<&EmbeddingRow> {
         self.embeddings.iter().find(|e| {
             e.participant == *participant
-                && e.condition == ConditionId::OWN
+                && Some(e.condition) == self.design.baseline_id()
                 && e.adb_used == adb_used
         })
     }
 
     /// A questionnaire score from before the drives.
-    pub fn pre(&self, participant: &ParticipantId, scale: &str, subscale: &str) -> Option<f64> {
-        self.pre.get(participant, Moment::Pre, scale, subscale)
+    pub fn pre(&self, participant: &ParticipantId, name: &ScoreName) -> Option<f64> {
+        self.pre
+            .get(participant, Moment::Pre, &name.scale, &name.subscale)
     }
 
     /// A questionnaire score about a condition.
-    pub fn post(
+    pub fn rated(
         &self,
         participant: &ParticipantId,
         condition: ConditionId,
-        scale: &str,
-        subscale: &str,
+        name: &ScoreName,
     ) -> Option<f64> {
+        let moment = Moment::After(condition);
         self.post
-            .get(participant, Moment::After(condition), scale, subscale)
+            .get(participant, moment, &name.scale, &name.subscale)
     }
 
     /// A participant's row of the conditions.
@@ -203,9 +335,44 @@ impl StudyData {
         self.conditions.iter().find(row)
     }
 
-    /// Subscales of a pre-study scale, in the order in which they were scored.
-    pub fn pre_subscales(&self, scale: &str) -> Vec<String> {
-        let of = self.subscales.iter().filter(|(s, _)| s == scale);
-        of.map(|(_, subscale)| subscale.clone()).collect()
+    /// Subscales of a scale from before the drives, in the order in which they were scored.
+    pub fn pre_subscales(&self, scale: &str) -> Vec<ScoreName> {
+        let of = self.before.iter().filter(|name| name.scale == scale);
+        of.cloned().collect()
+    }
+
+    /// Everything that was scored after a condition, in the order in which it was scored.
+    pub fn rated_names(&self) -> &[ScoreName] {
+        &self.after
+    }
+
+    /// The subscale of a score, where its questionnaire is known.
+    pub fn subscale(&self, name: &ScoreName) -> Option<(&Scale, &maveric_domain::Subscale)> {
+        let scale = self.scales.iter().find(|s| s.id == name.scale)?;
+        let subscale = scale.subscales.iter().find(|s| s.id == name.subscale)?;
+        Some((scale, subscale))
+    }
+
+    /// What a page calls a score: the subscale's title, or the scale's where it has no other.
+    pub fn score_title(&self, name: &ScoreName) -> String {
+        match self.subscale(name) {
+            Some((scale, _)) if scale.subscales.len() == 1 => scale.title.clone(),
+            Some((_, subscale)) => subscale.title.clone(),
+            None => name.to_string(),
+        }
+    }
+
+    /// Which way is better on a score: down where its questionnaire says that lower is better.
+    pub fn better(&self, name: &ScoreName) -> Sign {
+        match self.subscale(name) {
+            Some((_, subscale)) if subscale.lower_is_better => Sign::Minus,
+            _ => Sign::Plus,
+        }
+    }
+
+    /// What the table of people says of a participant.
+    pub fn column(&self, participant: &ParticipantId, column: &str) -> Option<&str> {
+        let value = self.people.get(participant)?.columns.get(column)?;
+        Some(value.trim()).filter(|v| !v.is_empty() && *v != "NA")
     }
 }

@@ -1,23 +1,33 @@
 //! What an analysis refuses.
 
+use maveric_domain::ConditionId;
+
 /// Why a study cannot be analysed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AnalysisError {
     /// Fewer people than any comparison needs.
-    #[error("{found} people who are tested have an own drive, expected at least 3")]
+    #[error("{found} people who are tested drove or rated something, expected at least 3")]
     TooFewPeople {
-        /// People with an own drive.
+        /// How many there are.
         found: usize,
     },
+    /// A declared condition in which there is neither a drive nor an answer.
+    #[error("nobody drove or rated the condition `{condition}`")]
+    NobodyThere {
+        /// The condition.
+        condition: ConditionId,
+    },
     /// A family of tests that names a scale without answers.
-    #[error("the family names the scale `{scale}`, which nobody answered before the drives")]
+    #[error(
+        "`[homophily] factors` names the scale `{scale}`, which nobody answered before the drives"
+    )]
     UnansweredScale {
         /// The scale.
         scale: String,
     },
     /// A family of tests that names a factor which its scale does not have.
-    #[error("the family names `{scale}.{factor}`, but the factors of {scale} are {}", known.join(", "))]
+    #[error("`[homophily] factors` names `{scale}.{factor}`, but the factors of {scale} are {}", known.join(", "))]
     UnknownFactor {
         /// The scale.
         scale: String,
@@ -38,11 +48,14 @@ impl AnalysisError {
     /// The next step, where one is known.
     pub fn suggestion(&self) -> Option<&'static str> {
         match self {
-            Self::TooFewPeople { .. } => {
-                Some("run the pipeline with more participants: --set study2=6")
-            }
+            Self::TooFewPeople { .. } => Some(
+                "`[people] test` of the design says who is tested; made-up people: generate --test 6",
+            ),
+            Self::NobodyThere { .. } => Some(
+                "add its logs or answers, or take it out of the design: maveric status says what is there",
+            ),
             Self::UnansweredScale { .. } | Self::UnknownFactor { .. } => Some(
-                "declare the family by scales and factors that were answered before the drives: --family mini_ipip,mdsi",
+                "name scales or SCALE.SUBSCALE that were answered before the drives under `[homophily] factors`",
             ),
             _ => None,
         }

@@ -1,66 +1,90 @@
-//! 9.5: who prefers what, and what goes with it.
+//! Who prefers what, and what goes with it.
 
 use crate::{
     AnalysisError,
     correlations::{correlate, correlate_within},
     data::StudyData,
-    family::Family,
-    result::{HomophilyRow, Preference, SimilarityRow},
+    result::{Above, HomophilyRow, Preference, SimilarityRow},
 };
-use maveric_domain::{ConditionId, ParticipantId};
+use maveric_domain::{
+    ConditionId, ParticipantId,
+    design::{Homophily, ScoreName, Sign},
+};
 use maveric_stats::{CorrelationMethod, adjust, proportion};
 
-/// The ratings of a condition: code name, scale, subscale, and whether more of it is better.
-pub(crate) const RATINGS: [(&str, &str, &str, bool); 4] = [
-    ("competence", "rosas", "competence", true),
-    (
-        "intelligence",
-        "godspeed_intelligence",
-        "intelligence",
-        true,
-    ),
-    ("discomfort", "rosas", "discomfort", false),
-    ("trust", "jian_trust", "overall", true),
-];
-
-pub(crate) fn rating(
-    data: &StudyData,
-    p: &ParticipantId,
-    condition: ConditionId,
-    name: &str,
-) -> Option<f64> {
-    let (_, scale, subscale, _) = RATINGS.iter().find(|r| r.0 == name)?;
-    data.post(p, condition, scale, subscale)
+/// Scores of each member of the family, once each, in the order declared.
+fn factors(data: &StudyData, family: &Homophily) -> Result<Vec<ScoreName>, AnalysisError> {
+    let mut found: Vec<ScoreName> = Vec::new();
+    for word in &family.factors {
+        let (scale, factor) = match word.split_once('.') {
+            Some((scale, factor)) => (scale, Some(factor)),
+            None => (word.as_str(), None),
+        };
+        let known = data.pre_subscales(scale);
+        if known.is_empty() {
+            return Err(AnalysisError::UnansweredScale {
+                scale: scale.to_owned(),
+            });
+        }
+        let wanted: Vec<ScoreName> = match factor {
+            None => known,
+            Some(factor) if known.iter().any(|k| k.subscale == factor) => vec![ScoreName {
+                scale: scale.to_owned(),
+                subscale: factor.to_owned(),
+            }],
+            Some(factor) => {
+                return Err(AnalysisError::UnknownFactor {
+                    scale: scale.to_owned(),
+                    factor: factor.to_owned(),
+                    known: known.into_iter().map(|k| k.subscale).collect(),
+                });
+            }
+        };
+        for name in wanted {
+            if !found.contains(&name) {
+                found.push(name);
+            }
+        }
+    }
+    Ok(found)
 }
 
-/// Every factor of the family against every rating difference.
-pub(crate) fn homophily(
-    data: &StudyData,
-    family: &Family,
-) -> Result<Vec<HomophilyRow>, AnalysisError> {
-    // Mimic minus the other, once for all factors.
+/// The declared ratings that somebody gave.
+pub(crate) fn ratings(data: &StudyData) -> &[ScoreName] {
+    data.design
+        .homophily()
+        .map_or(&[], |family| &family.ratings)
+}
+
+/// Every factor of the family against every rating difference, own style minus the other: one family of tests.
+pub(crate) fn homophily(data: &StudyData) -> Result<Vec<HomophilyRow>, AnalysisError> {
+    let (Some(family), Some(own)) = (data.design.homophily(), data.own_style()) else {
+        return Ok(Vec::new());
+    };
+    // Once for all factors.
     let mut differences = Vec::new();
-    for versus in [ConditionId::CAUTIOUS, ConditionId::AGGRESSIVE] {
-        for (name, ..) in RATINGS {
-            let difference = |p| {
-                Some(rating(data, p, ConditionId::MIMIC, name)? - rating(data, p, versus, name)?)
-            };
+    for versus in data.shifted() {
+        for name in ratings(data) {
+            let difference = |p| Some(data.rated(p, own, name)? - data.rated(p, versus, name)?);
             let y: Vec<Option<f64>> = data.participants.iter().map(difference).collect();
             differences.push((versus, name, y));
         }
     }
     let mut rows = Vec::new();
-    for (scale, factor) in family.factors(data)? {
+    for factor in factors(data, family)? {
         let x: Vec<Option<f64>> = data
             .participants
             .iter()
-            .map(|p| data.pre(p, &scale, &factor))
+            .map(|p| data.pre(p, &factor))
             .collect();
         for (versus, name, y) in &differences {
             rows.push(HomophilyRow {
+                title: data.score_title(&factor),
                 factor: factor.clone(),
+                own,
                 versus: *versus,
-                rating: (*name).to_owned(),
+                rating_title: data.score_title(name),
+                rating: (*name).clone(),
                 correlation: correlate(&x, y, CorrelationMethod::Auto)?,
                 p_holm: None,
                 p_bh: None,
@@ -84,68 +108,81 @@ pub(crate) fn homophily(
     Ok(rows)
 }
 
-/// Perceived similarity against the ratings, over participants × conditions.
+/// Everybody in every condition.
+pub(crate) fn cells(data: &StudyData) -> Vec<(&ParticipantId, ConditionId)> {
+    let conditions = data.design.conditions();
+    data.participants
+        .iter()
+        .flat_map(|p| conditions.iter().map(move |c| (p, c.id)))
+        .collect()
+}
+
+/// Perceived similarity against the ratings, over participants × conditions; nothing where none was declared.
 pub(crate) fn similarity(data: &StudyData) -> Result<Vec<SimilarityRow>, AnalysisError> {
-    let cells: Vec<(&ParticipantId, ConditionId)> = data
-        .participants
-        .iter()
-        .flat_map(|p| ConditionId::AV.map(|c| (p, c)))
-        .collect();
+    let Some(similar) = data.design.homophily().and_then(|h| h.similarity.as_ref()) else {
+        return Ok(Vec::new());
+    };
+    let cells = cells(data);
     let subjects: Vec<String> = cells.iter().map(|(p, _)| p.to_string()).collect();
-    let x: Vec<Option<f64>> = cells
-        .iter()
-        .map(|(p, c)| data.post(p, *c, "similarity", "similarity"))
-        .collect();
-    let one = |name: &str| {
-        let y: Vec<Option<f64>> = cells
-            .iter()
-            .map(|(p, c)| rating(data, p, *c, name))
-            .collect();
+    let column = |name: &ScoreName| -> Vec<Option<f64>> {
+        cells.iter().map(|(p, c)| data.rated(p, *c, name)).collect()
+    };
+    let x = column(similar);
+    let one = |name: &ScoreName| {
+        let y = column(name);
         Ok(SimilarityRow {
-            rating: name.to_owned(),
+            rating: name.clone(),
+            title: data.score_title(name),
             pooled: correlate(&x, &y, CorrelationMethod::Spearman)?,
             within: correlate_within(&subjects, &x, &y)?,
         })
     };
-    ["trust", "intelligence", "competence"]
-        .into_iter()
+    ratings(data)
+        .iter()
+        .filter(|name| *name != similar)
         .map(one)
         .collect()
 }
 
-/// Who rated Aggressive and Cautious above Mimic.
+/// Who rated another style above their own.
 pub(crate) fn preferences(data: &StudyData) -> Vec<Preference> {
-    let one = |&(name, _, _, more_is_better): &(&str, &str, &str, bool)| {
-        let mut found = Preference {
-            rating: name.to_owned(),
-            n: 0,
-            aggressive_above: 0,
-            cautious_above: 0,
-            mimic_not_above_cautious: 0,
-            aggressive_share: None,
-            cautious_share: None,
-            mimic_not_above_cautious_share: None,
-        };
-        let sign = if more_is_better { 1.0 } else { -1.0 };
-        for p in &data.participants {
-            let score = |c| rating(data, p, c, name).map(|v| v * sign);
-            let (Some(mimic), Some(aggressive), Some(cautious)) = (
-                score(ConditionId::MIMIC),
-                score(ConditionId::AGGRESSIVE),
-                score(ConditionId::CAUTIOUS),
-            ) else {
-                continue;
-            };
-            found.n += 1;
-            found.aggressive_above += usize::from(aggressive > mimic);
-            found.cautious_above += usize::from(cautious > mimic);
-            found.mimic_not_above_cautious += usize::from(mimic <= cautious);
-        }
-        let share = |count: usize| proportion(count, found.n, 0.95).ok();
-        found.aggressive_share = share(found.aggressive_above);
-        found.cautious_share = share(found.cautious_above);
-        found.mimic_not_above_cautious_share = share(found.mimic_not_above_cautious);
-        found
+    let (Some(own), others) = (data.own_style(), data.shifted()) else {
+        return Vec::new();
     };
-    RATINGS.iter().map(one).collect()
+    if others.is_empty() {
+        return Vec::new();
+    }
+    let one = |name: &ScoreName| {
+        let better = data.better(name);
+        let complete: Vec<(f64, Vec<f64>)> = data
+            .participants
+            .iter()
+            .filter_map(|p| {
+                let score = |c| data.rated(p, c, name).map(|v| v * better.factor());
+                let others = others.iter().map(|c| score(*c)).collect::<Option<_>>()?;
+                Some((score(own)?, others))
+            })
+            .collect();
+        let n = complete.len();
+        let above = |(at, condition): (usize, &ConditionId)| {
+            let above = complete.iter().filter(|(own, o)| o[at] > *own).count();
+            let not_below = complete.iter().filter(|(own, o)| *own <= o[at]).count();
+            Above {
+                condition: *condition,
+                above,
+                share: proportion(above, n, 0.95).ok(),
+                not_below,
+                not_below_share: proportion(not_below, n, 0.95).ok(),
+            }
+        };
+        Preference {
+            rating: name.clone(),
+            title: data.score_title(name),
+            less_is_better: better == Sign::Minus,
+            own,
+            n,
+            others: others.iter().enumerate().map(above).collect(),
+        }
+    };
+    ratings(data).iter().map(one).collect()
 }

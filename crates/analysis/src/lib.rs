@@ -1,24 +1,27 @@
 #![doc = include_str!("../README.md")]
 
-mod accuracy;
 mod analyse;
+mod compare;
 mod correlations;
 mod data;
 mod error;
-mod family;
+mod exclusions;
 mod homophily;
 mod line;
 mod mixed;
-mod panels;
+mod outcomes;
+mod reproduction;
 mod result;
 #[cfg(test)]
 mod six_people;
+mod verdict;
 
 pub use analyse::{Friedman, analyse};
-pub use data::{StudyData, Tables};
+pub use data::{Person, StudyData, Tables};
 pub use error::AnalysisError;
-pub use family::Family;
+pub use exclusions::{Driven, Flow, LeftOut, LeftOutFor, Why};
 pub use result::{
-    AggressionLine, Analysis, Correlation, Exclusion, HomophilyRow, Kept, LineRow, MimicAccuracy,
-    MixedRow, Nearer, Panel, PanelPair, Preference, SimilarityRow,
+    Above, AggressionLine, Analysis, Contrast, Correlation, Exclusion, Group, HomophilyRow, Kept,
+    LineRow, MixedRow, Nearer, Panel, Preference, Reproduction, SimilarityRow,
 };
+pub use verdict::{Judged, Verdict};

@@ -1,37 +1,15 @@
-//! 9.1: the aggression line against the measures and the score; 9.4: what should not follow it.
+//! The aggression line against the measures and the score, and the habits that should not follow it.
 
 use crate::{
     AnalysisError,
     correlations::{circular, correlate},
     data::StudyData,
-    result::{AggressionLine, Correlation, Kept, LineRow},
+    outcomes::{Asked, outcomes},
+    result::{AggressionLine, Kept, LineRow},
 };
-use maveric_domain::{ConditionId, MetresPerSecond};
+use maveric_domain::{ConditionId, design::Car};
 use maveric_measures::objective;
 use maveric_stats::CorrelationMethod;
-
-/// The measures that the paper found to follow the line, in its order.
-pub(crate) const FOLLOWS: [&str; 5] = [
-    "mean_velocity_mps",
-    "mean_headway_time_s",
-    "headway_merge_back_m",
-    "lane_changes",
-    "headway_merge_back_s",
-];
-/// Those that it found not to.
-const DOES_NOT: [&str; 2] = ["min_headway_distance_m", "left_lane_fraction"];
-
-/// Name for people of a measure.
-pub(crate) fn title(measure: &str) -> String {
-    objective::find(measure).map_or_else(|| measure.to_owned(), |m| m.title.to_owned())
-}
-
-/// Unit of a measure, empty for counts and shares.
-pub(crate) fn unit(measure: &str) -> String {
-    objective::find(measure)
-        .map_or("", |m| if m.unit == "1" { "" } else { m.unit })
-        .to_owned()
-}
 
 fn position(data: &StudyData, adb_used: bool) -> Vec<Option<f64>> {
     data.participants
@@ -43,7 +21,7 @@ fn position(data: &StudyData, adb_used: bool) -> Vec<Option<f64>> {
 fn own(data: &StudyData, measure: &str) -> Vec<Option<f64>> {
     data.participants
         .iter()
-        .map(|p| data.measured(p, ConditionId::OWN, measure))
+        .map(|p| data.baseline(p, measure))
         .collect()
 }
 
@@ -54,48 +32,69 @@ fn pairs(x: &[Option<f64>], y: &[Option<f64>]) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Positions against the own drive's measures, and against ADB.
-pub(crate) fn line(data: &StudyData, adb_used: bool) -> Result<AggressionLine, AnalysisError> {
+/// Positions against the baseline drive's measures, and against the score; none without a style or without positions.
+pub(crate) fn line(
+    data: &StudyData,
+    adb_used: bool,
+) -> Result<Option<AggressionLine>, AnalysisError> {
     let positions = position(data, adb_used);
-    let row = |measure: &str,
-               title: String,
-               values: Vec<Option<f64>>|
-     -> Result<LineRow, AnalysisError> {
+    let Some(style) = data
+        .design
+        .style()
+        .filter(|_| positions.iter().any(Option::is_some))
+    else {
+        return Ok(None);
+    };
+    let row = |id: String, title: String, unit: String, values: Vec<Option<f64>>| {
+        let points = pairs(&positions, &values);
+        let mut ends = points.clone();
+        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
         let correlation = correlate(&positions, &values, CorrelationMethod::Pearson)?;
-        Ok(LineRow {
-            measure: measure.to_owned(),
+        Ok::<_, AnalysisError>(LineRow {
+            measure: id,
             title,
+            unit,
             correlation,
-            points: pairs(&positions, &values),
+            ends: ends
+                .first()
+                .zip(ends.last())
+                .map(|(low, high)| (low.1, high.1)),
+            points,
         })
     };
     let mut rows = Vec::new();
-    for measure in FOLLOWS {
-        rows.push(row(measure, title(measure), own(data, measure))?);
+    for asked in outcomes(data).into_iter().filter(|a| a.column().is_some()) {
+        let values = own(data, &asked.id);
+        let mut found = row(asked.id, asked.title, asked.unit, values)?;
+        // Correlated in the unit of the tables, shown in that of people.
+        let shown = |v: f64| v * asked.factor;
+        found.ends = found.ends.map(|(low, high)| (shown(low), shown(high)));
+        found.points = found.points.iter().map(|(x, y)| (*x, shown(*y))).collect();
+        rows.push(found);
     }
-    let adb = data
-        .participants
-        .iter()
-        .map(|p| data.pre(p, "adb", "total"))
-        .collect();
-    rows.push(row("adb", "ADB score".to_owned(), adb)?);
-    let mut ends = rows[0].points.clone();
-    ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let velocity_ends_mph = ends
-        .first()
-        .zip(ends.last())
-        .map(|(low, high)| (MetresPerSecond(low.1).mph(), MetresPerSecond(high.1).mph()));
-    Ok(AggressionLine {
-        adb_used,
-        rows,
-        velocity_ends_mph,
-    })
+    let score = data.participants.iter().map(|p| data.pre(p, &style.score));
+    rows.push(row(
+        style.score.to_string(),
+        style.label.clone(),
+        "points".to_owned(),
+        score.collect(),
+    )?);
+    Ok(Some(AggressionLine { adb_used, rows }))
 }
 
-/// Habits along the line and round the ellipse.
+/// The condition that moves across the dial.
+fn across(data: &StudyData) -> Option<ConditionId> {
+    let is = |c: &&maveric_domain::design::Condition| c.car == Some(Car::Across);
+    data.design.conditions().iter().find(is).map(|c| c.id)
+}
+
+/// Habits that aggression does not move, along the line and round the ellipse; nothing where no car moves across the dial.
 pub(crate) fn kept(data: &StudyData) -> Result<Vec<Kept>, AnalysisError> {
+    let (Some(across), Some(from)) = (across(data), data.own_style()) else {
+        return Ok(Vec::new());
+    };
     let positions = position(data, true);
-    let angle = |p: &_| data.condition(p, ConditionId::PERPENDICULAR)?.angle_rad;
+    let angle = |p: &_| data.condition(p, across)?.angle_rad;
     let angles: Vec<Option<f64>> = data
         .participants
         .iter()
@@ -103,23 +102,28 @@ pub(crate) fn kept(data: &StudyData) -> Result<Vec<Kept>, AnalysisError> {
         .collect();
     let one = |measure: &str| -> Result<Kept, AnalysisError> {
         let change = |p| {
-            let mimic = data.measured(p, ConditionId::MIMIC, measure)?;
-            Some(data.measured(p, ConditionId::PERPENDICULAR, measure)? - mimic)
+            let from = data.measured(p, from, measure)?;
+            Some(data.measured(p, across, measure)? - from)
         };
         let changes: Vec<Option<f64>> = data.participants.iter().map(change).collect();
         let round = circular(&angles, &changes)?;
-        let line: Correlation =
-            correlate(&positions, &own(data, measure), CorrelationMethod::Pearson)?;
+        let asked = Asked::measure(measure);
         Ok(Kept {
+            across,
+            from,
             measure: measure.to_owned(),
-            title: title(measure),
-            unit: unit(measure),
-            line,
+            title: asked.title,
+            unit: asked.unit,
+            line: correlate(&positions, &own(data, measure), CorrelationMethod::Pearson)?,
             angle: correlate(&angles, &changes, CorrelationMethod::Pearson)?,
             circular_r: round.0,
             circular_p: round.1,
-            points: pairs(&angles, &changes),
+            points: pairs(&angles, &changes)
+                .into_iter()
+                .map(|(angle, change)| (angle, change * asked.factor))
+                .collect(),
         })
     };
-    DOES_NOT.iter().map(|measure| one(measure)).collect()
+    let habits = objective::all().iter().filter(|m| m.aggression.is_none());
+    habits.map(|m| one(m.name)).collect()
 }

@@ -1,40 +1,39 @@
-//! 9.5: how a rating changes with the shift of the dial, in people who differ.
+//! How a rating changes with the shift of the dial, in people who differ.
 
 use crate::{
     AnalysisError,
     data::StudyData,
-    homophily::{RATINGS, rating},
+    homophily::{cells, ratings},
     result::MixedRow,
 };
-use maveric_domain::ConditionId;
+use maveric_domain::design::Condition;
 use maveric_stats::{MixedMethod, StatsError, mixed_model};
 
-/// ADB points in one unit of the shift.
-const UNIT_POINTS: f64 = 10.0;
-
-/// Each rating on the shift and its square, with intercept and slope of the shift random over participants.
+/// Each rating on the shift and its square, with intercept and slope of the shift random over participants; nothing without a dial that
+/// turns both ways.
 ///
 /// A rating that cannot be fitted (too few answers, a constant) has no model and says why.
 pub(crate) fn mixed(data: &StudyData) -> Result<Vec<MixedRow>, AnalysisError> {
-    let cells: Vec<_> = data
-        .participants
-        .iter()
-        .flat_map(|p| ConditionId::AV.map(|c| (p, c)))
-        .collect();
+    let dials = data.design.conditions().iter().filter_map(Condition::dial);
+    let furthest = dials.clone().fold(0.0, |far: f64, d| far.max(d.abs()));
+    let (low, high) = dials.fold((0.0_f64, 0.0_f64), |(l, h), d| (l.min(d), h.max(d)));
+    if low >= 0.0 || high <= 0.0 {
+        return Ok(Vec::new());
+    }
+    // A round unit of about the size of the shifts.
+    let unit_points = 10_f64.powf(furthest.log10().floor());
+    let cells = cells(data);
     let subjects: Vec<String> = cells.iter().map(|(p, _)| p.to_string()).collect();
     let shift: Vec<Option<f64>> = cells
         .iter()
         .map(|(p, c)| {
             data.condition(p, *c)
-                .map(|row| row.moved_points / UNIT_POINTS)
+                .map(|row| row.moved_points / unit_points)
         })
         .collect();
     let square: Vec<Option<f64>> = shift.iter().map(|s| s.map(|s| s * s)).collect();
-    let one = |name: &str| {
-        let y: Vec<Option<f64>> = cells
-            .iter()
-            .map(|(p, c)| rating(data, p, *c, name))
-            .collect();
+    let one = |name: &_| {
+        let y: Vec<Option<f64>> = cells.iter().map(|(p, c)| data.rated(p, *c, name)).collect();
         let fixed: [(&str, &[Option<f64>]); 2] = [("shift", &shift), ("shift_squared", &square)];
         let (model, why) = match mixed_model(&subjects, &y, &fixed, &["shift"], MixedMethod::Reml) {
             Ok(model) => (Some(model), None),
@@ -44,11 +43,12 @@ pub(crate) fn mixed(data: &StudyData) -> Result<Vec<MixedRow>, AnalysisError> {
             Err(e) => return Err(e.into()),
         };
         Ok(MixedRow {
-            rating: name.to_owned(),
-            unit_points: UNIT_POINTS,
+            rating: name.clone(),
+            title: data.score_title(name),
+            unit_points,
             model,
             why_not: why,
         })
     };
-    RATINGS.iter().map(|(name, ..)| one(name)).collect()
+    ratings(data).iter().map(one).collect()
 }

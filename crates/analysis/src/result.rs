@@ -1,43 +1,48 @@
-//! What the analyses of the paper give: everything that a figure, a table or a claim is made from.
+//! What the analyses of a study give: everything that a figure, a table or a claim is made from.
 
-use crate::family::Family;
-use maveric_domain::ConditionId;
-use maveric_stats::{Comparison, MixedModel, Proportion};
+use crate::{exclusions::Flow, verdict::Judged};
+use maveric_domain::{
+    ConditionId,
+    design::{ScoreName, Sign},
+};
+use maveric_stats::{Comparison, Effect, MixedModel, PosthocTest, Proportion};
 use serde::{Deserialize, Serialize};
 
-/// Every analysis of the paper over one study (method section 9).
+/// Every analysis of one study, as its design asks for it (method section 9).
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Analysis {
     /// Whether the people are made up.
     pub synthetic: bool,
-    /// Those who are tested.
+    /// People analysed.
     pub participants: usize,
-    /// 9.1, with the ADB score in the fit of the embedding: as the paper does it.
-    pub line: AggressionLine,
-    /// 9.1, fitted without the ADB score: what driving alone tells.
-    pub line_without_adb: AggressionLine,
-    /// 9.2, a row a measure.
-    pub accuracy: Vec<MimicAccuracy>,
-    /// 9.3, six panels.
+    /// How many there were at each step, and who was left out.
+    pub flow: Flow,
+    /// The hypotheses of the design, judged by their rules.
+    pub hypotheses: Vec<Judged>,
+    /// 9.1, with the score in the fit of the embedding, as the paper does it; none without a style.
+    pub line: Option<AggressionLine>,
+    /// 9.1, fitted without the score: what driving alone tells.
+    pub line_without_adb: Option<AggressionLine>,
+    /// 9.2, a row a measure; empty without a condition at 0 on the dial, or without a baseline.
+    pub reproduction: Vec<Reproduction>,
+    /// 9.3, a panel an outcome (and a group of people, where the design divides them).
     pub panels: Vec<Panel>,
-    /// 9.3, is Mimic nearer to the own drive than Aggressive and Cautious are?
+    /// 9.3, is the car at 0 on the dial nearer to the baseline than the others are?
     pub nearer: Vec<Nearer>,
-    /// 9.4, a row a measure.
+    /// 9.4, a row a measure that aggression does not move; empty where no car moves across the dial.
     pub kept: Vec<Kept>,
-    /// 9.5, the family of tests as declared, such as `mini_ipip,mdsi`.
-    #[serde(default)]
-    pub family: Family,
-    /// 9.5, a row a pair of factor and rating difference.
+    /// 9.5, a row a pair of factor and rating difference; empty where none was declared.
     pub homophily: Vec<HomophilyRow>,
     /// 9.5, perceived similarity against the ratings, over all answers.
     pub similarity: Vec<SimilarityRow>,
     /// 9.5, each rating on the shift of the dial, with people as random effects.
-    #[serde(default)]
     pub mixed: Vec<MixedRow>,
     /// 9.5, who preferred another style to their own.
     pub preferences: Vec<Preference>,
-    /// Share of Aggressive and Cautious embeddings that lie further out than any training driver's.
+    /// Share of embeddings away from 0 on the dial that lie further out than any training driver's.
     pub beyond_training: Option<f64>,
+    /// What the design asks for and this analysis does in another way, or not at all, in sentences.
+    pub notes: Vec<String>,
     /// Who or what was left out of an analysis, and why.
     pub exclusions: Vec<Exclusion>,
 }
@@ -64,30 +69,34 @@ pub struct Correlation {
 /// The position on the aggression line against measures and score.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct AggressionLine {
-    /// Whether the ADB score took part in the fit.
+    /// Whether the score took part in the fit.
     pub adb_used: bool,
-    /// A row a measure, the ADB score last.
+    /// A row a measure, the score last.
     pub rows: Vec<LineRow>,
-    /// Mean velocity of the drivers lowest and highest on the line, in mph.
-    pub velocity_ends_mph: Option<(f64, f64)>,
 }
 
 /// One measure along the line.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct LineRow {
-    /// Code name of the measure, or `adb`.
+    /// Code name of the measure, or `SCALE.SUBSCALE`.
     pub measure: String,
     /// Name for people.
     pub title: String,
+    /// Unit in which people read it; empty for counts and shares.
+    pub unit: String,
     /// The correlation.
     pub correlation: Correlation,
-    /// A participant each: position, value in the measure's unit.
+    /// Values of the drivers lowest and highest on the line.
+    pub ends: Option<(f64, f64)>,
+    /// A participant each: position, value.
     pub points: Vec<(f64, f64)>,
 }
 
-/// How well Mimic reproduced a measure.
+/// How well the car at 0 on the dial reproduced a measure.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct MimicAccuracy {
+pub struct Reproduction {
+    /// The condition that lies at 0 on the dial.
+    pub condition: ConditionId,
     /// Code name of the measure.
     pub measure: String,
     /// Name for people.
@@ -104,60 +113,89 @@ pub struct MimicAccuracy {
     pub population_mean: Option<f64>,
 }
 
-/// One panel: differences from the own drive in the four conditions.
+/// A group of people, as the design's factors divide them.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Group {
+    /// The factor, or several joined by ×.
+    pub factor: String,
+    /// The level of this group.
+    pub level: String,
+}
+
+/// One outcome over the conditions.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Panel {
-    /// Code name of the measure, or `aggressiveness`.
-    pub measure: String,
+    /// Code name of the measure, or `SCALE.SUBSCALE`.
+    pub outcome: String,
     /// Name for people.
     pub title: String,
-    /// Unit of the differences.
+    /// Unit of the values; empty for counts and shares.
     pub unit: String,
-    /// Value that means "the same as my own".
-    pub same: f64,
+    /// Value that means "the same as my own", where there is one.
+    pub same: Option<f64>,
+    /// The values are differences from this drive; none where they are what was measured or answered.
+    pub differences_from: Option<ConditionId>,
+    /// Whose they are, where the design divides people.
+    pub group: Option<Group>,
+    /// The columns of `rows`.
+    pub conditions: Vec<ConditionId>,
     /// A participant each.
     pub participants: Vec<String>,
-    /// A row a participant, a column a condition in the order of [`ConditionId::AV`].
+    /// A row a participant, a column a condition.
     pub rows: Vec<Vec<Option<f64>>>,
     /// Participants in the test.
     pub n: usize,
     /// Participants left out for a missing value.
     pub dropped: Vec<String>,
-    /// The pairs, Holm-adjusted over this panel's six.
-    pub pairs: Vec<PanelPair>,
-    /// The test over the conditions, with every check that was made; `None` with fewer than two participants in it.
+    /// The test of the contrasts; none where nothing could be tested.
+    pub test: Option<PosthocTest>,
+    /// Why this test, a sentence a step.
+    pub reasons: Vec<String>,
+    /// The test over three or more conditions, with every check that was made.
     pub comparison: Option<Comparison>,
+    /// The declared contrasts, one family over all groups of this outcome.
+    pub contrasts: Vec<Contrast>,
 }
 
-/// One pair of conditions within a panel.
+/// Two conditions of a panel held against each other.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct PanelPair {
+pub struct Contrast {
     /// First condition.
     pub first: ConditionId,
     /// Second condition; the difference is first minus second.
     pub second: ConditionId,
+    /// Which way the difference is expected to lie.
+    pub expected: Option<Sign>,
     /// Mean difference.
     pub mean_difference: Option<f64>,
-    /// p value.
+    /// t or W+ of the test.
+    pub statistic: Option<f64>,
+    /// Degrees of freedom of a t.
+    pub df: Option<usize>,
+    /// Effect size with its interval.
+    pub effect: Option<Effect>,
+    /// p value, two-sided.
     pub p: Option<f64>,
-    /// Adjusted.
+    /// Adjusted after Holm over the contrasts of the outcome.
     pub p_holm: Option<f64>,
 }
 
-/// Whether Mimic is nearer to the own drive than another condition is.
+/// Whether the car at 0 on the dial is nearer to the baseline than another condition is.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Nearer {
+    /// The condition that lies at 0 on the dial.
+    pub condition: ConditionId,
     /// Code name of the measure.
     pub measure: String,
     /// Name for people.
     pub title: String,
-    /// Aggressive or Cautious.
+    /// The other condition.
     pub than: ConditionId,
     /// Participants with all values.
     pub n: usize,
-    /// Share of them for whom Mimic is nearer.
+    /// Share of them for whom it is nearer.
     pub share: Option<f64>,
-    /// Wilcoxon's p for |Mimic − own| against |other − own|, two-sided.
+    /// Wilcoxon's p for |condition − baseline| against |other − baseline|, two-sided.
     pub p: Option<f64>,
     /// Adjusted after Holm over all rows.
     pub p_holm: Option<f64>,
@@ -166,15 +204,19 @@ pub struct Nearer {
 /// A habit that should not follow the aggression line, and should follow the angle on the ellipse.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Kept {
+    /// The condition that moves across the dial.
+    pub across: ConditionId,
+    /// The condition at 0 on the dial, from which it moves.
+    pub from: ConditionId,
     /// Code name of the measure.
     pub measure: String,
     /// Name for people.
     pub title: String,
     /// Unit.
     pub unit: String,
-    /// Position on the line against the measure in the own drive.
+    /// Position on the line against the measure in the baseline drive.
     pub line: Correlation,
-    /// Angle (0 to 360°) against Perpendicular minus Mimic: the paper's analysis. An angle has no natural zero.
+    /// Angle (0 to 360°) against `across` minus `from`: the paper's analysis. An angle has no natural zero.
     pub angle: Correlation,
     /// Multiple R of the change on cosine and sine of the angle: the analysis that does not depend on the zero.
     pub circular_r: Option<f64>,
@@ -187,12 +229,18 @@ pub struct Kept {
 /// A factor of a person against how differently they rated two conditions.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct HomophilyRow {
-    /// Code name of the factor, such as `conscientiousness`.
-    pub factor: String,
-    /// Mimic minus this condition.
+    /// The factor, such as `mini_ipip.conscientiousness`.
+    pub factor: ScoreName,
+    /// Name for people.
+    pub title: String,
+    /// The condition at 0 on the dial.
+    pub own: ConditionId,
+    /// `own` minus this condition.
     pub versus: ConditionId,
-    /// `competence`, `intelligence`, `discomfort` or `trust`.
-    pub rating: String,
+    /// The rating.
+    pub rating: ScoreName,
+    /// Name for people.
+    pub rating_title: String,
     /// The correlation, its method chosen by assumption.
     pub correlation: Correlation,
     /// p adjusted after Holm over the family.
@@ -204,23 +252,27 @@ pub struct HomophilyRow {
 /// Perceived similarity against a rating.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SimilarityRow {
-    /// `competence`, `intelligence` or `trust`.
-    pub rating: String,
+    /// The rating.
+    pub rating: ScoreName,
+    /// Name for people.
+    pub title: String,
     /// As the paper did it: every answer a pair of its own (df 94 for 24 people).
     pub pooled: Correlation,
-    /// Within people: the analysis that knows that four answers come from one person.
+    /// Within people: the analysis that knows that several answers come from one person.
     pub within: Correlation,
 }
 
 /// A rating on the shift of the dial: the linear mixed model with random intercept and slope a participant.
 ///
-/// Keys of `model.fixed`: `intercept` (the rating at Mimic), `shift` (change a unit towards aggressive) and `shift_squared` (negative:
-/// away from the own style on either side it falls, which is homophily). Unit: `unit_points` points of the ADB scale.
+/// Keys of `model.fixed`: `intercept` (the rating at 0 on the dial), `shift` (change a unit upwards) and `shift_squared` (negative:
+/// away from the own style on either side it falls, which is homophily). Unit: `unit_points` points of the style's score.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct MixedRow {
-    /// `competence`, `intelligence`, `discomfort` or `trust`.
-    pub rating: String,
-    /// ADB points in one unit of the shift.
+    /// The rating.
+    pub rating: ScoreName,
+    /// Name for people.
+    pub title: String,
+    /// Points in one unit of the shift.
     pub unit_points: f64,
     /// The fit (REML; tests by Satterthwaite's degrees of freedom).
     pub model: Option<MixedModel>,
@@ -232,24 +284,32 @@ pub struct MixedRow {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Preference {
     /// The rating.
-    pub rating: String,
-    /// Participants with all three scores.
+    pub rating: ScoreName,
+    /// Name for people.
+    pub title: String,
+    /// Whether less of it counts as better.
+    pub less_is_better: bool,
+    /// The condition at 0 on the dial.
+    pub own: ConditionId,
+    /// Participants with all scores.
     pub n: usize,
-    /// Rated Aggressive better than Mimic (less discomfort is better).
-    pub aggressive_above: usize,
-    /// Rated Cautious better than Mimic.
-    pub cautious_above: usize,
-    /// Rated Mimic no better than Cautious.
-    pub mimic_not_above_cautious: usize,
-    /// Share of `aggressive_above` in `n`, with Wilson's 95 % interval.
-    #[serde(default)]
-    pub aggressive_share: Option<Proportion>,
-    /// Share of `cautious_above`.
-    #[serde(default)]
-    pub cautious_share: Option<Proportion>,
-    /// Share of `mimic_not_above_cautious`.
-    #[serde(default)]
-    pub mimic_not_above_cautious_share: Option<Proportion>,
+    /// The conditions elsewhere on the dial.
+    pub others: Vec<Above>,
+}
+
+/// How many rated one condition above their own style.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Above {
+    /// The condition.
+    pub condition: ConditionId,
+    /// Rated it better.
+    pub above: usize,
+    /// Their share, with Wilson's 95 % interval.
+    pub share: Option<Proportion>,
+    /// Rated it at least as good.
+    pub not_below: usize,
+    /// Their share.
+    pub not_below_share: Option<Proportion>,
 }
 
 /// Who or what was left out.

@@ -1,12 +1,44 @@
 //! A study of six people, computed by hand.
 
-use crate::{Analysis, AnalysisError, Family, Friedman, StudyData, Tables, analyse};
-use maveric_domain::{
-    ConditionId, DriveId, DriveMeta, DrivenBy, Embedding, EmbeddingRow, MeasuredDrive, Moment,
-    ParticipantId, Score,
+use crate::{
+    Analysis, AnalysisError, Friedman, Panel, Person, StudyData, Tables, Verdict, analyse,
 };
-use maveric_stats::OmnibusTest;
+use maveric_domain::{
+    ConditionId, Design, DriveId, DriveMeta, DrivenBy, Embedding, EmbeddingRow, MeasuredDrive,
+    Moment, ParticipantId, Scale, Score,
+    design::{ScoreName, Sign},
+};
+use maveric_stats::{OmnibusTest, PosthocTest};
 use std::collections::BTreeMap;
+
+const CONDITIONS: [&str; 4] = ["same", "fast", "slow", "across"];
+const DESIGN: &str = r#"
+    [study]
+    title = "Six people"
+    [people]
+    learn = { group = "drivers" }
+    [style]
+    score = "adb.total"
+    label = "ADB score"
+    points = 15
+    [baseline]
+    id = "own"
+    [[condition]]
+    id = "same"
+    car = { dial = 0 }
+    [[condition]]
+    id = "fast"
+    car = { dial = "+1" }
+    [[condition]]
+    id = "slow"
+    car = { dial = "-1" }
+    [[condition]]
+    id = "across"
+    car = { across = true }
+    [homophily]
+    factors = ["mini_ipip"]
+    ratings = ["jian_trust.overall"]
+"#;
 
 const SPEED: &str = "mean_velocity_mps";
 /// Mean speed of the own drive, in m/s, and of the four conditions less that.
@@ -30,12 +62,16 @@ fn person(i: usize) -> ParticipantId {
     ParticipantId::new(format!("P{}", i + 1)).unwrap()
 }
 
-fn drive(i: usize, condition: ConditionId, speed: Option<f64>) -> MeasuredDrive {
+fn id(text: &str) -> ConditionId {
+    text.parse().unwrap()
+}
+
+fn drive(i: usize, condition: &str, speed: Option<f64>) -> MeasuredDrive {
     MeasuredDrive {
         meta: DriveMeta {
             drive: DriveId::new(format!("P{}-{condition}", i + 1)).unwrap(),
             participant: person(i),
-            condition,
+            condition: id(condition),
             driven_by: DrivenBy::Human,
         },
         values: BTreeMap::from([(SPEED.to_owned(), speed)]),
@@ -58,7 +94,7 @@ fn position(i: usize) -> EmbeddingRow {
     EmbeddingRow {
         drive: DriveId::new(format!("P{}-own", i + 1)).unwrap(),
         participant: person(i),
-        condition: ConditionId::OWN,
+        condition: id("own"),
         adb_used: true,
         adb: None,
         adb_hat: None,
@@ -73,35 +109,51 @@ fn position(i: usize) -> EmbeddingRow {
 fn tables() -> Tables {
     let mut tables = Tables::default();
     for i in 0..6 {
-        tables.tested.insert(person(i));
-        tables
-            .measurements
-            .push(drive(i, ConditionId::OWN, Some(OWN[i])));
+        tables.measurements.push(drive(i, "own", Some(OWN[i])));
         tables.embeddings.push(position(i));
         let pre = |scale, subscale, value| score(i, Moment::Pre, scale, subscale, value);
         tables.pre.push(pre("adb", "total", ADB[i]));
         tables
             .pre
             .push(pre("mini_ipip", "conscientiousness", CONSCIENTIOUSNESS[i]));
-        for (k, condition) in ConditionId::AV.into_iter().enumerate() {
+        for (k, condition) in CONDITIONS.into_iter().enumerate() {
             let speed = OWN[i] + FASTER[k][i];
             tables.measurements.push(drive(i, condition, Some(speed)));
-            let trust = score(
-                i,
-                Moment::After(condition),
-                "jian_trust",
-                "overall",
-                TRUST[k][i],
-            );
+            let after = Moment::After(id(condition));
+            let trust = score(i, after, "jian_trust", "overall", TRUST[k][i]);
             tables.post.push(trust);
         }
     }
     tables
 }
 
+fn design(text: &str) -> Design {
+    Design::from_toml(text).unwrap()
+}
+
+fn analysed_by(text: &str, tables: Tables) -> Analysis {
+    let data = StudyData::new(&design(text), tables).unwrap();
+    analyse(&data, Friedman::Exact).unwrap()
+}
+
 fn analysed(tables: Tables) -> Analysis {
-    let family: Family = "mini_ipip".parse().unwrap();
-    analyse(&StudyData::new(tables).unwrap(), &family, Friedman::Exact).unwrap()
+    analysed_by(DESIGN, tables)
+}
+
+/// The shortest design: these conditions, none of them steered, against the own drive.
+fn plain(conditions: &[&str], more: &str) -> String {
+    let conditions: Vec<String> = conditions
+        .iter()
+        .map(|c| format!("[[condition]]\nid = \"{c}\"\n"))
+        .collect();
+    format!(
+        "[study]\ntitle = \"t\"\n[baseline]\nid = \"own\"\n{}{more}",
+        conditions.concat()
+    )
+}
+
+fn panel<'a>(a: &'a Analysis, outcome: &str) -> &'a Panel {
+    a.panels.iter().find(|p| p.outcome == outcome).unwrap()
 }
 
 #[track_caller]
@@ -113,31 +165,35 @@ fn near(found: Option<f64>, expected: f64) {
 #[test]
 fn the_line_against_the_score_is_the_correlation_by_hand() {
     let a = analysed(tables());
-    let row = |name: &str| a.line.rows.iter().find(|r| r.measure == name).unwrap();
+    let line = a.line.as_ref().unwrap();
+    let row = |name: &str| line.rows.iter().find(|r| r.measure == name).unwrap();
     // Positions 0 to 5: Sxx = 17.5; Sxy = 446 - 6 · 2.5 · 80/3 = 46; Syy = 4418 - 6 · (80/3)² = 454/3.
     near(
-        row("adb").correlation.r,
+        row("adb.total").correlation.r,
         46.0 / (17.5 * 454.0_f64 / 3.0).sqrt(),
     );
     near(row(SPEED).correlation.r, 1.0);
-    assert_eq!(row("lane_changes").correlation.n, 0);
+    let (low, high) = row(SPEED).ends.unwrap();
+    near(Some(high / low), 30.0 / 25.0);
+    // Nobody's lane changes were counted, so they are no outcome.
+    assert_eq!(line.rows.len(), 2);
 }
 
 #[test]
 fn accuracy_is_one_less_the_error_over_the_own_value() {
     let a = analysed(tables());
     let errors = 0.5 / 25.0 + 1.0 / 26.0 + 0.9 / 27.0 + 0.7 / 28.0 + 0.0 + 0.3 / 30.0;
-    near(a.accuracy[0].mean, 1.0 - errors / 6.0);
-    assert_eq!((a.accuracy[0].n, a.accuracy[1].n), (6, 0));
+    near(a.reproduction[0].mean, 1.0 - errors / 6.0);
+    assert_eq!((a.reproduction[0].n, a.reproduction.len()), (6, 1));
 }
 
 #[test]
 fn six_of_six_nearer_has_the_smallest_exact_p() {
     let a = analysed(tables());
-    for row in a.nearer.iter().filter(|r| r.measure == SPEED) {
+    assert_eq!(a.nearer.len(), 2);
+    for row in &a.nearer {
         near(row.share, 1.0);
         near(row.p, 2.0 / 64.0);
-        // Two rows have values, so Holm counts two.
         near(row.p_holm, 4.0 / 64.0);
     }
 }
@@ -145,33 +201,33 @@ fn six_of_six_nearer_has_the_smallest_exact_p() {
 #[test]
 fn a_panel_holds_the_differences_and_friedmans_test_by_hand() {
     let a = analysed(tables());
-    let panel = &a.panels[0];
+    let panel = panel(&a, SPEED);
     near(panel.rows[1][0], -3600.0 / 1609.344);
     let found = panel.comparison.as_ref().unwrap();
     // Ranks: the faster car 4 and the slower 1 for everybody, the two others 16 and 14 in all:
     // 12 / (6 · 4 · 5) · (16² + 24² + 6² + 14²) - 3 · 6 · 5.
     assert_eq!(found.chosen, OmnibusTest::Friedman);
     near(found.omnibus.statistic, 16.4);
-    let condition = FASTER.map(|row| row.iter().sum::<f64>() / 6.0);
-    let pair = panel
-        .pairs
-        .iter()
-        .find(|p| (p.first, p.second) == (ConditionId::MIMIC, ConditionId::AGGRESSIVE));
+    let mean = FASTER.map(|row| row.iter().sum::<f64>() / 6.0);
+    let pair = &panel.contrasts[0];
+    assert_eq!((pair.first, pair.second), (id("same"), id("fast")));
     near(
-        pair.unwrap().mean_difference,
-        (condition[0] - condition[1]) * 3600.0 / 1609.344,
+        pair.mean_difference,
+        (mean[0] - mean[1]) * 3600.0 / 1609.344,
     );
-    assert_eq!(panel.pairs.len(), 6);
+    // Speed rises with aggression, so the car turned up is the faster one.
+    assert_eq!(pair.expected, Some(Sign::Minus));
+    // Six of six: 1/32 for five pairs with the extremes; Holm counts all six pairs.
+    near(pair.p, 2.0 / 64.0);
+    near(pair.p_holm, 6.0 * 2.0 / 64.0);
+    assert_eq!(panel.contrasts.len(), 6);
+    assert_eq!(panel.contrasts[2].expected, None);
 }
 
 #[test]
 fn homophily_is_the_factor_against_the_difference_in_rating() {
     let a = analysed(tables());
-    let row = a
-        .homophily
-        .iter()
-        .find(|r| r.versus == ConditionId::CAUTIOUS && r.rating == "trust")
-        .unwrap();
+    let row = a.homophily.iter().find(|r| r.versus == id("slow")).unwrap();
     // Differences 0, -0.5, 2, 1, 2, 1 with the factor 3, 1, 4, 2, 5, 3.5: means 5.5/6 and 18.5/6.
     let (x, y): (f64, f64) = (18.5 / 6.0, 5.5 / 6.0);
     let sxy = (0.0 - 0.5 + 8.0 + 2.0 + 10.0 + 3.5) - 6.0 * x * y;
@@ -187,54 +243,351 @@ fn homophily_is_the_factor_against_the_difference_in_rating() {
 #[test]
 fn one_of_six_preferred_the_faster_car_and_one_the_slower() {
     let a = analysed(tables());
-    let trust = a.preferences.iter().find(|p| p.rating == "trust").unwrap();
-    assert_eq!(
-        (trust.n, trust.aggressive_above, trust.cautious_above),
-        (6, 1, 1)
-    );
+    let trust = &a.preferences[0];
+    let [fast, slow] = &trust.others[..] else {
+        panic!("two conditions away from 0")
+    };
+    assert_eq!((trust.n, fast.above, slow.above), (6, 1, 1));
     // P1 rates both alike.
-    assert_eq!(trust.mimic_not_above_cautious, 2);
+    assert_eq!(slow.not_below, 2);
     // Wilson's interval of 1/6.
     let z2 = 1.959_963_984_540_054_f64.powi(2);
     let half = (z2 * (5.0 / 36.0 / 6.0 + z2 / 144.0)).sqrt();
-    let share = trust.aggressive_share.as_ref().unwrap();
+    let share = fast.share.as_ref().unwrap();
     assert!((share.low - (1.0 / 6.0 + z2 / 12.0 - half) / (1.0 + z2 / 6.0)).abs() < 1e-9);
+}
+
+#[test]
+fn where_less_is_better_the_lower_score_is_preferred() {
+    let mut with = tables();
+    let scale: Scale = toml::from_str(
+        r#"id = "jian_trust"
+        title = "T"
+        reference = "r"
+        items = 1
+        min = 1
+        max = 7
+        scoring = "mean"
+        [[subscales]]
+        id = "overall"
+        title = "Distrust"
+        items = [1]
+        lower_is_better = true"#,
+    )
+    .unwrap();
+    with.scales = vec![scale];
+    let a = analysed(with);
+    let distrust = &a.preferences[0];
+    // All but P2 score the faster car lower.
+    assert_eq!(
+        (distrust.less_is_better, distrust.others[0].above),
+        (true, 5)
+    );
+    assert_eq!(panel(&a, "jian_trust.overall").unit, "rating, 1 to 7");
 }
 
 #[test]
 fn whoever_lacks_a_value_is_left_out_and_named() {
     let mut tables = tables();
     for drive in &mut tables.measurements {
-        if drive.meta.drive.as_str() == "P4-mimic" {
+        if drive.meta.drive.as_str() == "P4-same" {
             drive.values.insert(SPEED.to_owned(), None);
         }
     }
     let a = analysed(tables);
-    assert_eq!(a.panels[0].dropped, ["P4"]);
-    assert_eq!((a.panels[0].n, a.accuracy[0].dropped), (5, 1));
+    assert_eq!(panel(&a, SPEED).dropped, ["P4"]);
+    assert_eq!((panel(&a, SPEED).n, a.reproduction[0].dropped), (5, 1));
     let said = |e: &crate::Exclusion| e.who == "P4" && e.what == "comparison of mean velocity";
     assert!(a.exclusions.iter().any(said));
 }
 
 #[test]
-fn too_few_people_and_unknown_factors_are_refused_by_name() {
+fn conditions_that_were_only_recorded_are_compared_and_nothing_is_said_of_a_dial() {
+    let a = analysed_by(&plain(&["same", "fast", "slow"], ""), tables());
+    assert_eq!(panel(&a, SPEED).contrasts.len(), 3);
+    assert!(
+        panel(&a, SPEED)
+            .contrasts
+            .iter()
+            .all(|c| c.expected.is_none())
+    );
+    assert!(a.line.is_none() && a.reproduction.is_empty() && a.nearer.is_empty());
+    assert!(a.homophily.is_empty() && a.mixed.is_empty() && a.preferences.is_empty());
+}
+
+#[test]
+fn two_conditions_get_a_paired_test_and_no_omnibus() {
+    let a = analysed_by(&plain(&["fast", "slow"], ""), tables());
+    let panel = panel(&a, SPEED);
+    assert!(panel.comparison.is_none() && panel.test == Some(PosthocTest::T));
+    // Differences 5, 5.5, 4.5, 5, 5, 5 m/s: mean 5, s² = 0.1.
+    let [pair] = &panel.contrasts[..] else {
+        panic!("one pair")
+    };
+    near(pair.statistic, 5.0 / (0.1_f64 / 6.0).sqrt());
+    assert_eq!(pair.p, pair.p_holm);
+}
+
+#[test]
+fn one_condition_is_held_against_the_baseline() {
+    let a = analysed_by(&plain(&["fast"], ""), tables());
+    let panel = panel(&a, SPEED);
+    assert_eq!(panel.conditions, [id("fast"), id("own")]);
+    near(
+        panel.contrasts[0].mean_difference,
+        16.5 / 6.0 * 3600.0 / 1609.344,
+    );
+    // Without a drive by hand there is nothing to hold it against.
+    let alone = "[study]\ntitle = \"t\"\n[[condition]]\nid = \"fast\"\n";
+    let a = analysed_by(alone, tables());
+    assert!(
+        a.panels
+            .iter()
+            .all(|p| p.contrasts.is_empty() && p.test.is_none())
+    );
+    assert!(a.panels[0].reasons[0].contains("nothing to compare"));
+}
+
+#[test]
+fn without_a_baseline_the_values_themselves_are_compared() {
+    let text = plain(&["same", "fast", "slow"], "").replace("[baseline]\nid = \"own\"\n", "");
+    let a = analysed_by(&text, tables());
+    let panel = panel(&a, SPEED);
+    assert_eq!((panel.differences_from, panel.same), (None, None));
+    near(panel.rows[0][0], 25.5 * 3600.0 / 1609.344);
+}
+
+#[test]
+fn declared_contrasts_alone_make_the_family() {
+    let against = "[contrasts]\ncompare = \"against slow\"\n";
+    let a = analysed_by(&plain(&["same", "fast", "slow"], against), tables());
+    let panel = panel(&a, SPEED);
+    let pairs: Vec<_> = panel
+        .contrasts
+        .iter()
+        .map(|c| (c.first, c.second))
+        .collect();
+    assert_eq!(pairs, [(id("slow"), id("same")), (id("slow"), id("fast"))]);
+    // Slower than both, by every test of these six people.
+    assert!(
+        panel
+            .contrasts
+            .iter()
+            .all(|c| c.mean_difference < Some(0.0))
+    );
+    let p: Vec<f64> = panel.contrasts.iter().filter_map(|c| c.p).collect();
+    let least = p.iter().copied().fold(1.0, f64::min);
+    let holm = panel.contrasts.iter().filter_map(|c| c.p_holm);
+    near(Some(holm.fold(1.0, f64::min)), 2.0 * least);
+}
+
+#[test]
+fn the_design_says_which_way_a_difference_should_lie() {
+    let more = "[[condition]]\nid = \"fast\"\nexpected = { mean_velocity_mps = \"+\" }\n\
+                [[condition]]\nid = \"slow\"\nexpected = { mean_velocity_mps = \"-\" }\n";
+    let a = analysed_by(&plain(&["same"], more), tables());
+    let expected = |first: &str, second: &str| {
+        let mut all = panel(&a, SPEED).contrasts.iter();
+        let is = |c: &&crate::Contrast| (c.first, c.second) == (id(first), id(second));
+        all.find(is).unwrap().expected
+    };
+    assert_eq!(expected("fast", "slow"), Some(Sign::Plus));
+    // Nothing is said of the first condition.
+    assert_eq!(expected("same", "fast"), None);
+}
+
+#[test]
+fn people_of_two_groups_are_tested_within_each_group_and_the_page_is_told() {
+    let mut with = tables();
+    with.people = (0..6)
+        .map(|i| Person {
+            id: person(i),
+            learned: false,
+            tested: true,
+            columns: BTreeMap::from([("city".to_owned(), ["A", "B"][i % 2].to_owned())]),
+        })
+        .collect();
+    let a = analysed_by(
+        &plain(&["same", "fast", "slow"], "[[factor]]\ncolumn = \"city\"\n"),
+        with,
+    );
+    let groups: Vec<&str> = a
+        .panels
+        .iter()
+        .filter(|p| p.outcome == SPEED)
+        .map(|p| p.group.as_ref().unwrap().level.as_str())
+        .collect();
+    assert_eq!(groups, ["A", "B"]);
+    assert!(a.notes[0].contains("within each group"));
+    // Six contrasts of two groups are one family.
+    let all: Vec<f64> = a.panels[..2]
+        .iter()
+        .flat_map(|p| &p.contrasts)
+        .filter_map(|c| c.p)
+        .collect();
+    let least = all.iter().copied().fold(1.0, f64::min);
+    let holm = a.panels[..2]
+        .iter()
+        .flat_map(|p| &p.contrasts)
+        .filter_map(|c| c.p_holm);
+    near(Some(holm.fold(1.0, f64::min)), (6.0 * least).min(1.0));
+}
+
+fn hypothesis(contrast: &str, rule: &str) -> String {
+    format!("[[hypothesis]]\nsays = \"so\"\noutcome = \"{SPEED}\"\ncontrast = {contrast}\n{rule}\n")
+}
+
+#[test]
+fn a_hypothesis_is_judged_by_its_rule() {
+    let judged = |contrast: &str, rule: &str| {
+        let text = plain(
+            &["same", "fast", "slow", "across"],
+            &hypothesis(contrast, rule),
+        );
+        analysed_by(&text, tables()).hypotheses[0].verdict
+    };
+    let two = |contrast: &str, rule: &str| {
+        let text = plain(&["fast", "slow"], &hypothesis(contrast, rule));
+        analysed_by(&text, tables()).hypotheses[0].clone()
+    };
+    let found = two(r#"["slow", "fast"]"#, "direction = \"-\"");
+    assert_eq!(found.verdict, Verdict::Shown);
+    assert!(found.rule.contains("Holm"), "{}", found.rule);
+    near(found.mean_difference, -5.0 * 3600.0 / 1609.344);
+    assert_eq!(
+        two(r#"["slow", "fast"]"#, "direction = \"+\"").verdict,
+        Verdict::Fails
+    );
+    // Six people and six pairs by ranks: nothing can be below .05 after Holm.
+    assert_eq!(
+        judged(r#"["slow", "fast"]"#, "direction = \"-\""),
+        Verdict::NotShown
+    );
+    // Means 0 and 0.07 m/s, that is 0.15 mph apart.
+    let near_to = r#"["same", "across"]"#;
+    assert_eq!(judged(near_to, "equivalent = [-4, 4]"), Verdict::Shown);
+    assert_eq!(
+        judged(near_to, "equivalent = [-0.1, 0.1]"),
+        Verdict::NotShown
+    );
+    assert_eq!(judged(near_to, "equivalent = [5, 9]"), Verdict::Fails);
+    let nobody = plain(
+        &["fast", "slow"],
+        &hypothesis(r#"["slow", "fast"]"#, "direction = \"-\""),
+    );
+    let nobody = nobody.replace(SPEED, "lane_changes");
+    assert_eq!(
+        analysed_by(&nobody, tables()).hypotheses[0].verdict,
+        Verdict::NotAsked
+    );
+    let mut few = tables();
+    for drive in few.measurements.iter_mut().skip(10) {
+        drive.values.clear();
+    }
+    let text = plain(
+        &["fast", "slow"],
+        &hypothesis(r#"["slow", "fast"]"#, "direction = \"-\""),
+    );
+    assert_eq!(
+        analysed_by(&text, few).hypotheses[0].verdict,
+        Verdict::TooFew
+    );
+}
+
+#[test]
+fn whoever_is_excluded_is_out_of_everything_and_counted_with_the_reason() {
+    let mut with = tables();
+    with.people = (0..7)
+        .map(|i| Person {
+            id: person(i),
+            learned: false,
+            tested: true,
+            columns: BTreeMap::new(),
+        })
+        .collect();
+    for drive in &with.measurements {
+        let seconds = if drive.meta.drive.as_str() == "P5-slow" {
+            100.0
+        } else {
+            600.0
+        };
+        with.durations_s.insert(drive.meta.drive.clone(), seconds);
+    }
+    with.measurements
+        .retain(|d| d.meta.participant.as_str() != "P6" || d.meta.condition == id("own"));
+    let rules = "[exclude]\npeople = { P1 = \"withdrew consent\" }\n\
+                 drives = { P2-fast = \"simulator sickness\" }\n\
+                 drive_shorter_than_s = 300\nfewer_conditions_than = 2\n";
+    let a = analysed_by(&plain(&["same", "fast", "slow"], rules), with);
+    assert_eq!(a.flow.recruited, 7);
+    assert_eq!((a.flow.drove, a.flow.analysed), (6, 5));
+    let why: Vec<(&str, &[String])> = a
+        .flow
+        .left_out
+        .iter()
+        .map(|l| (l.why.as_str(), &l.who[..]))
+        .collect();
+    assert_eq!(
+        why,
+        [
+            ("withdrew consent", &["P1".to_owned()][..]),
+            (
+                "no drive and no answer in any condition",
+                &["P7".to_owned()][..]
+            ),
+        ]
+    );
+    let drives: Vec<&str> = a.flow.drives.iter().map(|l| l.why.as_str()).collect();
+    assert_eq!(drives, ["simulator sickness", "drive shorter than 300 s"]);
+    let trust = panel(&a, "jian_trust.overall");
+    assert_eq!(trust.participants, ["P2", "P3", "P4", "P5", "P6"]);
+    // Neither the drive nor what was said of it is left.
+    assert_eq!((trust.rows[0][1], trust.rows[3][2]), (None, None));
+    assert_eq!((panel(&a, SPEED).n, trust.n), (2, 3));
+}
+
+#[test]
+fn too_few_conditions_are_counted_from_drives_and_answers() {
+    let mut with = tables();
+    with.measurements
+        .retain(|d| d.meta.participant.as_str() != "P6" || d.meta.condition == id("same"));
+    with.post.retain(|s| s.participant.as_str() != "P6");
+    let rules = "[exclude]\nfewer_conditions_than = 2\n";
+    let a = analysed_by(&plain(&["same", "fast", "slow"], rules), with);
+    assert_eq!(a.flow.left_out[0].why, "fewer than 2 conditions");
+    assert_eq!((a.participants, a.flow.left_out[0].who.len()), (5, 1));
+}
+
+#[test]
+fn what_cannot_be_analysed_is_refused_by_name() {
     let mut two = tables();
     two.measurements
         .retain(|d| ["P1", "P2"].contains(&d.meta.participant.as_str()));
-    let error = StudyData::new(two).unwrap_err();
+    two.post.clear();
+    let error = StudyData::new(&design(DESIGN), two).unwrap_err();
     assert!(matches!(error, AnalysisError::TooFewPeople { found: 2 }));
-    let data = StudyData::new(tables()).unwrap();
-    for (family, said) in [
+    let error = StudyData::new(&design(&plain(&["fast", "sporty"], "")), tables()).unwrap_err();
+    assert!(error.to_string().contains("`sporty`"), "{error}");
+    for (factor, said) in [
         ("mdsi", "the scale `mdsi`, which nobody answered"),
         (
             "mini_ipip.pace",
             "the factors of mini_ipip are conscientiousness",
         ),
     ] {
-        let error = analyse(&data, &family.parse().unwrap(), Friedman::Exact).unwrap_err();
+        let text = DESIGN.replace("\"mini_ipip\"", &format!("\"{factor}\""));
+        let data = StudyData::new(&design(&text), tables()).unwrap();
+        let error = analyse(&data, Friedman::Exact).unwrap_err();
         assert!(
             error.to_string().contains(said) && error.suggestion().is_some(),
             "{error}"
         );
     }
+}
+
+#[test]
+fn a_score_is_called_by_its_questionnaire() {
+    let data = StudyData::new(&design(DESIGN), tables()).unwrap();
+    let name: ScoreName = "jian_trust.overall".parse().unwrap();
+    assert_eq!(data.score_title(&name), "jian_trust.overall");
 }

@@ -30,6 +30,7 @@ pub(crate) enum Command {
     Trace(commands::trace::Trace),
     Clean(commands::clean::Clean),
     Init(commands::init::Init),
+    Design(commands::design::Design),
     Generate(commands::generate::Generate),
     Ingest(commands::ingest::Ingest),
     Inspect(commands::inspect::Inspect),

@@ -64,6 +64,12 @@ pub struct Subscale {
     /// Items reversed in this subscale only, beside those of the scale.
     #[serde(default)]
     pub reversed: Vec<u32>,
+    /// Whether less of it is better, as of discomfort.
+    #[serde(default)]
+    pub lower_is_better: bool,
+    /// The score that means "as I do", where items compare with oneself.
+    #[serde(default)]
+    pub same: Option<f64>,
     /// What a sample usually scores; made-up people are made to.
     #[serde(default)]
     pub norms: Option<Norms>,
@@ -206,6 +212,13 @@ impl Scale {
             if let Some([twice, ..]) = sorted.windows(2).find(|w| w[0] == w[1]) {
                 return Err(bad(format!(
                     "subscale `{}` names item {twice} twice",
+                    sub.id
+                )));
+            }
+            let (low, high) = self.score_range(sub);
+            if let Some(same) = sub.same.filter(|s| !(low..=high).contains(s)) {
+                return Err(bad(format!(
+                    "subscale `{}`: same is {same}, expected {low} to {high}",
                     sub.id
                 )));
             }

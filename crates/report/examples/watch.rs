@@ -62,8 +62,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         name: "watch".to_owned(),
         title: "Two made-up drives".to_owned(),
         drives: vec![
-            drive(ConditionId::AGGRESSIVE, "Aggressive", 31.0, 7.0),
-            drive(ConditionId::CAUTIOUS, "Cautious", 26.0, 25.0),
+            drive(ConditionId::new("faster")?, "Aggressive", 31.0, 7.0),
+            drive(ConditionId::new("slower")?, "Cautious", 26.0, 25.0),
         ],
     };
     let page = watch_page(&drives, &Context::synthetic(1), &[])?;

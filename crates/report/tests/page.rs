@@ -93,7 +93,7 @@ fn every_figure_and_table_is_a_file_too() {
         "figures/difference-panels.png",
         "tables/claims.csv",
         "tables/exclusions.tex",
-        "tables/mimic-accuracy.md",
+        "tables/accuracy.md",
         "tables/correlations.html",
     ] {
         assert!(has(path), "{path}");

@@ -46,7 +46,7 @@ fn drive(name: impl Into<String>, i: usize) -> SpaceDrive {
     SpaceDrive {
         name: name.into(),
         at: [x.sin(), x.cos(), (2.0 * x).sin()],
-        adb_points: i.is_multiple_of(7).then_some(30.0),
+        score_points: i.is_multiple_of(7).then_some(30.0),
         velocity_mph: 60.0 + x.sin(),
     }
 }
@@ -54,7 +54,7 @@ fn drive(name: impl Into<String>, i: usize) -> SpaceDrive {
 fn space(drives: usize, people: usize) -> Live {
     let person = |i: usize| SpacePerson {
         own: drive(format!("{NASTY}{i}"), i),
-        conditions: vec![(ConditionId::MIMIC, [0.1; 3])],
+        conditions: vec![(ConditionId::new("same").unwrap(), [0.1; 3])],
     };
     Live {
         below: "domain".into(),
@@ -63,6 +63,8 @@ fn space(drives: usize, people: usize) -> Live {
             people: (0..people).map(person).collect(),
             gradient: [0.0, 1.0, 0.0],
             ellipse: [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
+            score: (11.0, 55.0, NASTY.to_owned()),
+            dial: Vec::new(),
         }),
     }
 }

@@ -53,7 +53,7 @@ fn drive(rows: usize, cars: u32) -> PlayerDrive {
     PlayerDrive {
         label: "Mimic".into(),
         note: "automated".into(),
-        condition: ConditionId::MIMIC,
+        condition: ConditionId::new("same").unwrap(),
         lanes: 2,
         lane_width_m: 3.66,
         centre_line: None,

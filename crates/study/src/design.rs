@@ -18,6 +18,8 @@ use std::{
 /// Name of a design in a study's folder.
 pub const DESIGN_FILE: &str = "study.toml";
 
+/// Where the paper's design stands, from which its paths are seen.
+const PAPERS_FOLDER: &str = "study_data/designs";
 /// The paper's design, as it is shipped.
 const PAPER: &str = include_str!("../../../study_data/designs/paper.toml");
 
@@ -84,8 +86,8 @@ impl DesignFile {
 
     /// A path of the design, seen from where one stands.
     pub fn resolve(&self, path: &Path) -> PathBuf {
-        let folder = self.path.as_deref().and_then(Path::parent);
-        folder.map_or_else(|| path.to_owned(), |folder| folder.join(path))
+        let own = self.path.as_deref().and_then(Path::parent);
+        own.unwrap_or(Path::new(PAPERS_FOLDER)).join(path)
     }
 
     /// Who takes part: `given`, or the design's own table.

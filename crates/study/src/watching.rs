@@ -165,6 +165,7 @@ pub fn write_watch_page(
             .iter()
             .any(|d| d.meta.driven_by == DrivenBy::Synthetic),
         seed,
+        conditions: Vec::new(),
     };
     let page = watch_page(&watch_player(drives), &context, provenance)?;
     atomic_write_bytes(out, page.as_bytes())

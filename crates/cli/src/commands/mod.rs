@@ -3,6 +3,7 @@
 pub(crate) mod ablate;
 pub(crate) mod clean;
 pub(crate) mod codebook;
+pub(crate) mod design;
 pub(crate) mod diff;
 pub(crate) mod evaluate;
 pub(crate) mod export;
@@ -49,6 +50,7 @@ pub(crate) fn run(command: Command) -> Result<(), Failure> {
         Command::Trace(c) => c.run(),
         Command::Clean(c) => c.run(),
         Command::Init(c) => c.run(),
+        Command::Design(c) => c.run(),
         Command::Generate(c) => c.run(),
         Command::Ingest(c) => c.run(),
         Command::Inspect(c) => c.run(),
@@ -111,6 +113,23 @@ pub(crate) fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     serde_json::to_writer_pretty(&mut out, value).map_err(|e| Failure::output(e.into()))?;
     writeln!(out).map_err(Failure::output)
+}
+
+/// The command that is running, as it can be typed again.
+pub(crate) fn this_command() -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
+    let quoted = |word: String| {
+        if !word.is_empty() && word.chars().all(plain) {
+            word
+        } else {
+            format!("'{}'", word.replace('\'', "'\\''"))
+        }
+    };
+    let words = std::env::args().skip(1).map(quoted);
+    std::iter::once("maveric".to_owned())
+        .chain(words)
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 /// Threads to use when none are asked for: all cores.

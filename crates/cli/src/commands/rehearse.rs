@@ -2,10 +2,7 @@
 
 use super::print_outcome;
 use crate::{args::Format, diagnostics::Failure};
-use maveric_study::stages::{
-    analyse::Family,
-    rehearse::{self, RehearseOptions},
-};
+use maveric_study::stages::rehearse::{self, RehearseOptions};
 
 /// Run the paper's whole analysis on many made-up studies without driving: false-positive rates, power, sample sizes
 #[derive(Debug, clap::Args)]
@@ -34,9 +31,6 @@ pub(crate) struct Rehearse {
     /// Studies of each size and scale of the effects
     #[arg(long, default_value_t = 1000)]
     studies: usize,
-    /// Scales and factors of the homophily tests, one family
-    #[arg(long, default_value_t)]
-    family: Family,
     /// Folder to write into: rehearsal.json and a page with figures and tables
     #[arg(long)]
     out: std::path::PathBuf,
@@ -61,7 +55,6 @@ impl Rehearse {
             participants: self.participants,
             effect_scales: self.effects_times,
             studies: self.studies,
-            family: self.family,
             out: self.out,
             seed: self.seed,
             jobs: self.jobs,

@@ -16,9 +16,9 @@ pub(crate) struct Report {
     /// Folder to write into: index.html, figures, tables
     #[arg(long)]
     out: std::path::PathBuf,
-    /// What the paper reported (TOML)
-    #[arg(long, default_value = "study_data/claims.toml")]
-    claims: std::path::PathBuf,
+    /// Ledger of claims (TOML); the design's when not given, and none where it names none
+    #[arg(long)]
+    claims: Option<std::path::PathBuf>,
     /// A parameter of the run, for the page; a value that is a file is shown whole, with its hash
     #[arg(long = "param", value_name = "KEY=VALUE", value_parser = parameter)]
     parameters: Vec<(String, String)>,
@@ -37,6 +37,7 @@ impl Report {
             results: self.results,
             out: self.out,
             claims: self.claims,
+            command: super::this_command(),
             parameters: self.parameters,
             participants: self.participants,
         };

@@ -6,7 +6,7 @@ use super::print_outcome;
 use crate::{args::Format, diagnostics::Failure};
 use clap::{Args, Subcommand, ValueEnum};
 use maveric_study::stages::{
-    analyse::{self, AnalyseOptions, Family},
+    analyse::{self, AnalyseOptions},
     stats::{
         self, Adjustment, CorrelationMethod, PosthocTest, Resampled, Statistic, Test, WithinColumns,
     },
@@ -18,7 +18,7 @@ use std::path::PathBuf;
 #[command(after_help = "\
 Examples: maveric stats compare data.csv --subject id --within condition --value score
           maveric stats correlate data.csv --x age --y speed --method auto --format json
-          maveric stats paper study_data/generated/paper --out analysis.json")]
+          maveric stats study study_data/generated/paper --out analysis.json")]
 pub(crate) struct Stats {
     #[command(subcommand)]
     test: TestArgs,
@@ -237,9 +237,9 @@ enum TestArgs {
     },
     #[command(flatten)]
     Design(designs::DesignArgs),
-    /// Every analysis of the paper over the results of a run
-    #[command(alias = "study")]
-    Paper {
+    /// Every analysis that a study's design asks for, over the results of a run
+    #[command(visible_alias = "paper")]
+    Study {
         /// Folder of results, as the pipeline leaves it
         results: PathBuf,
         /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
@@ -251,9 +251,6 @@ enum TestArgs {
         /// Analysis to write (JSON)
         #[arg(long)]
         out: PathBuf,
-        /// Scales and factors of the homophily tests, one family: mini_ipip,mdsi.high_velocity
-        #[arg(long, default_value_t)]
-        family: Family,
         /// How to print the result
         #[arg(long, value_enum, default_value_t)]
         format: Format,
@@ -263,12 +260,11 @@ enum TestArgs {
 impl Stats {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let (input, test) = match self.test {
-            TestArgs::Paper {
+            TestArgs::Study {
                 results,
                 design,
                 participants,
                 out,
-                family,
                 format,
             } => {
                 let options = AnalyseOptions {
@@ -276,7 +272,6 @@ impl Stats {
                     results,
                     participants,
                     out,
-                    family,
                 };
                 return print_outcome(format, "could not analyse the study", |watch| {
                     analyse::analyse(&options, watch)

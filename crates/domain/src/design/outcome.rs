@@ -100,4 +100,7 @@ pub struct Homophily {
     pub factors: Vec<String>,
     /// Scores of the conditions.
     pub ratings: Vec<ScoreName>,
+    /// The score by which people say how similar a drive is to their own: set against each rating.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub similarity: Option<ScoreName>,
 }

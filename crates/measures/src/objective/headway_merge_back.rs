@@ -1,7 +1,7 @@
 //! Headway when merging back, as a distance and as a time.
 
-use super::{Measure, STANDSTILL_MPS, mean};
-use maveric_domain::{Drive, drive::Direction};
+use super::{Measure, STANDSTILL_MPS, Shown, mean};
+use maveric_domain::{Drive, design::Sign, drive::Direction};
 
 /// Room left to the vehicle behind when merging back.
 ///
@@ -13,6 +13,8 @@ pub(super) const DISTANCE: Measure = Measure {
     name: "headway_merge_back_m",
     title: "Distance headway merge back",
     unit: "m",
+    shown: Shown::in_unit("m"),
+    aggression: Some(Sign::Minus),
     description: "Mean over changes back of the gap to the vehicle behind in the lane merged into, at the start of the change.",
     why_missing: "never merged back in front of a vehicle",
     value: distance,
@@ -23,6 +25,8 @@ pub(super) const TIME: Measure = Measure {
     name: "headway_merge_back_s",
     title: "Time headway merge back",
     unit: "s",
+    shown: Shown::in_unit("s"),
+    aggression: Some(Sign::Minus),
     description: "Mean over changes back of the gap to the vehicle behind in the lane merged into over ego speed, at the start of the change.",
     why_missing: "never merged back in front of a vehicle",
     value: time,

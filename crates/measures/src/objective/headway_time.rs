@@ -1,7 +1,7 @@
 //! Mean headway time.
 
-use super::{Measure, STANDSTILL_MPS, lead_ahead, mean};
-use maveric_domain::{Drive, drive::Direction};
+use super::{Measure, STANDSTILL_MPS, Shown, lead_ahead, mean};
+use maveric_domain::{Drive, design::Sign, drive::Direction};
 
 /// The time gap at which a person moves out to pass.
 ///
@@ -14,6 +14,8 @@ pub(super) const MEASURE: Measure = Measure {
     name: "mean_headway_time_s",
     title: "Mean headway time",
     unit: "s",
+    shown: Shown::in_unit("s"),
+    aggression: Some(Sign::Minus),
     description: "Mean over changes to the passing lane of the gap to the lead vehicle over ego speed at the start of the change.",
     why_missing: "no change to the passing lane with a lead vehicle ahead",
     value,

@@ -1,12 +1,14 @@
 //! Number of lane changes.
 
-use super::Measure;
-use maveric_domain::Drive;
+use super::{Measure, Shown};
+use maveric_domain::{Drive, design::Sign};
 
 pub(super) const MEASURE: Measure = Measure {
     name: "lane_changes",
     title: "Number of lane changes",
     unit: "1",
+    shown: Shown::PLAIN,
+    aggression: Some(Sign::Plus),
     description: "Count of completed lane changes, to either side.",
     why_missing: "never missing",
     value,

@@ -1,12 +1,14 @@
 //! Fraction of time in the left lane.
 
-use super::Measure;
+use super::{Measure, Shown};
 use maveric_domain::Drive;
 
 pub(super) const MEASURE: Measure = Measure {
     name: "left_lane_fraction",
     title: "Fraction of time in left lane",
     unit: "1",
+    shown: Shown::PLAIN,
+    aggression: None,
     description: "Share of rows with ego left of the rightmost lane.",
     why_missing: "never missing",
     value,

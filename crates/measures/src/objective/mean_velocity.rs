@@ -1,12 +1,14 @@
 //! Mean velocity.
 
-use super::Measure;
-use maveric_domain::Drive;
+use super::{Measure, Shown};
+use maveric_domain::{Drive, design::Sign};
 
 pub(super) const MEASURE: Measure = Measure {
     name: "mean_velocity_mps",
     title: "Mean velocity",
     unit: "m/s",
+    shown: Shown::MPH,
+    aggression: Some(Sign::Plus),
     description: "Mean of ego speed over the drive.",
     why_missing: "never missing",
     value,

@@ -1,6 +1,6 @@
 //! Minimum headway distance.
 
-use super::{Measure, lead_ahead};
+use super::{Measure, Shown, lead_ahead};
 use maveric_domain::Drive;
 
 /// How near a person gets to a lead vehicle before reacting to it.
@@ -13,6 +13,8 @@ pub(super) const MEASURE: Measure = Measure {
     name: "min_headway_distance_m",
     title: "Minimum headway distance",
     unit: "m",
+    shown: Shown::in_unit("m"),
+    aggression: None,
     description: "Smallest gap to a lead vehicle, over encounters, before ego first slows down or changes lane.",
     why_missing: "no lead vehicle ahead in ego's lane",
     value: |drive| nearest(drive, Until::SlowingOrChange),
@@ -26,6 +28,8 @@ pub(super) const TO_CHANGE: Measure = Measure {
     name: "min_headway_distance_to_change_m",
     title: "Minimum headway distance up to the change",
     unit: "m",
+    shown: Shown::in_unit("m"),
+    aggression: None,
     description: "Smallest gap to a lead vehicle, over encounters, before ego changes lane, whether it slows down or not.",
     why_missing: "no lead vehicle ahead in ego's lane",
     value: |drive| nearest(drive, Until::Change),

@@ -9,7 +9,7 @@ mod min_headway_distance;
 #[cfg(test)]
 mod testing;
 
-use maveric_domain::{Drive, Measurement};
+use maveric_domain::{Drive, Measurement, design::Sign, units::MPS_PER_MPH};
 
 /// Speed below which a gap has no time gap, in m/s: at standstill there is none, not a large one.
 const STANDSTILL_MPS: f64 = 0.5;
@@ -23,11 +23,39 @@ pub struct Measure {
     pub title: &'static str,
     /// Unit of the value, such as `m/s`; `1` for counts and shares.
     pub unit: &'static str,
+    /// How people read it.
+    pub shown: Shown,
+    /// Which way a more aggressive drive moves it; `None` where aggression is not known to.
+    pub aggression: Option<Sign>,
     /// What is measured, in one sentence.
     pub description: &'static str,
     /// Why a drive may have no value.
     pub why_missing: &'static str,
     value: fn(&Drive) -> Option<f64>,
+}
+
+/// How people read the values of a measure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shown {
+    /// The unit; empty for counts and shares.
+    pub unit: &'static str,
+    /// What a value is multiplied with to be in that unit.
+    pub factor: f64,
+}
+
+impl Shown {
+    /// Counts and shares.
+    const PLAIN: Self = Self::in_unit("");
+    /// Speeds, which are measured in m/s.
+    const MPH: Self = Self {
+        unit: "mph",
+        factor: 1.0 / MPS_PER_MPH,
+    };
+
+    /// As it is measured.
+    const fn in_unit(unit: &'static str) -> Self {
+        Self { unit, factor: 1.0 }
+    }
 }
 
 impl Measure {

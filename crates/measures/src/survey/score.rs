@@ -284,6 +284,8 @@ mod tests {
                 title: "Calm".to_owned(),
                 items: vec![1, 2, 3, 4, 5],
                 reversed: vec![],
+                lower_is_better: false,
+                same: None,
                 norms: None,
             }],
             wording: vec![],

@@ -3,16 +3,14 @@
 #[path = "kinds/mod.rs"]
 pub(crate) mod kinds;
 
-use kinds::{PARTICIPANTS, figures, wobble};
-use maveric_domain::ConditionId;
+use kinds::{PARTICIPANTS, conditions, figures, wobble};
 use maveric_report::claims::{join, load};
 use maveric_report::html::{
     Input, Live, LiveContent, Methods, ParameterFile, Provenance, Section, SpaceDrive, SpacePerson,
     StyleSpace,
 };
 use maveric_report::tables::{
-    AccuracyRow, Coefficient, Correlation, CorrelationRow, Exclusion, Table, correlations,
-    mimic_accuracy,
+    AccuracyRow, Coefficient, Correlation, CorrelationRow, Exclusion, Table, accuracy, correlations,
 };
 use maveric_report::{Context, Report, ReportError};
 use std::collections::BTreeMap;
@@ -26,7 +24,7 @@ fn tables() -> Vec<Table> {
             p,
         })
     };
-    let accuracy = [
+    let rows = [
         ("Mean velocity", 0.96, 0.936),
         ("Mean headway time", 0.79, 0.802),
     ]
@@ -39,7 +37,7 @@ fn tables() -> Vec<Table> {
         test_retest: None,
     });
     vec![
-        mimic_accuracy(&accuracy),
+        accuracy("Mimic", &rows),
         correlations(
             &[CorrelationRow {
                 independent: "Conscientiousness <script>".into(),
@@ -58,7 +56,7 @@ fn style_space() -> StyleSpace {
     let drive = |i: usize, name: String| SpaceDrive {
         name,
         at: at(i),
-        adb_points: Some(33.0 + 20.0 * wobble(i, 4)),
+        score_points: Some(33.0 + 20.0 * wobble(i, 4)),
         velocity_mph: 65.0 + 10.0 * wobble(i, 5),
     };
     StyleSpace {
@@ -69,14 +67,16 @@ fn style_space() -> StyleSpace {
             .map(|i| SpacePerson {
                 own: drive(i, format!("P{i} <b>&\u{202e}")),
                 conditions: vec![
-                    (ConditionId::MIMIC, at(i)),
-                    (ConditionId::AGGRESSIVE, at(i).map(|v| v + 0.8)),
-                    (ConditionId::CAUTIOUS, at(i).map(|v| v - 0.8)),
+                    (conditions()[0], at(i)),
+                    (conditions()[1], at(i).map(|v| v + 0.8)),
+                    (conditions()[2], at(i).map(|v| v - 0.8)),
                 ],
             })
             .collect(),
         gradient: [1.0, 1.0, 1.0],
         ellipse: [[0.7, -0.7, 0.0], [0.4, 0.4, -0.8]],
+        score: (11.0, 55.0, "ADB score".into()),
+        dial: [2, 0, 1].map(|i| conditions()[i]).to_vec(),
     }
 }
 
@@ -85,7 +85,7 @@ pub(crate) fn report(context: &Context) -> Result<Report, ReportError> {
     let results = BTreeMap::from([
         ("line.mean_velocity.r".to_owned(), 0.3),
         ("line.mean_velocity.p".to_owned(), 0.154),
-        ("mimic_accuracy.mean_velocity".to_owned(), 96.0),
+        ("accuracy.mimic.mean_velocity".to_owned(), 96.0),
         ("participants.study2.n".to_owned(), 24.0),
         ("nearer.mean_velocity.aggressive.p".to_owned(), 0.02),
         ("nearer.mean_velocity.aggressive.direction".to_owned(), 1.0),

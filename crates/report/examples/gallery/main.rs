@@ -17,7 +17,7 @@ use std::{error::Error, fs, path::Path};
 const USAGE: &str = "usage: gallery FOLDER [KIND], or gallery --docs FOLDER";
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let context = Context::synthetic(1);
+    let context = kinds::context(1);
     let words: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
     let (folder, files) = match words[..] {

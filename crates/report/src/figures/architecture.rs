@@ -3,10 +3,9 @@
 use super::axes::Place;
 use super::canvas::{Canvas, Look, Pen};
 use super::check::Check;
-use super::theme::{GREY, INK, MUTED, PALE, PAPER, TWO_COLUMNS_MM, colour, size, stroke};
+use super::theme::{GREY, INK, MUTED, PALE, PAPER, PURPLE, TWO_COLUMNS_MM, size, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;
-use maveric_domain::ConditionId;
 use plotters::style::RGBColor;
 use serde::{Deserialize, Serialize};
 
@@ -137,7 +136,7 @@ fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Architecture) {
         },
     ];
     let line = Pen::new(INK, stroke::BOX);
-    let accent = colour(ConditionId::MIMIC);
+    let accent = PURPLE;
     let bus_pen = Pen::new(accent, stroke::STRONG);
     let (left, top) = (place.left, place.top + 32.0);
     let height = (place.bottom - top) / 4.0;

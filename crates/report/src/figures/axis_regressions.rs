@@ -4,11 +4,10 @@ use super::axes::{Frame, Labels, Scale};
 use super::check::Check;
 use super::crowd;
 use super::regression::{Regression, y_scale};
-use super::theme::{INK, Marker, TWO_COLUMNS_MM, colour};
+use super::theme::{GREEN, INK, Marker, TWO_COLUMNS_MM};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;
 use crate::markup;
-use maveric_domain::ConditionId;
 use serde::{Deserialize, Serialize};
 
 /// A grid of scatter plots: a row a measure, a column an axis.
@@ -112,7 +111,7 @@ pub fn axis_regressions(input: &AxisRegressions, context: &Context) -> Result<Fi
                 let (marker, ink) = if column == 0 {
                     (Marker::Circle, INK)
                 } else {
-                    (Marker::Diamond, colour(ConditionId::PERPENDICULAR))
+                    (Marker::Diamond, GREEN)
                 };
                 if let Some(line) = line {
                     line.paint(canvas, &frame, ink);

@@ -3,12 +3,11 @@
 use super::axes::{Frame, Labels, Place, Scale};
 use super::canvas::{Key, Pen};
 use super::check::Check;
-use super::theme::{GREY, INK, MUTED, Marker, OCHRE, TWO_COLUMNS_MM, colour, stroke};
+use super::theme::{BLUE, GREEN, GREY, INK, MUTED, Marker, OCHRE, PURPLE, TWO_COLUMNS_MM, stroke};
 use super::thin::thinned;
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;
 use crate::markup;
-use maveric_domain::ConditionId;
 use plotters::style::RGBColor;
 use serde::{Deserialize, Serialize};
 
@@ -51,10 +50,10 @@ impl Follower {
     pub(crate) fn colour(self) -> RGBColor {
         match self {
             Self::Recorded => INK,
-            Self::Model => colour(ConditionId::MIMIC),
+            Self::Model => PURPLE,
             Self::MeanEmbedding => GREY,
-            Self::ClosedLoop | Self::ClosedLoopMean => colour(ConditionId::PERPENDICULAR),
-            Self::Idm => colour(ConditionId::CAUTIOUS),
+            Self::ClosedLoop | Self::ClosedLoopMean => GREEN,
+            Self::Idm => BLUE,
             Self::Floor => MUTED,
             Self::ConstantTimeGap => OCHRE,
         }

@@ -3,10 +3,9 @@
 use super::axes::{Frame, Labels, Scale};
 use super::canvas::{Key, Pen, cap_height};
 use super::check::Check;
-use super::theme::{GREY, INK, MUTED, Marker, TWO_COLUMNS_MM, size, stroke};
+use super::theme::{BLUE, GREEN, GREY, INK, MUTED, Marker, ORANGE, TWO_COLUMNS_MM, size, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;
-use maveric_domain::ConditionId;
 use serde::{Deserialize, Serialize};
 
 /// Curves to be drawn, and everything said about them.
@@ -91,13 +90,7 @@ pub fn curves(input: &Curves, context: &Context) -> Result<Figure, ReportError> 
             }
         }
     }
-    let colours = [
-        INK,
-        super::theme::colour(ConditionId::AGGRESSIVE),
-        super::theme::colour(ConditionId::CAUTIOUS),
-        GREY,
-        super::theme::colour(ConditionId::PERPENDICULAR),
-    ];
+    let colours = [INK, ORANGE, BLUE, GREY, GREEN];
     let columns = input.panels.len().clamp(1, 3);
     let rows = input.panels.len().div_ceil(columns);
     let plan = Plan {

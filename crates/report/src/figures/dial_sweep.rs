@@ -4,12 +4,11 @@ use super::axes::{Frame, Labels, Scale};
 use super::canvas::Pen;
 use super::check::Check;
 use super::fit;
-use super::theme::{GREY, INK, Marker, TWO_COLUMNS_MM, colour, marker, stroke};
+use super::theme::{BLUE, GREY, INK, Marker, ORANGE, PURPLE, TWO_COLUMNS_MM, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa::number;
 use crate::error::ReportError;
 use crate::markup;
-use maveric_domain::ConditionId;
 use serde::{Deserialize, Serialize};
 
 /// Drives of the same drivers at several shifts.
@@ -161,12 +160,9 @@ pub fn dial_sweep(input: &DialSweep, context: &Context) -> Result<Figure, Report
                     canvas.line(ends[0], ends[1], Pen::new(INK, stroke::BOX));
                 }
                 let (shape, ink) = match shift {
-                    s if *s > 0.0 => (
-                        marker(ConditionId::AGGRESSIVE),
-                        colour(ConditionId::AGGRESSIVE),
-                    ),
-                    s if *s < 0.0 => (marker(ConditionId::CAUTIOUS), colour(ConditionId::CAUTIOUS)),
-                    _ => (Marker::Square, colour(ConditionId::MIMIC)),
+                    s if *s > 0.0 => (Marker::TriangleUp, ORANGE),
+                    s if *s < 0.0 => (Marker::TriangleDown, BLUE),
+                    _ => (Marker::Square, PURPLE),
                 };
                 canvas.marker(frame.at(*shift, *mean), 2.2, shape, ink);
             }

@@ -1,4 +1,4 @@
-//! Difference from the participant's own drive, condition by condition: rainclouds.
+//! Every outcome, condition by condition: rainclouds.
 
 use super::axes::{Frame, Labels, Place, Scale};
 use super::canvas::{Canvas, Look, Pen};
@@ -6,20 +6,21 @@ use super::check::Check;
 use super::crowd::MOST_POINTS;
 use super::fit;
 use super::raincloud::{self, BOX, Cloud};
-use super::theme::{
-    GREY, INK, MUTED, PAPER, TWO_COLUMNS_MM, colour, condition_name, marker, size, stroke,
-};
+use super::theme::{GREY, INK, MUTED, PAPER, TWO_COLUMNS_MM, size, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa;
 use crate::error::ReportError;
 use maveric_domain::ConditionId;
 use serde::{Deserialize, Serialize};
+use std::fmt::Write as _;
 
 /// The panels of the figure, in reading order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DifferencePanels {
     /// Any number of panels; three to a row.
     pub panels: Vec<DifferencePanel>,
+    /// The drive that the values are differences from; none where some are not.
+    pub from: Option<ConditionId>,
 }
 
 /// One measure.
@@ -84,15 +85,21 @@ pub fn difference_panels(
     let plan = Plan {
         name: NAME.to_owned(),
         size_mm: (width.max(85.0), 64.0 * rows as f64 + 3.0),
-        title: "Difference between each condition and the participant’s own drive".to_owned(),
-        caption: caption(input),
-        alt: alternative(input),
+        title: match input.from {
+            Some(from) => format!(
+                "Difference between each condition and {}",
+                context.look(from).words()
+            ),
+            None => "The outcomes in each condition".to_owned(),
+        },
+        caption: caption(input, context),
+        alt: alternative(input, context),
         shows: Shows::Participants,
     };
     draw(plan, context, |canvas, whole| {
         for (index, panel) in input.panels.iter().enumerate() {
             let place = whole.cell((index % 3, index / 3), (columns, rows), (10.0, 11.0));
-            paint_panel(canvas, place, panel);
+            paint_panel(canvas, place, panel, context);
         }
     })
 }
@@ -112,7 +119,7 @@ fn empty(panel: &DifferencePanel) -> impl Iterator<Item = ConditionId> {
     conditions.filter_map(move |(index, &condition)| nobody(index).then_some(condition))
 }
 
-fn paint_panel(canvas: &mut Canvas<'_>, place: Place, panel: &DifferencePanel) {
+fn paint_panel(canvas: &mut Canvas<'_>, place: Place, panel: &DifferencePanel, context: &Context) {
     let k = panel.conditions.len();
     let brackets = brackets(panel);
     let clouds: Vec<Option<Cloud>> = (0..k)
@@ -137,13 +144,7 @@ fn paint_panel(canvas: &mut Canvas<'_>, place: Place, panel: &DifferencePanel) {
         .conditions
         .iter()
         .enumerate()
-        .map(|(index, condition)| {
-            let name = match *condition {
-                ConditionId::PERPENDICULAR => "Perp.".to_owned(),
-                other => condition_name(other),
-            };
-            (index as f64, name)
-        });
+        .map(|(index, condition)| (index as f64, context.look(*condition).short()));
     let x = Scale::labelled(-0.55, k as f64 - 0.4, names.collect());
     let labels = Labels {
         title: &panel.title,
@@ -158,7 +159,7 @@ fn paint_panel(canvas: &mut Canvas<'_>, place: Place, panel: &DifferencePanel) {
     }
     let slot = (frame.place.right - frame.place.left) / (k as f64 + 0.15);
     if panel.rows.len() <= MOST_POINTS {
-        paint_participants(canvas, &frame, panel, slot);
+        paint_participants(canvas, &frame, panel, slot, context);
     }
     let rows = complete(panel);
     let half_widths = fit::within_subject_half_widths(&rows);
@@ -170,7 +171,13 @@ fn paint_panel(canvas: &mut Canvas<'_>, place: Place, panel: &DifferencePanel) {
             canvas.text("no values", (middle, centre), look.turned());
             continue;
         };
-        raincloud::paint(canvas, &frame, cloud, (middle, slot), colour(condition));
+        raincloud::paint(
+            canvas,
+            &frame,
+            cloud,
+            (middle, slot),
+            context.look(condition).rgb(),
+        );
         let kept: Vec<f64> = rows.iter().map(|row| row[index]).collect();
         if let (Some(mean), Some(widths)) = (fit::mean(&kept), &half_widths) {
             let x = middle + BOX * slot;
@@ -209,7 +216,13 @@ const JITTER: f64 = 0.09;
 /// Height of a level of brackets, in points.
 const STEP: f64 = 1.6 * size::SMALL;
 
-fn paint_participants(canvas: &mut Canvas<'_>, frame: &Frame, panel: &DifferencePanel, slot: f64) {
+fn paint_participants(
+    canvas: &mut Canvas<'_>,
+    frame: &Frame,
+    panel: &DifferencePanel,
+    slot: f64,
+    context: &Context,
+) {
     let n = panel.rows.len();
     // Jitter by the participant's place in the list: the same on every run, no generator.
     let jitter = |index: usize| {
@@ -238,10 +251,11 @@ fn paint_participants(canvas: &mut Canvas<'_>, frame: &Frame, panel: &Difference
         canvas.path(&path, pen);
     }
     for (column, &condition) in panel.conditions.iter().enumerate() {
+        let look = context.look(condition);
         for (index, row) in panel.rows.iter().enumerate() {
             if let Some(value) = row[column] {
                 let place = at(index, column, value);
-                canvas.marker(place, stroke::POINT, marker(condition), colour(condition));
+                canvas.marker(place, stroke::POINT, look.marker(), look.rgb());
             }
         }
     }
@@ -286,7 +300,7 @@ fn brackets(panel: &DifferencePanel) -> Vec<Bracket> {
     out
 }
 
-fn caption(input: &DifferencePanels) -> String {
+fn caption(input: &DifferencePanels, context: &Context) -> String {
     let sizes: Vec<(usize, usize)> = input
         .panels
         .iter()
@@ -305,24 +319,42 @@ fn caption(input: &DifferencePanels) -> String {
     } else {
         "Each point is a participant, each thin line one participant across the conditions."
     };
+    let what = match input.from {
+        Some(from) => format!(
+            "Difference from {}, where the axis says so",
+            context.look(from).words()
+        ),
+        None => "What was measured and answered".to_owned(),
+    };
+    let mut shortened = String::new();
+    for condition in input.panels.first().iter().flat_map(|p| &p.conditions) {
+        let look = context.look(*condition);
+        if look.short() != look.label {
+            let _ = write!(shortened, " {}, {}.", look.short(), look.words());
+        }
+    }
     let nobody: Vec<String> = input
         .panels
         .iter()
         .flat_map(|panel| empty(panel).map(|c| (c, &panel.title)))
-        .map(|(c, title)| format!(" Nobody has a value of {title} in {}.", condition_name(c)))
+        .map(|(c, title)| {
+            format!(
+                " Nobody has a value of {title} in {}.",
+                context.look(c).words()
+            )
+        })
         .collect();
     format!(
-        "Difference between the car and the participant’s own drive. {points} Half violins are \
+        "{what}. {points} Half violins are \
          kernel densities (to two bandwidths beyond the data), boxes quartiles with whiskers to 1.5 times their distance, black dots \
          means with within-subject 95% intervals (Cousineau–Morey). *n* = {all} participants, of \
          whom {complete} have a value in every condition and enter means, intervals and tests. \
-         The omnibus test stands below each title; brackets carry *p* values after Holm. Perp., \
-         Perpendicular.{}",
+         The omnibus test stands below each title; brackets carry *p* values after Holm.{shortened}{}",
         nobody.concat()
     )
 }
 
-fn alternative(input: &DifferencePanels) -> String {
+fn alternative(input: &DifferencePanels, context: &Context) -> String {
     let mut words = Vec::new();
     for panel in &input.panels {
         let rows = complete(panel);
@@ -335,7 +367,7 @@ fn alternative(input: &DifferencePanels) -> String {
                 let mean = fit::mean(&values)?;
                 Some(format!(
                     "{} {}",
-                    condition_name(*condition),
+                    context.look(*condition).label,
                     super::axes::number(mean, 2)
                 ))
             })
@@ -350,8 +382,10 @@ mod tests {
     use super::*;
 
     fn panel(rows: Vec<Vec<Option<f64>>>) -> DifferencePanels {
+        let id = |text: &str| ConditionId::new(text).unwrap();
+        let conditions = ["same", "faster", "slower", "sideways"].map(id);
         let pair = |second| PairTest {
-            first: ConditionId::MIMIC,
+            first: conditions[0],
             second,
             p_holm: 0.0004,
         };
@@ -359,18 +393,13 @@ mod tests {
             panels: vec![DifferencePanel {
                 title: "Mean velocity".into(),
                 axis: "Difference (mph)".into(),
-                conditions: ConditionId::AV.to_vec(),
+                conditions: conditions.to_vec(),
                 rows,
                 omnibus: "*F*(3, 69) = 25.23".into(),
-                pairs: [
-                    ConditionId::AGGRESSIVE,
-                    ConditionId::CAUTIOUS,
-                    ConditionId::PERPENDICULAR,
-                ]
-                .map(pair)
-                .to_vec(),
+                pairs: conditions[1..].iter().copied().map(pair).collect(),
                 reference: Some(0.0),
             }],
+            from: Some(id("own")),
         }
     }
 
@@ -425,7 +454,7 @@ mod tests {
         }
         let figure = difference_panels(&panel(rows), &Context::real()).unwrap();
         assert!(figure.svg.contains(">no values</text>"));
-        let said = "Nobody has a value of Mean velocity in Cautious.";
+        let said = "Nobody has a value of Mean velocity in Slower.";
         assert!(figure.caption.contains(said), "{}", figure.caption);
     }
 

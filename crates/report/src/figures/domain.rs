@@ -1,11 +1,10 @@
 //! The domain: light traffic on two lanes, and what the model reads of it.
 
 use super::canvas::{Canvas, Look, Pen, cap_height};
-use super::theme::{GREY, INK, LANE_LINE, MUTED, PAPER, ROAD, colour, size, stroke};
+use super::theme::{GREY, INK, LANE_LINE, MUTED, PAPER, PURPLE, ROAD, size, stroke};
 use super::vehicle::paint_vehicle;
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;
-use maveric_domain::ConditionId;
 
 const LANE: f64 = 30.0;
 
@@ -40,7 +39,7 @@ pub fn domain(context: &Context) -> Result<Figure, ReportError> {
         let car = (46.0, 19.0);
         let at = |share: f64, y: f64| (left + share * (right - left), y);
         let (ego, lead, other) = (at(0.15, upper), at(0.57, lower), at(0.83, upper));
-        paint_vehicle(canvas, ego, car, 0.0, colour(ConditionId::MIMIC));
+        paint_vehicle(canvas, ego, car, 0.0, PURPLE);
         paint_vehicle(canvas, lead, car, 0.0, GREY);
         paint_vehicle(canvas, other, car, 0.0, PAPER);
         let name = Look::new(size::TICK).middle();

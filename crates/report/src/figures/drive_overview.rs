@@ -3,12 +3,11 @@
 use super::axes::{Frame, Labels, Place, Scale};
 use super::canvas::Pen;
 use super::check::Check;
-use super::theme::{GREY, INK, TWO_COLUMNS_MM, colour};
+use super::theme::{GREY, INK, PURPLE, TWO_COLUMNS_MM};
 use super::thin::thinned;
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;
 use crate::markup;
-use maveric_domain::ConditionId;
 use serde::{Deserialize, Serialize};
 
 /// A drive's signals; every column has one entry a row.
@@ -76,7 +75,7 @@ pub fn drive_overview(input: &DriveOverview, context: &Context) -> Result<Figure
     draw(plan, context, |canvas, whole| {
         let height = (whole.bottom - whole.top) / 3.0;
         let panels = [
-            ("Speed (m/s)", &speed, colour(ConditionId::MIMIC), 5),
+            ("Speed (m/s)", &speed, PURPLE, 5),
             ("Gap (m)", &input.gap_m, INK, 5),
             ("Lane", &lane, GREY, 2),
         ];

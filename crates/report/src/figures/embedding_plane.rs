@@ -1,5 +1,6 @@
 //! The plane of the aggression gradient and of the direction across it in which drivers differ most.
 
+use super::Context;
 use super::axes::{Frame, Labels, Place, Scale};
 use super::canvas::{Canvas, Pen};
 use super::crowd::{self, MOST_POINTS};
@@ -7,8 +8,7 @@ use super::embedding_space::{
     EmbeddingPoint, EmbeddingSpace, ExampleConditions, Palette, dot, norm, paint_condition,
     paint_point,
 };
-use super::theme::{INK, colour, stroke};
-use maveric_domain::ConditionId;
+use super::theme::{GREEN, INK, stroke};
 
 /// The unit direction across `unit` in which the points vary most, sign fixed by its largest part.
 fn first_perpendicular(points: &[EmbeddingPoint], unit: &[f64]) -> Vec<f64> {
@@ -82,8 +82,9 @@ pub(crate) fn paint(
     place: Place,
     input: &EmbeddingSpace,
     palette: Palette,
-    solid: bool,
+    context: &Context,
 ) {
+    let solid = input.gradient.len() == 3;
     let length = norm(&input.gradient);
     let unit: Vec<f64> = input.gradient.iter().map(|g| g / length).collect();
     let across = first_perpendicular(&input.points, &unit);
@@ -138,15 +139,12 @@ pub(crate) fn paint(
             .map(|(x, y)| frame.at(x, y))
             .collect();
         ring.extend(ring.first().copied());
-        canvas.path(
-            &ring,
-            Pen::new(colour(ConditionId::PERPENDICULAR), stroke::STRONG),
-        );
+        canvas.path(&ring, Pen::new(GREEN, stroke::STRONG));
     }
     if input.points.len() <= MOST_POINTS {
         for point in &input.points {
             let (x, y) = at(&point.embedding);
-            paint_point(canvas, frame.at(x, y), point, palette);
+            paint_point(canvas, frame.at(x, y), point, palette, input.score_range);
         }
     } else {
         let drives = input.points.iter().map(|point| {
@@ -165,9 +163,9 @@ pub(crate) fn paint(
             );
         }
     }
-    for (condition, w) in input.example.iter().flat_map(ExampleConditions::markers) {
+    for (condition, w) in input.example.iter().flat_map(|e| &e.conditions) {
         let (x, y) = at(w);
-        paint_condition(canvas, frame.at(x, y), condition);
+        paint_condition(canvas, frame.at(x, y), &context.look(*condition));
     }
 }
 
@@ -181,7 +179,7 @@ mod tests {
             embedding: (0..5)
                 .map(|axis| ((seed * 13 + axis * 7) % 17) as f64)
                 .collect(),
-            adb_points: 20.0,
+            score_points: 20.0,
             mean_velocity_mps: 28.0,
         };
         let points: Vec<EmbeddingPoint> = (0..20).map(point).collect();

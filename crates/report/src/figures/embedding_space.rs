@@ -1,15 +1,13 @@
 //! The style space: who lies where, and which way is "more aggressive".
 
-use super::axes::Place;
+use super::axes::{Place, Scale};
 use super::canvas::{Canvas, Key, Look, Pen, cap_height};
 use super::check::Check;
 use super::crowd::MOST_POINTS;
 use super::embedding_plane;
 use super::projection::{View, paint_box};
-use super::theme::{
-    GREY, INK, MUTED, PAPER, TWO_COLUMNS_MM, colour, condition_name, marker, size, stroke, viridis,
-};
-use super::{Context, Figure, Plan, Shows, draw};
+use super::theme::{GREEN, GREY, INK, MUTED, PAPER, TWO_COLUMNS_MM, size, stroke, viridis};
+use super::{ConditionLook, Context, Figure, Plan, Shows, draw};
 use crate::apa::number;
 use crate::error::ReportError;
 use maveric_domain::ConditionId;
@@ -22,6 +20,10 @@ pub struct EmbeddingSpace {
     pub points: Vec<EmbeddingPoint>,
     /// The gradient of the style predictor, of the same size; not zero.
     pub gradient: Vec<f64>,
+    /// Lowest and highest score.
+    pub score_range: (f64, f64),
+    /// What the score is called, such as `ADB score`.
+    pub score: String,
     /// One participant's conditions.
     pub example: Option<ExampleConditions>,
 }
@@ -31,8 +33,8 @@ pub struct EmbeddingSpace {
 pub struct EmbeddingPoint {
     /// The embedding.
     pub embedding: Vec<f64>,
-    /// ADB score, 11 to 55 points: the size of the point.
-    pub adb_points: f64,
+    /// The driver's score in points: the size of the point.
+    pub score_points: f64,
     /// Mean velocity in m/s: the colour of the point, in mph.
     pub mean_velocity_mps: f64,
 }
@@ -42,21 +44,14 @@ pub struct EmbeddingPoint {
 pub struct ExampleConditions {
     /// The participant's id.
     pub participant: String,
-    /// Mimic: the embedding as fitted.
-    pub mimic: Vec<f64>,
-    /// Up the gradient.
-    pub aggressive: Vec<f64>,
-    /// Down the gradient.
-    pub cautious: Vec<f64>,
-    /// The participant's Perpendicular embedding, if it was drawn.
-    pub perpendicular: Option<Vec<f64>>,
-    /// The ellipse it was drawn from, in order round it.
+    /// Where each lies.
+    pub conditions: Vec<(ConditionId, Vec<f64>)>,
+    /// Round the own style, one standard deviation wide, across the gradient; in order round it. Empty where it is not drawn.
     pub ellipse: Vec<Vec<f64>>,
 }
 
 const NAME: &str = "embedding-space";
 const MPH_PER_MPS: f64 = 2.236_936_292_054_402;
-const ADB_RANGE: (f64, f64) = (11.0, 55.0);
 
 /// Draws the space in three dimensions, if it has three, and the plane of aggression against the
 /// first axis perpendicular to it.
@@ -73,10 +68,14 @@ pub fn embedding_space(input: &EmbeddingSpace, context: &Context) -> Result<Figu
     let solid = dimensions == 3;
     let example = match &input.example {
         Some(example) => format!(
-            " Large markers: participant {} in each condition, 15 ADB points up and down the \
-             gradient from Mimic; line: the ellipse that Perpendicular is drawn from, one standard \
-             deviation wide (in the plane seen edge on, being all of one predicted aggression).",
-            crate::markup::literal(&example.participant)
+            " Large markers: participant {} in each condition{}.",
+            crate::markup::literal(&example.participant),
+            if example.ellipse.is_empty() {
+                ""
+            } else {
+                "; line: the ellipse across the gradient, one standard deviation wide (in the plane seen edge on, the prediction \
+                 being the same all round)"
+            }
         ),
         None => String::new(),
     };
@@ -117,10 +116,10 @@ pub fn embedding_space(input: &EmbeddingSpace, context: &Context) -> Result<Figu
         },
         title: "The learned style space".to_owned(),
         caption: format!(
-            "Embeddings of size {dimensions}; each point is a drive, its size the driver’s ADB \
-             score, its colour the mean velocity. {views} Black line: gradient of the style \
+            "Embeddings of size {dimensions}; each point is a drive, its size the driver’s {score}, its colour the mean velocity. {views} Black line: gradient of the style \
              predictor.{example}{many} *n* = {} drives; no test.",
-            input.points.len()
+            input.points.len(),
+            score = crate::markup::literal(&input.score),
         ),
         alt: format!(
             "{} drives in a style space of {dimensions} dimensions, mean velocity from {} to {} mph.",
@@ -146,9 +145,9 @@ pub fn embedding_space(input: &EmbeddingSpace, context: &Context) -> Result<Figu
                 top: upper.bottom,
                 ..whole
             },
-            input.example.is_some(),
+            input,
             palette,
-            solid,
+            context,
         );
         let mut plane = upper;
         if solid {
@@ -161,10 +160,11 @@ pub fn embedding_space(input: &EmbeddingSpace, context: &Context) -> Result<Figu
                 },
                 input,
                 palette,
+                context,
             );
             plane.left = split + 8.0;
         }
-        embedding_plane::paint(canvas, plane, input, palette, solid);
+        embedding_plane::paint(canvas, plane, input, palette, context);
     })
 }
 
@@ -179,14 +179,13 @@ fn check(input: &EmbeddingSpace) -> Result<(), ReportError> {
     for point in &input.points {
         check.length("an embedding", point.embedding.len(), dimensions)?;
         check.finite("embedding", point.embedding.iter().copied())?;
-        check.finite("adb_points", [point.adb_points])?;
-        let (low, high) = ADB_RANGE;
-        let adb = point.adb_points;
+        check.finite("score_points", [point.score_points])?;
+        let (low, high) = input.score_range;
         check.that(
-            (low..=high).contains(&adb),
-            "adb_points",
-            adb,
-            "11 to 55 points",
+            (low..=high).contains(&point.score_points),
+            "score_points",
+            point.score_points,
+            &format!("{low} to {high} points"),
         )?;
         check.finite("mean_velocity_mps", [point.mean_velocity_mps])?;
     }
@@ -198,24 +197,10 @@ fn check(input: &EmbeddingSpace) -> Result<(), ReportError> {
 }
 
 impl ExampleConditions {
-    pub(crate) fn markers(&self) -> Vec<(ConditionId, &[f64])> {
-        let mut out = vec![
-            (ConditionId::CAUTIOUS, self.cautious.as_slice()),
-            (ConditionId::AGGRESSIVE, self.aggressive.as_slice()),
-        ];
-        out.extend(
-            self.perpendicular
-                .as_deref()
-                .map(|w| (ConditionId::PERPENDICULAR, w)),
-        );
-        out.push((ConditionId::MIMIC, self.mimic.as_slice()));
-        out
-    }
-
     pub(crate) fn all(&self) -> impl Iterator<Item = &[f64]> {
-        self.markers()
-            .into_iter()
-            .map(|(_, w)| w)
+        self.conditions
+            .iter()
+            .map(|(_, w)| w.as_slice())
             .chain(self.ellipse.iter().map(Vec::as_slice))
     }
 }
@@ -253,8 +238,8 @@ impl Palette {
 }
 
 /// Area grows with the score.
-fn radius(adb: f64) -> f64 {
-    let share = (adb - ADB_RANGE.0) / (ADB_RANGE.1 - ADB_RANGE.0);
+fn radius(score: f64, (low, high): (f64, f64)) -> f64 {
+    let share = (score - low) / (high - low);
     (1.2 + share * 12.0).sqrt()
 }
 
@@ -263,24 +248,31 @@ pub(crate) fn paint_point(
     at: (f64, f64),
     point: &EmbeddingPoint,
     palette: Palette,
+    range: (f64, f64),
 ) {
-    let r = radius(point.adb_points);
+    let r = radius(point.score_points, range);
     canvas.disc(at, r, palette.of(point.mean_velocity_mps), 1.0);
     canvas.ring(at, r, Pen::new(PAPER, stroke::THIN));
 }
 
-pub(crate) fn paint_condition(canvas: &mut Canvas<'_>, at: (f64, f64), condition: ConditionId) {
-    canvas.marker(at, 4.6, marker(condition), PAPER);
-    canvas.marker(at, 3.8, marker(condition), colour(condition));
+pub(crate) fn paint_condition(canvas: &mut Canvas<'_>, at: (f64, f64), look: &ConditionLook) {
+    canvas.marker(at, 4.6, look.marker(), PAPER);
+    canvas.marker(at, 3.8, look.marker(), look.rgb());
 }
 
 enum Item<'a> {
     Point(&'a EmbeddingPoint),
     Piece((f64, f64), Pen),
-    Condition(ConditionId),
+    Condition(ConditionLook),
 }
 
-fn paint_solid(canvas: &mut Canvas<'_>, place: Place, input: &EmbeddingSpace, palette: Palette) {
+fn paint_solid(
+    canvas: &mut Canvas<'_>,
+    place: Place,
+    input: &EmbeddingSpace,
+    palette: Palette,
+    context: &Context,
+) {
     let cube = |w: &[f64]| [w[0], w[1], w[2]];
     let gradient = cube(&input.gradient);
     let length = norm(&gradient);
@@ -328,23 +320,23 @@ fn paint_solid(canvas: &mut Canvas<'_>, place: Place, input: &EmbeddingSpace, pa
         ));
     }
     if let Some(example) = &input.example {
-        let pen = Pen::new(colour(ConditionId::PERPENDICULAR), stroke::STRONG);
+        let pen = Pen::new(GREEN, stroke::STRONG);
         for (k, w) in example.ellipse.iter().enumerate() {
             let next = &example.ellipse[(k + 1) % example.ellipse.len()];
             let (depth, at) = placed(cube(w), 0.0);
             items.push((depth, at, Item::Piece(view.project(cube(next)).0, pen)));
         }
-        for (condition, w) in example.markers() {
+        for (condition, w) in &example.conditions {
             let (depth, at) = placed(cube(w), view.size());
-            items.push((depth, at, Item::Condition(condition)));
+            items.push((depth, at, Item::Condition(context.look(*condition))));
         }
     }
     items.sort_by(|a, b| a.0.total_cmp(&b.0));
     for (_, at, item) in items {
         match item {
-            Item::Point(point) => paint_point(canvas, at, point, palette),
+            Item::Point(point) => paint_point(canvas, at, point, palette, input.score_range),
             Item::Piece(to, pen) => canvas.line(at, to, pen),
-            Item::Condition(condition) => paint_condition(canvas, at, condition),
+            Item::Condition(look) => paint_condition(canvas, at, &look),
         }
     }
     // The end of the line that means more.
@@ -355,30 +347,44 @@ fn paint_solid(canvas: &mut Canvas<'_>, place: Place, input: &EmbeddingSpace, pa
     canvas.arrow(tail, tip, Pen::new(INK, 1.2), 6.0);
 }
 
-fn paint_keys(canvas: &mut Canvas<'_>, place: Place, example: bool, palette: Palette, solid: bool) {
+fn paint_keys(
+    canvas: &mut Canvas<'_>,
+    place: Place,
+    input: &EmbeddingSpace,
+    palette: Palette,
+    context: &Context,
+) {
+    let solid = input.gradient.len() == 3;
     let first = place.top + 11.0;
     let second = place.top + 26.0;
     let small = Look::new(size::TICK);
     let mut x = place.left;
-    if example {
-        let keys = [
-            ConditionId::MIMIC,
-            ConditionId::AGGRESSIVE,
-            ConditionId::CAUTIOUS,
-            ConditionId::PERPENDICULAR,
-        ]
-        .map(|c| (Key::Point(marker(c), colour(c)), condition_name(c)));
-        canvas.legend_row((x, first), &keys);
+    let looks: Vec<ConditionLook> = input
+        .example
+        .iter()
+        .flat_map(|e| &e.conditions)
+        .map(|(c, _)| context.look(*c))
+        .collect();
+    if !looks.is_empty() {
+        let key =
+            |look: &ConditionLook| (Key::Point(look.marker(), look.rgb()), look.label.clone());
+        canvas.legend_row((x, first), &looks.iter().map(key).collect::<Vec<_>>());
     }
-    let row = if solid && !example { first } else { second };
-    let title = "ADB score";
+    let row = if solid && looks.is_empty() {
+        first
+    } else {
+        second
+    };
+    let title = input.score.as_str();
     canvas.text(title, (x, row), small.centred().colour(MUTED));
     x += small.width(title) + 8.0;
-    for adb in [15.0, 30.0, 45.0] {
-        let r = radius(adb);
+    let (low, high) = input.score_range;
+    let ticks = Scale::between(low, high, 4).ticks;
+    for score in ticks.into_iter().filter(|s| (low..=high).contains(s)) {
+        let r = radius(score, input.score_range);
         canvas.disc((x + r, row), r, GREY, 1.0);
         x += 2.0 * r + 2.5;
-        let label = number(adb, 0);
+        let label = super::axes::number(score, 2);
         canvas.text(&label, (x, row), small.centred());
         x += small.width(&label) + 8.0;
     }
@@ -418,13 +424,15 @@ mod tests {
         let points = (0..20)
             .map(|seed| EmbeddingPoint {
                 embedding: embedding(seed),
-                adb_points: 11.0 + (seed * 2) as f64,
+                score_points: 11.0 + (seed * 2) as f64,
                 mean_velocity_mps: 24.0 + seed as f64 * 0.3,
             })
             .collect();
         EmbeddingSpace {
             points,
             gradient: vec![1.0; dimensions],
+            score_range: (11.0, 55.0),
+            score: "score".into(),
             example: None,
         }
     }
@@ -448,7 +456,7 @@ mod tests {
     #[test]
     fn a_score_outside_the_scale_is_refused() {
         let mut input = space(3);
-        input.points[4].adb_points = 60.0;
+        input.points[4].score_points = 60.0;
         assert!(embedding_space(&input, &Context::real()).is_err());
     }
 }

@@ -3,10 +3,9 @@
 use super::axes::{Frame, Labels, Scale};
 use super::canvas::{Key, Pen, cap_height};
 use super::check::Check;
-use super::theme::{GREY, INK, MUTED, Marker, PALE, TWO_COLUMNS_MM, colour, size, stroke};
+use super::theme::{GREY, INK, MUTED, Marker, PALE, PURPLE, TWO_COLUMNS_MM, size, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;
-use maveric_domain::ConditionId;
 use serde::{Deserialize, Serialize};
 
 /// False-positive rates by part of the report.
@@ -77,10 +76,7 @@ pub fn false_positives(input: &FalsePositives, context: &Context) -> Result<Figu
     draw(plan, context, |canvas, mut whole| {
         let keys = [
             (Key::Point(Marker::Circle, INK), "a test, uncorrected"),
-            (
-                Key::Point(Marker::Square, colour(ConditionId::MIMIC)),
-                "a family, after Holm",
-            ),
+            (Key::Point(Marker::Square, PURPLE), "a family, after Holm"),
         ];
         canvas.legend_row((whole.left, whole.top + 4.0), &keys);
         whole.top += cap_height(size::TICK) + 8.0;
@@ -130,12 +126,7 @@ pub fn false_positives(input: &FalsePositives, context: &Context) -> Result<Figu
             let middle = last - (input.parts.len() + i) as f64;
             let ends = [frame.at(*low, middle), frame.at(*high, middle)];
             canvas.line(ends[0], ends[1], Pen::new(INK, stroke::BOX));
-            canvas.marker(
-                frame.at(*rate, middle),
-                2.0,
-                Marker::Square,
-                colour(ConditionId::MIMIC),
-            );
+            canvas.marker(frame.at(*rate, middle), 2.0, Marker::Square, PURPLE);
         }
     })
 }

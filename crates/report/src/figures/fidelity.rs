@@ -3,12 +3,11 @@
 use super::axes::{Frame, Labels, Scale};
 use super::canvas::{Key, Pen, cap_height};
 use super::check::Check;
-use super::theme::{GREY, GRID, INK, Marker, OCHRE, colour, size, stroke};
+use super::theme::{GREY, GRID, INK, Marker, OCHRE, PURPLE, size, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa::number;
 use crate::error::ReportError;
 use crate::markup;
-use maveric_domain::ConditionId;
 use serde::{Deserialize, Serialize};
 
 /// Accuracies measure by measure.
@@ -106,7 +105,7 @@ pub fn fidelity(input: &Fidelity, context: &Context) -> Result<Figure, ReportErr
         shows: Shows::Participants,
     };
     let looks = [
-        (Marker::Square, colour(ConditionId::MIMIC), "Mimic"),
+        (Marker::Square, PURPLE, "Mimic"),
         (Marker::Circle, INK, "own second drive"),
         (Marker::TriangleDown, GREY, "mean of all drivers"),
         (Marker::Diamond, OCHRE, "paper"),

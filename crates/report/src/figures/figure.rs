@@ -1,5 +1,6 @@
 //! What every figure is, and what it says about whose numbers it shows.
 
+use super::ConditionLook;
 use super::axes::Place;
 use super::canvas::{Canvas, Look, sketch};
 use super::font::font_face_css;
@@ -7,6 +8,7 @@ use super::page::Head;
 use super::theme::{MUTED, size};
 use crate::error::ReportError;
 use crate::markup;
+use maveric_domain::ConditionId;
 use serde::{Deserialize, Serialize};
 
 /// Whose numbers are shown.
@@ -16,6 +18,8 @@ pub struct Context {
     pub synthetic: bool,
     /// Root seed of the run, written into the files' metadata.
     pub seed: Option<u64>,
+    /// How the conditions look, as their design says.
+    pub conditions: Vec<ConditionLook>,
 }
 
 impl Context {
@@ -29,7 +33,20 @@ impl Context {
         Self {
             synthetic: true,
             seed: Some(seed),
+            conditions: Vec::new(),
         }
+    }
+
+    /// The same, with the conditions of a study.
+    #[must_use]
+    pub fn with_conditions(self, conditions: Vec<ConditionLook>) -> Self {
+        Self { conditions, ..self }
+    }
+
+    /// How a condition looks.
+    pub(crate) fn look(&self, id: ConditionId) -> ConditionLook {
+        let known = self.conditions.iter().find(|look| look.id == id);
+        known.cloned().unwrap_or_else(|| ConditionLook::unknown(id))
     }
 
     pub(crate) fn metadata(&self) -> String {

@@ -5,7 +5,7 @@ use super::canvas::{Canvas, Pen};
 use super::check::Check;
 use super::crowd;
 use super::fit;
-use super::theme::{GREY, PAPER, TWO_COLUMNS_MM, colour, marker, stroke};
+use super::theme::{GREEN, GREY, Marker, PAPER, TWO_COLUMNS_MM, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;
 use crate::markup;
@@ -18,6 +18,10 @@ use std::f64::consts::TAU;
 pub struct PerpendicularChanges {
     /// The panels.
     pub panels: Vec<PerpendicularPanel>,
+    /// The condition that moves across the dial.
+    pub across: ConditionId,
+    /// The condition at 0 on the dial, from which it moves.
+    pub from: ConditionId,
 }
 
 /// One measure against the angle.
@@ -25,7 +29,7 @@ pub struct PerpendicularChanges {
 pub struct PerpendicularPanel {
     /// Such as `Minimum headway distance`.
     pub title: String,
-    /// Title of the axis with the unit: `Change from Mimic (m)`.
+    /// Title of the axis with the unit, such as `Change (m)`.
     pub axis: String,
     /// A participant each.
     pub points: Vec<AngleChange>,
@@ -38,7 +42,7 @@ pub struct PerpendicularPanel {
 pub struct AngleChange {
     /// Angle on the ellipse, in radians; any turn.
     pub angle_rad: f64,
-    /// Perpendicular minus Mimic, in the axis's unit.
+    /// The condition across the dial minus that at 0, in the axis's unit.
     pub change: f64,
 }
 
@@ -100,14 +104,16 @@ pub fn perpendicular(
     let plan = Plan {
         name: NAME.to_owned(),
         size_mm: (if count == 1 { 85.0 } else { TWO_COLUMNS_MM }, 66.0),
-        title: "Moving round the ellipse perpendicular to aggression".to_owned(),
+        title: "Moving round the ellipse across the dial".to_owned(),
         caption: format!(
-            "Change from Mimic to Perpendicular against the angle on the ellipse at which each \
-             participant’s Perpendicular embedding lies. Predicted aggression is the same all \
+            "Change from {from} to {across} against the angle on the ellipse at which each \
+             participant’s embedding of {across} lies. What the dial turns is the same all \
              round. Line: least squares on cosine and sine of the angle. {repeated}*n* = {}; the multiple correlation *R* with cosine and sine and its \
              *p* (*F* test) stand below each title.{}",
             sizes.join(", "),
-            crowd::words(most)
+            crowd::words(most),
+            from = context.look(input.from).words(),
+            across = context.look(input.across).words(),
         ),
         alt: found.join(" "),
         shows: Shows::Participants,
@@ -130,7 +136,7 @@ fn paint(canvas: &mut Canvas<'_>, place: super::axes::Place, panel: &Perpendicul
     let labels = Labels {
         title: &panel.title,
         subtitle: &panel.statistic,
-        x: "Angle on the perpendicular ellipse",
+        x: "Angle on the ellipse across the dial",
         y: &panel.axis,
         ..Labels::default()
     };
@@ -141,7 +147,7 @@ fn paint(canvas: &mut Canvas<'_>, place: super::axes::Place, panel: &Perpendicul
         .iter()
         .map(|point| (point.angle_rad, point.change))
         .collect();
-    let ink = colour(ConditionId::PERPENDICULAR);
+    let ink = GREEN;
     if let Some([level, cosine, sine]) = fit::circular_fit(&pairs) {
         let curve: Vec<(f64, f64)> = (0..=90)
             .map(|step| TAU * f64::from(step) / 90.0)
@@ -162,13 +168,7 @@ fn paint(canvas: &mut Canvas<'_>, place: super::axes::Place, panel: &Perpendicul
             canvas.ring(again, 1.5, Pen::new(PAPER, stroke::THIN));
         }
     }
-    crowd::paint(
-        canvas,
-        &frame,
-        &places,
-        1.8,
-        (marker(ConditionId::PERPENDICULAR), ink),
-    );
+    crowd::paint(canvas, &frame, &places, 1.8, (Marker::Diamond, ink));
 }
 
 #[cfg(test)]
@@ -201,6 +201,8 @@ mod tests {
                 points,
                 statistic: "*r*(2) = .68".into(),
             }],
+            across: ConditionId::new("across").unwrap(),
+            from: ConditionId::new("same").unwrap(),
         }
     }
 

@@ -6,11 +6,10 @@ use super::check::Check;
 use super::crowd::MOST_POINTS;
 use super::fit;
 use super::perpendicular::{PerpendicularChanges, PerpendicularPanel};
-use super::theme::{GRID, INK, MUTED, PAPER, TWO_COLUMNS_MM, colour, marker, size, stroke};
+use super::theme::{GREEN, GRID, INK, MUTED, Marker, PAPER, TWO_COLUMNS_MM, size, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;
 use crate::markup;
-use maveric_domain::ConditionId;
 use std::f64::consts::TAU;
 
 const NAME: &str = "perpendicular-circle";
@@ -62,12 +61,14 @@ pub fn perpendicular_circle(
             if columns == 1 { 85.0 } else { TWO_COLUMNS_MM },
             86.0 * rows as f64,
         ),
-        title: "Round the ellipse perpendicular to aggression".to_owned(),
+        title: "Round the ellipse across the dial".to_owned(),
         caption: format!(
-            "Change from Mimic to Perpendicular at the angle on the ellipse at which each participant’s embedding \
+            "Change from {from} to {across} at the angle on the ellipse at which each participant’s embedding \
              lies. Dashed circle: no change; outside it more, inside it less. {points}; closed line: least squares on \
              cosine and sine. *n* = {}; the test stands below each title.",
-            sizes.join(", ")
+            sizes.join(", "),
+            from = context.look(input.from).words(),
+            across = context.look(input.across).words(),
         ),
         alt: found.join(" "),
         shows: Shows::Participants,
@@ -168,19 +169,14 @@ fn paint(canvas: &mut Canvas<'_>, place: Place, panel: &PerpendicularPanel) {
         &dial.round(|_| 0.0),
         Pen::new(INK, stroke::AXIS).dashed(2.0, 1.5),
     );
-    let ink = colour(ConditionId::PERPENDICULAR);
+    let ink = GREEN;
     if let Some([level, cosine, sine]) = curve {
         let line = dial.round(|angle| level + cosine * angle.cos() + sine * angle.sin());
         canvas.path(&line, Pen::new(ink, stroke::STRONG));
     }
     if pairs.len() <= MOST_POINTS {
         for &(angle, change) in &pairs {
-            canvas.marker(
-                dial.at(angle, change),
-                1.8,
-                marker(ConditionId::PERPENDICULAR),
-                ink,
-            );
+            canvas.marker(dial.at(angle, change), 1.8, Marker::Diamond, ink);
         }
     } else {
         paint_sectors(canvas, &dial, &pairs);
@@ -201,7 +197,7 @@ fn paint(canvas: &mut Canvas<'_>, place: Place, panel: &PerpendicularPanel) {
 }
 
 fn paint_sectors(canvas: &mut Canvas<'_>, dial: &Dial, pairs: &[(f64, f64)]) {
-    let ink = colour(ConditionId::PERPENDICULAR);
+    let ink = GREEN;
     let mut sectors = vec![Vec::new(); SECTORS];
     for &(angle, change) in pairs {
         let share = angle.rem_euclid(TAU) / TAU;

@@ -3,12 +3,11 @@
 use super::axes::{Frame, Labels, Scale};
 use super::canvas::{Canvas, Key, Pen};
 use super::check::Check;
-use super::theme::{INK, MUTED, Marker, OCHRE, TWO_COLUMNS_MM, colour, stroke};
+use super::theme::{INK, MUTED, Marker, OCHRE, PURPLE, TWO_COLUMNS_MM, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa::number;
 use crate::error::ReportError;
 use crate::markup;
-use maveric_domain::ConditionId;
 use plotters::style::RGBColor;
 use serde::{Deserialize, Serialize};
 
@@ -58,7 +57,7 @@ pub enum Origin {
 impl Origin {
     fn look(self) -> (Marker, RGBColor, &'static str) {
         match self {
-            Self::Generated => (Marker::Square, colour(ConditionId::MIMIC), "generated"),
+            Self::Generated => (Marker::Square, PURPLE, "generated"),
             Self::Published => (Marker::Diamond, OCHRE, "published"),
             Self::Recorded => (Marker::Circle, INK, "recorded"),
         }

@@ -1,10 +1,10 @@
-//! How many rated Aggressive or Cautious above Mimic.
+//! How many rated another style above their own.
 
 use super::axes::{Frame, Labels, Scale};
 use super::canvas::{Key, Look, Pen, cap_height};
 use super::check::Check;
-use super::theme::{INK, Marker, ONE_COLUMN_MM, colour, condition_name, size, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
+use super::theme::{INK, Marker, ONE_COLUMN_MM, size, stroke};
+use super::{ConditionLook, Context, Figure, Plan, Shows, draw};
 use crate::apa::number;
 use crate::error::ReportError;
 use maveric_domain::ConditionId;
@@ -14,7 +14,11 @@ use serde::{Deserialize, Serialize};
 /// One pair of bars a scale.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Preferences {
-    /// The scales, in the order of the bars.
+    /// The condition at 0 on the dial.
+    pub own: ConditionId,
+    /// The conditions elsewhere on the dial, in the order of the bars.
+    pub others: Vec<ConditionId>,
+    /// The scales.
     pub scales: Vec<ScalePreference>,
 }
 
@@ -23,17 +27,17 @@ pub struct Preferences {
 pub struct ScalePreference {
     /// Such as `Trust`.
     pub scale: String,
-    /// Participants with a score in all three conditions.
+    /// Participants with a score in all of these conditions.
     pub n: usize,
-    /// How many of them rated Aggressive better than Mimic (less discomfort counts as better).
-    pub aggressive_above: usize,
-    /// How many rated Cautious better than Mimic.
-    pub cautious_above: usize,
+    /// Whether less of it counts as better.
+    pub less_is_better: bool,
+    /// How many of them rated each other condition better than their own style.
+    pub above: Vec<usize>,
 }
 
 const NAME: &str = "preference";
 
-/// Draws the share who rated Aggressive and Cautious better than Mimic, with Wilson intervals.
+/// Draws the share who rated each other condition better than their own style, with Wilson intervals.
 ///
 /// # Errors
 /// [`ReportError`] if there is no scale, a scale has no participants, or a count exceeds n.
@@ -43,15 +47,14 @@ const NAME: &str = "preference";
 pub fn preference(input: &Preferences, context: &Context) -> Result<Figure, ReportError> {
     let check = Check(NAME);
     check.at_least(1, "scales", input.scales.len())?;
+    check.at_least(1, "conditions", input.others.len())?;
     for scale in &input.scales {
         check.at_least(1, "participants", scale.n)?;
-        for (field, count) in [
-            ("aggressive_above", scale.aggressive_above),
-            ("cautious_above", scale.cautious_above),
-        ] {
+        check.length("above", scale.above.len(), input.others.len())?;
+        for &count in &scale.above {
             check.that(
                 count <= scale.n,
-                field,
+                "above",
                 count as f64,
                 &format!("at most n = {}", scale.n),
             )?;
@@ -64,16 +67,33 @@ pub fn preference(input: &Preferences, context: &Context) -> Result<Figure, Repo
     } else {
         format!("{low} to {high}, by scale")
     };
+    let own = context.look(input.own);
+    let others: Vec<ConditionLook> = input.others.iter().map(|c| context.look(*c)).collect();
+    let less: Vec<&str> = input
+        .scales
+        .iter()
+        .filter(|s| s.less_is_better)
+        .map(|s| s.scale.as_str())
+        .collect();
+    let less = if less.is_empty() {
+        String::new()
+    } else {
+        format!("; on {}, less is better", less.join(" and "))
+    };
     let share = |count: usize, n: usize| number(100.0 * count as f64 / n as f64, 0);
     let found: Vec<String> = input
         .scales
         .iter()
         .map(|scale| {
+            let one = |(look, above): (&ConditionLook, &usize)| {
+                format!("{}% {}", share(*above, scale.n), look.label)
+            };
+            let rated: Vec<String> = others.iter().zip(&scale.above).map(one).collect();
             format!(
-                "{}: {}% rated Aggressive and {}% Cautious better than Mimic.",
+                "{}: {} rated better than {}.",
                 scale.scale,
-                share(scale.aggressive_above, scale.n),
-                share(scale.cautious_above, scale.n)
+                rated.join(" and "),
+                own.label
             )
         })
         .collect();
@@ -87,20 +107,28 @@ pub fn preference(input: &Preferences, context: &Context) -> Result<Figure, Repo
         size_mm: (width, 66.0),
         title: "Preference for another style than one’s own".to_owned(),
         caption: format!(
-            "Share of participants who rated Aggressive or Cautious better than Mimic, scale by \
-             scale (ties count as not better; on Discomfort, less is better). Lines: Wilson 95% \
-             intervals. *n* = {n}; no test."
+            "Share of participants who rated {} better than {}, scale by scale (ties count as not better{less}). Lines: Wilson 95% \
+             intervals. *n* = {n}; no test.",
+            others
+                .iter()
+                .map(ConditionLook::words)
+                .collect::<Vec<_>>()
+                .join(" or "),
+            own.words()
         ),
         alt: found.join(" "),
         shows: Shows::Participants,
     };
-    let tops = input.scales.iter().flat_map(|scale| {
-        [scale.aggressive_above, scale.cautious_above].map(|k| 100.0 * interval(k, scale.n).1)
-    });
+    let tops = input
+        .scales
+        .iter()
+        .flat_map(|scale| scale.above.iter().map(|k| 100.0 * interval(*k, scale.n).1));
     let top = tops.fold(50.0, f64::max).min(100.0);
     draw(plan, context, |canvas, mut place| {
-        let keys = [ConditionId::AGGRESSIVE, ConditionId::CAUTIOUS]
-            .map(|c| (Key::Point(Marker::Square, colour(c)), condition_name(c)));
+        let keys: Vec<(Key, &str)> = others
+            .iter()
+            .map(|look| (Key::Point(Marker::Square, look.rgb()), look.label.as_str()))
+            .collect();
         canvas.legend_row((place.left, place.top + 4.0), &keys);
         place.top += cap_height(size::TICK) + 8.0;
         let count = input.scales.len() as f64;
@@ -111,25 +139,25 @@ pub fn preference(input: &Preferences, context: &Context) -> Result<Figure, Repo
             .map(|(index, scale)| (index as f64, scale.scale.clone()));
         let x = Scale::labelled(-0.55, count - 0.45, ticks.collect());
         let y = Scale::between(0.0, top + 3.0, 5);
+        let axis = format!("Rated better than {} (% of participants)", own.label);
         let labels = Labels {
-            y: "Rated better than Mimic (% of participants)",
+            y: &axis,
             ..Labels::default()
         };
         let frame = Frame::draw(canvas, place, &labels, x, y);
         for (index, scale) in input.scales.iter().enumerate() {
-            let bars = [
-                (-0.2, scale.aggressive_above, ConditionId::AGGRESSIVE),
-                (0.2, scale.cautious_above, ConditionId::CAUTIOUS),
-            ];
-            for (offset, above, condition) in bars {
+            let k = others.len() as f64;
+            for (at, (look, &above)) in others.iter().zip(&scale.above).enumerate() {
+                let offset = (at as f64 - (k - 1.0) / 2.0) * 0.8 / k;
+                let half = 0.34 / k;
                 let share = 100.0 * above as f64 / scale.n as f64;
-                let (left, base) = frame.at(index as f64 + offset - 0.17, 0.0);
-                let (right, height) = frame.at(index as f64 + offset + 0.17, share);
-                canvas.fill_rect((left, height), (right, base), colour(condition), 0.55);
+                let (left, base) = frame.at(index as f64 + offset - half, 0.0);
+                let (right, height) = frame.at(index as f64 + offset + half, share);
+                canvas.fill_rect((left, height), (right, base), look.rgb(), 0.55);
                 canvas.line(
                     (left, height),
                     (right, height),
-                    Pen::new(colour(condition), stroke::STRONG),
+                    Pen::new(look.rgb(), stroke::STRONG),
                 );
                 let middle = f64::midpoint(left, right);
                 let (low, high) = interval(above, scale.n);
@@ -158,18 +186,17 @@ mod tests {
 
     #[test]
     fn more_above_than_there_are_people_is_refused() {
-        let scale = ScalePreference {
-            scale: "Trust".into(),
-            n: 4,
-            aggressive_above: 5,
-            cautious_above: 0,
+        let input = Preferences {
+            own: ConditionId::new("same").unwrap(),
+            others: vec![ConditionId::new("fast").unwrap()],
+            scales: vec![ScalePreference {
+                scale: "Trust".into(),
+                n: 4,
+                less_is_better: false,
+                above: vec![5],
+            }],
         };
-        let refused = preference(
-            &Preferences {
-                scales: vec![scale],
-            },
-            &Context::real(),
-        );
+        let refused = preference(&input, &Context::real());
         assert!(matches!(refused, Err(ReportError::OutOfRange { .. })));
     }
 }

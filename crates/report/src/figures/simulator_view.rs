@@ -2,9 +2,7 @@
 
 use super::canvas::{Canvas, Look, Pen, cap_height};
 use super::check::Check;
-use super::theme::{
-    GREY, INK, LANE_LINE, MUTED, PAPER, ROAD, TWO_COLUMNS_MM, colour, condition_name, size, stroke,
-};
+use super::theme::{GREY, INK, LANE_LINE, MUTED, PAPER, ROAD, TWO_COLUMNS_MM, size, stroke};
 use super::vehicle::paint_vehicle;
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa::number;
@@ -108,6 +106,7 @@ pub fn simulator_view(input: &SimulatorView, context: &Context) -> Result<Figure
         vehicle.x_m - input.ego.x_m - f64::midpoint(vehicle.length_m, input.ego.length_m)
     });
     let speed = number(input.ego.speed_mps * MPH_PER_MPS, 1);
+    let condition = context.look(input.condition);
     let plan = Plan {
         name: NAME.to_owned(),
         size_mm: (
@@ -120,7 +119,7 @@ pub fn simulator_view(input: &SimulatorView, context: &Context) -> Result<Figure
              mph; widths are drawn {} times as large as lengths. Dashed: the ego’s trail and plan.{} \
              *n* = 1 drive; no test.",
             markup::literal(&input.participant),
-            condition_name(input.condition),
+            condition.words(),
             number(input.time_s, 1),
             number(STRETCH, 0),
             match hidden {
@@ -162,7 +161,7 @@ pub fn simulator_view(input: &SimulatorView, context: &Context) -> Result<Figure
             ),
             (
                 &input.plan_m,
-                Pen::new(colour(input.condition), stroke::STRONG).dashed(4.0, 2.0),
+                Pen::new(condition.rgb(), stroke::STRONG).dashed(4.0, 2.0),
             ),
         ] {
             let inside: Vec<(f64, f64)> = path
@@ -204,7 +203,7 @@ pub fn simulator_view(input: &SimulatorView, context: &Context) -> Result<Figure
             let is_reference = input.reference == Some(index);
             paint(vehicle, if is_reference { GREY } else { PAPER }, false);
         }
-        paint(&input.ego, colour(input.condition), true);
+        paint(&input.ego, condition.rgb(), true);
         let bottom = at(0.0, -input.lane_width_m / 2.0).1;
         if let (Some(vehicle), Some(gap)) =
             (reference.filter(|v| seen(v)), gap.filter(|gap| *gap > 0.0))
@@ -226,11 +225,7 @@ pub fn simulator_view(input: &SimulatorView, context: &Context) -> Result<Figure
             canvas.text(&label, label_at, Look::new(size::TICK).middle().hanging());
         }
         paint_ruler(canvas, place.left, place.right, bottom + 19.0, scale);
-        let head = format!(
-            "{}, {} s",
-            condition_name(input.condition),
-            number(input.time_s, 1)
-        );
+        let head = format!("{}, {} s", condition.words(), number(input.time_s, 1));
         let y = place.top + cap_height(size::TITLE);
         canvas.text(&head, (place.left, y), Look::new(size::TITLE).semibold());
         canvas.text(
@@ -296,7 +291,7 @@ mod tests {
         };
         SimulatorView {
             participant: "P<07>".into(),
-            condition: ConditionId::AGGRESSIVE,
+            condition: ConditionId::new("faster").unwrap(),
             time_s: 83.2,
             lanes: 2,
             lane_width_m: 3.66,

@@ -4,12 +4,11 @@ use super::axes::{Frame, Labels, Place, Scale};
 use super::canvas::{Canvas, Key, Pen};
 use super::check::Check;
 use super::fit;
-use super::theme::{GRID, INK, MUTED, Marker, TWO_COLUMNS_MM, colour, marker, stroke};
+use super::theme::{GRID, INK, MUTED, Marker, PURPLE, TWO_COLUMNS_MM, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa::number;
 use crate::error::ReportError;
 use crate::markup;
-use maveric_domain::ConditionId;
 use serde::{Deserialize, Serialize};
 
 /// Accuracies of drivers who drove twice.
@@ -149,8 +148,8 @@ pub fn test_retest(input: &TestRetest, context: &Context) -> Result<Figure, Repo
         alt: found.join(" "),
         shows: Shows::Participants,
     };
-    let own = (marker(ConditionId::OWN), colour(ConditionId::OWN));
-    let mimic = (marker(ConditionId::MIMIC), colour(ConditionId::MIMIC));
+    let own = (Marker::Circle, INK);
+    let mimic = (Marker::Square, PURPLE);
     draw(plan, context, |canvas, whole| {
         let keys = [
             (Key::Point(own.0, own.1), "own second drive"),

@@ -1,7 +1,7 @@
 //! One look for all figures: colours, sizes, widths.
 
-use maveric_domain::ConditionId;
 use plotters::style::RGBColor;
+use serde::{Deserialize, Serialize};
 
 /// Width of a one-column figure, in millimetres.
 pub(crate) const ONE_COLUMN_MM: f64 = 85.0;
@@ -53,27 +53,19 @@ pub(crate) mod stroke {
     pub(crate) const POINT: f64 = 1.3;
 }
 
-/// The fixed colour of a condition; no two are closer than 12 (Oklab × 100), for normal and
+/// Four colours; no two, nor one of them and [`INK`], are closer than 12 (Oklab × 100), for normal and
 /// for colour-blind eyes.
-pub(crate) fn colour(condition: ConditionId) -> RGBColor {
-    match condition {
-        ConditionId::OWN => INK,
-        ConditionId::MIMIC => RGBColor(0x88, 0x2e, 0x72),
-        ConditionId::AGGRESSIVE => RGBColor(0xd5, 0x5e, 0x00),
-        ConditionId::CAUTIOUS => RGBColor(0x00, 0x5a, 0xb5),
-        ConditionId::PERPENDICULAR => RGBColor(0x0f, 0x9d, 0x7a),
-        _ => MUTED,
-    }
-}
-
-/// The name of a condition as figures and tables write it.
-pub(crate) fn condition_name(condition: ConditionId) -> String {
-    let word = condition.as_str();
-    word[..1].to_ascii_uppercase() + &word[1..]
-}
+pub(crate) const PURPLE: RGBColor = RGBColor(0x88, 0x2e, 0x72);
+/// The second.
+pub(crate) const ORANGE: RGBColor = RGBColor(0xd5, 0x5e, 0x00);
+/// The third.
+pub(crate) const BLUE: RGBColor = RGBColor(0x00, 0x5a, 0xb5);
+/// The fourth.
+pub(crate) const GREEN: RGBColor = RGBColor(0x0f, 0x9d, 0x7a);
 
 /// The shape that goes with a colour, so that colour is never alone.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub(crate) enum Marker {
     Circle,
     Square,
@@ -82,24 +74,26 @@ pub(crate) enum Marker {
     Diamond,
 }
 
-/// The fixed marker of a condition.
-pub(crate) fn marker(condition: ConditionId) -> Marker {
-    match condition {
-        ConditionId::MIMIC => Marker::Square,
-        ConditionId::AGGRESSIVE => Marker::TriangleUp,
-        ConditionId::CAUTIOUS => Marker::TriangleDown,
-        ConditionId::PERPENDICULAR => Marker::Diamond,
-        _ => Marker::Circle,
+impl Marker {
+    /// Its name.
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            Self::Circle => "circle",
+            Self::Square => "square",
+            Self::TriangleUp => "triangle up",
+            Self::TriangleDown => "triangle down",
+            Self::Diamond => "diamond",
+        }
     }
 }
 
 /// Colours of the dark page: what each drawn colour turns into there.
 pub(crate) const DARK: [(RGBColor, &str); 13] = [
     (INK, "#ffffff"),
-    (RGBColor(0x88, 0x2e, 0x72), "#b565a7"),
-    (RGBColor(0xd5, 0x5e, 0x00), "#ff8a3d"),
-    (RGBColor(0x00, 0x5a, 0xb5), "#5aa9ff"),
-    (RGBColor(0x0f, 0x9d, 0x7a), "#7fe0c4"),
+    (PURPLE, "#b565a7"),
+    (ORANGE, "#ff8a3d"),
+    (BLUE, "#5aa9ff"),
+    (GREEN, "#7fe0c4"),
     (MUTED, "#b4b4b4"),
     (GREY, "#9a9a9a"),
     (GRID, "#3a3a3a"),
@@ -146,33 +140,40 @@ pub(crate) fn hex(colour: RGBColor) -> String {
 
 /// A coefficient from −1 (blue) over 0 (nearly white) to 1 (orange), clamped.
 ///
-/// The darkest are those of Cautious and Aggressive, the widest apart for colour-blind eyes.
+/// The darkest are the widest apart for colour-blind eyes.
 pub(crate) fn diverging(value: f64) -> RGBColor {
     const MIDDLE: RGBColor = RGBColor(0xf6, 0xf6, 0xf6);
     let value = value.clamp(-1.0, 1.0);
-    let end = colour(if value < 0.0 {
-        ConditionId::CAUTIOUS
-    } else {
-        ConditionId::AGGRESSIVE
-    });
-    let share = value.abs();
-    let mix = |a: u8, b: u8| (f64::from(a) + (f64::from(b) - f64::from(a)) * share).round() as u8;
-    let mixed = RGBColor(
-        mix(MIDDLE.0, end.0),
-        mix(MIDDLE.1, end.1),
-        mix(MIDDLE.2, end.2),
-    );
-    // The end itself is a condition's colour, which the dark page changes; a cell stays as it is.
-    if mixed == end {
+    let end = if value < 0.0 { BLUE } else { ORANGE };
+    let found = mixed(MIDDLE, end, value.abs());
+    // The end itself is a colour that the dark page changes; a cell stays as it is.
+    if found == end {
         RGBColor(end.0, end.1, end.2 + 1)
     } else {
-        mixed
+        found
     }
 }
 
-/// Text on a coloured cell: dark or light, whichever has more contrast. Not the ink and paper of
-/// the page, which change with it.
-pub(crate) fn on_colour(ground: RGBColor) -> RGBColor {
+/// `share` of the way from one colour to another.
+pub(crate) fn mixed(from: RGBColor, to: RGBColor, share: f64) -> RGBColor {
+    let mix = |a: u8, b: u8| (f64::from(a) + (f64::from(b) - f64::from(a)) * share).round() as u8;
+    RGBColor(mix(from.0, to.0), mix(from.1, to.1), mix(from.2, to.2))
+}
+
+/// What a colour turns into on the dark page: as the list says, else so much lighter that it stands out there.
+pub(crate) fn on_dark(colour: RGBColor) -> String {
+    if let Some((_, dark)) = DARK.iter().find(|(light, _)| *light == colour) {
+        return (*dark).to_owned();
+    }
+    let mut lighter = colour;
+    // A contrast of 4.5 with the dark ground, whose luminance is 0.0086.
+    while luminance(lighter) < 0.214 {
+        lighter = mixed(lighter, RGBColor(0xff, 0xff, 0xff), 0.1);
+    }
+    hex(lighter)
+}
+
+fn luminance(colour: RGBColor) -> f64 {
     let channel = |value: u8| {
         let share = f64::from(value) / 255.0;
         if share <= 0.040_45 {
@@ -181,10 +182,14 @@ pub(crate) fn on_colour(ground: RGBColor) -> RGBColor {
             ((share + 0.055) / 1.055).powf(2.4)
         }
     };
-    let luminance =
-        0.2126 * channel(ground.0) + 0.7152 * channel(ground.1) + 0.0722 * channel(ground.2);
+    0.2126 * channel(colour.0) + 0.7152 * channel(colour.1) + 0.0722 * channel(colour.2)
+}
+
+/// Text on a coloured cell: dark or light, whichever has more contrast. Not the ink and paper of
+/// the page, which change with it.
+pub(crate) fn on_colour(ground: RGBColor) -> RGBColor {
     // Where contrast with black and with white are the same.
-    if luminance > 0.179 {
+    if luminance(ground) > 0.179 {
         RGBColor(0x16, 0x16, 0x16)
     } else {
         RGBColor(0xfe, 0xfe, 0xfe)

@@ -3,9 +3,7 @@
 use super::axes::{Frame, Labels, Scale};
 use super::canvas::{Canvas, Key, Pen};
 use super::check::Check;
-use super::theme::{
-    GREY, INK, MUTED, Marker, OCHRE, TWO_COLUMNS_MM, colour, condition_name, stroke,
-};
+use super::theme::{BLUE, GREY, INK, MUTED, Marker, OCHRE, ORANGE, TWO_COLUMNS_MM, stroke};
 use super::thin::thinned;
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa::number;
@@ -69,16 +67,8 @@ impl DecisionKind {
 
     fn look(self) -> (Marker, RGBColor, &'static str) {
         match self {
-            Self::LaneChange => (
-                Marker::TriangleUp,
-                colour(ConditionId::AGGRESSIVE),
-                "changes lane to pass",
-            ),
-            Self::MergeBack => (
-                Marker::TriangleDown,
-                colour(ConditionId::CAUTIOUS),
-                "merges back",
-            ),
+            Self::LaneChange => (Marker::TriangleUp, ORANGE, "changes lane to pass"),
+            Self::MergeBack => (Marker::TriangleDown, BLUE, "merges back"),
             Self::Safety => (Marker::Diamond, OCHRE, "safety rule steps in"),
         }
     }
@@ -138,7 +128,8 @@ pub fn time_space(input: &TimeSpace, context: &Context) -> Result<Figure, Report
     } else {
         String::new()
     };
-    let whose = condition_name(input.condition);
+    let condition = context.look(input.condition);
+    let whose = condition.words();
     let mph = number(speed * 2.236_936_292_054_402, 1);
     let plan = Plan {
         name: NAME.to_owned(),
@@ -160,7 +151,7 @@ pub fn time_space(input: &TimeSpace, context: &Context) -> Result<Figure, Report
         ),
         shows: Shows::Participants,
     };
-    let ego_pen = Pen::new(colour(input.condition), 1.5);
+    let ego_pen = Pen::new(condition.rgb(), 1.5);
     let lead_pen = Pen::new(MUTED, stroke::BOX);
     let other_pen = Pen::new(GREY, stroke::AXIS).alpha(0.7);
     draw(plan, context, |canvas, whole| {
@@ -335,7 +326,7 @@ mod tests {
     fn input() -> TimeSpace {
         TimeSpace {
             drive: "P07 Mimic".into(),
-            condition: ConditionId::MIMIC,
+            condition: ConditionId::new("same").unwrap(),
             ego: track(30.0, 0.0, |t| u8::from((20..40).contains(&t))),
             leads: vec![track(25.0, 150.0, |_| 0)],
             others: Vec::new(),

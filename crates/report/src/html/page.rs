@@ -7,10 +7,11 @@ use super::report::{Report, Section};
 use super::scripts;
 use crate::claims::ledger_table;
 use crate::error::ReportError;
-use crate::figures::{DARK, Figure, font_face_css, hex};
+use crate::figures::{ConditionLook, Context, DARK, Figure, font_face_css, hex, on_dark};
 use crate::markup;
 use crate::tables::Table;
 use minijinja::{Environment, UndefinedBehavior, Value, context};
+use plotters::style::RGBColor;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
@@ -58,7 +59,7 @@ pub(crate) fn page(report: &Report, exclusions: &Table) -> Result<String, Report
             subtitle => &report.subtitle,
             synthetic => report.context.synthetic,
             described => described(report),
-            style => safe(style() + player_style),
+            style => safe(style(&report.context) + player_style),
             policy => safe(scripts::policy(&used)),
             scripts => used.into_iter().map(safe).collect::<Vec<_>>(),
             summary => marked(&report.summary),
@@ -200,7 +201,9 @@ impl Shown {
                     below => &live.below,
                     names => space.names(),
                     left_out => space.left_out(),
-                    data => safe(embedded(&space.json())),
+                    data => safe(embedded(&space.json(&report.context))),
+                    key => space.key(&report.context),
+                    score => space.score.2.clone(),
                 };
                 (value, None)
             }
@@ -271,12 +274,29 @@ fn whole_table(table: &Table) -> Value {
     }
 }
 
+/// A colour a condition as a variable below `root`, light and dark.
+pub(crate) fn condition_colours(context: &Context, root: &str, prefix: &str) -> String {
+    let variables = |of: fn(RGBColor) -> String| {
+        let one = |look: &ConditionLook| format!("{prefix}{}:{};", look.id, of(look.rgb()));
+        context.conditions.iter().map(one).collect::<String>()
+    };
+    format!(
+        "{root}{{{}}}\n@media screen and (prefers-color-scheme: dark) {{{root}{{{}}}}}\n",
+        variables(hex),
+        variables(on_dark)
+    )
+}
+
 /// The page's own rules, the font, and the colours that the figures turn to in the dark.
-fn style() -> String {
+fn style(context: &Context) -> String {
     let mut out = String::from(font_face_css());
     out.push_str(include_str!("templates/page.css"));
+    out.push_str(&condition_colours(context, ":root", "--of-"));
     out.push_str("@media screen and (prefers-color-scheme: dark) {\n");
-    for (light, dark) in DARK {
+    let drawn = DARK.map(|(light, dark)| (light, dark.to_owned()));
+    let looks = context.conditions.iter().map(ConditionLook::rgb);
+    let own = looks.filter(|c| DARK.iter().all(|(light, _)| light != c));
+    for (light, dark) in drawn.into_iter().chain(own.map(|c| (c, on_dark(c)))) {
         let light = hex(light);
         let _ = writeln!(
             out,

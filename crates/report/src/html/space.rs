@@ -1,6 +1,7 @@
 //! The embedding space, to be turned by hand.
 
 use super::live::short;
+use crate::figures::{ConditionLook, Context};
 use maveric_domain::ConditionId;
 use serde_json::{Value, json};
 
@@ -16,8 +17,12 @@ pub struct StyleSpace {
     pub people: Vec<SpacePerson>,
     /// The gradient of the style predictor, shape `(3,)`; not zero.
     pub gradient: [f64; 3],
-    /// The half-axes of the ellipse that Perpendicular is drawn from, around each participant's Mimic; shape `(2, 3)`.
+    /// The half-axes of the ellipse across the gradient, round each participant's own style; shape `(2, 3)`.
     pub ellipse: [[f64; 3]; 2],
+    /// What the size of a point says: lowest and highest score, and what the score is called.
+    pub score: (f64, f64, String),
+    /// The conditions from the low end of the dial to the high one, between which a line is drawn.
+    pub dial: Vec<ConditionId>,
 }
 
 /// One drive in the space.
@@ -27,8 +32,8 @@ pub struct SpaceDrive {
     pub name: String,
     /// Its embedding.
     pub at: [f64; 3],
-    /// ADB score of the driver in points, 11 to 55; `None` for a driver who has none.
-    pub adb_points: Option<f64>,
+    /// Score of the driver in points; `None` for a driver who has none.
+    pub score_points: Option<f64>,
     /// Mean velocity in mph.
     pub velocity_mph: f64,
 }
@@ -36,7 +41,7 @@ pub struct SpaceDrive {
 /// One test participant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpacePerson {
-    /// The own drive; its embedding is Mimic's.
+    /// The own drive.
     pub own: SpaceDrive,
     /// Where the conditions lie.
     pub conditions: Vec<(ConditionId, [f64; 3])>,
@@ -54,7 +59,7 @@ impl StyleSpace {
         let own = self.people.iter().map(|p| &p.own);
         for drive in self.drives.iter().chain(own) {
             finite(&format!("the embedding of {}", drive.name), &drive.at)?;
-            let rest = [drive.adb_points.unwrap_or_default(), drive.velocity_mph];
+            let rest = [drive.score_points.unwrap_or_default(), drive.velocity_mph];
             finite(&format!("score or velocity of {}", drive.name), &rest)?;
         }
         for person in &self.people {
@@ -71,9 +76,9 @@ impl StyleSpace {
     }
 
     /// What the script reads.
-    pub(super) fn json(&self) -> Value {
+    pub(super) fn json(&self, context: &Context) -> Value {
         let at = |at: &[f64; 3]| json!(at.map(short));
-        let drive = |d: &SpaceDrive| json!({ "name": d.name, "at": at(&d.at), "adb": d.adb_points.map(short), "mph": short(d.velocity_mph) });
+        let drive = |d: &SpaceDrive| json!({ "name": d.name, "at": at(&d.at), "score": d.score_points.map(short), "mph": short(d.velocity_mph) });
         let person = |p: &SpacePerson| {
             let conditions = p
                 .conditions
@@ -88,7 +93,25 @@ impl StyleSpace {
             "people": self.people.iter().take(MOST).map(person).collect::<Vec<_>>(),
             "gradient": at(&self.gradient),
             "ellipse": self.ellipse.map(|axis| at(&axis)),
+            "score": [self.score.0, self.score.1, self.score.2],
+            "dial": self.dial.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            "looks": self.looks(context).map(|look| json!([look.id.to_string(), look.label, look.marker()])).collect::<Vec<_>>(),
         })
+    }
+
+    /// How the conditions look that are placed here, in the order of the study.
+    fn looks<'a>(&'a self, context: &'a Context) -> impl Iterator<Item = &'a ConditionLook> {
+        let placed = |look: &&ConditionLook| {
+            let mut all = self.people.iter().flat_map(|p| &p.conditions);
+            all.any(|(c, _)| *c == look.id)
+        };
+        context.conditions.iter().filter(placed)
+    }
+
+    /// Which marker is which condition, in words.
+    pub(super) fn key(&self, context: &Context) -> String {
+        let one = |look: &ConditionLook| format!("{} {}", look.marker().words(), look.label);
+        self.looks(context).map(one).collect::<Vec<_>>().join(", ")
     }
 
     /// The ids that can be chosen.

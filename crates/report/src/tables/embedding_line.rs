@@ -16,34 +16,39 @@ pub struct LineCorrelation {
     pub paper: Option<Correlation>,
 }
 
-/// Builds the table `embedding-line`.
-pub fn embedding_line(rows: &[LineCorrelation], participants: usize) -> Table {
+/// Builds the table `embedding-line`; `score` is what the line predicts.
+pub fn embedding_line(rows: &[LineCorrelation], score: &str, participants: usize) -> Table {
     let cell = |correlation: Option<&Correlation>| {
         correlation.map_or(Cell::Missing, |c| {
             Cell::Marked(c.statement().markup().to_owned())
         })
     };
+    let printed = rows.iter().any(|row| row.paper.is_some());
     Table {
         name: "embedding-line".to_owned(),
-        title: "Position on the aggression line against each measure".to_owned(),
-        columns: ["Measure", "Here", "Here, fitted without *L*_{4}", "Paper"]
+        title: "Position on the line against each measure".to_owned(),
+        columns: ["Measure", "Here", "Here, fitted without *L*_{4}"]
+            .into_iter()
+            .chain(printed.then_some("Paper"))
             .map(Column::left)
-            .to_vec(),
+            .collect(),
         rows: rows
             .iter()
             .map(|row| {
-                vec![
+                let mut cells = vec![
                     Cell::text(&row.measure),
                     cell(row.ours.as_ref()),
                     cell(row.without_style_loss.as_ref()),
-                    cell(row.paper.as_ref()),
-                ]
+                ];
+                cells.extend(printed.then(|| cell(row.paper.as_ref())));
+                cells
             })
             .collect(),
         notes: vec![format!(
-            "*n* = {participants} test participants. With *L*_{{4}} the ADB score itself takes part in \
+            "*n* = {participants} test participants. With *L*_{{4}} the score itself ({score}) takes part in \
              fitting the embedding, so its own correlation is partly built in: the third column \
-             leaves it out."
+             leaves it out.",
+            score = crate::markup::literal(score)
         )],
     }
 }

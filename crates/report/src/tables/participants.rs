@@ -18,14 +18,14 @@ pub struct ParticipantGroup {
     pub sd_age: Option<f64>,
     /// Share who are female, 0 to 1.
     pub female: Option<f64>,
-    /// Mean ADB score, 11 to 55.
-    pub mean_adb: Option<f64>,
+    /// Mean score of what the dial turns, in points.
+    pub mean_score: Option<f64>,
     /// Its standard deviation.
-    pub sd_adb: Option<f64>,
+    pub sd_score: Option<f64>,
 }
 
 /// Builds the table `participants`.
-pub fn participants(groups: &[ParticipantGroup], synthetic: bool) -> Table {
+pub fn participants(groups: &[ParticipantGroup], score: &str, synthetic: bool) -> Table {
     Table {
         name: "participants".to_owned(),
         title: "Participants".to_owned(),
@@ -36,7 +36,7 @@ pub fn participants(groups: &[ParticipantGroup], synthetic: bool) -> Table {
             Column::right("Age, *M* (years)"),
             Column::right("*SD*"),
             Column::right("Female (%)"),
-            Column::right("ADB, *M* (points)"),
+            Column::right(format!("{}, *M*", crate::markup::literal(score))),
             Column::right("*SD*"),
         ],
         rows: groups
@@ -49,8 +49,8 @@ pub fn participants(groups: &[ParticipantGroup], synthetic: bool) -> Table {
                     Cell::number(group.mean_age, 1),
                     Cell::number(group.sd_age, 1),
                     Cell::number(group.female.map(|share| 100.0 * share), 1),
-                    Cell::number(group.mean_adb, 1),
-                    Cell::number(group.sd_adb, 1),
+                    Cell::number(group.mean_score, 1),
+                    Cell::number(group.sd_score, 1),
                 ]
             })
             .collect(),

@@ -36,7 +36,7 @@ fn texts(group: &usvg::Group, found: &mut Vec<(String, usvg::Rect)>) {
 }
 
 fn all() -> Vec<Figure> {
-    let mut figures = kinds::figures(&Context::synthetic(7)).unwrap();
+    let mut figures = kinds::figures(&kinds::context(7)).unwrap();
     figures.push(embedding_space(&kinds::embedding_space::input(), &Context::real()).unwrap());
     figures
 }
@@ -89,7 +89,7 @@ fn the_same_numbers_give_the_same_bytes() {
 
 #[test]
 fn what_shows_synthetic_participants_says_so_in_three_places() {
-    for figure in kinds::figures(&Context::synthetic(7)).unwrap() {
+    for figure in kinds::figures(&kinds::context(7)).unwrap() {
         let explains = [
             "domain",
             "architecture",

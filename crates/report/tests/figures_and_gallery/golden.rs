@@ -3,7 +3,7 @@
 //! `UPDATE_GOLDEN=1 cargo test -p maveric-report --test figures_and_gallery golden` writes them anew: look at what changed.
 
 use crate::kinds;
-use maveric_report::{Context, Figure};
+use maveric_report::Figure;
 use std::{fmt::Write as _, fs, path::PathBuf};
 
 /// What `exp` and `sin` of another platform may change, in points.
@@ -81,7 +81,7 @@ fn difference(name: &str, now: &str, before: &str) -> Option<String> {
 }
 
 fn figures() -> Vec<Figure> {
-    kinds::figures(&Context::synthetic(7)).unwrap()
+    kinds::figures(&kinds::context(7)).unwrap()
 }
 
 #[test]

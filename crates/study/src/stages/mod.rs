@@ -3,6 +3,7 @@
 pub mod ablate;
 pub mod analyse;
 pub mod codebook;
+pub mod declare;
 pub mod evaluate;
 pub mod export;
 pub mod generate;
@@ -43,14 +44,14 @@ pub fn versions() -> BTreeMap<String, String> {
         ("simulate", 4),
         ("measure", 1),
         ("rate", 1),
-        ("evaluate", 3),
-        ("stats", 4),
+        ("evaluate", 2),
+        ("stats", 5),
         ("ablate", 1),
         ("validate", 2),
         ("recommend", 1),
         ("rehearse", 1),
         ("rehearse-dial", 1),
-        ("report", 2),
+        ("report", 3),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()

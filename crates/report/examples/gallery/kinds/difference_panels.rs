@@ -1,7 +1,6 @@
 //! Six measures in four conditions, with their tests.
 
-use super::{PARTICIPANTS, wobble};
-use maveric_domain::ConditionId;
+use super::{PARTICIPANTS, conditions, wobble};
 use maveric_report::apa;
 use maveric_report::{
     Context, Figure, ReportError,
@@ -24,7 +23,7 @@ pub(crate) fn input() -> DifferencePanels {
     });
     let friedman = apa::chi2(41.19, 3, 24, 1e-8, Some(0.57));
     let pair = |second, p_holm| PairTest {
-        first: ConditionId::MIMIC,
+        first: conditions()[0],
         second,
         p_holm,
     };
@@ -33,7 +32,7 @@ pub(crate) fn input() -> DifferencePanels {
         DifferencePanel {
             title: title.into(),
             axis: axis.into(),
-            conditions: ConditionId::AV.to_vec(),
+            conditions: conditions(),
             rows: (0..PARTICIPANTS)
                 .map(|i| {
                     (0..4)
@@ -54,9 +53,9 @@ pub(crate) fn input() -> DifferencePanels {
             }
             .to_owned(),
             pairs: vec![
-                pair(ConditionId::AGGRESSIVE, 0.0002),
-                pair(ConditionId::CAUTIOUS, 0.017),
-                pair(ConditionId::PERPENDICULAR, 0.62),
+                pair(conditions()[1], 0.0002),
+                pair(conditions()[2], 0.017),
+                pair(conditions()[3], 0.62),
             ],
             reference: Some(reference),
         }
@@ -98,5 +97,6 @@ pub(crate) fn input() -> DifferencePanels {
                 4.0,
             ),
         ],
+        from: None,
     }
 }

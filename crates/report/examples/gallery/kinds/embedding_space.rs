@@ -1,6 +1,6 @@
 //! Drivers in a style space, and one participant's conditions in it.
 
-use super::wobble;
+use super::{conditions, wobble};
 use maveric_report::{
     Context, Figure, ReportError,
     figures::embedding_space::{
@@ -20,7 +20,7 @@ pub(crate) fn input() -> EmbeddingSpace {
             let embedding: Vec<f64> = (0..size).map(|k| 1.6 * wobble(i, k)).collect();
             let along = embedding.iter().sum::<f64>();
             EmbeddingPoint {
-                adb_points: (28.0 + 6.0 * along + 3.0 * wobble(i, 90)).clamp(11.0, 55.0),
+                score_points: (28.0 + 6.0 * along + 3.0 * wobble(i, 90)).clamp(11.0, 55.0),
                 mean_velocity_mps: 28.5 + 1.2 * along + wobble(i, 91),
                 embedding,
             }
@@ -28,8 +28,8 @@ pub(crate) fn input() -> EmbeddingSpace {
         .collect();
     let gradient = [0.9, 0.5, 0.6];
     let unit = gradient.map(|g: f64| g / 1.42_f64.sqrt());
-    let mimic = [0.2, -0.4, 0.1];
-    let shifted = |t: f64| (0..3).map(|k| mimic[k] + t * unit[k]).collect::<Vec<f64>>();
+    let own = [0.2, -0.4, 0.1];
+    let shifted = |t: f64| (0..3).map(|k| own[k] + t * unit[k]).collect::<Vec<f64>>();
     let a = [unit[1], -unit[0], 0.0].map(|x| x / unit[0].hypot(unit[1]));
     let b = [
         unit[1] * a[2] - unit[2] * a[1],
@@ -38,18 +38,20 @@ pub(crate) fn input() -> EmbeddingSpace {
     ];
     let round = |angle: f64| {
         (0..3)
-            .map(|k| mimic[k] + 0.9 * angle.cos() * a[k] + 0.9 * angle.sin() * b[k])
+            .map(|k| own[k] + 0.9 * angle.cos() * a[k] + 0.9 * angle.sin() * b[k])
             .collect()
     };
     EmbeddingSpace {
         points,
         gradient: gradient.to_vec(),
+        score_range: (11.0, 55.0),
+        score: "ADB score".into(),
         example: Some(ExampleConditions {
             participant: "P07".into(),
-            mimic: mimic.to_vec(),
-            aggressive: shifted(1.5),
-            cautious: shifted(-1.5),
-            perpendicular: Some(round(3.6)),
+            conditions: conditions()
+                .into_iter()
+                .zip([own.to_vec(), shifted(1.5), shifted(-1.5), round(3.6)])
+                .collect(),
             ellipse: (0..48).map(|k| round(TAU * f64::from(k) / 48.0)).collect(),
         }),
     }

@@ -1,6 +1,7 @@
 //! Made-up input for every kind of figure. The numbers come from sines and mean nothing.
 
-use maveric_report::{Context, Figure, ReportError, apa};
+use maveric_domain::{ConditionId, Design};
+use maveric_report::{Context, Figure, ReportError, apa, figures::ConditionLook};
 use maveric_stats::linear_fit;
 
 pub(crate) mod ablation;
@@ -18,6 +19,7 @@ pub(crate) mod drive_overview;
 pub(crate) mod embedding_space;
 pub(crate) mod false_positives;
 pub(crate) mod fidelity;
+pub(crate) mod flow;
 pub(crate) mod following_errors;
 pub(crate) mod lane_change_quality;
 pub(crate) mod learning_curve;
@@ -33,13 +35,30 @@ pub(crate) mod test_retest;
 pub(crate) mod time_space;
 pub(crate) mod training_curves;
 
+/// The paper's design: its conditions are those of these figures.
+fn design() -> Design {
+    let text = include_str!("../../../../../study_data/designs/paper.toml");
+    Design::from_toml(text).expect("a test reads the design that is shipped")
+}
+
+/// The ids of the conditions.
+pub(crate) fn conditions() -> Vec<ConditionId> {
+    design().conditions().iter().map(|c| c.id).collect()
+}
+
+/// Synthetic participants in these conditions.
+pub(crate) fn context(seed: u64) -> Context {
+    Context::synthetic(seed).with_conditions(ConditionLook::of(&design()))
+}
+
 pub(crate) const PARTICIPANTS: usize = 24;
 
 /// A function that draws one kind of figure.
 pub(crate) type Draw = fn(&Context) -> Result<Figure, ReportError>;
 
 /// Every kind: the name of its function, and one that draws it from made-up numbers.
-pub(crate) const KINDS: [(&str, Draw); 29] = [
+pub(crate) const KINDS: [(&str, Draw); 30] = [
+    ("flow", flow::draw),
     ("domain", domain::draw),
     ("architecture", architecture::draw),
     ("simulator_view", simulator_view::draw),

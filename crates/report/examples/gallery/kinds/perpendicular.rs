@@ -1,6 +1,6 @@
 //! What changes on the way round the perpendicular ellipse.
 
-use super::{PARTICIPANTS, wobble};
+use super::{PARTICIPANTS, conditions, wobble};
 use maveric_report::apa;
 use maveric_report::{
     Context, Figure, ReportError,
@@ -30,11 +30,13 @@ pub(crate) fn input() -> PerpendicularChanges {
             statistic: format!("*R* = {}, {}", apa::bounded(r, 2), apa::p(p).markup()),
         };
     PerpendicularChanges {
+        across: conditions()[3],
+        from: conditions()[0],
         panels: vec![
             panel(
                 0,
                 "Minimum headway distance",
-                "Change from Mimic (m)",
+                "Change (m)",
                 6.0,
                 (0.61, 0.008),
             ),

@@ -1,6 +1,6 @@
 //! Who rated another style better than their own, scale by scale.
 
-use super::PARTICIPANTS;
+use super::{PARTICIPANTS, conditions};
 use maveric_report::{
     Context, Figure, ReportError,
     figures::preference::{Preferences, ScalePreference, preference},
@@ -11,13 +11,15 @@ pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
 }
 
 pub(crate) fn input() -> Preferences {
-    let scale = |scale: &str, aggressive_above, cautious_above| ScalePreference {
+    let scale = |scale: &str, up, down| ScalePreference {
         scale: scale.into(),
         n: PARTICIPANTS,
-        aggressive_above,
-        cautious_above,
+        less_is_better: scale == "Discomfort",
+        above: vec![up, down],
     };
     Preferences {
+        own: conditions()[0],
+        others: conditions()[1..3].to_vec(),
         scales: vec![
             scale("Trust", 6, 12),
             scale("Competence", 7, 13),

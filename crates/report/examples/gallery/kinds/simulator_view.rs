@@ -1,6 +1,5 @@
 //! One moment of a drive: the ego, the vehicles round it, its plan.
 
-use maveric_domain::ConditionId;
 use maveric_report::{
     Context, Figure, ReportError,
     figures::simulator_view::{SimulatorView, VehicleView, simulator_view},
@@ -21,7 +20,7 @@ pub(crate) fn input() -> SimulatorView {
     };
     SimulatorView {
         participant: "P07".into(),
-        condition: ConditionId::AGGRESSIVE,
+        condition: super::conditions()[1],
         time_s: 83.2,
         lanes: 2,
         lane_width_m: 3.66,

@@ -1,6 +1,5 @@
 //! Ten minutes of passing slower leads.
 
-use maveric_domain::ConditionId;
 use maveric_report::{
     Context, Figure, ReportError,
     figures::time_space::{Decision, DecisionKind, TimeSpace, Track, time_space},
@@ -51,7 +50,7 @@ pub(crate) fn input() -> TimeSpace {
     });
     TimeSpace {
         drive: "P07-mimic".into(),
-        condition: ConditionId::MIMIC,
+        condition: super::conditions()[0],
         ego: track(0.0, 600.0, &ego, &|t| u8::from(passing(t))),
         leads: PASSED.map(lead).to_vec(),
         others: [40.0, 130.0, 320.0, 410.0, 500.0].map(other).to_vec(),

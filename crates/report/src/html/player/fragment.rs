@@ -8,11 +8,12 @@ use super::timeline::{Axes, GAP_AXIS_M, timeline};
 use super::view::{STILL_M, STRETCH, half_height_m, middle_m, stretch};
 use crate::apa::number;
 use crate::error::ReportError;
-use crate::figures::{Context, DARK, condition_colour, font_face_css, hex};
+use crate::figures::{Context, font_face_css};
+use crate::html::page::condition_colours;
 use crate::html::page::fill;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use maveric_domain::{ConditionId, drive::Direction, units::MPS_PER_MPH};
+use maveric_domain::{drive::Direction, units::MPS_PER_MPH};
 use minijinja::{Value, context};
 use serde_json::json;
 use std::fmt::Write as _;
@@ -62,7 +63,7 @@ impl PlayerFragment {
 /// let drive = PlayerDrive {
 ///     label: "Mimic".into(),
 ///     note: "automated".into(),
-///     condition: ConditionId::MIMIC,
+///     condition: ConditionId::new("same").unwrap(),
 ///     lanes: 2,
 ///     lane_width_m: 3.66,
 ///     centre_line: None,
@@ -118,7 +119,7 @@ pub fn player(player: &WatchPlayer, context: &Context) -> Result<PlayerFragment,
     )?;
     Ok(PlayerFragment {
         html,
-        style: style(),
+        style: style(player, context),
         script: include_str!("player.js"),
     })
 }
@@ -152,23 +153,25 @@ pub fn watch_page(
     )
 }
 
-/// The rules, with the theme's colours for light and dark.
-fn style() -> String {
-    let mut out = include_str!("player.css").to_owned();
-    let all = || [ConditionId::OWN].into_iter().chain(ConditionId::AV);
-    for condition in all() {
-        let colour = hex(condition_colour(condition));
-        let _ = writeln!(out, ".drive-player .pl-{condition}{{--pl-colour:{colour}}}");
-    }
-    out.push_str("@media screen and (prefers-color-scheme: dark) {\n");
-    for condition in all() {
-        let light = condition_colour(condition);
-        let dark = DARK.iter().find(|(colour, _)| *colour == light);
-        if let Some((_, dark)) = dark {
-            let _ = writeln!(out, ".drive-player .pl-{condition}{{--pl-colour:{dark}}}");
+/// The rules, with the conditions' colours for light and dark; grey for those that no design describes.
+fn style(player: &WatchPlayer, context: &Context) -> String {
+    let mut context = context.clone();
+    for drive in &player.drives {
+        if context
+            .conditions
+            .iter()
+            .all(|look| look.id != drive.condition)
+        {
+            let look = context.look(drive.condition);
+            context.conditions.push(look);
         }
     }
-    out.push_str("}\n");
+    let mut out = include_str!("player.css").to_owned();
+    out.push_str(&condition_colours(&context, ".drive-player", "--of-"));
+    for look in &context.conditions {
+        let id = look.id;
+        let _ = writeln!(out, ".drive-player .pl-{id}{{--pl-colour:var(--of-{id})}}");
+    }
     out
 }
 

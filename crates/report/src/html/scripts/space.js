@@ -28,6 +28,8 @@ function startSpace(root) {
   let named = null;
   let marks = [];
 
+  const looks = new Map(data.looks.map(([id, label, marker]) => [id, { label, marker }]));
+  const [lowest, highest, called] = data.score;
   const colour = (name) => getComputedStyle(root).getPropertyValue(`--${name}`).trim();
   const along = (from, to, share) => from.map((v, i) => v + (to[i] - v) * share);
 
@@ -58,9 +60,11 @@ function startSpace(root) {
 
   function shape(name, x, y, r) {
     pen.beginPath();
-    if (name === "mimic") pen.rect(x - r, y - r, 2 * r, 2 * r);
+    const marker = looks.get(name)?.marker ?? "circle";
+    if (marker === "circle") pen.arc(x, y, r, 0, 2 * Math.PI);
+    else if (marker === "square") pen.rect(x - r, y - r, 2 * r, 2 * r);
     else {
-      const corners = { aggressive: [-90, 30, 150], cautious: [90, 210, 330], perpendicular: [0, 90, 180, 270] }[name];
+      const corners = { "triangle-up": [-90, 30, 150], "triangle-down": [90, 210, 330], diamond: [0, 90, 180, 270] }[marker];
       corners.forEach((degrees, i) => {
         const [px, py] = [x + 1.35 * r * Math.cos((degrees * Math.PI) / 180), y + 1.35 * r * Math.sin((degrees * Math.PI) / 180)];
         if (i === 0) pen.moveTo(px, py);
@@ -97,7 +101,7 @@ function startSpace(root) {
     line(items, pieces(up.map((v) => -v), up, 24), ink, 2);
     const drive = (d, ring) => {
       const [x, y, depth] = project(d.at);
-      const r = 3 + (((d.adb ?? 11) - 11) / 44) * 6;
+      const r = 3 + (((d.score ?? lowest) - lowest) / (highest - lowest)) * 6;
       marks.push([x, y, d]);
       if (d === chosen) return;
       items.push([depth, () => {
@@ -130,22 +134,20 @@ function startSpace(root) {
       });
       line(items, round, muted, 1.2);
       const placed = Object.fromEntries(chosen.conditions);
-      if (placed.cautious && placed.aggressive) {
-        line(items, pieces(placed.cautious, placed.mimic ?? chosen.at, 10), muted, 1.2);
-        line(items, pieces(placed.mimic ?? chosen.at, placed.aggressive, 10), muted, 1.2);
-      }
+      const dialled = data.dial.map((id) => placed[id]).filter(Boolean);
+      for (let i = 1; i < dialled.length; i++) line(items, pieces(dialled[i - 1], dialled[i], 10), muted, 1.2);
       for (const [name, at] of chosen.conditions) {
         const [x, y, depth] = project(at);
         // In front of everything: they are what was asked for.
         items.push([1e9 + depth, () => {
           shape(name, x, y, 6);
-          pen.fillStyle = colour(name);
+          pen.fillStyle = colour(`of-${name}`);
           pen.fill();
           pen.lineWidth = 1;
           pen.strokeStyle = paper;
           pen.stroke();
         }]);
-        labels.push([x, y, name[0].toUpperCase() + name.slice(1)]);
+        labels.push([x, y, looks.get(name)?.label ?? name]);
       }
     }
     items.sort((one, other) => one[0] - other[0]).forEach(([, paint]) => paint());
@@ -164,7 +166,7 @@ function startSpace(root) {
       write(`w${"\u2081\u2082\u2083"[axis]}`, x, y, "center");
     }
     const tip = project(up.map((v) => v * 1.1));
-    write("more aggressive", Math.min(Math.max(tip[0], 55), width - 55), Math.min(Math.max(tip[1], 28), height - 12), "center");
+    write(`higher ${called}`, Math.min(Math.max(tip[0], 55), width - 55), Math.min(Math.max(tip[1], 28), height - 12), "center");
     for (const [x, y, text] of labels) write(text, x > width - 110 ? x - 12 : x + 12, y, x > width - 110 ? "right" : "left");
     for (let i = 0; i < 60; i++) {
       pen.fillStyle = viridis(i / 59);
@@ -178,7 +180,7 @@ function startSpace(root) {
     if (!d) said.textContent = "Nobody is chosen.";
     else {
       const who = d.conditions ? `Participant ${d.name}` : `Drive ${d.name}`;
-      const score = d.adb === null ? "no ADB score" : `ADB ${d.adb.toFixed(1)} points`;
+      const score = d.score === null ? `no ${called}` : `${called} ${d.score.toFixed(1)}`;
       said.textContent = `${who}: ${score}, mean velocity ${d.mph.toFixed(1)} mph.`;
       if (d.conditions) chosen = d;
     }

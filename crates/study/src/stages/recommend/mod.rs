@@ -85,8 +85,7 @@ pub fn recommend(
     watch: Watch<'_>,
 ) -> Result<Outcome<Recommended>, StudyError> {
     let study = DesignFile::find(options.design.as_deref())?;
-    let people = study.people_of(&options.results, None)?;
-    let data = read_study(&options.results, &people)?;
+    let data = read_study(&options.results, &study, None)?;
     let wanted: Vec<&ParticipantId> = match &options.participant {
         None => data.participants.iter().collect(),
         Some(name) => {

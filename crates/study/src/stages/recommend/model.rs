@@ -6,17 +6,12 @@ use super::{
 };
 use crate::error::StudyError;
 use maveric_analysis::StudyData;
-use maveric_domain::{ConditionId, ParticipantId};
+use maveric_domain::{
+    ParticipantId,
+    design::{Condition, ScoreName},
+};
 use maveric_stats::{Belief, Hierarchical, PersonRows, hierarchical};
 use serde::{Deserialize, Serialize};
-
-/// The ratings of regard: scale, subscale, sign.
-pub(crate) const REGARD: [(&str, &str, f64); 4] = [
-    ("rosas", "competence", 1.0),
-    ("godspeed_intelligence", "intelligence", 1.0),
-    ("rosas", "discomfort", -1.0),
-    ("jian_trust", "overall", 1.0),
-];
 
 /// A column of numbers about people, standardised over those learned from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -44,8 +39,8 @@ pub struct Learned {
     pub dial: Dial,
     /// The traits.
     pub traits: Vec<Standard>,
-    /// The ratings of regard, which are averaged in SDs.
-    pub regard: Vec<Standard>,
+    /// The ratings of regard, each with 1, or -1 where less is better; they are averaged in SDs.
+    pub regard: Vec<(ScoreName, f64, Standard)>,
     /// The fit.
     pub fit: Hierarchical,
 }
@@ -65,22 +60,31 @@ pub struct Preferred {
 
 /// Columns before the traits: 1, A, A², D.
 const PLAIN: usize = 4;
-/// Settings further from Mimic than this are not recommended, in ADB points: nobody has driven them.
+/// Settings further from the own style than this are not recommended, in ADB points: nobody has driven them.
 pub(crate) const FURTHEST_POINTS: f64 = 30.0;
 
 /// Names and values of what is known of a person before any ride.
 fn traits_of(data: &StudyData, p: &ParticipantId) -> Vec<(String, Option<f64>)> {
     let mut found = Vec::new();
-    for scale in ["mini_ipip", "mdsi"] {
-        for factor in data.pre_subscales(scale) {
-            let value = data.pre(p, scale, &factor);
-            found.push((factor, value));
+    let family = data.design.homophily();
+    for word in family.map_or(&[][..], |f| &f.factors) {
+        let (scale, only) = match word.split_once('.') {
+            Some((scale, factor)) => (scale, Some(factor)),
+            None => (word.as_str(), None),
+        };
+        for name in data.pre_subscales(scale) {
+            if only.is_none_or(|factor| factor == name.subscale) {
+                let value = data.pre(p, &name);
+                found.push((name.subscale, value));
+            }
         }
     }
-    found.push(("adb".to_owned(), data.pre(p, "adb", "total")));
+    if let Some(style) = data.design.style() {
+        found.push((style.score.scale.clone(), data.pre(p, &style.score)));
+    }
     let position = data.embedding(p, false).and_then(|e| e.line_position);
     found.push(("line_position".to_owned(), position));
-    let velocity = data.measured(p, ConditionId::OWN, "mean_velocity_mps");
+    let velocity = data.baseline(p, "mean_velocity_mps");
     found.push(("own_mean_velocity".to_owned(), velocity));
     found
 }
@@ -93,10 +97,8 @@ fn standard(name: String, values: &[f64]) -> Option<Standard> {
 }
 
 /// Which setting a condition of the study showed.
-fn setting_of(condition: ConditionId, moved_points: Option<f64>) -> Option<usize> {
-    if condition == ConditionId::PERPENDICULAR {
-        return None;
-    }
+fn setting_of(condition: &Condition, moved_points: Option<f64>) -> Option<usize> {
+    condition.dial()?;
     let moved = moved_points?;
     SETTINGS.iter().position(|s| (s - moved).abs() <= 2.5)
 }
@@ -125,7 +127,7 @@ impl Learned {
             None => Percept::learn(data, people)?,
         };
         let dial = percept.dial(data, people).ok_or_else(|| {
-            not_possible("Cautious, Mimic and Aggressive are not perceived in this order, so the dial has no direction".to_owned())
+            not_possible("the two ends of the dial and its middle are not perceived in this order, or were not all driven: the dial has no direction".to_owned())
         })?;
         let known: Vec<Vec<(String, Option<f64>)>> =
             people.iter().map(|p| traits_of(data, p)).collect();
@@ -137,16 +139,17 @@ impl Learned {
                 standard(name.clone(), &values)
             })
             .collect();
-        let regard = REGARD
+        let conditions = data.design.conditions();
+        let better = |name: &ScoreName| data.better(name).factor();
+        let ratings = data.design.homophily().map_or(&[][..], |f| &f.ratings);
+        let regard = ratings
             .iter()
-            .filter_map(|(scale, subscale, _)| {
+            .filter_map(|name| {
                 let all = people
                     .iter()
-                    .flat_map(|p| ConditionId::AV.map(|c| data.post(p, c, scale, subscale)));
-                standard(
-                    format!("{scale}.{subscale}"),
-                    &all.flatten().collect::<Vec<f64>>(),
-                )
+                    .flat_map(|p| conditions.iter().map(|c| data.rated(p, c.id, name)));
+                let found = standard(name.to_string(), &all.flatten().collect::<Vec<f64>>())?;
+                Some((name.clone(), better(name), found))
             })
             .collect();
         let mut learned = Self {
@@ -188,16 +191,12 @@ impl Learned {
         self.traits.iter().map(of).collect()
     }
 
-    /// The regard behind scores by scale and subscale, in SDs.
-    pub(crate) fn regard(&self, score: impl Fn(&str, &str) -> Option<f64>) -> Option<f64> {
-        let of = |(scale, subscale, sign): &(&str, &str, f64)| {
-            let s = self
-                .regard
-                .iter()
-                .find(|s| s.name == format!("{scale}.{subscale}"))?;
-            Some(sign * (score(scale, subscale)? - s.mean) / s.sd)
+    /// The regard behind scores, in SDs.
+    pub(crate) fn regard(&self, score: impl Fn(&ScoreName) -> Option<f64>) -> Option<f64> {
+        let of = |(name, sign, s): &(ScoreName, f64, Standard)| {
+            Some(sign * (score(name)? - s.mean) / s.sd)
         };
-        let values: Vec<f64> = REGARD.iter().filter_map(of).collect();
+        let values: Vec<f64> = self.regard.iter().filter_map(of).collect();
         (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
     }
 
@@ -220,9 +219,9 @@ impl Learned {
     fn rows(&self, data: &StudyData, p: &ParticipantId) -> PersonRows {
         let traits = self.traits(data, p);
         let mut rows = PersonRows::default();
-        for c in ConditionId::AV {
-            let regard = self.regard(|scale, subscale| data.post(p, c, scale, subscale));
-            if let (Some(y), Some(perceived)) = (regard, self.percept.of_condition(data, p, c)) {
+        for c in data.design.conditions() {
+            let regard = self.regard(|name| data.rated(p, c.id, name));
+            if let (Some(y), Some(perceived)) = (regard, self.percept.of_condition(data, p, c.id)) {
                 rows.y.push(y);
                 rows.x.push(Self::columns(&traits, perceived));
                 rows.z.push(vec![1.0, perceived.0, perceived.1]);
@@ -242,11 +241,12 @@ impl Learned {
             .extended(&[self.fit.residual_sd; SETTINGS.len()]);
         if with_ratings {
             let traits = self.traits(data, p);
-            for c in ConditionId::AV {
-                let regard = self.regard(|scale, subscale| data.post(p, c, scale, subscale));
-                if let (Some(y), Some(perceived)) = (regard, self.percept.of_condition(data, p, c))
+            for c in data.design.conditions() {
+                let regard = self.regard(|name| data.rated(p, c.id, name));
+                if let (Some(y), Some(perceived)) =
+                    (regard, self.percept.of_condition(data, p, c.id))
                 {
-                    let moved = data.condition(p, c).map(|row| row.moved_points);
+                    let moved = data.condition(p, c.id).map(|row| row.moved_points);
                     let row = Self::row(&traits, perceived, setting_of(c, moved));
                     self.observe(&mut belief, &row, y);
                 }

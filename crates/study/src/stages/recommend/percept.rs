@@ -2,11 +2,13 @@
 
 use crate::error::StudyError;
 use maveric_analysis::StudyData;
-use maveric_domain::{ConditionId, MeasureValues, ParticipantId, spread};
+use maveric_domain::{ConditionId, MeasureValues, ParticipantId, design::ScoreName, spread};
 use maveric_stats::{PersonRows, hierarchical};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
+/// The scale of perceived aggressiveness.
+const AGGRESSIVENESS: &str = "aggressiveness";
 /// "As aggressive as I am" on the scale of perceived aggressiveness.
 const SAME_AGGRESSIVENESS: f64 = 4.0;
 /// Differences beyond this many SDs look alike.
@@ -26,9 +28,9 @@ pub struct Percept {
 /// Where the dial is on average over people, in the unit of the perceived shift, and how far from the own drive that is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Dial {
-    /// ADB points between Mimic and the two ends that were driven.
+    /// Points between the own style and the two ends that were driven.
     pub points: f64,
-    /// Perceived shift of Cautious, Mimic and Aggressive.
+    /// Perceived shift of the low end of the dial, of the own style and of the high end.
     pub shift: [f64; 3],
     /// Perceived distance of the three.
     pub distance: [f64; 3],
@@ -40,16 +42,20 @@ impl Percept {
     pub(crate) fn learn(data: &StudyData, people: &[ParticipantId]) -> Result<Self, StudyError> {
         let own: Vec<&MeasureValues> = people
             .iter()
-            .filter_map(|p| data.drive(p, ConditionId::OWN))
+            .filter_map(|p| data.drive(p, data.design.baseline_id()?))
             .collect();
         let spread = spread(&own);
         let names: Vec<&String> = spread.keys().collect();
+        let felt = ScoreName {
+            scale: AGGRESSIVENESS.to_owned(),
+            subscale: AGGRESSIVENESS.to_owned(),
+        };
         let rows: Vec<PersonRows> = people
             .iter()
             .map(|p| {
                 let mut rows = PersonRows::default();
-                for c in ConditionId::AV {
-                    let rated = data.post(p, c, "aggressiveness", "aggressiveness");
+                for c in data.design.conditions().iter().map(|c| c.id) {
+                    let rated = data.rated(p, c, &felt);
                     if let (Some(rated), Some(differences)) =
                         (rated, differences(data, p, c, &spread))
                     {
@@ -100,7 +106,8 @@ impl Percept {
         p: &ParticipantId,
         c: ConditionId,
     ) -> Option<(f64, f64)> {
-        Some(self.of(data.drive(p, ConditionId::OWN)?, data.drive(p, c)?))
+        let own = data.drive(p, data.design.baseline_id()?)?;
+        Some(self.of(own, data.drive(p, c)?))
     }
 
     /// Where the dial is on average.
@@ -110,11 +117,7 @@ impl Percept {
             shift: [0.0; 3],
             distance: [0.0; 3],
         };
-        let ends = [
-            ConditionId::CAUTIOUS,
-            ConditionId::MIMIC,
-            ConditionId::AGGRESSIVE,
-        ];
+        let ends = ends(data)?;
         for (i, c) in ends.into_iter().enumerate() {
             let found: Vec<(f64, f64)> = people
                 .iter()
@@ -129,15 +132,22 @@ impl Percept {
         }
         let moved: Vec<f64> = people
             .iter()
-            .flat_map(|p| {
-                [ConditionId::CAUTIOUS, ConditionId::AGGRESSIVE].map(|c| data.condition(p, c))
-            })
+            .flat_map(|p| [ends[0], ends[2]].map(|c| data.condition(p, c)))
             .filter_map(|row| Some(row?.moved_points.abs()))
             .collect();
         dial.points = moved.iter().sum::<f64>() / moved.len().max(1) as f64;
         let [low, middle, high] = dial.shift;
         (dial.points > 0.0 && low < middle && middle < high).then_some(dial)
     }
+}
+
+/// The conditions furthest down the dial, at 0 and furthest up.
+fn ends(data: &StudyData) -> Option<[ConditionId; 3]> {
+    let dials = data.design.conditions().iter();
+    let dials: Vec<(f64, ConditionId)> = dials.filter_map(|c| Some((c.dial()?, c.id))).collect();
+    let low = dials.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let high = dials.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (low.0 < 0.0 && high.0 > 0.0).then_some([low.1, data.own_style()?, high.1])
 }
 
 impl Dial {
@@ -187,7 +197,7 @@ fn differences(
     spread: &BTreeMap<String, f64>,
 ) -> Option<BTreeMap<String, f64>> {
     Some(between(
-        data.drive(p, ConditionId::OWN)?,
+        data.drive(p, data.design.baseline_id()?)?,
         data.drive(p, c)?,
         spread,
     ))

@@ -20,7 +20,9 @@ use crate::{
         score::read_scales,
     },
 };
-use maveric_domain::{ConditionId, MeasureValues, ParticipantId, stream_seed};
+use maveric_domain::{
+    MeasureValues, ParticipantId, Score as Scored, design::ScoreName, stream_seed,
+};
 use maveric_participants::{Effects, Participant, preferred_shift, rate_trial};
 use maveric_stats::{Belief, Proportion, proportion};
 use serde::Serialize;
@@ -54,7 +56,7 @@ pub struct RehearseDialOptions {
 #[serde(rename_all = "snake_case")]
 pub enum Method {
     /// The own style for everybody.
-    MimicForAll,
+    OwnForAll,
     /// What the model expects of the person's questionnaires and own drive.
     BeforeRiding,
     /// That, and the person's ratings of the four conditions.
@@ -66,7 +68,7 @@ pub enum Method {
 impl Method {
     /// All, in the order of tables.
     pub const ALL: [Self; 4] = [
-        Self::MimicForAll,
+        Self::OwnForAll,
         Self::BeforeRiding,
         Self::AfterFourConditions,
         Self::Ceiling,
@@ -75,7 +77,7 @@ impl Method {
     /// Name for people.
     pub fn title(self) -> &'static str {
         match self {
-            Self::MimicForAll => "Mimic for all",
+            Self::OwnForAll => "Own style for all",
             Self::BeforeRiding => "questionnaires and own drive",
             Self::AfterFourConditions => "and ratings of four conditions",
             Self::Ceiling => "ceiling: law of perception known, 1,000 people",
@@ -159,6 +161,7 @@ pub fn rehearse_dial(
         });
     }
     let world = World {
+        design: crate::DesignFile::paper()?.design,
         population: PopulationModel::read(&options.population)?,
         effects: read_effects(&options.effects)?,
         scales: read_scales(&options.scales)?,
@@ -229,7 +232,7 @@ impl Truth {
         let people = &many.data.participants;
         let own: Vec<&MeasureValues> = people
             .iter()
-            .filter_map(|p| many.data.drive(p, ConditionId::OWN))
+            .filter_map(|p| many.data.drive(p, many.data.design.baseline_id()?))
             .collect();
         let percept = Percept {
             shift: perception.shift.clone(),
@@ -237,7 +240,7 @@ impl Truth {
             spread: maveric_domain::spread(&own),
         };
         let dial = percept.dial(&many.data, people).ok_or_else(|| StudyError::NotPossible {
-            problem: "with these effects nobody perceives Aggressive as more aggressive than Mimic, and Cautious as less".to_owned(),
+            problem: "with these effects nobody perceives the high end of the dial as more aggressive than its middle, and the low end as less".to_owned(),
             help: None,
         })?;
         Ok(Self { percept, dial })
@@ -282,7 +285,7 @@ impl Bench<'_> {
         let tried = new.people.iter().map(|person| Tried {
             truth: self.truth.points(self.world, person, new_seed),
             settings: Method::ALL.map(|method| match method {
-                Method::MimicForAll => Some((0.0, None)),
+                Method::OwnForAll => Some((0.0, None)),
                 Method::BeforeRiding => setting(&learned, &person.id, false),
                 Method::AfterFourConditions => setting(&learned, &person.id, true),
                 Method::Ceiling => setting(self.ceiling, &person.id, true),
@@ -363,11 +366,9 @@ impl Rider<'_> {
                 *seed,
             )?;
             let scores = maveric_measures::score(&world.scales, &rated.answers, None)?.scores;
-            let score = |scale: &str, subscale: &str| {
-                let of = scores
-                    .iter()
-                    .find(|s| s.scale == scale && s.subscale == subscale);
-                of.and_then(|s| s.value)
+            let score = |name: &ScoreName| {
+                let is = |s: &&Scored| s.scale == name.scale && s.subscale == name.subscale;
+                scores.iter().find(is).and_then(|s| s.value)
             };
             if let Some(regard) = learned.regard(score) {
                 let perceived = learned.percept.of(&drives.own, &drives.trials[0]);
@@ -399,7 +400,7 @@ fn mean_and_half(values: &[f64]) -> (f64, f64) {
 fn learned_from(participants: usize, studies: &[Vec<Tried>]) -> LearnedFrom {
     let people: Vec<&Tried> = studies.iter().flatten().collect();
     let scores = Method::ALL.iter().enumerate().map(|(m, method)| {
-        // Where the model recommends nothing the car stays with Mimic.
+        // Where the model recommends nothing the car stays with the own style.
         let errors: Vec<f64> = people
             .iter()
             .map(|t| (t.settings[m].map_or(0.0, |s| s.0) - t.truth).abs())
@@ -460,6 +461,7 @@ mod tests {
     fn world() -> World {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data");
         World {
+            design: crate::DesignFile::paper().unwrap().design,
             population: PopulationModel::read(&root.join("population.toml")).unwrap(),
             effects: read_effects(&root.join("effects.toml")).unwrap(),
             scales: read_scales(&root.join("scales")).unwrap(),
@@ -467,7 +469,7 @@ mod tests {
     }
 
     #[test]
-    fn who_is_known_is_served_better_than_by_mimic_for_all() {
+    fn who_is_known_is_served_better_than_by_the_own_style_for_all() {
         let world = world();
         let many = world.study(150, 3).unwrap();
         let truth = Truth::of(&world, &many).unwrap();

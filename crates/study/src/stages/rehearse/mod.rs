@@ -10,6 +10,7 @@ pub(crate) mod study;
 mod tables;
 
 pub use outcomes::Part;
+pub(crate) use outcomes::homophily_key;
 pub use population::{
     DerivedMeasure, DrawnMeasure, LineModel, MeasureModel, PopulationModel, Round, Step,
 };
@@ -18,11 +19,12 @@ pub use signs::SignRow;
 
 use crate::{
     atomic_write::write_json,
+    design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
     stages::{rate::read_effects, report::write_page, score::read_scales},
 };
-use maveric_analysis::{Family, Friedman};
+use maveric_analysis::Friedman;
 use maveric_domain::stream_seed;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -45,8 +47,6 @@ pub struct RehearseOptions {
     pub effect_scales: Vec<f64>,
     /// Studies of each size and scale.
     pub studies: usize,
-    /// The factors of the homophily tests.
-    pub family: Family,
     /// Folder to write into.
     pub out: PathBuf,
     /// Root of every random choice.
@@ -72,7 +72,7 @@ impl Rehearsal {
     }
 }
 
-/// Runs the analysis of `stats paper` on `studies` made-up studies of each size and scale of the effects; writes `rehearsal.json` and a
+/// Runs the analysis of `stats study` on `studies` made-up studies of each size and scale of the effects; writes `rehearsal.json` and a
 /// page with figures and tables.
 ///
 /// # Errors
@@ -86,6 +86,7 @@ pub fn rehearse(
 ) -> Result<Outcome<Rehearsal>, StudyError> {
     check(options)?;
     let world = World {
+        design: DesignFile::paper()?.design,
         population: PopulationModel::read(&options.population)?,
         effects: read_effects(&options.effects)?,
         scales: read_scales(&options.scales)?,
@@ -109,8 +110,7 @@ pub fn rehearse(
         let [scale, size, index] = labels.each_ref().map(String::as_str);
         let seed = stream_seed(options.seed, &["rehearsal", scale, size, index]);
         let study = worlds[cell / options.participants.len()].study(n, seed)?;
-        let analysis =
-            maveric_analysis::analyse(&study.data, &options.family, Friedman::Approximate)?;
+        let analysis = maveric_analysis::analyse(&study.data, Friedman::Approximate)?;
         Ok(outcomes::outcomes(&analysis))
     })?;
     let cells: Vec<Cell> = grid
@@ -187,6 +187,7 @@ mod tests {
     pub(super) fn world() -> World {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data");
         World {
+            design: DesignFile::paper().unwrap().design,
             population: population::tests::shipped(),
             effects: read_effects(&root.join("effects.toml")).unwrap(),
             scales: read_scales(&root.join("scales")).unwrap(),
@@ -197,8 +198,7 @@ mod tests {
         let found: Vec<_> = (0..studies)
             .map(|seed| {
                 let study = world.study(n, 1000 + seed).unwrap();
-                let family = Family::default();
-                let a = maveric_analysis::analyse(&study.data, &family, Friedman::Approximate);
+                let a = maveric_analysis::analyse(&study.data, Friedman::Approximate);
                 outcomes::outcomes(&a.unwrap())
             })
             .collect();
@@ -221,7 +221,9 @@ mod tests {
         let cell = run(&world(), 24, 6);
         let of = |key: &str| cell.tests.iter().find(|t| t.key == key).unwrap();
         assert_eq!(of("panel.mean_velocity_mps.omnibus").rejected, 6);
-        let r = of("conscientiousness.mc_competence").mean_estimate.unwrap();
+        let r = of("homophily.mini_ipip.conscientiousness.mimic-cautious.rosas.competence")
+            .mean_estimate
+            .unwrap();
         assert!(r < -0.2, "{r}");
     }
 
@@ -231,12 +233,8 @@ mod tests {
         let scores = |seed| {
             let study = world.study(5, seed).unwrap();
             let p = study.data.participants[2].clone();
-            study.data.post(
-                &p,
-                maveric_domain::ConditionId::MIMIC,
-                "rosas",
-                "competence",
-            )
+            let name = "rosas.competence".parse().unwrap();
+            study.data.rated(&p, study.data.own_style().unwrap(), &name)
         };
         assert_eq!(scores(3), scores(3));
         let all: std::collections::BTreeSet<String> =

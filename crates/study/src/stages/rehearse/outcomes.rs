@@ -1,7 +1,6 @@
 //! Every test that a report prints, by name.
 
-use maveric_analysis::{Analysis, Correlation};
-use maveric_domain::ConditionId;
+use maveric_analysis::{Analysis, Correlation, HomophilyRow};
 use serde::Serialize;
 
 /// Which part of the report a test belongs to.
@@ -14,7 +13,7 @@ pub enum Part {
     Omnibus,
     /// 9.3, a pair of conditions within a panel.
     Pairs,
-    /// 9.3, whether Mimic is nearer to the own drive.
+    /// 9.3, whether the car at 0 on the dial is nearer to the own drive.
     Nearer,
     /// 9.4, habits kept along the line and round the ellipse.
     Kept,
@@ -48,7 +47,7 @@ impl Part {
             Self::Line => "Aggression line (Pearson)",
             Self::Omnibus => "Six panels, omnibus (RM-ANOVA or Friedman)",
             Self::Pairs => "Six panels, pairs (t or Wilcoxon)",
-            Self::Nearer => "Mimic nearer to own (Wilcoxon)",
+            Self::Nearer => "Own style nearer to own drive (Wilcoxon)",
             Self::Kept => "Habits kept: line, angle, circle",
             Self::Homophily => "Factors × rating differences (Pearson or Spearman)",
             Self::SimilarityPooled => "Similarity × rating, all rows (Spearman)",
@@ -62,7 +61,7 @@ impl Part {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Found {
     pub(crate) part: Part,
-    /// Such as `homophily.conscientiousness.mc_trust`; the claims ledger's key for the homophily rows, after `correlation.`.
+    /// Such as `nearer.lane_changes.calm`; of a homophily test the claims ledger's key, before `.r`.
     pub(crate) key: String,
     /// Tests corrected together; none of a test that stands alone.
     pub(crate) family: Option<String>,
@@ -71,13 +70,12 @@ pub(crate) struct Found {
     pub(crate) p_holm: Option<f64>,
 }
 
-/// Name of a contrast in keys: `mc` is Mimic minus Cautious.
-pub(crate) fn versus(condition: ConditionId) -> &'static str {
-    if condition == ConditionId::CAUTIOUS {
-        "mc"
-    } else {
-        "ma"
-    }
+/// The name of a homophily test here and, before `.r`, in a ledger of claims.
+pub(crate) fn homophily_key(row: &HomophilyRow) -> String {
+    format!(
+        "homophily.{}.{}-{}.{}",
+        row.factor, row.own, row.versus, row.rating
+    )
 }
 
 /// Every test of a study, always in the same order.
@@ -94,7 +92,7 @@ pub(crate) fn outcomes(a: &Analysis) -> Vec<Found> {
         });
     };
     let of = |c: &Correlation| (c.r, c.p);
-    for line in [&a.line, &a.line_without_adb] {
+    for line in [&a.line, &a.line_without_adb].into_iter().flatten() {
         let fit = if line.adb_used {
             "with_adb"
         } else {
@@ -108,7 +106,7 @@ pub(crate) fn outcomes(a: &Analysis) -> Vec<Found> {
     for panel in &a.panels {
         add(
             Part::Omnibus,
-            format!("panel.{}.omnibus", panel.measure),
+            format!("panel.{}.omnibus", panel.outcome),
             None,
             panel.comparison.as_ref().and_then(|c| c.omnibus.p),
         );
@@ -158,23 +156,16 @@ pub(crate) fn outcomes(a: &Analysis) -> Vec<Found> {
         });
     };
     for panel in &a.panels {
-        let name = format!("panel.{}", panel.measure);
-        // In one order, whichever post-hoc test was chosen.
-        for (i, first) in ConditionId::AV.into_iter().enumerate() {
-            for second in &ConditionId::AV[i + 1..] {
-                let pair = panel
-                    .pairs
-                    .iter()
-                    .find(|p| p.first == first && p.second == *second);
-                corrected(
-                    Part::Pairs,
-                    format!("{name}.{first}-{second}"),
-                    name.clone(),
-                    pair.and_then(|p| p.mean_difference),
-                    pair.and_then(|p| p.p),
-                    pair.and_then(|p| p.p_holm),
-                );
-            }
+        let name = format!("panel.{}", panel.outcome);
+        for pair in &panel.contrasts {
+            corrected(
+                Part::Pairs,
+                format!("{name}.{}-{}", pair.first, pair.second),
+                name.clone(),
+                pair.mean_difference,
+                pair.p,
+                pair.p_holm,
+            );
         }
     }
     for row in &a.nearer {
@@ -190,7 +181,7 @@ pub(crate) fn outcomes(a: &Analysis) -> Vec<Found> {
         );
     }
     for row in &a.homophily {
-        let key = format!("{}.{}_{}", row.factor, versus(row.versus), row.rating);
+        let key = homophily_key(row);
         let (r, p) = of(&row.correlation);
         corrected(
             Part::Homophily,

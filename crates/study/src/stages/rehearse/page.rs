@@ -1,6 +1,6 @@
 //! The page of a rehearsal: its figures and tables.
 
-use super::{Cell, Rehearsal, RehearseOptions, tables};
+use super::{Cell, Part, Rehearsal, RehearseOptions, tables};
 use crate::error::StudyError;
 use maveric_report::{
     Context, Figure, Report,
@@ -11,36 +11,23 @@ use maveric_report::{
     html::{Methods, Provenance, Section},
 };
 
-/// The tests whose power is drawn: key and title.
-const DRAWN: [(&str, &str); 9] = [
-    (
-        "conscientiousness.mc_competence",
-        "Conscientiousness, M − C competence",
-    ),
-    (
-        "conscientiousness.ma_trust",
-        "Conscientiousness, M − A trust",
-    ),
-    ("openness.ma_discomfort", "Openness, M − A discomfort"),
-    (
-        "high_velocity.ma_intelligence",
-        "High velocity, M − A intelligence",
-    ),
-    (
-        "similarity_within.competence",
-        "Similarity × competence, within",
-    ),
-    ("mixed.trust.shift_squared", "Trust on shift², mixed model"),
-    (
-        "panel.aggressiveness.omnibus",
-        "Rated aggressiveness, omnibus",
-    ),
-    ("line.without_adb.mean_velocity_mps", "Line × mean velocity"),
-    (
-        "nearer.mean_headway_time_s.aggressive",
-        "Mimic nearer, headway time",
-    ),
-];
+/// The tests whose power is drawn: of each part that which most studies found, at the largest size and the planted effects.
+fn drawn(found: &Rehearsal) -> Vec<(String, String)> {
+    let largest = |c: &&Cell| (c.effect_scale - 1.0).abs() < 1e-12;
+    let Some(cell) = found.cells.iter().rfind(largest).or(found.cells.last()) else {
+        return Vec::new();
+    };
+    let best = |part: Part| {
+        let mut of_part = cell.tests.iter().filter(|t| t.part == part);
+        let first = of_part.next()?;
+        let most = of_part.fold(
+            first,
+            |best, t| if t.rejected > best.rejected { t } else { best },
+        );
+        Some((most.key.clone(), format!("{}: {}", part.title(), most.key)))
+    };
+    Part::ALL.into_iter().filter_map(best).collect()
+}
 
 pub(super) fn page(found: &Rehearsal, options: &RehearseOptions) -> Result<Report, StudyError> {
     let context = Context::synthetic(options.seed);
@@ -99,11 +86,10 @@ pub(super) fn page(found: &Rehearsal, options: &RehearseOptions) -> Result<Repor
             version: env!("CARGO_PKG_VERSION").to_owned(),
             seed: Some(options.seed),
             command: format!(
-                "maveric rehearse --participants {} --effects-times {} --studies {} --family {} --seed {} --out {}",
+                "maveric rehearse --participants {} --effects-times {} --studies {} --seed {} --out {}",
                 list(&sizes),
                 list(&scales),
                 options.studies,
-                options.family,
                 options.seed,
                 options.out.display()
             ),
@@ -162,12 +148,12 @@ fn power_figure(
             })
             .collect()
     };
-    let panels: Vec<CurvePanel> = DRAWN
-        .iter()
+    let panels: Vec<CurvePanel> = drawn(found)
+        .into_iter()
         .map(|(key, title)| CurvePanel {
-            title: (*title).to_owned(),
+            title,
             y: "Power".to_owned(),
-            curves: shown.iter().map(|scale| points(*scale, key)).collect(),
+            curves: shown.iter().map(|scale| points(*scale, &key)).collect(),
         })
         .filter(|panel| panel.curves.iter().any(|c| !c.is_empty()))
         .collect();

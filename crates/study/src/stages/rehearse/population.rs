@@ -1,7 +1,11 @@
 //! What drives look like, measure by measure: the generator of studies that are not driven.
 
 use crate::{atomic_write::read_text, error::StudyError};
-use maveric_domain::{ConditionId, MeasureValues, stream_seed};
+use maveric_domain::{
+    MeasureValues,
+    design::{Car, Condition},
+    stream_seed,
+};
 use maveric_participants::{Participant, Trait};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_distr::{Distribution as _, StandardNormal};
@@ -129,12 +133,10 @@ pub(crate) enum Asked {
 
 impl Asked {
     /// A study's condition; the angle is used by Perpendicular alone.
-    pub(crate) fn of(condition: ConditionId, angle: f64) -> Self {
-        match condition {
-            ConditionId::AGGRESSIVE => Self::Shift(1.0),
-            ConditionId::CAUTIOUS => Self::Shift(-1.0),
-            ConditionId::PERPENDICULAR => Self::Round(angle),
-            _ => Self::Shift(0.0),
+    pub(crate) fn of(condition: &Condition, angle: f64, step: f64) -> Self {
+        match condition.car {
+            Some(Car::Across) => Self::Round(angle),
+            _ => Self::Shift(condition.dial().unwrap_or(0.0) / step),
         }
     }
 }

@@ -10,7 +10,7 @@ use std::path::Path;
 /// One of the paper's correlations over the rehearsed studies.
 #[derive(Debug, Clone, Serialize)]
 pub struct SignRow {
-    /// The claim's key, such as `correlation.conscientiousness.mc_trust.r`.
+    /// The claim's key, such as `homophily.SCALE.FACTOR.OWN-OTHER.SCALE.SUBSCALE.r`.
     pub key: String,
     /// What the claim says.
     pub text: String,
@@ -44,11 +44,7 @@ pub(super) fn signs(path: &Path, cells: &[Cell]) -> Result<Vec<SignRow>, StudyEr
     };
     let mut rows = Vec::new();
     for claim in ledger {
-        let Some(key) = claim
-            .key
-            .strip_prefix("correlation.")
-            .and_then(|k| k.strip_suffix(".r"))
-        else {
+        let Some(key) = claim.key.strip_suffix(".r") else {
             continue;
         };
         let test_in = |c: &Cell| c.tests.iter().position(|t| t.key == key);

@@ -2,23 +2,26 @@
 
 use super::population::{Asked, PopulationModel};
 use crate::{
-    design::DesignFile,
     error::StudyError,
     tables::{conditions::ConditionRow, embeddings::EmbeddingRow, measurements::MeasuredDrive},
 };
 use maveric_analysis::{StudyData, Tables};
 use maveric_domain::{
-    ConditionId, DriveId, DriveMeta, DrivenBy, Embedding, MeasureValues, Moment, Scale, Score,
+    ConditionId, Design, DriveId, DriveMeta, DrivenBy, Embedding, MeasureValues, Moment, Scale,
+    Score,
+    design::{Car, Condition},
     spread,
 };
 use maveric_participants::{Cohort, CohortSettings, Effects, Participant, answer_before, rate};
 
-/// How far Aggressive and Cautious are from Mimic, in ADB points.
+/// Points of the dial in one step of the population model.
 pub(crate) const POINTS: f64 = 15.0;
 
 /// Everything that a synthetic study is drawn from.
 #[derive(Debug, Clone)]
 pub(crate) struct World {
+    /// Who is tested in which conditions.
+    pub(crate) design: Design,
     pub(crate) population: PopulationModel,
     pub(crate) effects: Effects,
     pub(crate) scales: Vec<Scale>,
@@ -34,6 +37,7 @@ impl World {
     /// The same world with every effect times `factor`; 0 has none at all, order and halo included.
     pub(crate) fn scaled(&self, factor: f64) -> Self {
         Self {
+            design: self.design.clone(),
             population: self.population.scaled(factor),
             effects: if factor == 0.0 {
                 self.effects.without_effects()
@@ -46,27 +50,29 @@ impl World {
 
     /// Draws a study of `n` people, their drives, answers and ratings.
     pub(crate) fn study(&self, n: usize, seed: u64) -> Result<Rehearsed, StudyError> {
-        let cohort = Cohort::draw(
-            0,
-            n,
-            seed,
-            &CohortSettings::default(),
-            &DesignFile::paper()?.design,
-        )?;
+        let cohort = Cohort::draw(0, n, seed, &CohortSettings::default(), &self.design)?;
         let answers = answer_before(&cohort, &self.scales, &self.effects, seed)?;
         let pre = maveric_measures::score(&self.scales, &answers, None)?.scores;
         let people = cohort.participants;
+        let conditions = self.design.conditions();
+        let Some(baseline) = self.design.baseline_id() else {
+            return Err(StudyError::NotPossible {
+                problem: "a rehearsal needs a design with a baseline".to_owned(),
+                help: None,
+            });
+        };
         let mut own = Vec::with_capacity(n);
         let mut trials = Vec::with_capacity(n);
         let mut angles = Vec::with_capacity(n);
         for person in &people {
             let angle = PopulationModel::angle(person, seed);
-            let asked = ConditionId::AV
-                .each_ref()
-                .map(|c| (c.as_str(), Asked::of(*c, angle)));
+            let asked: Vec<(&str, Asked)> = conditions
+                .iter()
+                .map(|c| (c.id.as_str(), Asked::of(c, angle, POINTS)))
+                .collect();
             let drives = self.population.drives(person, &asked, seed);
             own.push(drives.own);
-            let by_condition = ConditionId::AV.into_iter().zip(drives.trials);
+            let by_condition = conditions.iter().map(|c| c.id).zip(drives.trials);
             trials.push(by_condition.collect::<Vec<(ConditionId, MeasureValues)>>());
             angles.push(angle);
         }
@@ -86,16 +92,16 @@ impl World {
         }
         let post = maveric_measures::score(&self.scales, &ratings, None)?.scores;
         let mut tables = Tables {
-            tested: people.iter().map(|p| p.id.clone()).collect(),
+            scales: self.scales.clone(),
             pre,
             post,
             ..Tables::default()
         };
         for (i, person) in people.iter().enumerate() {
-            let drives = std::iter::once((ConditionId::OWN, &own[i]));
+            let drives = std::iter::once((baseline, &own[i]));
             for (condition, values) in drives.chain(trials[i].iter().map(|(c, v)| (*c, v))) {
                 tables.measurements.push(MeasuredDrive {
-                    meta: meta(person, condition)?,
+                    meta: meta(person, condition, condition == baseline)?,
                     values: values.clone(),
                 });
             }
@@ -107,9 +113,9 @@ impl World {
             for (adb_used, position) in [(false, without), (true, with)] {
                 tables
                     .embeddings
-                    .push(embedding(person, adb_used, adb, position)?);
+                    .push(embedding((person, baseline), adb_used, adb, position)?);
             }
-            for condition in ConditionId::AV {
+            for condition in conditions {
                 tables
                     .conditions
                     .push(condition_row(person, condition, angles[i])?);
@@ -117,7 +123,7 @@ impl World {
         }
         Ok(Rehearsed {
             people,
-            data: StudyData::new(tables)?,
+            data: StudyData::new(&self.design, tables)?,
         })
     }
 }
@@ -132,12 +138,16 @@ fn adb_of(pre: &[Score], person: &Participant) -> Option<f64> {
     pre.iter().find(of)?.value
 }
 
-fn meta(person: &Participant, condition: ConditionId) -> Result<DriveMeta, StudyError> {
+fn meta(
+    person: &Participant,
+    condition: ConditionId,
+    by_hand: bool,
+) -> Result<DriveMeta, StudyError> {
     Ok(DriveMeta {
         drive: DriveId::new(format!("{}-{condition}", person.id))?,
         participant: person.id.clone(),
         condition,
-        driven_by: if condition == ConditionId::OWN {
+        driven_by: if by_hand {
             DrivenBy::Synthetic
         } else {
             DrivenBy::Automated
@@ -146,15 +156,15 @@ fn meta(person: &Participant, condition: ConditionId) -> Result<DriveMeta, Study
 }
 
 fn embedding(
-    person: &Participant,
+    (person, baseline): (&Participant, ConditionId),
     adb_used: bool,
     adb: Option<f64>,
     position: f64,
 ) -> Result<EmbeddingRow, StudyError> {
     Ok(EmbeddingRow {
-        drive: DriveId::new(format!("{}-own", person.id))?,
+        drive: DriveId::new(format!("{}-{baseline}", person.id))?,
         participant: person.id.clone(),
-        condition: ConditionId::OWN,
+        condition: baseline,
         adb_used,
         adb,
         adb_hat: None,
@@ -168,19 +178,15 @@ fn embedding(
 
 fn condition_row(
     person: &Participant,
-    condition: ConditionId,
+    condition: &Condition,
     angle: f64,
 ) -> Result<ConditionRow, StudyError> {
     Ok(ConditionRow {
         participant: person.id.clone(),
-        condition,
+        condition: condition.id,
         adb_hat: 0.0,
-        moved_points: match condition {
-            ConditionId::AGGRESSIVE => POINTS,
-            ConditionId::CAUTIOUS => -POINTS,
-            _ => 0.0,
-        },
-        angle_rad: (condition == ConditionId::PERPENDICULAR).then_some(angle),
+        moved_points: condition.dial().unwrap_or(0.0),
+        angle_rad: (condition.car == Some(Car::Across)).then_some(angle),
         beyond_training: false,
         sweep: None,
         embedding: Embedding::new(vec![0.0])?,

@@ -1,8 +1,8 @@
 //! Our results under the keys of the claims ledger.
 
-use super::people::People;
-use maveric_analysis::{Analysis, Correlation, Preference};
-use maveric_domain::ConditionId;
+use super::{people::People, synthetic::Run};
+use crate::stages::rehearse::homophily_key;
+use maveric_analysis::{Correlation, Preference};
 use maveric_report::claims::Made;
 use std::collections::BTreeMap;
 
@@ -18,12 +18,12 @@ pub(super) fn made(key: &str) -> Made {
             ("stats", Some("figure-perpendicular"))
         }
         "line" => ("stats", Some("figure-aggression-line")),
-        "mimic_accuracy" => ("stats", Some("table-mimic-accuracy")),
+        "accuracy" => ("stats", Some("table-accuracy")),
         "nearer" => ("stats", Some("table-nearer")),
-        "dial" | "rated_aggressiveness" => ("stats", Some("figure-difference-panels")),
-        "perpendicular" => ("stats", Some("figure-perpendicular")),
+        "dial" | "rated" => ("stats", Some("figure-difference-panels")),
+        "across" => ("stats", Some("figure-perpendicular")),
         "preference" => ("stats", Some("figure-preference")),
-        "correlation" => ("stats", Some("table-correlations")),
+        "homophily" | "similarity" => ("stats", Some("table-correlations")),
         _ => ("stats", None),
     };
     Made {
@@ -63,40 +63,40 @@ fn percent(part: usize, whole: usize) -> Option<f64> {
     (whole > 0).then(|| 100.0 * part as f64 / whole as f64)
 }
 
-/// What the panels give: Aggressive and Cautious against Mimic, and ratings against "the same".
-fn panels(analysis: &Analysis, found: &mut Results) {
-    for panel in &analysis.panels {
-        let rated = panel.measure == "aggressiveness";
-        for pair in panel.pairs.iter().filter(|p| p.first == ConditionId::MIMIC) {
-            if !rated {
-                let key = format!("dial.{}.{}", short(&panel.measure), pair.second);
-                // The pair is Mimic minus the other; the claims are the other minus Mimic.
-                found.set(
-                    format!("{key}.difference"),
-                    pair.mean_difference.map(|d| -d),
-                );
+/// What the panels give: each condition against that at 0 on the dial, and ratings against "as I do".
+fn panels(run: &Run, found: &mut Results) {
+    let Some(own) = run.own_style() else { return };
+    for panel in &run.analysis.panels {
+        let measured = !panel.outcome.contains('.');
+        for pair in &panel.contrasts {
+            // The pair may stand either way round; the claims are the other minus the own style.
+            let (other, sign) = match (pair.first == own, pair.second == own) {
+                (true, _) => (pair.second, -1.0),
+                (_, true) => (pair.first, 1.0),
+                _ => continue,
+            };
+            let difference = pair.mean_difference.map(|d| sign * d);
+            if measured {
+                let key = format!("dial.{}.{other}", short(&panel.outcome));
+                found.set(format!("{key}.difference"), difference);
                 found.set(format!("{key}.p"), pair.p_holm);
                 continue;
             }
-            let key = format!("rated_aggressiveness.{}", pair.second);
+            let key = format!("rated.{}.{other}", panel.outcome);
             found.set(format!("{key}.p"), pair.p_holm);
-            // The claims: Cautious is rated below Mimic, Aggressive above it.
-            let sign = if pair.second == ConditionId::CAUTIOUS {
-                1.0
-            } else {
-                -1.0
-            };
-            found.set(
-                format!("{key}.direction"),
-                pair.mean_difference.map(|d| sign * d),
-            );
+            // Above 0: it lies on the expected side.
+            let expected = pair.expected.map_or(1.0, |e| sign * e.factor());
+            found.set(format!("{key}.direction"), difference.map(|d| expected * d));
         }
-        for (column, condition) in ConditionId::AV.iter().enumerate().filter(|_| rated) {
+        let Some(same) = panel.same.filter(|_| !measured) else {
+            continue;
+        };
+        for (column, condition) in panel.conditions.iter().enumerate() {
             let values = panel.rows.iter().filter_map(|row| *row.get(column)?);
             let (n, sum) = values.fold((0.0, 0.0), |(n, sum), v| (n + 1.0, sum + v));
             found.set(
-                format!("rated_aggressiveness.{condition}.from_same"),
-                (n > 0.0).then(|| sum / n - panel.same),
+                format!("rated.{}.{condition}.from_same", panel.outcome),
+                (n > 0.0).then(|| sum / n - same),
             );
         }
     }
@@ -104,10 +104,11 @@ fn panels(analysis: &Analysis, found: &mut Results) {
 
 /// Every result that a claim may ask for.
 pub(super) fn results(
-    analysis: &Analysis,
+    run: &Run,
     people: &People,
     setup: &[(String, f64)],
 ) -> BTreeMap<String, f64> {
+    let analysis = &run.analysis;
     let mut found = Results(BTreeMap::new());
     for (key, value) in setup {
         found.set(key.clone(), Some(*value));
@@ -115,71 +116,59 @@ pub(super) fn results(
     for (key, value) in people.results() {
         found.set(key, value);
     }
-    for row in &analysis.line.rows {
-        found.correlation(&format!("line.{}", short(&row.measure)), &row.correlation);
+    for row in analysis.line.iter().flat_map(|line| &line.rows) {
+        let key = format!("line.{}", short(&row.measure));
+        found.correlation(&key, &row.correlation);
+        if let Some((low, high)) = row.ends.filter(|_| row.unit == "mph") {
+            found.set(format!("{key}.low_mph"), Some(low));
+            found.set(format!("{key}.high_mph"), Some(high));
+        }
     }
-    if let Some((low, high)) = analysis.line.velocity_ends_mph {
-        found.set("line.mean_velocity.low_mph", Some(low));
-        found.set("line.mean_velocity.high_mph", Some(high));
-    }
-    for row in &analysis.accuracy {
+    for row in &analysis.reproduction {
         found.set(
-            format!("mimic_accuracy.{}", short(&row.measure)),
+            format!("accuracy.{}.{}", row.condition, short(&row.measure)),
             row.mean.map(|m| 100.0 * m),
         );
     }
     for row in &analysis.nearer {
         let key = format!("nearer.{}.{}", short(&row.measure), row.than);
         found.set(format!("{key}.p"), row.p_holm);
-        // Above 0: for more people than not, Mimic is the nearer one.
+        // Above 0: for more people than not, the car at 0 on the dial is the nearer one.
         found.set(format!("{key}.direction"), row.share.map(|s| s - 0.5));
     }
-    panels(analysis, &mut found);
+    panels(run, &mut found);
     for row in &analysis.kept {
         let name = short(&row.measure);
         found.correlation(&format!("line.{name}"), &row.line);
-        found.correlation(&format!("perpendicular.{name}"), &row.angle);
+        found.correlation(&format!("across.{name}"), &row.angle);
     }
     for row in &analysis.homophily {
-        let versus = if row.versus == ConditionId::CAUTIOUS {
-            "mc"
-        } else {
-            "ma"
-        };
-        found.correlation(
-            &format!("correlation.{}.{versus}_{}", row.factor, row.rating),
-            &row.correlation,
-        );
+        found.correlation(&homophily_key(row), &row.correlation);
     }
     for row in &analysis.similarity {
-        found.correlation(
-            &format!("correlation.similarity.{}", row.rating),
-            &row.pooled,
-        );
+        found.correlation(&format!("similarity.{}", row.rating), &row.pooled);
     }
-    let over = |of: fn(&Preference) -> usize| {
-        let n: usize = analysis.preferences.iter().map(|p| p.n).sum();
-        percent(analysis.preferences.iter().map(of).sum(), n)
-    };
-    found.set(
-        "preference.aggressive.percent",
-        over(|p| p.aggressive_above),
-    );
-    found.set("preference.cautious.percent", over(|p| p.cautious_above));
-    for row in &analysis.preferences {
-        match row.rating.as_str() {
-            "competence" => found.set(
-                "preference.competence.mimic_at_most_cautious_percent",
-                percent(row.mimic_not_above_cautious, row.n),
-            ),
-            "discomfort" => {
-                found.set(
-                    "preference.discomfort.aggressive_percent",
-                    percent(row.aggressive_above, row.n),
-                );
-            }
-            _ => {}
+    preferences(&analysis.preferences, &mut found);
+    found.0
+}
+
+/// Shares of people who rated a condition above their own style: of all ratings together, and rating by rating.
+fn preferences(rated: &[Preference], found: &mut Results) {
+    let Some(first) = rated.first() else { return };
+    let n: usize = rated.iter().map(|p| p.n).sum();
+    for (at, other) in first.others.iter().enumerate() {
+        let above = rated.iter().filter_map(|p| Some(p.others.get(at)?.above));
+        let key = format!("preference.{}.percent", other.condition);
+        found.set(key, percent(above.sum(), n));
+    }
+    for row in rated {
+        for other in &row.others {
+            let key = format!("preference.{}.{}", row.rating, other.condition);
+            found.set(format!("{key}.percent"), percent(other.above, row.n));
+            found.set(
+                format!("{key}.not_below_percent"),
+                percent(other.not_below, row.n),
+            );
         }
     }
-    found.0
 }

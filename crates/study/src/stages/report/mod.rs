@@ -26,8 +26,10 @@ pub struct ReportOptions {
     pub results: PathBuf,
     /// Folder to write into.
     pub out: PathBuf,
-    /// What the paper reported.
-    pub claims: PathBuf,
+    /// The ledger of claims; the design's without, and none where it names none.
+    pub claims: Option<PathBuf>,
+    /// The command that is running, to be repeated.
+    pub command: String,
     /// Parameters of the run, listed on the page; a value that is a file stands there whole, with its hash.
     pub parameters: Vec<(String, String)>,
     /// Who took part; `participants.csv` among the results without.
@@ -64,7 +66,7 @@ pub fn report(options: &ReportOptions, watch: Watch<'_>) -> Result<Outcome<Repor
                 "holds neither analysis.json nor following.json, so there is nothing to report"
                     .to_owned(),
             help: Some(
-                "run a pipeline first, or `maveric stats paper` over a study's results".to_owned(),
+                "run a pipeline first, or `maveric stats study` over a study's results".to_owned(),
             ),
         });
     };

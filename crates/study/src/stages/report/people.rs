@@ -8,8 +8,8 @@ use crate::{
         surveys::read_scores,
     },
 };
-use maveric_domain::{Design, Moment, Score};
-use maveric_participants::{Gender, Part, Population};
+use maveric_domain::{Design, Moment, Score, design::ScoreName};
+use maveric_participants::{Gender, Part};
 use maveric_report::tables::ParticipantGroup;
 use std::path::Path;
 
@@ -17,6 +17,8 @@ use std::path::Path;
 pub(super) struct People {
     participants: Vec<Enrolled>,
     scores: Vec<Score>,
+    /// What the dial turns.
+    score: Option<ScoreName>,
     /// Drives by hand of each study.
     drives: [usize; 2],
 }
@@ -55,34 +57,41 @@ impl People {
             let hand = |d: &&MeasuredDrive| d.meta.driven_by != maveric_domain::DrivenBy::Automated;
             drives.iter().filter(of_part).filter(hand).count()
         };
+        let scores = folder.join("scores.csv");
         Ok(Self {
-            scores: read_scores(&folder.join("scores.csv"))?,
+            scores: if scores.is_file() {
+                read_scores(&scores)?
+            } else {
+                Vec::new()
+            },
+            score: design.style().map(|s| s.score.clone()),
             drives: [by_hand(Part::Learn), by_hand(Part::Test)],
             participants: enrolled,
         })
     }
 
-    fn of(&self, part: Part, population: Option<Population>) -> Vec<&Enrolled> {
+    fn of(&self, part: Part, population: Option<&str>) -> Vec<&Enrolled> {
         let fits = |p: &&Enrolled| {
-            takes(p, part) && population.is_none_or(|g| p.population.as_deref() == Some(g.as_str()))
+            takes(p, part) && population.is_none_or(|g| p.population.as_deref() == Some(g))
         };
         self.participants.iter().filter(fits).collect()
     }
 
-    fn adb(&self, people: &[&Enrolled]) -> Vec<f64> {
+    fn style(&self, people: &[&Enrolled]) -> Vec<f64> {
         let score = |p: &&Enrolled| {
+            let name = self.score.as_ref()?;
             let mine = |s: &&Score| {
                 s.participant == p.id
                     && s.moment == Moment::Pre
-                    && s.scale == "adb"
-                    && s.subscale == "total"
+                    && s.scale == name.scale
+                    && s.subscale == name.subscale
             };
             self.scores.iter().find(mine)?.value
         };
         people.iter().filter_map(score).collect()
     }
 
-    fn group(&self, name: &str, part: Part, population: Option<Population>) -> ParticipantGroup {
+    fn group(&self, name: &str, part: Part, population: Option<&str>) -> ParticipantGroup {
         let people = self.of(part, population);
         let ages: Vec<f64> = people.iter().filter_map(|p| p.age_years).collect();
         let genders: Vec<&str> = people.iter().filter_map(|p| p.gender.as_deref()).collect();
@@ -90,7 +99,7 @@ impl People {
             .iter()
             .filter(|g| **g == Gender::Female.as_str())
             .count();
-        let adb = self.adb(&people);
+        let scored = self.style(&people);
         let drives = match (part, population) {
             (Part::Learn, _) => self.drives[0],
             (Part::Test, None) => self.drives[1],
@@ -103,26 +112,33 @@ impl People {
             mean_age: mean(&ages),
             sd_age: sd(&ages),
             female: (!genders.is_empty()).then(|| women as f64 / genders.len() as f64),
-            mean_adb: mean(&adb),
-            sd_adb: sd(&adb),
+            mean_score: mean(&scored),
+            sd_score: sd(&scored),
         }
     }
 
-    /// The rows of the participants table.
+    /// The rows of the participants table: who is learned from, then who is tested, divided where the table divides them.
     pub(super) fn groups(&self) -> Vec<ParticipantGroup> {
-        vec![
-            self.group("Study 1 (model training)", Part::Learn, None),
-            self.group(
-                "Study 2 (model testing), internal",
-                Part::Test,
-                Some(Population::Internal),
-            ),
-            self.group(
-                "Study 2 (model testing), external",
-                Part::Test,
-                Some(Population::External),
-            ),
-        ]
+        let mut groups = Vec::new();
+        for (name, part) in [("Learned from", Part::Learn), ("Tested", Part::Test)] {
+            let people = self.of(part, None);
+            if people.is_empty() {
+                continue;
+            }
+            let mut populations: Vec<&str> = Vec::new();
+            for person in &people {
+                let population = person.population.as_deref();
+                populations.extend(population.filter(|p| !populations.contains(p)));
+            }
+            if populations.len() < 2 {
+                groups.push(self.group(name, part, None));
+                continue;
+            }
+            for population in populations {
+                groups.push(self.group(&format!("{name}, {population}"), part, Some(population)));
+            }
+        }
+        groups
     }
 
     /// What the claims ledger asks about the participants.
@@ -131,8 +147,8 @@ impl People {
         for (key, part, population) in [
             ("study1", Part::Learn, None),
             ("study2", Part::Test, None),
-            ("study2.internal", Part::Test, Some(Population::Internal)),
-            ("study2.external", Part::Test, Some(Population::External)),
+            ("study2.internal", Part::Test, Some("internal")),
+            ("study2.external", Part::Test, Some("external")),
         ] {
             let group = self.group(key, part, population);
             found.push((format!("participants.{key}.n"), Some(group.n as f64)));

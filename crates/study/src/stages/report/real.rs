@@ -210,8 +210,8 @@ pub(super) fn page(options: &ReportOptions) -> Result<(Report, Vec<String>), Stu
         provenance: Provenance {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             seed: Some(training.seed),
-            command: format!("maveric run pipelines/{data_set}.toml"),
-            parameters: super::synthetic::parameters(&training),
+            command: options.command.clone(),
+            parameters: super::synthetic::parameters_of(&training),
             inputs: hashed(in_folder(
                 folder,
                 &["following.json", "model.maveric", "model_training.json"],

@@ -13,18 +13,21 @@ const SIGHT_M: f64 = 90.0;
 /// Trail behind and plan ahead, in s.
 const PATH_S: f64 = 4.0;
 
-/// The first moment of a Mimic drive at which the car is half-way through a change to the left; without a change, the
+/// The first moment of a drive in `condition` at which the car is half-way through a change to the left; without a change, the
 /// drive's middle. `None` if there are no logs.
-pub(super) fn view(logs: &Path) -> Result<Option<SimulatorView>, StudyError> {
+pub(super) fn view(
+    logs: &Path,
+    condition: Option<ConditionId>,
+) -> Result<Option<SimulatorView>, StudyError> {
     let Ok(entries) = std::fs::read_dir(logs) else {
         return Ok(None);
     };
     let mut paths: Vec<_> = entries.filter_map(Result::ok).map(|e| e.path()).collect();
     paths.sort();
-    let Some(path) = paths
-        .into_iter()
-        .find(|p| p.to_string_lossy().ends_with("-mimic.mcap"))
-    else {
+    let Some(path) = paths.into_iter().find(|p| {
+        let name = p.to_string_lossy();
+        condition.is_some_and(|c| name.ends_with(&format!("-{c}.mcap")))
+    }) else {
         return Ok(None);
     };
     let Some(log) = read_log(&path, &IngestSettings::default())?
@@ -61,7 +64,7 @@ pub(super) fn view(logs: &Path) -> Result<Option<SimulatorView>, StudyError> {
     let road = drive.road();
     Ok(Some(SimulatorView {
         participant: log.meta.participant.to_string(),
-        condition: ConditionId::MIMIC,
+        condition: log.meta.condition,
         time_s: scene.time_s,
         lanes: usize::from(road.lanes),
         lane_width_m: road.lane_width_m,

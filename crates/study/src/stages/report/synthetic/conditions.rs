@@ -1,13 +1,13 @@
 //! The third and fourth sections: what the conditions did, and which habits they left alone.
 
-use super::{Run, said, watch};
+use super::{Run, said, summary::of_group, watch};
 use crate::{
     error::StudyError,
     stages::{report::keys::short, stats::apa_omnibus},
     watching::WatchedDrive,
 };
-use maveric_analysis::{Nearer, Panel, PanelPair};
-use maveric_domain::ConditionId;
+use maveric_analysis::{Contrast, Nearer, Panel, Reproduction};
+use maveric_domain::design::Sign;
 use maveric_report::{
     apa,
     claims::LedgerRow,
@@ -19,6 +19,7 @@ use maveric_report::{
     html::Section,
     tables::{self, AccuracyRow, Cell, Column},
 };
+use maveric_stats::PosthocTest;
 use std::collections::BTreeMap;
 
 pub(super) fn section_conditions(
@@ -26,68 +27,82 @@ pub(super) fn section_conditions(
     ledger: &[LedgerRow],
     watched: &[WatchedDrive],
 ) -> Result<Section, StudyError> {
-    let panels = DifferencePanels {
-        // A panel without a single value has nothing to show: the exclusions say who is missing and why.
-        panels: run
-            .analysis
-            .panels
-            .iter()
-            .filter(|p| p.rows.iter().flatten().any(Option::is_some))
-            .map(panel)
-            .collect(),
-    };
-    let reported: BTreeMap<&str, f64> = ledger
-        .iter()
-        .map(|row| (row.claim.key.as_str(), row.claim.printed.value))
-        .collect();
-    let rows: Vec<AccuracyRow> = run
+    // A panel without a single value has nothing to show: the exclusions say who is missing and why.
+    let drawn: Vec<&Panel> = run
         .analysis
-        .accuracy
+        .panels
         .iter()
-        .map(|r| AccuracyRow {
-            measure: r.title.clone(),
-            n: r.n,
-            ours: r.mean,
-            paper: reported
-                .get(format!("mimic_accuracy.{}", short(&r.measure)).as_str())
-                .map(|v| v / 100.0),
-            population_mean: r.population_mean,
-            test_retest: None,
-        })
+        .filter(|p| p.rows.iter().flatten().any(Option::is_some))
         .collect();
-    let mut intro = vec![
-        "Differences from each participant’s own drive; the table says which test was used and why, and analysis.json has every check."
-            .to_owned(),
-    ];
+    let from = drawn.iter().find_map(|p| p.differences_from);
+    let panels = DifferencePanels {
+        panels: drawn.iter().map(|p| panel(run, p)).collect(),
+        from,
+    };
+    let mut intro = vec![format!(
+        "{} The table says which test was used and why, and analysis.json has every check.",
+        match from {
+            Some(from) => format!(
+                "Measures are differences from the drive {}.",
+                run.label(from)
+            ),
+            None => "Measures and answers are shown as they are.".to_owned(),
+        }
+    )];
     let mut figures = Vec::new();
     if panels.panels.is_empty() {
         intro.push(
-            "No participant has a value in any condition: there are no differences to draw."
-                .to_owned(),
+            "No participant has a value in any condition: there is nothing to draw.".to_owned(),
         );
     } else {
         figures.push(difference_panels(&panels, &run.context)?);
     }
-    if let Some(drive) = watched
-        .iter()
-        .find(|d| d.meta.condition == ConditionId::MIMIC)
+    let shown = run
+        .own_style()
+        .or(run.design.conditions().first().map(|c| c.id));
+    if let Some(drive) = watched.iter().find(|d| Some(d.meta.condition) == shown)
         && let Some(diagram) = watch::diagram(drive)
     {
         figures.push(time_space(&diagram, &run.context)?);
     }
+    let mut tables = vec![omnibus_table(run), contrasts_table(run)];
+    tables.extend(accuracy_table(run, ledger));
+    tables.extend(nearer_table(run));
     Ok(Section {
-        title: "Does Mimic drive like the driver, and does the dial turn?".to_owned(),
+        title: "What did the conditions do?".to_owned(),
         intro,
         figures,
-        tables: vec![
-            omnibus_table(run),
-            tables::mimic_accuracy(&rows),
-            nearer_table(run),
-        ],
+        tables,
     })
 }
 
-pub(super) fn section_kept(run: &Run) -> Result<Section, StudyError> {
+/// How near the car at 0 on the dial comes to the person; `None` where there is none.
+fn accuracy_table(run: &Run, ledger: &[LedgerRow]) -> Option<tables::Table> {
+    let condition = run.analysis.reproduction.first()?.condition;
+    let reported: BTreeMap<&str, f64> = ledger
+        .iter()
+        .map(|row| (row.claim.key.as_str(), row.claim.printed.value))
+        .collect();
+    let row = |r: &Reproduction| AccuracyRow {
+        measure: r.title.clone(),
+        n: r.n,
+        ours: r.mean,
+        paper: reported
+            .get(format!("accuracy.{condition}.{}", short(&r.measure)).as_str())
+            .map(|v| v / 100.0),
+        population_mean: r.population_mean,
+        test_retest: None,
+    };
+    let rows: Vec<AccuracyRow> = run.analysis.reproduction.iter().map(row).collect();
+    Some(tables::accuracy(&run.design.label(condition), &rows))
+}
+
+/// Which habits a move across the dial changes; `None` where no car moves across it.
+pub(super) fn section_kept(run: &Run) -> Result<Option<Section>, StudyError> {
+    let Some(first) = run.analysis.kept.first() else {
+        return Ok(None);
+    };
+    let change = format!("Change from {}", run.label(first.from));
     let panels = run
         .analysis
         .kept
@@ -103,9 +118,9 @@ pub(super) fn section_kept(run: &Run) -> Result<Section, StudyError> {
             PerpendicularPanel {
                 title: k.title.clone(),
                 axis: if k.unit.is_empty() {
-                    "Change from Mimic".to_owned()
+                    change.clone()
                 } else {
-                    format!("Change from Mimic ({})", k.unit)
+                    format!("{change} ({})", k.unit)
                 },
                 points: k
                     .points
@@ -121,54 +136,77 @@ pub(super) fn section_kept(run: &Run) -> Result<Section, StudyError> {
         .collect::<Vec<_>>();
     let mut figures = Vec::new();
     if !panels.is_empty() {
-        let changes = PerpendicularChanges { panels };
+        let changes = PerpendicularChanges {
+            panels,
+            across: first.across,
+            from: first.from,
+        };
         figures.push(perpendicular(&changes, &run.context)?);
         figures.push(perpendicular_circle(&changes, &run.context)?);
     }
     let intro = run.analysis.kept.iter().map(|k| {
         format!(
-            "{}: along the aggression line {}; against the angle, as the paper does it, {}. An angle has no natural zero, so the \
+            "{}: along the line of {} {}; against the angle, as the paper does it, {}. An angle has no natural zero, so the \
              figure gives the multiple correlation with its cosine and sine.",
             k.title,
+            run.style_label(),
             said(&k.line),
             said(&k.angle)
         )
     });
-    Ok(Section {
-        title: "What does moving across the aggression line change?".to_owned(),
+    Ok(Some(Section {
+        title: "What does moving across the dial change?".to_owned(),
         intro: intro.collect(),
         figures,
         tables: Vec::new(),
-    })
+    }))
 }
 
 /// The omnibus test in words, with marks; `short` leaves out interval and ε, for a panel's width.
 pub(super) fn omnibus(panel: &Panel, short: bool) -> String {
-    match &panel.comparison {
-        None if short => format!("not tested: *n* = {}", panel.n),
-        None => format!(
-            "not tested: {} participants with a value in every condition",
-            panel.n
-        ),
-        Some(found) => apa_omnibus(&found.omnibus, found.n, short).map_or_else(
+    let reason = panel.reasons.first().map_or("", String::as_str);
+    match (&panel.comparison, &panel.contrasts[..]) {
+        (Some(found), _) => apa_omnibus(&found.omnibus, found.n, short).map_or_else(
             || "no test statistic: see the reasons in the analysis".to_owned(),
             |s| s.markup().to_owned(),
         ),
+        (None, [pair]) if panel.test.is_some() => {
+            paired(panel, pair).unwrap_or_else(|| "no test statistic".to_owned())
+        }
+        (None, _) if short => format!("not tested: *n* = {}", panel.n),
+        (None, _) => format!("not tested: {reason}"),
     }
+}
+
+/// A paired test in words.
+fn paired(panel: &Panel, pair: &Contrast) -> Option<String> {
+    let effect = pair.effect.as_ref();
+    let p = pair.p_holm?;
+    Some(match (panel.test?, pair.df) {
+        (PosthocTest::T, Some(df)) => {
+            let interval = effect.and_then(|e| {
+                Some(apa::Interval {
+                    level: e.confidence,
+                    low: e.ci_low?,
+                    high: e.ci_high?,
+                })
+            });
+            let size = effect.and_then(|e| Some((e.value?, interval)));
+            apa::t(pair.statistic?, df, p, size).markup().to_owned()
+        }
+        _ => apa::wilcoxon(pair.statistic?, p, effect.and_then(|e| e.value))
+            .markup()
+            .to_owned(),
+    })
 }
 
 /// Which test answered each panel, and why.
 fn omnibus_table(run: &Run) -> tables::Table {
     let row = |panel: &Panel| {
-        let reasons = panel
-            .comparison
-            .as_ref()
-            .map(|c| c.reasons.as_slice())
-            .unwrap_or_default();
         vec![
-            Cell::text(panel.title.clone()),
+            Cell::text(format!("{}{}", panel.title, of_group(panel))),
             Cell::Marked(omnibus(panel, false)),
-            Cell::text(capital_first(&reasons.join("; "))),
+            Cell::text(capital_first(&panel.reasons.join("; "))),
         ]
     };
     tables::Table {
@@ -190,43 +228,88 @@ fn capital_first(text: &str) -> String {
     })
 }
 
-fn nearer_table(run: &Run) -> tables::Table {
+/// Every declared contrast with its test.
+fn contrasts_table(run: &Run) -> tables::Table {
+    let row = |(panel, pair): (&Panel, &Contrast)| {
+        let expected = pair.expected.map_or(Cell::Missing, |sign| {
+            Cell::text(match sign {
+                Sign::Plus => "above",
+                Sign::Minus => "below",
+            })
+        });
+        vec![
+            Cell::text(format!("{}{}", panel.title, of_group(panel))),
+            Cell::text(format!(
+                "{} − {}",
+                run.design.label(pair.first),
+                run.design.label(pair.second)
+            )),
+            expected,
+            Cell::number(pair.mean_difference, 2),
+            paired(panel, pair).map_or(Cell::Missing, Cell::Marked),
+        ]
+    };
+    let all = run.analysis.panels.iter();
+    let all = all.flat_map(|panel| panel.contrasts.iter().map(move |pair| (panel, pair)));
+    tables::Table {
+        name: "contrasts".to_owned(),
+        title: "The declared contrasts".to_owned(),
+        columns: vec![
+            Column::left("Outcome"),
+            Column::left("Contrast"),
+            Column::left("Expected"),
+            Column::right("Mean difference"),
+            Column::left("Test"),
+        ],
+        rows: all.map(row).collect(),
+        notes: vec![
+            "*p* adjusted after Holm over the contrasts of an outcome. Expected: where the design, or the places of the two on the dial and what \
+             aggression does to the measure, say so."
+                .to_owned(),
+        ],
+    }
+}
+
+fn nearer_table(run: &Run) -> Option<tables::Table> {
+    let label = run.label(run.analysis.nearer.first()?.condition);
     let row = |r: &Nearer| {
         let p = r
             .p_holm
             .map_or_else(|| "n/a".to_owned(), |p| apa::p_holm(p).markup().to_owned());
         vec![
             Cell::text(r.title.clone()),
-            Cell::text(r.than.to_string()),
+            Cell::text(run.design.label(r.than)),
             Cell::count(r.n),
             Cell::number(r.share.map(|s| 100.0 * s), 0),
             Cell::Marked(p),
         ]
     };
-    tables::Table {
+    Some(tables::Table {
         name: "nearer".to_owned(),
-        title: "Is Mimic nearer to the participant's own drive?".to_owned(),
+        title: format!("Is {label} nearer to the participant's own drive?"),
         columns: vec![
             Column::left("Measure"),
             Column::left("Than"),
             Column::right("*n*"),
-            Column::right("Mimic nearer (%)"),
+            Column::right(format!("{label} nearer (%)")),
             Column::left("Wilcoxon"),
         ],
         rows: run.analysis.nearer.iter().map(row).collect(),
-        notes: vec![
-            "Wilcoxon's signed ranks of |Mimic − own| against |condition − own|; p adjusted after Holm over the ten rows.".to_owned(),
-        ],
-    }
+        notes: vec![format!(
+            "Wilcoxon's signed ranks of |{label} − own| against |condition − own|; p adjusted after Holm over all {} rows.",
+            run.analysis.nearer.len()
+        )],
+    })
 }
 
-fn panel(panel: &Panel) -> DifferencePanel {
-    let axis = match (panel.measure.as_str(), panel.unit.as_str()) {
-        ("aggressiveness", _) => "Rated aggressiveness (1 to 7)".to_owned(),
-        (_, "") => "Difference from own drive".to_owned(),
-        (_, unit) => format!("Difference from own drive ({unit})"),
+fn panel(run: &Run, panel: &Panel) -> DifferencePanel {
+    let axis = match (panel.differences_from, panel.unit.as_str()) {
+        (None, "") => panel.title.clone(),
+        (None, unit) => capital_first(unit),
+        (Some(from), "") => format!("Difference from {}", run.label(from)),
+        (Some(from), unit) => format!("Difference from {} ({unit})", run.label(from)),
     };
-    let pair = |p: &PanelPair| {
+    let pair = |p: &Contrast| {
         Some(PairTest {
             first: p.first,
             second: p.second,
@@ -234,17 +317,12 @@ fn panel(panel: &Panel) -> DifferencePanel {
         })
     };
     DifferencePanel {
-        title: panel.title.clone(),
+        title: format!("{}{}", panel.title, of_group(panel)),
         axis,
-        conditions: ConditionId::AV.to_vec(),
+        conditions: panel.conditions.clone(),
         rows: panel.rows.clone(),
         omnibus: omnibus(panel, true),
-        pairs: panel
-            .pairs
-            .iter()
-            .filter_map(pair)
-            .filter(|p| p.first == ConditionId::MIMIC)
-            .collect(),
-        reference: Some(panel.same),
+        pairs: panel.contrasts.iter().filter_map(pair).collect(),
+        reference: panel.same,
     }
 }

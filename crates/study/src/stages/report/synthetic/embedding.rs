@@ -14,6 +14,7 @@ use crate::{
 };
 use maveric_analysis::{AggressionLine as Line, LineRow};
 use maveric_domain::{ConditionId, DriveId, MetresPerSecond};
+use maveric_model::Model;
 use maveric_model::style_space::{AggressionAxis, PerpendicularEllipse};
 use maveric_report::{
     claims::LedgerRow,
@@ -29,66 +30,85 @@ use std::path::Path;
 /// Number of points in which an ellipse is drawn.
 const ELLIPSE_POINTS: usize = 72;
 
+/// `None` for a study without a style or without a model.
 pub(super) fn section_embedding(
     folder: &Path,
     run: &Run,
     ledger: &[LedgerRow],
-) -> Result<Section, StudyError> {
-    let axis = AggressionAxis::of(&run.model)?;
+) -> Result<Option<Section>, StudyError> {
+    let (Some(model), Some(line)) = (&run.model, &run.analysis.line) else {
+        return Ok(None);
+    };
+    let axis = AggressionAxis::of(model)?;
     let mut points = Vec::new();
-    for row in read_embeddings(&embeddings_path(&folder.join(MODEL_FILE)))? {
-        if let (Some(adb_points), Some(mean_velocity_mps)) = (row.adb, speed_of(run, &row.drive)) {
+    for row in trained(folder)? {
+        if let (Some(score_points), Some(mean_velocity_mps)) = (row.adb, speed_of(run, &row.drive))
+        {
             points.push(EmbeddingPoint {
                 embedding: row.embedding.coordinates().to_vec(),
-                adb_points,
+                score_points,
                 mean_velocity_mps,
             });
         }
     }
+    let score = run.style_label();
     let space = EmbeddingSpace {
         points,
         gradient: axis.gradient().to_vec(),
-        example: example(run)?,
+        score_range: run.score_range().unwrap_or((0.0, 1.0)),
+        score: score.to_owned(),
+        example: example(run, model)?,
     };
-    let lines = line_panels(&run.analysis.line);
-    let rows: Vec<LineCorrelation> = run
-        .analysis
-        .line
+    let lines = line_panels(line);
+    let without = run.analysis.line_without_adb.as_ref();
+    let rows: Vec<LineCorrelation> = line
         .rows
         .iter()
-        .zip(&run.analysis.line_without_adb.rows)
-        .map(|(with, without)| LineCorrelation {
-            measure: with.title.clone(),
-            ours: statement(&with.correlation),
-            without_style_loss: statement(&without.correlation),
-            paper: printed(ledger, &format!("line.{}.r", short(&with.measure))),
+        .map(|with| {
+            let is = |r: &&LineRow| r.measure == with.measure;
+            let without = without.and_then(|w| w.rows.iter().find(is));
+            LineCorrelation {
+                measure: with.title.clone(),
+                ours: statement(&with.correlation),
+                without_style_loss: without.and_then(|w| statement(&w.correlation)),
+                paper: printed(ledger, &format!("line.{}.r", short(&with.measure))),
+            }
         })
         .collect();
-    let mut intro = vec![
-        "The embeddings of the test participants were fitted with their ADB score, as the paper does; the line’s correlation with \
-         ADB is then partly built in, so the table shows the fit without the score beside it."
-            .to_owned(),
-    ];
+    let mut intro = vec![format!(
+        "The embeddings of the test participants were fitted with their {score}, as the paper does; the line’s correlation with \
+         it is then partly built in, so the table shows the fit without the score beside it."
+    )];
     let mut figures = Vec::new();
     if space.points.is_empty() {
-        intro.push("No training drive has both an ADB score and a mean velocity: there is no space to draw.".to_owned());
+        intro.push(format!(
+            "No training drive has both a score ({score}) and a mean velocity: there is no space to draw."
+        ));
     } else {
         figures.push(embedding_space(&space, &run.context)?);
     }
     if lines.panels.is_empty() {
-        intro.push(
-            "No participant is left along the aggression line: there is nothing to draw."
-                .to_owned(),
-        );
+        intro.push("No participant is left along the line: there is nothing to draw.".to_owned());
     } else {
         figures.push(aggression_line(&lines, &run.context)?);
     }
-    Ok(Section {
+    let n = run.analysis.participants;
+    Ok(Some(Section {
         title: "Does the embedding hold a driver’s style?".to_owned(),
         intro,
         figures,
-        tables: vec![tables::embedding_line(&rows, run.analysis.participants)],
-    })
+        tables: vec![tables::embedding_line(&rows, score, n)],
+    }))
+}
+
+/// The embeddings of the training drives; none where the model was learned elsewhere.
+fn trained(folder: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
+    let path = embeddings_path(&folder.join(MODEL_FILE));
+    if path.is_file() {
+        read_embeddings(&path)
+    } else {
+        Ok(Vec::new())
+    }
 }
 
 fn speed_of(run: &Run, drive: &DriveId) -> Option<f64> {
@@ -98,8 +118,13 @@ fn speed_of(run: &Run, drive: &DriveId) -> Option<f64> {
 
 /// The space to be turned by hand; `None` unless it has three dimensions.
 pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError> {
+    let tested = folder.join("embeddings.csv");
+    let (Some(model), Some((low, high)), true) = (&run.model, run.score_range(), tested.is_file())
+    else {
+        return Ok(None);
+    };
     let solid = |values: &[f64]| <[f64; 3]>::try_from(values).ok();
-    let axis = AggressionAxis::of(&run.model)?;
+    let axis = AggressionAxis::of(model)?;
     let Some(gradient) = solid(axis.gradient()) else {
         return Ok(None);
     };
@@ -107,12 +132,11 @@ pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError>
         Some(SpaceDrive {
             name,
             at: solid(row.embedding.coordinates())?,
-            adb_points: row.adb,
+            score_points: row.adb,
             velocity_mph: MetresPerSecond(speed_of(run, &row.drive)?).mph(),
         })
     };
-    let trained = read_embeddings(&embeddings_path(&folder.join(MODEL_FILE)))?;
-    let tested = read_embeddings(&folder.join("embeddings.csv"))?;
+    let (trained, tested) = (trained(folder)?, read_embeddings(&tested)?);
     let person = |row: &EmbeddingRow| {
         let mine = run
             .conditions
@@ -124,8 +148,8 @@ pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError>
             conditions: placed.collect(),
         })
     };
-    let own = |row: &&EmbeddingRow| row.adb_used && row.condition == ConditionId::OWN;
-    let round = PerpendicularEllipse::of(&run.model)?;
+    let own = |row: &&EmbeddingRow| row.adb_used && Some(row.condition) == run.design.baseline_id();
+    let round = PerpendicularEllipse::of(model)?;
     let half_axis = |i: usize| {
         let (axis, half) = (&round.axes()[i], round.half_axes()[i]);
         std::array::from_fn(|k| axis[k] * half)
@@ -138,6 +162,8 @@ pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError>
         people: tested.iter().filter(own).filter_map(person).collect(),
         gradient,
         ellipse: [half_axis(0), half_axis(1)],
+        score: (low, high, run.style_label().to_owned()),
+        dial: along_the_dial(run),
     };
     Ok(Some(Live {
         below: "embedding-space".to_owned(),
@@ -145,67 +171,66 @@ pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError>
     }))
 }
 
-/// Mimic of the participant whose conditions are shown: the one nearest to the middle of the line shows both directions best.
-pub(super) fn shown_participant(run: &Run) -> Option<&ConditionRow> {
-    let middle = f64::midpoint(maveric_domain::AdbScore::MIN, maveric_domain::AdbScore::MAX);
-    let from_middle = |row: &ConditionRow| (row.adb_hat - middle).abs();
-    let mimic = run
-        .conditions
+/// The conditions on the dial, from the low end to the high one.
+fn along_the_dial(run: &Run) -> Vec<ConditionId> {
+    let mut dials: Vec<(f64, ConditionId)> = run
+        .design
+        .conditions()
         .iter()
-        .filter(|c| c.condition == ConditionId::MIMIC);
-    mimic.min_by(|a, b| from_middle(a).total_cmp(&from_middle(b)))
+        .filter_map(|c| Some((c.dial()?, c.id)))
+        .collect();
+    dials.sort_by(|a, b| a.0.total_cmp(&b.0));
+    dials.into_iter().map(|(_, id)| id).collect()
 }
 
-fn example(run: &Run) -> Result<Option<ExampleConditions>, StudyError> {
+/// The row at 0 on the dial of the participant whose conditions are shown: the one nearest to the middle of the line shows both directions
+/// best; without such a condition the first row there is.
+pub(super) fn shown_participant(run: &Run) -> Option<&ConditionRow> {
+    let (low, high) = run.score_range().unwrap_or_default();
+    let middle = f64::midpoint(low, high);
+    let from_middle = |row: &ConditionRow| (row.adb_hat - middle).abs();
+    let own = run.own_style();
+    let rows = run.conditions.iter();
+    let rows = rows.filter(|c| own.is_none_or(|own| c.condition == own));
+    rows.min_by(|a, b| from_middle(a).total_cmp(&from_middle(b)))
+}
+
+fn example(run: &Run, model: &Model) -> Result<Option<ExampleConditions>, StudyError> {
     let Some(own) = shown_participant(run) else {
         return Ok(None);
     };
-    let of = |condition| {
-        let mine = |c: &&ConditionRow| c.participant == own.participant && c.condition == condition;
-        run.conditions
-            .iter()
-            .find(mine)
-            .map(|c| c.embedding.coordinates().to_vec())
-    };
-    let (Some(aggressive), Some(cautious)) =
-        (of(ConditionId::AGGRESSIVE), of(ConditionId::CAUTIOUS))
-    else {
-        return Ok(None);
-    };
-    let round = PerpendicularEllipse::of(&run.model)?;
-    let at = |i: usize| -> Result<Vec<f64>, StudyError> {
-        let angle = std::f64::consts::TAU * i as f64 / ELLIPSE_POINTS as f64;
-        Ok(round
-            .at_angle(&own.embedding, angle)?
-            .embedding
-            .coordinates()
-            .to_vec())
-    };
+    let mine = run
+        .conditions
+        .iter()
+        .filter(|c| c.participant == own.participant);
+    let mut ellipse = Vec::new();
+    if run.across().is_some() {
+        let round = PerpendicularEllipse::of(model)?;
+        for i in 0..ELLIPSE_POINTS {
+            let angle = std::f64::consts::TAU * i as f64 / ELLIPSE_POINTS as f64;
+            let found = round.at_angle(&own.embedding, angle)?;
+            ellipse.push(found.embedding.coordinates().to_vec());
+        }
+    }
     Ok(Some(ExampleConditions {
         participant: own.participant.to_string(),
-        mimic: own.embedding.coordinates().to_vec(),
-        aggressive,
-        cautious,
-        perpendicular: of(ConditionId::PERPENDICULAR),
-        ellipse: (0..ELLIPSE_POINTS).map(at).collect::<Result<_, _>>()?,
+        conditions: mine
+            .map(|c| (c.condition, c.embedding.coordinates().to_vec()))
+            .collect(),
+        ellipse,
     }))
 }
 
 fn line_panels(line: &Line) -> AggressionLine {
-    let panel = |row: &LineRow| {
-        let (axis, scale) = match row.measure.as_str() {
-            "mean_velocity_mps" => ("Mean velocity (mph)".to_owned(), MetresPerSecond(1.0).mph()),
-            "adb" => ("ADB score (points)".to_owned(), 1.0),
-            "lane_changes" => ("Lane changes".to_owned(), 1.0),
-            measure if measure.ends_with("_m") => (format!("{} (m)", row.title), 1.0),
-            _ => (format!("{} (s)", row.title), 1.0),
-        };
-        LinePanel {
-            title: row.title.clone(),
-            axis,
-            points: row.points.iter().map(|(x, y)| (*x, y * scale)).collect(),
-            statistic: said(&row.correlation),
-        }
+    let panel = |row: &LineRow| LinePanel {
+        title: row.title.clone(),
+        axis: if row.unit.is_empty() {
+            row.title.clone()
+        } else {
+            format!("{} ({})", row.title, row.unit)
+        },
+        points: row.points.clone(),
+        statistic: said(&row.correlation),
     };
     AggressionLine {
         panels: line

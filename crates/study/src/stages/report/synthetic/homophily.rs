@@ -1,9 +1,9 @@
 //! The fifth section: who prefers what, and what goes with it.
 
-use super::{Run, capital, printed, statement};
+use super::{Run, printed, statement};
 use crate::error::StudyError;
+use crate::stages::rehearse::homophily_key;
 use maveric_analysis::{HomophilyRow, MixedRow};
-use maveric_domain::ConditionId;
 use maveric_report::{
     apa,
     claims::LedgerRow,
@@ -15,9 +15,17 @@ use maveric_report::{
     tables::{self, Cell, Column, CorrelationRow, Table},
 };
 
-pub(super) fn section_homophily(run: &Run, ledger: &[LedgerRow]) -> Result<Section, StudyError> {
+/// `None` for a study that declared no family and in which nobody can prefer another style.
+pub(super) fn section_homophily(
+    run: &Run,
+    ledger: &[LedgerRow],
+) -> Result<Option<Section>, StudyError> {
+    let a = &run.analysis;
+    if a.homophily.is_empty() && a.preferences.is_empty() && a.similarity.is_empty() {
+        return Ok(None);
+    }
     let shown = |row: &&HomophilyRow| {
-        let key = homophily_key(row);
+        let key = format!("{}.r", homophily_key(row));
         row.correlation.p.is_some_and(|p| p < 0.05) || ledger.iter().any(|l| l.claim.key == key)
     };
     let mut rows: Vec<CorrelationRow> = run
@@ -26,38 +34,20 @@ pub(super) fn section_homophily(run: &Run, ledger: &[LedgerRow]) -> Result<Secti
         .iter()
         .filter(shown)
         .map(|row| CorrelationRow {
-            independent: capital(&row.factor),
-            dependent: format!("Mimic − {}, {}", capital(row.versus.as_str()), row.rating),
+            independent: row.title.clone(),
+            dependent: dependent(run, row),
             ours: statement(&row.correlation),
             repeated: None,
-            paper: printed(ledger, &homophily_key(row)),
+            paper: printed(ledger, &format!("{}.r", homophily_key(row))),
         })
         .collect();
     rows.extend(run.analysis.similarity.iter().map(|row| CorrelationRow {
         independent: "Perceived similarity".to_owned(),
-        dependent: capital(&row.rating),
+        dependent: row.title.clone(),
         ours: statement(&row.pooled),
         repeated: statement(&row.within),
-        paper: printed(ledger, &format!("correlation.similarity.{}.r", row.rating)),
+        paper: printed(ledger, &format!("similarity.{}.r", row.rating)),
     }));
-    let bars = Preferences {
-        scales: run
-            .analysis
-            .preferences
-            .iter()
-            .filter(|p| p.n > 0)
-            .map(|p| ScalePreference {
-                scale: if p.rating == "discomfort" {
-                    "Comfort".to_owned()
-                } else {
-                    capital(&p.rating)
-                },
-                n: p.n,
-                aggressive_above: p.aggressive_above,
-                cautious_above: p.cautious_above,
-            })
-            .collect(),
-    };
     let tested = run
         .analysis
         .homophily
@@ -83,24 +73,60 @@ pub(super) fn section_homophily(run: &Run, ledger: &[LedgerRow]) -> Result<Secti
         .filter(|r| r.p_bh.is_some_and(|p| p < 0.05))
         .count();
     let mut figures = Vec::new();
-    if !bars.scales.is_empty() {
+    if let Some(bars) = bars(run) {
         figures.push(preference(&bars, &run.context)?);
     }
     if let Some(map) = heat_map(run, tested) {
         figures.push(correlation_heatmap(&map, &run.context)?);
     }
-    Ok(Section {
-        title: "Who wants to be driven as they drive?".to_owned(),
-        intro: vec![format!(
+    let family = run.design.homophily().map(|h| h.factors.join(", "));
+    let shown = if ledger.is_empty() {
+        "those below .05"
+    } else {
+        "the pairs that the claims name and those below .05 here"
+    };
+    let intro = (tested > 0).then(|| {
+        format!(
             "{tested} correlations of a factor with a rating difference were tested (the declared family: {}): {low} are below .05 as printed ({:.0} would be by \
-             chance), {bh} with the false discovery rate controlled (Benjamini and Hochberg), {holm} after Holm. The table shows the \
-             pairs that the paper printed and those below .05 here, uncorrected as in the paper.",
-            run.analysis.family,
+             chance), {bh} with the false discovery rate controlled (Benjamini and Hochberg), {holm} after Holm. The table shows {shown}, uncorrected.",
+            family.unwrap_or_default(),
             0.05 * tested as f64
-        )],
+        )
+    });
+    Ok(Some(Section {
+        title: "Who wants to be driven as they drive?".to_owned(),
+        intro: intro.into_iter().collect(),
         figures,
         tables: std::iter::once(tables::correlations(&rows, run.analysis.participants))
             .chain(mixed(run))
+            .collect(),
+    }))
+}
+
+/// What a factor is held against.
+fn dependent(run: &Run, row: &HomophilyRow) -> String {
+    format!(
+        "{} − {}, {}",
+        run.design.label(row.own),
+        run.design.label(row.versus),
+        row.rating_title
+    )
+}
+
+/// Who rated another style above their own; `None` where nobody could.
+fn bars(run: &Run) -> Option<Preferences> {
+    let rated = run.analysis.preferences.iter().filter(|p| p.n > 0);
+    let first = rated.clone().next()?;
+    Some(Preferences {
+        own: first.own,
+        others: first.others.iter().map(|o| o.condition).collect(),
+        scales: rated
+            .map(|p| ScalePreference {
+                scale: p.title.clone(),
+                n: p.n,
+                less_is_better: p.less_is_better,
+                above: p.others.iter().map(|o| o.above).collect(),
+            })
             .collect(),
     })
 }
@@ -134,7 +160,7 @@ fn mixed(run: &Run) -> Option<Table> {
             .model
             .as_ref()
             .and_then(|m| m.random_sd.get("shift").copied());
-        std::iter::once(Cell::text(capital(&row.rating)))
+        std::iter::once(Cell::text(row.title.clone()))
             .chain(effect(row, "shift"))
             .chain(effect(row, "shift_squared"))
             .chain([Cell::number(sd, 2)])
@@ -142,7 +168,7 @@ fn mixed(run: &Run) -> Option<Table> {
     };
     let missing = fitted
         .iter()
-        .filter_map(|r| Some(format!("{}: {}.", capital(&r.rating), r.why_not.as_ref()?)));
+        .filter_map(|r| Some(format!("{}: {}.", r.title, r.why_not.as_ref()?)));
     Some(Table {
         name: "mixed".to_owned(),
         title: "Ratings on the shift of the dial".to_owned(),
@@ -158,8 +184,8 @@ fn mixed(run: &Run) -> Option<Table> {
         ],
         rows: fitted.iter().map(row).collect(),
         notes: std::iter::once(format!(
-            "Linear mixed models (REML, Satterthwaite’s degrees of freedom), intercept and shift at random over people; one unit is {unit:.0} ADB points towards \
-             aggressive. A negative shift² means that a rating falls on either side of the own style."
+            "Linear mixed models (REML, Satterthwaite’s degrees of freedom), intercept and shift at random over people; one unit is {unit} points of {} upwards. A negative shift² means that a rating falls on either side of the own style.",
+            run.style_label()
         ))
         .chain(missing)
         .collect(),
@@ -169,20 +195,21 @@ fn mixed(run: &Run) -> Option<Table> {
 /// Every test of the family at a glance; `None` where there is none.
 fn heat_map(run: &Run, tested: usize) -> Option<CorrelationHeatMap> {
     let found = &run.analysis.homophily;
-    let mut factors: Vec<&str> = Vec::new();
-    let mut against: Vec<(ConditionId, &str)> = Vec::new();
+    let mut factors: Vec<&HomophilyRow> = Vec::new();
+    let mut against: Vec<&HomophilyRow> = Vec::new();
     for row in found {
-        if !factors.contains(&row.factor.as_str()) {
-            factors.push(&row.factor);
+        if !factors.iter().any(|f| f.factor == row.factor) {
+            factors.push(row);
         }
-        if !against.contains(&(row.versus, row.rating.as_str())) {
-            against.push((row.versus, &row.rating));
+        let same = |a: &&HomophilyRow| a.versus == row.versus && a.rating == row.rating;
+        if !against.iter().any(same) {
+            against.push(row);
         }
     }
-    against.sort_by_key(|(versus, _)| *versus);
-    let cell = |factor: &str, (versus, rating): &(ConditionId, &str)| {
-        let fits =
-            |r: &&HomophilyRow| r.factor == factor && r.versus == *versus && r.rating == *rating;
+    let cell = |factor: &HomophilyRow, other: &HomophilyRow| {
+        let fits = |r: &&HomophilyRow| {
+            r.factor == factor.factor && r.versus == other.versus && r.rating == other.rating
+        };
         let row = found.iter().find(fits)?;
         Some(HeatCell {
             value: row.correlation.r?,
@@ -190,11 +217,8 @@ fn heat_map(run: &Run, tested: usize) -> Option<CorrelationHeatMap> {
         })
     };
     (!factors.is_empty()).then(|| CorrelationHeatMap {
-        rows: factors.iter().map(|f| capital(f)).collect(),
-        columns: against
-            .iter()
-            .map(|(versus, rating)| format!("Mimic − {}, {rating}", capital(versus.as_str())))
-            .collect(),
+        rows: factors.iter().map(|f| f.title.clone()).collect(),
+        columns: against.iter().map(|a| dependent(run, a)).collect(),
         cells: factors
             .iter()
             .map(|f| against.iter().map(|a| cell(f, a)).collect())
@@ -204,13 +228,4 @@ fn heat_map(run: &Run, tested: usize) -> Option<CorrelationHeatMap> {
         ),
         participants: run.analysis.participants,
     })
-}
-
-fn homophily_key(row: &HomophilyRow) -> String {
-    let versus = if row.versus == ConditionId::CAUTIOUS {
-        "mc"
-    } else {
-        "ma"
-    };
-    format!("correlation.{}.{versus}_{}.r", row.factor, row.rating)
 }

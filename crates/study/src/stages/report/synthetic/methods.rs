@@ -1,24 +1,27 @@
 //! How the study was done, in words, with the numbers that it was done with.
 
 use super::Run;
-use maveric_domain::{AdbScore, MetresPerSecond, Road};
+use maveric_domain::{
+    MetresPerSecond, Road,
+    design::{Car, Compare, Condition},
+};
 use maveric_model::PersonalizeParams;
 
-pub(super) fn text(run: &Run, road: &Road, minutes: f64) -> Vec<String> {
-    let training = &run.training;
-    let settings = &training.settings;
-    let fitted = PersonalizeParams::default();
-    let fitted = fitted.settings();
-    let moved = run.conditions.iter().map(|c| c.moved_points.abs());
-    let mut paragraphs = vec![
-        format!(
-            "*Driving.* {} lanes of {:.2} m in one direction, posted {:.0} mph, {:.0} minutes a drive by hand.",
+pub(super) fn text(run: &Run, road: Option<&Road>, minutes: Option<f64>) -> Vec<String> {
+    let mut paragraphs = Vec::new();
+    if let Some(road) = road {
+        let long =
+            minutes.map_or_else(String::new, |m| format!(", {m:.0} minutes a drive by hand"));
+        paragraphs.push(format!(
+            "*Driving.* {} lanes of {:.2} m in one direction, posted {:.0} mph{long}.",
             road.lanes,
             road.lane_width_m,
             MetresPerSecond(road.posted_speed_mps).mph(),
-            minutes
-        ),
-        format!(
+        ));
+    }
+    if let Some(training) = &run.training {
+        let settings = &training.settings;
+        paragraphs.push(format!(
             "*Learning.* Windows of {} s at {} Hz; {} passes over {} rows in batches of {}; {}seed {}.",
             settings.window_s,
             settings.window_rate_hz,
@@ -30,25 +33,24 @@ pub(super) fn text(run: &Run, road: &Road, minutes: f64) -> Vec<String> {
                 s.validation_rows
             )),
             training.seed
-        ),
-        format!(
-            "*Personalising.* The networks are frozen; an embedding is fitted to each own drive from {} starts with at most {} steps, \
-             once with the driver’s ADB score and once without.",
+        ));
+        let fitted = PersonalizeParams::default();
+        let fitted = fitted.settings();
+        let score = run.design.style().map_or_else(String::new, |style| {
+            format!(", once with the driver’s {} and once without", style.label)
+        });
+        paragraphs.push(format!(
+            "*Personalising.* The networks are frozen; an embedding is fitted to each baseline drive from {} starts with at most {} steps{score}.",
             fitted.starts, fitted.iterations
-        ),
-        format!(
-            "*Conditions.* Mimic is the fitted embedding; Aggressive and Cautious lie up to {:.0} ADB points up and down the gradient of the \
-             style predictor, held within {:.0} to {:.0} points; Perpendicular is drawn at random from the ellipse one standard deviation \
-             across it.",
-            moved.fold(0.0, f64::max),
-            AdbScore::MIN,
-            AdbScore::MAX
-        ),
-        "*Tests.* Repeated-measures ANOVA, with its degrees of freedom corrected where sphericity fails, or Friedman’s test where the \
-         residuals are not normal; pairs adjusted after Holm within a panel. Correlations are Pearson’s or Spearman’s by the same check. \
-         Intervals are 95%. Each measure and each test is defined in docs/method.md."
-            .to_owned(),
-    ];
+        ));
+    }
+    let conditions = run.design.conditions().iter();
+    let conditions: Vec<String> = conditions
+        .map(|c| format!("{} {}", run.label(c.id), car(run, c)))
+        .collect();
+    paragraphs.push(format!("*Conditions.* {}.", conditions.join("; ")));
+    paragraphs.push(tests(run));
+    paragraphs.extend(run.analysis.notes.iter().cloned());
     if run.analysis.synthetic {
         paragraphs.push(
             "*Participants* are generated: traits drawn at random, driving by a driver model of another kind than the one that learns, answers \
@@ -57,4 +59,61 @@ pub(super) fn text(run: &Run, road: &Road, minutes: f64) -> Vec<String> {
         );
     }
     paragraphs
+}
+
+/// What drove in a condition.
+fn car(run: &Run, condition: &Condition) -> String {
+    let elsewhere = if condition.recorded && condition.car.is_some() {
+        ", driven in the laboratory’s own rig"
+    } else {
+        ""
+    };
+    let dial = run.style_label();
+    let what = match &condition.car {
+        None => "was driven elsewhere: only its recordings are read".to_owned(),
+        Some(Car::Dial(0.0)) => "is the fitted embedding itself".to_owned(),
+        Some(Car::Dial(points)) => {
+            let way = if *points > 0.0 { "up" } else { "down" };
+            let held = run.score_range().map_or_else(String::new, |(low, high)| {
+                format!(", held within {low:.0} to {high:.0}")
+            });
+            format!("lies {} points of {dial} {way} from it{held}", points.abs())
+        }
+        Some(Car::Across) => format!(
+            "is drawn at random from the ellipse one standard deviation across the gradient of {dial}"
+        ),
+        Some(Car::Mean) => "is the average driver".to_owned(),
+        Some(Car::Embedding(path)) => format!("is the style in {}", path.display()),
+        Some(Car::Free) => "was turned by the person while riding".to_owned(),
+        Some(_) => "was steered otherwise".to_owned(),
+    };
+    format!("{what}{elsewhere}")
+}
+
+fn tests(run: &Run) -> String {
+    let design = &run.design;
+    let omnibus = if design.conditions().len() > 2 {
+        "Repeated-measures ANOVA, with its degrees of freedom corrected where sphericity fails, or Friedman’s test where the residuals are not \
+         normal; then paired t tests or Wilcoxon’s."
+    } else {
+        "Paired t tests, or Wilcoxon’s where the differences are not normal."
+    };
+    let compared = match design.compare() {
+        Compare::All => "every condition with every other".to_owned(),
+        Compare::Against(one) => format!("every condition with {}", run.label(*one)),
+        Compare::Pairs(pairs) => pairs
+            .iter()
+            .map(|[a, b]| format!("{} with {}", run.label(*a), run.label(*b)))
+            .collect::<Vec<_>>()
+            .join(", "),
+    };
+    let correlations = if run.analysis.homophily.is_empty() && run.analysis.line.is_none() {
+        ""
+    } else {
+        " Correlations are Pearson’s or Spearman’s by the same check."
+    };
+    format!(
+        "*Tests.* {omnibus} Compared are {compared}; *p* is adjusted after Holm over the contrasts of an outcome.{correlations} Intervals are 95%. Each \
+         measure and each test is defined in docs/method.md."
+    )
 }

@@ -22,11 +22,13 @@ use crate::{
     error::StudyError,
     outcome::Watch,
     stages::{
+        analyse::{durations, lists},
+        declare::declared,
         generate::read_scenario,
+        score::read_scales,
         train::{MODEL_FILE, TrainingSummary, read_model, training_path},
     },
     tables::{
-        Table as File,
         conditions::{ConditionRow, read_conditions},
         drives::read_drive,
         measurements::{MeasuredDrive, read_measurements},
@@ -36,27 +38,73 @@ use car::section_car;
 use conditions::{section_conditions, section_kept};
 use embedding::{live, section_embedding};
 use homophily::section_homophily;
-use maveric_analysis::{AggressionLine as Line, Analysis, Correlation as Found};
-use maveric_domain::DriveId;
+use maveric_analysis::{Analysis, Correlation as Found};
+use maveric_domain::{
+    ConditionId, Design, Road, Scale,
+    design::{Car, Condition},
+};
 use maveric_model::Model;
 use maveric_report::{
     Context, Report,
     claims::{self, LedgerRow},
-    html::{Methods, Provenance},
+    figures::ConditionLook,
+    html::{Methods, Provenance, Section},
     tables::{Coefficient, Correlation, Exclusion},
 };
 use setting::{listed_exclusions, reliabilities, section_model, section_study};
 use setup::setup;
-use std::path::Path;
+use std::{collections::BTreeSet, path::Path};
 use summary::summary;
 
-struct Run {
-    analysis: Analysis,
-    training: TrainingSummary,
-    model: Model,
+pub(super) struct Run {
+    design: Design,
+    /// Score ranges of the questionnaires, where the design leaves them to the file.
+    scales: Vec<Scale>,
+    pub(super) analysis: Analysis,
+    training: Option<TrainingSummary>,
+    model: Option<Model>,
     measured: Vec<MeasuredDrive>,
     conditions: Vec<ConditionRow>,
     context: Context,
+}
+
+impl Run {
+    /// What the page calls a condition, the baseline or a role.
+    fn label(&self, id: ConditionId) -> String {
+        maveric_report::markup::literal(&self.design.label(id))
+    }
+
+    /// What the dial turns, on the page.
+    fn style_label(&self) -> &str {
+        self.design.style().map_or("the style", |s| &s.label)
+    }
+
+    /// Lowest and highest score of the style.
+    fn score_range(&self) -> Option<(f64, f64)> {
+        let style = self.design.style()?;
+        let of_file = || {
+            let scale = self.scales.iter().find(|s| s.id == style.score.scale)?;
+            let is = |s: &&maveric_domain::Subscale| s.id == style.score.subscale;
+            Some(scale.score_range(scale.subscales.iter().find(is)?))
+        };
+        style.range.map(|[low, high]| (low, high)).or_else(of_file)
+    }
+
+    /// The condition at 0 on the dial.
+    pub(super) fn own_style(&self) -> Option<ConditionId> {
+        let at_0 = |c: &&Condition| c.dial() == Some(0.0);
+        self.design.conditions().iter().find(at_0).map(|c| c.id)
+    }
+
+    /// The condition that moves across the dial.
+    fn across(&self) -> Option<ConditionId> {
+        let is = |c: &&Condition| c.car == Some(Car::Across);
+        self.design.conditions().iter().find(is).map(|c| c.id)
+    }
+
+    fn seed(&self) -> Option<u64> {
+        self.training.as_ref().map(|t| t.seed)
+    }
 }
 
 /// What the page is made from, beside the drives.
@@ -81,48 +129,35 @@ pub(super) fn page(
 ) -> Result<(Report, Vec<String>), StudyError> {
     let folder = options.results.as_path();
     let study = DesignFile::find(options.design.as_deref())?;
-    let analysis: Analysis = read_json(&folder.join("analysis.json"))?;
-    let training: TrainingSummary = read_json(&training_path(&folder.join(MODEL_FILE)))?;
-    let measured = read_measurements(&folder.join("measurements.parquet"))?;
-    let context = if analysis.synthetic {
-        Context::synthetic(training.seed)
-    } else {
-        Context::real()
-    };
-    let run = Run {
-        model: read_model(&folder.join(MODEL_FILE))?,
-        conditions: read_conditions(&folder.join("conditions.csv"))?,
-        analysis,
-        training,
-        measured,
-        context,
-    };
+    let run = read(folder, &study)?;
     let beside = folder.join("participants.csv");
     let participants = options.participants.as_deref().unwrap_or(&beside);
     let people = People::read(folder, participants, &run.measured, &study.design)?;
-    // The drives by hand have a folder of their own, or stand with all others.
-    let by_hand = Some(folder.join("drives/study2")).filter(|d| d.is_dir());
-    let by_hand = by_hand.unwrap_or_else(|| folder.join("drives"));
-    let list = File::read(&by_hand.join("drives.csv"))?;
-    let durations = list.all_numbers("duration_s")?;
-    let minutes = durations.iter().sum::<f64>() / durations.len() as f64 / 60.0;
-    let first = list.ids::<DriveId>("drive")?.into_iter().next();
-    let road = match first {
-        Some(id) => *read_drive(&by_hand.join(format!("{id}.parquet")))?.road(),
-        None => return Err(StudyError::file(list.path(), "lists no drive")),
-    };
+    let (road, minutes) = driven(folder, &run)?;
     let given = |key| {
         let mut all = options.parameters.iter();
         all.find(|(name, _)| name == key).map(|(_, value)| value)
     };
     let scenario = given("scenario").map(|path| read_scenario(Some(Path::new(path)), None));
     let scenario = scenario.transpose()?;
-    let setup = setup(&run, &road, minutes, scenario.as_ref())?;
-    let paper = claims::load(&read_text(&options.claims)?)?;
-    let mut ledger = claims::join(&paper, &results(&run.analysis, &people, &setup))?;
-    for row in ledger.iter_mut().filter(|row| row.ours.is_some()) {
-        row.made = Some(made(&row.claim.key));
-    }
+    let own_claims = study.design.files().claims.as_ref();
+    let claims = options
+        .claims
+        .clone()
+        .or_else(|| own_claims.map(|c| study.resolve(c)));
+    let ledger = match &claims {
+        Some(path) => {
+            let setup = setup(&run, road.as_ref(), minutes, scenario.as_ref())?;
+            let claimed = claims::load(&read_text(path)?)?;
+            let mut ledger = claims::join(&claimed, &results(&run, &people, &setup))?;
+            for row in ledger.iter_mut().filter(|row| row.ours.is_some()) {
+                row.made = Some(made(&row.claim.key));
+            }
+            Some(ledger)
+        }
+        None => None,
+    };
+    let claimed = ledger.as_deref().unwrap_or_default();
     watch.check()?;
     let reliabilities = reliabilities(folder)?;
     let findings = findings(&run);
@@ -131,39 +166,39 @@ pub(super) fn page(
     let mut sections = vec![section_study(folder, &run, &people, &reliabilities)?];
     if let Some(scenario) = scenario.as_ref().filter(|_| run.analysis.synthetic) {
         let sources = given("population_sources").map(Path::new);
-        let seed = run.training.seed;
+        let seed = run.seed().unwrap_or_default();
         sections.push(section_car(scenario, sources, seed, &run.context)?);
     }
-    sections.extend([
-        section_model(&run)?,
-        section_embedding(folder, &run, &ledger)?,
-        section_conditions(&run, &ledger, &watched)?,
-        section_kept(&run)?,
-        section_homophily(&run, &ledger)?,
-    ]);
-    let exclusions: Vec<Exclusion> = run
-        .analysis
-        .exclusions
+    sections.extend(section_model(&run)?);
+    let mut said = declared(&study)?;
+    // What nobody declared is called what it is, once something was declared.
+    let exploratory = |section: Section| Section {
+        title: format!("Exploratory: {}", section.title),
+        ..section
+    };
+    let undeclared = |section: Option<Section>| {
+        if said.is_empty() {
+            section
+        } else {
+            section.map(exploratory)
+        }
+    };
+    sections.extend(undeclared(section_embedding(folder, &run, claimed)?));
+    sections.push(section_conditions(&run, claimed, &watched)?);
+    sections.extend(undeclared(section_kept(&run)?));
+    sections.extend(section_homophily(&run, claimed)?);
+    let exclusions: Vec<Exclusion> = left_out(&run).chain(listed_exclusions(folder)?).collect();
+    let mut warnings: Vec<String> = run
+        .training
         .iter()
-        .map(|e| Exclusion {
-            who: e.who.clone(),
-            what: e.what.clone(),
-            why: e.why.clone(),
-        })
-        .chain(listed_exclusions(folder)?)
+        .flat_map(|t| t.warnings.clone())
         .collect();
-    let mut warnings = run.training.warnings.clone();
     if let Some(share) = run.analysis.beyond_training.filter(|s| *s > 0.0) {
         warnings.push(format!(
-            "{:.0}% of the Aggressive and Cautious embeddings lie further out than any training driver's: the networks extrapolate there",
+            "{:.0}% of the embeddings away from 0 on the dial lie further out than any training driver's: the networks extrapolate there",
             100.0 * share
         ));
     }
-    let made_up = if run.analysis.synthetic {
-        "Synthetic participants: "
-    } else {
-        ""
-    };
     let mut moving = Vec::from_iter(live(folder, &run)?);
     moving.extend(watch::player(watched));
     // Without its figure, a part that moves has nothing to stand for it on paper.
@@ -177,39 +212,43 @@ pub(super) fn page(
     let files = parameter_files(&options.parameters);
     let shown = in_folder(folder, &READ).into_iter();
     let shown = shown.chain([participants.to_owned()]);
+    let parameters = options
+        .parameters
+        .iter()
+        .map(|(name, value)| (format!("pipeline: {name}"), value.clone()));
+    said.extend(summary(&run, ledger.as_deref()));
     let report = Report {
-        title: "MAVERIC: personalised driving style".to_owned(),
-        subtitle: format!(
-            "{made_up}{} drives to learn from, {} participants who then sat through four AV conditions",
-            run.training.drives, run.analysis.participants
-        ),
+        title: study.design.title().to_owned(),
+        subtitle: subtitle(&run),
         context: run.context.clone(),
-        summary: summary(&run, &ledger),
+        summary: said,
         live: moving,
         sections,
         methods: Methods {
-            text: methods::text(&run, &road, minutes),
-            files: shown_whole(&files)?,
+            text: methods::text(&run, road.as_ref(), minutes),
+            files: shown_whole(
+                &study
+                    .path
+                    .iter()
+                    .cloned()
+                    .chain(files.clone())
+                    .collect::<Vec<_>>(),
+            )?,
         },
-        ledger: Some(ledger),
+        ledger,
         exclusions,
         warnings,
         provenance: Provenance {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            seed: Some(run.training.seed),
-            command: format!(
-                "maveric run pipelines/{}.toml",
-                folder.file_name().unwrap_or_default().to_string_lossy()
-            ),
-            parameters: options
-                .parameters
-                .iter()
-                .map(|(name, value)| (format!("pipeline: {name}"), value.clone()))
-                .chain(parameters(&run.training))
+            seed: run.seed(),
+            command: options.command.clone(),
+            parameters: parameters
+                .chain(run.training.iter().flat_map(parameters_of))
                 .collect(),
             inputs: hashed(
                 shown
-                    .chain([options.claims.clone()])
+                    .chain(study.path.clone())
+                    .chain(claims)
                     .chain(files)
                     .chain(logs),
             )?,
@@ -218,8 +257,145 @@ pub(super) fn page(
     Ok((report, findings))
 }
 
+fn read(folder: &Path, study: &DesignFile) -> Result<Run, StudyError> {
+    let design = &study.design;
+    let analysis: Analysis = read_json(&folder.join("analysis.json"))?;
+    let model = folder.join(MODEL_FILE);
+    let summary = training_path(&model);
+    let conditions = folder.join("conditions.csv");
+    let training: Option<TrainingSummary> = if summary.is_file() {
+        Some(read_json(&summary)?)
+    } else {
+        None
+    };
+    let context = match (&training, analysis.synthetic) {
+        (Some(training), true) => Context::synthetic(training.seed),
+        (None, true) => Context {
+            synthetic: true,
+            ..Context::real()
+        },
+        (_, false) => Context::real(),
+    };
+    Ok(Run {
+        scales: read_scales(&study.resolve(&design.files().scales))?,
+        model: if model.is_file() {
+            Some(read_model(&model)?)
+        } else {
+            None
+        },
+        conditions: if conditions.is_file() {
+            read_conditions(&conditions)?
+        } else {
+            Vec::new()
+        },
+        measured: read_measurements(&folder.join("measurements.parquet"))?,
+        context: context.with_conditions(ConditionLook::of(design)),
+        design: design.clone(),
+        analysis,
+        training,
+    })
+}
+
+/// The road, and how long the baseline drives of those who were tested took, in minutes; of any drive where there is no baseline.
+fn driven(folder: &Path, run: &Run) -> Result<(Option<Road>, Option<f64>), StudyError> {
+    let durations = durations(folder)?;
+    let baseline = run.design.baseline_id();
+    let tested: BTreeSet<&str> = run
+        .analysis
+        .panels
+        .iter()
+        .flat_map(|p| &p.participants)
+        .map(String::as_str)
+        .collect();
+    let mine = |d: &&MeasuredDrive| {
+        tested.contains(d.meta.participant.as_str())
+            && (baseline.is_none() || Some(d.meta.condition) == baseline)
+    };
+    let minutes: Vec<f64> = run
+        .measured
+        .iter()
+        .filter(mine)
+        .filter_map(|d| Some(durations.get(&d.meta.drive)? / 60.0))
+        .collect();
+    let mean = (!minutes.is_empty()).then(|| minutes.iter().sum::<f64>() / minutes.len() as f64);
+    for drive in run.measured.iter().filter(mine) {
+        let name = format!("{}.parquet", drive.meta.drive);
+        let beside = lists(folder)
+            .into_iter()
+            .map(|list| list.with_file_name(&name));
+        if let Some(path) = beside.into_iter().find(|p| p.is_file()) {
+            return Ok((Some(*read_drive(&path)?.road()), mean));
+        }
+    }
+    Ok((None, mean))
+}
+
+/// How many took part in what.
+fn subtitle(run: &Run) -> String {
+    let made_up = if run.analysis.synthetic {
+        "Synthetic participants: "
+    } else {
+        ""
+    };
+    let learned = run.training.as_ref().map_or_else(String::new, |t| {
+        format!("{} drives to learn from, ", t.drives)
+    });
+    let conditions = run.design.conditions();
+    let (count, s) = match conditions.len() {
+        1 => ("one".to_owned(), ""),
+        n => (in_words(n), "s"),
+    };
+    let labels: Vec<String> = conditions.iter().map(|c| run.label(c.id)).collect();
+    format!(
+        "{made_up}{learned}{} participants in {count} condition{s}: {}",
+        run.analysis.participants,
+        enumerated(&labels)
+    )
+}
+
+/// A small number as a word.
+fn in_words(n: usize) -> String {
+    const WORDS: [&str; 10] = [
+        "no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine",
+    ];
+    WORDS
+        .get(n)
+        .map_or_else(|| n.to_string(), |w| (*w).to_owned())
+}
+
+/// `a`, `a and b`, `a, b and c`.
+fn enumerated(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// Who and what the design leaves out, and who lacks a value where.
+fn left_out(run: &Run) -> impl Iterator<Item = Exclusion> {
+    let flow = &run.analysis.flow;
+    let rows = flow.left_out.iter().map(|l| (l, "everything"));
+    let rows = rows.chain(
+        flow.drives
+            .iter()
+            .map(|l| (l, "everything, with what was said of it")),
+    );
+    let named = rows.map(|(l, what)| Exclusion {
+        who: l.who.join(", "),
+        what: what.to_owned(),
+        why: l.why.clone(),
+    });
+    let lacking = run.analysis.exclusions.iter().map(|e| Exclusion {
+        who: e.who.clone(),
+        what: e.what.clone(),
+        why: e.why.clone(),
+    });
+    named.chain(lacking)
+}
+
 /// The settings of the training, as the page lists them.
-pub(super) fn parameters(training: &TrainingSummary) -> Vec<(String, String)> {
+pub(super) fn parameters_of(training: &TrainingSummary) -> Vec<(String, String)> {
     let settings = serde_json::to_value(&training.settings).unwrap_or_default();
     let mut list = Vec::new();
     flatten("training: ", &settings, &mut list);
@@ -265,37 +441,34 @@ fn statement(c: &Found) -> Option<Correlation> {
     })
 }
 
-/// The ten lines that a run ends with.
+/// The lines that a run ends with.
 fn findings(run: &Run) -> Vec<String> {
     let a = &run.analysis;
-    let mut lines = Vec::new();
-    if a.synthetic {
-        lines.push(format!(
-            "Synthetic participants: {} training drives, {} test participants, seed {}",
-            run.training.drives, a.participants, run.training.seed
-        ));
-    }
-    let accuracy: Vec<String> = a
-        .accuracy
-        .iter()
-        .map(|r| format!("{} {}", r.title.to_lowercase(), percent(r.mean)))
-        .collect();
-    lines.push(format!("Mimic accuracy: {}", accuracy.join(", ")));
-    let adb = |line: &Line| {
-        line.rows
+    let mut lines = vec![subtitle(run)];
+    if let Some(first) = a.reproduction.first() {
+        let accuracy: Vec<String> = a
+            .reproduction
             .iter()
-            .find(|r| r.measure == "adb")
-            .map(|r| said(&r.correlation))
-    };
-    lines.push(format!(
-        "Aggression line against ADB: {} (embedding fitted with the score), {} (without)",
-        adb(&a.line).unwrap_or_default(),
-        adb(&a.line_without_adb).unwrap_or_default()
-    ));
+            .map(|r| format!("{} {}", r.title.to_lowercase(), percent(r.mean)))
+            .collect();
+        let label = run.label(first.condition);
+        lines.push(format!("Accuracy of {label}: {}", accuracy.join(", ")));
+    }
+    for line in [&a.line, &a.line_without_adb].into_iter().flatten() {
+        if let Some(score) = line.rows.last() {
+            let fitted = if line.adb_used { "with" } else { "without" };
+            lines.push(format!(
+                "Position on the line against {}: {} (embedding fitted {fitted} the score)",
+                score.title,
+                said(&score.correlation)
+            ));
+        }
+    }
     for panel in &a.panels {
         lines.push(format!(
-            "{} over the conditions: {}",
+            "{}{} over the conditions: {}",
             panel.title,
+            summary::of_group(panel),
             conditions::omnibus(panel, false)
         ));
     }

@@ -1,18 +1,24 @@
 //! The first two sections: the setting and the people; the model and its training.
 
-use super::Run;
+use super::{Run, enumerated, summary::of_group};
 use crate::{
     error::StudyError,
-    stages::report::{people::People, scene},
+    stages::{
+        analyse::lists,
+        report::{people::People, scene},
+        train::TrainingSummary,
+    },
     tables::Table as File,
 };
-use maveric_model::RowsOf;
+use maveric_domain::design::By;
+use maveric_model::{Model, RowsOf};
 use maveric_report::{
     Figure,
     figures::{
         architecture::{Architecture, architecture},
         calibration::{Calibration, CalibrationBin, calibration},
         domain,
+        flow::{Flow, flow},
         residuals::{ResidualPanel, Residuals, residuals},
         simulator_view,
         training_curves::{LossTerm, TrainingCurves, training_curves},
@@ -28,34 +34,129 @@ pub(super) fn section_study(
     people: &People,
     reliabilities: &[Reliability],
 ) -> Result<Section, StudyError> {
-    let mut figures = vec![domain(&run.context)?];
-    if let Some(view) = scene::view(&folder.join("av/logs"))? {
+    let mut figures = vec![flow(&flow_of(run), &run.context)?];
+    if run.model.is_some() {
+        figures.push(domain(&run.context)?);
+    }
+    let simulated = run.design.conditions().iter().find(|c| c.simulated());
+    let shown = run.own_style().or(simulated.map(|c| c.id));
+    if let Some(view) = scene::view(&folder.join("av/logs"), shown)? {
         figures.push(simulator_view(&view, &run.context)?);
+    }
+    let mut tables = vec![tables::participants(
+        &people.groups(),
+        run.style_label(),
+        run.analysis.synthetic,
+    )];
+    if !reliabilities.is_empty() {
+        tables.push(tables::reliabilities(reliabilities));
     }
     Ok(Section {
         title: "The study".to_owned(),
-        intro: vec![format!(
-            "Study 1 gave {} drives by hand, from which the model learned. Each of the {} participants of Study 2 drove by hand, \
-             sat through Mimic, Aggressive, Cautious and Perpendicular, and rated each of them.",
-            run.training.drives, run.analysis.participants
-        )],
+        intro: vec![done(run)],
         figures,
-        tables: vec![
-            tables::participants(&people.groups(), run.analysis.synthetic),
-            tables::reliabilities(reliabilities),
-        ],
+        tables,
     })
 }
 
-pub(super) fn section_model(run: &Run) -> Result<Section, StudyError> {
-    let mut figures = vec![architecture_of(run)?];
-    figures.extend(training_of(run)?);
-    let training = &run.training;
+/// What was done with whom.
+fn done(run: &Run) -> String {
+    let a = &run.analysis;
+    let mut sentences = Vec::new();
+    if let Some(training) = &run.training {
+        sentences.push(format!(
+            "The model learned from {} drives by hand.",
+            training.drives
+        ));
+    } else if run.model.is_some() {
+        sentences.push("The model was learned elsewhere.".to_owned());
+    }
+    let (by_car, by_hand): (Vec<_>, Vec<_>) = run
+        .design
+        .conditions()
+        .iter()
+        .map(|c| (c.car.is_some(), run.label(c.id)))
+        .partition(|(car, _)| *car);
+    let labels = |of: Vec<(bool, String)>| {
+        enumerated(&of.into_iter().map(|(_, label)| label).collect::<Vec<_>>())
+    };
+    let mut parts = Vec::new();
+    if let Some(baseline) = run.design.baseline() {
+        let by = match baseline.by {
+            By::Hand => "drove by hand",
+            By::Car => "rode the baseline",
+        };
+        parts.push(format!("{by} ({})", run.label(baseline.id)));
+    }
+    if !by_car.is_empty() {
+        parts.push(format!("sat through {}", labels(by_car)));
+    }
+    if !by_hand.is_empty() {
+        parts.push(format!("took part in {}, as recorded", labels(by_hand)));
+    }
+    if a.panels.iter().any(|p| p.outcome.contains('.')) {
+        parts.push("answered questionnaires about them".to_owned());
+    }
+    sentences.push(format!(
+        "Each of the {} participants who are analysed {}.",
+        a.participants,
+        enumerated(&parts)
+    ));
+    let out: usize = a.flow.left_out.iter().map(|l| l.who.len()).sum();
+    if out > 0 {
+        let reasons: Vec<String> = a
+            .flow
+            .left_out
+            .iter()
+            .map(|l| {
+                format!(
+                    "{} ({})",
+                    l.who.len(),
+                    maveric_report::markup::literal(&l.why)
+                )
+            })
+            .collect();
+        sentences.push(format!(
+            "Of {} who were recruited, {out} were left out: {}.",
+            a.flow.recruited,
+            enumerated(&reasons)
+        ));
+    }
+    sentences.join(" ")
+}
+
+fn flow_of(run: &Run) -> Flow {
+    let flow = &run.analysis.flow;
+    let rows = |left: &[maveric_analysis::LeftOutFor]| {
+        left.iter().map(|l| (l.why.clone(), l.who.len())).collect()
+    };
+    Flow {
+        recruited: flow.recruited,
+        drove: flow.drove,
+        left_out: rows(&flow.left_out),
+        analysed: flow.analysed,
+        drives_left_out: rows(&flow.drives),
+        outcomes: run
+            .analysis
+            .panels
+            .iter()
+            .map(|p| (format!("{}{}", p.title, of_group(p)), p.n))
+            .collect(),
+    }
+}
+
+/// `None` without a model that was learned here.
+pub(super) fn section_model(run: &Run) -> Result<Option<Section>, StudyError> {
+    let (Some(model), Some(training)) = (&run.model, &run.training) else {
+        return Ok(None);
+    };
+    let mut figures = vec![architecture_of(model, run)?];
+    figures.extend(training_of(training, run)?);
     let quality = training.selection.as_ref().map(|s| &s.quality);
     let quality = quality.or(training.quality.as_ref());
     let mut intro = vec![format!(
         "Five networks and an embedding of size {} a driver, {} parameters in all, learned from {} rows of {} drives.",
-        run.model.embedding_size(),
+        model.embedding_size(),
         training.parameters,
         training.rows,
         training.drives
@@ -79,12 +180,12 @@ pub(super) fn section_model(run: &Run) -> Result<Section, StudyError> {
             ));
         }
     }
-    Ok(Section {
+    Ok(Some(Section {
         title: "The model".to_owned(),
         intro,
         figures,
         tables: Vec::new(),
-    })
+    }))
 }
 
 pub(super) fn reliabilities(folder: &Path) -> Result<Vec<Reliability>, StudyError> {
@@ -93,7 +194,11 @@ pub(super) fn reliabilities(folder: &Path) -> Result<Vec<Reliability>, StudyErro
         "scores_reliabilities.csv",
         "rating_scores_reliabilities.csv",
     ] {
-        let table = File::read(&folder.join(file))?;
+        let path = folder.join(file);
+        if !path.is_file() {
+            continue;
+        }
+        let table = File::read(&path)?;
         let (scale, subscale) = (table.text("scale")?, table.text("subscale")?);
         let (items, n) = (table.all_numbers("items")?, table.all_numbers("n")?);
         let (alpha, low, high) = (
@@ -127,16 +232,16 @@ pub(super) fn reliabilities(folder: &Path) -> Result<Vec<Reliability>, StudyErro
 
 pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyError> {
     let mut found = Vec::new();
-    let driven = [
-        ("drives/study1", "ingest"),
-        ("drives/study2", "ingest"),
-        ("av/drives", "simulate"),
-    ];
-    for (drives, stage) in driven {
-        let path = folder.join(drives).join("exclusions.csv");
+    for list in lists(folder) {
+        let path = list.with_file_name("exclusions.csv");
         if !path.exists() {
             continue;
         }
+        let stage = if path.starts_with(folder.join("av")) {
+            "simulate"
+        } else {
+            "ingest"
+        };
         let table = File::read(&path)?;
         let (drive, what) = (table.text("drive")?, table.text("what")?);
         for i in 0..table.rows() {
@@ -148,7 +253,11 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
         }
     }
     for file in ["scores_exclusions.csv", "rating_scores_exclusions.csv"] {
-        let table = File::read(&folder.join(file))?;
+        let path = folder.join(file);
+        if !path.is_file() {
+            continue;
+        }
+        let table = File::read(&path)?;
         let (who, what, why) = (table.text("who")?, table.text("what")?, table.text("why")?);
         for i in 0..table.rows() {
             found.push(Exclusion {
@@ -161,8 +270,8 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
     Ok(found)
 }
 
-fn architecture_of(run: &Run) -> Result<Figure, StudyError> {
-    let a = run.model.architecture();
+fn architecture_of(model: &Model, run: &Run) -> Result<Figure, StudyError> {
+    let a = model.architecture();
     let hidden = |inputs: usize, outputs: usize| {
         let mut layers = vec![inputs];
         layers.extend(std::iter::repeat_n(a.hidden_units, a.hidden_layers));
@@ -185,7 +294,7 @@ fn architecture_of(run: &Run) -> Result<Figure, StudyError> {
     Ok(architecture(&sizes, &run.context)?)
 }
 
-fn training_of(run: &Run) -> Result<Vec<Figure>, StudyError> {
+fn training_of(training: &TrainingSummary, run: &Run) -> Result<Vec<Figure>, StudyError> {
     type Of = fn(&maveric_model::LossTerms) -> Option<f64>;
     let terms: [(&str, Of); 5] = [
         ("*L*_{1} following distance", |l| l.following_distance),
@@ -194,7 +303,6 @@ fn training_of(run: &Run) -> Result<Vec<Figure>, StudyError> {
         ("*L*_{4} style", |l| l.aggression),
         ("*L*_{5} mutual information", |l| l.mutual_information),
     ];
-    let training = &run.training;
     // The run that kept rows back shows both curves; the one that made the model has learned from all.
     let epochs = training
         .selection

@@ -2,7 +2,7 @@
 
 use super::Run;
 use crate::{error::StudyError, tables::conditions::ConditionRow};
-use maveric_domain::{AdbScore, ConditionId, MetresPerSecond, Road};
+use maveric_domain::{ConditionId, MetresPerSecond, Road};
 use maveric_model::style_space::PerpendicularEllipse;
 use maveric_simulator::Scenario;
 use std::collections::BTreeSet;
@@ -10,30 +10,32 @@ use std::collections::BTreeSet;
 /// Keys and values, in the claims' units.
 pub(super) fn setup(
     run: &Run,
-    road: &Road,
-    minutes: f64,
+    road: Option<&Road>,
+    minutes: Option<f64>,
     scenario: Option<&Scenario>,
 ) -> Result<Vec<(String, f64)>, StudyError> {
     let moved = run.conditions.iter().map(|c| c.moved_points.abs());
     let conditions: BTreeSet<ConditionId> = run.conditions.iter().map(|c| c.condition).collect();
     let mut found: Vec<(String, f64)> = [
-        ("scenario.drive_minutes", minutes.round()),
-        (
-            "scenario.posted_speed_mph",
-            MetresPerSecond(road.posted_speed_mps).mph(),
-        ),
-        ("scenario.lanes", f64::from(road.lanes)),
         ("steer.adb_shift_points", moved.fold(0.0, f64::max)),
-        ("steer.highest_points", AdbScore::MAX),
-        ("steer.lowest_points", AdbScore::MIN),
         ("steer.conditions", conditions.len() as f64),
-        ("model.embedding_size", run.model.embedding_size() as f64),
         ("model.losses", losses(run) as f64),
     ]
     .map(|(key, value)| (key.to_owned(), value))
     .into();
-    if let Some(distance) = perpendicular_sd(run)? {
-        found.push(("steer.perpendicular_sd".to_owned(), distance));
+    let mut set = |key: &str, value: Option<f64>| {
+        found.extend(value.map(|value| (key.to_owned(), value)));
+    };
+    set("scenario.drive_minutes", minutes.map(f64::round));
+    let posted = road.map(|r| MetresPerSecond(r.posted_speed_mps).mph());
+    set("scenario.posted_speed_mph", posted);
+    set("scenario.lanes", road.map(|r| f64::from(r.lanes)));
+    set("steer.lowest_points", run.score_range().map(|r| r.0));
+    set("steer.highest_points", run.score_range().map(|r| r.1));
+    let size = run.model.as_ref().map(|m| m.embedding_size() as f64);
+    set("model.embedding_size", size);
+    if let Some(distance) = across_sd(run)? {
+        found.push(("steer.across_sd".to_owned(), distance));
     }
     if let Some(leads) = scenario.map(|s| &s.settings().leads) {
         let factors = leads
@@ -51,7 +53,7 @@ pub(super) fn setup(
 
 /// How many of the five losses took part in the training.
 fn losses(run: &Run) -> usize {
-    let Some(last) = run.training.epochs.last() else {
+    let Some(last) = run.training.as_ref().and_then(|t| t.epochs.last()) else {
         return 0;
     };
     let l = &last.losses;
@@ -65,22 +67,24 @@ fn losses(run: &Run) -> usize {
     terms.iter().flatten().count()
 }
 
-/// Mean distance of Perpendicular from Mimic, each half-axis of the ellipse counted as 1.
-fn perpendicular_sd(run: &Run) -> Result<Option<f64>, StudyError> {
-    if run.model.embedding_size() < 2 {
+/// Mean distance of the condition across the dial from that at 0, each half-axis of the ellipse counted as 1.
+fn across_sd(run: &Run) -> Result<Option<f64>, StudyError> {
+    let (Some(model), Some(at_0), Some(across)) = (&run.model, run.own_style(), run.across())
+    else {
+        return Ok(None);
+    };
+    if model.embedding_size() < 2 {
         return Ok(None);
     }
-    let round = PerpendicularEllipse::of(&run.model)?;
-    let mimic_of = |row: &ConditionRow| {
-        let own = |c: &&ConditionRow| {
-            c.participant == row.participant && c.condition == ConditionId::MIMIC
-        };
+    let round = PerpendicularEllipse::of(model)?;
+    let own_of = |row: &ConditionRow| {
+        let own = |c: &&ConditionRow| c.participant == row.participant && c.condition == at_0;
         run.conditions.iter().find(own)
     };
     let distance = |row: &ConditionRow| {
         let (to, from) = (
             row.embedding.coordinates(),
-            mimic_of(row)?.embedding.coordinates(),
+            own_of(row)?.embedding.coordinates(),
         );
         let axes = round.axes().iter().zip(round.half_axes());
         let squares = axes.map(|(axis, half)| {
@@ -93,10 +97,7 @@ fn perpendicular_sd(run: &Run) -> Result<Option<f64>, StudyError> {
         });
         Some(squares.sum::<f64>().sqrt())
     };
-    let across = run
-        .conditions
-        .iter()
-        .filter(|c| c.condition == ConditionId::PERPENDICULAR);
+    let across = run.conditions.iter().filter(|c| c.condition == across);
     let distances: Vec<f64> = across
         .filter_map(distance)
         .filter(|d| d.is_finite())

@@ -5,7 +5,7 @@ use crate::{
     error::StudyError,
     watching::{WatchedDrive, read_watched, watch_player},
 };
-use maveric_domain::{ConditionId, drive::Direction};
+use maveric_domain::drive::Direction;
 use maveric_ingest::IngestSettings;
 use maveric_report::{
     figures::time_space::{Decision, DecisionKind, TimeSpace, Track},
@@ -19,9 +19,14 @@ pub(super) fn logs(folder: &Path, run: &Run) -> Vec<PathBuf> {
         return Vec::new();
     };
     let who = &shown.participant;
-    let own = folder.join(format!("logs/study2/{who}-{}.mcap", ConditionId::OWN));
-    let driven = ConditionId::AV.map(|c| folder.join(format!("av/logs/{who}-{c}.mcap")));
-    let mut logs: Vec<PathBuf> = std::iter::once(own).chain(driven).collect();
+    let own = run.design.baseline_id().into_iter();
+    let own = own.flat_map(|b| {
+        let of = |part: &str| folder.join(format!("logs/{part}{who}-{b}.mcap"));
+        [of("study2/"), of("test/"), of("")]
+    });
+    let conditions = run.design.conditions().iter();
+    let driven = conditions.map(|c| folder.join(format!("av/logs/{who}-{}.mcap", c.id)));
+    let mut logs: Vec<PathBuf> = own.chain(driven).collect();
     logs.retain(|log| log.is_file());
     logs
 }

@@ -1,4 +1,4 @@
-//! How near Mimic comes to its driver.
+//! How near the car that drives as the person does comes to the person.
 
 use super::{Cell, Column, Table};
 use serde::{Deserialize, Serialize};
@@ -20,18 +20,21 @@ pub struct AccuracyRow {
     pub test_retest: Option<f64>,
 }
 
-/// Builds the table `mimic-accuracy`.
-pub fn mimic_accuracy(rows: &[AccuracyRow]) -> Table {
+/// Builds the table `accuracy` of the condition called `label`; the column of the paper only where something was printed there.
+pub fn accuracy(label: &str, rows: &[AccuracyRow]) -> Table {
     let percent = |share: Option<f64>| Cell::number(share.map(|share| 100.0 * share), 1);
     // Nobody drove twice: then there is no column for it.
     let twice = rows.iter().any(|row| row.test_retest.is_some());
     let mut columns = vec![
         Column::left("Measure"),
         Column::right("*n*"),
-        Column::right("Here"),
-        Column::right("Paper"),
-        Column::right("Mean of the training drivers as guess"),
+        Column::right("Accuracy"),
     ];
+    let printed = rows.iter().any(|row| row.paper.is_some());
+    if printed {
+        columns.push(Column::right("Paper"));
+    }
+    columns.push(Column::right("Mean of the training drivers as guess"));
     let mut note = "Accuracy: 1 − |car − driver| / driver, mean over drivers. A driver without a value in one of the two drives \
                     is left out of that row. The guess is the floor: what no personalising gives. No test."
         .to_owned();
@@ -44,17 +47,22 @@ pub fn mimic_accuracy(rows: &[AccuracyRow]) -> Table {
             Cell::text(&row.measure),
             Cell::count(row.n),
             percent(row.ours),
-            percent(row.paper),
-            percent(row.population_mean),
         ];
+        if printed {
+            cells.push(percent(row.paper));
+        }
+        cells.push(percent(row.population_mean));
         if twice {
             cells.push(percent(row.test_retest));
         }
         cells
     };
     Table {
-        name: "mimic-accuracy".to_owned(),
-        title: "Mimic accuracy (%)".to_owned(),
+        name: "accuracy".to_owned(),
+        title: format!(
+            "How near {} comes to the own drive (%)",
+            crate::markup::literal(label)
+        ),
         columns,
         rows: rows.iter().map(row).collect(),
         notes: vec![note],

@@ -1,0 +1,146 @@
+//! What is tested: the outcomes of the design, or all that there is.
+
+use crate::data::StudyData;
+use maveric_domain::{
+    ConditionId, ParticipantId,
+    design::{Condition, Outcome, Quantity, ScoreName, Sign},
+};
+use maveric_measures::objective;
+
+/// An outcome with all that is known of it.
+#[derive(Debug, Clone)]
+pub(crate) struct Asked {
+    /// The measure's column, or `SCALE.SUBSCALE`.
+    pub(crate) id: String,
+    pub(crate) title: String,
+    /// Unit in which people read it; empty for counts and shares.
+    pub(crate) unit: String,
+    /// What a value is multiplied with to be in that unit.
+    pub(crate) factor: f64,
+    /// The score that means "as I do".
+    pub(crate) same: Option<f64>,
+    /// Which way a more aggressive drive moves it.
+    pub(crate) aggression: Option<Sign>,
+    pub(crate) quantity: Quantity,
+}
+
+impl Asked {
+    fn of(data: &StudyData, outcome: &Outcome) -> Self {
+        let mut asked = match &outcome.quantity {
+            Quantity::Measure(name) => Self::measure(name),
+            Quantity::Score(name) => Self::score(data, name),
+        };
+        if let Some(label) = &outcome.label {
+            asked.title.clone_from(label);
+        }
+        asked
+    }
+
+    /// An objective measure, or another column of the measurements.
+    pub(crate) fn measure(name: &str) -> Self {
+        let known = objective::find(name);
+        Self {
+            id: name.to_owned(),
+            title: known.map_or_else(|| name.to_owned(), |m| m.title.to_owned()),
+            unit: known.map_or("", |m| m.shown.unit).to_owned(),
+            factor: known.map_or(1.0, |m| m.shown.factor),
+            same: None,
+            aggression: known.and_then(|m| m.aggression),
+            quantity: Quantity::Measure(name.to_owned()),
+        }
+    }
+
+    fn score(data: &StudyData, name: &ScoreName) -> Self {
+        let subscale = data.subscale(name);
+        let range = subscale.map(|(scale, subscale)| scale.score_range(subscale));
+        Self {
+            id: name.to_string(),
+            title: data.score_title(name),
+            unit: range.map_or_else(String::new, |(low, high)| {
+                format!("rating, {low} to {high}")
+            }),
+            factor: 1.0,
+            same: subscale.and_then(|(_, subscale)| subscale.same),
+            aggression: None,
+            quantity: Quantity::Score(name.clone()),
+        }
+    }
+
+    /// The measure's column; none of a score.
+    pub(crate) fn column(&self) -> Option<&str> {
+        match &self.quantity {
+            Quantity::Measure(name) => Some(name),
+            Quantity::Score(_) => None,
+        }
+    }
+
+    /// What a participant has of it in a condition, in the unit of the tables.
+    pub(crate) fn value(&self, data: &StudyData, p: &ParticipantId, c: ConditionId) -> Option<f64> {
+        match &self.quantity {
+            Quantity::Measure(name) => data.measured(p, c, name),
+            Quantity::Score(name) => data.rated(p, c, name),
+        }
+    }
+
+    /// Which way a condition is expected to move it against the baseline.
+    fn against_baseline(&self, condition: &Condition) -> Option<Sign> {
+        let said = condition.expected.get(&self.id).copied();
+        said.or_else(|| Some(self.aggression? * condition.side()?))
+    }
+
+    /// Which way first minus second is expected to lie: as the design says, else by their places on the dial.
+    pub(crate) fn expected(
+        &self,
+        data: &StudyData,
+        first: ConditionId,
+        second: ConditionId,
+    ) -> Option<Sign> {
+        let of = |id| data.design.condition(id);
+        let is_baseline = |id| data.design.baseline_id() == Some(id);
+        let said = |id| of(id).is_some_and(|c| c.expected.contains_key(&self.id));
+        if !said(first) && !said(second) {
+            let dial = |id| of(id).map_or(is_baseline(id).then_some(0.0), Condition::dial);
+            return Some(self.aggression? * Sign::of(dial(first)? - dial(second)?)?);
+        }
+        let place = |id| -> Option<f64> {
+            let condition = of(id);
+            let sign = condition.and_then(|c| self.against_baseline(c));
+            let still = is_baseline(id) || condition?.dial() == Some(0.0);
+            sign.map(Sign::factor).or(still.then_some(0.0))
+        };
+        Sign::of(place(first)? - place(second)?)
+    }
+}
+
+/// The outcomes of the design; where it names none, all objective measures that somebody has and every score of a condition.
+pub(crate) fn outcomes(data: &StudyData) -> Vec<Asked> {
+    let declared = data.design.outcomes();
+    if !declared.is_empty() {
+        return declared.iter().map(|o| Asked::of(data, o)).collect();
+    }
+    let measured = objective::all().iter().map(|m| m.name);
+    let measured = measured.filter(|name| data.is_measured(name));
+    let rated = data.rated_names().iter().filter(|name| {
+        let conditions = data.design.conditions();
+        let in_one = |p| {
+            conditions
+                .iter()
+                .any(|c| data.rated(p, c.id, name).is_some())
+        };
+        data.participants.iter().any(in_one)
+    });
+    measured
+        .map(Asked::measure)
+        .chain(rated.map(|name| Asked::score(data, name)))
+        .collect()
+}
+
+/// The outcome of this id: declared, a measure, or a score.
+pub(crate) fn outcome(data: &StudyData, id: &str) -> Asked {
+    let declared = data.design.outcomes().iter().find(|o| o.id() == id);
+    match (declared, id.parse::<ScoreName>()) {
+        (Some(outcome), _) => Asked::of(data, outcome),
+        (None, Ok(name)) => Asked::score(data, &name),
+        (None, Err(_)) => Asked::measure(id),
+    }
+}

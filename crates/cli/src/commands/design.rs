@@ -1,0 +1,54 @@
+//! `maveric design`.
+
+use super::print_outcome;
+use crate::{args::Format, diagnostics::Failure};
+use maveric_study::stages::declare;
+use std::path::PathBuf;
+
+/// The study's design as the text of a preregistration; frozen, so that the page can say what differs
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples: maveric design describe > preregistration.md
+          maveric design freeze --design my_study/study.toml")]
+pub(crate) struct Design {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum What {
+    /// Print the design in plain English
+    Describe(Args),
+    /// Write study.lock beside the design: what was declared, and when
+    Freeze(Args),
+}
+
+#[derive(Debug, clap::Args)]
+struct Args {
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    #[arg(long, value_name = "FILE")]
+    design: Option<PathBuf>,
+    /// How to print the result
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Design {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        match self.what {
+            What::Describe(a) => print_outcome(a.format, "could not describe the design", |_| {
+                declare::describe(a.design.as_deref())
+            }),
+            What::Freeze(a) => {
+                let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+                let seconds = now.map_or(0, |d| d.as_secs());
+                let seconds = i64::try_from(seconds).unwrap_or_default();
+                let today = chrono::DateTime::from_timestamp(seconds, 0).unwrap_or_default();
+                let today = today.date_naive().to_string();
+                print_outcome(a.format, "could not freeze the design", |_| {
+                    declare::freeze(a.design.as_deref(), &today)
+                })
+            }
+        }
+    }
+}

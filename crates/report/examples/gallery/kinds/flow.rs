@@ -1,0 +1,32 @@
+//! Who was recruited, left out and analysed.
+
+use super::PARTICIPANTS;
+use maveric_report::{
+    Context, Figure, ReportError,
+    figures::flow::{Flow, flow},
+};
+
+pub(crate) fn draw(context: &Context) -> Result<Figure, ReportError> {
+    flow(&input(), context)
+}
+
+pub(crate) fn input() -> Flow {
+    Flow {
+        recruited: PARTICIPANTS + 4,
+        drove: PARTICIPANTS + 3,
+        left_out: vec![
+            ("withdrew consent".into(), 1),
+            (
+                "one answer to every item of `mdsi`, reversed ones too".into(),
+                2,
+            ),
+            ("no drive and no answer in any condition".into(), 1),
+        ],
+        analysed: PARTICIPANTS,
+        drives_left_out: vec![("simulator sickness".into(), 1)],
+        outcomes: vec![
+            ("Mean velocity".into(), PARTICIPANTS),
+            ("Distance headway merge back".into(), PARTICIPANTS - 2),
+        ],
+    }
+}

@@ -1,0 +1,235 @@
+//! The flow of participants: how many there were at each step, and why the others were left out.
+
+use super::axes::Place;
+use super::canvas::{Canvas, Look, Pen};
+use super::check::Check;
+use super::theme::{INK, MUTED, PALE, TWO_COLUMNS_MM, size, stroke};
+use super::{Context, Figure, Plan, Shows, draw};
+use crate::error::ReportError;
+use crate::markup;
+use serde::{Deserialize, Serialize};
+
+/// Counts of people.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Flow {
+    /// People who were to be tested.
+    pub recruited: usize,
+    /// Those of them who drove or rated something.
+    pub drove: usize,
+    /// People left out: reason and count. Plain text.
+    pub left_out: Vec<(String, usize)>,
+    /// People analysed.
+    pub analysed: usize,
+    /// Single drives left out: reason and count. Plain text.
+    pub drives_left_out: Vec<(String, usize)>,
+    /// People with a value in every condition, by outcome. Plain text.
+    pub outcomes: Vec<(String, usize)>,
+}
+
+const NAME: &str = "flow";
+/// Height of a line of text, in points.
+const LINE: f64 = 10.0;
+/// Space inside and between boxes, in points.
+const PAD: f64 = 5.0;
+const GAP: f64 = 14.0;
+/// Longest line, in letters.
+const LETTERS: usize = 58;
+
+/// Draws who was recruited, drove, was left out and why, and was analysed, from top to bottom.
+///
+/// # Errors
+/// [`ReportError`] if fewer were recruited than drove, or than were analysed.
+///
+/// # Source
+/// CONSORT 2010 (Schulz, Altman and Moher): the flow diagram.
+pub fn flow(input: &Flow, context: &Context) -> Result<Figure, ReportError> {
+    let check = Check(NAME);
+    for (field, count) in [("drove", input.drove), ("analysed", input.analysed)] {
+        check.that(
+            count <= input.recruited,
+            field,
+            count as f64,
+            &format!("at most the {} recruited", input.recruited),
+        )?;
+    }
+    let steps = steps(input);
+    let height: f64 = steps.iter().map(Step::height).sum::<f64>() + GAP * steps.len() as f64;
+    let out: usize = input.left_out.iter().map(|(_, n)| n).sum();
+    let plan = Plan {
+        name: NAME.to_owned(),
+        size_mm: (TWO_COLUMNS_MM, (height + 12.0) * 25.4 / 72.0 + 4.0),
+        title: "Flow of participants".to_owned(),
+        caption: format!(
+            "Who was recruited, took part, was left out and is analysed, as CONSORT draws it. By outcome: participants with a value in every \
+             condition, who enter its tests. *n* = {}.",
+            input.analysed
+        ),
+        alt: format!(
+            "{} recruited, {} took part, {out} left out{}, {} analysed.",
+            input.recruited,
+            input.drove,
+            reasons(&input.left_out),
+            input.analysed
+        ),
+        shows: Shows::Participants,
+    };
+    draw(plan, context, |canvas, place| paint(canvas, place, &steps))
+}
+
+/// One box, with what leaves the flow beside it.
+struct Step {
+    lines: Vec<String>,
+    beside: Vec<String>,
+}
+
+impl Step {
+    fn height(&self) -> f64 {
+        let lines = self.lines.len().max(self.beside.len());
+        lines as f64 * LINE + 2.0 * PAD
+    }
+}
+
+fn reasons(left: &[(String, usize)]) -> String {
+    let one = |(why, n): &(String, usize)| format!("{n}: {why}");
+    let all: Vec<String> = left.iter().map(one).collect();
+    if all.is_empty() {
+        String::new()
+    } else {
+        format!(" ({})", all.join("; "))
+    }
+}
+
+/// Cut at a blank so that no line is longer than fits.
+fn wrapped(text: &str) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let last = lines.len() - 1;
+        let long = lines[last].chars().count() + word.chars().count() + 1 > LETTERS;
+        if long && !lines[last].is_empty() {
+            lines.push(word.to_owned());
+        } else {
+            if !lines[last].is_empty() {
+                lines[last].push(' ');
+            }
+            lines[last].push_str(word);
+        }
+    }
+    lines
+}
+
+fn listed(title: &str, left: &[(String, usize)]) -> Vec<String> {
+    if left.is_empty() {
+        return Vec::new();
+    }
+    let sum: usize = left.iter().map(|(_, n)| n).sum();
+    let mut lines = vec![format!("{title}: {sum}")];
+    for (why, n) in left {
+        lines.extend(wrapped(&format!("{n}: {why}")));
+    }
+    lines
+}
+
+fn steps(input: &Flow) -> Vec<Step> {
+    let mut beside = listed("Left out", &input.left_out);
+    beside.extend(listed("Single drives left out", &input.drives_left_out));
+    let mut analysed = vec![format!("Analysed: {}", input.analysed)];
+    let outcomes = input.outcomes.iter();
+    analysed.extend(outcomes.map(|(title, n)| format!("{title}: {n}")));
+    vec![
+        Step {
+            lines: vec![format!("Recruited to be tested: {}", input.recruited)],
+            beside: Vec::new(),
+        },
+        Step {
+            lines: vec![format!("Drove or rated something: {}", input.drove)],
+            beside,
+        },
+        Step {
+            lines: analysed,
+            beside: Vec::new(),
+        },
+    ]
+}
+
+fn paint(canvas: &mut Canvas<'_>, place: Place, steps: &[Step]) {
+    let width = place.right - place.left;
+    let (main, side) = (0.44 * width, 0.50 * width);
+    let mut top = place.top + 4.0;
+    let middle = place.left + 0.5 * main;
+    for (at, step) in steps.iter().enumerate() {
+        let bottom = top + step.lines.len() as f64 * LINE + 2.0 * PAD;
+        boxed(
+            canvas,
+            (place.left, top),
+            (place.left + main, bottom),
+            &step.lines,
+        );
+        let mut lowest = bottom;
+        if !step.beside.is_empty() {
+            let left = place.right - side;
+            lowest = lowest.max(top + step.beside.len() as f64 * LINE + 2.0 * PAD);
+            boxed(canvas, (left, top), (place.right, lowest), &step.beside);
+            let y = f64::midpoint(top, bottom);
+            let from = (place.left + main, y);
+            canvas.arrow(from, (left, y), Pen::new(MUTED, stroke::BOX), 4.0);
+        }
+        if at + 1 < steps.len() {
+            let to = (middle, lowest + GAP);
+            canvas.arrow((middle, bottom), to, Pen::new(MUTED, stroke::BOX), 4.0);
+        }
+        top = lowest + GAP;
+    }
+}
+
+fn boxed(canvas: &mut Canvas<'_>, a: (f64, f64), b: (f64, f64), lines: &[String]) {
+    canvas.fill_rect(a, b, PALE, 1.0);
+    canvas.rect(a, b, Pen::new(MUTED, stroke::OUTLINE));
+    for (at, line) in lines.iter().enumerate() {
+        let look = Look::new(size::TICK).centred().colour(INK);
+        let look = if at == 0 { look.semibold() } else { look };
+        let y = a.1 + PAD + (at as f64 + 0.5) * LINE;
+        canvas.text(&markup::literal(line), (a.0 + PAD, y), look);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn input() -> Flow {
+        Flow {
+            recruited: 24,
+            drove: 23,
+            left_out: vec![
+                ("withdrew consent".into(), 1),
+                ("no drive *at all*".into(), 1),
+            ],
+            analysed: 22,
+            drives_left_out: vec![("drive shorter than 300 s".into(), 2)],
+            outcomes: vec![("Trust".into(), 21)],
+        }
+    }
+
+    #[test]
+    fn every_step_and_reason_stands_in_the_picture() {
+        let figure = flow(&input(), &Context::real()).unwrap();
+        for said in [
+            "24",
+            "Left out: 2",
+            "withdrew consent",
+            "Analysed: 22",
+            "Trust: 21",
+        ] {
+            assert!(figure.svg.contains(said), "{said}");
+        }
+        assert!(figure.alt.contains("1: withdrew consent"), "{}", figure.alt);
+    }
+
+    #[test]
+    fn more_analysed_than_recruited_is_refused() {
+        let mut input = input();
+        input.analysed = 25;
+        let refused = flow(&input, &Context::real());
+        assert!(matches!(refused, Err(ReportError::OutOfRange { .. })));
+    }
+}

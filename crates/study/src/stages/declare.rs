@@ -1,0 +1,480 @@
+//! `design describe` and `design freeze`: the design as what was declared before looking.
+
+use crate::{
+    atomic_write::{atomic_write_bytes, read_text},
+    design::DesignFile,
+    error::StudyError,
+    outcome::Outcome,
+};
+use maveric_domain::{
+    Design,
+    design::{Car, Claim, Compare, Condition, Sign},
+};
+use maveric_measures::objective;
+use serde::{Deserialize, Serialize};
+use std::{
+    collections::BTreeMap,
+    fmt::Write as _,
+    path::{Path, PathBuf},
+};
+
+/// Name of a frozen design, beside the design.
+pub const LOCK_FILE: &str = "study.lock";
+
+/// A design as it was on a day.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Frozen {
+    /// The day, as `2026-11-22`.
+    pub date: String,
+    /// Version of the program.
+    pub version: String,
+    /// BLAKE3 of the design's text.
+    pub hash: String,
+    /// Answer files that were there already; none ought to be.
+    pub answers: usize,
+    /// Logs that were there already; none ought to be.
+    pub logs: usize,
+    /// The design's text.
+    pub design: String,
+}
+
+/// A design in plain English.
+#[derive(Debug, Clone, Serialize)]
+pub struct Described {
+    /// Markdown, a section a heading.
+    pub text: String,
+}
+
+/// The design in plain English, under the headings of a preregistration.
+///
+/// # Errors
+/// [`StudyError`] if the design cannot be read.
+///
+/// # Source
+/// Headings: the OSF Preregistration template and AsPredicted.
+pub fn describe(design: Option<&Path>) -> Result<Outcome<Described>, StudyError> {
+    let study = DesignFile::find(design)?;
+    let text = text(&study.design);
+    Ok(Outcome {
+        summary: text.lines().map(str::to_owned).collect(),
+        value: Described { text },
+        warnings: Vec::new(),
+    })
+}
+
+/// Writes `study.lock` beside the design; `date` is today's.
+///
+/// # Errors
+/// [`StudyError`] if the design cannot be read, was frozen before, or the file cannot be written.
+pub fn freeze(design: Option<&Path>, date: &str) -> Result<Outcome<Frozen>, StudyError> {
+    let study = DesignFile::find(design)?;
+    let Some(path) = &study.path else {
+        return Err(StudyError::NotPossible {
+            problem: "the paper's design is built in and cannot be frozen".to_owned(),
+            help: Some("name a study's own: --design study.toml".to_owned()),
+        });
+    };
+    let lock = path.with_file_name(LOCK_FILE);
+    if lock.exists() {
+        return Err(StudyError::BadFile {
+            path: lock,
+            problem: "the design was frozen before".to_owned(),
+            help: Some(
+                "a changed key is declared under `[amendments]` with its reason; the lock stays"
+                    .to_owned(),
+            ),
+        });
+    }
+    let text = read_text(path)?;
+    let files = study.design.files();
+    let frozen = Frozen {
+        date: date.to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        hash: blake3::hash(text.as_bytes()).to_hex().to_string(),
+        answers: usize::from(study.resolve(&files.answers).is_file()),
+        logs: count(&study.resolve(&files.logs)),
+        design: text,
+    };
+    let toml = toml::to_string(&frozen)
+        .map_err(|e| StudyError::file(&lock, format!("cannot be written: {e}")))?;
+    atomic_write_bytes(&lock, toml.as_bytes())?;
+    let mut warnings = Vec::new();
+    if frozen.answers + frozen.logs > 0 {
+        warnings.push(format!(
+            "{} logs and {} files of answers are there already: the page will say so",
+            frozen.logs, frozen.answers
+        ));
+    }
+    Ok(Outcome {
+        summary: vec![format!("frozen on {date}: {}", lock.display())],
+        value: frozen,
+        warnings,
+    })
+}
+
+/// Files below a folder.
+fn count(folder: &Path) -> usize {
+    let mut folders = vec![folder.to_owned()];
+    let mut found = 0;
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(&folder)
+            .into_iter()
+            .flatten()
+            .flatten()
+            .map(|e| e.path())
+        {
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                found += 1;
+            }
+        }
+    }
+    found
+}
+
+/// What the page says of the declaration: one sentence, or one a difference; nothing where the design was never frozen.
+///
+/// # Errors
+/// [`StudyError`] if the lock or the design cannot be read.
+pub(crate) fn declared(study: &DesignFile) -> Result<Vec<String>, StudyError> {
+    let Some(path) = &study.path else {
+        return Ok(Vec::new());
+    };
+    let lock = path.with_file_name(LOCK_FILE);
+    if !lock.is_file() {
+        return Ok(Vec::new());
+    }
+    let bad = |path: &PathBuf| {
+        let path = path.clone();
+        move |e: toml::de::Error| StudyError::file(&path, e.to_string())
+    };
+    let frozen: Frozen = toml::from_str(&read_text(&lock)?).map_err(bad(&lock))?;
+    let before: toml::Table = toml::from_str(&frozen.design).map_err(bad(&lock))?;
+    let now: toml::Table = toml::from_str(&read_text(path)?).map_err(bad(path))?;
+    let (before, now) = (leaves(before), leaves(now));
+    let mut changed = Vec::new();
+    for key in before
+        .keys()
+        .chain(now.keys().filter(|k| !before.contains_key(*k)))
+    {
+        if key.starts_with("amendments.") || before.get(key) == now.get(key) {
+            continue;
+        }
+        let value = |of: &BTreeMap<String, String>| {
+            of.get(key)
+                .cloned()
+                .unwrap_or_else(|| "not there".to_owned())
+        };
+        let reason = study.design.amendments().iter().find(|(k, _)| {
+            let below = key.strip_prefix(k.as_str());
+            below.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+        });
+        let reason = reason.map_or("no reason was given", |(_, why)| why);
+        changed.push(format!(
+            "*Not as declared on {}.* `{key}`: was {}, is {}: {reason}.",
+            frozen.date,
+            value(&before),
+            value(&now)
+        ));
+    }
+    if changed.is_empty() {
+        changed.push(format!("*Analysed as declared on {}.*", frozen.date));
+    }
+    if frozen.answers + frozen.logs > 0 {
+        changed.push(format!(
+            "*When it was declared*, {} logs and {} files of answers were there already.",
+            frozen.logs, frozen.answers
+        ));
+    }
+    Ok(changed)
+}
+
+/// The leaves of a file, each under its path.
+fn leaves(table: toml::Table) -> BTreeMap<String, String> {
+    fn add(path: &str, value: &toml::Value, found: &mut BTreeMap<String, String>) {
+        match value {
+            toml::Value::Table(table) => {
+                for (key, value) in table {
+                    let path = if path.is_empty() {
+                        key.clone()
+                    } else {
+                        format!("{path}.{key}")
+                    };
+                    add(&path, value, found);
+                }
+            }
+            toml::Value::Array(rows) if rows.iter().all(toml::Value::is_table) => {
+                for (at, row) in rows.iter().enumerate() {
+                    let id = row.get("id").and_then(toml::Value::as_str);
+                    let name = id.map_or_else(
+                        || format!("{path}[{}]", at + 1),
+                        |id| format!("{path}.{id}"),
+                    );
+                    add(&name, row, found);
+                }
+            }
+            leaf => {
+                found.insert(path.to_owned(), leaf.to_string());
+            }
+        }
+    }
+    let mut found = BTreeMap::new();
+    add("", &toml::Value::Table(table), &mut found);
+    found
+}
+
+fn text(design: &Design) -> String {
+    let mut out = format!("# {}\n", design.title());
+    let mut section = |title: &str, lines: Vec<String>| {
+        let _ = write!(out, "\n## {title}\n\n");
+        for line in lines {
+            let _ = writeln!(out, "- {line}");
+        }
+    };
+    section("Hypotheses", hypotheses(design));
+    section(
+        "Conditions",
+        design
+            .conditions()
+            .iter()
+            .map(|c| condition(design, c))
+            .chain(baseline(design))
+            .collect(),
+    );
+    section("Participants", people(design));
+    section("Measured variables", outcomes(design));
+    section("Analyses", analyses(design));
+    section("Exclusions", exclusions(design));
+    out
+}
+
+fn hypotheses(design: &Design) -> Vec<String> {
+    let one = |h: &maveric_domain::design::Hypothesis| {
+        let [first, second] = h.contrast.map(|c| design.label(c));
+        let rule = match h.claim {
+            Claim::Direction(sign) => format!(
+                "{first} {} {second} (two-sided p < .05 after Holm)",
+                if sign == Sign::Plus {
+                    "lies above"
+                } else {
+                    "lies below"
+                }
+            ),
+            Claim::Equivalent([low, high]) => {
+                format!(
+                    "{first} minus {second} lies between {low} and {high} (two one-sided tests)"
+                )
+            }
+        };
+        format!("{} In {}: {rule}.", sentence(&h.says), h.outcome)
+    };
+    let found: Vec<String> = design.hypotheses().iter().map(one).collect();
+    or_none(
+        found,
+        "No hypothesis is declared: every analysis is exploratory.",
+    )
+}
+
+fn sentence(text: &str) -> String {
+    format!("{}.", text.trim().trim_end_matches('.'))
+}
+
+fn or_none(found: Vec<String>, none: &str) -> Vec<String> {
+    if found.is_empty() {
+        vec![none.to_owned()]
+    } else {
+        found
+    }
+}
+
+fn condition(design: &Design, c: &Condition) -> String {
+    let dial = design.style().map_or("the style", |s| s.label.as_str());
+    let car = match &c.car {
+        None => "driven by the laboratory's own car or rig; its recordings are read".to_owned(),
+        Some(Car::Dial(0.0)) => "a car with the participant's own learned style".to_owned(),
+        Some(Car::Dial(points)) => {
+            format!(
+                "a car with the participant's learned style moved by {points:+} points of {dial}"
+            )
+        }
+        Some(Car::Across) => {
+            format!("a car with a style that differs from the participant's, but not in {dial}")
+        }
+        Some(Car::Mean) => {
+            "a car that drives as the average of the drivers learned from".to_owned()
+        }
+        Some(Car::Embedding(path)) => format!("a car with the style in {}", path.display()),
+        Some(_) => format!("a car whose {dial} the participant turns while riding"),
+    };
+    let levels: Vec<String> = c.levels.iter().map(|(f, l)| format!("{f}: {l}")).collect();
+    let levels = if levels.is_empty() {
+        String::new()
+    } else {
+        format!(" ({})", levels.join(", "))
+    };
+    format!("{} (`{}`): {car}{levels}.", c.label, c.id)
+}
+
+fn baseline(design: &Design) -> Option<String> {
+    let baseline = design.baseline()?;
+    Some(format!(
+        "Baseline: {} (`{}`), from which the differences of measures are taken.",
+        baseline.label, baseline.id
+    ))
+}
+
+fn people(design: &Design) -> Vec<String> {
+    let wanted = |cells: &Option<BTreeMap<String, String>>| {
+        let cells = cells.as_ref()?.iter().map(|(k, v)| format!("{k} = {v}"));
+        Some(cells.collect::<Vec<_>>().join(" and "))
+    };
+    let mut lines = Vec::new();
+    if let Some(learn) = wanted(&design.people().learn) {
+        lines.push(format!("Learned from: those with {learn}."));
+    }
+    lines.push(wanted(&design.people().test).map_or_else(
+        || "Tested: everybody who is not learned from.".to_owned(),
+        |test| format!("Tested: those with {test}."),
+    ));
+    for factor in design.factors() {
+        lines.push(format!("Groups by `{}`.", factor.column));
+    }
+    lines.push("Sample size: `maveric rehearse` gives the power of these tests on made-up people for the sizes that are tried.".to_owned());
+    lines
+}
+
+fn outcomes(design: &Design) -> Vec<String> {
+    let one = |o: &maveric_domain::design::Outcome| {
+        let id = o.id();
+        let known = objective::find(&id);
+        let label = o
+            .label
+            .clone()
+            .or_else(|| known.map(|m| m.title.to_owned()));
+        let what = known.map_or_else(String::new, |m| format!(": {}", m.description));
+        match label {
+            Some(label) => format!("{label} (`{id}`){what}"),
+            None => format!("`{id}`{what}"),
+        }
+    };
+    let found = design.outcomes().iter().map(one).collect();
+    or_none(
+        found,
+        "All objective measures, and every scale that is asked after a condition.",
+    )
+}
+
+fn analyses(design: &Design) -> Vec<String> {
+    let compared = match design.compare() {
+        Compare::All => "Every condition is compared with every other".to_owned(),
+        Compare::Against(one) => format!("Every condition is compared with {}", design.label(*one)),
+        Compare::Pairs(_) => {
+            let pairs: Vec<String> = design
+                .contrasts()
+                .iter()
+                .map(|[a, b]| format!("{} with {}", design.label(*a), design.label(*b)))
+                .collect();
+            format!("Compared are {}", pairs.join(", "))
+        }
+    };
+    let mut lines = vec![format!(
+        "{compared}, with Holm's correction over the contrasts of an outcome."
+    )];
+    lines.push(if design.conditions().len() > 2 {
+        "Each outcome: repeated-measures ANOVA (degrees of freedom corrected after Greenhouse and Geisser or Huynh and Feldt) and paired t tests where the \
+         residuals look normal (Shapiro-Wilk, .05), else Friedman's test and Wilcoxon's."
+            .to_owned()
+    } else {
+        "Each outcome: a paired t test where the differences look normal (Shapiro-Wilk, .05), else Wilcoxon's test.".to_owned()
+    });
+    if !design.factors().is_empty() {
+        lines.push("With groups, each outcome is tested within each group; the correction counts all groups.".to_owned());
+    }
+    if let Some(family) = design.homophily() {
+        let ratings: Vec<String> = family.ratings.iter().map(ToString::to_string).collect();
+        lines.push(format!(
+            "One family of correlations: {} against the differences in {} between the own style and each shifted one, with Holm's correction and the false \
+             discovery rate.",
+            family.factors.join(", "),
+            ratings.join(", ")
+        ));
+    }
+    lines.push("Whatever else the page shows is exploratory.".to_owned());
+    lines
+}
+
+fn exclusions(design: &Design) -> Vec<String> {
+    let rules = design.exclude();
+    let mut lines = Vec::new();
+    if let Some(seconds) = rules.drive_shorter_than_s {
+        lines.push(format!(
+            "Drives shorter than {seconds} s, with what was said of them."
+        ));
+    }
+    if rules.straight_lined {
+        lines.push(
+            "People who gave one answer to every item of a questionnaire that has reversed items."
+                .to_owned(),
+        );
+    }
+    if let Some(n) = rules.fewer_conditions_than {
+        lines.push(format!("People with fewer than {n} conditions."));
+    }
+    for (who, why) in &rules.people {
+        lines.push(format!("{who}: {}", sentence(why)));
+    }
+    for (drive, why) in &rules.drives {
+        lines.push(format!("Drive {drive}: {}", sentence(why)));
+    }
+    lines.push(
+        "A person without a value in a condition is left out of that outcome and named.".to_owned(),
+    );
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STUDY: &str = "[study]\ntitle = \"Calm or sporty\"\n[[condition]]\nid = \"calm\"\n[[condition]]\nid = \"sporty\"\n\
+                         [baseline]\nid = \"own\"\n[[hypothesis]]\nsays = \"Sporty is faster\"\noutcome = \"mean_velocity_mps\"\n\
+                         contrast = [\"sporty\", \"calm\"]\ndirection = \"+\"\n[exclude]\ndrive_shorter_than_s = 300\n";
+
+    #[test]
+    fn a_design_reads_as_a_preregistration() {
+        let text = text(&Design::from_toml(STUDY).unwrap());
+        for said in [
+            "## Hypotheses\n\n- Sporty is faster. In mean_velocity_mps: sporty lies above calm",
+            "- calm (`calm`): driven by the laboratory's own car",
+            "Drives shorter than 300 s",
+            "a paired t test",
+        ] {
+            assert!(text.contains(said), "{said} in {text}");
+        }
+    }
+
+    #[test]
+    fn a_change_after_freezing_is_said_with_its_reason() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("study.toml");
+        std::fs::write(&path, STUDY).unwrap();
+        let frozen = freeze(Some(&path), "2026-11-22").unwrap().value;
+        assert_eq!((frozen.answers, frozen.logs), (0, 0));
+        let said = || declared(&DesignFile::read(&path).unwrap()).unwrap();
+        assert_eq!(said(), ["*Analysed as declared on 2026-11-22.*"]);
+        let amended = STUDY.replace("= 300", "= 200");
+        std::fs::write(&path, &amended).unwrap();
+        assert_eq!(
+            said(),
+            [
+                "*Not as declared on 2026-11-22.* `exclude.drive_shorter_than_s`: was 300, is 200: no reason was given."
+            ]
+        );
+        let why = "[amendments]\n\"exclude.drive_shorter_than_s\" = \"the route was shorter\"\n";
+        std::fs::write(&path, format!("{amended}{why}")).unwrap();
+        assert!(said()[0].ends_with("is 200: the route was shorter."));
+        assert!(freeze(Some(&path), "2026-11-23").is_err());
+    }
+}
