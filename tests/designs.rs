@@ -332,3 +332,113 @@ fn status_says_who_is_out_and_what_nobody_drove_and_a_design_names_only_what_the
         .maveric_in("mine", &["run"])
         .failed(1, &["study.toml", "`exclude.people`: found `P20`"]);
 }
+
+#[test]
+fn five_conditions_on_the_dial_roles_a_baseline_of_another_name_and_then_a_model_from_elsewhere() {
+    let study = TempStudy::new();
+    let five = "calmer,calm,own_style,brisk,brisker";
+    study
+        .maveric(&[
+            "init",
+            "mine",
+            "--conditions",
+            five,
+            "--style",
+            "adb.total",
+            "--synthetic",
+        ])
+        .ok();
+    let by_hand = "[[role]]\nid = \"brisk\"\n\n[[role]]\nid = \"calm\"\n\n[baseline]";
+    change(&study, "mine/study.toml", "[baseline]", by_hand);
+    change(&study, "mine/study.toml", "id = \"own\"", "id = \"hand\"");
+    let generate = [
+        "generate",
+        "--design",
+        "mine/study.toml",
+        "--duration",
+        "60",
+        "--learn",
+    ];
+    study
+        .maveric(&[&generate[..], &["4", "--test", "3"]].concat())
+        .ok();
+    // One of the four is a professional and demonstrates both roles.
+    let logs = std::fs::read_dir(study.path("mine/logs/study1")).unwrap();
+    assert_eq!(logs.count(), 4 + 2);
+    study
+        .maveric_in("mine", &["run", "steer", "--set", "epochs=2"])
+        .ok();
+    let conditions = read(&study, "mine/results/conditions.csv");
+    assert_eq!(conditions.lines().count(), 1 + 3 * 5);
+    let embeddings = read(&study, "mine/results/embeddings.csv");
+    assert!(
+        embeddings.contains("S2P01-hand,S2P01,hand,true,"),
+        "{embeddings}"
+    );
+    let init = [
+        "init",
+        "theirs",
+        "--conditions",
+        "calm,brisk",
+        "--style",
+        "adb.total",
+        "--synthetic",
+    ];
+    study.maveric(&init).ok();
+    let elsewhere = "[model]\nfile = \"../mine/results/model.maveric\"\n\n[people]";
+    change(&study, "theirs/study.toml", "[people]", elsewhere);
+    change(&study, "theirs/study.toml", "learn = {", "# learn = {");
+    let generate = [
+        "generate",
+        "--design",
+        "theirs/study.toml",
+        "--duration",
+        "60",
+        "--learn",
+    ];
+    study
+        .maveric(&[&generate[..], &["0", "--test", "3"]].concat())
+        .ok();
+    let ran = study.maveric_in("theirs", &["run", "steer"]).ok();
+    assert!(!ran.stderr.contains("train:"), "{}", ran.stderr);
+    assert_eq!(
+        read(&study, "theirs/results/conditions.csv")
+            .lines()
+            .count(),
+        1 + 3 * 2
+    );
+}
+
+#[test]
+fn two_recorded_cars_without_a_drive_by_hand_and_a_factor_between_people() {
+    let study = recorded(&["calm", "sporty"]);
+    let text = read(&study, "mine/study.toml");
+    let (head, rest) = text.split_once("[baseline]").unwrap();
+    let rest = &rest[rest.find("# [[outcome]]").unwrap()..];
+    study.write(
+        "mine/study.toml",
+        format!("{head}[[factor]]\ncolumn = \"population\"\n\n{rest}"),
+    );
+    study.maveric_in("mine", &TO_THE_NUMBERS).ok();
+    let rows = measured(&study);
+    assert_eq!(rows.len(), 8);
+    let listed = read(&study, "mine/results/drives/exclusions.csv");
+    assert!(
+        listed.contains("`own` is none of the design's: calm, sporty"),
+        "{listed}"
+    );
+    change(
+        &study,
+        "mine/study.toml",
+        "column = \"population\"",
+        "column = \"popualtion\"",
+    );
+    study.maveric_in("mine", &["ingest", "--out", "d"]).failed(
+        1,
+        &[
+            "participants.csv",
+            "`popualtion`",
+            "did you mean `population`?",
+        ],
+    );
+}
