@@ -5,7 +5,6 @@
 )]
 
 #[path = "../examples/gallery/made_up.rs"]
-#[allow(dead_code, reason = "the gallery itself uses more of it")]
 mod made_up;
 
 use maveric_report::html::RenderedFile;

@@ -47,6 +47,10 @@ pub(crate) fn conditions() -> Vec<ConditionId> {
 }
 
 /// Synthetic participants in these conditions.
+#[allow(
+    dead_code,
+    reason = "a test of the page alone and the bench have contexts of their own"
+)]
 pub(crate) fn context(seed: u64) -> Context {
     Context::synthetic(seed).with_conditions(ConditionLook::of(&design()))
 }
