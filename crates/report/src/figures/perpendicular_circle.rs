@@ -221,6 +221,7 @@ fn paint_sectors(canvas: &mut Canvas<'_>, dial: &Dial, pairs: &[(f64, f64)]) {
 mod tests {
     use super::super::perpendicular::AngleChange;
     use super::*;
+    use maveric_domain::ConditionId;
 
     fn input(change: f64) -> PerpendicularChanges {
         let points = (0..6).map(|k| AngleChange {
@@ -234,6 +235,8 @@ mod tests {
                 points: points.collect(),
                 statistic: "*R* = .4".into(),
             }],
+            across: ConditionId::new("across").unwrap(),
+            from: ConditionId::new("own").unwrap(),
         }
     }
 
