@@ -379,12 +379,11 @@ fn paint_keys(
     canvas.text(title, (x, row), small.centred().colour(MUTED));
     x += small.width(title) + 8.0;
     let (low, high) = input.score_range;
-    let ticks = Scale::between(low, high, 4).ticks;
-    for score in ticks.into_iter().filter(|s| (low..=high).contains(s)) {
+    let ticks = Scale::between(low, high, 4);
+    for (score, label) in ticks.ticks.into_iter().zip(ticks.labels) {
         let r = radius(score, input.score_range);
         canvas.disc((x + r, row), r, GREY, 1.0);
         x += 2.0 * r + 2.5;
-        let label = super::axes::number(score, 2);
         canvas.text(&label, (x, row), small.centred());
         x += small.width(&label) + 8.0;
     }

@@ -205,6 +205,8 @@ pub(crate) fn paint_box(canvas: &mut Canvas<'_>, view: &View, titles: [&str; 3])
         let ends = (at(view.low[axis]), at(view.high[axis]));
         canvas.line(ends.0, ends.1, edge);
         let look = Look::new(size::TICK).centred();
+        // A short axis, or one seen from its end, has room for some of its numbers only.
+        let mut last: Option<((f64, f64), f64)> = None;
         for (&tick, label) in view.scales[axis]
             .ticks
             .iter()
@@ -212,6 +214,19 @@ pub(crate) fn paint_box(canvas: &mut Canvas<'_>, view: &View, titles: [&str; 3])
         {
             let (x, y) = at(tick);
             canvas.line((x, y), (x + 2.0 * away.0, y + 2.0 * away.1), edge);
+            let width = look.width(label);
+            let meets = last.is_some_and(|((from, height), of)| {
+                let across = if axis == 2 {
+                    0.0
+                } else {
+                    f64::midpoint(of, width)
+                };
+                (x - from).abs() <= across + 2.0 && (y - height).abs() < 1.4 * size::TICK
+            });
+            if meets {
+                continue;
+            }
+            last = Some(((x, y), width));
             let look = if axis == 2 { look.end() } else { look.middle() };
             let gap = if axis == 2 { 4.0 } else { 8.0 };
             canvas.text(label, (x + gap * away.0, y + gap * away.1), look);
