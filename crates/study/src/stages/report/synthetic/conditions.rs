@@ -1,11 +1,7 @@
 //! The third and fourth sections: what the conditions did, and which habits they left alone.
 
 use super::{Run, said, summary::of_group, watch};
-use crate::{
-    error::StudyError,
-    stages::{report::keys::short, stats::apa_omnibus},
-    watching::WatchedDrive,
-};
+use crate::{error::StudyError, stages::report::keys::short, watching::WatchedDrive};
 use maveric_analysis::{Contrast, Nearer, Panel, Reproduction};
 use maveric_domain::design::Sign;
 use maveric_report::{
@@ -166,10 +162,17 @@ pub(super) fn section_kept(run: &Run) -> Result<Option<Section>, StudyError> {
 pub(super) fn omnibus(panel: &Panel, short: bool) -> String {
     let reason = panel.reasons.first().map_or("", String::as_str);
     match (&panel.comparison, &panel.contrasts[..]) {
-        (Some(found), _) => apa_omnibus(&found.omnibus, found.n, short).map_or_else(
-            || "no test statistic: see the reasons in the analysis".to_owned(),
-            |s| s.markup().to_owned(),
-        ),
+        (Some(found), _) => {
+            let said = if short {
+                found.omnibus.short_statement(found.n)
+            } else {
+                found.omnibus.statement(found.n)
+            };
+            said.map_or_else(
+                || "no test statistic: see the reasons in the analysis".to_owned(),
+                |said| said.markup().to_owned(),
+            )
+        }
         (None, [pair]) if panel.test.is_some() => {
             paired(panel, pair).unwrap_or_else(|| "no test statistic".to_owned())
         }
