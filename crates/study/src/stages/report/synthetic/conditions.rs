@@ -15,7 +15,7 @@ use maveric_report::{
     html::Section,
     tables::{self, AccuracyRow, Cell, Column},
 };
-use maveric_stats::PosthocTest;
+use maveric_stats::{Adjustment, PosthocTest};
 use std::collections::BTreeMap;
 
 pub(super) fn section_conditions(
@@ -181,7 +181,7 @@ pub(super) fn omnibus(panel: &Panel, short: bool) -> String {
     }
 }
 
-/// A paired test in words.
+/// A paired test in words: the only one of its panel, so that nothing is adjusted.
 fn paired(panel: &Panel, pair: &Contrast) -> Option<String> {
     let effect = pair.effect.as_ref();
     let p = pair.p_holm?;
@@ -195,11 +195,18 @@ fn paired(panel: &Panel, pair: &Contrast) -> Option<String> {
                 })
             });
             let size = effect.and_then(|e| Some((e.value?, interval)));
-            apa::t(pair.statistic?, df, p, size).markup().to_owned()
+            apa::t(pair.statistic?, df as f64, p, Adjustment::None, size)
+                .markup()
+                .to_owned()
         }
-        _ => apa::wilcoxon(pair.statistic?, p, effect.and_then(|e| e.value))
-            .markup()
-            .to_owned(),
+        _ => apa::wilcoxon(
+            pair.statistic?,
+            p,
+            Adjustment::None,
+            effect.and_then(|e| e.value),
+        )
+        .markup()
+        .to_owned(),
     })
 }
 
