@@ -18,7 +18,7 @@ pub(crate) fn input() -> Comparison {
         mean: Some([mean, mean - 0.4, mean + 0.4]),
     };
     let person = |i: usize| {
-        let first = if i % 2 == 0 { 0 } else { 2 };
+        let first = if i.is_multiple_of(2) { 0 } else { 2 };
         let value = |c: usize| shift[c] + 0.6 * (wobble(i, 90) + wobble(i, c));
         (0..4)
             .map(|c| (c == first || c == first + 1).then(|| value(c)))
