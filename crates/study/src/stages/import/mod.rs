@@ -412,6 +412,14 @@ mod tests {
             "participant,moment,scale,item,answer,seconds\nP01,pre,calm,1,1,3.0\nP01,pre,calm,2,7,3.0\nP01,pre,calm,3,,3.0\n\
              P01,mimic,calm,1,2,3.0\nP01,mimic,calm,2,3,3.0\nP01,mimic,calm,3,4,3.0\n"
         );
+        // A condition that the design does not know is left out, counted and named.
+        let unknown = text.replace("\"mimic\"", "\"x\"");
+        let (warnings, table) = run(SurveySoftware::JsPsych, &unknown, None).unwrap();
+        assert!(
+            warnings[0].contains("3 answers left out: condition `x`"),
+            "{warnings:?}"
+        );
+        assert_eq!(table.lines().count(), 4);
         // Several sessions: one array each, one after the other or in an array.
         let second = text.replace("P01", "P02");
         for both in [format!("{text}{second}"), format!("[{text},{second}]")] {
@@ -425,7 +433,6 @@ mod tests {
                 "participant P01 (pre), scale `calm`, item 2 (session 1, trial 1): found `7`",
             ),
             ("\"calm_2\": 6", "\"calm_2\": \"very\"", "found `very`"),
-            ("\"condition\": \"mimic\"", "\"condition\": \"x\"", "`x`"),
             (
                 "\"condition\": \"mimic\"",
                 "\"nothing\": 0",
