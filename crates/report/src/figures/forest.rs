@@ -21,6 +21,8 @@ pub struct Forest {
     pub rows: Vec<ForestRow>,
     /// Differences that count as none, shaded.
     pub bounds: Option<(f64, f64)>,
+    /// People behind the estimates.
+    pub n: usize,
 }
 
 /// One contrast.
@@ -72,8 +74,9 @@ pub fn forest(input: &Forest, context: &Context) -> Result<Figure, ReportError> 
         ),
         title: input.title.clone(),
         caption: format!(
-            "{}: estimates with intervals, and their tests; the dashed line is no difference.{bounds}",
-            markup::literal(&input.title)
+            "{}: estimates with intervals, and their tests; the dashed line is no difference.{bounds} *n* = {} participants.",
+            markup::literal(&input.title),
+            input.n
         ),
         alt: found.collect::<Vec<_>>().join("; "),
         shows: Shows::Participants,
@@ -141,6 +144,7 @@ mod tests {
             axis: "*d*_{z}".into(),
             rows: vec![row("a|b", Some([0.5, 0.1, 0.9])), row("a|c", None)],
             bounds: Some((-0.2, 0.2)),
+            n: 24,
         };
         let figure = forest(&input, &Context::real()).unwrap();
         assert!(figure.svg.contains("a|c") && figure.alt == "a|b 0.50 [0.10, 0.90]");

@@ -26,5 +26,6 @@ pub(crate) fn input() -> Forest {
         axis: "*d*_{z} (A minus B, 95% CI)".into(),
         rows: pairs.map(row).collect(),
         bounds: Some((-0.2, 0.2)),
+        n: 24,
     }
 }

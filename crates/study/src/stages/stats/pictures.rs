@@ -93,6 +93,7 @@ pub(super) fn pairs(
         axis: axis.to_owned(),
         rows: rows.collect(),
         bounds: None,
+        n: found.n,
     })
 }
 
