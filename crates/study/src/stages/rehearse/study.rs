@@ -159,9 +159,9 @@ fn embedding(
         adb,
         adb_hat: None,
         line_position: Some(position),
-        start_spread: None,
-        rows: None,
-        details: None,
+        readings: None,
+        covariance: None,
+        line_position_se: None,
         embedding: Embedding::new(vec![position])?,
     })
 }
@@ -180,6 +180,8 @@ fn condition_row(
             ConditionId::CAUTIOUS => -POINTS,
             _ => 0.0,
         },
+        moved_points_sd: None,
+        clamped: false,
         angle_rad: (condition == ConditionId::PERPENDICULAR).then_some(angle),
         beyond_training: false,
         sweep: None,

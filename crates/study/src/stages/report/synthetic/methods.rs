@@ -2,13 +2,10 @@
 
 use super::Run;
 use maveric_domain::{AdbScore, MetresPerSecond, Road};
-use maveric_model::PersonalizeParams;
 
 pub(super) fn text(run: &Run, road: &Road, minutes: f64) -> Vec<String> {
     let training = &run.training;
     let settings = &training.settings;
-    let fitted = PersonalizeParams::default();
-    let fitted = fitted.settings();
     let moved = run.conditions.iter().map(|c| c.moved_points.abs());
     let mut paragraphs = vec![
         format!(
@@ -18,24 +15,29 @@ pub(super) fn text(run: &Run, road: &Road, minutes: f64) -> Vec<String> {
             MetresPerSecond(road.posted_speed_mps).mph(),
             minutes
         ),
-        format!(
-            "*Learning.* Windows of {} s at {} Hz; {} passes over {} rows in batches of {}; {}seed {}.",
-            settings.window_s,
-            settings.window_rate_hz,
-            training.epochs.len(),
-            training.rows,
-            settings.batch_size,
-            training.selection.as_ref().map_or_else(String::new, |s| format!(
-                "their number was chosen on {} rows kept back, after which the model learned from all of them; ",
-                s.validation_rows
-            )),
-            training.seed
-        ),
-        format!(
-            "*Personalising.* The networks are frozen; an embedding is fitted to each own drive from {} starts with at most {} steps, \
-             once with the driver’s ADB score and once without.",
-            fitted.starts, fitted.iterations
-        ),
+        match &training.networks {
+            None => format!(
+                "*Learning.* Every drive is read as events: free speed, gap kept, moving out, merging back, passing or not. A mixed model with \
+                 an embedding of size {} explains them; it was fitted to {} drives, seed {}.",
+                settings.embedding_size, training.drives, training.seed
+            ),
+            Some(networks) => format!(
+                "*Learning.* The paper’s networks: windows of {} s at {} Hz; {} passes over {} rows in batches of {}; {}seed {}.",
+                settings.window_s,
+                settings.window_rate_hz,
+                networks.epochs.len(),
+                networks.rows,
+                settings.batch_size,
+                networks.selection.as_ref().map_or_else(String::new, |s| format!(
+                    "their number was chosen on {} rows kept back, after which the model learned from all of them; ",
+                    s.validation_rows
+                )),
+                training.seed
+            ),
+        },
+        "*Personalising.* What was learned stays as it is; the embedding of each own drive is solved for, with its covariance, once with \
+         the driver’s ADB score and once without."
+            .to_owned(),
         format!(
             "*Conditions.* Mimic is the fitted embedding; Aggressive and Cautious lie up to {:.0} ADB points up and down the gradient of the \
              style predictor, held within {:.0} to {:.0} points; Perpendicular is drawn at random from the ellipse one standard deviation \

@@ -28,10 +28,10 @@ pub(super) fn setup(
         ("steer.lowest_points", AdbScore::MIN),
         ("steer.conditions", conditions.len() as f64),
         ("model.embedding_size", run.model.embedding_size() as f64),
-        ("model.losses", losses(run) as f64),
     ]
     .map(|(key, value)| (key.to_owned(), value))
     .into();
+    found.extend(losses(run).map(|n| ("model.losses".to_owned(), n as f64)));
     if let Some(distance) = perpendicular_sd(run)? {
         found.push(("steer.perpendicular_sd".to_owned(), distance));
     }
@@ -49,11 +49,9 @@ pub(super) fn setup(
     Ok(found)
 }
 
-/// How many of the five losses took part in the training.
-fn losses(run: &Run) -> usize {
-    let Some(last) = run.training.epochs.last() else {
-        return 0;
-    };
+/// How many of the five losses took part in the training; none for heads that have none.
+fn losses(run: &Run) -> Option<usize> {
+    let last = run.training.networks.as_ref()?.epochs.last()?;
     let l = &last.losses;
     let terms = [
         l.following_distance,
@@ -62,7 +60,7 @@ fn losses(run: &Run) -> usize {
         l.aggression,
         l.mutual_information,
     ];
-    terms.iter().flatten().count()
+    Some(terms.iter().flatten().count())
 }
 
 /// Mean distance of Perpendicular from Mimic, each half-axis of the ellipse counted as 1.
