@@ -164,3 +164,285 @@ fn the_correction_of_pairs_is_named_as_it_is() {
         said["apa"]
     );
 }
+
+const SCORES: &str = "id,group,condition,score,speed\n\
+    P1,a,slow,1,20\nP1,a,fast,4,22.5\nP1,a,other,2,21\n\
+    P2,a,slow,2,24\nP2,a,fast,6,27\nP2,a,other,3,25\n\
+    P3,b,slow,3,19\nP3,b,fast,6.5,20.5\nP3,b,other,3.5,21\n\
+    P4,b,slow,1.5,22\nP4,b,fast,5,23\nP4,b,other,4,21.5\n\
+    P5,b,slow,2.5,25\nP5,b,fast,5,28\nP5,b,other,2,26\n";
+const WIDE: &str = "id,phase,slow,fast,other\nP1,2,1,4,2\nP2,2,2,6,3\nP3,2,3,6.5,3.5\nP4,2,1.5,5,4\nP5,2,2.5,5,2\nP6,1,9,9,9\n";
+
+#[test]
+fn a_wide_table_and_chosen_rows_give_what_the_long_table_gives() {
+    let study = TempStudy::new();
+    let long = [
+        "compare",
+        "--subject",
+        "id",
+        "--within",
+        "condition",
+        "--value",
+        "score",
+    ];
+    let expected = json(&study, &long, SCORES);
+    let wide = ["compare", "--wide", "slow,fast,other", "--where", "phase=2"];
+    let numbered = json(&study, &wide, WIDE);
+    let named = json(&study, &[&wide[..], &["--subject", "id"]].concat(), WIDE);
+    for found in [&numbered, &named] {
+        assert_eq!(found["omnibus"], expected["omnibus"]);
+        assert_eq!(found["posthoc"]["pairs"], expected["posthoc"]["pairs"]);
+    }
+    let call = ["compare", "--wide", "slow,fast,other", "--where", "phase=3"];
+    stats(&study, &call, WIDE).failed(1, &["`phase`", "`3`", "1, 2"]);
+    let call = [
+        "correlate",
+        "--x",
+        "slow",
+        "--y",
+        "fast",
+        "--wide",
+        "slow,fast",
+    ];
+    stats(&study, &call, WIDE).failed(1, &["`correlate`", "--wide"]);
+}
+
+#[test]
+fn a_bad_cell_is_named_by_its_row_in_the_file_whatever_rows_are_kept() {
+    let study = TempStudy::new();
+    let table = "id,phase,x,y\na,1,1,2\nb,2,1,2\nc,2,fast,3\n";
+    let call = [
+        "compare",
+        "--wide",
+        "x,y",
+        "--subject",
+        "id",
+        "--where",
+        "phase=2",
+    ];
+    stats(&study, &call, table).failed(1, &["row 3", "`x`", "fast"]);
+}
+
+#[test]
+fn several_values_are_analysed_one_by_one_under_their_names() {
+    let study = TempStudy::new();
+    let call = [
+        "rm-anova",
+        "--subject",
+        "id",
+        "--within",
+        "condition",
+        "--value",
+        "score,speed",
+    ];
+    let found = json(&study, &call, SCORES);
+    for (value, other) in [("score", "speed"), ("speed", "score")] {
+        let alone = [
+            "rm-anova",
+            "--subject",
+            "id",
+            "--within",
+            "condition",
+            "--value",
+            value,
+        ];
+        assert_eq!(found["value"][value], json(&study, &alone, SCORES));
+        assert_ne!(found["value"][value], found["value"][other]);
+    }
+}
+
+#[test]
+fn a_refusal_says_what_shape_was_found_and_what_might_be_meant() {
+    let study = TempStudy::new();
+    let call = [
+        "compare",
+        "--subject",
+        "id",
+        "--within",
+        "condition",
+        "--value",
+        "score",
+    ];
+    let words = [
+        "no column `condition`",
+        "6 rows",
+        "`slow` (numbers, 6 different)",
+        "--wide",
+        "--subject id",
+    ];
+    stats(&study, &call, WIDE).failed(1, &words);
+    let call = [
+        "compare",
+        "--subject",
+        "group",
+        "--within",
+        "condition",
+        "--value",
+        "score",
+    ];
+    let words = [
+        "subject `a`",
+        "two values",
+        "15 rows",
+        "`id` (text, 5 different)",
+    ];
+    stats(&study, &call, SCORES).failed(1, &words);
+}
+
+#[test]
+fn the_sentence_alone_and_the_tables_of_a_paper() {
+    let study = TempStudy::new();
+    let call = [
+        "rm-anova",
+        "--subject",
+        "id",
+        "--within",
+        "condition",
+        "--value",
+        "score",
+    ];
+    let with = |flag| {
+        stats(&study, &[&call[..], &[flag]].concat(), SCORES)
+            .ok()
+            .stdout
+    };
+    let said = with("--apa");
+    assert!(
+        said.starts_with("F(2, 8) = ") && said.lines().count() == 1,
+        "{said}"
+    );
+    let latex = with("--latex");
+    assert!(
+        latex.contains("\\begin{tabular}{lrrrrr}") && latex.contains("\\textit{F}(2, 8) = "),
+        "{latex}"
+    );
+    let markdown = with("--markdown");
+    assert!(
+        markdown.contains("| conditions | ") && markdown.contains("*F*(2, 8) = "),
+        "{markdown}"
+    );
+    let none = stats(
+        &study,
+        &["adjust", "--p", "score", "--apa"],
+        "score\n0.1\n0.2\n",
+    );
+    none.failed(1, &["`adjust` has no sentence"]);
+}
+
+#[test]
+fn a_figure_is_drawn_where_there_is_something_to_draw_and_refused_by_name_elsewhere() {
+    let study = TempStudy::new();
+    let within = [
+        "--subject",
+        "id",
+        "--within",
+        "condition",
+        "--value",
+        "score",
+    ];
+    for call in [
+        &[&["within"], &within[..]].concat()[..],
+        &[&["compare"], &within[..]].concat(),
+        &[&["posthoc"], &within[..]].concat(),
+        &["correlate", "--x", "score", "--y", "speed"],
+        &["rmcorr", "--subject", "id", "--x", "score", "--y", "speed"],
+    ] {
+        stats(&study, &[call, &["--figure", "out/f.svg"]].concat(), SCORES).ok();
+        let drawn = std::fs::read_to_string(study.path("out/f.svg")).unwrap();
+        assert!(
+            drawn.starts_with("<svg") || drawn.starts_with("<?xml"),
+            "{call:?}"
+        );
+        assert!(drawn.contains("font-face"), "{call:?}: no font inside");
+    }
+    let png = [&["compare"], &within[..], &["--figure", "f.png"]].concat();
+    stats(&study, &png, SCORES).ok();
+    assert_eq!(&std::fs::read(study.path("f.png")).unwrap()[1..4], b"PNG");
+    let refused = ["normality", "--value", "score", "--figure", "n.svg"];
+    stats(&study, &refused, SCORES).failed(1, &["`normality` has nothing to draw"]);
+    assert!(!study.path("n.svg").exists());
+    let ending = [&["compare"], &within[..], &["--figure", "f.gif"]].concat();
+    stats(&study, &ending, SCORES).failed(1, &["f.gif", ".svg or .png"]);
+}
+
+/// The lines of a help text that call the program.
+fn examples(help: &str) -> Vec<Vec<String>> {
+    let calls = help
+        .lines()
+        .filter_map(|line| line.split_once("maveric stats "));
+    let calls = calls.filter(|(before, _)| before.trim().is_empty() || before.contains("Example"));
+    calls.map(|(_, call)| words(call)).collect()
+}
+
+/// A command line without its quotes.
+fn words(call: &str) -> Vec<String> {
+    let quoted = call.split('"').enumerate();
+    let parts = quoted.flat_map(|(i, part)| match i % 2 {
+        0 => part.split_whitespace().map(str::to_owned).collect(),
+        _ => vec![part.to_owned()],
+    });
+    parts.collect()
+}
+
+#[test]
+fn every_call_says_which_columns_it_needs_and_its_examples_run() {
+    let study = TempStudy::new();
+    study.write("questions.csv", "test,n,effect,alpha,k,corr,epsilon\npaired_t,24,0.5,0.05,,,\nrm_anova,24,0.1,0.05,4,0.5,1\n");
+    study.write(
+        "printed.csv",
+        "coefficient,df,p\n.46,22,=.024\n-.71,22,<.001\n",
+    );
+    // One table with every column that an example names.
+    let mut table = String::from("id,group,condition,age,score,speed,q1,q2,q3,p\n");
+    for i in 0..8 {
+        for (j, condition) in ["slow", "fast"].iter().enumerate() {
+            let (i, j) = (f64::from(i), j as f64);
+            let group = if i < 4.0 { "a" } else { "b" };
+            let wobble = (i * 7.0 + j * 3.0) % 5.0;
+            let _ = writeln!(
+                table,
+                "P{i},{group},{condition},{},{},{},{},{},{},{}",
+                30.0 + i + wobble,
+                3.0 + j + 0.5 * wobble,
+                20.0 + 2.0 * j + wobble,
+                1.0 + wobble,
+                2.0 + (wobble + j) % 4.0,
+                1.0 + (wobble + i) % 5.0,
+                0.01 + 0.05 * wobble
+            );
+        }
+    }
+    study.write("data.csv", &table);
+    let whole = study.maveric(&["stats", "--help"]).ok().stdout;
+    let listed = whole
+        .lines()
+        .skip_while(|line| !line.starts_with("Commands:"))
+        .skip(1);
+    let names: Vec<String> = listed
+        .take_while(|line| !line.is_empty())
+        .filter_map(|line| {
+            line.strip_prefix("  ")
+                .filter(|rest| !rest.starts_with(' '))
+        })
+        .filter_map(|line| line.split_whitespace().next().map(str::to_owned))
+        .filter(|name| !["help", "paper", "study"].contains(&name.as_str()))
+        .collect();
+    assert!(names.len() >= 14, "{names:?}");
+    for name in &names {
+        let help = study.maveric(&["stats", name, "--help"]).ok().stdout;
+        assert!(
+            help.contains("The table: "),
+            "{name} does not say which columns it needs:\n{help}"
+        );
+        let examples = examples(&help);
+        assert!(!examples.is_empty(), "{name} has no example:\n{help}");
+        for example in examples {
+            assert_eq!(&example[0], name);
+            let call: Vec<&str> = ["stats"]
+                .into_iter()
+                .chain(example.iter().map(String::as_str))
+                .collect();
+            study.maveric(&call).ok();
+        }
+    }
+}

@@ -6,6 +6,7 @@
 
 mod adjust;
 mod analysis;
+pub mod apa;
 mod bayes;
 mod bootstrap;
 mod compare;
@@ -17,6 +18,7 @@ mod factorial;
 mod friedman;
 mod groups;
 mod hierarchical;
+pub mod markup;
 mod mixed;
 mod named;
 mod normality;

@@ -139,6 +139,56 @@ impl WithinSubjects {
         Self::checked(conditions, subjects, Vec::new(), rows.concat())
     }
 
+    /// Takes a wide table: a name and the values of each condition, in any iterator; a value is an `f64`, or an `Option` that may be
+    /// missing. Subjects are numbered from 1 in the order of the rows; one with a missing value is left out.
+    ///
+    /// # Errors
+    /// As [`from_long`](Self::from_long), and [`StatsError::DoubleName`].
+    ///
+    /// # Example
+    /// ```
+    /// use maveric_stats::{WithinSubjects, rm_anova};
+    /// let slow = [1.0, 2.0, 3.0, 1.5];
+    /// let data = WithinSubjects::from_columns([
+    ///     ("slow", slow.to_vec()),
+    ///     ("fast", slow.iter().map(|v| v + 3.0 + 0.1 * v * v).collect()),
+    /// ])?;
+    /// assert!(rm_anova(&data).to_string().starts_with("F(1, 3) = "));
+    /// # Ok::<(), maveric_stats::StatsError>(())
+    /// ```
+    pub fn from_columns<S, C>(columns: impl IntoIterator<Item = (S, C)>) -> Result<Self, StatsError>
+    where
+        S: Into<String>,
+        C: IntoIterator,
+        C::Item: Into<Option<f64>>,
+    {
+        let columns: Vec<(String, Vec<Option<f64>>)> = columns
+            .into_iter()
+            .map(|(name, values)| (name.into(), values.into_iter().map(Into::into).collect()))
+            .collect();
+        let n = columns.first().map_or(0, |(_, values)| values.len());
+        let (mut subjects, mut conditions, mut cells) = (Vec::new(), Vec::new(), Vec::new());
+        for (at, (name, values)) in columns.iter().enumerate() {
+            if values.len() != n {
+                return Err(StatsError::LengthMismatch {
+                    name: name.clone(),
+                    found: values.len(),
+                    expected: n,
+                });
+            }
+            if columns[..at].iter().any(|(other, _)| other == name) {
+                return Err(StatsError::DoubleName {
+                    what: "condition".to_owned(),
+                    name: name.clone(),
+                });
+            }
+            subjects.extend((1..=n).map(|i| i.to_string()));
+            conditions.extend(std::iter::repeat_n(name.clone(), n));
+            cells.extend_from_slice(values);
+        }
+        Self::from_long(&subjects, &conditions, &cells)
+    }
+
     fn checked(
         conditions: Vec<String>,
         subjects: Vec<String>,
@@ -312,6 +362,26 @@ mod tests {
             WithinSubjects::from_long(&[], &[], &[]),
             Err(StatsError::TooFewConditions { found: 0 })
         ));
+    }
+
+    #[test]
+    fn columns_with_holes_leave_their_subject_out_and_of_other_lengths_are_refused() {
+        let data = WithinSubjects::from_columns([
+            ("x", vec![Some(1.0), None, Some(3.0)]),
+            ("y", vec![Some(2.0), Some(5.0), Some(4.0)]),
+        ])
+        .unwrap();
+        assert_eq!(
+            (data.subjects(), data.dropped()),
+            (&names("1 3")[..], &names("2")[..])
+        );
+        let short = WithinSubjects::from_columns([("x", vec![1.0, 2.0]), ("y", vec![1.0])]);
+        assert!(matches!(
+            short,
+            Err(StatsError::LengthMismatch { found: 1, .. })
+        ));
+        let twice = WithinSubjects::from_columns([("x", vec![1.0, 2.0]), ("x", vec![1.0, 2.0])]);
+        assert!(matches!(twice, Err(StatsError::DoubleName { .. })));
     }
 
     #[test]

@@ -117,6 +117,7 @@ impl StudyError {
                 Some("check the path; relative paths start at the current folder".to_owned())
             }
             Self::Analysis(error) => error.suggestion().map(str::to_owned),
+            Self::Stats(error) => error.suggestion().map(str::to_owned),
             Self::Ingest(error) => error.suggestion(),
             Self::Model(error) => error.suggestion().map(str::to_owned),
             _ => None,

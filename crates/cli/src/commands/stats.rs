@@ -4,11 +4,12 @@ mod designs;
 
 use super::print_outcome;
 use crate::{args::Format, diagnostics::Failure};
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand, ValueEnum, builder::ArgPredicate};
 use maveric_study::stages::{
     analyse::{self, AnalyseOptions, Family},
     stats::{
-        self, Adjustment, CorrelationMethod, PosthocTest, Resampled, Statistic, Test, WithinColumns,
+        self, Adjustment, CorrelationMethod, PosthocTest, Request, Resampled, Show, Statistic,
+        Test, WithinColumns,
     },
 };
 use std::path::PathBuf;
@@ -16,7 +17,10 @@ use std::path::PathBuf;
 /// One test on a tidy table (CSV, Parquet or - for standard input), or the paper's whole analysis
 #[derive(Debug, Args)]
 #[command(after_help = "\
+Each call's own --help says which columns its table needs. Every call also takes rows by --where and a column a condition by --wide,
+and gives the sentence alone by --apa, tables by --latex or --markdown, and a figure by --figure.
 Examples: maveric stats compare data.csv --subject id --within condition --value score
+          maveric stats compare data.csv --wide slow,fast,other --where session=2 --figure scores.svg
           maveric stats correlate data.csv --x age --y speed --method auto --format json
           maveric stats paper study_data/generated/paper --out analysis.json")]
 pub(crate) struct Stats {
@@ -31,6 +35,59 @@ struct Input {
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+    /// Keep the rows that have this value in this column; several: all of them
+    #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = column_and_value, help_heading = "The table")]
+    keep: Vec<(String, String)>,
+    /// Columns that are conditions, in the place of --within and --value (which then name what they become); without --subject a row is a subject
+    #[arg(
+        long,
+        value_name = "A,B,…",
+        value_delimiter = ',',
+        help_heading = "The table"
+    )]
+    wide: Vec<String>,
+    /// Print the sentences alone, as APA has them
+    #[arg(long, group = "shown", help_heading = "The result")]
+    apa: bool,
+    /// Print the tables in LaTeX (booktabs)
+    #[arg(long, group = "shown", help_heading = "The result")]
+    latex: bool,
+    /// Print the tables in Markdown
+    #[arg(long, group = "shown", help_heading = "The result")]
+    markdown: bool,
+    /// Draw the result into this file
+    #[arg(long, value_name = "OUT.svg|png", help_heading = "The result")]
+    figure: Option<PathBuf>,
+}
+
+impl Input {
+    fn request(self, test: Test) -> Request {
+        let show = match (self.apa, self.latex, self.markdown) {
+            (true, _, _) => Show::Apa,
+            (_, true, _) => Show::Latex,
+            (_, _, true) => Show::Markdown,
+            _ => Show::Report,
+        };
+        Request {
+            data: self.data,
+            input: stats::Input {
+                keep: self.keep,
+                wide: self.wide,
+            },
+            test,
+            show,
+            figure: self.figure,
+        }
+    }
+}
+
+fn column_and_value(text: &str) -> Result<(String, String), String> {
+    let parts = text
+        .split_once('=')
+        .filter(|(column, _)| !column.is_empty());
+    parts
+        .map(|(column, value)| (column.to_owned(), value.to_owned()))
+        .ok_or_else(|| "expected COLUMN=VALUE, as in session=2".to_owned())
 }
 
 #[derive(Debug, Args)]
@@ -42,13 +99,28 @@ struct Within {
     #[command(flatten)]
     input: Input,
     /// Column that says whose row it is
-    #[arg(long)]
+    #[arg(
+        long,
+        required = false,
+        required_unless_present = "wide",
+        default_value_if("wide", ArgPredicate::IsPresent, stats::ROW)
+    )]
     subject: String,
     /// Column that says in which condition
-    #[arg(long)]
+    #[arg(
+        long,
+        required = false,
+        required_unless_present = "wide",
+        default_value_if("wide", ArgPredicate::IsPresent, "condition")
+    )]
     within: String,
-    /// Column with the value
-    #[arg(long)]
+    /// Column with the value; several, as in score,speed, are analysed one by one
+    #[arg(
+        long,
+        required = false,
+        required_unless_present = "wide",
+        default_value_if("wide", ArgPredicate::IsPresent, "value")
+    )]
     value: String,
 }
 
@@ -106,12 +178,24 @@ enum StatisticArg {
 #[derive(Debug, Subcommand)]
 enum TestArgs {
     /// The whole analysis of a within-subject design
+    #[command(after_help = "\
+The table: a row a cell, with subject, condition and value; or a column a condition, by --wide.
+Example: maveric stats within data.csv --subject id --within condition --value score")]
     Within(Within),
     /// Repeated-measures ANOVA with Mauchly's test and corrected degrees of freedom
+    #[command(after_help = "\
+The table: a row a cell, with subject, condition and value; or a column a condition, by --wide.
+Example: maveric stats rm-anova data.csv --subject id --within condition --value score --latex")]
     RmAnova(Within),
     /// Friedman's test: chi-squared, Iman-Davenport F, exact
+    #[command(after_help = "\
+The table: a row a cell, with subject, condition and value; or a column a condition, by --wide.
+Example: maveric stats friedman data.csv --subject id --within condition --value score")]
     Friedman(Within),
     /// Every pair of conditions, adjusted
+    #[command(after_help = "\
+The table: a row a cell, with subject, condition and value; or a column a condition, by --wide.
+Example: maveric stats posthoc data.csv --subject id --within condition --value score --test wilcoxon --adjust holm")]
     Posthoc {
         #[command(flatten)]
         within: Within,
@@ -123,8 +207,15 @@ enum TestArgs {
         adjust: AdjustArg,
     },
     /// Check the assumptions, choose the test, then compare the pairs; say why
+    #[command(after_help = "\
+The table: a row a cell, with subject, condition and value; or a column a condition, by --wide.
+Examples: maveric stats compare data.csv --subject id --within condition --value score --figure score.svg
+          maveric stats compare data.csv --subject id --within condition --value score,speed --apa")]
     Compare(Within),
     /// Correlation of two columns
+    #[command(after_help = "\
+The table: a row a person (or a measurement), with two columns of numbers.
+Example: maveric stats correlate data.csv --x age --y speed --method auto --figure speed.svg")]
     Correlate {
         #[command(flatten)]
         input: Input,
@@ -142,6 +233,9 @@ enum TestArgs {
         subject: Option<String>,
     },
     /// Repeated-measures correlation: several rows a subject
+    #[command(after_help = "\
+The table: several rows a person, with the column of subjects and two of numbers.
+Example: maveric stats rmcorr data.csv --subject id --x age --y speed")]
     Rmcorr {
         #[command(flatten)]
         input: Input,
@@ -156,6 +250,9 @@ enum TestArgs {
         y: String,
     },
     /// Shapiro-Wilk and the moments of a column
+    #[command(after_help = "\
+The table: a row a value, with a column of numbers, and of groups if there are any.
+Example: maveric stats normality data.csv --value score --group condition")]
     Normality {
         #[command(flatten)]
         input: Input,
@@ -167,6 +264,9 @@ enum TestArgs {
         group: Option<String>,
     },
     /// Equal variances: Levene, Brown-Forsythe, Bartlett
+    #[command(after_help = "\
+The table: a row a person, with the columns of group and value.
+Example: maveric stats levene data.csv --group group --value score")]
     Levene {
         #[command(flatten)]
         input: Input,
@@ -178,6 +278,10 @@ enum TestArgs {
         value: String,
     },
     /// Cronbach's alpha of a scale
+    #[command(after_help = "\
+The table: a row an answer sheet, with a column an item, reversed items turned already; and a column of people where they filled in several.
+Examples: maveric stats alpha data.csv --items q1,q2,q3
+          maveric stats alpha data.csv --items q1,q2,q3 --subject id")]
     Alpha {
         #[command(flatten)]
         input: Input,
@@ -189,6 +293,9 @@ enum TestArgs {
         subject: Option<String>,
     },
     /// Adjust p values for their number
+    #[command(after_help = "\
+The table: a row a test, with a column of p values.
+Example: maveric stats adjust data.csv --p p")]
     Adjust {
         #[command(flatten)]
         input: Input,
@@ -197,6 +304,10 @@ enum TestArgs {
         p: String,
     },
     /// Percentile and BCa intervals by resampling
+    #[command(after_help = "\
+The table: a column of values; two of a correlation; or, as for `within`, a row a cell.
+Examples: maveric stats bootstrap data.csv --statistic median --value score --resamples 2000 --seed 3
+          maveric stats bootstrap data.csv --statistic eta2_partial --subject id --within condition --value score")]
     Bootstrap {
         #[command(flatten)]
         input: Input,
@@ -226,11 +337,18 @@ enum TestArgs {
         seed: u64,
     },
     /// Power of a design, and the sample for 80 %: a question a row
+    #[command(after_help = "\
+The table: a question a row. test: paired_t, pearson or rm_anova; n: people; effect: dz, r or partial eta squared; alpha;
+of rm_anova also k (conditions), corr (between them) and epsilon. Other columns are not read.
+Example: maveric stats power questions.csv")]
     Power {
         #[command(flatten)]
         input: Input,
     },
     /// Does each printed p follow from its printed coefficient and degrees of freedom?
+    #[command(after_help = "\
+The table: a printed correlation a row, as text. coefficient: .46 or -.71; df; p: =.012, <.001 or .012. Other columns are not read.
+Example: maveric stats recheck printed.csv")]
     Recheck {
         #[command(flatten)]
         input: Input,
@@ -363,9 +481,8 @@ impl Stats {
             TestArgs::Recheck { input } => (input, Test::Recheck),
             TestArgs::Design(design) => design.split()?,
         };
-        print_outcome(input.format, "could not run the test", |_| {
-            stats::stats(&input.data, &test)
-        })
+        let (format, request) = (input.format, input.request(test));
+        print_outcome(format, "could not run the test", |_| stats::stats(&request))
     }
 }
 

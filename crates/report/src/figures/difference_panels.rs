@@ -1,14 +1,10 @@
 //! Difference from the participant's own drive, condition by condition: rainclouds.
 
-use super::axes::{Frame, Labels, Place, Scale};
-use super::canvas::{Canvas, Look, Pen};
 use super::check::Check;
 use super::crowd::MOST_POINTS;
 use super::fit;
-use super::raincloud::{self, BOX, Cloud};
-use super::theme::{
-    GREY, INK, MUTED, PAPER, TWO_COLUMNS_MM, colour, condition_name, marker, size, stroke,
-};
+use super::rainclouds::{self, Panel, Slot};
+use super::theme::{TWO_COLUMNS_MM, colour, condition_name, marker};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa;
 use crate::error::ReportError;
@@ -92,7 +88,7 @@ pub fn difference_panels(
     draw(plan, context, |canvas, whole| {
         for (index, panel) in input.panels.iter().enumerate() {
             let place = whole.cell((index % 3, index / 3), (columns, rows), (10.0, 11.0));
-            paint_panel(canvas, place, panel);
+            rainclouds::paint(canvas, place, &drawn(panel));
         }
     })
 }
@@ -112,178 +108,41 @@ fn empty(panel: &DifferencePanel) -> impl Iterator<Item = ConditionId> {
     conditions.filter_map(move |(index, &condition)| nobody(index).then_some(condition))
 }
 
-fn paint_panel(canvas: &mut Canvas<'_>, place: Place, panel: &DifferencePanel) {
-    let k = panel.conditions.len();
-    let brackets = brackets(panel);
-    let clouds: Vec<Option<Cloud>> = (0..k)
-        .map(|index| Cloud::of(panel.rows.iter().filter_map(|row| row[index]).collect()))
-        .collect();
-    let values = clouds.iter().flatten().flat_map(Cloud::ends);
-    let data = Scale::over(values.chain(panel.reference), 5);
-    // The brackets need their room above the data.
-    let levels = brackets
-        .iter()
-        .map(|bracket| bracket.level + 1)
-        .max()
-        .unwrap_or(0);
-    let room = levels as f64 * STEP + if levels > 0 { 3.0 } else { 0.0 };
-    let plot = (place.bottom - place.top - 42.0).max(40.0);
-    let (low, top) = (data.low(), data.high());
-    let high = low + (top - low) * plot / (plot - room).max(plot / 3.0);
-    // Ticks only where there are data: what lies above them is room for the brackets.
-    let data = Scale::between(low, top, 4);
-    let y = Scale::labelled(low, high, data.ticks.into_iter().zip(data.labels).collect());
-    let names = panel
+fn drawn(panel: &DifferencePanel) -> Panel<'_> {
+    let rows = complete(panel);
+    let half_widths = fit::within_subject_half_widths(&rows);
+    let slots = panel
         .conditions
         .iter()
         .enumerate()
-        .map(|(index, condition)| {
-            let name = match *condition {
-                ConditionId::PERPENDICULAR => "Perp.".to_owned(),
-                other => condition_name(other),
+        .map(|(index, &condition)| {
+            let kept: Vec<f64> = rows.iter().map(|row| row[index]).collect();
+            let interval = |(mean, widths): (f64, &Vec<f64>)| {
+                [mean, mean - widths[index], mean + widths[index]]
             };
-            (index as f64, name)
+            Slot {
+                name: match condition {
+                    ConditionId::PERPENDICULAR => "Perp.".to_owned(),
+                    other => condition_name(other),
+                },
+                look: (marker(condition), colour(condition)),
+                mean: fit::mean(&kept).zip(half_widths.as_ref()).map(interval),
+            }
         });
-    let x = Scale::labelled(-0.55, k as f64 - 0.4, names.collect());
-    let labels = Labels {
+    let place = |wanted: ConditionId| panel.conditions.iter().position(|&c| c == wanted);
+    let contrasts = panel.pairs.iter().filter_map(|pair| {
+        let text = apa::p(pair.p_holm).markup().to_owned();
+        Some((place(pair.first)?, place(pair.second)?, text))
+    });
+    Panel {
         title: &panel.title,
         subtitle: &panel.omnibus,
-        x: "",
-        y: &panel.axis,
-        ..Labels::default()
-    };
-    let frame = Frame::draw(canvas, place, &labels, x, y);
-    if let Some(reference) = panel.reference {
-        frame.rule(canvas, reference);
+        axis: &panel.axis,
+        slots: slots.collect(),
+        rows: &panel.rows,
+        contrasts: contrasts.collect(),
+        reference: panel.reference,
     }
-    let slot = (frame.place.right - frame.place.left) / (k as f64 + 0.15);
-    if panel.rows.len() <= MOST_POINTS {
-        paint_participants(canvas, &frame, panel, slot);
-    }
-    let rows = complete(panel);
-    let half_widths = fit::within_subject_half_widths(&rows);
-    for (index, &condition) in panel.conditions.iter().enumerate() {
-        let middle = frame.x.at(index as f64);
-        let Some(cloud) = &clouds[index] else {
-            let centre = f64::midpoint(frame.place.top + room, frame.place.bottom);
-            let look = Look::new(size::SMALL).middle().centred().colour(MUTED);
-            canvas.text("no values", (middle, centre), look.turned());
-            continue;
-        };
-        raincloud::paint(canvas, &frame, cloud, (middle, slot), colour(condition));
-        let kept: Vec<f64> = rows.iter().map(|row| row[index]).collect();
-        if let (Some(mean), Some(widths)) = (fit::mean(&kept), &half_widths) {
-            let x = middle + BOX * slot;
-            let half = widths[index];
-            let ends = [frame.y.at(mean - half), frame.y.at(mean + half)];
-            canvas.line((x, ends[0]), (x, ends[1]), Pen::new(INK, stroke::STRONG));
-            canvas.disc((x, frame.y.at(mean)), 1.7, INK, 1.0);
-            canvas.ring((x, frame.y.at(mean)), 1.7, Pen::new(PAPER, stroke::THIN));
-        }
-    }
-    let base = frame.place.top + room - 3.0;
-    for bracket in &brackets {
-        let y = base - bracket.level as f64 * STEP;
-        let (from, to) = (
-            frame.x.at(bracket.from as f64),
-            frame.x.at(bracket.to as f64),
-        );
-        let pen = Pen::new(INK, stroke::AXIS);
-        canvas.path(
-            &[
-                (from + 1.0, y + 2.0),
-                (from + 1.0, y),
-                (to - 1.0, y),
-                (to - 1.0, y + 2.0),
-            ],
-            pen,
-        );
-        let look = Look::new(size::SMALL).middle();
-        canvas.text(&bracket.text, (f64::midpoint(from, to), y - 1.8), look);
-    }
-}
-
-/// Offsets of the points within a condition's slot, as shares of its width.
-const POINTS: f64 = -0.2;
-const JITTER: f64 = 0.09;
-/// Height of a level of brackets, in points.
-const STEP: f64 = 1.6 * size::SMALL;
-
-fn paint_participants(canvas: &mut Canvas<'_>, frame: &Frame, panel: &DifferencePanel, slot: f64) {
-    let n = panel.rows.len();
-    // Jitter by the participant's place in the list: the same on every run, no generator.
-    let jitter = |index: usize| {
-        let turn = (index as f64 * 0.618_034).fract();
-        if n < 2 {
-            0.0
-        } else {
-            (turn - 0.5) * 2.0 * JITTER * slot
-        }
-    };
-    let at = |index: usize, condition: usize, value: f64| {
-        (
-            frame.x.at(condition as f64) + POINTS * slot + jitter(index),
-            frame.y.at(value),
-        )
-    };
-    let pen = Pen::new(GREY, stroke::THIN).alpha(0.35);
-    for (index, row) in panel.rows.iter().enumerate() {
-        let mut path = Vec::new();
-        for (condition, value) in row.iter().enumerate() {
-            match value {
-                Some(value) => path.push(at(index, condition, *value)),
-                None => canvas.path(&std::mem::take(&mut path), pen),
-            }
-        }
-        canvas.path(&path, pen);
-    }
-    for (column, &condition) in panel.conditions.iter().enumerate() {
-        for (index, row) in panel.rows.iter().enumerate() {
-            if let Some(value) = row[column] {
-                let place = at(index, column, value);
-                canvas.marker(place, stroke::POINT, marker(condition), colour(condition));
-            }
-        }
-    }
-}
-
-#[derive(Debug)]
-struct Bracket {
-    from: usize,
-    to: usize,
-    level: usize,
-    text: String,
-}
-
-/// Shortest first, each on the lowest level where it meets no other.
-fn brackets(panel: &DifferencePanel) -> Vec<Bracket> {
-    let place = |wanted: ConditionId| panel.conditions.iter().position(|&c| c == wanted);
-    let mut spans: Vec<(usize, usize, f64)> = panel
-        .pairs
-        .iter()
-        .filter_map(|pair| {
-            let (a, b) = (place(pair.first)?, place(pair.second)?);
-            Some((a.min(b), a.max(b), pair.p_holm))
-        })
-        .collect();
-    spans.sort_by_key(|(from, to, _)| (to - from, *from));
-    let mut out: Vec<Bracket> = Vec::new();
-    for (from, to, p) in spans {
-        let mut level = 0;
-        while out
-            .iter()
-            .any(|b| b.level == level && b.from < to && from < b.to)
-        {
-            level += 1;
-        }
-        out.push(Bracket {
-            from,
-            to,
-            level,
-            text: apa::p(p).markup().to_owned(),
-        });
-    }
-    out
 }
 
 fn caption(input: &DifferencePanels) -> String {
@@ -400,13 +259,6 @@ mod tests {
         rows[2][1] = Some(f64::NAN);
         let refused = difference_panels(&panel(rows), &Context::real());
         assert!(matches!(refused, Err(ReportError::NotFinite { .. })));
-    }
-
-    #[test]
-    fn brackets_do_not_cross() {
-        let input = panel(rows(6));
-        let levels: Vec<usize> = brackets(&input.panels[0]).iter().map(|b| b.level).collect();
-        assert_eq!(levels, [0, 1, 2]);
     }
 
     #[test]

@@ -93,6 +93,18 @@ pub(crate) fn marker(condition: ConditionId) -> Marker {
     }
 }
 
+/// Marker and colour of the group or condition at a place in a list; the sixth begins anew.
+pub(crate) fn nth_look(place: usize) -> (Marker, RGBColor) {
+    const LOOKS: [(Marker, RGBColor); 5] = [
+        (Marker::TriangleDown, RGBColor(0x00, 0x5a, 0xb5)),
+        (Marker::TriangleUp, RGBColor(0xd5, 0x5e, 0x00)),
+        (Marker::Square, RGBColor(0x88, 0x2e, 0x72)),
+        (Marker::Diamond, RGBColor(0x0f, 0x9d, 0x7a)),
+        (Marker::Circle, OCHRE),
+    ];
+    LOOKS[place % LOOKS.len()]
+}
+
 /// Colours of the dark page: what each drawn colour turns into there.
 pub(crate) const DARK: [(RGBColor, &str); 13] = [
     (INK, "#ffffff"),

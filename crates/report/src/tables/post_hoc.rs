@@ -1,7 +1,7 @@
 //! Every pair of conditions, measure by measure.
 
 use super::{Cell, Column, Table};
-use crate::apa::{self, bounded, number};
+use crate::apa::{bounded, number, p_cell};
 use serde::{Deserialize, Serialize};
 
 /// One pair of conditions on one measure.
@@ -84,8 +84,8 @@ pub fn post_hoc(rows: &[PostHocRow]) -> Table {
             Cell::count(row.n),
             Cell::number_or(row.difference, 2, "nobody has a value in both"),
             of(&|test| Cell::Marked(test.statistic())),
-            of(&|test| Cell::Marked(probability(test.p))),
-            of(&|test| Cell::Marked(probability(test.p_holm))),
+            of(&|test| Cell::text(p_cell(test.p))),
+            of(&|test| Cell::text(p_cell(test.p_holm))),
             of(&|test| test.effect().map_or(Cell::Missing, Cell::Marked)),
         ]
     };
@@ -110,13 +110,6 @@ pub fn post_hoc(rows: &[PostHocRow]) -> Table {
                 .to_owned(),
         ],
     }
-}
-
-/// `.017`, `< .001`; the column's head has the symbol.
-fn probability(p: f64) -> String {
-    let written = apa::p(p).markup().to_owned();
-    let bare = written.trim_start_matches("*p*").trim_start();
-    bare.trim_start_matches("= ").to_owned()
 }
 
 #[cfg(test)]

@@ -27,10 +27,51 @@ impl Table {
         out
     }
 
-    /// A pipe table of GitHub's Markdown, with title and notes.
+    /// Aligned columns for a terminal: title, rows and notes; without rows no header.
+    pub fn to_text(&self) -> String {
+        let plain = |cells: Vec<String>| -> Vec<String> {
+            cells.iter().map(|cell| markup::plain(cell)).collect()
+        };
+        let headers = self.columns.iter().map(|column| column.header.clone());
+        let mut rows = vec![plain(headers.collect())];
+        rows.extend(self.shown().into_iter().map(plain));
+        let width = |j: usize| {
+            let cells = rows.iter().filter_map(|row| row.get(j));
+            cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+        };
+        let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
+        let mut out = format!("{}\n", markup::plain(&self.title));
+        for row in rows.iter().filter(|_| !self.rows.is_empty()) {
+            let mut line = String::new();
+            for ((cell, width), column) in row.iter().zip(&widths).zip(&self.columns) {
+                line.push_str(if line.is_empty() { "  " } else { "   " });
+                let padding = " ".repeat(width - cell.chars().count());
+                if column.align == Align::Right {
+                    line.push_str(&padding);
+                }
+                line.push_str(cell);
+                if column.align == Align::Left {
+                    line.push_str(&padding);
+                }
+            }
+            let _ = writeln!(out, "{}", line.trim_end());
+        }
+        for note in self.shown_notes() {
+            let _ = writeln!(out, "  {}", markup::plain(&note));
+        }
+        out
+    }
+
+    /// A pipe table of GitHub's Markdown, with title and notes; without rows these alone.
     pub fn to_markdown(&self) -> String {
         let mut out = format!("**{}**\n\n", markdown(&self.title));
-        let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+        let line = |cells: Vec<String>| {
+            if cells.is_empty() {
+                return String::new();
+            }
+
+            format!("| {} |\n", cells.join(" | "))
+        };
         out += &line(
             self.columns
                 .iter()
@@ -209,6 +250,9 @@ fn latex_sign(sign: char) -> String {
         'ε' => "$\\varepsilon$",
         'η' => "$\\eta$",
         'ρ' => "$\\rho$",
+        'τ' => "$\\tau$",
+        '∞' => "$\\infty$",
+        '†' => "\\textdagger{}",
         'χ' => "$\\chi$",
         'ω' => "$\\omega$",
         '²' => "\\textsuperscript{2}",
@@ -262,6 +306,30 @@ mod tests {
             Some("\"<b>\"\"A & B\"\"</b>, 50 % _x_ $y$ | *z* \\ {#}\",-0.456789")
         );
         assert_eq!(lines.next(), Some("=1+1,"));
+    }
+
+    #[test]
+    fn text_lines_up_whatever_the_letters() {
+        let mut table = table();
+        table.columns = vec![Column::left(""), Column::right("*p*_{Holm}")];
+        table.rows = vec![
+            vec![Cell::text("été"), Cell::text(".012")],
+            vec![Cell::text("mimic"), Cell::text("−12.25")],
+        ];
+        table.notes = vec!["*W* = .57".to_owned()];
+        let text = table.to_text();
+        let lines: Vec<&str> = text.lines().skip(1).collect();
+        assert_eq!(
+            lines,
+            [
+                "          p_Holm",
+                "  été       .012",
+                "  mimic   −12.25",
+                "  W = .57"
+            ]
+        );
+        table.rows.clear();
+        assert_eq!(table.to_text().lines().count(), 2);
     }
 
     #[test]

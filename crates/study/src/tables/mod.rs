@@ -20,6 +20,8 @@ use std::{
 pub struct Table {
     path: PathBuf,
     frame: DataFrame,
+    /// Which rows of the file its rows were, where these are not all of them in order.
+    origin: Option<Vec<usize>>,
 }
 
 fn is_parquet(path: &Path) -> bool {
@@ -100,6 +102,7 @@ impl Table {
         Ok(Self {
             path: path.to_owned(),
             frame,
+            origin: None,
         })
     }
 
@@ -120,6 +123,103 @@ impl Table {
     /// Whether there is a column of this name.
     pub fn has(&self, column: &str) -> bool {
         self.frame.column(column).is_ok()
+    }
+
+    /// The rows whose cell in `column` is `value`; numbers are compared as numbers.
+    ///
+    /// # Errors
+    /// [`StudyError::NoColumn`]; [`StudyError::NotPossible`] if no row is left.
+    pub(crate) fn keeping(&self, column: &str, value: &str) -> Result<Self, StudyError> {
+        let cells = self.text(column)?;
+        let wanted = value.trim();
+        let number: Option<f64> = wanted.parse().ok();
+        let same = |cell: &str| {
+            let both = number.zip(cell.trim().parse::<f64>().ok());
+            cell.trim() == wanted
+                || both.is_some_and(|(a, b)| (a - b).abs() <= f64::EPSILON * a.abs())
+        };
+        let mask: Vec<bool> = cells
+            .iter()
+            .map(|cell| cell.as_deref().is_some_and(same))
+            .collect();
+        let kept: Vec<usize> = (0..mask.len()).filter(|&row| mask[row]).collect();
+        if kept.is_empty() {
+            let seen: std::collections::BTreeSet<&str> =
+                cells.iter().flatten().map(String::as_str).collect();
+            let shown: Vec<&str> = seen.iter().take(8).copied().collect();
+            let more = if seen.len() > 8 { ", …" } else { "" };
+            return Err(StudyError::NotPossible {
+                problem: format!(
+                    "{}: no row has `{wanted}` in column `{column}`",
+                    self.path.display()
+                ),
+                help: Some(format!("its values are {}{more}", shown.join(", "))),
+            });
+        }
+        let mask = BooleanChunked::from_slice("kept".into(), &mask);
+        let frame = self
+            .frame
+            .filter(&mask)
+            .map_err(|e| self.bad_column(column, &e))?;
+        let origin = kept.iter().map(|&row| self.origin(row)).collect();
+        Ok(Self {
+            path: self.path.clone(),
+            frame,
+            origin: Some(origin),
+        })
+    }
+
+    /// A row a cell: the columns of conditions under each other, named in `within` with their numbers in `value`; the other columns
+    /// are repeated. `subject` names a column to be added that numbers the rows of before from 1.
+    ///
+    /// # Errors
+    /// As [`Table::numbers`].
+    pub(crate) fn melted(
+        &self,
+        conditions: &[String],
+        within: &str,
+        value: &str,
+        subject: Option<&str>,
+    ) -> Result<Self, StudyError> {
+        let (rows, k) = (self.rows(), conditions.len());
+        let values: Vec<Vec<Option<f64>>> = conditions
+            .iter()
+            .map(|name| self.numbers(name))
+            .collect::<Result<_, _>>()?;
+        let mut columns = Vec::new();
+        for name in self
+            .columns()
+            .iter()
+            .filter(|name| !conditions.contains(name))
+        {
+            let cells = self.text(name)?;
+            let repeated: Vec<Option<String>> =
+                (0..rows * k).map(|i| cells[i / k].clone()).collect();
+            columns.push(Column::new(name.as_str().into(), repeated));
+        }
+        if let Some(subject) = subject {
+            let numbers: Vec<String> = (0..rows * k).map(|i| (i / k + 1).to_string()).collect();
+            columns.push(Column::new(subject.into(), numbers));
+        }
+        let names: Vec<&str> = (0..rows * k).map(|i| conditions[i % k].as_str()).collect();
+        columns.push(Column::new(within.into(), names));
+        let numbers: Vec<Option<f64>> = (0..rows * k).map(|i| values[i % k][i / k]).collect();
+        columns.push(Column::new(value.into(), numbers));
+        let frame = DataFrame::new(rows * k, columns).map_err(|e| self.bad_column(value, &e))?;
+        Ok(Self {
+            path: self.path.clone(),
+            frame,
+            origin: Some((0..rows * k).map(|i| self.origin(i / k)).collect()),
+        })
+    }
+
+    /// The row of the file, from 0, that a row of this table was.
+    fn origin(&self, row: usize) -> usize {
+        self.origin
+            .as_ref()
+            .and_then(|rows| rows.get(row))
+            .copied()
+            .unwrap_or(row)
     }
 
     /// Where the table came from.
@@ -183,7 +283,7 @@ impl Table {
     ) -> StudyError {
         StudyError::BadCell {
             path: self.path.clone(),
-            row: row + 1,
+            row: self.origin(row) + 1,
             column: column.to_owned(),
             found: found.into(),
             expected: expected.into(),

@@ -9,6 +9,7 @@ pub(crate) mod architecture;
 pub(crate) mod axis_regressions;
 pub(crate) mod calibration;
 pub(crate) mod car_following;
+pub(crate) mod comparison;
 pub(crate) mod correlation_heatmap;
 pub(crate) mod curves;
 pub(crate) mod dial_sweep;
@@ -19,6 +20,7 @@ pub(crate) mod embedding_space;
 pub(crate) mod false_positives;
 pub(crate) mod fidelity;
 pub(crate) mod following_errors;
+pub(crate) mod forest;
 pub(crate) mod lane_change_quality;
 pub(crate) mod learning_curve;
 pub(crate) mod perpendicular;
@@ -27,6 +29,7 @@ pub(crate) mod population_distributions;
 pub(crate) mod preference;
 pub(crate) mod recommendation;
 pub(crate) mod residuals;
+pub(crate) mod scatter;
 pub(crate) mod simulator_view;
 pub(crate) mod step_responses;
 pub(crate) mod test_retest;
@@ -39,7 +42,7 @@ pub(crate) const PARTICIPANTS: usize = 24;
 pub(crate) type Draw = fn(&Context) -> Result<Figure, ReportError>;
 
 /// Every kind: the name of its function, and one that draws it from made-up numbers.
-pub(crate) const KINDS: [(&str, Draw); 29] = [
+pub(crate) const KINDS: [(&str, Draw); 32] = [
     ("domain", domain::draw),
     ("architecture", architecture::draw),
     ("simulator_view", simulator_view::draw),
@@ -55,6 +58,9 @@ pub(crate) const KINDS: [(&str, Draw); 29] = [
     ("perpendicular", perpendicular::draw),
     ("perpendicular_circle", perpendicular_circle::draw),
     ("difference_panels", difference_panels::draw),
+    ("comparison", comparison::draw),
+    ("scatter", scatter::draw),
+    ("forest", forest::draw),
     ("preference", preference::draw),
     ("correlation_heatmap", correlation_heatmap::draw),
     ("recommendation", recommendation::draw),

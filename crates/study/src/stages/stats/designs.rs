@@ -1,6 +1,6 @@
 //! Tests of groups, factors, bounds and models: from the columns of a table to the result.
 
-use super::{WithinColumns, columns, plain};
+use super::{WithinColumns, columns, input::Long, plain};
 use crate::{error::StudyError, tables::Table};
 use maveric_stats::{self as tests, BetweenColumn, FactorialDesign, Predictor, WithinColumn};
 pub use maveric_stats::{Bounds, Formula};
@@ -95,6 +95,59 @@ pub enum DesignTest {
         /// Second column.
         y: String,
     },
+}
+
+impl DesignTest {
+    /// Its name on the command line.
+    pub(super) fn name(&self) -> &'static str {
+        match self {
+            Self::Factorial { .. } => "factorial",
+            Self::Mixed { .. } => "mixed",
+            Self::Ordinal(_) => "ordinal",
+            Self::Groups { .. } => "groups",
+            Self::Equivalence { .. } | Self::EquivalenceOne { .. } => "equivalence",
+            Self::BayesPaired(_)
+            | Self::BayesOne { .. }
+            | Self::BayesGroups { .. }
+            | Self::BayesCorrelation { .. } => "bayes",
+        }
+    }
+
+    /// The columns that a wide table becomes; `None` if there is not one factor.
+    pub(super) fn long(&self) -> Option<Long<'_>> {
+        match self {
+            Self::Ordinal(c) | Self::BayesPaired(c) | Self::Equivalence { columns: c, .. } => {
+                Some(c.long())
+            }
+            Self::Groups { group, value } | Self::BayesGroups { group, value } => Some(Long {
+                subject: None,
+                within: group,
+                value,
+            }),
+            Self::Factorial { columns, .. } if columns.within.len() == 1 => Some(Long {
+                subject: columns.subject.as_deref(),
+                within: &columns.within[0],
+                value: &columns.value,
+            }),
+            _ => None,
+        }
+    }
+
+    /// The column of values, if there is one.
+    pub(super) fn value(&mut self) -> Option<&mut String> {
+        match self {
+            Self::Ordinal(c) | Self::BayesPaired(c) | Self::Equivalence { columns: c, .. } => {
+                Some(&mut c.value)
+            }
+            Self::Factorial { columns, .. } => Some(&mut columns.value),
+            Self::Mixed { value, .. }
+            | Self::Groups { value, .. }
+            | Self::EquivalenceOne { value, .. }
+            | Self::BayesOne { value, .. }
+            | Self::BayesGroups { value, .. } => Some(value),
+            Self::BayesCorrelation { .. } => None,
+        }
+    }
 }
 
 /// Runs one test on the table.

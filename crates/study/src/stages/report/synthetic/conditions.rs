@@ -1,11 +1,7 @@
 //! The third and fourth sections: what the conditions did, and which habits they left alone.
 
 use super::{Run, said, watch};
-use crate::{
-    error::StudyError,
-    stages::{report::keys::short, stats::apa_omnibus},
-    watching::WatchedDrive,
-};
+use crate::{error::StudyError, stages::report::keys::short, watching::WatchedDrive};
 use maveric_analysis::{Nearer, Panel, PanelPair};
 use maveric_domain::ConditionId;
 use maveric_report::{
@@ -150,10 +146,17 @@ pub(super) fn omnibus(panel: &Panel, short: bool) -> String {
             "not tested: {} participants with a value in every condition",
             panel.n
         ),
-        Some(found) => apa_omnibus(&found.omnibus, found.n, short).map_or_else(
-            || "no test statistic: see the reasons in the analysis".to_owned(),
-            |s| s.markup().to_owned(),
-        ),
+        Some(found) => {
+            let said = if short {
+                found.omnibus.short_statement(found.n)
+            } else {
+                found.omnibus.statement(found.n)
+            };
+            said.map_or_else(
+                || "no test statistic: see the reasons in the analysis".to_owned(),
+                |said| said.markup().to_owned(),
+            )
+        }
     }
 }
 

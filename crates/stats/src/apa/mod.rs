@@ -1,10 +1,15 @@
-//! Test results as APA writes them, from plain numbers.
+//! Test results as APA writes them.
 //!
-//! [`Statement`] carries italics for figures and pages; `to_string()` gives plain text. A value
-//! that is not finite is written as `n/a`: a report string never shows `NaN`.
+//! A [`Statement`] carries italics for figures and pages; `to_string()` gives plain text. A value
+//! that is not finite is written as `n/a`: a report string never shows `NaN`. Results say
+//! themselves by [`Statements`], and by `Display`.
 
-use crate::markup;
-use std::fmt::{self, Write as _};
+mod results;
+
+pub use results::Statements;
+
+use crate::{Adjustment, markup};
+use std::fmt;
 
 /// A formatted result.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -14,6 +19,41 @@ impl Statement {
     /// With marks (see [`crate::markup`]), for figures, tables and captions.
     pub fn markup(&self) -> &str {
         &self.0
+    }
+
+    /// `t(23) = −5.90`: a statistic with its degrees of freedom.
+    fn of(symbol: &str, degrees_of_freedom: &[f64], value: f64) -> Self {
+        let df: Vec<String> = degrees_of_freedom.iter().map(|df| degrees(*df)).collect();
+        let df = if df.is_empty() {
+            String::new()
+        } else {
+            format!("({})", df.join(", "))
+        };
+        Self(format!("{symbol}{df} = {}", number(value, 2)))
+    }
+
+    /// `…, dz = −1.20`.
+    fn and(mut self, symbol: &str, value: &str) -> Self {
+        self.0.push_str(&[", ", symbol, " = ", value].concat());
+        self
+    }
+
+    /// `…, p_Holm = .012`.
+    fn p(mut self, p: f64, adjusted: Adjustment) -> Self {
+        self.0 += ", ";
+        self.0 += &probability(p_symbol(adjusted), p);
+        self
+    }
+
+    /// `…, 95% CI [−1.73, −0.67]`; nothing without an interval.
+    fn ci(mut self, interval: Option<Interval>, write: fn(f64, usize) -> String) -> Self {
+        if let Some(Interval { level, low, high }) = interval {
+            let level = number(level * 100.0, 0);
+            let ends = [write(low, 2), write(high, 2)].join(", ");
+            self.0
+                .push_str(&[", ", &level, "% CI [", &ends, "]"].concat());
+        }
+        self
     }
 }
 
@@ -32,6 +72,17 @@ pub struct Interval {
     pub low: f64,
     /// Upper end.
     pub high: f64,
+}
+
+impl Interval {
+    /// `None` unless both ends exist.
+    fn of(level: f64, low: Option<f64>, high: Option<f64>) -> Option<Self> {
+        Some(Self {
+            level,
+            low: low?,
+            high: high?,
+        })
+    }
 }
 
 /// A number with a true minus sign and fixed decimals: `−5.90`.
@@ -60,9 +111,18 @@ pub fn bounded(value: f64, decimals: usize) -> String {
 }
 
 /// Degrees of freedom: whole if they are, else two decimals.
-fn degrees(value: f64) -> String {
+pub fn degrees(value: f64) -> String {
     let whole = (value - value.round()).abs() < 1e-9;
     number(value, if whole { 0 } else { 2 })
+}
+
+/// A p without its symbol, as a table's cell has it: `.024`, `< .001`.
+pub fn p_cell(p: f64) -> String {
+    if p < 0.001 {
+        "< .001".to_owned()
+    } else {
+        bounded(p, 3)
+    }
 }
 
 fn probability(symbol: &str, p: f64) -> String {
@@ -76,13 +136,15 @@ fn probability(symbol: &str, p: f64) -> String {
     }
 }
 
-fn interval(interval: Interval, write: impl Fn(f64) -> String) -> String {
-    let level = number(interval.level * 100.0, 0);
-    format!(
-        ", {level}% CI [{}, {}]",
-        write(interval.low),
-        write(interval.high)
-    )
+/// `p_Holm` and its like, with marks.
+pub fn p_symbol(adjusted: Adjustment) -> &'static str {
+    match adjusted {
+        Adjustment::Holm => "*p*_{Holm}",
+        Adjustment::Bonferroni => "*p*_{Bonferroni}",
+        Adjustment::Hochberg => "*p*_{Hochberg}",
+        Adjustment::Bh => "*p*_{BH}",
+        Adjustment::None => "*p*",
+    }
 }
 
 /// `p = .024`, `p < .001`.
@@ -99,7 +161,7 @@ pub fn p_holm(p: f64) -> Statement {
 ///
 /// # Example
 /// ```
-/// assert_eq!(maveric_report::apa::r(0.46, 22, 0.0237).to_string(), "r(22) = .46, p = .024");
+/// assert_eq!(maveric_stats::apa::r(0.46, 22, 0.0237).to_string(), "r(22) = .46, p = .024");
 /// ```
 pub fn r(r: f64, df: usize, p: f64) -> Statement {
     correlation("*r*", r, df, p)
@@ -116,11 +178,7 @@ pub fn r_rm(r: f64, df: usize, p: f64) -> Statement {
 }
 
 fn correlation(symbol: &str, value: f64, df: usize, p: f64) -> Statement {
-    Statement(format!(
-        "{symbol}({df}) = {}, {}",
-        bounded(value, 2),
-        probability("*p*", p)
-    ))
+    Statement(format!("{symbol}({df}) = {}", bounded(value, 2))).p(p, Adjustment::None)
 }
 
 /// An F test, as repeated-measures ANOVA gives it.
@@ -144,70 +202,50 @@ pub struct F {
 
 /// `F(3, 69) = 25.23, p < .001, ηp² = .52, 90% CI [.38, .62]`; corrected: `…, ε = .92`.
 pub fn f(test: &F) -> Statement {
-    let mut out = format!(
-        "*F*({}, {}) = {}, {}",
-        degrees(test.df_effect),
-        degrees(test.df_error),
-        number(test.f, 2),
-        probability("*p*", test.p)
-    );
+    let mut said =
+        Statement::of("*F*", &[test.df_effect, test.df_error], test.f).p(test.p, Adjustment::None);
     if let Some(eta2) = test.eta2_partial {
-        let _ = write!(out, ", *η*_{{p}}^{{2}} = {}", bounded(eta2, 2));
+        said = said.and("*η*_{p}^{2}", &bounded(eta2, 2));
     }
-    if let Some(ci) = test.interval {
-        out += &interval(ci, |value| bounded(value, 2));
+    said = said.ci(test.interval, bounded);
+    match test.epsilon {
+        Some(epsilon) => said.and("*ε*", &bounded(epsilon, 2)),
+        None => said,
     }
-    if let Some(epsilon) = test.epsilon {
-        let _ = write!(out, ", *ε* = {}", bounded(epsilon, 2));
-    }
-    Statement(out)
 }
 
 /// `χ²(3, N = 24) = 41.19, p < .001, W = .57`: Friedman's test with Kendall's W.
 pub fn chi2(statistic: f64, df: usize, n: usize, p: f64, kendall_w: Option<f64>) -> Statement {
-    let mut out = format!(
-        "*χ*^{{2}}({df}, *N* = {n}) = {}, {}",
-        number(statistic, 2),
-        probability("*p*", p)
-    );
-    if let Some(w) = kendall_w {
-        let _ = write!(out, ", *W* = {}", bounded(w, 2));
+    let written = number(statistic, 2);
+    let said = Statement(format!("*χ*^{{2}}({df}, *N* = {n}) = {written}")).p(p, Adjustment::None);
+    match kendall_w {
+        Some(w) => said.and("*W*", &bounded(w, 2)),
+        None => said,
     }
-    Statement(out)
 }
 
 /// `t(23) = −5.90, p_Holm < .001, dz = −1.20, 95% CI [−1.73, −0.67]`.
 pub fn t(
     statistic: f64,
-    df: usize,
-    p_holm: f64,
-    effect: Option<(f64, Option<Interval>)>,
+    df: f64,
+    p: f64,
+    adjusted: Adjustment,
+    dz: Option<(f64, Option<Interval>)>,
 ) -> Statement {
-    let mut out = format!(
-        "*t*({df}) = {}, {}",
-        number(statistic, 2),
-        probability("*p*_{Holm}", p_holm)
-    );
-    if let Some((dz, ci)) = effect {
-        let _ = write!(out, ", *d*_{{z}} = {}", number(dz, 2));
-        if let Some(ci) = ci {
-            out += &interval(ci, |value| number(value, 2));
-        }
+    let said = Statement::of("*t*", &[df], statistic).p(p, adjusted);
+    match dz {
+        Some((dz, ci)) => said.and("*d*_{z}", &number(dz, 2)).ci(ci, number),
+        None => said,
     }
-    Statement(out)
 }
 
 /// `V = 45, p_Holm = .012, r_rb = −.52`: Wilcoxon's signed ranks with the rank-biserial correlation.
-pub fn wilcoxon(v: f64, p_holm: f64, rank_biserial: Option<f64>) -> Statement {
-    let mut out = format!(
-        "*V* = {}, {}",
-        degrees(v),
-        probability("*p*_{Holm}", p_holm)
-    );
-    if let Some(effect) = rank_biserial {
-        let _ = write!(out, ", *r*_{{rb}} = {}", bounded(effect, 2));
+pub fn wilcoxon(v: f64, p: f64, adjusted: Adjustment, rank_biserial: Option<f64>) -> Statement {
+    let said = Statement(format!("*V* = {}", degrees(v))).p(p, adjusted);
+    match rank_biserial {
+        Some(effect) => said.and("*r*_{rb}", &bounded(effect, 2)),
+        None => said,
     }
-    Statement(out)
 }
 
 #[cfg(test)]
@@ -222,11 +260,7 @@ mod tests {
             df_error: 69.0,
             p: 3.2e-11,
             eta2_partial: Some(0.523),
-            interval: Some(Interval {
-                level: 0.9,
-                low: 0.381,
-                high: 0.617,
-            }),
+            interval: Interval::of(0.9, Some(0.381), Some(0.617)),
             epsilon: None,
         };
         assert_eq!(
@@ -254,12 +288,8 @@ mod tests {
 
     #[test]
     fn paired_t_keeps_the_zero_of_an_unbounded_effect() {
-        let ci = Interval {
-            level: 0.95,
-            low: -1.73,
-            high: -0.67,
-        };
-        let written = t(-5.9, 23, 2e-6, Some((-1.2, Some(ci)))).to_string();
+        let ci = Interval::of(0.95, Some(-1.73), Some(-0.67));
+        let written = t(-5.9, 23.0, 2e-6, Adjustment::Holm, Some((-1.2, ci))).to_string();
         assert_eq!(
             written,
             "t(23) = −5.90, p_Holm < .001, dz = −1.20, 95% CI [−1.73, −0.67]"

@@ -1,0 +1,318 @@
+//! Which numbers of a result go into which sentence.
+
+use std::fmt;
+
+use super::{F, Interval, Statement, bounded, chi2, f, number, r, r_rm, rho, t, wilcoxon};
+use crate::{
+    Adjustment, AlphaAnalysis, Bootstrap, Comparison, Correlation, Effect, Friedman,
+    FriedmanAnalysis, Levene, Mauchly, Normality, Omnibus, OmnibusTest, Posthoc, PosthocPair,
+    PosthocTest, RmAnova, RmAnovaAnalysis, RmCorrelationAnalysis, Sphericity, SphericityCorrection,
+    VarianceTests, WithinAnalysis,
+};
+
+/// A result that can be said as APA has it.
+pub trait Statements {
+    /// Each finding under its name in the JSON, such as `rm_anova` or `a|b`. A number that does not exist has no sentence.
+    fn statements(&self) -> Vec<(String, Statement)>;
+}
+
+/// One sentence alone, several with their names, a line each.
+fn write(said: &[(String, Statement)], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    for (i, (name, statement)) in said.iter().enumerate() {
+        if i > 0 {
+            f.write_str("\n")?;
+        }
+        if said.len() > 1 {
+            write!(f, "{name}: ")?;
+        }
+        write!(f, "{statement}")?;
+    }
+    Ok(())
+}
+
+/// `Display` as the sentences of a result.
+macro_rules! says_itself {
+    ($($result:ty),* $(,)?) => {$(
+        impl fmt::Display for $result {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write(&self.statements(), f)
+            }
+        }
+    )*};
+}
+says_itself!(
+    RmAnovaAnalysis,
+    FriedmanAnalysis,
+    WithinAnalysis,
+    Comparison,
+    Posthoc,
+    Correlation,
+    RmCorrelationAnalysis,
+    Normality,
+    VarianceTests,
+    AlphaAnalysis,
+    Bootstrap,
+);
+
+/// Those of the named statements that exist.
+fn those<const N: usize>(all: [(&str, Option<Statement>); N]) -> Vec<(String, Statement)> {
+    let named = |(name, said): (&str, Option<Statement>)| Some((name.to_owned(), said?));
+    all.into_iter().filter_map(named).collect()
+}
+
+/// Level at which Mauchly's test asks for a correction.
+const ALPHA: f64 = 0.05;
+
+/// F, corrected after Greenhouse and Geisser where Mauchly's test rejects sphericity.
+fn of_anova(found: &RmAnova, mauchly: &Mauchly, sphericity: &Sphericity) -> Option<Statement> {
+    let corrected = mauchly.p.is_none_or(|p| p < ALPHA) && found.df1 > 1;
+    let epsilon = if corrected { sphericity.gg } else { None };
+    let (low, high) = (found.eta2_partial_ci90_low, found.eta2_partial_ci90_high);
+    Some(f(&F {
+        f: found.f?,
+        df_effect: found.df1 as f64 * epsilon.unwrap_or(1.0),
+        df_error: found.df2 as f64 * epsilon.unwrap_or(1.0),
+        p: if epsilon.is_some() {
+            sphericity.p_gg?
+        } else {
+            found.p?
+        },
+        eta2_partial: found.eta2_partial,
+        interval: Interval::of(0.9, low, high),
+        epsilon,
+    }))
+}
+
+fn of_friedman(found: &Friedman, n: usize) -> Option<Statement> {
+    Some(chi2(found.chi2?, found.df?, n, found.p?, found.kendall_w))
+}
+
+impl Statements for RmAnovaAnalysis {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let said = of_anova(&self.rm_anova, &self.mauchly, &self.sphericity);
+        those([("rm_anova", said)])
+    }
+}
+
+impl Statements for FriedmanAnalysis {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        those([("friedman", of_friedman(&self.friedman, self.n))])
+    }
+}
+
+impl Statements for WithinAnalysis {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let anova = of_anova(&self.rm_anova, &self.mauchly, &self.sphericity);
+        let friedman = of_friedman(&self.friedman, self.n);
+        let mut said = those([("rm_anova", anova), ("friedman", friedman)]);
+        said.extend(self.paired.iter().filter_map(|(name, pair)| {
+            let ci = Interval::of(0.95, pair.dz_ci_low, pair.dz_ci_high);
+            let dz = pair.dz.map(|dz| (dz, ci));
+            let (value, p) = (pair.t?, pair.p_holm?);
+            Some((
+                name.to_owned(),
+                t(value, pair.df as f64, p, Adjustment::Holm, dz),
+            ))
+        }));
+        said
+    }
+}
+
+impl Omnibus {
+    /// The test as it is reported, of `n` subjects; `None` if it has no value.
+    pub fn statement(&self, n: usize) -> Option<Statement> {
+        self.said(n, false)
+    }
+
+    /// The same without interval and ε, for a figure.
+    pub fn short_statement(&self, n: usize) -> Option<Statement> {
+        self.said(n, true)
+    }
+
+    fn said(&self, n: usize, short: bool) -> Option<Statement> {
+        let (statistic, df1, p) = (self.statistic?, self.df1?, self.p?);
+        let effect = &self.effect;
+        if self.test == OmnibusTest::Friedman {
+            return Some(chi2(statistic, df1.round() as usize, n, p, effect.value));
+        }
+        let corrected = self.correction != SphericityCorrection::None;
+        Some(f(&F {
+            f: statistic,
+            df_effect: df1,
+            df_error: self.df2?,
+            p,
+            eta2_partial: effect.value,
+            interval: of_effect(effect).filter(|_| !short),
+            epsilon: self.epsilon.filter(|_| !short && corrected),
+        }))
+    }
+}
+
+fn of_effect(effect: &Effect) -> Option<Interval> {
+    Interval::of(effect.confidence, effect.ci_low, effect.ci_high)
+}
+
+impl Statements for Comparison {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let mut said = those([("omnibus", self.omnibus.statement(self.n))]);
+        said.extend(self.posthoc.statements());
+        said
+    }
+}
+
+impl Statements for Posthoc {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let said = |(name, pair): (&str, &PosthocPair)| Some((name.to_owned(), self.pair(pair)?));
+        self.pairs.iter().filter_map(said).collect()
+    }
+}
+
+impl Posthoc {
+    fn pair(&self, pair: &PosthocPair) -> Option<Statement> {
+        let (statistic, p_value) = (pair.statistic?, pair.p_adjusted?);
+        let (effect, adjust) = (&pair.effect, self.adjust);
+        Some(match self.test {
+            PosthocTest::T | PosthocTest::PooledT => {
+                let dz = effect.value.map(|dz| (dz, of_effect(effect)));
+                t(statistic, pair.df? as f64, p_value, adjust, dz)
+            }
+            PosthocTest::Conover => t(statistic, pair.df? as f64, p_value, adjust, None),
+            PosthocTest::Wilcoxon => wilcoxon(statistic, p_value, adjust, effect.value),
+            PosthocTest::Nemenyi => {
+                let q = number(statistic, 2);
+                let said = Statement(format!("*q*({}, ∞) = {q}", self.k));
+                said.p(p_value, Adjustment::None)
+            }
+        })
+    }
+}
+
+impl Statements for Correlation {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let of_r = || {
+            let found = self.pearson.as_ref()?;
+            Some(r(found.r?, found.df?, found.p?))
+        };
+        let of_rho = || {
+            let found = self.spearman.as_ref()?;
+            Some(rho(found.rho?, found.df?, found.p?))
+        };
+        let of_tau = || {
+            let found = self.kendall.as_ref()?;
+            let tau = Statement(format!("*τ*_{{b}} = {}", bounded(found.tau_b?, 2)));
+            Some(tau.p(found.p?, Adjustment::None))
+        };
+        those([
+            ("pearson", of_r()),
+            ("spearman", of_rho()),
+            ("kendall", of_tau()),
+        ])
+    }
+}
+
+impl Statements for RmCorrelationAnalysis {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let found = &self.rm_corr;
+        let said = || Some(r_rm(found.r?, found.df?, found.p?));
+        those([("rm_corr", said())])
+    }
+}
+
+impl Statements for Normality {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let said = || {
+            let w = Statement(format!("*W* = {}", bounded(self.shapiro.w?, 3)));
+            Some(w.p(self.shapiro.p?, Adjustment::None))
+        };
+        those([("shapiro", said())])
+    }
+}
+
+impl Statements for VarianceTests {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let of_f = |found: &Levene| {
+            let df = [found.df1 as f64, found.df2 as f64];
+            Some(Statement::of("*F*", &df, found.f?).p(found.p?, Adjustment::None))
+        };
+        let of_k2 = || {
+            let found = &self.bartlett;
+            let k2 = Statement::of("*χ*^{2}", &[found.df as f64], found.k2?);
+            Some(k2.p(found.p?, Adjustment::None))
+        };
+        those([
+            ("levene_mean", of_f(&self.levene_mean)),
+            ("levene_median", of_f(&self.levene_median)),
+            ("bartlett", of_k2()),
+        ])
+    }
+}
+
+impl Statements for AlphaAnalysis {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let found = &self.alpha;
+        let said = || {
+            let alpha = Statement(format!("*α* = {}", bounded(found.raw?, 2)));
+            Some(alpha.ci(Interval::of(0.95, found.ci_low, found.ci_high), bounded))
+        };
+        let omega = found
+            .omega
+            .map(|o| Statement(format!("*ω* = {}", bounded(o, 2))));
+        those([("alpha", said()), ("omega", omega)])
+    }
+}
+
+impl Statements for Bootstrap {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let (level, estimate) = (self.settings.confidence, self.estimate);
+        let said = |name: &str, low: Option<f64>, high: Option<f64>| {
+            let ci = Some(Interval::of(level, low, high)?);
+            Some(Statement(format!("{name} {}", number(estimate?, 2))).ci(ci, number))
+        };
+        let (bca, percentile) = (self.bca, self.percentile);
+        those([
+            ("bca", said("estimate", bca.low, bca.high)),
+            (
+                "percentile",
+                said("estimate", percentile.low, percentile.high),
+            ),
+        ])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Adjustment, PosthocTest, WithinSubjects, compare, posthoc, rm_anova};
+
+    fn data() -> WithinSubjects {
+        let rows = [
+            [1.0, 4.0, 2.0],
+            [2.0, 6.0, 3.0],
+            [3.0, 6.5, 3.5],
+            [1.5, 5.0, 4.0],
+        ];
+        let rows: Vec<Vec<f64>> = rows.map(Vec::from).to_vec();
+        WithinSubjects::from_rows(&["a", "b", "c"], &["1", "2", "3", "4"], &rows).unwrap()
+    }
+
+    #[test]
+    fn a_single_finding_is_its_sentence_and_several_are_named() {
+        let one = rm_anova(&data()).to_string();
+        assert!(one.starts_with("F(2, 6) = "), "{one}");
+        let all = compare(&data(), 0.05).unwrap().to_string();
+        let lines: Vec<&str> = all.lines().collect();
+        assert_eq!(lines.len(), 4);
+        assert!(
+            lines[0].starts_with("omnibus: F(") && lines[1].starts_with("a|b: t(3) = −"),
+            "{all}"
+        );
+    }
+
+    #[test]
+    fn the_correction_of_pairs_is_named_as_it_is() {
+        let said = |test, adjust| posthoc(&data(), test, adjust, 0.05).unwrap().to_string();
+        assert!(said(PosthocTest::T, Adjustment::Bonferroni).contains("p_Bonferroni "));
+        assert!(said(PosthocTest::Wilcoxon, Adjustment::Bh).contains("p_BH "));
+        assert!(said(PosthocTest::T, Adjustment::None).contains(", p "));
+        assert!(said(PosthocTest::Nemenyi, Adjustment::Holm).contains("q(3, ∞) = "));
+    }
+}

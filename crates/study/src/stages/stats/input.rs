@@ -1,0 +1,138 @@
+//! The table as people have it: rows that are kept, and a column a condition made long.
+
+use crate::{error::StudyError, tables::Table};
+
+/// The column that numbers the rows of a wide table, where it names no subjects.
+pub const ROW: &str = "(row)";
+
+/// What is done to the table before a test reads it.
+#[derive(Debug, Clone, Default)]
+pub struct Input {
+    /// Rows that are kept: those whose column has the value, for each pair.
+    pub keep: Vec<(String, String)>,
+    /// Columns that are conditions, in their order; none if the table is long already.
+    pub wide: Vec<String>,
+}
+
+/// The columns of a long table.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Long<'a> {
+    /// Whose row it is; [`ROW`] numbers the rows of the wide table.
+    pub(super) subject: Option<&'a str>,
+    /// In which condition, or group.
+    pub(super) within: &'a str,
+    /// The value.
+    pub(super) value: &'a str,
+}
+
+impl Input {
+    /// The rows that are kept, made long with the columns that the test reads.
+    pub(super) fn read(
+        &self,
+        table: Table,
+        long: Option<Long<'_>>,
+        test: &str,
+    ) -> Result<Table, StudyError> {
+        let mut table = table;
+        for (column, value) in &self.keep {
+            table = table.keeping(column, value)?;
+        }
+        if self.wide.is_empty() {
+            return Ok(table);
+        }
+        let Some(long) = long else {
+            return Err(StudyError::NotPossible {
+                problem: format!("`{test}` compares no conditions, so it takes no --wide columns"),
+                help: None,
+            });
+        };
+        self.melt(&table, long)
+    }
+
+    fn melt(&self, table: &Table, long: Long<'_>) -> Result<Table, StudyError> {
+        let columns = &self.wide;
+        let refused = |problem: String, help: &str| {
+            Err(StudyError::NotPossible {
+                problem,
+                help: Some(help.to_owned()),
+            })
+        };
+        if let Some(twice) = (1..columns.len()).find(|&i| columns[..i].contains(&columns[i])) {
+            let problem = format!("`{}` is named twice among the wide columns", columns[twice]);
+            return refused(problem, "name each column once");
+        }
+        if let Some(taken) = [long.within, long.value]
+            .into_iter()
+            .find(|name| table.has(name))
+        {
+            let problem = format!(
+                "the table has a column `{taken}` already, which the wide columns would become"
+            );
+            return refused(problem, "give other names by --within and --value");
+        }
+        let numbered = long.subject.filter(|subject| *subject == ROW);
+        table.melted(columns, long.within, long.value, numbered)
+    }
+}
+
+/// What a table looks like, for somebody whose call did not fit it.
+pub(super) fn shape(table: &Table) -> String {
+    let columns: Vec<String> = table
+        .columns()
+        .iter()
+        .map(|name| format!("`{name}` ({})", kind(table, name)))
+        .collect();
+    format!(
+        "the table has {} rows and the columns {}",
+        table.rows(),
+        columns.join(", ")
+    )
+}
+
+/// What to try, where the shape tells it: several columns of numbers, one row a person.
+pub(super) fn advice(table: &Table) -> Option<String> {
+    let names = table.columns();
+    let numeric: Vec<&String> = names
+        .iter()
+        .filter(|name| table.numbers(name).is_ok())
+        .collect();
+    let everyone_once = names
+        .iter()
+        .find(|name| distinct(table, name) == Some(table.rows()) && !numeric.contains(name));
+    if numeric.len() < 2 {
+        return None;
+    }
+    let who = everyone_once.map_or_else(String::new, |name| format!(" --subject {name}"));
+    let list: Vec<&str> = numeric.iter().map(|name| name.as_str()).collect();
+    Some(format!(
+        "if these are a column a condition: --wide {}{who}",
+        list.join(",")
+    ))
+}
+
+fn distinct(table: &Table, column: &str) -> Option<usize> {
+    let cells = table.text(column).ok()?;
+    Some(
+        cells
+            .into_iter()
+            .flatten()
+            .collect::<std::collections::BTreeSet<_>>()
+            .len(),
+    )
+}
+
+fn kind(table: &Table, column: &str) -> String {
+    let different = distinct(table, column).unwrap_or(0);
+    match table.numbers(column) {
+        Ok(values) => {
+            let missing = values.iter().filter(|v| v.is_none()).count();
+            let missing = if missing > 0 {
+                format!(", {missing} missing")
+            } else {
+                String::new()
+            };
+            format!("numbers, {different} different{missing}")
+        }
+        Err(_) => format!("text, {different} different"),
+    }
+}

@@ -1,0 +1,144 @@
+//! The report of `compare` and `posthoc`.
+
+use super::{
+    Printed,
+    cells::{effect, interval, number, optional, p, share, shown, table},
+    said, within,
+};
+use maveric_report::{
+    markup,
+    tables::{Cell, Table},
+};
+use maveric_stats::{
+    Adjustment, Comparison, EffectName, OmnibusP, OmnibusTest, PMethod, Posthoc, PosthocTest, apa,
+};
+
+pub(in crate::stages::stats) fn comparison(found: &Comparison) -> Printed {
+    let mut checks = table("Checks", &["Assumption", "*W*", "*p*", "Stands"]);
+    for check in &found.checks {
+        let stands = match check.passed {
+            Some(true) => Cell::text("yes"),
+            Some(false) => Cell::text("no"),
+            None => Cell::Missing,
+        };
+        checks.rows.push(vec![
+            Cell::text(&check.name),
+            share(check.statistic),
+            p(check.p),
+            stands,
+        ]);
+    }
+    let reasons = found.reasons.iter().enumerate();
+    let reasons = reasons.map(|(i, reason)| markup::literal(&format!("{}. {reason}", i + 1)));
+    let omnibus = &found.omnibus;
+    let mut finding = said(found, &["omnibus"]);
+    if omnibus.test == OmnibusTest::Friedman {
+        let ci = shown(&interval(
+            omnibus.effect.ci_low,
+            omnibus.effect.ci_high,
+            share,
+        ));
+        let how = match omnibus.p_method {
+            OmnibusP::Exact => "*p* is exact: all orders of the ranks within subjects",
+            OmnibusP::ImanDavenport => "*p* is that of Iman and Davenport's *F* of the ranks",
+            _ => "*p* is that of chi-squared",
+        };
+        finding.push(format!("90% CI of *W* {ci}; {how}"));
+    }
+    finding.push(
+        match omnibus.reject {
+            Some(true) => "The conditions differ at .05.",
+            Some(false) => "No difference of the conditions is shown at .05.",
+            None => "The test has no value for these data.",
+        }
+        .to_owned(),
+    );
+    let heading = match omnibus.test {
+        OmnibusTest::Friedman => "Friedman's test",
+        _ => "Repeated-measures analysis of variance",
+    };
+    Printed::of("Comparison of conditions", found.n, found.k, &found.dropped)
+        .table(within::conditions(&found.desc, None))
+        .table(checks)
+        .lines("Why this test", reasons.collect())
+        .lines(heading, finding)
+        .table(pairs(&found.posthoc))
+        .undefined(&found.undefined)
+}
+
+pub(in crate::stages::stats) fn posthoc(found: &Posthoc) -> Printed {
+    Printed::of("Comparison of pairs", found.n, found.k, &found.dropped)
+        .table(pairs(found))
+        .undefined(&found.undefined)
+}
+
+fn heading_of(found: &Posthoc) -> String {
+    let test = match found.test {
+        PosthocTest::T => "paired t",
+        PosthocTest::PooledT => "t over the pooled error term",
+        PosthocTest::Wilcoxon => "Wilcoxon's signed ranks",
+        PosthocTest::Conover => "Conover's test of rank sums",
+        _ => "Nemenyi's test of mean ranks",
+    };
+    let adjust = match found.adjust {
+        Adjustment::Holm => "p corrected by Holm",
+        Adjustment::Bonferroni => "p corrected by Bonferroni",
+        Adjustment::Hochberg => "p corrected by Hochberg",
+        Adjustment::Bh => "false discovery rate by Benjamini and Hochberg",
+        _ if found.test == PosthocTest::Nemenyi => "p holds for all pairs",
+        _ => "p not corrected",
+    };
+    let alpha = apa::bounded(found.alpha, 2);
+    format!("Pairs by {test} (A minus B; {adjust}; † below {alpha})")
+}
+
+fn pairs(found: &Posthoc) -> Table {
+    let statistic = match found.test {
+        PosthocTest::Wilcoxon => "*W*_{+}",
+        PosthocTest::Nemenyi => "*q*",
+        _ => "*t*",
+    };
+    let biserial = found
+        .pairs
+        .values()
+        .next()
+        .is_some_and(|pair| pair.effect.name == EffectName::RankBiserial);
+    let (size, write): (_, fn(Option<f64>) -> Cell) = if biserial {
+        ("*r*_{rb}", share)
+    } else {
+        ("*d*_{z}", effect)
+    };
+    let header = [
+        "",
+        "Difference",
+        "*n*",
+        statistic,
+        "*df*",
+        "*p*",
+        "*p* adjusted",
+        "",
+        size,
+        "95% CI",
+    ];
+    let mut table = table(&heading_of(found), &header);
+    for (name, pair) in found.pairs.iter() {
+        let exact = if pair.p_method == Some(PMethod::Exact) {
+            " exact"
+        } else {
+            ""
+        };
+        table.rows.push(vec![
+            Cell::text(name),
+            number(pair.mean_diff),
+            Cell::count(pair.n_used),
+            optional(pair.statistic),
+            pair.df.map_or_else(|| Cell::text(""), Cell::count),
+            Cell::text(format!("{}{exact}", shown(&p(pair.p)))),
+            p(pair.p_adjusted),
+            Cell::text(if pair.reject == Some(true) { "†" } else { "" }),
+            write(pair.effect.value),
+            interval(pair.effect.ci_low, pair.effect.ci_high, write),
+        ]);
+    }
+    table
+}

@@ -1,0 +1,159 @@
+//! Any other result: its numbers under the names of the JSON.
+
+use super::{
+    Printed,
+    cells::{self, number},
+};
+use maveric_report::{
+    markup,
+    tables::{Cell, Table},
+};
+use serde_json::{Map, Value};
+
+fn cell(value: &Value) -> Cell {
+    match value {
+        Value::Null => Cell::Missing,
+        Value::Number(n) => match n.as_i64() {
+            Some(whole) => Cell::text(whole.to_string()),
+            None => number(n.as_f64().unwrap_or_default()),
+        },
+        Value::String(text) => Cell::text(text),
+        Value::Bool(yes) => Cell::text(if *yes { "yes" } else { "no" }),
+        Value::Array(items) => {
+            let cells: Vec<String> = items.iter().map(|v| cells::shown(&cell(v))).collect();
+            Cell::text(format!("[{}]", cells.join(", ")))
+        }
+        Value::Object(_) => Cell::text(""),
+    }
+}
+
+fn is_leaf(value: &Value) -> bool {
+    match value {
+        Value::Object(_) => false,
+        Value::Array(items) => items.len() <= 2 && items.iter().all(is_leaf),
+        _ => true,
+    }
+}
+
+/// Names and values, a row each.
+fn leaves<'a>(title: &str, leaves: impl Iterator<Item = (&'a String, &'a Value)>) -> Table {
+    let mut table = cells::table(title, &["", "Value"]);
+    for (name, leaf) in leaves.filter(|(_, value)| is_leaf(value)) {
+        table.rows.push(vec![Cell::text(name), cell(leaf)]);
+    }
+    table
+}
+
+/// Objects with the same names side by side, those of the first.
+fn rows<'a>(title: &str, rows: impl Iterator<Item = (String, &'a Map<String, Value>)>) -> Table {
+    let rows: Vec<_> = rows.collect();
+    let first = rows.first().map(|(_, first)| first.iter());
+    let columns: Vec<&String> = first
+        .into_iter()
+        .flatten()
+        .filter(|(key, value)| *key != "name" && is_leaf(value))
+        .map(|(key, _)| key)
+        .collect();
+    let headers: Vec<String> = columns.iter().map(|key| markup::literal(key)).collect();
+    let headers: Vec<&str> = [""]
+        .into_iter()
+        .chain(headers.iter().map(String::as_str))
+        .collect();
+    let mut table = cells::table(title, &headers);
+    for (name, row) in &rows {
+        // An item's own name says more than its place.
+        let name = row.get("name").and_then(Value::as_str).unwrap_or(name);
+        let cells = columns
+            .iter()
+            .map(|key| row.get(*key).map_or(Cell::Missing, cell));
+        table
+            .rows
+            .push([Cell::text(name)].into_iter().chain(cells).collect());
+    }
+    table
+}
+
+/// Lists of the same length side by side.
+fn lists(lists: &[(&String, &Vec<Value>)]) -> Table {
+    let headers: Vec<&str> = ["Row"]
+        .into_iter()
+        .chain(lists.iter().map(|(key, _)| key.as_str()))
+        .collect();
+    let mut table = cells::table("Rows", &headers);
+    let most = lists.iter().map(|(_, list)| list.len()).max().unwrap_or(0);
+    for i in 0..most {
+        let cells = lists
+            .iter()
+            .map(|(_, list)| list.get(i).map_or(Cell::Missing, cell));
+        table.rows.push(
+            [Cell::text((i + 1).to_string())]
+                .into_iter()
+                .chain(cells)
+                .collect(),
+        );
+    }
+    table
+}
+
+/// A table a group of numbers; `sentences` first.
+pub(in crate::stages::stats) fn plain(value: &Value, sentences: Vec<String>) -> Printed {
+    let printed = Printed::default().lines("In a sentence", sentences);
+    inside(printed, "Result", value)
+}
+
+/// Adds what is in one object, its title first.
+fn inside(mut printed: Printed, title: &str, value: &Value) -> Printed {
+    let Value::Object(object) = value else {
+        return printed;
+    };
+    let hidden = |key: &str| matches!(key, "undefined" | "warnings" | "apa");
+    let shown = || object.iter().filter(|(key, _)| !hidden(key));
+    printed = printed.table(leaves(&markup::literal(title), shown()));
+    let long: Vec<(&String, &Vec<Value>)> = shown()
+        .filter(|(_, inner)| !is_leaf(inner))
+        .filter_map(|(key, inner)| Some((key, inner.as_array()?)))
+        .collect();
+    let flat: Vec<_> = long
+        .iter()
+        .filter(|(_, list)| !list.is_empty() && list.iter().all(is_leaf))
+        .copied()
+        .collect();
+    if !flat.is_empty() {
+        printed = printed.table(lists(&flat));
+    }
+    for (key, list) in long {
+        let objects = (1..)
+            .zip(list)
+            .filter_map(|(i, row)| Some((i.to_string(), row.as_object()?)));
+        printed = printed.table(rows(&markup::literal(key), objects));
+    }
+    for (key, inner) in shown() {
+        let Value::Object(map) = inner else { continue };
+        let title = markup::literal(key);
+        let alike = map.len() > 1
+            && map
+                .values()
+                .all(|v| v.as_object().is_some_and(|o| o.values().all(is_leaf)));
+        printed = if alike {
+            let objects = map
+                .iter()
+                .filter_map(|(name, row)| Some((name.clone(), row.as_object()?)));
+            printed.table(rows(&title, objects))
+        } else if map.values().all(is_leaf) {
+            printed.table(leaves(&title, map.iter()))
+        } else {
+            let mut printed = printed.table(leaves(&title, map.iter()));
+            for (name, below) in map.iter().filter(|(_, below)| !is_leaf(below)) {
+                printed = inside(printed, &format!("{key} {name}"), below);
+            }
+            printed
+        };
+    }
+    if let Some(Value::Object(reasons)) = object.get("undefined") {
+        let said = reasons.iter().map(|(name, reason)| {
+            markup::literal(&format!("{name}: {}", reason.as_str().unwrap_or_default()))
+        });
+        printed = printed.lines("No value (–)", said.collect());
+    }
+    printed
+}
