@@ -9,6 +9,7 @@ mod analysis;
 pub mod apa;
 mod bayes;
 mod bootstrap;
+mod by_design;
 mod compare;
 mod complete;
 mod correlation;
@@ -19,6 +20,7 @@ mod friedman;
 mod groups;
 mod hierarchical;
 pub mod markup;
+mod mean;
 mod mixed;
 mod named;
 mod normality;
@@ -48,6 +50,10 @@ pub use bayes::{
     bayes_groups, bayes_one, bayes_paired,
 };
 pub use bootstrap::{Bootstrap, BootstrapData, BootstrapSettings, Interval, Statistic, bootstrap};
+pub use by_design::{
+    ByDesign, Chosen, ChosenTest, DesignChoice, DesignColumns, FactorialFinding, MissingCells,
+    OrdinalFinding, OutcomeScale, RankCheck, compare_by_design,
+};
 pub use compare::{
     AssumptionCheck, Comparison, Omnibus, OmnibusP, OmnibusTest, SphericityCorrection, compare,
     compare_without_exact,
@@ -69,6 +75,7 @@ pub use groups::{
     OneWayAnova, SeveralGroups, WelchAnova, groups,
 };
 pub use hierarchical::{Belief, Hierarchical, PersonRows, hierarchical};
+pub use mean::{MeanInterval, mean_interval};
 pub use mixed::{
     FixedEffect, Formula, InterceptVariance, MixedMethod, MixedModel, Predictor, RandomIntercept,
     TermTest, mixed_model, random_intercept,

@@ -17,7 +17,7 @@ pub trait Statements {
 }
 
 /// One sentence alone, several with their names, a line each.
-fn write(said: &[(String, Statement)], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+pub(super) fn write(said: &[(String, Statement)], f: &mut fmt::Formatter<'_>) -> fmt::Result {
     for (i, (name, statement)) in said.iter().enumerate() {
         if i > 0 {
             f.write_str("\n")?;
@@ -35,11 +35,13 @@ macro_rules! says_itself {
     ($($result:ty),* $(,)?) => {$(
         impl fmt::Display for $result {
             fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                write(&self.statements(), f)
+                $crate::apa::results::write(&self.statements(), f)
             }
         }
     )*};
 }
+pub(super) use says_itself;
+
 says_itself!(
     RmAnovaAnalysis,
     FriedmanAnalysis,
@@ -55,7 +57,9 @@ says_itself!(
 );
 
 /// Those of the named statements that exist.
-fn those<const N: usize>(all: [(&str, Option<Statement>); N]) -> Vec<(String, Statement)> {
+pub(super) fn those<const N: usize>(
+    all: [(&str, Option<Statement>); N],
+) -> Vec<(String, Statement)> {
     let named = |(name, said): (&str, Option<Statement>)| Some((name.to_owned(), said?));
     all.into_iter().filter_map(named).collect()
 }

@@ -5,6 +5,7 @@ mod art;
 mod cells;
 mod design;
 mod means;
+mod residuals;
 
 pub use anova::FactorialEffect;
 pub use art::{AlignedRanks, ArtEffect, ArtStrata, aligned_ranks};

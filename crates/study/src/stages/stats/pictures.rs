@@ -10,7 +10,9 @@ use maveric_report::{
     },
     markup,
 };
-use maveric_stats::{ConditionSummary, Named, Posthoc, WithinSubjects, apa};
+use maveric_stats::{
+    ConditionSummary, Factorial, Named, Posthoc, WithinSubjects, apa, mean_interval,
+};
 use std::path::Path;
 
 /// What is drawn of one result.
@@ -233,4 +235,144 @@ pub(super) fn first(found: &impl apa::Statements) -> String {
         || markup::literal("no test has a value"),
         |(_, said)| said.markup().to_owned(),
     )
+}
+
+const CELL_INTERVALS: &str = "95% intervals of each cell's mean";
+
+/// A factor, and its level in each row.
+pub(super) type FactorColumn<'a> = (&'a str, Vec<Option<String>>);
+
+/// Cells of any design: groups, conditions, or both; the last factor counts fastest.
+pub(super) fn cells(
+    subjects: &[String],
+    factors: &[FactorColumn<'_>],
+    values: &[Option<f64>],
+    outcome: &str,
+    test: String,
+    contrasts: Vec<Contrast>,
+) -> Picture {
+    let levels: Vec<Vec<&str>> = factors
+        .iter()
+        .map(|(_, column)| {
+            let mut seen: Vec<&str> = Vec::new();
+            for level in column.iter().flatten() {
+                if !seen.contains(&level.as_str()) {
+                    seen.push(level);
+                }
+            }
+            seen
+        })
+        .collect();
+    let count: usize = levels.iter().map(Vec::len).product();
+    let cell = |row: usize| {
+        factors
+            .iter()
+            .zip(&levels)
+            .try_fold(0, |at, ((_, column), levels)| {
+                let level = column[row].as_deref()?;
+                Some(at * levels.len() + levels.iter().position(|known| *known == level)?)
+            })
+    };
+    let mut people: Vec<(&str, Vec<Option<f64>>)> = Vec::new();
+    for (row, (who, value)) in subjects.iter().zip(values).enumerate() {
+        let (Some(at), Some(value)) = (cell(row), value) else {
+            continue;
+        };
+        match people
+            .iter_mut()
+            .find(|(known, own)| known == who && own[at].is_none())
+        {
+            Some((_, own)) => own[at] = Some(*value),
+            None => {
+                let mut own = vec![None; count];
+                own[at] = Some(*value);
+                people.push((who, own));
+            }
+        }
+    }
+    let rows: Vec<Vec<Option<f64>>> = people.into_iter().map(|(_, row)| row).collect();
+    let name = |at: usize| {
+        let mut rest = at;
+        let mut words: Vec<&str> = Vec::new();
+        for levels in levels.iter().rev() {
+            words.push(levels[rest % levels.len()]);
+            rest /= levels.len();
+        }
+        words.reverse();
+        words.join(" ")
+    };
+    let cells = (0..count).map(|at| {
+        let own: Vec<f64> = rows.iter().filter_map(|row| row[at]).collect();
+        ComparedCell {
+            name: name(at),
+            mean: mean_interval(&own).map(|m| [m.mean, m.low, m.high]),
+        }
+    });
+    let panel = ComparisonPanel {
+        outcome: outcome.to_owned(),
+        test,
+        cells: cells.collect(),
+        rows,
+        contrasts,
+    };
+    Picture::Panel(panel, CELL_INTERVALS, HOLM)
+}
+
+/// Pairs of `k` cells in their order.
+pub(super) fn in_order(k: usize, p: impl Iterator<Item = Option<f64>>) -> Vec<Contrast> {
+    let pairs = (0..k).flat_map(|a| (a + 1..k).map(move |b| (a, b)));
+    pairs
+        .zip(p)
+        .filter_map(|((first, second), p)| {
+            Some(Contrast {
+                first,
+                second,
+                p: p?,
+            })
+        })
+        .collect()
+}
+
+/// Simple effects of the second of two factors, at each level of the first.
+pub(super) fn simple(found: &Factorial) -> Vec<Contrast> {
+    let factors: Vec<(&str, &Vec<String>)> = found.levels.iter().collect();
+    let [(_, slow), (fast, levels)] = factors[..] else {
+        return Vec::new();
+    };
+    let k = levels.len();
+    let mut contrasts = Vec::new();
+    for (_, all) in found.simple.iter() {
+        for (at, level) in slow.iter().enumerate() {
+            let Some(test) = all.get(&format!("{fast}@{level}")) else {
+                continue;
+            };
+            let pairs = in_order(k, test.pairs.values().map(|pair| pair.p_holm));
+            contrasts.extend(pairs.into_iter().map(|c| Contrast {
+                first: at * k + c.first,
+                second: at * k + c.second,
+                p: c.p,
+            }));
+        }
+    }
+    contrasts
+}
+
+/// Coefficients or differences as a forest: name, estimate with its ends, p.
+pub(super) fn estimates(
+    title: String,
+    axis: &str,
+    rows: impl Iterator<Item = (String, Option<[f64; 3]>, Option<f64>)>,
+    bounds: Option<(f64, f64)>,
+) -> Picture {
+    let rows = rows.map(|(name, estimate, p)| ForestRow {
+        name,
+        estimate,
+        said: p.map_or_else(|| "–".to_owned(), |p| format!("*p* {}", relation(p))),
+    });
+    Picture::Forest(Forest {
+        title,
+        axis: axis.to_owned(),
+        rows: rows.collect(),
+        bounds,
+    })
 }

@@ -2,11 +2,13 @@
 
 mod cells;
 mod correlations;
+mod designs;
 mod pairs;
 mod plain;
 mod within;
 
 pub(super) use correlations::{correlation, rm_correlation};
+pub(super) use designs::{by_design, equivalence, factorial, groups, mixed, ordinal, ranks};
 pub(super) use pairs::{comparison, posthoc};
 pub(super) use plain::plain;
 pub(super) use within::{friedman, rm_anova, whole};

@@ -10,24 +10,11 @@ use maveric_report::{
     tables::{Cell, Table},
 };
 use maveric_stats::{
-    Adjustment, Comparison, EffectName, OmnibusP, OmnibusTest, PMethod, Posthoc, PosthocTest, apa,
+    Adjustment, AssumptionCheck, Comparison, EffectName, OmnibusP, OmnibusTest, PMethod, Posthoc,
+    PosthocTest, apa,
 };
 
 pub(in crate::stages::stats) fn comparison(found: &Comparison) -> Printed {
-    let mut checks = table("Checks", &["Assumption", "*W*", "*p*", "Stands"]);
-    for check in &found.checks {
-        let stands = match check.passed {
-            Some(true) => Cell::text("yes"),
-            Some(false) => Cell::text("no"),
-            None => Cell::Missing,
-        };
-        checks.rows.push(vec![
-            Cell::text(&check.name),
-            share(check.statistic),
-            p(check.p),
-            stands,
-        ]);
-    }
     let reasons = found.reasons.iter().enumerate();
     let reasons = reasons.map(|(i, reason)| markup::literal(&format!("{}. {reason}", i + 1)));
     let omnibus = &found.omnibus;
@@ -59,11 +46,30 @@ pub(in crate::stages::stats) fn comparison(found: &Comparison) -> Printed {
     };
     Printed::of("Comparison of conditions", found.n, found.k, &found.dropped)
         .table(within::conditions(&found.desc, None))
-        .table(checks)
+        .table(checks(&found.checks))
         .lines("Why this test", reasons.collect())
         .lines(heading, finding)
         .table(pairs(&found.posthoc))
         .undefined(&found.undefined)
+}
+
+/// The assumptions that were looked at.
+pub(super) fn checks(all: &[AssumptionCheck]) -> Table {
+    let mut table = table("Checks", &["Assumption", "*W*", "*p*", "Stands"]);
+    for check in all {
+        let stands = match check.passed {
+            Some(true) => Cell::text("yes"),
+            Some(false) => Cell::text("no"),
+            None => Cell::Missing,
+        };
+        table.rows.push(vec![
+            Cell::text(&check.name),
+            share(check.statistic),
+            p(check.p),
+            stands,
+        ]);
+    }
+    table
 }
 
 pub(in crate::stages::stats) fn posthoc(found: &Posthoc) -> Printed {
