@@ -253,46 +253,33 @@ fn a_sample_of_two_and_a_half_people_is_refused() {
 }
 
 #[test]
-fn an_interrupted_training_goes_on_to_the_same_bytes() {
+fn both_kinds_of_heads_learn_the_same_bytes_again() {
     let study = TempStudy::new();
     let make = "generate --out d --study1 4 --study2 1 --duration 90 --seed 3";
     study.maveric(&make.split(' ').collect::<Vec<_>>()).ok();
     let ingest = "ingest d/logs/study1 --out d/drives";
     study.maveric(&ingest.split(' ').collect::<Vec<_>>()).ok();
-    let train = |out: &str, more: &[&str]| {
-        let base = format!("train --drives d/drives --out {out} --epochs 6 --checkpoint-every 1");
-        let words: Vec<&str> = base.split(' ').chain(more.iter().copied()).collect();
-        study.maveric(&words)
-    };
-    train("whole.maveric", &["-j", "1"]).ok();
-    assert!(!study.path("whole_checkpoint.maveric").exists());
-
-    // Killed as soon as the first checkpoint stands.
-    let long = "train --drives d/drives --out part.maveric --epochs 6 --checkpoint-every 1";
-    let mut child = study.command(&long.split(' ').collect::<Vec<_>>());
-    let quiet = std::process::Stdio::null;
-    let mut child = child.stdout(quiet()).stderr(quiet()).spawn().unwrap();
-    let checkpoint = study.path("part_checkpoint.maveric");
-    while !checkpoint.exists() && child.try_wait().unwrap().is_none() {
-        std::thread::yield_now();
+    for heads in ["linear", "paper"] {
+        let train = |out: &str, threads: &str| {
+            let base = format!(
+                "train --heads {heads} --drives d/drives --out {out} --epochs 4 -j {threads}"
+            );
+            study.maveric(&base.split(' ').collect::<Vec<_>>()).ok();
+        };
+        train("one.maveric", "1");
+        train("two.maveric", "2");
+        for (one, two) in [
+            ("one.maveric", "two.maveric"),
+            ("one_training.json", "two_training.json"),
+        ] {
+            let read = |name: &str| std::fs::read(study.path(name)).unwrap();
+            assert!(read(one) == read(two), "{heads}: {two} differs");
+        }
     }
-    child.kill().ok();
-    child.wait().unwrap();
-    let resumed = train("part.maveric", &["--resume"]);
-    let resumed = resumed.ok();
-    assert!(resumed.stdout.contains("part.maveric"));
-    for (whole, part) in [
-        ("whole.maveric", "part.maveric"),
-        ("whole_training.json", "part_training.json"),
-    ] {
-        let read = |name: &str| std::fs::read(study.path(name)).unwrap();
-        assert!(read(whole) == read(part), "{part} differs");
-    }
-
-    // A checkpoint of another training is refused, and left alone.
-    study.write("other_checkpoint.maveric", "maveric-training 9 0 0\n");
-    train("other.maveric", &["--resume"]).failed(1, &["other_checkpoint.maveric", "version 9"]);
-    assert!(study.path("other_checkpoint.maveric").exists());
+    let unknown = [
+        "train", "--heads", "deep", "--drives", "d/drives", "--out", "x",
+    ];
+    study.maveric(&unknown).failed(2, &["deep", "linear"]);
 }
 
 #[test]

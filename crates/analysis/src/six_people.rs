@@ -99,9 +99,9 @@ fn position(i: usize) -> EmbeddingRow {
         adb: None,
         adb_hat: None,
         line_position: Some(i as f64),
-        start_spread: None,
-        rows: None,
-        details: None,
+        readings: None,
+        covariance: None,
+        line_position_se: None,
         embedding: Embedding::new(vec![i as f64]).unwrap(),
     }
 }

@@ -26,7 +26,7 @@ pub use design::{Design, DesignError};
 pub use drive::{Drive, DriveMeta, DrivenBy, LaneChange};
 pub use embedding::Embedding;
 pub use error::DomainError;
-pub use fitted::{EmbeddingRow, FitDetails};
+pub use fitted::EmbeddingRow;
 pub use ids::{DriveId, ParticipantId, VehicleId};
 pub use measurement::{MeasureValues, MeasuredDrive, Measurement, spread};
 pub use recording::{EgoTrack, ObjectTrack, Recording};

@@ -19,6 +19,10 @@ pub struct ConditionRow {
     pub adb_hat: f64,
     /// How far Ŝ moved from the participant's own, in points, after clamping.
     pub moved_points: f64,
+    /// SD of that, as far as the people learned from determine the direction; none where that is not known.
+    pub moved_points_sd: Option<f64>,
+    /// Whether an end of the scale cut the move short.
+    pub clamped: bool,
     /// Angle on the perpendicular ellipse, in rad; only there.
     pub angle_rad: Option<f64>,
     /// Whether the embedding lies further out than any training driver's.

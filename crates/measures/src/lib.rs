@@ -1,10 +1,11 @@
 //! The yardsticks: functions of a [`Drive`](maveric_domain::Drive), or of questionnaire answers.
 //!
-//! [`objective`] measures drives, [`accuracy`] compares a drive with the participant's own one,
+//! [`objective`] measures drives, [`accuracy`] compares a drive with the participant's own one, [`likeness`] as distributions,
 //! [`survey`] scores questionnaires. Nothing here knows what drove or what answered.
 
 pub mod accuracy;
 pub mod error;
+pub mod likeness;
 pub mod objective;
 pub mod survey;
 

@@ -20,6 +20,7 @@ fn trained(drives: &[drives::Scored], epochs: usize, batch_size: usize) -> (Mode
         })
         .collect();
     let params = TrainParams::new(TrainSettings {
+        heads: maveric_model::HeadsKind::Paper,
         epochs,
         batch_size,
         validation_fraction: 0.0,
@@ -28,7 +29,7 @@ fn trained(drives: &[drives::Scored], epochs: usize, batch_size: usize) -> (Mode
     .expect("settings in range");
     let trained =
         train(&given, &params, 1, &mut |_| ControlFlow::Continue(())).expect("drives long enough");
-    (trained.model, trained.report.rows)
+    (trained.model, trained.report.networks.map_or(0, |n| n.rows))
 }
 
 /// Five epochs over the rows of 38 drives of ten minutes, with their gathering; items are rows times epochs.
@@ -49,7 +50,10 @@ fn predict_one_window(bencher: Bencher<'_, '_>) {
     let drives = drives::drivers(2, 60.0);
     let model = trained(&drives, 1, 512).0;
     let predictor = Predictor::new(&model, model.mean_embedding()).expect("the model's own size");
-    let mut window = model.window_buffer();
+    let mut window = model
+        .paper()
+        .expect("networks were trained")
+        .window_buffer();
     for row in 0..100 {
         let situation = drives[0].0.situation(row).expect("600 rows");
         window.push(&situation).expect("increasing times");

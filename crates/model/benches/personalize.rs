@@ -6,8 +6,8 @@ mod drives;
 use divan::Bencher;
 use maveric_domain::Drive;
 use maveric_model::{
-    CurveParams, Model, PersonalizeParams, PersonalizeSettings, Personalizer, TrainParams,
-    TrainSettings, TrainingDrive, learning_curve, train,
+    CurveParams, HeadsKind, Model, PersonalizeParams, Personalizer, TrainParams, TrainSettings,
+    TrainingDrive, learning_curve, train,
 };
 use std::ops::ControlFlow;
 
@@ -15,8 +15,8 @@ fn main() {
     divan::main();
 }
 
-fn model() -> Model {
-    let drives = drives::drivers(6, 600.0);
+fn model(heads: HeadsKind) -> Model {
+    let drives = drives::drivers_apart(6, 600.0);
     let given: Vec<_> = drives
         .iter()
         .map(|(drive, adb)| TrainingDrive {
@@ -25,6 +25,7 @@ fn model() -> Model {
         })
         .collect();
     let params = TrainParams::new(TrainSettings {
+        heads,
         epochs: 10,
         ..TrainSettings::default()
     })
@@ -44,39 +45,19 @@ fn new_drive() -> Drive {
     drives::drive_at(20.0, "new", &habits, 600.0)
 }
 
-/// Windows, encoding, four starts and the standard error of one driver's 12,000 samples.
-#[divan::bench(sample_count = 20, sample_size = 1)]
-fn twelve_thousand_samples(bencher: Bencher<'_, '_>) {
-    let (model, drive) = (model(), new_drive());
+/// Events and the posterior of one driver's 12,000 samples.
+#[divan::bench(args = [HeadsKind::Linear, HeadsKind::Paper], sample_count = 20, sample_size = 1)]
+fn twelve_thousand_samples(bencher: Bencher<'_, '_>, heads: HeadsKind) {
+    let (model, drive) = (model(heads), new_drive());
     let personalizer = Personalizer::new(&model, PersonalizeParams::default());
-    bencher.bench_local(|| personalizer.fit(&drive, None, 1));
+    bencher.bench_local(|| personalizer.fit(&drive, None));
 }
 
-/// The same from the mean of the training embeddings alone.
-#[divan::bench(sample_count = 20, sample_size = 1)]
-fn twelve_thousand_samples_one_start(bencher: Bencher<'_, '_>) {
-    let (model, drive) = (model(), new_drive());
-    let settings = PersonalizeSettings {
-        starts: 1,
-        ..PersonalizeSettings::default()
-    };
-    let params = PersonalizeParams::new(settings).expect("settings in range");
-    let personalizer = Personalizer::new(&model, params);
-    bencher.bench_local(|| personalizer.fit(&drive, None, 1));
-}
-
-/// The learning curve of the same drive: five fits.
+/// The learning curve of the same drive: six fits.
 #[divan::bench(sample_count = 5, sample_size = 1)]
 fn learning_curve_of_ten_minutes(bencher: Bencher<'_, '_>) {
-    let (model, drive) = (model(), new_drive());
+    let (model, drive) = (model(HeadsKind::Linear), new_drive());
     let personalizer = Personalizer::new(&model, PersonalizeParams::default());
     let params = CurveParams::default();
-    bencher.bench_local(|| learning_curve(&personalizer, &drive, &params, 1));
-}
-
-/// Reading the weights out of a model, once for any number of drivers.
-#[divan::bench]
-fn read_weights(bencher: Bencher<'_, '_>) {
-    let model = model();
-    bencher.bench_local(|| Personalizer::new(&model, PersonalizeParams::default()));
+    bencher.bench_local(|| learning_curve(&personalizer, &drive, &params));
 }

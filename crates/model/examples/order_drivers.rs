@@ -1,11 +1,11 @@
-//! Trains on a few made-up drivers, meets a new one, and says where everybody is on the line of aggression.
+//! Learns the habits of a few made-up drivers, meets a new one, and says where everybody is on the line of aggression.
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 #[path = "../tests/support/drives.rs"]
 mod drives;
 
 use maveric_model::{
-    ModelError, PersonalizeParams, Predictor, TrainParams, TrainSettings, TrainingDrive,
+    Habits, HeadsKind, ModelError, PersonalizeParams, TrainParams, TrainSettings, TrainingDrive,
     personalize,
     style_space::{AggressionAxis, shift},
     train,
@@ -13,7 +13,7 @@ use maveric_model::{
 use std::ops::ControlFlow;
 
 fn main() -> Result<(), ModelError> {
-    let recorded = drives::drivers(8, 300.0);
+    let recorded = drives::drivers_apart(12, 300.0);
     let given: Vec<_> = recorded
         .iter()
         .map(|(drive, adb)| TrainingDrive {
@@ -22,15 +22,10 @@ fn main() -> Result<(), ModelError> {
         })
         .collect();
     let params = TrainParams::new(TrainSettings {
-        batch_size: 128,
+        heads: HeadsKind::Linear,
         ..TrainSettings::default()
     })?;
-    let trained = train(&given, &params, 1, &mut |epoch| {
-        if epoch.epoch % 10 == 0 {
-            println!("epoch {:2}: loss {:.3}", epoch.epoch, epoch.total);
-        }
-        ControlFlow::Continue(())
-    })?;
+    let trained = train(&given, &params, 1, &mut |_| ControlFlow::Continue(()))?;
     let axis = AggressionAxis::of(&trained.model)?;
     for ((drive, embedding), (_, adb)) in trained.embeddings.iter().zip(&recorded) {
         let (said, read) = (adb.points(), axis.aggression_hat(embedding)?);
@@ -42,15 +37,19 @@ fn main() -> Result<(), ModelError> {
         time_gap_s: 1.4,
         passes: true,
     };
-    let new = drives::drive("new", &habits, 300.0);
-    let fit = personalize(&trained.model, &new, None, &PersonalizeParams::default(), 1)?;
-    println!("new driver: starts differ by {:.3} SD", fit.start_spread);
+    let new = drives::drive_apart("new", &habits, 300.0);
+    let fit = personalize(&trained.model, &new, None, &PersonalizeParams::default())?;
+    let sd = fit.sd_along(axis.gradient()).unwrap_or_default();
+    println!("new driver: known to {sd:.2} SD of drivers along aggression");
     for points in [-15.0, 0.0, 15.0] {
         let moved = shift(&axis, &fit.embedding, points)?;
-        let gap = Predictor::new(&trained.model, &moved.embedding)?.following_distance(24.0);
+        let own = Habits::new(&trained.model, &moved.embedding)?;
+        let [speed, gap] = [own.free_speed, own.merge_back].map(|h| h.map(|h| h.middle(&[])));
         println!(
-            "{points:+3} points: S reads {:.0}, keeps {gap:.1} m at 24 m/s",
-            moved.to_points
+            "{points:+3} points: S reads {:.0}, {:.1} m/s, merges back {:.2} s ahead",
+            moved.to_points,
+            speed.unwrap_or_default(),
+            gap.unwrap_or_default()
         );
     }
     Ok(())

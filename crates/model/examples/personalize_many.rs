@@ -1,6 +1,6 @@
 //! Personalises many made-up drivers, each made, fitted and forgotten: time rises with their number, memory does not.
 //!
-//! `cargo run --release -p maveric-model --example personalize_many [DRIVERS] [SECONDS]`: 1,000 drivers of 20 s (20 rows of the grid) each
+//! `cargo run --release -p maveric-model --example personalize_many [DRIVERS] [SECONDS]`: 1,000 drivers of 60 s each
 //! unless told otherwise.
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
@@ -8,7 +8,7 @@
 mod drives;
 
 use maveric_model::{
-    ModelError, PersonalizeParams, PersonalizeSettings, Personalizer, TrainParams, TrainSettings,
+    HeadsKind, ModelError, PersonalizeParams, Personalizer, TrainParams, TrainSettings,
     TrainingDrive, train,
 };
 use rayon::prelude::*;
@@ -19,8 +19,8 @@ fn main() -> Result<(), ModelError> {
         .skip(1)
         .filter_map(|a| a.parse::<u32>().ok());
     let drivers = arguments.next().unwrap_or(1000);
-    let seconds = arguments.next().unwrap_or(20);
-    let recorded = drives::drivers(6, 300.0);
+    let seconds = arguments.next().unwrap_or(60);
+    let recorded = drives::drivers_apart(6, 300.0);
     let given: Vec<_> = recorded
         .iter()
         .map(|(drive, adb)| TrainingDrive {
@@ -29,15 +29,11 @@ fn main() -> Result<(), ModelError> {
         })
         .collect();
     let params = TrainParams::new(TrainSettings {
-        epochs: 10,
+        heads: HeadsKind::Linear,
         ..TrainSettings::default()
     })?;
     let model = train(&given, &params, 1, &mut |_| ControlFlow::Continue(()))?.model;
-    let params = PersonalizeParams::new(PersonalizeSettings {
-        starts: 2,
-        ..PersonalizeSettings::default()
-    })?;
-    let personalizer = Personalizer::new(&model, params);
+    let personalizer = Personalizer::new(&model, PersonalizeParams::default());
 
     let begun = Instant::now();
     let fit = |driver: u32| -> Result<f64, ModelError> {
@@ -48,7 +44,7 @@ fn main() -> Result<(), ModelError> {
             passes: true,
         };
         let drive = drives::drive(&format!("D{driver}"), &habits, f64::from(seconds));
-        Ok(personalizer.fit(&drive, None, 1)?.objective)
+        Ok(personalizer.fit(&drive, None)?.readings as f64)
     };
     let total = (0..drivers)
         .into_par_iter()
@@ -56,7 +52,7 @@ fn main() -> Result<(), ModelError> {
         .try_reduce(|| 0.0, |a, b| Ok(a + b))?;
     let took = begun.elapsed().as_secs_f64();
     println!(
-        "{drivers} drivers of {seconds} s in {took:.2} s: {:.0} a second; mean objective {:.3}; peak memory {}",
+        "{drivers} drivers of {seconds} s in {took:.2} s: {:.0} a second; {:.1} events each; peak memory {}",
         f64::from(drivers) / took,
         total / f64::from(drivers),
         peak_memory().unwrap_or("unknown here".to_owned())

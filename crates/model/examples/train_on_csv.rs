@@ -32,6 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .map(|drive| TrainingDrive { drive, adb: None })
         .collect();
     let params = TrainParams::new(TrainSettings {
+        heads: maveric_model::HeadsKind::Paper,
         epochs: 30,
         batch_size: 128,
         ..TrainSettings::default()

@@ -8,7 +8,7 @@
 #[path = "../tests/support/drives.rs"]
 mod drives;
 
-use maveric_model::{TrainParams, TrainSettings, TrainingDrive, train};
+use maveric_model::{HeadsKind, TrainParams, TrainSettings, TrainingDrive, train};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use std::{ops::ControlFlow, sync::OnceLock, time::Instant};
@@ -70,6 +70,7 @@ fn peak(wall: bool) -> f64 {
 /// Best epoch of a training with that batch size, in rows a second.
 fn rate(wall: bool, given: &[TrainingDrive<'_>], batch_size: usize) -> f64 {
     let params = TrainParams::new(TrainSettings {
+        heads: HeadsKind::Paper,
         epochs: 12,
         batch_size,
         validation_fraction: 0.0,
@@ -88,7 +89,7 @@ fn rate(wall: bool, given: &[TrainingDrive<'_>], batch_size: usize) -> f64 {
         ControlFlow::Continue(())
     })
     .expect("drives long enough");
-    trained.report.rows as f64 / best
+    trained.report.networks.map_or(0, |n| n.rows) as f64 / best
 }
 
 fn main() {

@@ -1,21 +1,17 @@
 //! The rows of all training drives, standardised and weighted.
 
 use crate::{
-    checkpoint::checksum,
     error::{ModelError, ModelWarning},
     losses::{Loss, LossWeights},
-    model::Learned,
+    paper::Learned,
     params::TrainSettings,
-    quality::Quality,
     rows::{Row, RowSettings, RowWeights, left_out, now, rows_of},
     scaling::{Scaling, Standardization},
-    train::{Run, TrainingDrive, TrainingReport},
-    training_state::Selection,
+    train::TrainingDrive,
     windows::SIGNALS,
 };
 use maveric_domain::{AdbScore, DriveId};
 use rayon::prelude::*;
-use std::collections::BTreeSet;
 
 /// Rows of all drives, standardised.
 #[derive(Debug, Default)]
@@ -88,14 +84,6 @@ impl Data {
         settings: &TrainSettings,
         kept_back: f64,
     ) -> Result<Self, ModelError> {
-        let mut seen = BTreeSet::new();
-        for drive in given.iter().map(|d| &d.drive.meta().drive) {
-            if !seen.insert(drive) {
-                return Err(ModelError::DuplicateDrive {
-                    drive: drive.clone(),
-                });
-            }
-        }
         let row_settings = RowSettings {
             row_rate_hz: settings.row_rate_hz,
             windows: settings.windows(),
@@ -238,47 +226,5 @@ impl Data {
         let warnings = self.left_out.iter();
         self.warnings
             .extend(warnings.map(|&(loss, reason)| ModelWarning::LossLeftOut { loss, reason }));
-    }
-
-    /// Of what was learned from: another training has another number, but for accidents.
-    pub(crate) fn fingerprint(&self, settings: &TrainSettings, seed: u64) -> u64 {
-        let bits = |values: &[f32]| {
-            let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
-            checksum(&bytes)
-        };
-        let of_rows = [&self.training, &self.validation].map(|rows| {
-            [
-                bits(&rows.windows),
-                bits(rows.values.as_flattened()),
-                bits(rows.weights.as_flattened()),
-            ]
-        });
-        let text = format!(
-            "{settings:?} {seed} {:?} {:?} {of_rows:?}",
-            self.drives, self.adb
-        );
-        checksum(text.as_bytes())
-    }
-
-    pub(crate) fn report(
-        self,
-        run: Run,
-        selection: Option<Selection>,
-        quality: Quality,
-        parameters: usize,
-    ) -> TrainingReport {
-        TrainingReport {
-            epochs: run.epochs,
-            rows: self.training.len(),
-            left_out: self.left_out,
-            warnings: self.warnings,
-            drives: self.drives.len(),
-            drives_with_adb: self.adb.iter().flatten().count(),
-            following_rows: self.following_rows,
-            lane_change_rows: self.lane_change_rows,
-            parameters,
-            selection,
-            quality,
-        }
     }
 }

@@ -1,5 +1,6 @@
 //! What can go wrong with models.
 
+use crate::model::HeadsKind;
 use maveric_domain::{DomainError, DriveId};
 
 /// A training, a personalising or a model file that this crate refuses.
@@ -189,11 +190,25 @@ pub enum ModelError {
         /// What is wrong.
         problem: String,
     },
-    /// A training's checkpoint that cannot be gone on from.
-    #[error("not a checkpoint that this training can go on from: {problem}")]
-    BadCheckpoint {
-        /// What is wrong.
-        problem: String,
+    /// A model with other heads than asked for.
+    #[error("the model has {found} heads, expected {expected}")]
+    OtherHeads {
+        /// Heads of the model.
+        found: HeadsKind,
+        /// Heads asked for.
+        expected: HeadsKind,
+    },
+    /// A word that names no heads.
+    #[error("no heads are called `{found}`, expected `linear` or `paper`")]
+    UnknownHeads {
+        /// The word.
+        found: String,
+    },
+    /// A drive that shows none of the habits that a model reads.
+    #[error("drive {drive} shows no habit: no free road, nobody followed or passed")]
+    NoHabits {
+        /// The drive.
+        drive: DriveId,
     },
     /// A value that the domain refuses.
     #[error(transparent)]
@@ -217,9 +232,12 @@ impl ModelError {
             Self::NoPerpendicular { .. } => Some("train with `embedding_size` 2 or more"),
             Self::NoAggressionAxis => Some("score the ADB questionnaire and train with its scores"),
             Self::Diverged { .. } => Some("lower `learning_rate` or `gradient_clip`"),
-            Self::BadCheckpoint { .. } => {
-                Some("train without `--resume`, which starts from the beginning")
-            }
+            Self::OtherHeads {
+                expected: HeadsKind::Paper,
+                ..
+            } => Some("train with `--heads paper`"),
+            Self::OtherHeads { .. } => Some("train with `--heads linear`"),
+            Self::NoHabits { .. } => Some("record longer drives"),
             Self::NotAModelFile
             | Self::OtherVersion { .. }
             | Self::WrongLength { .. }
@@ -254,13 +272,11 @@ pub enum ModelWarning {
         /// Who drove.
         participant: maveric_domain::ParticipantId,
     },
-    /// A fitted embedding without a standard error.
-    #[error("drive {drive} has no standard error: {reason}")]
-    NoStandardError {
+    /// A drive that shows no habit.
+    #[error("drive {drive} left out: it shows no habit")]
+    NoHabits {
         /// The drive.
         drive: DriveId,
-        /// Why.
-        reason: &'static str,
     },
     /// A loss without data.
     #[error("{loss} left out: {reason}")]

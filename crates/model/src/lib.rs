@@ -1,22 +1,24 @@
 //! A driver's style as a small embedding: networks, training, personalising, style space.
 //!
-//! [`train()`] learns five sub-networks and an embedding per drive from [`maveric_domain::Drive`]s;
-//! [`personalize()`] fits an embedding to a new drive with the networks frozen; [`style_space`] moves an
-//! embedding along or across the direction of aggression; [`Predictor`] turns an embedding and a window of the
-//! last seconds into a [`Prediction`]. No files, no clock, no controllers.
+//! [`train()`] learns heads and an embedding per drive from [`maveric_domain::Drive`]s: linear ones ([`heads`]) or the paper's five
+//! networks ([`paper`]); [`personalize()`] solves for the embedding of a new drive; [`style_space`] moves an embedding along or across
+//! the direction of aggression; [`Habits`] and [`Predictor`] turn an embedding into what a planner asks for. No files, no clock, no
+//! controllers.
 
 pub mod ablation;
 mod adam;
-pub mod checkpoint;
 mod damped_newton;
 mod dataset;
 pub mod error;
 mod fused;
+pub mod heads;
 mod linear_algebra;
 pub mod losses;
 pub mod model;
+pub mod model_file;
 pub mod network;
 pub mod optimise;
+pub mod paper;
 pub mod params;
 pub mod personalize;
 pub mod predict;
@@ -30,7 +32,6 @@ pub mod style_space;
 mod test_drives;
 pub mod train;
 mod trainer;
-pub mod training_state;
 pub mod whitening;
 pub mod windows;
 
@@ -38,18 +39,19 @@ pub use ablation::{
     Ablated, AblationSettings, HeldOut, Variant, VariantKind, VariantResult, ablate, variants,
 };
 pub use error::{ModelError, ModelWarning};
+pub use heads::{FittedHead, HEADS, HeadReport, KeptBack, StyleHead};
 pub use losses::{Loss, LossTerms, LossWeights, MutualInformationLoss};
-pub use model::{Learned, Model, TrainingEmbedding};
+pub use model::{Habits, Heads, HeadsKind, LinearHeads, Model, TrainingEmbedding};
 pub use network::Architecture;
+pub use paper::{Learned, PaperNetworks};
 pub use params::{PersonalizeParams, PersonalizeSettings, TrainParams, TrainSettings};
 pub use personalize::{
-    CurveParams, CurvePoint, CurveSettings, LearningCurve, Personalized, Personalizer, Start,
-    Uncertainty, learning_curve, personalize,
+    CurveParams, CurvePoint, CurveSettings, LearningCurve, Personalized, Personalizer,
+    learning_curve, personalize,
 };
 pub use predict::{Prediction, Predictor};
 pub use quality::{Calibration, CalibrationBin, Quality, Quantile, Residuals, RowsOf};
 pub use train::{
-    Checkpoints, EpochReport, Trained, TrainingDrive, TrainingReport, train, train_resumable,
+    EpochReport, NetworkReport, Selection, Trained, TrainingDrive, TrainingReport, train,
 };
-pub use training_state::{Selection, TrainingState};
 pub use windows::{Window, WindowBuffer, WindowSettings};

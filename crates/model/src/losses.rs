@@ -200,6 +200,7 @@ impl Sums {
     }
 
     /// The weighted sum of L1, L2, L3 and L5, before dividing by the number of rows.
+    #[cfg(test)]
     pub(crate) fn weighted(&self, weights: &LossWeights) -> f64 {
         weights.following_distance * self.following_distance.loss
             + weights.lane_change * self.lane_change.loss

@@ -1,29 +1,65 @@
-//! A trained model: the networks' parameters and everything needed to read them.
+//! A trained model: where its drivers lie in style space, and the heads that read a style.
 
 use crate::{
     error::ModelError,
+    heads::{FittedHead, HEADS, OwnHead, StyleHead, check},
     linear_algebra::norm,
-    losses::{LossWeights, MutualInformationLoss},
-    network::{Architecture, Networks},
-    params::TrainSettings,
-    rows::{RowSettings, RowWeights},
-    scaling::Scaling,
-    whitening::Whitening,
-    windows::{WindowBuffer, WindowSettings},
+    paper::PaperNetworks,
 };
 use maveric_domain::{DriveId, Embedding};
 use serde::{Deserialize, Serialize};
+use std::{fmt, str::FromStr};
 
-/// Which heads had anything to learn from.
+/// Which heads a model has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HeadsKind {
+    /// Habits as events, linear in the style: [`HEADS`].
+    Linear,
+    /// The paper's five networks.
+    Paper,
+}
+
+impl fmt::Display for HeadsKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Linear => "linear",
+            Self::Paper => "paper",
+        })
+    }
+}
+
+impl FromStr for HeadsKind {
+    type Err = ModelError;
+    fn from_str(text: &str) -> Result<Self, ModelError> {
+        match text {
+            "linear" => Ok(Self::Linear),
+            "paper" => Ok(Self::Paper),
+            _ => Err(ModelError::UnknownHeads {
+                found: text.to_owned(),
+            }),
+        }
+    }
+}
+
+/// What reads a style.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Heads {
+    /// Linear heads.
+    Linear(LinearHeads),
+    /// The paper's networks.
+    Paper(Box<PaperNetworks>),
+}
+
+/// Habits, each linear in the style, and the score that a style is read as.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Learned {
-    /// F: there were following rows.
-    pub following_distance: bool,
-    /// C: there were rows with and without a lane change being started.
-    pub lane_change: bool,
-    /// S: there were ADB scores.
-    pub aggression: bool,
+pub struct LinearHeads {
+    /// One for each of [`HEADS`], in that order.
+    pub heads: Vec<FittedHead>,
+    /// S; none where no two people differ in their score.
+    pub style: Option<StyleHead>,
 }
 
 /// A training drive in style space.
@@ -32,9 +68,9 @@ pub struct Learned {
 pub struct TrainingEmbedding {
     /// The drive.
     pub drive: DriveId,
-    /// Where training put it, after whitening.
+    /// Where training put it.
     pub embedding: Embedding,
-    /// Mean ego speed over the rows learned from, in m/s.
+    /// Mean ego speed over the drive, in m/s.
     pub mean_speed_mps: f64,
 }
 
@@ -42,67 +78,41 @@ pub struct TrainingEmbedding {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ModelParts {
-    pub(crate) settings: TrainSettings,
-    pub(crate) architecture: Architecture,
-    pub(crate) scaling: Scaling,
-    pub(crate) row_weights: RowWeights,
-    pub(crate) learned: Learned,
-    /// Lowest and highest ego speed learned from, in m/s.
-    pub(crate) speed_range_mps: [f64; 2],
-    pub(crate) whitening: Whitening,
+    pub(crate) embedding_size: usize,
     pub(crate) training: Vec<TrainingEmbedding>,
-    pub(crate) parameters: Vec<f32>,
+    pub(crate) heads: Heads,
 }
 
-/// A trained model; made by [`crate::train()`] or read by [`crate::checkpoint::from_bytes`].
+/// A trained model; made by [`crate::train()`] or read by [`crate::model_file::from_bytes`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "ModelParts", into = "ModelParts")]
 pub struct Model {
     parts: ModelParts,
-    networks: Networks,
     mean_embedding: Embedding,
 }
 
-impl Model {
+impl TryFrom<ModelParts> for Model {
+    type Error = ModelError;
+
     /// Puts the parts together, if they belong together.
-    pub(crate) fn from_parts(parts: ModelParts) -> Result<Self, ModelError> {
+    fn try_from(parts: ModelParts) -> Result<Self, ModelError> {
         let bad = |problem: &str| ModelError::BadModelFile {
             problem: problem.to_owned(),
         };
-        let checked = crate::params::TrainParams::new(parts.settings.clone())?;
-        if checked.settings().architecture() != parts.architecture {
-            return Err(bad("its sizes are not those of its settings"));
-        }
-        let networks = Networks::new(parts.architecture);
-        if parts.parameters.len() != networks.parameters {
-            return Err(bad("its number of parameters is not that of its sizes"));
-        }
-        if parts.parameters.iter().any(|p| !p.is_finite()) {
-            return Err(bad("a parameter is not a finite number"));
-        }
-        let d = parts.architecture.embedding_size;
-        let w = &parts.whitening;
-        if w.mean.len() != d || w.root.len() != d * d || w.inverse_root.len() != d * d {
-            return Err(bad("its whitening is of another embedding size"));
-        }
-        if parts.training.iter().any(|t| t.embedding.size() != d) {
+        let d = parts.embedding_size;
+        if d == 0 || parts.training.iter().any(|t| t.embedding.size() != d) {
             return Err(bad("a training embedding is of another size"));
         }
-        let Scaling {
-            signals: [ego, lead, dx, dy],
-            following_distance,
-            aggression,
-        } = parts.scaling;
-        let usable = |s: &crate::scaling::Standardization| {
-            s.mean.is_finite() && s.sd.is_normal() && s.sd > 0.0
-        };
-        let scales = [ego, lead, dx, dy, following_distance, aggression];
-        if !scales.iter().all(usable) {
-            return Err(bad("a mean or SD is not usable"));
-        }
-        let [low, high] = parts.speed_range_mps;
-        if !(low.is_finite() && high.is_finite() && low <= high) {
-            return Err(bad("its speed range is not a range"));
+        match &parts.heads {
+            Heads::Linear(linear) => {
+                check(&linear.heads, d)?;
+                linear.style.as_ref().map_or(Ok(()), |s| s.check(d))?;
+            }
+            Heads::Paper(paper) => {
+                if paper.architecture().embedding_size != d {
+                    return Err(bad("its networks read another embedding size"));
+                }
+            }
         }
         let n = parts.training.len().max(1) as f64;
         let mean = (0..d).map(|i| {
@@ -112,88 +122,87 @@ impl Model {
         let mean_embedding = Embedding::new(mean.collect())?;
         Ok(Self {
             parts,
-            networks,
             mean_embedding,
         })
     }
+}
 
-    pub(crate) fn networks(&self) -> &Networks {
-        &self.networks
+impl From<Model> for ModelParts {
+    fn from(model: Model) -> Self {
+        model.parts
+    }
+}
+
+impl Model {
+    /// What reads a style.
+    pub fn heads(&self) -> &Heads {
+        &self.parts.heads
     }
 
-    pub(crate) fn parameters(&self) -> &[f32] {
-        &self.parts.parameters
-    }
-
-    pub(crate) fn row_weights(&self) -> &RowWeights {
-        &self.parts.row_weights
-    }
-
-    pub(crate) fn row_settings(&self) -> RowSettings {
-        RowSettings {
-            row_rate_hz: self.parts.settings.row_rate_hz,
-            windows: self.windows(),
+    /// Which heads it has.
+    pub fn kind(&self) -> HeadsKind {
+        match self.heads() {
+            Heads::Linear(_) => HeadsKind::Linear,
+            Heads::Paper(_) => HeadsKind::Paper,
         }
     }
 
-    /// Loss weights as trained, 0 where a loss had no data.
-    pub(crate) fn active_weights(&self) -> LossWeights {
-        active_weights(&self.parts.settings.loss_weights, self.parts.learned)
+    /// The linear heads.
+    ///
+    /// # Errors
+    /// [`ModelError::OtherHeads`] if it has none.
+    pub fn linear(&self) -> Result<&LinearHeads, ModelError> {
+        match self.heads() {
+            Heads::Linear(linear) => Ok(linear),
+            Heads::Paper(_) => Err(ModelError::OtherHeads {
+                found: HeadsKind::Paper,
+                expected: HeadsKind::Linear,
+            }),
+        }
     }
 
-    /// The settings it was trained with.
-    pub fn settings(&self) -> &TrainSettings {
-        &self.parts.settings
+    /// The paper's networks.
+    ///
+    /// # Errors
+    /// [`ModelError::OtherHeads`] if it has none.
+    pub fn paper(&self) -> Result<&PaperNetworks, ModelError> {
+        match self.heads() {
+            Heads::Paper(paper) => Ok(paper),
+            Heads::Linear(_) => Err(ModelError::OtherHeads {
+                found: HeadsKind::Linear,
+                expected: HeadsKind::Paper,
+            }),
+        }
     }
 
-    /// Sizes of its networks.
-    pub fn architecture(&self) -> &Architecture {
-        &self.parts.architecture
+    /// Whether it read a score from styles while it learned.
+    pub fn knows_aggression(&self) -> bool {
+        match self.heads() {
+            Heads::Linear(linear) => linear.style.is_some(),
+            Heads::Paper(paper) => paper.learned().aggression,
+        }
+    }
+
+    /// Numbers that were learned, the training embeddings aside.
+    pub fn parameters(&self) -> usize {
+        match self.heads() {
+            Heads::Linear(linear) => {
+                let of = |h: &FittedHead| h.common.len() + h.slopes.len() + 2;
+                let style = linear.style.as_ref().map_or(0, |s| s.gradient.len() + 2);
+                linear.heads.iter().map(of).sum::<usize>() + style
+            }
+            Heads::Paper(paper) => paper.parts.parameters.len(),
+        }
     }
 
     /// Numbers in an embedding, d.
     pub fn embedding_size(&self) -> usize {
-        self.parts.architecture.embedding_size
-    }
-
-    /// The windows it reads.
-    pub fn windows(&self) -> WindowSettings {
-        self.parts.settings.windows()
-    }
-
-    /// An empty buffer for the windows it reads.
-    pub fn window_buffer(&self) -> WindowBuffer {
-        WindowBuffer::new(self.windows())
-    }
-
-    /// Means and SDs of its training set.
-    pub fn scaling(&self) -> &Scaling {
-        &self.parts.scaling
-    }
-
-    /// Which heads had anything to learn from.
-    pub fn learned(&self) -> Learned {
-        self.parts.learned
-    }
-
-    /// Lowest and highest ego speed it was trained on, in m/s.
-    pub fn speed_range_mps(&self) -> [f64; 2] {
-        self.parts.speed_range_mps
-    }
-
-    /// How embeddings were whitened.
-    pub fn whitening(&self) -> &Whitening {
-        &self.parts.whitening
+        self.parts.embedding_size
     }
 
     /// The training drives in style space, in the order they were given.
     pub fn training(&self) -> &[TrainingEmbedding] {
         &self.parts.training
-    }
-
-    /// How L5 was taken.
-    pub fn mutual_information_loss(&self) -> MutualInformationLoss {
-        self.parts.settings.mutual_information_loss
     }
 
     /// The mean of the training embeddings: what is known of a driver not met yet.
@@ -211,20 +220,6 @@ impl Model {
         self.parts.training.iter().map(distance).fold(0.0, f64::max)
     }
 
-    /// f̂: the gap that a driver keeps behind a lead at `lead_speed_mps` (m/s), in m; 0 or more.
-    ///
-    /// A model that saw no following rows answers 0, which leaves the gap to the safety rule.
-    ///
-    /// # Errors
-    /// [`ModelError::EmbeddingSize`], or [`ModelError::NotFinite`] for the speed.
-    pub fn following_distance(
-        &self,
-        embedding: &Embedding,
-        lead_speed_mps: f64,
-    ) -> Result<f64, ModelError> {
-        Ok(crate::predict::FollowingHead::new(self, embedding)?.distance_m(lead_speed_mps))
-    }
-
     /// Takes coordinates of the model's size.
     pub(crate) fn check(&self, embedding: &Embedding) -> Result<(), ModelError> {
         let (found, expected) = (embedding.size(), self.embedding_size());
@@ -236,25 +231,42 @@ impl Model {
     }
 }
 
-pub(crate) fn active_weights(weights: &LossWeights, learned: Learned) -> LossWeights {
-    let keep = |weight: f64, learned: bool| if learned { weight } else { 0.0 };
-    LossWeights {
-        following_distance: keep(weights.following_distance, learned.following_distance),
-        lane_change: keep(weights.lane_change, learned.lane_change),
-        aggression: keep(weights.aggression, learned.aggression),
-        ..*weights
-    }
+/// The habits of one driver: every linear head with the style folded in; none where nothing was learned.
+#[derive(Debug, Clone)]
+pub struct Habits {
+    /// Speed without anybody ahead, in m/s.
+    pub free_speed: Option<OwnHead>,
+    /// Time gap kept while following, in s.
+    pub following_gap: Option<OwnHead>,
+    /// Time gap at which to move out, in s.
+    pub move_out: Option<OwnHead>,
+    /// Time gap to whoever was passed at which to merge back, in s.
+    pub merge_back: Option<OwnHead>,
+    /// Probability of passing; reads the own free speed minus the vehicle's, in m/s.
+    pub pass: Option<OwnHead>,
+    /// Speed over the vehicle beside, in m/s; reads the same.
+    pub passing_speed: Option<OwnHead>,
 }
 
-impl TryFrom<ModelParts> for Model {
-    type Error = ModelError;
-    fn try_from(parts: ModelParts) -> Result<Self, ModelError> {
-        Self::from_parts(parts)
-    }
-}
-
-impl From<Model> for ModelParts {
-    fn from(model: Model) -> Self {
-        model.parts
+impl Habits {
+    /// The habits that `embedding` stands for.
+    ///
+    /// # Errors
+    /// [`ModelError::OtherHeads`] if the model has no linear heads, [`ModelError::EmbeddingSize`].
+    pub fn new(model: &Model, embedding: &Embedding) -> Result<Self, ModelError> {
+        let linear = model.linear()?;
+        model.check(embedding)?;
+        let w = embedding.coordinates();
+        let own = linear.heads.iter().zip(&HEADS);
+        let mut own = own.map(|(fitted, head)| OwnHead::new(head, fitted, w));
+        let mut next = || own.next().flatten();
+        Ok(Self {
+            free_speed: next(),
+            following_gap: next(),
+            move_out: next(),
+            merge_back: next(),
+            pass: next(),
+            passing_speed: next(),
+        })
     }
 }

@@ -3,6 +3,7 @@
 use crate::{
     error::ModelError,
     losses::{LossWeights, MutualInformationLoss},
+    model::HeadsKind,
     network::Architecture,
     windows::WindowSettings,
 };
@@ -15,6 +16,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TrainSettings {
+    /// Which heads learn: linear ones, or the paper's networks, which all settings but the size and the share are about.
+    pub heads: HeadsKind,
     /// Numbers in an embedding.
     pub embedding_size: usize,
     /// Units of each hidden layer.
@@ -70,6 +73,7 @@ impl Default for TrainSettings {
     fn default() -> Self {
         let windows = WindowSettings::default();
         Self {
+            heads: HeadsKind::Paper,
             embedding_size: 3,
             hidden_units: 64,
             hidden_layers: 2,
@@ -102,6 +106,7 @@ impl TrainSettings {
     /// are, no noise, no whitening. Everything else is as by default.
     pub fn paper() -> Self {
         Self {
+            heads: HeadsKind::Paper,
             gap_scale_m: 0.0,
             window_noise: 0.0,
             loss_weights: LossWeights::PAPER,
@@ -248,27 +253,17 @@ impl From<TrainParams> for TrainSettings {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PersonalizeSettings {
-    /// Starting points: the mean of the training embeddings, the others from the prior N(0, I).
-    pub starts: usize,
-    /// Most steps of the optimiser from each start.
-    pub iterations: usize,
     /// Whether an ADB score, where there is one, is fitted too (L4).
     pub use_adb: bool,
     /// Only this first share of the drive's rows is used.
     pub fit_fraction: f64,
-    /// Length of the blocks of time that the standard error takes as independent, in s: several times an episode of
-    /// following or passing.
-    pub block_s: f64,
 }
 
 impl Default for PersonalizeSettings {
     fn default() -> Self {
         Self {
-            starts: 4,
-            iterations: 60,
             use_adb: true,
             fit_fraction: 1.0,
-            block_s: 30.0,
         }
     }
 }
@@ -284,10 +279,7 @@ impl PersonalizeParams {
     /// # Errors
     /// [`ModelError::BadSetting`] naming the first setting outside its range.
     pub fn new(settings: PersonalizeSettings) -> Result<Self, ModelError> {
-        between("starts", settings.starts, 1, 64)?;
-        between("iterations", settings.iterations, 1, 1_000_000)?;
         share("fit_fraction", settings.fit_fraction)?;
-        above_zero("block_s", settings.block_s)?;
         Ok(Self(settings))
     }
 
@@ -330,8 +322,6 @@ mod tests {
             "{error}"
         );
         assert!(serde_json::from_str::<TrainParams>(r#"{"window_s": 1e9}"#).is_err());
-        assert!(serde_json::from_str::<PersonalizeParams>(r#"{"starts": 0}"#).is_err());
         assert!(serde_json::from_str::<PersonalizeParams>(r#"{"fit_fraction": 1.5}"#).is_err());
-        assert!(serde_json::from_str::<PersonalizeParams>(r#"{"block_s": 0}"#).is_err());
     }
 }

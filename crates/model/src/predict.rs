@@ -10,17 +10,6 @@ use crate::{
 use maveric_domain::Embedding;
 use pulp::Arch;
 
-/// What the networks make of a window.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Prediction {
-    /// v̂, in m/s.
-    pub speed_mps: f64,
-    /// f̂, in m.
-    pub following_distance_m: f64,
-    /// Calibrated probability that a lane change starts within the next second.
-    pub change_probability: f64,
-}
-
 /// A multi-layer perceptron for one row: weights input by input, so that the sums run along the outputs.
 #[derive(Debug, Clone)]
 struct Network {
@@ -95,12 +84,13 @@ pub(crate) struct FollowingHead {
 impl FollowingHead {
     pub(crate) fn new(model: &Model, embedding: &Embedding) -> Result<Self, ModelError> {
         model.check(embedding)?;
-        let head = &model.networks().following_distance.head;
+        let paper = model.paper()?;
+        let head = &paper.networks.following_distance.head;
         Ok(Self {
-            network: Network::new(head, model.parameters(), embedding.coordinates()),
-            lead_speed: model.scaling().signals[1],
-            distance: model.scaling().following_distance,
-            learned: model.learned().following_distance,
+            network: Network::new(head, &paper.parts.parameters, embedding.coordinates()),
+            lead_speed: paper.scaling().signals[1],
+            distance: paper.scaling().following_distance,
+            learned: paper.learned().following_distance,
         })
     }
 
@@ -120,7 +110,18 @@ impl FollowingHead {
     }
 }
 
-/// A model with one driver's embedding built in; it needs neither afterwards.
+/// What the networks say of the moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prediction {
+    /// v̂: speed to keep, in m/s.
+    pub speed_mps: f64,
+    /// f̂: bumper-to-bumper distance to keep behind the reference vehicle, in m.
+    pub following_distance_m: f64,
+    /// P(change): calibrated probability that a lane change starts within the next second.
+    pub change_probability: f64,
+}
+
+/// The paper's networks with one driver's embedding built in; it needs neither afterwards.
 ///
 /// # Source
 /// Paper, "Low Level Controllers": the networks give parameters for controllers, never throttle or steering.
@@ -142,11 +143,13 @@ impl Predictor {
     /// Builds `embedding` into the networks of `model`.
     ///
     /// # Errors
-    /// [`ModelError::EmbeddingSize`] if the embedding is not of the model's size.
+    /// [`ModelError::OtherHeads`] if the model has no such networks, [`ModelError::EmbeddingSize`] if the embedding is not of the
+    /// model's size.
     pub fn new(model: &Model, embedding: &Embedding) -> Result<Self, ModelError> {
         let following = FollowingHead::new(model, embedding)?;
+        let paper = model.paper()?;
         let part = |which: fn(&Networks) -> &Mlp, fixed: &[f64]| {
-            Network::new(which(model.networks()), model.parameters(), fixed)
+            Network::new(which(&paper.networks), &paper.parts.parameters, fixed)
         };
         let w = embedding.coordinates();
         Ok(Self {
@@ -155,18 +158,18 @@ impl Predictor {
             lane_head: part(|n| &n.lane_change.encoded.head, w),
             speed_encoder: part(|n| &n.velocity.encoded.encoder, &[]),
             speed_head: part(|n| &n.velocity.encoded.head, w),
-            scaling: *model.scaling(),
-            speed_range_mps: model.speed_range_mps(),
-            log_odds_raised: model.row_weights().log_odds_raised,
-            learned_lane_change: model.learned().lane_change,
-            steps: model.architecture().window_steps,
+            scaling: *paper.scaling(),
+            speed_range_mps: paper.speed_range_mps(),
+            log_odds_raised: paper.parts.row_weights.log_odds_raised,
+            learned_lane_change: paper.learned().lane_change,
+            steps: paper.architecture().window_steps,
         })
     }
 
     /// v̂, f̂ and P(change) for the window that ends now.
     ///
     /// v̂ is kept within the speeds the model was trained on. P is calibrated: the probability that a lane change
-    /// starts within the next second; 0 from a model without C. f̂ is as in [`Model::following_distance`].
+    /// starts within the next second; 0 from a model without C. f̂ is as in [`Self::following_distance`].
     ///
     /// # Errors
     /// [`ModelError::EmptyWindow`], or [`ModelError::WindowLength`] if the buffer was made with other settings.
@@ -201,7 +204,8 @@ impl Predictor {
         })
     }
 
-    /// f̂ behind a lead at `lead_speed_mps` (m/s), in m; see [`Model::following_distance`].
+    /// f̂ behind a lead at `lead_speed_mps` (m/s), in m, 0 or more; a model that saw no following rows answers 0, which leaves
+    /// the gap to the safety rule.
     pub fn following_distance(&self, lead_speed_mps: f64) -> f64 {
         self.following.distance_m(lead_speed_mps)
     }
@@ -228,6 +232,7 @@ mod tests {
             })
             .collect();
         let settings = TrainSettings {
+            heads: crate::HeadsKind::Paper,
             epochs,
             batch_size: 128,
             ..TrainSettings::default()
@@ -241,13 +246,13 @@ mod tests {
     fn predictions_fit_the_drives_they_were_learned_from() {
         let drives = drivers(4, 200.0);
         let model = trained(&drives, 25);
-        let [low, high] = model.speed_range_mps();
+        let [low, high] = model.paper().unwrap().speed_range_mps();
         let (mut expected_changes, mut true_changes) = (0.0, 0.0);
         let mut speed_error = 0.0;
         let mut n = 0.0;
         for ((drive, _), training) in drives.iter().zip(model.training()) {
             let predictor = Predictor::new(&model, &training.embedding).unwrap();
-            let mut window = model.window_buffer();
+            let mut window = WindowBuffer::new(model.paper().unwrap().windows());
             for row in 0..drive.len() {
                 window.push(&drive.situation(row).unwrap()).unwrap();
                 let out = predictor.predict(&window).unwrap();
@@ -271,12 +276,9 @@ mod tests {
         // The driver with the longer time gap keeps more distance.
         let at = |i: usize| {
             let w = &model.training()[i].embedding;
-            model.following_distance(w, 23.0).unwrap()
+            Predictor::new(&model, w).unwrap().following_distance(23.0)
         };
         assert!(at(0) > at(3) + 5.0, "{} {}", at(0), at(3));
-        let w = &model.training()[0].embedding;
-        let predictor = Predictor::new(&model, w).unwrap();
-        assert!((predictor.following_distance(23.0) - at(0)).abs() < 1e-12);
     }
 
     #[test]
@@ -289,7 +291,7 @@ mod tests {
             Err(ModelError::EmbeddingSize { .. })
         ));
         let predictor = Predictor::new(&model, model.mean_embedding()).unwrap();
-        let window = model.window_buffer();
+        let window = WindowBuffer::new(model.paper().unwrap().windows());
         assert_eq!(predictor.predict(&window), Err(ModelError::EmptyWindow));
         let mut window = WindowBuffer::new(WindowSettings {
             window_s: 2.0,

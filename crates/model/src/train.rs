@@ -3,18 +3,19 @@
 use crate::{
     dataset::{Data, RowSet},
     error::{ModelError, ModelWarning},
+    heads::{HeadReport, StyleHead, train_heads},
     losses::{Loss, LossTerms},
-    model::{Model, ModelParts, TrainingEmbedding},
+    model::{Heads, HeadsKind, Model, ModelParts, TrainingEmbedding},
     network::Networks,
+    paper::{PaperNetworks, PaperParts},
     params::{TrainParams, TrainSettings},
     quality::{Quality, RowsOf},
-    trainer::Trainer,
-    training_state::{Best, Selection, TrainingState, bad},
+    trainer::{Trainer, Weights},
     whitening::Whitening,
 };
 use maveric_domain::{AdbScore, Drive, DriveId, Embedding};
 use serde::{Deserialize, Serialize};
-use std::ops::ControlFlow;
+use std::{collections::BTreeSet, ops::ControlFlow};
 
 /// A drive to learn from, and its driver's ADB score where there is one.
 #[derive(Debug, Clone, Copy)]
@@ -64,138 +65,128 @@ pub struct EpochReport {
 /// How training went.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TrainingReport {
-    /// Every epoch of the run that made the model, in order.
-    pub epochs: Vec<EpochReport>,
-    /// The run that kept the last rows of every drive back, unless there was none.
-    pub selection: Option<Selection>,
-    /// How good the model's predictions are: for the rows kept back if they were not learned from afterwards.
-    pub quality: Quality,
-    /// Losses without data, and why.
-    pub left_out: Vec<(Loss, &'static str)>,
     /// Drives and losses left out.
     pub warnings: Vec<ModelWarning>,
     /// Drives learned from.
     pub drives: usize,
     /// Drives among them with an ADB score.
     pub drives_with_adb: usize,
+    /// The linear heads: what each learned from and how well it does on driving kept back; empty for the paper's networks.
+    pub heads: Vec<HeadReport>,
+    /// S of the linear heads.
+    pub style: Option<StyleHead>,
+    /// The paper's networks; none for linear heads.
+    pub networks: Option<NetworkReport>,
+}
+
+/// How the paper's networks were trained.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NetworkReport {
+    /// Every epoch of the run that made the model, in order.
+    pub epochs: Vec<EpochReport>,
+    /// The run that kept the last rows of every drive back, unless there was none.
+    pub selection: Option<Selection>,
+    /// How good the predictions of the networks that drive are, on the rows that they learned from.
+    pub quality: Quality,
+    /// Losses without data, and why.
+    pub left_out: Vec<(Loss, &'static str)>,
     /// Rows learned from.
     pub rows: usize,
     /// Rows among them at which ego follows.
     pub following_rows: usize,
     /// Rows among them at which a lane change is being started.
     pub lane_change_rows: usize,
-    /// Weights and biases.
-    pub parameters: usize,
 }
 
-/// Where a training goes on from, and who keeps its states.
-pub struct Checkpoints<'a> {
-    /// The state to go on from; `None` starts from the beginning.
-    pub resume: Option<TrainingState>,
-    /// A state is given to `save` after every so many epochs, and when `observe` stops the training; 0: only then.
-    pub every: usize,
-    /// Keeps a state; may stop the training.
-    pub save: &'a mut (dyn FnMut(&TrainingState) -> ControlFlow<()> + Send),
+/// The run that kept the last rows of every drive back.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Selection {
+    /// Its epochs, with the losses on both parts.
+    pub epochs: Vec<EpochReport>,
+    /// The epoch that counted, from 1.
+    pub kept_epoch: usize,
+    /// Whether it stopped before the last epoch asked for.
+    pub stopped_early: bool,
+    /// Rows learned from.
+    pub training_rows: usize,
+    /// Rows kept back.
+    pub validation_rows: usize,
+    /// How good its predictions are on the rows kept back.
+    pub quality: Quality,
 }
 
-impl std::fmt::Debug for Checkpoints<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Checkpoints")
-            .field("every", &self.every)
-            .finish_non_exhaustive()
-    }
-}
-
-/// Learns networks and embeddings from `drives`.
+/// Learns heads and embeddings from `drives`, of the kind that [`TrainSettings::heads`] names.
 ///
-/// `seed` fixes every draw; the result does not depend on the number of threads. After each epoch `observe`
+/// `seed` fixes every draw; the result does not depend on the number of threads. After each epoch of networks `observe`
 /// is told how it went, and may stop the training.
-///
-/// With [`TrainSettings::validation_fraction`] a run of its own keeps the last rows of every drive back and measures
-/// the losses on them; with [`TrainSettings::refit`] the model is then trained on all rows.
 ///
 /// # Errors
 /// [`ModelError::NoDrives`], [`ModelError::DuplicateDrive`], [`ModelError::Diverged`], or
-/// [`ModelError::Cancelled`] where `observe` broke off. A drive shorter than a window is left out with a warning.
+/// [`ModelError::Cancelled`] where `observe` broke off. A drive that shows nothing is left out with a warning.
 ///
 /// # Source
-/// Paper, "Training"; method section 3; rates, weights, noise and rows from calibration section 3.
+/// Paper, "Training"; method section 3; rates, weights, noise and rows from calibration section 3. Linear heads are ours.
 pub fn train(
     drives: &[TrainingDrive<'_>],
     params: &TrainParams,
     seed: u64,
     observe: &mut dyn FnMut(&EpochReport) -> ControlFlow<()>,
 ) -> Result<Trained, ModelError> {
-    let checkpoints = Checkpoints {
-        resume: None,
-        every: 0,
-        save: &mut |_| ControlFlow::Continue(()),
-    };
-    train_resumable(drives, params, seed, checkpoints, observe)
+    let mut seen = BTreeSet::new();
+    for drive in drives.iter().map(|d| &d.drive.meta().drive) {
+        if !seen.insert(drive) {
+            return Err(ModelError::DuplicateDrive {
+                drive: drive.clone(),
+            });
+        }
+    }
+    match params.settings().heads {
+        HeadsKind::Linear => train_heads(drives, params.settings(), seed),
+        HeadsKind::Paper => train_networks(drives, params.settings(), seed, observe),
+    }
 }
 
-/// As [`train()`], with states kept on the way: going on from one gives the bytes of a training never stopped.
-///
-/// # Errors
-/// As [`train()`]; [`ModelError::BadCheckpoint`] if the state is of other drives, settings or another seed.
-pub fn train_resumable(
+/// Trains the paper's networks. With [`TrainSettings::validation_fraction`] a run of its own keeps the last rows of every drive
+/// back and measures the losses on them; with [`TrainSettings::refit`] the model is then trained on all rows.
+fn train_networks(
     drives: &[TrainingDrive<'_>],
-    params: &TrainParams,
+    settings: &TrainSettings,
     seed: u64,
-    checkpoints: Checkpoints<'_>,
     observe: &mut dyn FnMut(&EpochReport) -> ControlFlow<()>,
 ) -> Result<Trained, ModelError> {
-    let settings = params.settings();
     let networks = Networks::new(settings.architecture());
     let kept_back = settings.validation_fraction;
     let mut data = Data::new(drives, settings, kept_back)?;
-    let mut session = Session {
-        fingerprint: data.fingerprint(settings, seed),
-        resume: None,
-        every: checkpoints.every,
-        save: checkpoints.save,
-        observe,
-        selection: None,
-    };
-    if let Some(state) = checkpoints.resume {
-        session.resume(state)?;
-    }
+    let mut selection = None;
     let mut made = None;
-    if kept_back > 0.0 && session.selection.is_none() {
+    if kept_back > 0.0 {
         let mut trainer = Trainer::new(&data, settings, &networks, seed, settings.epochs);
-        let run = session.run(&mut trainer, Some(&data.validation), settings.patience)?;
-        let (kept_epoch, total_epochs) = match &run.best {
-            Some(best) => {
-                trainer.set_weights(&best.weights)?;
-                (best.epoch, run.epochs.len())
-            }
-            None => (run.epochs.len(), run.epochs.len()),
-        };
-        session.selection = Some(Selection {
+        let patience = settings.patience;
+        let run = run(&mut trainer, Some(&data.validation), patience, observe)?;
+        let kept_epoch = run.best.as_ref().map_or(run.epochs.len(), |b| b.epoch);
+        if let Some(best) = &run.best {
+            trainer.set_weights(&best.weights);
+        }
+        selection = Some(Selection {
             kept_epoch,
-            stopped_early: total_epochs < settings.epochs,
+            stopped_early: run.epochs.len() < settings.epochs,
             training_rows: data.training.len(),
             validation_rows: data.validation.len(),
             quality: quality(&mut trainer, &data, &data.validation, RowsOf::Validation),
             epochs: run.epochs.clone(),
         });
-        made = Some((run, trainer.parameters(), trainer.embeddings));
+        let on_training = quality(&mut trainer, &data, &data.training, RowsOf::Training);
+        made = Some((run, trainer.parameters(), trainer.embeddings, on_training));
     }
-    let refit = kept_back <= 0.0 || settings.refit;
     let (run, parameters, embeddings, quality) = match made {
-        Some((run, parameters, embeddings)) if !refit => {
-            let quality = session.selection.as_ref().map(|s| s.quality.clone());
-            let quality = quality.ok_or(ModelError::Cancelled { epoch: 0 })?;
-            (run, parameters, embeddings, quality)
-        }
+        Some(made) if !settings.refit => made,
         _ => {
             if kept_back > 0.0 {
                 data = Data::new(drives, settings, 0.0)?;
             }
-            let epochs = session.selection.as_ref().map(|s| s.kept_epoch);
-            let epochs = epochs.unwrap_or(settings.epochs);
+            let epochs = selection.as_ref().map_or(settings.epochs, |s| s.kept_epoch);
             let mut trainer = Trainer::new(&data, settings, &networks, seed, epochs);
-            let run = session.run(&mut trainer, None, 0)?;
+            let run = run(&mut trainer, None, 0, observe)?;
             let quality = quality(&mut trainer, &data, &data.training, RowsOf::Training);
             (run, trainer.parameters(), trainer.embeddings, quality)
         }
@@ -205,7 +196,22 @@ pub fn train_resumable(
     let embeddings = trained.map(|t| (t.drive.clone(), t.embedding.clone()));
     Ok(Trained {
         embeddings: embeddings.collect(),
-        report: data.report(run, session.selection, quality, networks.parameters),
+        report: TrainingReport {
+            warnings: data.warnings,
+            drives: data.drives.len(),
+            drives_with_adb: data.adb.iter().flatten().count(),
+            heads: Vec::new(),
+            style: None,
+            networks: Some(NetworkReport {
+                epochs: run.epochs,
+                selection,
+                quality,
+                left_out: data.left_out,
+                rows: data.training.len(),
+                following_rows: data.following_rows,
+                lane_change_rows: data.lane_change_rows,
+            }),
+        },
         model,
     })
 }
@@ -216,92 +222,58 @@ fn quality(trainer: &mut Trainer<'_>, data: &Data, rows: &RowSet, on: RowsOf) ->
 }
 
 /// Epochs one after the other.
-pub(crate) struct Run {
-    pub(crate) epochs: Vec<EpochReport>,
+struct Run {
+    epochs: Vec<EpochReport>,
     /// Where stopping early was asked for.
     best: Option<Best>,
 }
 
-/// What a training keeps from run to run.
-struct Session<'a> {
-    fingerprint: u64,
-    resume: Option<TrainingState>,
-    every: usize,
-    save: &'a mut (dyn FnMut(&TrainingState) -> ControlFlow<()> + Send),
-    observe: &'a mut dyn FnMut(&EpochReport) -> ControlFlow<()>,
-    selection: Option<Selection>,
+/// The epoch with the lowest loss on rows kept back.
+struct Best {
+    epoch: usize,
+    total: f64,
+    weights: Weights,
 }
 
-impl Session<'_> {
-    fn resume(&mut self, state: TrainingState) -> Result<(), ModelError> {
-        if state.fingerprint != self.fingerprint {
-            return Err(bad(
-                "it was made from other drives, scores, settings or another seed".to_owned(),
-            ));
+/// All epochs of `trainer`, or fewer if the loss on rows kept back does not fall for `patience` epochs.
+fn run(
+    trainer: &mut Trainer<'_>,
+    validation: Option<&RowSet>,
+    patience: usize,
+    observe: &mut dyn FnMut(&EpochReport) -> ControlFlow<()>,
+) -> Result<Run, ModelError> {
+    let mut run = Run {
+        epochs: Vec::new(),
+        best: None,
+    };
+    while run.epochs.len() < trainer.epochs() {
+        let epoch = run.epochs.len() + 1;
+        let waited = run.best.as_ref().map_or(0, |best| epoch - 1 - best.epoch);
+        if patience > 0 && waited >= patience {
+            break;
         }
-        self.selection.clone_from(&state.selection);
-        self.resume = Some(state);
-        Ok(())
-    }
-
-    /// All epochs of `trainer`, or fewer if the loss on rows kept back does not fall for `patience` epochs.
-    fn run(
-        &mut self,
-        trainer: &mut Trainer<'_>,
-        validation: Option<&RowSet>,
-        patience: usize,
-    ) -> Result<Run, ModelError> {
-        let mut run = Run {
-            epochs: Vec::new(),
-            best: None,
-        };
-        if let Some(state) = self.resume.take() {
-            trainer.set_weights(&state.weights)?;
-            trainer.set_moments(&state.moments)?;
-            run.epochs = state.epochs;
-            run.best = state.best;
+        let mut report = trainer.epoch(epoch);
+        if !report.total.is_finite() || !report.gradient_norm.is_finite() {
+            return Err(ModelError::Diverged { epoch });
         }
-        while run.epochs.len() < trainer.epochs() {
-            let epoch = run.epochs.len() + 1;
-            let waited = run.best.as_ref().map_or(0, |best| epoch - 1 - best.epoch);
-            if patience > 0 && waited >= patience {
-                break;
-            }
-            let mut report = trainer.epoch(epoch);
-            if !report.total.is_finite() || !report.gradient_norm.is_finite() {
-                return Err(ModelError::Diverged { epoch });
-            }
-            if let Some(rows) = validation {
-                let (losses, total, _) = trainer.predict(rows);
-                report.validation = Some(losses);
-                report.validation_total = Some(total);
-                if patience > 0 && run.best.as_ref().is_none_or(|best| total < best.total) {
-                    run.best = Some(Best {
-                        epoch,
-                        total,
-                        weights: trainer.weights(),
-                    });
-                }
-            }
-            run.epochs.push(report);
-            let stop = (self.observe)(&report).is_break();
-            let due = self.every > 0 && epoch.is_multiple_of(self.every);
-            if stop || due {
-                let state = TrainingState {
-                    fingerprint: self.fingerprint,
-                    selection: self.selection.clone(),
+        if let Some(rows) = validation {
+            let (losses, total, _) = trainer.predict(rows);
+            report.validation = Some(losses);
+            report.validation_total = Some(total);
+            if patience > 0 && run.best.as_ref().is_none_or(|best| total < best.total) {
+                run.best = Some(Best {
+                    epoch,
+                    total,
                     weights: trainer.weights(),
-                    moments: trainer.moments(),
-                    epochs: run.epochs.clone(),
-                    best: run.best.clone(),
-                };
-                if (self.save)(&state).is_break() || stop {
-                    return Err(ModelError::Cancelled { epoch });
-                }
+                });
             }
         }
-        Ok(run)
+        run.epochs.push(report);
+        if observe(&report).is_break() {
+            return Err(ModelError::Cancelled { epoch });
+        }
     }
+    Ok(run)
 }
 
 /// Whitens, folds and packs.
@@ -333,16 +305,22 @@ fn finish(
             mean_speed_mps,
         });
     }
-    Model::from_parts(ModelParts {
-        settings: settings.clone(),
+    let paper = PaperNetworks::try_from(PaperParts {
         architecture: networks.architecture,
+        windows: settings.windows(),
+        row_rate_hz: settings.row_rate_hz,
+        loss_weights: settings.loss_weights,
         scaling: data.scaling,
         row_weights: data.row_weights,
         learned: data.learned,
         speed_range_mps: data.speed_range_mps,
         whitening,
-        training,
         parameters,
+    })?;
+    Model::try_from(ModelParts {
+        embedding_size: d,
+        training,
+        heads: Heads::Paper(Box::new(paper)),
     })
 }
 

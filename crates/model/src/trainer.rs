@@ -3,18 +3,16 @@
 use crate::{
     adam::{Adam, cosine, decay_and_norm},
     dataset::{Data, RowSet},
-    error::ModelError,
     fused::{
         batch::{At, Batches},
         matrix::Aligned,
         tile::{Known, Predicted, Tile},
     },
     losses::{LossTerms, LossWeights, MutualInformationLoss, Reading, Sums},
-    model::active_weights,
     network::{Networks, style::aggression},
+    paper::active_weights,
     params::TrainSettings,
     train::EpochReport,
-    training_state::{Moments, Weights},
     windows::SIGNALS,
 };
 use maveric_domain::stream_seed;
@@ -23,6 +21,12 @@ use rand::{SeedableRng, seq::SliceRandom};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use std::ops::Range;
+
+/// Weights and embeddings as they stood after an epoch.
+pub(crate) struct Weights {
+    packed: Vec<f32>,
+    embeddings: Vec<f32>,
+}
 
 /// Brings rows into a tile, with noise on their windows.
 fn gather(data: &RowSet, rows: &[u32], (noise, d): (f32, usize), seed: u64, tile: &mut Tile) {
@@ -205,34 +209,14 @@ impl<'a> Trainer<'a> {
 
     pub(crate) fn weights(&self) -> Weights {
         Weights {
-            packed: (&*self.packed).into(),
-            embeddings: self.embeddings.as_slice().into(),
+            packed: self.packed.to_vec(),
+            embeddings: self.embeddings.clone(),
         }
     }
 
-    pub(crate) fn set_weights(&mut self, weights: &Weights) -> Result<(), ModelError> {
-        weights.packed.write(&mut self.packed)?;
-        weights.embeddings.write(&mut self.embeddings)
-    }
-
-    pub(crate) fn moments(&self) -> [Moments; 2] {
-        [&self.adam, &self.embedding_adam].map(|adam| Moments {
-            first: adam.first.as_slice().into(),
-            second: adam.second.as_slice().into(),
-            steps: adam.steps,
-        })
-    }
-
-    pub(crate) fn set_moments(&mut self, moments: &[Moments; 2]) -> Result<(), ModelError> {
-        for (adam, moments) in [&mut self.adam, &mut self.embedding_adam]
-            .into_iter()
-            .zip(moments)
-        {
-            moments.first.write(&mut adam.first)?;
-            moments.second.write(&mut adam.second)?;
-            adam.steps = moments.steps;
-        }
-        Ok(())
+    pub(crate) fn set_weights(&mut self, weights: &Weights) {
+        self.packed.copy_from_slice(&weights.packed);
+        self.embeddings.copy_from_slice(&weights.embeddings);
     }
 
     /// One batch: losses, L4 before the step, and the gradient's norm.

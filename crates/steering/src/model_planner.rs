@@ -1,22 +1,26 @@
-//! The learned model as a planner of the simulated car: window buffer, predictor and rule.
+//! The learned model as a planner of the simulated car, whichever heads it has.
 
-use crate::paper::PaperRule;
+use crate::{habits::HabitRule, networks::NetworkRule};
 use maveric_domain::{Embedding, LaneWish, Setpoints};
-use maveric_model::{Model, ModelError, Prediction, Predictor, WindowBuffer};
+use maveric_model::{Habits, HeadsKind, Model, ModelError};
 use maveric_simulator::{ControllerSettings, Planner, View};
 
 /// Steers a simulated car as a driver would, from that driver's embedding.
 #[derive(Debug)]
 pub struct ModelPlanner {
-    predictor: Predictor,
-    buffer: WindowBuffer,
-    rule: PaperRule,
+    rule: Rule,
     controllers: ControllerSettings,
     failure: Option<ModelError>,
 }
 
+#[derive(Debug)]
+enum Rule {
+    Habits(Box<HabitRule>),
+    Networks(Box<NetworkRule>),
+}
+
 impl ModelPlanner {
-    /// Builds `embedding` into the networks of `model`; δ and Λ are those of `settings`.
+    /// Builds `embedding` into the heads of `model`; the thresholds of the paper's networks are those of `settings`.
     ///
     /// # Errors
     /// [`ModelError::EmbeddingSize`] if the embedding is not of the model's size.
@@ -25,16 +29,24 @@ impl ModelPlanner {
         embedding: &Embedding,
         settings: &ControllerSettings,
     ) -> Result<Self, ModelError> {
+        let (rule, controllers) = match model.kind() {
+            HeadsKind::Linear => {
+                let habits = HabitRule::new(Habits::new(model, embedding)?);
+                (Rule::Habits(Box::new(habits)), settings.clone())
+            }
+            HeadsKind::Paper => {
+                let networks = NetworkRule::new(model, embedding, settings)?;
+                (Rule::Networks(Box::new(networks)), settings.literal())
+            }
+        };
         Ok(Self {
-            predictor: Predictor::new(model, embedding)?,
-            buffer: model.window_buffer(),
-            rule: PaperRule::new(settings),
-            controllers: settings.literal(),
+            rule,
+            controllers,
             failure: None,
         })
     }
 
-    /// The controllers that go with this planner: those given, and the paper's rule of following behind a probability.
+    /// The controllers that go with this planner: those given, with the paper's rule of following if the paper's networks plan.
     pub fn controllers(&self) -> ControllerSettings {
         self.controllers.clone()
     }
@@ -44,30 +56,22 @@ impl ModelPlanner {
     pub fn failure(self) -> Option<ModelError> {
         self.failure
     }
-
-    fn predict(&mut self, view: &View<'_>) -> Result<Prediction, ModelError> {
-        self.buffer.push(&view.situation())?;
-        self.predictor.predict(&self.buffer)
-    }
 }
 
 impl Planner for ModelPlanner {
     fn plan(&mut self, view: &View<'_>) -> Setpoints {
-        match self.predict(view) {
-            Ok(prediction) => Setpoints {
-                speed_mps: prediction.speed_mps,
-                following_distance_m: prediction.following_distance_m,
-                wish: self.rule.wish(view, prediction.change_probability),
-            },
-            // A planner has to answer; what it answers after a failure only brings the drive to its end.
-            Err(error) => {
-                self.failure.get_or_insert(error);
-                Setpoints {
-                    speed_mps: view.scene.ego.speed_mps,
-                    following_distance_m: view.reference.dx_m.max(0.0),
-                    wish: LaneWish::Stay,
-                }
+        let asked = match &mut self.rule {
+            Rule::Habits(rule) => Ok(rule.setpoints(view)),
+            Rule::Networks(rule) => rule.setpoints(view),
+        };
+        // A planner has to answer; what it answers after a failure only brings the drive to its end.
+        asked.unwrap_or_else(|error| {
+            self.failure.get_or_insert(error);
+            Setpoints {
+                speed_mps: view.scene.ego.speed_mps,
+                following_distance_m: view.reference.dx_m.max(0.0),
+                wish: LaneWish::Stay,
             }
-        }
+        })
     }
 }

@@ -2,9 +2,9 @@
 
 use super::print_outcome;
 use crate::{args::Format, diagnostics::Failure};
-use maveric_study::stages::train::{self, TrainOptions};
+use maveric_study::stages::train::{self, HeadsKind, TrainOptions};
 
-/// Train the networks and the training drivers' embeddings
+/// Learn heads and the training drivers' embeddings
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example: maveric train --drives drives/study1 --scores scores.csv --out model.maveric"
@@ -25,6 +25,10 @@ pub(crate) struct Train {
     /// Model to write; its report and the training embeddings go beside it
     #[arg(long)]
     out: std::path::PathBuf,
+    /// Which heads learn: linear (habits as events) or paper (its five networks, which the epochs, fractions and patience below
+    /// are about)
+    #[arg(long, default_value = "paper", value_name = "linear|paper")]
+    heads: HeadsKind,
     /// Size of the embedding
     #[arg(long, default_value_t = 3)]
     embedding_size: usize,
@@ -40,12 +44,6 @@ pub(crate) struct Train {
     /// Epochs without a lower validation loss after which that run stops, and the model's too (0: never)
     #[arg(long, default_value_t = 0)]
     patience: usize,
-    /// Go on from the checkpoint that an interrupted training left beside the model
-    #[arg(long)]
-    resume: bool,
-    /// Epochs from checkpoint to checkpoint (0: only when interrupted)
-    #[arg(long, default_value_t = 10)]
-    checkpoint_every: usize,
     /// Root of every random choice
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -65,6 +63,7 @@ impl Train {
             drives: self.drives,
             scores: self.scores,
             out: self.out,
+            heads: self.heads,
             embedding_size: self.embedding_size,
             epochs: self.epochs,
             fit_fraction: self.fit_fraction,
@@ -72,8 +71,6 @@ impl Train {
             jobs: self.jobs,
             validation_fraction: self.validation_fraction,
             patience: self.patience,
-            resume: self.resume,
-            checkpoint_every: self.checkpoint_every,
         };
         print_outcome(self.format, "could not train", |watch| {
             train::train(&options, watch)

@@ -16,7 +16,7 @@ const STEPS: usize = 25;
 
 /// Signals of a window that an output reads.
 const SPEED_READS: [usize; 3] = [1, 2, 3];
-const CHANGE_READS: [usize; 3] = [0, 1, 3];
+const CHANGE_READS: [usize; 3] = [0, 1, 2];
 
 pub(super) struct LinearModel {
     features: Vec<Standardization>,

@@ -8,9 +8,9 @@ mod linear;
 
 use crate::{
     error::ModelError,
-    model::Model,
+    model::{Habits, HeadsKind, Model},
     params::{PersonalizeParams, TrainParams, TrainSettings},
-    personalize::Personalizer,
+    personalize::{NetworkRows, Personalizer, Shown},
     rows::{Row, RowSettings, rows_of},
     train::{TrainingDrive, train},
 };
@@ -34,6 +34,9 @@ pub struct Variant {
 /// What predicts.
 #[derive(Debug, Clone, PartialEq)]
 pub enum VariantKind {
+    /// The linear heads, trained with these settings: a driver's own free speed and following gap. They say when somebody changes
+    /// lane by a gap, not by a probability a second.
+    Heads(Box<TrainSettings>),
     /// The networks, trained with these settings. With an `embedding_learning_rate` of 0 every embedding stays at
     /// zero: the same networks without `w`.
     Networks(Box<TrainSettings>),
@@ -52,7 +55,10 @@ pub enum VariantKind {
 /// Paper, "Embedding size"; method section 3. Losses cannot choose the size alone: calibration section 3.
 pub fn variants(base: &TrainSettings, sizes: &[usize], windows_s: &[f64]) -> Vec<Variant> {
     let networks = |name: String, change: &dyn Fn(&mut TrainSettings)| {
-        let mut settings = base.clone();
+        let mut settings = TrainSettings {
+            heads: HeadsKind::Paper,
+            ..base.clone()
+        };
         change(&mut settings);
         Variant {
             name,
@@ -86,6 +92,14 @@ pub fn variants(base: &TrainSettings, sizes: &[usize], windows_s: &[f64]) -> Vec
         name: name.to_owned(),
         kind,
     };
+    let linear = TrainSettings {
+        heads: HeadsKind::Linear,
+        ..base.clone()
+    };
+    all.push(baseline(
+        "linear heads",
+        VariantKind::Heads(Box::new(linear)),
+    ));
     all.push(baseline("linear with w", VariantKind::Linear));
     all.push(baseline("own means", VariantKind::DriverMeans));
     all.push(baseline("own time gap", VariantKind::ConstantTimeGap));
@@ -182,7 +196,7 @@ pub fn ablate(
             let judge = Judge::of(&variant.kind, &seen, personalizing, seed)?;
             for ((drive, of_fold), found) in with_folds().zip(&mut of_each) {
                 if *of_fold == fold {
-                    *found = judge.held_out(drive, known, seed)?;
+                    *found = judge.held_out(drive, known)?;
                 }
             }
         }
@@ -240,6 +254,12 @@ trait Baseline {
 
 /// A variant that has learned from the drivers of the other folds.
 enum Judge<'a> {
+    Heads {
+        model: Box<Model>,
+        personalizing: &'a PersonalizeParams,
+        rows: RowSettings,
+        weights: crate::rows::RowWeights,
+    },
     Networks {
         model: Box<Model>,
         personalizing: &'a PersonalizeParams,
@@ -288,10 +308,20 @@ impl<'a> Judge<'a> {
             }
         }
         let weights = crate::rows::RowWeights::of(of_each.iter().flatten());
+        if let VariantKind::Heads(settings) = kind {
+            let params = TrainParams::new((**settings).clone())?;
+            let trained = train(seen, &params, seed, &mut |_| ControlFlow::Continue(()))?;
+            return Ok(Self::Heads {
+                model: Box::new(trained.model),
+                personalizing,
+                rows,
+                weights,
+            });
+        }
         let baseline: Box<dyn Baseline> = match kind {
             VariantKind::ConstantTimeGap => Box::new(ConstantTimeGap::of(&of_each)),
             VariantKind::Linear => Box::new(LinearModel::of(&of_each, weights)),
-            VariantKind::DriverMeans | VariantKind::Networks(_) => {
+            VariantKind::DriverMeans | VariantKind::Networks(_) | VariantKind::Heads(_) => {
                 Box::new(DriverMeans::of(&of_each, weights))
             }
         };
@@ -307,12 +337,11 @@ impl<'a> Judge<'a> {
         &self,
         drive: &TrainingDrive<'_>,
         known: f64,
-        seed: u64,
     ) -> Result<Option<HeldOut>, ModelError> {
         let drive = drive.drive;
         let settings = match self {
-            Self::Networks { model, .. } => model.row_settings(),
-            Self::Baseline { rows, .. } => *rows,
+            Self::Networks { model, .. } => model.paper()?.row_settings(),
+            Self::Heads { rows, .. } | Self::Baseline { rows, .. } => *rows,
         };
         let rows = match rows_of(drive, &settings, 1.0) {
             Err(ModelError::DriveTooShort { .. }) => return Ok(None),
@@ -323,33 +352,50 @@ impl<'a> Judge<'a> {
         if first == 0 || first >= grid.len() {
             return Ok(None);
         }
+        let known_share = known;
         let (known, unseen) = rows.split_at(grid[first]);
         Ok(Some(match self {
+            Self::Heads {
+                model,
+                personalizing,
+                weights,
+                ..
+            } => {
+                let personalizer = Personalizer::new(model, (*personalizing).clone());
+                let shown = personalizer.shown(drive, known_share)?;
+                let id = &drive.meta().drive;
+                let embedding = match personalizer.fit_shown(id, &shown, None) {
+                    Ok(fit) => fit.embedding,
+                    Err(ModelError::NoHabits { .. }) => model.mean_embedding().clone(),
+                    Err(other) => return Err(other),
+                };
+                judged(
+                    &said(&Habits::new(model, &embedding)?, unseen),
+                    unseen,
+                    weights,
+                )
+            }
             Self::Networks {
                 model,
                 personalizing,
                 with_embedding,
             } => {
-                let personalizer = Personalizer::new(model, (*personalizing).clone());
+                let paper = model.paper()?;
                 let embedding = if *with_embedding {
-                    personalizer
-                        .fit_rows(&drive.meta().drive, known, None, seed)?
+                    Personalizer::new(model, (*personalizing).clone())
+                        .fit_shown(&drive.meta().drive, &Shown::Rows(known.to_vec()), None)?
                         .embedding
                 } else {
                     model.mean_embedding().clone()
                 };
-                let (sums, _) = personalizer
-                    .objective(unseen, None)
-                    .sums(embedding.coordinates());
-                let scaling = model.scaling();
+                let unseen = NetworkRows::new(paper, unseen, None);
+                let [distance, change, speed] = unseen.losses(embedding.coordinates());
                 let root = |loss: Option<f64>, sd: f64| loss.map(|l| l.sqrt() * sd);
+                let scaling = paper.scaling();
                 HeldOut {
-                    following_distance_m: root(
-                        sums.following_distance.mean(),
-                        scaling.following_distance.sd,
-                    ),
-                    lane_change: sums.lane_change.mean(),
-                    speed_mps: root(sums.velocity.mean(), scaling.signals[0].sd),
+                    following_distance_m: root(distance, scaling.following_distance.sd),
+                    lane_change: change,
+                    speed_mps: root(speed, scaling.signals[0].sd),
                 }
             }
             Self::Baseline {
@@ -357,6 +403,22 @@ impl<'a> Judge<'a> {
             } => judged(&baseline.say(known, unseen), unseen, weights),
         }))
     }
+}
+
+/// What a driver's habits say of rows: the own gap while following, and the own free speed or, behind somebody nearer than that
+/// gap, theirs.
+fn said(habits: &Habits, rows: &[Row]) -> Vec<Said> {
+    let free_mps = habits.free_speed.as_ref().map(|h| h.middle(&[]));
+    let gap_s = habits.following_gap.as_ref().map(|h| h.middle(&[]));
+    let of = |row: &Row| Said {
+        following_distance_m: gap_s.map(|s| s * row.lead_speed_mps),
+        log_odds: None,
+        speed_mps: free_mps.map(|v| match row.following_distance_m {
+            Some(_) => v.min(row.lead_speed_mps),
+            None => v,
+        }),
+    };
+    rows.iter().map(of).collect()
 }
 
 /// The errors of what was said of `rows`.
@@ -423,6 +485,7 @@ mod tests {
             "linear with w",
             "own means",
             "own time gap",
+            "linear heads",
         ]
         .iter()
         .map(|name| all.iter().find(|v| v.name == *name).unwrap().clone())
@@ -438,7 +501,7 @@ mod tests {
         };
         let params = PersonalizeParams::default();
         let found = ablate(&given, &chosen, &settings, &params, 1, &mut observe).unwrap();
-        assert_eq!(steps, (0..15).map(|k| (k, 15)).collect::<Vec<_>>());
+        assert_eq!(steps, (0..18).map(|k| (k, 18)).collect::<Vec<_>>());
         let mean = |variant: usize, of: fn(&HeldOut) -> Option<f64>| {
             let values: Vec<f64> = found.variants[variant]
                 .of_each

@@ -1,7 +1,7 @@
 //! How much driving it takes: fits to the first minutes of a drive, judged on its last part.
 
-use super::fit::{Personalizer, training_sd};
-use crate::{error::ModelError, losses::LossTerms};
+use super::Personalizer;
+use crate::{error::ModelError, model::Model};
 use maveric_domain::{Drive, DriveId, Embedding};
 use serde::{Deserialize, Serialize};
 
@@ -82,8 +82,9 @@ pub struct CurvePoint {
     pub all: bool,
     /// The embedding.
     pub embedding: Embedding,
-    /// L1, L2 and L3 on the part held out.
-    pub held_out: LossTerms,
+    /// Mean loss of what the part held out shows: −ln likelihood of an event for linear heads, the weighted sum of L1 to L3 for
+    /// the paper's networks; `None` where it shows nothing.
+    pub held_out: Option<f64>,
     /// Distance to the embedding fitted to the whole drive, in SDs of the training embeddings.
     pub distance_to_full_sd: f64,
     /// Standard error of each coordinate; `None` before there is enough driving to tell.
@@ -109,7 +110,7 @@ pub struct LearningCurve {
 /// recording adds nothing.
 ///
 /// # Errors
-/// [`ModelError::DriveTooShort`] if there is no row to fit to or none to judge by.
+/// [`ModelError::DriveTooShort`] if there is nothing to fit to or to judge by, [`ModelError::NoHabits`].
 ///
 /// # Source
 /// Method section 3; the paper takes ten minutes and shows no curve (ours).
@@ -117,42 +118,28 @@ pub fn learning_curve(
     personalizer: &Personalizer<'_>,
     drive: &Drive,
     params: &CurveParams,
-    seed: u64,
 ) -> Result<LearningCurve, ModelError> {
     let settings = params.settings();
     let model = personalizer.model();
-    let id = &drive.meta().drive;
-    let rows = personalizer.rows(drive, 1.0)?;
-    let per_minute = 60.0 * personalizer.row_rate_hz();
-    // Where each row of the grid lies among all rows, and the end.
-    let grid: Vec<usize> = (0..rows.len())
-        .filter(|&i| rows[i].on_grid)
-        .chain([rows.len()])
-        .collect();
-    let all = grid.len() - 1;
+    let per_minute = 60.0 * drive.rate_hz();
+    let all = drive.len();
     let seen = ((1.0 - settings.held_out) * all as f64).floor() as usize;
-    if seen == 0 || seen == all {
-        return Err(ModelError::DriveTooShort {
-            drive: id.clone(),
-            found_s: all as f64 / personalizer.row_rate_hz(),
-            expected_s: model.windows().window_s / settings.held_out,
-        });
-    }
-    let judge = personalizer.objective(&rows[grid[seen]..], None);
-    let full = personalizer.fit_rows(id, &rows, None, seed)?.embedding;
+    let short = |_| ModelError::DriveTooShort {
+        drive: drive.meta().drive.clone(),
+        found_s: all as f64 / drive.rate_hz(),
+        expected_s: 2.0 / settings.held_out.min(1.0 - settings.held_out) / drive.rate_hz(),
+    };
+    let rest = drive.slice(seen, all).map_err(short)?;
+    let judge = personalizer.shown(&rest, 1.0);
+    let full = personalizer.fit(drive, None)?.embedding;
     let sd = training_sd(model);
     let point = |minutes: f64, embedding: Embedding, standard_error| {
         let w = embedding.coordinates();
-        let (sums, _) = judge.sums(w);
         let difference = w.iter().zip(full.coordinates()).zip(&sd);
         CurvePoint {
             minutes,
             all: false,
-            held_out: LossTerms {
-                mutual_information: None,
-                mutual_information_bound: None,
-                ..sums.terms(None, w.len())
-            },
+            held_out: judge.as_ref().ok().and_then(|j| personalizer.loss(j, w)),
             distance_to_full_sd: difference
                 .map(|((a, b), sd)| ((a - b) / sd).powi(2))
                 .sum::<f64>()
@@ -161,33 +148,56 @@ pub fn learning_curve(
             embedding,
         }
     };
+    let first = |rows: usize| -> Result<CurvePoint, ModelError> {
+        let known = drive.slice(0, rows).map_err(short)?;
+        let minutes = rows as f64 / per_minute;
+        match personalizer.fit(&known, None) {
+            Ok(fit) => Ok(point(minutes, fit.embedding.clone(), fit.standard_error())),
+            // A minute may show nothing yet.
+            Err(ModelError::NoHabits { .. }) => {
+                Ok(point(minutes, model.mean_embedding().clone(), None))
+            }
+            Err(other) => Err(other),
+        }
+    };
     let mut points = vec![point(0.0, model.mean_embedding().clone(), None)];
     let mut beyond = Vec::new();
-    let lengths = settings
-        .minutes
-        .iter()
-        .map(|&m| (m, (m * per_minute).round() as usize));
-    for (minutes, length) in lengths {
-        if length > seen {
+    for &minutes in &settings.minutes {
+        let rows = (minutes * per_minute).round() as usize;
+        if rows > seen {
             beyond.push(minutes);
-        } else if length > 0 {
-            let fit = personalizer.fit_rows(id, &rows[..grid[length]], None, seed)?;
-            let error = fit.uncertainty.map(|u| u.standard_error);
-            points.push(point(minutes, fit.embedding, error));
+        } else {
+            points.push(CurvePoint {
+                minutes,
+                ..first(rows)?
+            });
         }
     }
-    let fit = personalizer.fit_rows(id, &rows[..grid[seen]], None, seed)?;
-    let error = fit.uncertainty.map(|u| u.standard_error);
     points.push(CurvePoint {
         all: true,
-        ..point(seen as f64 / per_minute, fit.embedding, error)
+        ..first(seen)?
     });
     Ok(LearningCurve {
-        drive: id.clone(),
+        drive: drive.meta().drive.clone(),
         held_out_minutes: (all - seen) as f64 / per_minute,
         points,
         beyond,
     })
+}
+
+/// SD of the training embeddings along each coordinate; 1 where they do not differ.
+fn training_sd(model: &Model) -> Vec<f64> {
+    let mean = model.mean_embedding().coordinates();
+    let n = model.training().len() as f64;
+    let of = |(i, mean): (usize, &f64)| {
+        let at = model
+            .training()
+            .iter()
+            .map(|t| t.embedding.coordinates()[i] - mean);
+        let sd = (at.map(|x| x * x).sum::<f64>() / n).sqrt();
+        if sd > 1e-9 { sd } else { 1.0 }
+    };
+    mean.iter().enumerate().map(of).collect()
 }
 
 #[cfg(test)]
@@ -195,21 +205,22 @@ mod tests {
     use super::*;
     use crate::{
         params::PersonalizeParams,
-        personalize::reference::Problem,
-        test_drives::{Habits, drive},
+        personalize::tests::linear_model,
+        test_drives::{Habits, drive_apart},
+    };
+
+    const HABITS: Habits = Habits {
+        speed_mps: 32.0,
+        time_gap_s: 1.2,
+        passes: true,
     };
 
     #[test]
-    fn more_driving_comes_nearer_and_predicts_better_than_none() {
-        let problem = Problem::new("defaults", true, |s| s.epochs = 20);
-        let habits = Habits {
-            speed_mps: 32.0,
-            time_gap_s: 1.2,
-            passes: true,
-        };
-        let new = drive("new", &habits, 400.0);
-        let personalizer = Personalizer::new(&problem.model, PersonalizeParams::default());
-        let curve = learning_curve(&personalizer, &new, &CurveParams::default(), 1).unwrap();
+    fn more_driving_comes_nearer_than_none() {
+        let model = linear_model();
+        let new = drive_apart("new", &HABITS, 400.0);
+        let personalizer = Personalizer::new(&model, PersonalizeParams::default());
+        let curve = learning_curve(&personalizer, &new, &CurveParams::default()).unwrap();
         let minutes: Vec<f64> = curve.points.iter().map(|p| p.minutes).collect();
         assert_eq!(minutes[..4], [0.0, 1.0, 2.0, 5.0]);
         assert_eq!(curve.beyond, [10.0]);
@@ -223,37 +234,29 @@ mod tests {
             all.distance_to_full_sd < 0.5 * none.distance_to_full_sd,
             "{curve:?}"
         );
-        let velocity = |p: &CurvePoint| p.held_out.velocity.unwrap();
-        assert!(velocity(all) < velocity(none), "{curve:?}");
+        assert!(all.held_out.unwrap() < none.held_out.unwrap(), "{curve:?}");
     }
 
     #[test]
-    fn a_drive_with_nothing_to_hold_out_is_refused() {
-        let problem = Problem::new("defaults", true, |s| s.epochs = 1);
-        let habits = Habits {
-            speed_mps: 32.0,
-            time_gap_s: 1.2,
-            passes: true,
-        };
-        let new = drive("new", &habits, 4.0);
-        let personalizer = Personalizer::new(&problem.model, PersonalizeParams::default());
-        let params = CurveParams::new(CurveSettings {
-            held_out: 0.01,
-            ..CurveSettings::default()
-        });
-        let short = CurveParams::new(CurveSettings {
-            held_out: 0.99,
-            ..CurveSettings::default()
-        });
-        let run = |p: Result<CurveParams, ModelError>| {
-            learning_curve(&personalizer, &new, &p.unwrap(), 1)
-        };
-        assert!(run(params).is_ok());
-        assert!(matches!(run(short), Err(ModelError::DriveTooShort { .. })));
+    fn minutes_have_to_rise_and_something_has_to_be_held_out() {
         let falling = CurveSettings {
             minutes: vec![2.0, 1.0],
             ..CurveSettings::default()
         };
         assert!(CurveParams::new(falling).is_err());
+        let nothing = CurveSettings {
+            held_out: 0.0,
+            ..CurveSettings::default()
+        };
+        assert!(CurveParams::new(nothing).is_err());
+        let model = linear_model();
+        let personalizer = Personalizer::new(&model, PersonalizeParams::default());
+        let short = CurveSettings {
+            held_out: 1e-6,
+            ..CurveSettings::default()
+        };
+        let params = CurveParams::new(short).unwrap();
+        let found = learning_curve(&personalizer, &drive_apart("new", &HABITS, 60.0), &params);
+        assert!(matches!(found, Err(ModelError::DriveTooShort { .. })));
     }
 }

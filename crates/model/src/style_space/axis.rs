@@ -2,8 +2,9 @@
 
 use crate::{
     error::ModelError,
+    heads::spread,
     linear_algebra::{dot, norm},
-    model::Model,
+    model::{Heads, Model},
 };
 use maveric_domain::Embedding;
 
@@ -15,6 +16,7 @@ use maveric_domain::Embedding;
 pub struct AggressionAxis {
     gradient: Vec<f64>,
     offset: f64,
+    covariance: Option<Vec<f64>>,
 }
 
 impl AggressionAxis {
@@ -23,18 +25,43 @@ impl AggressionAxis {
     /// # Errors
     /// [`ModelError::NoAggressionAxis`] if the model saw no ADB score, or its S is flat.
     pub fn of(model: &Model) -> Result<Self, ModelError> {
-        let dense = model.networks().style.dense();
-        let parameters = model.parameters();
-        let scaling = model.scaling().aggression;
-        let weights = dense.weights(parameters).iter();
-        let gradient: Vec<f64> = weights.map(|&w| f64::from(w) * scaling.sd).collect();
-        if !model.learned().aggression || norm(&gradient) < 1e-9 {
+        let (gradient, offset, covariance) = match model.heads() {
+            Heads::Linear(linear) => {
+                let style = linear.style.as_ref();
+                let style = style.ok_or(ModelError::NoAggressionAxis)?;
+                let d = style.gradient.len();
+                let of_slopes = style.covariance.chunks_exact(d + 1).take(d);
+                let covariance = of_slopes.flat_map(|line| line[..d].iter().copied());
+                (
+                    style.gradient.clone(),
+                    style.offset,
+                    Some(covariance.collect()),
+                )
+            }
+            Heads::Paper(paper) => {
+                let dense = paper.networks.style.dense();
+                let parameters = &paper.parts.parameters;
+                let scaling = paper.scaling().aggression;
+                let weights = dense.weights(parameters).iter();
+                let offset = scaling.undo(f64::from(dense.biases(parameters)[0]));
+                let gradient = weights.map(|&w| f64::from(w) * scaling.sd).collect();
+                (gradient, offset, None)
+            }
+        };
+        if !model.knows_aggression() || norm(&gradient) < 1e-9 {
             return Err(ModelError::NoAggressionAxis);
         }
         Ok(Self {
             gradient,
-            offset: scaling.undo(f64::from(dense.biases(parameters)[0])),
+            offset,
+            covariance,
         })
+    }
+
+    /// SD of the change of S along `step`, in points, as far as the people learned from determine the slopes; `None` for the
+    /// paper's S, which was trained with everything else.
+    pub fn step_sd(&self, step: &[f64]) -> Option<f64> {
+        Some(spread(step, self.covariance.as_ref()?).sqrt())
     }
 
     /// g in ADB points per unit of the embedding, shape `(d,)`.
@@ -79,6 +106,10 @@ impl AggressionAxis {
 
     #[cfg(test)]
     pub(crate) fn for_tests(gradient: Vec<f64>, offset: f64) -> Self {
-        Self { gradient, offset }
+        Self {
+            gradient,
+            offset,
+            covariance: None,
+        }
     }
 }

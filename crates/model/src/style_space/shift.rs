@@ -15,6 +15,8 @@ pub struct Shifted {
     pub to_points: f64,
     /// By how much S really moved, in points.
     pub effective_points: f64,
+    /// SD of that, as far as the people learned from determine the direction; see [`AggressionAxis::step_sd`].
+    pub effective_sd: Option<f64>,
     /// Whether an end of the scale cut the move short.
     pub clamped: bool,
 }
@@ -51,11 +53,13 @@ pub fn shift(
     let g = axis.gradient();
     let t = (to_points - from_points) / dot(g, g);
     let moved = w.iter().zip(g).map(|(w, g)| w + t * g).collect();
+    let step: Vec<f64> = g.iter().map(|g| t * g).collect();
     Ok(Shifted {
         embedding: Embedding::new(moved)?,
         from_points,
         to_points,
         effective_points: to_points - from_points,
+        effective_sd: axis.step_sd(&step),
         clamped: (to_points - wanted).abs() > 1e-9,
     })
 }

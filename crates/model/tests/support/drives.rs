@@ -47,8 +47,17 @@ pub(crate) fn drive(name: &str, habits: &Habits, seconds: f64) -> Drive {
     drive_at(RATE_HZ, name, habits, seconds)
 }
 
+/// As [`drive`], with free road between one car and the next.
+pub(crate) fn drive_apart(name: &str, habits: &Habits, seconds: f64) -> Drive {
+    driven(RATE_HZ, name, habits, seconds, 30.0)
+}
+
 /// As [`drive`], with that many rows a second.
 pub(crate) fn drive_at(rate_hz: f64, name: &str, habits: &Habits, seconds: f64) -> Drive {
+    driven(rate_hz, name, habits, seconds, 0.0)
+}
+
+fn driven(rate_hz: f64, name: &str, habits: &Habits, seconds: f64, apart_s: f64) -> Drive {
     let dt = 1.0 / rate_hz;
     let rows = (seconds * rate_hz) as usize;
     let (mut x, mut y, mut v) = (0.0_f64, 0.0_f64, habits.speed_mps);
@@ -62,9 +71,10 @@ pub(crate) fn drive_at(rate_hz: f64, name: &str, habits: &Habits, seconds: f64) 
     let mut followed_s = 0.0;
     let mut moving: Option<(f64, f64)> = None;
     let mut out = false;
+    let mut next_s = 10.0;
     for row in 0..rows {
         let t = row as f64 * dt;
-        if leads.is_empty() && t > 10.0 {
+        if leads.is_empty() && t > next_s {
             leads.push(Lead {
                 first_row: row,
                 speed: 22.0 + (others.len() % 3) as f64,
@@ -119,6 +129,7 @@ pub(crate) fn drive_at(rate_hz: f64, name: &str, habits: &Habits, seconds: f64) 
         }
         let gone = leads.first().is_some_and(|l| x - l.x > 120.0);
         if gone || row + 1 == rows {
+            next_s = next_s.max(t + apart_s);
             for lead in leads.drain(..) {
                 let n = lead.track.len();
                 others.push(ObjectTrack {
@@ -148,6 +159,15 @@ pub(crate) type Scored = (Drive, AdbScore);
 
 /// `n` drivers from slow with long gaps to fast with short ones, with ADB scores that say so.
 pub(crate) fn drivers(n: usize, seconds: f64) -> Vec<Scored> {
+    drivers_of(n, |name, habits| drive(name, habits, seconds))
+}
+
+/// As [`drivers`], with free road between one car and the next.
+pub(crate) fn drivers_apart(n: usize, seconds: f64) -> Vec<Scored> {
+    drivers_of(n, |name, habits| drive_apart(name, habits, seconds))
+}
+
+fn drivers_of(n: usize, drive: impl Fn(&str, &Habits) -> Drive) -> Vec<Scored> {
     let of = |i: usize| {
         let a = if n > 1 {
             i as f64 / (n - 1) as f64
@@ -159,7 +179,7 @@ pub(crate) fn drivers(n: usize, seconds: f64) -> Vec<Scored> {
             time_gap_s: 2.2 - 1.2 * a,
             passes: true,
         };
-        let drive = drive(&format!("P{i:02}"), &habits, seconds);
+        let drive = drive(&format!("P{i:02}"), &habits);
         (drive, AdbScore::new(16.0 + 30.0 * a).unwrap())
     };
     (0..n).map(of).collect()

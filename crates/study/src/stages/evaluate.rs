@@ -93,7 +93,7 @@ fn read_distances(
     judged: &[FollowingRun],
 ) -> Result<Distances<'static>, StudyError> {
     let model = read_model(model_file)?;
-    if !model.learned().following_distance {
+    if !model.paper()?.learned().following_distance {
         return Err(StudyError::file(
             model_file,
             "learned no following distance: its drives had no following rows",

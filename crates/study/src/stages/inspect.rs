@@ -12,6 +12,7 @@ use maveric_ingest::{
     IngestError, IngestSettings, LogSummary, Mapping, Provenance, inspect_with, read_drive_from,
     read_log, suggest_mapping,
 };
+use maveric_model::{HEADS, Heads, HeadsKind};
 use maveric_report::{
     Context,
     figures::drive_overview::{DriveOverview, drive_overview},
@@ -91,14 +92,18 @@ pub enum Inspected {
     },
     /// A trained model.
     Model {
+        /// Which heads it has.
+        heads: HeadsKind,
         /// Size of its embeddings.
         embedding_size: usize,
-        /// Numbers in its networks.
+        /// Numbers that were learned.
         parameters: usize,
         /// Drives that it learned from.
         drives: usize,
-        /// What it learned: following distance, lane change, aggression.
-        learned: [bool; 3],
+        /// Names of the heads that had something to learn from.
+        learned: Vec<String>,
+        /// Whether it reads a score from a style.
+        aggression: bool,
     },
 }
 
@@ -215,16 +220,30 @@ fn look_into(path: &Path, settings: &IngestSettings) -> Result<Inspected, StudyE
     }
     if begins_with(path, b"maveric-model")? {
         let model = read_model(path)?;
-        let learned = model.learned();
+        let learned = match model.heads() {
+            Heads::Linear(linear) => {
+                let own = linear.heads.iter().zip(&HEADS).filter(|(h, _)| h.learned());
+                own.map(|(_, head)| head.title.to_owned()).collect()
+            }
+            Heads::Paper(paper) => {
+                let learned = paper.learned();
+                [
+                    (learned.following_distance, "following distance"),
+                    (learned.lane_change, "lane change"),
+                ]
+                .into_iter()
+                .filter(|(known, _)| *known)
+                .map(|(_, name)| name.to_owned())
+                .collect()
+            }
+        };
         return Ok(Inspected::Model {
+            heads: model.kind(),
             embedding_size: model.embedding_size(),
-            parameters: model.architecture().parameters(),
+            parameters: model.parameters(),
             drives: model.training().len(),
-            learned: [
-                learned.following_distance,
-                learned.lane_change,
-                learned.aggression,
-            ],
+            learned,
+            aggression: model.knows_aggression(),
         });
     }
     Ok(Inspected::Log(Box::new(inspect_with(path, settings)?)))
@@ -265,16 +284,20 @@ fn lines(content: &Inspected) -> Vec<String> {
             },
         ],
         Inspected::Model {
+            heads,
             embedding_size,
             parameters,
             drives,
-            learned: [following, change, aggression],
+            learned,
+            aggression,
         } => vec![
             format!(
-                "model with embeddings of size {embedding_size}, {parameters} parameters, trained on {drives} drives"
+                "model with {heads} heads, embeddings of size {embedding_size}, {parameters} parameters, trained on {drives} drives"
             ),
             format!(
-                "learned: following distance {following}, lane change {change}, aggression {aggression}"
+                "learned: {}; {} score",
+                learned.join(", "),
+                if *aggression { "reads a" } else { "reads no" }
             ),
         ],
     }

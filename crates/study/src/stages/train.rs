@@ -1,4 +1,4 @@
-//! `train`: the networks and the training drivers' embeddings.
+//! `train`: the heads and the training drivers' embeddings.
 
 use crate::{
     atomic_write::{atomic_write_bytes, write_json},
@@ -12,9 +12,10 @@ use crate::{
     },
 };
 use maveric_domain::{AdbScore, ConditionId, Drive, Moment, Score};
+pub use maveric_model::HeadsKind;
 use maveric_model::{
-    Checkpoints, EpochReport, Model, ModelError, Quality, Selection, TrainParams, TrainSettings,
-    TrainingDrive, TrainingState, checkpoint, style_space::AggressionAxis, train_resumable,
+    EpochReport, HeadReport, Model, ModelError, Quality, Selection, StyleHead, TrainParams,
+    TrainSettings, TrainingDrive, model_file, style_space::AggressionAxis, train as learn,
 };
 use maveric_participants::Part;
 use serde::{Deserialize, Serialize};
@@ -37,6 +38,8 @@ pub struct TrainOptions {
     pub scores: Option<PathBuf>,
     /// Model to write.
     pub out: PathBuf,
+    /// Which heads learn.
+    pub heads: HeadsKind,
     /// Size of the embedding.
     pub embedding_size: usize,
     /// Passes over the rows.
@@ -51,10 +54,6 @@ pub struct TrainOptions {
     pub validation_fraction: f64,
     /// Epochs without a lower validation loss after which that run stops; 0: never.
     pub patience: usize,
-    /// Whether to go on from the checkpoint beside the model, where there is one.
-    pub resume: bool,
-    /// Epochs from checkpoint to checkpoint; 0: only when interrupted.
-    pub checkpoint_every: usize,
 }
 
 /// How the training went, as it is written beside the model.
@@ -64,34 +63,43 @@ pub struct TrainingSummary {
     pub drives: usize,
     /// Of them with an ADB score.
     pub drives_with_adb: usize,
+    /// Numbers that were learned.
+    pub parameters: usize,
+    /// Drives and losses left out, and why.
+    pub warnings: Vec<String>,
+    /// Seed of the training.
+    pub seed: u64,
+    /// Settings of the training.
+    pub settings: TrainSettings,
+    /// The linear heads: what each learned from, and how well it does on driving kept back.
+    pub heads: Vec<HeadReport>,
+    /// How the linear heads read a score from a style.
+    pub style: Option<StyleHead>,
+    /// The paper's networks; none for linear heads.
+    pub networks: Option<NetworkSummary>,
+    /// ADB scores in the table that are of nobody who drove here.
+    #[serde(default)]
+    pub scores_without_drive: usize,
+}
+
+/// How the paper's networks were trained.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct NetworkSummary {
     /// Rows learned from.
     pub rows: usize,
     /// Of them following.
     pub following_rows: usize,
     /// Of them with a lane change being started.
     pub lane_change_rows: usize,
-    /// Numbers in the networks.
-    pub parameters: usize,
     /// Losses without data, and why.
     pub left_out: Vec<String>,
-    /// Drives left out, and why.
-    pub warnings: Vec<String>,
-    /// Seed of the training.
-    pub seed: u64,
-    /// Settings of the training.
-    pub settings: TrainSettings,
     /// Every epoch of the run that made the model.
     pub epochs: Vec<EpochReport>,
     /// The run that kept the end of every drive back: its losses on both parts, what stopped it, and how good its
     /// predictions are for rows it has not learned from.
-    #[serde(default)]
     pub selection: Option<Selection>,
-    /// How good the model's own predictions are: calibration of P(change), residuals of F and V.
-    #[serde(default)]
-    pub quality: Option<Quality>,
-    /// ADB scores in the table that are of nobody who drove here.
-    #[serde(default)]
-    pub scores_without_drive: usize,
+    /// How good the predictions of the networks that drive are: calibration of P(change), residuals of F and V.
+    pub quality: Quality,
 }
 
 /// Name of the model among a run's results.
@@ -105,11 +113,6 @@ pub fn training_path(model: &Path) -> PathBuf {
 /// File beside the model that holds the training embeddings.
 pub fn embeddings_path(model: &Path) -> PathBuf {
     beside(model, "_embeddings.csv")
-}
-
-/// File beside the model that a training keeps its state in until it is done.
-pub fn checkpoint_path(model: &Path) -> PathBuf {
-    beside(model, "_checkpoint.maveric")
 }
 
 fn beside(model: &Path, suffix: &str) -> PathBuf {
@@ -126,7 +129,7 @@ pub fn read_model(path: &Path) -> Result<Model, StudyError> {
         return Err(StudyError::file(path, "is a folder, expected a model file"));
     }
     let bytes = std::fs::read(path).map_err(StudyError::read(path))?;
-    checkpoint::from_bytes(&bytes).map_err(|e| StudyError::BadFile {
+    model_file::from_bytes(&bytes).map_err(|e| StudyError::BadFile {
         path: path.to_owned(),
         problem: e.to_string(),
         help: e
@@ -179,6 +182,7 @@ pub fn train(
         .unwrap_or_default();
     let (scores, scale) = style_scores(scores, design)?;
     let settings = TrainSettings {
+        heads: options.heads,
         embedding_size: options.embedding_size,
         epochs: options.epochs,
         fit_fraction: options.fit_fraction,
@@ -205,29 +209,6 @@ pub fn train(
     }
     let mut progress = EpochProgress::new(watch);
     let mut observe = |report: &EpochReport| progress.show(report);
-    let (resume, mut resumed) = if options.resume {
-        read_checkpoint(&checkpoint_path(&options.out))?
-    } else {
-        (None, Vec::new())
-    };
-    let mut failed = None;
-    let mut save = |state: &TrainingState| {
-        let write = || -> Result<(), StudyError> {
-            atomic_write_bytes(&checkpoint_path(&options.out), &state.to_bytes()?)
-        };
-        match write() {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(error) => {
-                failed = Some(error);
-                ControlFlow::Break(())
-            }
-        }
-    };
-    let checkpoints = Checkpoints {
-        resume,
-        every: options.checkpoint_every,
-        save: &mut save,
-    };
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.jobs)
         .build();
@@ -236,36 +217,37 @@ pub fn train(
         help: None,
     })?;
     let seed = options.seed;
-    let trained =
-        pool.install(|| train_resumable(&training, &params, seed, checkpoints, &mut observe));
-    let trained = match (trained, failed) {
-        (_, Some(error)) => return Err(error),
-        (Err(ModelError::Cancelled { .. }), None) => return Err(StudyError::Interrupted),
-        (other, None) => other?,
+    let trained = match pool.install(|| learn(&training, &params, seed, &mut observe)) {
+        Err(ModelError::Cancelled { .. }) => return Err(StudyError::Interrupted),
+        other => other?,
     };
-    atomic_write_bytes(&options.out, &checkpoint::to_bytes(&trained.model)?)?;
+    atomic_write_bytes(&options.out, &model_file::to_bytes(&trained.model)?)?;
     let report = trained.report;
     let summary = TrainingSummary {
         drives: report.drives,
         drives_with_adb: report.drives_with_adb,
-        rows: report.rows,
-        following_rows: report.following_rows,
-        lane_change_rows: report.lane_change_rows,
-        parameters: report.parameters,
-        left_out: report
-            .left_out
-            .iter()
-            .map(|(loss, why)| format!("{loss}: {why}"))
-            .collect(),
+        parameters: trained.model.parameters(),
         warnings: unscored
             .into_iter()
             .chain(report.warnings.iter().map(ToString::to_string))
             .collect(),
         seed: options.seed,
         settings,
-        epochs: report.epochs,
-        selection: report.selection,
-        quality: Some(report.quality),
+        heads: report.heads,
+        style: report.style,
+        networks: report.networks.map(|n| NetworkSummary {
+            rows: n.rows,
+            following_rows: n.following_rows,
+            lane_change_rows: n.lane_change_rows,
+            left_out: n
+                .left_out
+                .iter()
+                .map(|(l, why)| format!("{l}: {why}"))
+                .collect(),
+            epochs: n.epochs,
+            selection: n.selection,
+            quality: n.quality,
+        }),
         scores_without_drive,
     };
     write_json(&training_path(&options.out), &summary)?;
@@ -280,41 +262,79 @@ pub fn train(
             drive: id,
             participant: meta.participant.clone(),
             condition: meta.condition,
-            adb_used: adb_of(drive, &scores)?.is_some(),
+            // Linear heads learn where drivers lie from their driving alone.
+            adb_used: options.heads == HeadsKind::Paper && adb_of(drive, &scores)?.is_some(),
             adb: adb_of(drive, &scores)?.map(AdbScore::points),
             adb_hat: axis
                 .as_ref()
                 .map(|a| a.aggression_hat(&embedding))
                 .transpose()?,
             line_position: axis.as_ref().map(|a| a.position(&embedding)).transpose()?,
-            start_spread: None,
-            rows: None,
-            details: None,
+            readings: None,
+            covariance: None,
+            line_position_se: None,
             embedding,
         });
     }
     scale.outward_rows(&mut rows);
     write_embeddings(&embeddings_path(&options.out), &rows)?;
-    let checkpoint = checkpoint_path(&options.out);
-    if checkpoint.exists() {
-        std::fs::remove_file(&checkpoint).map_err(StudyError::write(&checkpoint))?;
-    }
-    resumed.extend(summary.warnings.iter().cloned());
-    let warnings = resumed;
+    let warnings = summary.warnings.clone();
     let mut lines = vec![format!(
-        "{} parameters trained on {} drives, {} rows: {}",
+        "{} heads, {} parameters trained on {} drives: {}",
+        options.heads,
         summary.parameters,
         summary.drives,
-        summary.rows,
         options.out.display()
     )];
-    lines.extend(summary.selection.as_ref().map(validation_line));
+    lines.extend(summary.heads.iter().map(head_line));
+    lines.extend(summary.style.as_ref().map(style_line));
+    let selection = summary.networks.as_ref().and_then(|n| n.selection.as_ref());
+    lines.extend(selection.map(validation_line));
     lines.extend(progress.rate_line());
     Ok(Outcome {
         value: summary,
         summary: lines,
         warnings,
     })
+}
+
+/// What a head learned from and how it does on driving kept back, in a line.
+fn head_line(head: &HeadReport) -> String {
+    let learned = format!(
+        "{}: {} events of {} drives",
+        head.title, head.events, head.drives
+    );
+    let Some(kept) = &head.kept_back else {
+        return learned;
+    };
+    let worse = if kept.head < kept.own_mean {
+        ""
+    } else {
+        " (no better than the own mean)"
+    };
+    let unit = if head.unit == "1" {
+        ""
+    } else {
+        head.unit.as_str()
+    };
+    format!(
+        "{learned}; off by {:.2} {unit} on {} kept back, the own mean by {:.2}, everybody's by {:.2}{worse}",
+        kept.head, kept.events, kept.own_mean, kept.everybody
+    )
+}
+
+/// How well the style says the score, in a line.
+fn style_line(style: &StyleHead) -> String {
+    let left_out = match (style.cross_fitted_rmse, style.cross_fitted_r) {
+        (Some(rmse), Some(r)) => {
+            format!("; for people left out off by {rmse:.1} points, r = {r:.2}")
+        }
+        _ => String::new(),
+    };
+    format!(
+        "score from {} drives of {} people{left_out}",
+        style.drives, style.people
+    )
 }
 
 /// What the run with validation found, in a line.
@@ -382,24 +402,6 @@ fn refuse_foreign_scores(
                 .to_owned(),
         ),
     })
-}
-
-/// The state to go on from, and what to tell about it.
-fn read_checkpoint(path: &Path) -> Result<(Option<TrainingState>, Vec<String>), StudyError> {
-    if !path.exists() {
-        let none = format!(
-            "no checkpoint {}, so the training starts from the beginning",
-            path.display()
-        );
-        return Ok((None, vec![none]));
-    }
-    let bytes = std::fs::read(path).map_err(StudyError::read(path))?;
-    let state = TrainingState::from_bytes(&bytes).map_err(|error| StudyError::BadFile {
-        path: path.to_owned(),
-        problem: error.to_string(),
-        help: error.suggestion().map(str::to_owned),
-    })?;
-    Ok((Some(state), Vec::new()))
 }
 
 /// Tells how the epochs go: losses, bound, rate.
@@ -494,20 +496,5 @@ mod tests {
             epoch_line(&report, Some(812_345.0)),
             "epochs: L3 0.250, I >= 1.50 nats, 812k rows/s"
         );
-    }
-
-    #[test]
-    fn a_missing_checkpoint_is_said_and_a_broken_one_refused() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = checkpoint_path(&folder.path().join("model.maveric"));
-        let (state, said) = read_checkpoint(&path).unwrap();
-        assert!(state.is_none() && said[0].contains("from the beginning"));
-        std::fs::write(&path, "nothing of the kind").unwrap();
-        let error = read_checkpoint(&path).unwrap_err();
-        assert!(
-            error.to_string().contains("model_checkpoint.maveric"),
-            "{error}"
-        );
-        assert!(error.suggestion().unwrap().contains("--resume"));
     }
 }

@@ -20,6 +20,8 @@ pub fn write_conditions(path: &Path, rows: &[ConditionRow]) -> Result<(), StudyE
         .text("condition", rows.iter().map(|r| r.condition.as_str()))
         .numbers("adb_hat", rows.iter().map(|r| Some(r.adb_hat)))
         .numbers("moved_points", rows.iter().map(|r| Some(r.moved_points)))
+        .numbers("moved_points_sd", rows.iter().map(|r| r.moved_points_sd))
+        .flags("clamped", rows.iter().map(|r| r.clamped))
         .numbers("angle_rad", rows.iter().map(|r| r.angle_rad))
         .flags("beyond_training", rows.iter().map(|r| r.beyond_training));
     let embeddings: Vec<&Embedding> = rows.iter().map(|r| &r.embedding).collect();
@@ -81,6 +83,8 @@ pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
     let condition: Vec<ConditionId> = table.parsed("condition")?;
     let adb_hat = table.all_numbers("adb_hat")?;
     let moved_points = table.all_numbers("moved_points")?;
+    let moved_points_sd = table.numbers("moved_points_sd")?;
+    let clamped: Vec<bool> = table.parsed("clamped")?;
     let angle_rad = table.numbers("angle_rad")?;
     let beyond_training: Vec<bool> = table.parsed("beyond_training")?;
     let embedding = read_coordinates(&table)?;
@@ -92,6 +96,8 @@ pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
             condition: condition[i],
             adb_hat: adb_hat[i],
             moved_points: moved_points[i],
+            moved_points_sd: moved_points_sd[i],
+            clamped: clamped[i],
             angle_rad: angle_rad[i],
             beyond_training: beyond_training[i],
             embedding: embedding[i].clone(),
@@ -110,6 +116,8 @@ mod tests {
             condition: ConditionId::AGGRESSIVE,
             adb_hat: 40.0,
             moved_points: 10.0,
+            moved_points_sd: Some(1.5),
+            clamped: false,
             angle_rad: None,
             beyond_training: false,
             sweep,

@@ -5,30 +5,12 @@ use crate::error::StudyError;
 use maveric_domain::{ConditionId, DriveId, Embedding, ParticipantId};
 use std::path::Path;
 
-pub use maveric_domain::{EmbeddingRow, FitDetails};
+pub use maveric_domain::EmbeddingRow;
 
-/// Adds `<prefix>1`, `<prefix>2`, … with one list a row.
-fn with_numbered(builder: TableBuilder, prefix: &str, lists: &[&[Option<f64>]]) -> TableBuilder {
-    let size = lists.iter().map(|l| l.len()).max().unwrap_or(0);
-    (0..size).fold(builder, |b, i| {
-        let column = lists.iter().map(|l| l.get(i).copied().flatten());
-        b.numbers(&format!("{prefix}{}", i + 1), column)
-    })
-}
-
-/// One list a row of `<prefix>1`, `<prefix>2`, …
-fn read_numbered(table: &Table, prefix: &str) -> Result<Vec<Vec<Option<f64>>>, StudyError> {
-    let mut lists = vec![Vec::new(); table.rows()];
-    for i in 1.. {
-        let column = format!("{prefix}{i}");
-        if !table.has(&column) {
-            break;
-        }
-        for (list, cell) in lists.iter_mut().zip(table.numbers(&column)?) {
-            list.push(cell);
-        }
-    }
-    Ok(lists)
+/// Names of the covariances of `d` numbers that a table holds, and where they stand: those on and above the diagonal.
+fn covariances(d: usize) -> impl Iterator<Item = (String, usize, usize)> {
+    let above = move |i| (i..d).map(move |j| (format!("cov{}_{}", i + 1, j + 1), i, j));
+    (0..d).flat_map(above)
 }
 
 pub(super) fn with_coordinates(builder: TableBuilder, embeddings: &[&Embedding]) -> TableBuilder {
@@ -54,7 +36,7 @@ pub(super) fn read_coordinates(table: &Table) -> Result<Vec<Embedding>, StudyErr
         .collect()
 }
 
-/// Writes embeddings, one row each; `w1`, `w2`, … are the coordinates, and what [`FitDetails`] names follows them.
+/// Writes embeddings, one row each; `w1`, `w2`, … are the coordinates, `cov1_1`, `cov1_2`, … their covariances.
 ///
 /// # Errors
 /// [`StudyError::Io`], [`StudyError::BadTable`].
@@ -67,33 +49,24 @@ pub fn write_embeddings(path: &Path, rows: &[EmbeddingRow]) -> Result<(), StudyE
         .numbers("adb", rows.iter().map(|r| r.adb))
         .numbers("adb_hat", rows.iter().map(|r| r.adb_hat))
         .numbers("line_position", rows.iter().map(|r| r.line_position))
-        .numbers("start_spread", rows.iter().map(|r| r.start_spread))
         .integers(
-            "rows",
+            "readings",
             rows.iter()
-                .map(|r| r.rows.and_then(|n| i64::try_from(n).ok())),
+                .map(|r| r.readings.and_then(|n| i64::try_from(n).ok())),
         );
     let embeddings: Vec<&Embedding> = rows.iter().map(|r| &r.embedding).collect();
     let builder = with_coordinates(builder, &embeddings);
-    if rows.iter().all(|r| r.details.is_none()) {
+    if rows.iter().all(|r| r.covariance.is_none()) {
         return builder.write(path);
     }
-    let lists = |of: fn(&FitDetails) -> &[Option<f64>]| -> Vec<&[Option<f64>]> {
+    let d = embeddings.first().map_or(0, |e| e.size());
+    let entry = |i: usize, j: usize| {
         rows.iter()
-            .map(|r| r.details.as_ref().map_or(&[] as &[_], of))
-            .collect()
+            .map(move |r| Some(*r.covariance.as_ref()?.get(i * d + j)?))
     };
-    let number = |of: fn(&FitDetails) -> Option<f64>| -> Vec<Option<f64>> {
-        rows.iter()
-            .map(|r| r.details.as_ref().and_then(of))
-            .collect()
-    };
-    let builder = with_numbered(builder, "se", &lists(|d| &d.standard_error));
-    let builder = with_numbered(builder, "spread", &lists(|d| &d.start_spread));
-    let builder = with_numbered(builder, "guess", &lists(|d| &d.amortized_guess));
-    builder
-        .numbers("line_position_se", number(|d| d.line_position_se))
-        .numbers("effective_rows", number(|d| d.effective_rows))
+    covariances(d)
+        .fold(builder, |b, (name, i, j)| b.numbers(&name, entry(i, j)))
+        .numbers("line_position_se", rows.iter().map(|r| r.line_position_se))
         .write(path)
 }
 
@@ -110,31 +83,16 @@ pub fn read_embeddings(path: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
     let adb = table.numbers("adb")?;
     let adb_hat = table.numbers("adb_hat")?;
     let line_position = table.numbers("line_position")?;
-    let start_spread = table.numbers("start_spread")?;
-    let rows = table.numbers("rows")?;
+    let readings = table.numbers("readings")?;
     let embedding = read_coordinates(&table)?;
-    let has_details = table.has("se1");
-    let standard_error = read_numbered(&table, "se")?;
-    let spread = read_numbered(&table, "spread")?;
-    let guess = read_numbered(&table, "guess")?;
-    let optional = |column: &str| {
-        if table.has(column) {
-            table.numbers(column)
-        } else {
-            Ok(vec![None; table.rows()])
-        }
+    let covariance = read_covariances(&table, &embedding)?;
+    let line_position_se = if table.has("line_position_se") {
+        table.numbers("line_position_se")?
+    } else {
+        vec![None; table.rows()]
     };
-    let line_position_se = optional("line_position_se")?;
-    let effective_rows = optional("effective_rows")?;
     Ok((0..table.rows())
         .map(|i| EmbeddingRow {
-            details: has_details.then(|| FitDetails {
-                standard_error: standard_error[i].clone(),
-                start_spread: spread[i].clone(),
-                amortized_guess: guess[i].clone(),
-                line_position_se: line_position_se[i],
-                effective_rows: effective_rows[i],
-            }),
             drive: drive[i].clone(),
             participant: participant[i].clone(),
             condition: condition[i],
@@ -142,11 +100,36 @@ pub fn read_embeddings(path: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
             adb: adb[i],
             adb_hat: adb_hat[i],
             line_position: line_position[i],
-            start_spread: start_spread[i],
-            rows: rows[i].map(|n| n as usize),
+            readings: readings[i].map(|n| n as usize),
+            covariance: covariance[i].clone(),
+            line_position_se: line_position_se[i],
             embedding: embedding[i].clone(),
         })
         .collect())
+}
+
+/// The covariance of each row; none where a cell of it is missing.
+fn read_covariances(
+    table: &Table,
+    embeddings: &[Embedding],
+) -> Result<Vec<Option<Vec<f64>>>, StudyError> {
+    let mut found: Vec<Option<Vec<f64>>> = vec![None; table.rows()];
+    let d = embeddings.first().map_or(0, Embedding::size);
+    if !table.has("cov1_1") {
+        return Ok(found);
+    }
+    found.fill(Some(vec![0.0; d * d]));
+    for (name, i, j) in covariances(d) {
+        for (row, cell) in found.iter_mut().zip(table.numbers(&name)?) {
+            match (row.as_mut(), cell) {
+                (Some(matrix), Some(value)) => {
+                    (matrix[i * d + j], matrix[j * d + i]) = (value, value);
+                }
+                _ => *row = None,
+            }
+        }
+    }
+    Ok(found)
 }
 
 #[cfg(test)]
@@ -154,8 +137,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn embeddings_with_and_without_details_come_back_as_they_were() {
-        let row = |name: &str, details: Option<FitDetails>| EmbeddingRow {
+    fn embeddings_with_and_without_covariance_come_back_as_they_were() {
+        let row = |name: &str, covariance: Option<Vec<f64>>| EmbeddingRow {
             drive: DriveId::new(name).unwrap(),
             participant: ParticipantId::new("P01").unwrap(),
             condition: ConditionId::OWN,
@@ -163,23 +146,17 @@ mod tests {
             adb: None,
             adb_hat: Some(30.5),
             line_position: Some(0.25),
-            start_spread: Some(0.01),
-            rows: Some(600),
-            details,
+            readings: Some(60),
+            line_position_se: covariance.as_ref().map(|_| 0.15),
+            covariance,
             embedding: Embedding::new(vec![0.5, -1.0]).unwrap(),
         };
-        let details = FitDetails {
-            standard_error: vec![Some(0.1), Some(0.2)],
-            start_spread: vec![Some(0.0), Some(0.01)],
-            amortized_guess: vec![None, None],
-            line_position_se: Some(0.15),
-            effective_rows: None,
-        };
+        let known = || Some(vec![0.04, 0.01, 0.01, 0.09]);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("embeddings.csv");
         for rows in [
             vec![row("a", None), row("b", None)],
-            vec![row("a", Some(details.clone())), row("b", Some(details))],
+            vec![row("a", known()), row("b", None)],
         ] {
             write_embeddings(&path, &rows).unwrap();
             assert_eq!(read_embeddings(&path).unwrap(), rows);

@@ -35,12 +35,8 @@ pub struct CurveRow {
     pub minutes: Option<f64>,
     /// Drives that are long enough.
     pub drives: usize,
-    /// L1 on the part held out.
-    pub following_distance: MeanWithInterval,
-    /// L2 on the part held out.
-    pub lane_change: MeanWithInterval,
-    /// L3 on the part held out.
-    pub velocity: MeanWithInterval,
+    /// Mean loss of what the part held out shows; see [`CurvePoint::held_out`].
+    pub held_out: MeanWithInterval,
     /// Distance to the embedding of the whole drive, in SDs of the training embeddings.
     pub distance_to_full_sd: MeanWithInterval,
     /// Root mean square standard error over the coordinates.
@@ -84,8 +80,8 @@ pub(super) fn of_drives(
             drives,
             watch,
             "learning curves",
-            |drive| match learning_curve(personalizer, drive, &params, options.seed) {
-                Err(ModelError::DriveTooShort { .. }) => Ok(None),
+            |drive| match learning_curve(personalizer, drive, &params) {
+                Err(ModelError::DriveTooShort { .. } | ModelError::NoHabits { .. }) => Ok(None),
                 other => Ok(Some(other?)),
             },
         )?;
@@ -121,10 +117,8 @@ pub(super) fn of_drives(
         let minutes = r.minutes.map_or("all".to_owned(), |m| format!("{m}"));
         let show = |m: &MeanWithInterval| m.mean.map_or("-".to_owned(), |x| format!("{x:.3}"));
         format!(
-            "  {minutes:>4} min: L1 {} L2 {} L3 {}, {} SD from the whole drive's ({} drives)",
-            show(&r.following_distance),
-            show(&r.lane_change),
-            show(&r.velocity),
+            "  {minutes:>4} min: loss {} on the rest, {} SD from the whole drive's ({} drives)",
+            show(&r.held_out),
             show(&r.distance_to_full_sd),
             r.drives
         )
@@ -154,9 +148,7 @@ fn row(minutes: Option<f64>, points: &[&CurvePoint], seed: u64) -> Result<CurveR
     Ok(CurveRow {
         minutes,
         drives: points.len(),
-        following_distance: mean("L1", &|p| p.held_out.following_distance)?,
-        lane_change: mean("L2", &|p| p.held_out.lane_change)?,
-        velocity: mean("L3", &|p| p.held_out.velocity)?,
+        held_out: mean("held out", &|p| p.held_out)?,
         distance_to_full_sd: mean("distance", &|p| Some(p.distance_to_full_sd))?,
         standard_error: mean("standard error", &|p| {
             let errors = p.standard_error.as_ref()?;
@@ -205,10 +197,8 @@ fn write(path: &Path, rows: &[CurveRow], curves: &[LearningCurve]) -> Result<(),
     let mut builder = TableBuilder::default()
         .numbers("minutes", rows.iter().map(|r| r.minutes))
         .integers("drives", rows.iter().map(|r| whole(r.drives)));
-    let columns: [Column; 5] = [
-        ("following_distance", |r| &r.following_distance),
-        ("lane_change", |r| &r.lane_change),
-        ("velocity", |r| &r.velocity),
+    let columns: [Column; 3] = [
+        ("held_out", |r| &r.held_out),
         ("distance_to_full_sd", |r| &r.distance_to_full_sd),
         ("standard_error", |r| &r.standard_error),
     ];

@@ -1,4 +1,4 @@
-//! `personalize`: an embedding for each drive, the networks frozen.
+//! `personalize`: an embedding for each drive, the heads as they are.
 
 mod learning_curve;
 
@@ -11,14 +11,13 @@ use crate::{
     stages::train::{adb_of, read_model},
     style_scale::style_scores,
     tables::{
-        embeddings::{EmbeddingRow, FitDetails, write_embeddings},
+        embeddings::{EmbeddingRow, write_embeddings},
         surveys::read_scores,
     },
 };
 use maveric_domain::{AdbScore, Drive, Score};
 use maveric_model::{
-    Model, ModelError, PersonalizeParams, PersonalizeSettings, Personalized, Personalizer,
-    style_space::AggressionAxis,
+    ModelError, PersonalizeParams, PersonalizeSettings, Personalizer, style_space::AggressionAxis,
 };
 use maveric_participants::Part;
 use serde::Serialize;
@@ -54,12 +53,10 @@ pub struct PersonalizeOptions {
 pub struct PersonalizedDrives {
     /// Drives.
     pub drives: usize,
-    /// Drives left out, being shorter than a window.
+    /// Drives left out: too short, or showing no habit.
     pub left_out: usize,
     /// Scored participants of whom no drive is here.
     pub scored_without_drive: usize,
-    /// Largest spread between starts, in SDs of the training embeddings.
-    pub largest_start_spread: f64,
     /// Median standard error over drives and coordinates; none where no drive is long enough to tell.
     pub median_standard_error: Option<f64>,
     /// How good an embedding is after some minutes; empty unless asked for.
@@ -77,7 +74,7 @@ struct Task<'a> {
 
 /// Fits an embedding to every drive of a folder: with its ADB score where there is one, and always without.
 ///
-/// A drive shorter than a window is left out with a warning.
+/// A drive that is too short or shows no habit is left out with a warning.
 ///
 /// # Errors
 /// [`StudyError`] if model, drives or scores cannot be read, no drive is as long as a window, or no score belongs to any
@@ -114,7 +111,7 @@ pub fn personalize(
     let mut warnings = Vec::new();
     for drive in &drives {
         let adb = adb_of(drive, &scores)?;
-        if adb.is_some() && model.learned().aggression {
+        if adb.is_some() && model.knows_aggression() {
             tasks.push(Task {
                 drive,
                 adb,
@@ -134,20 +131,17 @@ pub fn personalize(
     let fitted = for_each_on(options.jobs, &tasks, watch, "embeddings", |task| match fit(
         &personalizer,
         task,
-        options.seed,
     ) {
-        Err(StudyError::Model(short @ ModelError::DriveTooShort { .. })) => Ok(Err(short)),
+        Err(StudyError::Model(
+            short @ (ModelError::DriveTooShort { .. } | ModelError::NoHabits { .. }),
+        )) => Ok(Err(short)),
         other => other.map(Ok),
     })?;
     let mut rows = Vec::new();
-    let mut said = BTreeSet::new();
     let mut short = BTreeSet::new();
     for result in fitted {
         match result {
-            Ok((row, of_fit)) => {
-                said.extend(of_fit);
-                rows.push(row);
-            }
+            Ok(row) => rows.push(row),
             Err(error) => {
                 short.insert(format!("{error}; left out"));
             }
@@ -156,15 +150,15 @@ pub fn personalize(
     if rows.is_empty() {
         return Err(StudyError::NotPossible {
             problem: format!(
-                "{}: none of {} drives is as long as one window",
+                "{}: none of {} drives shows how its driver drives",
                 options.drives.display(),
                 drives.len()
             ),
-            help: Some("record longer drives, or train with a shorter window".to_owned()),
+            help: Some("record longer drives".to_owned()),
         });
     }
     let left_out = short.len();
-    warnings.extend(said.into_iter().chain(short));
+    warnings.extend(short);
     let mut summary = Vec::new();
     let learning_curve = match &options.learning_curve {
         Some(path) => {
@@ -184,14 +178,10 @@ pub fn personalize(
         scale.outward_rows(&mut rows);
     }
     write_embeddings(&options.out, &rows)?;
-    let largest = rows
-        .iter()
-        .filter_map(|r| r.start_spread)
-        .fold(0.0, f64::max);
     let median_standard_error = median_standard_error(&rows);
     let error = median_standard_error.map(|e| format!(", standard error {e:.2} (median)"));
     let line = format!(
-        "{} drives personalised, starts agree within {largest:.3} SD{}: {}",
+        "{} drives personalised{}: {}",
         drives.len() - left_out,
         error.unwrap_or_default(),
         options.out.display()
@@ -201,7 +191,6 @@ pub fn personalize(
         drives: drives.len() - left_out,
         left_out,
         scored_without_drive,
-        largest_start_spread: largest,
         median_standard_error,
         learning_curve,
         embeddings: rows,
@@ -247,24 +236,22 @@ fn scored_without_drive(
 }
 
 fn median_standard_error(rows: &[EmbeddingRow]) -> Option<f64> {
-    let details = rows.iter().filter_map(|r| r.details.as_ref());
-    let mut errors: Vec<f64> = details
-        .flat_map(|d| d.standard_error.iter().flatten().copied())
-        .collect();
+    let of = |r: &EmbeddingRow| {
+        let d = r.embedding.size();
+        let covariance = r.covariance.clone().unwrap_or_default();
+        covariance.into_iter().step_by(d + 1).map(f64::sqrt)
+    };
+    let mut errors: Vec<f64> = rows.iter().flat_map(of).collect();
     errors.sort_by(f64::total_cmp);
     errors.get(errors.len() / 2).copied()
 }
 
-fn fit(
-    personalizer: &Personalizer<'_>,
-    task: &Task<'_>,
-    seed: u64,
-) -> Result<(EmbeddingRow, Vec<String>), StudyError> {
+fn fit(personalizer: &Personalizer<'_>, task: &Task<'_>) -> Result<EmbeddingRow, StudyError> {
     let score = task.adb.filter(|_| task.use_adb);
-    let found = personalizer.fit(task.drive, score, seed)?;
+    let found = personalizer.fit(task.drive, score)?;
     let axis = AggressionAxis::of(personalizer.model()).ok();
     let meta = task.drive.meta();
-    let row = EmbeddingRow {
+    Ok(EmbeddingRow {
         drive: meta.drive.clone(),
         participant: meta.participant.clone(),
         condition: meta.condition,
@@ -275,29 +262,9 @@ fn fit(
             .as_ref()
             .map(|a| a.position(&found.embedding))
             .transpose()?,
-        start_spread: Some(found.start_spread),
-        rows: Some(found.rows),
-        details: Some(details(personalizer.model(), &found, axis.as_ref())),
+        readings: Some(found.readings),
+        line_position_se: axis.and_then(|a| found.sd_along(a.gradient())),
+        covariance: found.covariance,
         embedding: found.embedding,
-    };
-    let said = found.warnings.iter().map(ToString::to_string);
-    Ok((row, said.collect()))
-}
-
-fn details(model: &Model, found: &Personalized, axis: Option<&AggressionAxis>) -> FitDetails {
-    let all = |values: Option<&[f64]>| match values {
-        Some(values) => values.iter().copied().map(Some).collect(),
-        None => vec![None; model.embedding_size()],
-    };
-    let uncertainty = found.uncertainty.as_ref();
-    let guess = found.amortized_guess.as_ref();
-    FitDetails {
-        standard_error: all(uncertainty.map(|u| u.standard_error.as_slice())),
-        start_spread: all(Some(&found.start_spread_by_coordinate)),
-        amortized_guess: all(guess.map(maveric_domain::Embedding::coordinates)),
-        line_position_se: axis
-            .zip(uncertainty)
-            .map(|(axis, u)| u.along(axis.gradient())),
-        effective_rows: uncertainty.map(|u| u.effective_rows),
-    }
+    })
 }

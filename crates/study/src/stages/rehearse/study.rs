@@ -169,9 +169,9 @@ fn embedding(
         adb,
         adb_hat: None,
         line_position: Some(position),
-        start_spread: None,
-        rows: None,
-        details: None,
+        readings: None,
+        covariance: None,
+        line_position_se: None,
         embedding: Embedding::new(vec![position])?,
     })
 }
@@ -186,6 +186,8 @@ fn condition_row(
         condition: condition.id,
         adb_hat: 0.0,
         moved_points: condition.dial().unwrap_or(0.0),
+        moved_points_sd: None,
+        clamped: false,
         angle_rad: (condition.car == Some(Car::Across)).then_some(angle),
         beyond_training: false,
         sweep: None,

@@ -166,8 +166,9 @@ pub(super) fn page(options: &ReportOptions) -> Result<(Report, Vec<String>), Stu
     }
     summary.extend(
         training
-            .left_out
+            .networks
             .iter()
+            .flat_map(|n| &n.left_out)
             .map(|l| format!("Left out of the training: {l}.")),
     );
     let findings = summary.clone();

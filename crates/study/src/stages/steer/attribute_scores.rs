@@ -235,9 +235,9 @@ mod tests {
             adb: None,
             adb_hat: None,
             line_position: None,
-            start_spread: None,
-            rows: None,
-            details: None,
+            readings: None,
+            covariance: None,
+            line_position_se: None,
             embedding: Embedding::new(vec![0.0]).unwrap(),
         }
     }

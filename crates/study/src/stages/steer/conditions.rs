@@ -101,16 +101,24 @@ pub(super) fn conditions(
                 warnings.push(format!("drive {id}: left out by exclude.drives"));
                 continue;
             }
+            let clamped_before = steering.clamped;
             let Some((embedding, moved_points, angle_rad)) =
                 steering.place(study, condition, person)?
             else {
                 continue;
             };
+            let ends = embedding.coordinates().iter();
+            let step: Vec<f64> = ends
+                .zip(person.embedding.coordinates())
+                .map(|(a, b)| a - b)
+                .collect();
             rows.push(ConditionRow {
                 participant: person.participant.clone(),
                 condition: condition.id,
                 adb_hat: scale.outward(axis.aggression_hat(&embedding)?),
                 moved_points: moved_points / scale.stretch(),
+                moved_points_sd: axis.step_sd(&step).map(|sd| sd / scale.stretch()),
+                clamped: steering.clamped > clamped_before,
                 angle_rad,
                 beyond_training: is_beyond(model, &embedding)?,
                 sweep: None,

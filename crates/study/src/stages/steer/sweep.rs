@@ -76,11 +76,18 @@ pub(super) fn sweep(
             clamped += usize::from(cut);
             let adb_hat = axis.aggression_hat(&embedding)?;
             let moved_points = adb_hat - own_hat;
+            let ends = embedding.coordinates().iter();
+            let step: Vec<f64> = ends
+                .zip(row.embedding.coordinates())
+                .map(|(a, b)| a - b)
+                .collect();
             conditions.push(ConditionRow {
                 participant: row.participant.clone(),
                 condition: condition(requested_points, moved_points),
                 adb_hat,
                 moved_points,
+                moved_points_sd: axis.step_sd(&step),
+                clamped: cut,
                 angle_rad: None,
                 beyond_training: is_beyond(model, &embedding)?,
                 sweep: Some(SweepPoint {

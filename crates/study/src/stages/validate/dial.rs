@@ -12,6 +12,9 @@ use serde::Serialize;
 /// Paper, "Results": signs of the correlations with the aggression line.
 const RISES: [f64; 5] = [1.0, -1.0, -1.0, 1.0, -1.0];
 
+/// Lane changes of twelve possible from which a driver hardly has room for more.
+pub const FULL: f64 = 10.0;
+
 /// Share of drivers for whom one setting of the dial did what it should.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Right {
@@ -19,6 +22,13 @@ pub struct Right {
     pub n: usize,
     /// Drivers whose measure moved the right way; no move at all counts as wrong.
     pub right: usize,
+    /// Drivers whose measure did not move at all.
+    pub tied: usize,
+    /// Drivers among `n` who had room to move: all, but for more lane changes, where it is those who make fewer than
+    /// [`FULL`] at 0.
+    pub with_room: usize,
+    /// Drivers among those whose measure moved the right way.
+    pub right_with_room: usize,
     /// `right` / `n`.
     pub share: Option<f64>,
     /// Mean change from 0, in the measure's unit.
@@ -53,17 +63,27 @@ pub struct Dial {
 }
 
 fn right(drivers: &[Vec<Values>], k: usize, at: usize, zero: usize, sign: f64) -> Right {
-    let changes: Vec<f64> = drivers
+    let more_changes = MEASURES[k] == "lane_changes" && sign > 0.0;
+    // The change from 0, and whether there was room for it.
+    let changes: Vec<(f64, bool)> = drivers
         .iter()
-        .filter_map(|d| Some(d[at][k]? - d[zero][k]?))
+        .filter_map(|d| {
+            let (there, here) = (d[at][k]?, d[zero][k]?);
+            Some((there - here, !more_changes || here < FULL))
+        })
         .collect();
-    let right = changes.iter().filter(|c| sign * **c > 0.0).count();
+    let is_right = |c: &&(f64, bool)| sign * c.0 > 0.0;
+    let right = changes.iter().filter(is_right).count();
     let n = changes.len();
+    let moved: Vec<f64> = changes.iter().map(|c| c.0).collect();
     Right {
         n,
         right,
+        tied: moved.iter().filter(|c| c.abs() < 1e-12).count(),
+        with_room: changes.iter().filter(|c| c.1).count(),
+        right_with_room: changes.iter().filter(|c| c.1).filter(is_right).count(),
         share: (n > 0).then(|| right as f64 / n as f64),
-        mean_change: super::mean(&changes),
+        mean_change: super::mean(&moved),
     }
 }
 

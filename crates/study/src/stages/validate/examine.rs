@@ -3,7 +3,8 @@
 use super::{
     dial::{Dial, dial},
     fidelity::{Fidelity, fidelity},
-    identity::{Identification, identify, within_person},
+    identity::{Identification, Known, identify, identify_posteriors, within_person},
+    likeness::{Driven, Likeness, likeness},
     line::{Agreement, agreement, regression},
     people::{MEASURES, People, Person, Values, standardiser, values},
     perpendicular::{Across, across},
@@ -15,8 +16,9 @@ use crate::{
 use maveric_domain::{
     AdbScore, ConditionId, Drive, DriveId, DriveMeta, DrivenBy, Embedding, stream_seed,
 };
+use maveric_measures::likeness::{Window, windows};
 use maveric_model::{
-    Model, PersonalizeParams, PersonalizeSettings, personalize,
+    Model, PersonalizeParams, PersonalizeSettings, Personalized, personalize,
     style_space::{AggressionAxis, PerpendicularEllipse, share_outside_training, shift},
 };
 use maveric_simulator::{Driver, Scenario, rollout};
@@ -33,6 +35,8 @@ pub struct Examined {
     pub identity: Vec<Identification>,
     /// Is Mimic like its driver?
     pub fidelity: Vec<Fidelity>,
+    /// And as a distribution?
+    pub likeness: Vec<Likeness>,
     /// Settings of the dial, in ADB points.
     pub steps: Vec<f64>,
     /// Does the dial do what it says?
@@ -47,6 +51,8 @@ pub struct Examined {
     pub beyond_training: Option<f64>,
     /// Collisions over all of the car's drives.
     pub collisions: u32,
+    /// Episodes over them with the vehicle ahead nearer than the safety rule allows.
+    pub rule_violations: u32,
     /// The car's drives.
     pub drives: usize,
 }
@@ -84,6 +90,9 @@ struct Ride<'a> {
 struct Ridden {
     values: Values,
     collisions: u32,
+    /// Episodes with the vehicle ahead nearer than the safety rule allows.
+    rule_violations: u32,
+    windows: Vec<Window>,
     read_back: Option<Embedding>,
 }
 
@@ -101,14 +110,21 @@ impl Bench<'_> {
             trained_on,
         } = self.people;
         let axis = AggressionAxis::of(model)?;
-        let fit = |people: &[Person], of: Day, with: bool| {
+        let known = |people: &[Person], of: Day, with: bool| {
             for_each_on(self.jobs, people, watch, "embeddings", |p| {
-                self.embed(model, of(p), p.adb.filter(|_| with))
+                known_style(model, of(p), p.adb.filter(|_| with))
             })
         };
+        let fit = |people: &[Person], of: Day, with: bool| -> Result<Vec<Embedding>, StudyError> {
+            let known = known(people, of, with)?;
+            Ok(known.into_iter().map(|k| k.embedding).collect())
+        };
         let (first, again): (Day, Day) = (|p| &p.first, |p| &p.again);
-        let own = fit(test, first, false)?;
-        let own_again = fit(test, again, false)?;
+        let (known_first, known_again) = (known(test, first, false)?, known(test, again, false)?);
+        let embeddings = |known: &[Personalized]| -> Vec<Embedding> {
+            known.iter().map(|k| k.embedding.clone()).collect()
+        };
+        let (own, own_again) = (embeddings(&known_first), embeddings(&known_again));
         let scored = fit(test, first, true)?;
         let scored_again = fit(test, again, true)?;
         let days = (fit(training, first, false)?, fit(training, again, false)?);
@@ -133,6 +149,9 @@ impl Bench<'_> {
                 ..Self::ride(person, w, 0)
             });
         }
+        for person in test {
+            rides.push(Self::ride(person, model.mean_embedding(), 0));
+        }
         let driven = for_each_on(self.jobs, &rides, watch, "drives", |r| self.drive(model, r))?;
         let beyond: Vec<Embedding> = rides[..STEPS.len() * self.worlds * test.len()]
             .iter()
@@ -140,7 +159,8 @@ impl Bench<'_> {
             .collect();
         let (settings, rest) = driven.split_at(STEPS.len() * self.worlds * test.len());
         let (sideways, rest) = rest.split_at(test.len());
-        let (elsewhere, unscored) = rest.split_at(test.len());
+        let (elsewhere, rest) = rest.split_at(test.len());
+        let (unscored, average) = rest.split_at(test.len());
         let of = |ridden: &[Ridden]| -> Vec<Values> { ridden.iter().map(|r| r.values).collect() };
         let sweep = self.averaged(settings);
         // One drive a person, as in the study: fidelity is not helped by averaging roads.
@@ -148,6 +168,17 @@ impl Bench<'_> {
             .chunks_exact(STEPS.len() * self.worlds)
             .map(|d| d[ZERO * self.worlds].values)
             .collect();
+        let shown = |ridden: &[Ridden]| ridden.iter().map(|r| r.windows.clone()).collect();
+        let seen = |of: Day| test.iter().map(|p| windows(of(p))).collect();
+        let like = Driven {
+            own: seen(first),
+            again: seen(again),
+            mimic: settings
+                .chunks_exact(STEPS.len() * self.worlds)
+                .map(|d| d[ZERO * self.worlds].windows.clone())
+                .collect(),
+            average: shown(average),
+        };
         let own_values: Vec<Values> = test.iter().map(|p| values(&p.first)).collect();
         let again_values: Vec<Values> = test.iter().map(|p| values(&p.again)).collect();
         let measured: Vec<Values> = trained_on.iter().map(|(v, _)| *v).collect();
@@ -201,6 +232,11 @@ impl Bench<'_> {
         for (what, known, seen, by) in &questions {
             identity.extend(identify(what, known, seen, by.as_ref())?);
         }
+        let both = (styles(&known_first), styles(&known_again));
+        if let (Some(first), Some(again)) = both {
+            let what = "embedding of the second drive";
+            identity.extend(identify_posteriors(what, &first, &again)?);
+        }
 
         let position = |points: &[Embedding]| -> Result<Vec<Option<f64>>, StudyError> {
             points.iter().map(|e| Ok(Some(axis.position(e)?))).collect()
@@ -230,6 +266,8 @@ impl Bench<'_> {
                 &of(elsewhere),
                 &training_own,
             ),
+            likeness: likeness(&like, self.seed)?,
+            rule_violations: driven.iter().map(|d| d.rule_violations).sum(),
             steps: STEPS.to_vec(),
             dial: dial(&STEPS, self.points, &sweep)?,
             perpendicular: across(&angles, &mimic, &of(sideways), &of(elsewhere))?,
@@ -239,20 +277,6 @@ impl Bench<'_> {
             collisions: driven.iter().map(|d| d.collisions).sum(),
             drives: driven.len(),
         })
-    }
-
-    fn embed(
-        &self,
-        model: &Model,
-        drive: &Drive,
-        adb: Option<AdbScore>,
-    ) -> Result<Embedding, StudyError> {
-        let settings = PersonalizeSettings {
-            use_adb: adb.is_some(),
-            ..PersonalizeSettings::default()
-        };
-        let params = PersonalizeParams::new(settings)?;
-        Ok(personalize(model, drive, adb, &params, self.seed)?.embedding)
     }
 
     fn ride<'p>(person: &'p Person, embedding: &Embedding, world: usize) -> Ride<'p> {
@@ -320,14 +344,42 @@ impl Bench<'_> {
         let drive = Drive::from_recording(meta, &driven.recording)?;
         let read_back = ride
             .read_back
-            .then(|| self.embed(model, &drive, None))
-            .transpose()?;
+            .then(|| known_style(model, &drive, None))
+            .transpose()?
+            .map(|k| k.embedding);
         Ok(Ridden {
             values: values(&drive),
             collisions: driven.report.collisions,
+            rule_violations: driven.report.rule_violations,
+            windows: windows(&drive),
             read_back,
         })
     }
+}
+
+/// A style solved from a drive, with the score where one is given.
+fn known_style(
+    model: &Model,
+    drive: &Drive,
+    adb: Option<AdbScore>,
+) -> Result<Personalized, StudyError> {
+    let settings = PersonalizeSettings {
+        use_adb: adb.is_some(),
+        ..PersonalizeSettings::default()
+    };
+    let params = PersonalizeParams::new(settings)?;
+    Ok(personalize(model, drive, adb, &params)?)
+}
+
+/// Styles with their covariances; `None` where one has none.
+fn styles(known: &[Personalized]) -> Option<Vec<Known>> {
+    let of = |k: &Personalized| {
+        let d = k.embedding.size();
+        let covariance = k.covariance.as_ref()?;
+        let rows = covariance.chunks_exact(d).map(<[f64]>::to_vec);
+        Some((k.embedding.coordinates().to_vec(), rows.collect()))
+    };
+    known.iter().map(of).collect()
 }
 
 /// Title of each measure, for warnings and tables.

@@ -12,6 +12,8 @@ pub enum Metric {
     Euclidean,
     /// Mahalanobis distance by the covariance of one person's two days, over the training people.
     WithinPerson,
+    /// By the covariances of the two posteriors themselves: −2 ln of the density of the difference.
+    Posterior,
 }
 
 /// How well drivers are found again among `n`.
@@ -68,22 +70,63 @@ pub(super) fn identify(
             ranks(&whiten(known, by), &whiten(seen, by)),
         ));
     }
-    let row = |(metric, ranks): (Metric, Vec<usize>)| {
-        let n = ranks.len();
-        let hits = ranks.iter().filter(|&&r| r == 1).count();
-        let share = maveric_stats::proportion(hits, n, 0.95)?;
-        Ok(Identification {
-            what,
-            metric,
-            n,
-            hits,
-            rate: share.estimate,
-            low: share.low,
-            high: share.high,
-            mean_rank: ranks.iter().sum::<usize>() as f64 / n as f64,
-        })
-    };
+    let row = |(metric, ranks): (Metric, Vec<usize>)| identification(what, metric, &ranks);
     found.into_iter().map(row).collect()
+}
+
+fn identification(
+    what: &'static str,
+    metric: Metric,
+    ranks: &[usize],
+) -> Result<Identification, StudyError> {
+    let n = ranks.len();
+    let hits = ranks.iter().filter(|&&r| r == 1).count();
+    let share = maveric_stats::proportion(hits, n, 0.95)?;
+    Ok(Identification {
+        what,
+        metric,
+        n,
+        hits,
+        rate: share.estimate,
+        low: share.low,
+        high: share.high,
+        mean_rank: ranks.iter().sum::<usize>() as f64 / n as f64,
+    })
+}
+
+/// A style as far as it is known: mean and covariance, shape `(d, d)`.
+pub(super) type Known = (Vec<f64>, Vec<Vec<f64>>);
+
+/// Looks for the driver of each style of `seen` among `known` by what both posteriors leave open; `None` where a covariance
+/// cannot be inverted.
+///
+/// # Errors
+/// [`StudyError::Stats`] without a driver.
+pub(super) fn identify_posteriors(
+    what: &'static str,
+    known: &[Known],
+    seen: &[Known],
+) -> Result<Option<Identification>, StudyError> {
+    let distance = |a: &Known, b: &Known| {
+        let sum = a.1.iter().zip(&b.1);
+        let both: Vec<Vec<f64>> = sum
+            .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a + b).collect())
+            .collect();
+        let difference: Vec<f64> = a.0.iter().zip(&b.0).map(|(a, b)| a - b).collect();
+        let factor = Cholesky::of(&both)?;
+        let square: f64 = factor.whiten(&difference).iter().map(|x| x * x).sum();
+        Some(square + factor.ln_determinant())
+    };
+    let mut places = Vec::with_capacity(seen.len());
+    for (i, point) in seen.iter().enumerate() {
+        let distances: Option<Vec<f64>> = known.iter().map(|k| distance(k, point)).collect();
+        let Some(distances) = distances else {
+            return Ok(None);
+        };
+        let nearer = |(j, d): &(usize, &f64)| *j != i && **d <= distances[i];
+        places.push(1 + distances.iter().enumerate().filter(nearer).count());
+    }
+    identification(what, Metric::Posterior, &places).map(Some)
 }
 
 /// The covariance of one person's days: half the mean product of the differences of two, shape `(d, d)`, factored;

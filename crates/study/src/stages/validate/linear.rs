@@ -47,6 +47,12 @@ impl Cholesky {
         x
     }
 
+    /// ln of the determinant of A.
+    pub(super) fn ln_determinant(&self) -> f64 {
+        let diagonal = self.lower.iter().enumerate().map(|(i, row)| row[i]);
+        2.0 * diagonal.map(f64::ln).sum::<f64>()
+    }
+
     /// A⁻¹ b.
     pub(super) fn solve(&self, b: &[f64]) -> Vec<f64> {
         let mut x = self.whiten(b);

@@ -6,6 +6,7 @@ mod dial;
 mod examine;
 mod fidelity;
 mod identity;
+mod likeness;
 mod line;
 mod linear;
 mod page;
@@ -13,10 +14,11 @@ mod people;
 mod perpendicular;
 mod tables;
 
-pub use dial::{Dial, Right};
+pub use dial::{Dial, FULL, Right};
 pub use examine::Examined;
 pub use fidelity::Fidelity;
 pub use identity::{Identification, Metric};
+pub use likeness::Likeness;
 pub use line::Agreement;
 pub use perpendicular::Across;
 

@@ -13,8 +13,8 @@ use maveric_report::{
     tables::Table,
 };
 
-/// Tables of identity and fidelity come before those of the dial.
-const FIRST_TABLES: usize = 2;
+/// Tables of identity, fidelity and likeness come before those of the dial.
+const FIRST_TABLES: usize = 3;
 
 pub(super) fn page(
     found: &Validated,

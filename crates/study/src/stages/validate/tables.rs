@@ -1,6 +1,11 @@
 //! What was found, over all models, as tables.
 
-use super::{dial::Right, examine::Examined, identity::Metric, line::Agreement};
+use super::{
+    dial::{FULL, Right},
+    examine::Examined,
+    identity::Metric,
+    line::Agreement,
+};
 use maveric_report::tables::{Cell, Column, Table};
 
 /// Mean over the models and, in brackets, lowest and highest.
@@ -51,6 +56,7 @@ pub(super) fn tables(models: &[Examined], points: f64) -> Vec<Table> {
     vec![
         identity(models, one),
         fidelity(models, one),
+        likeness(models, one),
         dial(models, one, points),
         perpendicular(models, one),
         line(models, one),
@@ -68,6 +74,7 @@ fn identity(models: &[Examined], one: &Examined) -> Table {
             Cell::text(match row.metric {
                 Metric::Euclidean => "straight",
                 Metric::WithinPerson => "within-person",
+                Metric::Posterior => "posterior",
             }),
             percent(&rate),
             interval.map_or(Cell::Missing, |w| {
@@ -91,7 +98,7 @@ fn identity(models: &[Examined], one: &Examined) -> Table {
         format!(
             "Fitted without the ADB score unless said. By chance {:.1}%, mean rank {:.1}. Mean over {} models, in brackets lowest and highest; \
              the interval is Wilson's for the mean rate of {n} drivers. Within-person: Mahalanobis distance by the covariance of two days of one \
-             person over the training people.",
+             person over the training people; posterior: by what both fits leave open themselves.",
             100.0 / n as f64,
             f64::midpoint(n as f64, 1.0),
             models.len()
@@ -137,15 +144,59 @@ fn fidelity(models: &[Examined], one: &Examined) -> Table {
     )
 }
 
+fn likeness(models: &[Examined], one: &Examined) -> Table {
+    let rows = one.likeness.iter().enumerate().map(|(i, row)| {
+        let of =
+            |value: fn(&super::Likeness) -> Option<f64>| each(models, |m| value(&m.likeness[i]));
+        vec![
+            Cell::text(row.what),
+            range(&of(|l| l.mmd2), 3),
+            range(&of(|l| l.divergence), 2),
+            percent(&of(|l| l.different)),
+            percent(&of(|l| l.owner_nearest)),
+            range(&of(|l| l.mean_rank), 1),
+        ]
+    });
+    table(
+        "likeness",
+        "Likeness by distribution: windows of 5 s beside the owner’s first drive",
+        &[
+            "Drive",
+            "MMD²",
+            "Divergence (nats)",
+            "Different, p < .05 (%)",
+            "Owner nearest of all (%)",
+            "Mean rank of the owner",
+        ],
+        rows.collect(),
+        "Speed, time gap, acceleration, jerk and lateral place, each in SDs over all windows of people. MMD²: maximum mean discrepancy, Gaussian \
+         kernel, unbiased, so about 0 for two drives of one distribution; p by 99 random splits. Divergence: Kullback-Leibler, from distances to the \
+         fifth-nearest window. Nearest and rank by MMD² among the first drives of all people."
+            .to_owned(),
+    )
+}
+
 fn dial(models: &[Examined], one: &Examined, points: f64) -> Table {
     let rows = one.dial.iter().enumerate().map(|(i, row)| {
         let share = |of: fn(&super::Dial) -> &Right| each(models, |m| of(&m.dial[i]).share);
+        let room = |of: fn(&super::Dial) -> &Right| {
+            each(models, |m| {
+                let right = of(&m.dial[i]);
+                let n = right.with_room;
+                (n > 0).then(|| right.right_with_room as f64 / n as f64)
+            })
+        };
+        let tied =
+            |of: fn(&super::Dial) -> &Right| each(models, |m| Some(of(&m.dial[i]).tied as f64));
         let change = |of: fn(&super::Dial) -> &Right| each(models, |m| of(&m.dial[i]).mean_change);
         let monotone = each(models, |m| m.dial[i].monotone == Some(true));
         vec![
             Cell::text(row.title),
             percent(&share(|d| &d.aggressive)),
+            percent(&room(|d| &d.aggressive)),
             percent(&share(|d| &d.cautious)),
+            range(&tied(|d| &d.aggressive), 1),
+            range(&tied(|d| &d.cautious), 1),
             range(&change(|d| &d.aggressive), 2),
             range(&change(|d| &d.cautious), 2),
             percent(&each(models, |m| m.dial[i].rising)),
@@ -165,7 +216,10 @@ fn dial(models: &[Examined], one: &Examined, points: f64) -> Table {
         &[
             "Measure",
             "Aggressive right",
+            "of those with room",
             "Cautious right",
+            "Aggressive: ties",
+            "Cautious: ties",
             "Aggressive: change",
             "Cautious: change",
             "Rising",
@@ -174,7 +228,8 @@ fn dial(models: &[Examined], one: &Examined, points: f64) -> Table {
         ],
         rows.collect(),
         format!(
-            "No change counts as wrong; a driver without a value at a setting is left out there. Rising: drivers whose Spearman’s ρ over {} settings \
+            "No change is a tie and counts as wrong; a driver without a value at a setting is left out there. With room: for more lane changes, \
+             those who make fewer than {FULL} of twelve at 0; for the rest everybody. Rising: drivers whose Spearman’s ρ over {} settings \
              from {} to {} points has the right sign; τ: mean over drivers, 1 being a perfect dial. Changes in the measure’s unit. {:.1}% of the \
              embeddings driven lie further out than any training driver.",
             one.steps.len(),

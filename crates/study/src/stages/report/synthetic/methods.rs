@@ -1,11 +1,11 @@
 //! How the study was done, in words, with the numbers that it was done with.
 
 use super::Run;
+use crate::stages::train::TrainingSummary;
 use maveric_domain::{
     MetresPerSecond, Road,
     design::{Car, Compare, Condition},
 };
-use maveric_model::PersonalizeParams;
 
 pub(super) fn text(run: &Run, road: Option<&Road>, minutes: Option<f64>) -> Vec<String> {
     let mut paragraphs = Vec::new();
@@ -20,28 +20,12 @@ pub(super) fn text(run: &Run, road: Option<&Road>, minutes: Option<f64>) -> Vec<
         ));
     }
     if let Some(training) = &run.training {
-        let settings = &training.settings;
-        paragraphs.push(format!(
-            "*Learning.* Windows of {} s at {} Hz; {} passes over {} rows in batches of {}; {}seed {}.",
-            settings.window_s,
-            settings.window_rate_hz,
-            training.epochs.len(),
-            training.rows,
-            settings.batch_size,
-            training.selection.as_ref().map_or_else(String::new, |s| format!(
-                "their number was chosen on {} rows kept back, after which the model learned from all of them; ",
-                s.validation_rows
-            )),
-            training.seed
-        ));
-        let fitted = PersonalizeParams::default();
-        let fitted = fitted.settings();
+        paragraphs.push(learning(training));
         let score = run.design.style().map_or_else(String::new, |style| {
             format!(", once with the driver’s {} and once without", style.label)
         });
         paragraphs.push(format!(
-            "*Personalising.* The networks are frozen; an embedding is fitted to each baseline drive from {} starts with at most {} steps{score}.",
-            fitted.starts, fitted.iterations
+            "*Personalising.* What was learned stays as it is; the embedding of each baseline drive is solved for, with its covariance{score}."
         ));
     }
     let conditions = run.design.conditions().iter();
@@ -59,6 +43,31 @@ pub(super) fn text(run: &Run, road: Option<&Road>, minutes: Option<f64>) -> Vec<
         );
     }
     paragraphs
+}
+
+/// What was learned from, and how.
+fn learning(training: &TrainingSummary) -> String {
+    let settings = &training.settings;
+    let Some(networks) = &training.networks else {
+        return format!(
+            "*Learning.* Every drive is read as events: free speed, gap kept, moving out, merging back, passing or not. A mixed model with \
+             an embedding of size {} explains them; it was fitted to {} drives, seed {}.",
+            settings.embedding_size, training.drives, training.seed
+        );
+    };
+    format!(
+        "*Learning.* The paper’s networks: windows of {} s at {} Hz; {} passes over {} rows in batches of {}; {}seed {}.",
+        settings.window_s,
+        settings.window_rate_hz,
+        networks.epochs.len(),
+        networks.rows,
+        settings.batch_size,
+        networks.selection.as_ref().map_or_else(String::new, |s| format!(
+            "their number was chosen on {} rows kept back, after which the model learned from all of them; ",
+            s.validation_rows
+        )),
+        training.seed
+    )
 }
 
 /// What drove in a condition.

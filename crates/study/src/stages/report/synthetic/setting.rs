@@ -6,12 +6,12 @@ use crate::{
     stages::{
         analyse::lists,
         report::{people::People, scene},
-        train::TrainingSummary,
+        train::{NetworkSummary, TrainingSummary},
     },
     tables::Table as File,
 };
 use maveric_domain::design::By;
-use maveric_model::{Model, RowsOf};
+use maveric_model::{Model, Quality, RowsOf};
 use maveric_report::{
     Figure,
     figures::{
@@ -24,7 +24,7 @@ use maveric_report::{
         training_curves::{LossTerm, TrainingCurves, training_curves},
     },
     html::Section,
-    tables::{self, Exclusion, Reliability},
+    tables::{self, Cell, Column, Exclusion, Reliability, Table},
 };
 use std::path::Path;
 
@@ -150,35 +150,53 @@ pub(super) fn section_model(run: &Run) -> Result<Option<Section>, StudyError> {
     let (Some(model), Some(training)) = (&run.model, &run.training) else {
         return Ok(None);
     };
-    let mut figures = vec![architecture_of(model, run)?];
-    figures.extend(training_of(training, run)?);
-    let quality = training.selection.as_ref().map(|s| &s.quality);
-    let quality = quality.or(training.quality.as_ref());
+    let Some(networks) = &training.networks else {
+        return Ok(Some(Section {
+            title: "The model".to_owned(),
+            intro: vec![format!(
+                "Habits as events, each linear in an embedding of size {}: {} parameters in all, learned from {} drives, S in closed form \
+                 afterwards. Settings: linear heads; the paper’s five networks are `--heads paper`.",
+                model.embedding_size(),
+                training.parameters,
+                training.drives
+            )],
+            figures: Vec::new(),
+            tables: vec![heads_of(training)],
+        }));
+    };
+    let mut figures: Vec<Figure> = architecture_of(model, run)?.into_iter().collect();
+    figures.extend(training_of(training, networks, run)?);
     let mut intro = vec![format!(
-        "Five networks and an embedding of size {} a driver, {} parameters in all, learned from {} rows of {} drives.",
+        "The paper’s five networks and an embedding of size {} a driver, {} parameters in all, learned from {} rows of {} drives.",
         model.embedding_size(),
         training.parameters,
-        training.rows,
+        networks.rows,
         training.drives
     )];
-    if let Some(quality) = quality {
-        let of = match quality.on {
-            RowsOf::Validation => "rows kept back from the training",
-            RowsOf::Training => "the rows trained on",
-        };
-        let mut said = Vec::new();
-        if let Some(found) = &quality.speed_mps {
-            said.push(format!("ego speed {:.2} m/s", found.rmse));
-        }
-        if let Some(found) = &quality.following_distance_m {
-            said.push(format!("following distance {:.1} m", found.rmse));
-        }
-        if !said.is_empty() {
+    let mut said = |of: &str, quality: &Quality| {
+        let speed = quality
+            .speed_mps
+            .as_ref()
+            .map(|f| format!("ego speed {:.2} m/s", f.rmse));
+        let gap = quality.following_distance_m.as_ref();
+        let gap = gap.map(|f| format!("following distance {:.1} m", f.rmse));
+        let both: Vec<String> = speed.into_iter().chain(gap).collect();
+        if !both.is_empty() {
             intro.push(format!(
-                "Root-mean-square errors on {of}: {}.",
-                said.join(", ")
+                "Root-mean-square errors {of}: {}.",
+                both.join(", ")
             ));
         }
+    };
+    said(
+        "of the networks that drive, on the rows they learned from",
+        &networks.quality,
+    );
+    if let Some(selection) = &networks.selection {
+        said(
+            "of networks that did not see the last part of each drive, there",
+            &selection.quality,
+        );
     }
     Ok(Some(Section {
         title: "The model".to_owned(),
@@ -186,6 +204,51 @@ pub(super) fn section_model(run: &Run) -> Result<Option<Section>, StudyError> {
         figures,
         tables: Vec::new(),
     }))
+}
+
+/// What each linear head learned from and how it does on driving kept back.
+fn heads_of(training: &TrainingSummary) -> Table {
+    let rows = training.heads.iter().map(|head| {
+        let kept = head.kept_back.as_ref();
+        let unit = if head.unit == "1" {
+            String::new()
+        } else {
+            format!(" ({})", head.unit)
+        };
+        vec![
+            Cell::text(format!("{}{unit}", head.title)),
+            Cell::text(head.events.to_string()),
+            Cell::number(head.explained.map(|e| 100.0 * e), 0),
+            Cell::number(kept.map(|k| k.head), 2),
+            Cell::number(kept.map(|k| k.own_mean), 2),
+            Cell::number(kept.map(|k| k.everybody), 2),
+        ]
+    });
+    let style = training
+        .style
+        .as_ref()
+        .and_then(|s| s.cross_fitted_r.zip(s.cross_fitted_rmse));
+    let score = style.map_or_else(String::new, |(r, rmse)| {
+        format!(" The score of people left out is read with r = {r:.2}, off by {rmse:.1} points.")
+    });
+    Table {
+        name: "heads".to_owned(),
+        title: "Habits, and how well a style says them".to_owned(),
+        columns: vec![
+            Column::left("Habit"),
+            Column::right("Events"),
+            Column::right("Explained (%)"),
+            Column::right("Off by"),
+            Column::right("Own mean"),
+            Column::right("Everybody’s"),
+        ],
+        rows: rows.collect(),
+        notes: vec![format!(
+            "Explained: share of how drives differ. Off by: root-mean-square error on the last third of drives of people left out, known by \
+             the first two; beside it that driver’s own mean over the first two, and what is said of everybody. A style of few numbers need \
+             not beat the own mean: where it does not, it stands here.{score}"
+        )],
+    }
 }
 
 pub(super) fn reliabilities(folder: &Path) -> Result<Vec<Reliability>, StudyError> {
@@ -270,8 +333,11 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
     Ok(found)
 }
 
-fn architecture_of(model: &Model, run: &Run) -> Result<Figure, StudyError> {
-    let a = model.architecture();
+fn architecture_of(model: &Model, run: &Run) -> Result<Option<Figure>, StudyError> {
+    let Ok(paper) = model.paper() else {
+        return Ok(None);
+    };
+    let a = paper.architecture();
     let hidden = |inputs: usize, outputs: usize| {
         let mut layers = vec![inputs];
         layers.extend(std::iter::repeat_n(a.hidden_units, a.hidden_layers));
@@ -291,10 +357,14 @@ fn architecture_of(model: &Model, run: &Run) -> Result<Figure, StudyError> {
         style: vec![w, 1],
         mutual_information: hidden(1 + 2 * z + 4, 2 * w),
     };
-    Ok(architecture(&sizes, &run.context)?)
+    Ok(Some(architecture(&sizes, &run.context)?))
 }
 
-fn training_of(training: &TrainingSummary, run: &Run) -> Result<Vec<Figure>, StudyError> {
+fn training_of(
+    training: &TrainingSummary,
+    networks: &NetworkSummary,
+    run: &Run,
+) -> Result<Vec<Figure>, StudyError> {
     type Of = fn(&maveric_model::LossTerms) -> Option<f64>;
     let terms: [(&str, Of); 5] = [
         ("*L*_{1} following distance", |l| l.following_distance),
@@ -304,10 +374,10 @@ fn training_of(training: &TrainingSummary, run: &Run) -> Result<Vec<Figure>, Stu
         ("*L*_{5} mutual information", |l| l.mutual_information),
     ];
     // The run that kept rows back shows both curves; the one that made the model has learned from all.
-    let epochs = training
+    let epochs = networks
         .selection
         .as_ref()
-        .map_or(&training.epochs, |s| &s.epochs);
+        .map_or(&networks.epochs, |s| &s.epochs);
     let term = |(title, of): (&str, Of)| {
         let train: Option<Vec<f64>> = epochs.iter().map(|e| of(&e.losses)).collect();
         let kept: Option<Vec<f64>> = epochs.iter().map(|e| of(e.validation.as_ref()?)).collect();
@@ -322,10 +392,8 @@ fn training_of(training: &TrainingSummary, run: &Run) -> Result<Vec<Figure>, Stu
         drives: training.drives,
     };
     let mut figures = vec![training_curves(&curves, &run.context)?];
-    let quality = training.selection.as_ref().map(|s| &s.quality);
-    let Some(quality) = quality.or(training.quality.as_ref()) else {
-        return Ok(figures);
-    };
+    let kept = networks.selection.as_ref().map(|s| &s.quality);
+    let quality = kept.unwrap_or(&networks.quality);
     let held_out = quality.on == RowsOf::Validation;
     if let Some(found) = &quality.lane_change {
         let bins = found.bins.iter().filter(|b| b.seconds >= 1.0);

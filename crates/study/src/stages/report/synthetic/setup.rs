@@ -19,10 +19,10 @@ pub(super) fn setup(
     let mut found: Vec<(String, f64)> = [
         ("steer.adb_shift_points", moved.fold(0.0, f64::max)),
         ("steer.conditions", conditions.len() as f64),
-        ("model.losses", losses(run) as f64),
     ]
     .map(|(key, value)| (key.to_owned(), value))
     .into();
+    found.extend(losses(run).map(|n| ("model.losses".to_owned(), n as f64)));
     let mut set = |key: &str, value: Option<f64>| {
         found.extend(value.map(|value| (key.to_owned(), value)));
     };
@@ -51,11 +51,9 @@ pub(super) fn setup(
     Ok(found)
 }
 
-/// How many of the five losses took part in the training.
-fn losses(run: &Run) -> usize {
-    let Some(last) = run.training.as_ref().and_then(|t| t.epochs.last()) else {
-        return 0;
-    };
+/// How many of the five losses took part in the training; none for heads that have none.
+fn losses(run: &Run) -> Option<usize> {
+    let last = run.training.as_ref()?.networks.as_ref()?.epochs.last()?;
     let l = &last.losses;
     let terms = [
         l.following_distance,
@@ -64,7 +62,7 @@ fn losses(run: &Run) -> usize {
         l.aggression,
         l.mutual_information,
     ];
-    terms.iter().flatten().count()
+    Some(terms.iter().flatten().count())
 }
 
 /// Mean distance of the condition across the dial from that at 0, each half-axis of the ellipse counted as 1.

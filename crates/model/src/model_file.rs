@@ -4,17 +4,16 @@
 //! number written so that it reads back to the same bits. Reading and writing files is the caller's.
 
 use crate::{error::ModelError, model::Model};
-use serde::{Serialize, de::DeserializeOwned};
 
 /// Version of the format; a file of another one is refused.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 const MAGIC: &str = "maveric-model";
 /// The header is shorter than this.
 const HEADER_LIMIT: usize = 128;
 
 /// FNV-1a: one changed byte always changes it, since every step is a bijection.
-pub(crate) fn checksum(bytes: &[u8]) -> u64 {
+fn checksum(bytes: &[u8]) -> u64 {
     let step = |hash: u64, &byte: &u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, step)
 }
@@ -24,7 +23,15 @@ pub(crate) fn checksum(bytes: &[u8]) -> u64 {
 /// # Errors
 /// [`ModelError::BadModelFile`] if the model cannot be written, which no model that exists should cause.
 pub fn to_bytes(model: &Model) -> Result<Vec<u8>, ModelError> {
-    frame(MAGIC, VERSION, model)
+    let body = serde_json::to_vec(model).map_err(|e| ModelError::BadModelFile {
+        problem: e.to_string(),
+    })?;
+    let header = format!(
+        "{MAGIC} {VERSION} {} {:016x}\n",
+        body.len(),
+        checksum(&body)
+    );
+    Ok([header.as_bytes(), &body].concat())
 }
 
 /// The model that [`to_bytes`] wrote.
@@ -33,32 +40,6 @@ pub fn to_bytes(model: &Model) -> Result<Vec<u8>, ModelError> {
 /// [`ModelError::NotAModelFile`], [`ModelError::OtherVersion`], [`ModelError::WrongLength`],
 /// [`ModelError::Damaged`] or [`ModelError::BadModelFile`].
 pub fn from_bytes(bytes: &[u8]) -> Result<Model, ModelError> {
-    unframe(MAGIC, VERSION, bytes)
-}
-
-/// A header line and `value` as JSON.
-pub(crate) fn frame(
-    magic: &str,
-    version: u32,
-    value: &impl Serialize,
-) -> Result<Vec<u8>, ModelError> {
-    let body = serde_json::to_vec(value).map_err(|e| ModelError::BadModelFile {
-        problem: e.to_string(),
-    })?;
-    let header = format!(
-        "{magic} {version} {} {:016x}\n",
-        body.len(),
-        checksum(&body)
-    );
-    Ok([header.as_bytes(), &body].concat())
-}
-
-/// What [`frame`] wrote.
-pub(crate) fn unframe<T: DeserializeOwned>(
-    magic: &str,
-    version: u32,
-    bytes: &[u8],
-) -> Result<T, ModelError> {
     let newline = bytes.iter().take(HEADER_LIMIT).position(|&b| b == b'\n');
     let end = newline.ok_or(ModelError::NotAModelFile)?;
     let header = std::str::from_utf8(&bytes[..end]).map_err(|_| ModelError::NotAModelFile)?;
@@ -67,13 +48,13 @@ pub(crate) fn unframe<T: DeserializeOwned>(
         return Err(ModelError::NotAModelFile);
     };
     let found: u32 = match found.parse() {
-        Ok(found) if *first == magic => found,
+        Ok(found) if *first == MAGIC => found,
         _ => return Err(ModelError::NotAModelFile),
     };
-    if found != version {
+    if found != VERSION {
         return Err(ModelError::OtherVersion {
             found,
-            expected: version,
+            expected: VERSION,
         });
     }
     let [length, sum] = rest else {
@@ -101,6 +82,7 @@ pub(crate) fn unframe<T: DeserializeOwned>(
 mod tests {
     use super::*;
     use crate::{
+        model::HeadsKind,
         params::{TrainParams, TrainSettings},
         test_drives::drivers,
         train::{TrainingDrive, train},
@@ -118,6 +100,7 @@ mod tests {
             .collect();
         let params = TrainParams::new(TrainSettings {
             epochs: 1,
+            heads: HeadsKind::Paper,
             hidden_units: 6,
             encoder_units: 5,
             ..TrainSettings::default()
@@ -145,7 +128,7 @@ mod tests {
             assert!(from_bytes(&bytes[..at]).is_err(), "cut at {at}");
         }
         let text = String::from_utf8(bytes.clone()).unwrap();
-        let other = text.replacen("maveric-model 2 ", "maveric-model 1 ", 1);
+        let other = text.replacen("maveric-model 3 ", "maveric-model 1 ", 1);
         assert!(matches!(
             from_bytes(other.as_bytes()),
             Err(ModelError::OtherVersion { found: 1, .. })

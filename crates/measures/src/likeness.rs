@@ -1,0 +1,236 @@
+//! How alike two drives are as distributions: means can agree where the driving does not.
+
+use maveric_domain::{Drive, stream_seed};
+use rand::{SeedableRng, seq::SliceRandom};
+use rand_pcg::Pcg64Mcg;
+use std::ops::Range;
+
+/// Numbers that describe a window: speed, time gap ahead, acceleration, jerk, lateral place.
+pub const FEATURES: usize = 5;
+
+/// Length of a window, in s.
+const WINDOW_S: f64 = 5.0;
+/// Time gap from which ego is on free road, in s.
+const FREE_S: f64 = 6.0;
+/// Ego speed below which a gap is no time gap, in m/s.
+const STANDSTILL_MPS: f64 = 0.5;
+/// Neighbour by which densities are compared.
+const NEIGHBOUR: usize = 5;
+/// Least distance that counts as one, in spreads: two windows of one steady stretch are all but the same.
+const LEAST_DISTANCE: f64 = 1e-3;
+
+/// A window's numbers.
+pub type Window = [f64; FEATURES];
+
+/// The windows of a drive, one after the other; what is left at the end of a segment is left out.
+///
+/// Mean speed (m/s), mean time gap to the reference vehicle ahead in ego's lane (s, at most 6, which is also free road), root mean square of
+/// acceleration (m/s²) and of jerk (m/s³) between samples half a second apart, mean distance from the right lane's centre (m).
+pub fn windows(drive: &Drive) -> Vec<Window> {
+    let rows = drive.rows();
+    let length = ((WINDOW_S * drive.rate_hz()).round() as usize).max(1);
+    let mut found = Vec::new();
+    let mut start = 0;
+    while start + length <= drive.len() {
+        let end = start + length;
+        if let Some(cut) = (start + 1..end).find(|&r| rows.segment[r] != rows.segment[start]) {
+            start = cut;
+            continue;
+        }
+        found.push(window(drive, start..end));
+        start = end;
+    }
+    found
+}
+
+fn window(drive: &Drive, at: Range<usize>) -> Window {
+    let rows = drive.rows();
+    let n = at.len() as f64;
+    let half = 0.5 * drive.road().lane_width_m;
+    let gap = |row: usize| {
+        let speed = rows.ego_speed_mps[row];
+        let behind = rows.lead_present[row]
+            && rows.lead_dx_m[row] > 0.0
+            && rows.lead_dy_m[row].abs() < half
+            && speed > STANDSTILL_MPS;
+        if behind {
+            (rows.lead_dx_m[row] / speed).min(FREE_S)
+        } else {
+            FREE_S
+        }
+    };
+    let apart = ((0.5 * drive.rate_hz()).round() as usize).max(1);
+    let step_s = apart as f64 / drive.rate_hz();
+    let speeds: Vec<f64> = at
+        .clone()
+        .step_by(apart)
+        .map(|r| rows.ego_speed_mps[r])
+        .collect();
+    let differences = |values: &[f64]| -> Vec<f64> {
+        values.windows(2).map(|w| (w[1] - w[0]) / step_s).collect()
+    };
+    let root = |values: &[f64]| {
+        let squares: f64 = values.iter().map(|v| v * v).sum();
+        (squares / values.len().max(1) as f64).sqrt()
+    };
+    let acceleration = differences(&speeds);
+    [
+        at.clone().map(|r| rows.ego_speed_mps[r]).sum::<f64>() / n,
+        at.clone().map(gap).sum::<f64>() / n,
+        root(&acceleration),
+        root(&differences(&acceleration)),
+        at.map(|r| rows.ego_y_m[r]).sum::<f64>() / n,
+    ]
+}
+
+/// SD of each number over the windows of many drives: what one unit of distance is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread([f64; FEATURES]);
+
+impl Spread {
+    /// Over all windows of `drives`; 1 for a number that does not vary.
+    pub fn of<'a>(drives: impl Iterator<Item = &'a [Window]>) -> Self {
+        let all: Vec<&Window> = drives.flatten().collect();
+        let n = all.len().max(1) as f64;
+        Self(std::array::from_fn(|k| {
+            let mean = all.iter().map(|w| w[k]).sum::<f64>() / n;
+            let sd = (all.iter().map(|w| (w[k] - mean).powi(2)).sum::<f64>() / n).sqrt();
+            if sd > 1e-9 { sd } else { 1.0 }
+        }))
+    }
+
+    fn square(&self, a: &Window, b: &Window) -> f64 {
+        let of = |k: usize| ((a[k] - b[k]) / self.0[k]).powi(2);
+        (0..FEATURES).map(of).sum()
+    }
+}
+
+/// How far two sets of windows are apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Discrepancy {
+    /// Squared maximum mean discrepancy: Gaussian kernel, its width the median distance of the pooled windows, unbiased (so it may be
+    /// below 0 for two sets of one distribution).
+    pub mmd2: f64,
+    /// Share of random splits of the pooled windows that are at least as far apart; none without permutations.
+    pub p: Option<f64>,
+    /// Kullback-Leibler divergence of the first from the second, in nats, from distances to the fifth-nearest window.
+    pub divergence: f64,
+}
+
+/// Compares two sets of windows, each of seven or more; `None` of fewer. `permutations` decide how fine p is, 0 leaves it out.
+///
+/// # Source
+/// Gretton et al. 2012 (JMLR 13, 723), equation 3; Pérez-Cruz 2008 for the divergence; both for personal driving in Person2Drive (arXiv 2602.18757).
+pub fn discrepancy(
+    one: &[Window],
+    other: &[Window],
+    spread: &Spread,
+    permutations: usize,
+    seed: u64,
+) -> Option<Discrepancy> {
+    let (m, n) = (one.len(), other.len());
+    if m.min(n) < NEIGHBOUR + 2 {
+        return None;
+    }
+    let pooled: Vec<&Window> = one.iter().chain(other).collect();
+    let size = m + n;
+    let mut squares = vec![0.0; size * size];
+    for i in 0..size {
+        for j in 0..i {
+            let square = spread.square(pooled[i], pooled[j]);
+            (squares[i * size + j], squares[j * size + i]) = (square, square);
+        }
+    }
+    let mut below: Vec<f64> = (0..size)
+        .flat_map(|i| squares[i * size..i * size + i].to_vec())
+        .collect();
+    below.sort_by(f64::total_cmp);
+    let width = below[below.len() / 2].max(1e-12);
+    let kernel: Vec<f64> = squares.iter().map(|s| (-s / (2.0 * width)).exp()).collect();
+    let mut first: Vec<bool> = (0..size).map(|i| i < m).collect();
+    let found = mmd2(&kernel, &first, m, n);
+    let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(seed, &["likeness", "permutations"]));
+    let mut as_far = 0;
+    for _ in 0..permutations {
+        first.shuffle(&mut rng);
+        as_far += usize::from(mmd2(&kernel, &first, m, n) >= found);
+    }
+    Some(Discrepancy {
+        mmd2: found,
+        p: (permutations > 0).then(|| (as_far + 1) as f64 / (permutations + 1) as f64),
+        divergence: divergence(&squares, m, n),
+    })
+}
+
+fn mmd2(kernel: &[f64], first: &[bool], m: usize, n: usize) -> f64 {
+    let size = first.len();
+    let (mut within, mut beyond, mut across) = (0.0, 0.0, 0.0);
+    for i in 0..size {
+        for (j, k) in kernel[i * size..i * size + i].iter().enumerate() {
+            match (first[i], first[j]) {
+                (true, true) => within += k,
+                (false, false) => beyond += k,
+                _ => across += k,
+            }
+        }
+    }
+    let pairs = |n: usize| (n * (n - 1)) as f64 / 2.0;
+    within / pairs(m) + beyond / pairs(n) - 2.0 * across / (m * n) as f64
+}
+
+/// ln of the ratio of densities at each of the first `m`, by the distance to the fifth neighbour among either set.
+fn divergence(squares: &[f64], m: usize, n: usize) -> f64 {
+    let size = m + n;
+    let fifth = |mut found: Vec<f64>| {
+        found.sort_by(f64::total_cmp);
+        found[NEIGHBOUR - 1].sqrt().max(LEAST_DISTANCE)
+    };
+    let ratio = |i: usize| {
+        let line = &squares[i * size..(i + 1) * size];
+        let own = (0..m).filter(|&j| j != i).map(|j| line[j]).collect();
+        (fifth(line[m..].to_vec()) / fifth(own)).ln()
+    };
+    let mean = (0..m).map(ratio).sum::<f64>() / m as f64;
+    FEATURES as f64 * mean + (n as f64 / (m as f64 - 1.0)).ln()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_distr::{Distribution, StandardNormal};
+
+    fn drawn(n: usize, shift: f64, seed: u64) -> Vec<Window> {
+        let mut rng = Pcg64Mcg::seed_from_u64(seed);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+        (0..n)
+            .map(|_| std::array::from_fn(|k| normal() + if k == 0 { shift } else { 0.0 }))
+            .collect()
+    }
+
+    fn between(shift: f64, seed: u64) -> Discrepancy {
+        let (a, b) = (drawn(120, 0.0, seed), drawn(120, shift, seed + 1000));
+        let spread = Spread::of([a.as_slice(), b.as_slice()].into_iter());
+        discrepancy(&a, &b, &spread, 99, 1).unwrap()
+    }
+
+    #[test]
+    fn two_draws_of_one_distribution_are_no_distance_apart_and_others_are() {
+        let same: Vec<Discrepancy> = (0..20).map(|s| between(0.0, s)).collect();
+        let mean = |of: fn(&Discrepancy) -> f64| same.iter().map(of).sum::<f64>() / 20.0;
+        // Unbiased: about 0 on average, and p about uniform.
+        assert!(mean(|d| d.mmd2).abs() < 3e-3, "{}", mean(|d| d.mmd2));
+        assert!((0.3..0.7).contains(&mean(|d| d.p.unwrap())));
+        assert!(mean(|d| d.divergence).abs() < 0.3);
+        let far = between(1.5, 7);
+        assert!(far.p.unwrap() < 0.02 && far.mmd2 > 0.05, "{far:?}");
+        assert!(far.divergence > 0.5, "{far:?}");
+        assert!(between(0.7, 7).mmd2 < far.mmd2);
+    }
+
+    #[test]
+    fn too_few_windows_say_nothing() {
+        let few = drawn(5, 0.0, 1);
+        let spread = Spread::of(std::iter::once(few.as_slice()));
+        assert_eq!(discrepancy(&few, &few, &spread, 0, 1), None);
+    }
+}

@@ -1,0 +1,93 @@
+//! A head with its numbers: what training finds, and what a style makes of it.
+
+use super::head::{Event, HEADS, Head};
+use crate::error::ModelError;
+use serde::{Deserialize, Serialize};
+
+/// A head's numbers.
+///
+/// `η = common·z + slopes·w + u`, `u` a drive's own deviation that the style does not explain.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FittedHead {
+    /// Its code name.
+    pub name: String,
+    /// a: weights of the constant and of what is read, shape `(1 + reads,)`.
+    pub common: Vec<f64>,
+    /// B: how far the style moves η, shape `(d,)`.
+    pub slopes: Vec<f64>,
+    /// SD of a drive's own deviation from what its style says, in η's unit: between people and days.
+    pub between_sd: f64,
+    /// SD of one event around its drive's η; 0 for a probability, which needs none.
+    pub within_sd: f64,
+    /// Events learned from; 0: nothing was learned.
+    pub events: usize,
+    /// Drives among them.
+    pub drives: usize,
+}
+
+impl FittedHead {
+    /// η without a drive's own deviation, for a style and a situation.
+    pub(crate) fn eta(&self, w: &[f64], z: impl Iterator<Item = f64>) -> f64 {
+        let common: f64 = self.common.iter().zip(z).map(|(a, z)| a * z).sum();
+        common + self.slopes.iter().zip(w).map(|(b, w)| b * w).sum::<f64>()
+    }
+
+    /// Whether there was anything to learn from.
+    pub fn learned(&self) -> bool {
+        self.events > 0
+    }
+}
+
+/// Checks heads that were read from a file: all of [`HEADS`], in their order, of one size.
+pub(crate) fn check(heads: &[FittedHead], d: usize) -> Result<(), ModelError> {
+    let bad = |problem: String| Err(ModelError::BadModelFile { problem });
+    if heads.len() != HEADS.len() {
+        return bad(format!("{} heads, expected {}", heads.len(), HEADS.len()));
+    }
+    for (head, known) in heads.iter().zip(&HEADS) {
+        if head.name != known.name {
+            return bad(format!("head `{}`, expected `{}`", head.name, known.name));
+        }
+        let sizes = (head.common.len(), head.slopes.len());
+        if sizes != (1 + known.reads.len(), d) {
+            return bad(format!("head `{}` is of another size", head.name));
+        }
+        let numbers = head.common.iter().chain(&head.slopes);
+        let sds = [head.between_sd, head.within_sd];
+        if !numbers.chain(&sds).all(|x| x.is_finite()) || sds.iter().any(|s| *s < 0.0) {
+            return bad(format!("head `{}` holds no usable numbers", head.name));
+        }
+    }
+    Ok(())
+}
+
+/// What a head says of one driver: `η = common·z` with the style folded in.
+#[derive(Debug, Clone)]
+pub struct OwnHead {
+    head: &'static Head,
+    common: Vec<f64>,
+}
+
+impl OwnHead {
+    pub(crate) fn new(head: &'static Head, fitted: &FittedHead, w: &[f64]) -> Option<Self> {
+        if !fitted.learned() {
+            return None;
+        }
+        let mut common = fitted.common.clone();
+        common[0] = fitted.eta(w, std::iter::once(1.0));
+        Some(Self { head, common })
+    }
+
+    /// The middle of what this driver does in the situation `reads`, in the head's unit.
+    pub fn middle(&self, reads: &[f64]) -> f64 {
+        let z = std::iter::once(&1.0).chain(reads);
+        let eta = self.common.iter().zip(z).map(|(a, z)| a * z).sum();
+        self.head.family.middle(eta)
+    }
+
+    /// The middle for the situation of an event.
+    pub(crate) fn of(&self, event: &Event) -> f64 {
+        self.middle(&event.reads)
+    }
+}

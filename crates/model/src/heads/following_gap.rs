@@ -1,0 +1,38 @@
+//! The time gap kept behind somebody.
+
+use super::{
+    family::{Family, Outcome},
+    head::{Event, Head},
+    situation::{blocks, mean},
+};
+use maveric_domain::Drive;
+
+/// Time in which the gap settles, in s.
+const SETTLE_S: f64 = 3.0;
+/// Length of a block, in s.
+const BLOCK_S: f64 = 8.0;
+/// Shortest time gap that counts, in s: a logarithm has to exist.
+const SHORTEST_S: f64 = 0.1;
+
+pub(super) const HEAD: Head = Head {
+    name: "following_gap_s",
+    title: "Time gap while following",
+    unit: "s",
+    family: Family::LogNormal,
+    reads: &[],
+    events,
+};
+
+fn events(drive: &Drive) -> Vec<Event> {
+    let rows = drive.rows();
+    let found = blocks(drive, SETTLE_S, BLOCK_S, |row| rows.following[row]);
+    let of = |block: std::ops::Range<usize>| {
+        let gap_s = mean(&rows.lead_dx_m, &block) / mean(&rows.ego_speed_mps, &block);
+        (gap_s > SHORTEST_S).then(|| Event {
+            time_s: rows.time_s[block.start] - rows.time_s[0],
+            reads: Vec::new(),
+            outcome: Outcome::Value(gap_s),
+        })
+    };
+    found.into_iter().filter_map(of).collect()
+}

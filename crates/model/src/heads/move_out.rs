@@ -1,0 +1,47 @@
+//! The time gap at which somebody moves out to pass.
+
+use super::{
+    family::{Family, Outcome},
+    head::{Event, Head},
+    situation::{lead_ahead, time_gap_s},
+};
+use maveric_domain::{Drive, drive::Direction};
+
+/// Whoever has followed this long before moving out was kept from it, in s.
+const FOLLOWED_S: f64 = 2.0;
+
+pub(super) const HEAD: Head = Head {
+    name: "move_out_s",
+    title: "Time gap when moving out",
+    unit: "s",
+    family: Family::LogNormal,
+    reads: &[],
+    events,
+};
+
+/// Moves out behind a vehicle; one made while still following it says only that the gap wanted is at least that long.
+fn events(drive: &Drive) -> Vec<Event> {
+    let rows = drive.rows();
+    let back = (FOLLOWED_S * drive.rate_hz()).round() as usize;
+    let followed = |start: usize| {
+        let before = start.saturating_sub(back)..start;
+        before.len() == back && before.into_iter().all(|row| rows.following[row])
+    };
+    let of = |change: &maveric_domain::LaneChange| {
+        let start = change.start;
+        if change.direction != Direction::Left || !lead_ahead(drive, start) {
+            return None;
+        }
+        let gap_s = time_gap_s(drive, start).filter(|g| *g > 0.0)?;
+        Some(Event {
+            time_s: rows.time_s[start] - rows.time_s[0],
+            reads: Vec::new(),
+            outcome: if followed(start) {
+                Outcome::AtLeast(gap_s)
+            } else {
+                Outcome::Value(gap_s)
+            },
+        })
+    };
+    drive.lane_changes().iter().filter_map(of).collect()
+}

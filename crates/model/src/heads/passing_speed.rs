@@ -1,0 +1,43 @@
+//! How much faster than the vehicle beside it somebody passes.
+
+use super::{
+    family::{Family, Outcome},
+    free_speed,
+    head::{Event, Head},
+    situation::{blocks, mean, passing},
+};
+use maveric_domain::Drive;
+use std::ops::Range;
+
+/// Time after moving out in which the speed settles, in s.
+const SETTLE_S: f64 = 2.0;
+/// Length of a block, in s.
+const BLOCK_S: f64 = 8.0;
+
+pub(super) const HEAD: Head = Head {
+    name: "passing_speed_mps",
+    title: "Speed over the vehicle passed",
+    unit: "m/s",
+    family: Family::Gaussian,
+    reads: &["own free speed minus the vehicle's, m/s"],
+    events,
+};
+
+fn events(drive: &Drive) -> Vec<Event> {
+    let Some(free_mps) = free_speed::own_mps(drive) else {
+        return Vec::new();
+    };
+    let rows = drive.rows();
+    let found = blocks(drive, SETTLE_S, BLOCK_S, |row| {
+        passing(drive, row) && rows.changing[row] == 0
+    });
+    let of = |block: Range<usize>| {
+        let lead_mps = mean(&rows.lead_speed_mps, &block);
+        Event {
+            time_s: rows.time_s[block.start] - rows.time_s[0],
+            reads: vec![free_mps - lead_mps],
+            outcome: Outcome::Value(mean(&rows.ego_speed_mps, &block) - lead_mps),
+        }
+    };
+    found.into_iter().map(of).collect()
+}

@@ -1,0 +1,168 @@
+//! What a drive's events say of its driver: the posterior of the style, and of each habit's own deviation.
+//!
+//! The unknowns are `w`, with the prior N(0, I), and for each head the drive's own deviation `u`, with the prior N(0, τ²): a habit
+//! shown often says little more than one shown a few times, since the drive as a whole may deviate. Solved together by a damped
+//! Newton step; with nothing but normal, uncensored events one step is the answer.
+
+use super::{
+    family::{Family, Outcome},
+    fitted::FittedHead,
+    head::{Event, HEADS},
+    style::StyleHead,
+};
+use crate::damped_newton::{Evaluated, Minimum, minimise};
+use nalgebra::DMatrix;
+
+/// A style as far as it is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Posterior {
+    /// Its mean, shape `(d,)`.
+    pub mean: Vec<f64>,
+    /// Its covariance, shape `(d, d)`, row by row.
+    pub covariance: Vec<f64>,
+}
+
+/// The unknowns of one drive: the style, then the own deviation of every head.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Latent {
+    /// Shape `(d + heads,)`.
+    pub(crate) mean: Vec<f64>,
+    /// Shape `(d + heads, d + heads)`.
+    pub(crate) covariance: DMatrix<f64>,
+    pub(crate) iterations: usize,
+}
+
+impl Latent {
+    pub(crate) fn style(&self, d: usize) -> Posterior {
+        let block = self.covariance.view((0, 0), (d, d));
+        Posterior {
+            mean: self.mean[..d].to_vec(),
+            // Symmetric, so by columns is by rows.
+            covariance: block.iter().copied().collect(),
+        }
+    }
+
+    /// Mean and variance of η of an event of head `k`.
+    pub(crate) fn eta(&self, head: &FittedHead, k: usize, event: &Event) -> (f64, f64) {
+        let d = head.slopes.len();
+        let own = d + k;
+        let mean = head.eta(&self.mean[..d], event.z()) + self.mean[own];
+        let mut variance = self.covariance[(own, own)];
+        for (i, a) in head.slopes.iter().enumerate() {
+            variance += 2.0 * a * self.covariance[(i, own)];
+            for (j, b) in head.slopes.iter().enumerate() {
+                variance += a * b * self.covariance[(i, j)];
+            }
+        }
+        (mean, variance.max(0.0))
+    }
+}
+
+/// Newton steps at most.
+const STEPS: usize = 50;
+/// Promised gain, as a share of the value, at which they end.
+const TOLERANCE: f64 = 1e-10;
+
+/// −ln posterior of the unknowns `at`, up to a constant, with its slope and curvature.
+pub(crate) fn evaluate(
+    heads: &[FittedHead],
+    events: &[Vec<Event>],
+    score: Option<(f64, &StyleHead)>,
+    d: usize,
+    at: &[f64],
+) -> Evaluated {
+    let n = at.len();
+    let mut there = Evaluated {
+        value: 0.0,
+        gradient: vec![0.0; n],
+        curvature: vec![0.0; n * n],
+    };
+    let mut prior = |i: usize, sd: f64| {
+        let precision = 1.0 / (sd * sd);
+        there.value += 0.5 * precision * at[i] * at[i];
+        there.gradient[i] += precision * at[i];
+        there.curvature[i * n + i] += precision;
+    };
+    (0..d).for_each(|i| prior(i, 1.0));
+    for (k, head) in heads.iter().enumerate() {
+        prior(d + k, head.between_sd.max(LEAST_SD));
+    }
+    let mut add = |value: f64, slope: f64, curvature: f64, slopes: &[f64], own: Option<usize>| {
+        there.value += value;
+        let reads = || {
+            slopes
+                .iter()
+                .copied()
+                .enumerate()
+                .chain(own.map(|o| (o, 1.0)))
+        };
+        for (i, a) in reads() {
+            there.gradient[i] += slope * a;
+            for (j, b) in reads() {
+                there.curvature[i * n + j] += curvature * a * b;
+            }
+        }
+    };
+    for (k, ((head, events), known)) in heads.iter().zip(events).zip(&HEADS).enumerate() {
+        if !head.learned() {
+            continue;
+        }
+        let (mut value, mut slope, mut curvature) = (0.0, 0.0, 0.0);
+        for event in events {
+            let eta = head.eta(&at[..d], event.z()) + at[d + k];
+            let loss = known.family.loss(event.outcome, eta, head.within_sd);
+            value += loss.value;
+            slope += loss.slope;
+            curvature += loss.curvature;
+        }
+        // w and u move every event's η alike, so one sum a head is enough.
+        add(value, slope, curvature, &head.slopes, Some(d + k));
+    }
+    if let Some((points, style)) = score {
+        let eta = style.points(&at[..d]);
+        let loss = Family::Gaussian.loss(Outcome::Value(points), eta, style.reading_sd);
+        add(
+            loss.value,
+            loss.slope,
+            loss.curvature,
+            &style.gradient,
+            None,
+        );
+    }
+    there
+}
+
+/// SD below which a deviation is taken as that, so that its prior can be written down.
+pub(crate) const LEAST_SD: f64 = 1e-3;
+
+/// The posterior of a drive's unknowns, from `start` or, without, from the prior's mean.
+pub(crate) fn solve(
+    heads: &[FittedHead],
+    events: &[Vec<Event>],
+    score: Option<(f64, &StyleHead)>,
+    d: usize,
+    start: Option<&[f64]>,
+) -> Latent {
+    let n = d + heads.len();
+    let from = start.map_or_else(|| vec![0.0; n], <[f64]>::to_vec);
+    let Minimum {
+        at,
+        there,
+        iterations,
+    } = minimise(
+        |x| evaluate(heads, events, score, d, x),
+        from,
+        TOLERANCE,
+        STEPS,
+    );
+    let curvature = DMatrix::from_row_slice(n, n, &there.curvature);
+    // The prior alone makes it positive definite.
+    let covariance = curvature
+        .cholesky()
+        .map_or_else(|| DMatrix::identity(n, n), |c| c.inverse());
+    Latent {
+        mean: at,
+        covariance,
+        iterations,
+    }
+}

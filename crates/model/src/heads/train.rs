@@ -1,0 +1,147 @@
+//! Training linear heads on drives: the events, the fit, S, and how good it all is on driving kept back.
+
+use super::{
+    fit::{DriveEvents, fit},
+    fitted::FittedHead,
+    head::{HEADS, events_of},
+    kept_back::{KeptBack, kept_back},
+    style::{ScoredStyle, StyleHead},
+};
+use crate::{
+    error::{ModelError, ModelWarning},
+    model::{Heads, LinearHeads, Model, ModelParts, TrainingEmbedding},
+    params::TrainSettings,
+    train::{Trained, TrainingDrive, TrainingReport},
+};
+use maveric_domain::{AdbScore, Drive, Embedding, ParticipantId};
+use serde::{Deserialize, Serialize};
+
+/// One head: what it learned from, and how it does on driving kept back.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct HeadReport {
+    /// Code name.
+    pub name: String,
+    /// Name for people.
+    pub title: String,
+    /// Unit of what it predicts.
+    pub unit: String,
+    /// Events learned from.
+    pub events: usize,
+    /// Drives among them.
+    pub drives: usize,
+    /// Share of how drives differ that the style explains; none where nothing was learned.
+    pub explained: Option<f64>,
+    /// On the last part of drives of people left out; none where too little is kept back.
+    pub kept_back: Option<KeptBack>,
+}
+
+impl HeadReport {
+    fn of(fitted: &FittedHead, which: usize, kept_back: Option<KeptBack>) -> Self {
+        let head = &HEADS[which];
+        let square = fitted.slopes.iter().map(|b| b * b).sum::<f64>();
+        let all = square + fitted.between_sd * fitted.between_sd;
+        Self {
+            name: head.name.to_owned(),
+            title: head.title.to_owned(),
+            unit: head.unit.to_owned(),
+            events: fitted.events,
+            drives: fitted.drives,
+            explained: fitted.learned().then(|| square / all),
+            kept_back,
+        }
+    }
+}
+
+/// Length of the first share of a drive's rows, in s.
+pub(crate) fn length_s(drive: &Drive, fraction: f64) -> f64 {
+    let time = &drive.rows().time_s;
+    let whole = time[time.len() - 1] - time[0] + 1.0 / drive.rate_hz();
+    fraction * whole
+}
+
+/// Learns the linear heads, S, and where the drives lie in style space by their driving alone.
+pub(crate) fn train_heads(
+    given: &[TrainingDrive<'_>],
+    settings: &TrainSettings,
+    seed: u64,
+) -> Result<Trained, ModelError> {
+    let d = settings.embedding_size;
+    let mut warnings = Vec::new();
+    let mut used: Vec<&TrainingDrive<'_>> = Vec::new();
+    let mut events: Vec<DriveEvents> = Vec::new();
+    for drive in given {
+        let until_s = length_s(drive.drive, settings.fit_fraction);
+        let shown = events_of(drive.drive, until_s);
+        if shown.iter().all(Vec::is_empty) {
+            warnings.push(ModelWarning::NoHabits {
+                drive: drive.drive.meta().drive.clone(),
+            });
+        } else {
+            used.push(drive);
+            events.push(shown);
+        }
+    }
+    let participants = || used.iter().map(|t| &t.drive.meta().participant);
+    let Some(participant) = participants().next() else {
+        return Err(ModelError::NoDrives {
+            given: given.len(),
+            excluded: warnings.len(),
+        });
+    };
+    if participants().all(|p| p == participant) {
+        warnings.push(ModelWarning::OneDriver {
+            participant: participant.clone(),
+        });
+    }
+    let fitted = fit(&events, d);
+    let scored: Vec<ScoredStyle> = used
+        .iter()
+        .zip(&fitted.latents)
+        .filter_map(|(t, latent)| {
+            Some(ScoredStyle {
+                participant: t.drive.meta().participant.clone(),
+                style: latent.style(d),
+                points: t.adb.map(AdbScore::points)?,
+            })
+        })
+        .collect();
+    let style = StyleHead::fit(&scored, d, seed);
+    let owners: Vec<&str> = participants().map(ParticipantId::as_str).collect();
+    let kept_back = kept_back(&events, &owners, d);
+    let reports = fitted.heads.iter().zip(kept_back).enumerate();
+    let heads: Vec<HeadReport> = reports
+        .map(|(k, (head, kept))| HeadReport::of(head, k, kept))
+        .collect();
+    let mut training = Vec::with_capacity(used.len());
+    for (t, latent) in used.iter().zip(&fitted.latents) {
+        let speeds = &t.drive.rows().ego_speed_mps;
+        training.push(TrainingEmbedding {
+            drive: t.drive.meta().drive.clone(),
+            embedding: Embedding::new(latent.mean[..d].to_vec())?,
+            mean_speed_mps: speeds.iter().sum::<f64>() / speeds.len() as f64,
+        });
+    }
+    let model = Model::try_from(ModelParts {
+        embedding_size: d,
+        training,
+        heads: Heads::Linear(LinearHeads {
+            heads: fitted.heads,
+            style: style.clone(),
+        }),
+    })?;
+    let embeddings = model.training().iter();
+    Ok(Trained {
+        embeddings: embeddings
+            .map(|t| (t.drive.clone(), t.embedding.clone()))
+            .collect(),
+        report: TrainingReport {
+            warnings,
+            drives: used.len(),
+            drives_with_adb: scored.len(),
+            heads,
+            style,
+            networks: None,
+        },
+        model,
+    })
+}

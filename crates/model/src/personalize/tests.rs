@@ -1,0 +1,85 @@
+use super::*;
+use crate::{
+    model::HeadsKind,
+    params::{TrainParams, TrainSettings},
+    test_drives::{Habits, drive_apart, drivers_apart},
+    train::{TrainingDrive, train},
+};
+use std::ops::ControlFlow;
+
+/// Linear heads of twelve drivers.
+pub(crate) fn linear_model() -> Model {
+    let drives = drivers_apart(12, 300.0);
+    let given: Vec<_> = drives
+        .iter()
+        .map(|(drive, adb)| TrainingDrive {
+            drive,
+            adb: Some(*adb),
+        })
+        .collect();
+    let settings = TrainSettings {
+        heads: HeadsKind::Linear,
+        ..TrainSettings::default()
+    };
+    let params = TrainParams::new(settings).unwrap();
+    let go_on = &mut |_: &_| ControlFlow::Continue(());
+    train(&given, &params, 1, go_on).unwrap().model
+}
+
+const FAST: Habits = Habits {
+    speed_mps: 33.0,
+    time_gap_s: 1.2,
+    passes: true,
+};
+
+#[test]
+fn who_drives_faster_with_shorter_gaps_is_read_as_more_aggressive() {
+    let model = linear_model();
+    let personalizer = Personalizer::new(&model, PersonalizeParams::default());
+    let of = |habits: &Habits| {
+        personalizer
+            .fit(&drive_apart("new", habits, 300.0), None)
+            .unwrap()
+    };
+    let slow = Habits {
+        speed_mps: 27.0,
+        time_gap_s: 2.0,
+        passes: true,
+    };
+    let (fast, slow) = (of(&FAST), of(&slow));
+    assert!(fast.aggression_hat.unwrap() > slow.aggression_hat.unwrap() + 8.0);
+    assert!(fast.iterations < 20 && !fast.used_adb);
+    // A longer drive says more.
+    let short = personalizer
+        .fit(&drive_apart("new", &FAST, 60.0), None)
+        .unwrap();
+    let sum = |p: &Personalized| p.standard_error().unwrap().iter().sum::<f64>();
+    assert!(sum(&fast) < sum(&short), "{} {}", sum(&fast), sum(&short));
+}
+
+#[test]
+fn a_score_draws_the_style_its_way_and_makes_it_surer() {
+    let model = linear_model();
+    let personalizer = Personalizer::new(&model, PersonalizeParams::default());
+    let new = drive_apart("new", &FAST, 120.0);
+    let plain = personalizer.fit(&new, None).unwrap();
+    let scored = personalizer
+        .fit(&new, Some(AdbScore::new(16.0).unwrap()))
+        .unwrap();
+    assert!(scored.used_adb);
+    assert!(scored.aggression_hat.unwrap() < plain.aggression_hat.unwrap());
+    let axis = AggressionAxis::of(&model).unwrap();
+    let along = |p: &Personalized| p.sd_along(axis.gradient()).unwrap();
+    assert!(along(&scored) < along(&plain));
+}
+
+#[test]
+fn a_drive_that_shows_nothing_is_refused() {
+    let model = linear_model();
+    let personalizer = Personalizer::new(&model, PersonalizeParams::default());
+    let found = personalizer.fit(&drive_apart("new", &FAST, 6.0), None);
+    assert!(
+        matches!(found, Err(ModelError::NoHabits { .. })),
+        "{found:?}"
+    );
+}

@@ -1,0 +1,143 @@
+//! Is the car's driving like its owner's as a distribution, and more like it than other people's is?
+
+use crate::error::StudyError;
+use maveric_measures::likeness::{Discrepancy, Spread, Window, discrepancy};
+use maveric_stats::proportion;
+use serde::Serialize;
+
+/// Random splits behind each p.
+const PERMUTATIONS: usize = 99;
+/// p below which two drives count as driven differently.
+const DIFFERENT: f64 = 0.05;
+
+/// One kind of drive beside the owner's first.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Likeness {
+    /// Which.
+    pub what: &'static str,
+    /// Owners compared.
+    pub n: usize,
+    /// Mean squared maximum mean discrepancy.
+    pub mmd2: Option<f64>,
+    /// Mean Kullback-Leibler divergence, in nats.
+    pub divergence: Option<f64>,
+    /// Share of owners from whom it differs by more than chance (p < .05); none where that was not asked.
+    pub different: Option<f64>,
+    /// Share of owners who are the nearest of all people to it; only for one drive an owner.
+    pub owner_nearest: Option<f64>,
+    /// Ends of Wilson's 95 % interval of that.
+    pub owner_nearest_interval: Option<(f64, f64)>,
+    /// Mean place of the owner among all people, 1 being the nearest.
+    pub mean_rank: Option<f64>,
+}
+
+/// The windows of what is compared, each in the same order of people.
+pub(super) struct Driven {
+    /// Own first drives.
+    pub(super) own: Vec<Vec<Window>>,
+    /// Own second drives: no likeness can be expected to be better.
+    pub(super) again: Vec<Vec<Window>>,
+    /// The car as Mimic.
+    pub(super) mimic: Vec<Vec<Window>>,
+    /// The car with the mean style, on each person's road: what knowing nobody gives.
+    pub(super) average: Vec<Vec<Window>>,
+}
+
+/// Holds each kind against the owners' first drives.
+///
+/// # Errors
+/// [`StudyError::Stats`] without people.
+pub(super) fn likeness(driven: &Driven, seed: u64) -> Result<Vec<Likeness>, StudyError> {
+    let all = [&driven.own, &driven.again];
+    let spread = Spread::of(all.into_iter().flatten().map(Vec::as_slice));
+    let kinds = [
+        ("second drive of the owner (ceiling)", &driven.again),
+        ("Mimic", &driven.mimic),
+        ("the car with the mean style (floor)", &driven.average),
+    ];
+    let mut rows = Vec::new();
+    for (what, drives) in kinds {
+        let mut found: Vec<Discrepancy> = Vec::new();
+        let mut ranks: Vec<usize> = Vec::new();
+        for (i, drive) in drives.iter().enumerate() {
+            let to = |j: usize, permutations| {
+                discrepancy(drive, &driven.own[j], &spread, permutations, seed)
+            };
+            let Some(owner) = to(i, PERMUTATIONS) else {
+                continue;
+            };
+            let others = (0..driven.own.len()).filter(|&j| j != i);
+            let nearer = others
+                .filter_map(|j| to(j, 0))
+                .filter(|d| d.mmd2 <= owner.mmd2);
+            ranks.push(1 + nearer.count());
+            found.push(owner);
+        }
+        rows.push(row(what, &found, &ranks)?);
+    }
+    let mut others: Vec<Discrepancy> = Vec::new();
+    for (i, one) in driven.own.iter().enumerate() {
+        for (j, other) in driven.own.iter().enumerate() {
+            if i != j {
+                others.extend(discrepancy(one, other, &spread, 0, seed));
+            }
+        }
+    }
+    rows.push(row("first drives of other people", &others, &[])?);
+    Ok(rows)
+}
+
+fn row(what: &'static str, found: &[Discrepancy], ranks: &[usize]) -> Result<Likeness, StudyError> {
+    let mean = |of: &dyn Fn(&Discrepancy) -> Option<f64>| {
+        let values: Vec<f64> = found.iter().filter_map(of).collect();
+        super::mean(&values)
+    };
+    let hits = ranks.iter().filter(|&&r| r == 1).count();
+    let share = match ranks.len() {
+        0 => None,
+        n => Some(proportion(hits, n, 0.95)?),
+    };
+    let places: Vec<f64> = ranks.iter().map(|&r| r as f64).collect();
+    Ok(Likeness {
+        what,
+        n: found.len(),
+        mmd2: mean(&|d| Some(d.mmd2)),
+        divergence: mean(&|d| Some(d.divergence)),
+        different: mean(&|d| d.p.map(|p| f64::from(u8::from(p < DIFFERENT)))),
+        owner_nearest: share.as_ref().map(|s| s.estimate),
+        owner_nearest_interval: share.map(|s| (s.low, s.high)),
+        mean_rank: super::mean(&places),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Windows around a speed, in a fixed pattern that no two phases share.
+    fn drive(speed: f64, phase: usize) -> Vec<Window> {
+        let wobble = |i: usize, k: usize| (((i + phase) * (k + 3)) as f64 * 0.7).sin();
+        (0..60)
+            .map(|i| std::array::from_fn(|k| wobble(i, k) + if k == 0 { speed } else { 0.0 }))
+            .collect()
+    }
+
+    #[test]
+    fn who_drives_alike_twice_is_nearest_to_themselves_and_the_average_to_nobody() {
+        let people = [20.0, 24.0, 28.0, 32.0];
+        let of = |phase: usize| people.map(|v| drive(v, phase)).to_vec();
+        let driven = Driven {
+            own: of(0),
+            again: of(5),
+            mimic: people.map(|v| drive(v + 0.3, 9)).to_vec(),
+            average: people.map(|_| drive(26.0, 9)).to_vec(),
+        };
+        let rows = likeness(&driven, 1).unwrap();
+        assert_eq!(rows[0].owner_nearest, Some(1.0));
+        assert_eq!(rows[1].owner_nearest, Some(1.0));
+        assert!(rows[2].owner_nearest.unwrap() <= 0.5);
+        let mmd2 = |k: usize| rows[k].mmd2.unwrap();
+        assert!(mmd2(0) < mmd2(2) && mmd2(1) < mmd2(2) && mmd2(0) < mmd2(3));
+        assert_eq!((rows[3].n, rows[3].owner_nearest), (12, None));
+    }
+}
