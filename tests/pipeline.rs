@@ -221,7 +221,14 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
     assert_eq!(model["collisions"], 0);
     let page = std::fs::read_to_string(study.path("found/validation.md")).unwrap();
     assert!(page.contains("Identity") && !page.contains("NaN"));
-    for table in ["identity", "fidelity", "likeness", "dial", "perpendicular", "line"] {
+    for table in [
+        "identity",
+        "fidelity",
+        "likeness",
+        "dial",
+        "perpendicular",
+        "line",
+    ] {
         assert!(
             study
                 .path(&format!("found/tables/validation-{table}.csv"))
