@@ -3,17 +3,44 @@
 use crate::interrupt::INTERRUPTED;
 use maveric_pipeline::PipelineError;
 use maveric_study::StudyError;
-use std::{io::IsTerminal as _, process::ExitCode};
+use std::{
+    borrow::Cow,
+    error::Error,
+    fmt,
+    io::{IsTerminal as _, Write as _},
+    process::ExitCode,
+};
 
 /// Says something on stderr. Where that cannot be written (`2>&1 | head -1`), nobody is told and
 /// nothing else changes: `eprintln!` would end the program half-way.
 macro_rules! tell {
     ($($text:tt)*) => {{
         use std::io::Write as _;
-        let _ = writeln!(std::io::stderr(), $($text)*);
+        let text = format!($($text)*);
+        let _ = writeln!(std::io::stderr(), "{}", crate::diagnostics::printable(&text));
     }};
 }
 pub(crate) use tell;
+
+/// A text without characters that a terminal would obey: names of topics, columns and files come from elsewhere.
+pub(crate) fn printable(text: &str) -> Cow<'_, str> {
+    let obeyed = |c: char| {
+        let turns = matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+        turns || c.is_control() && c != '\n' && c != '\t'
+    };
+    if !text.contains(obeyed) {
+        return Cow::Borrowed(text);
+    }
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        if obeyed(c) {
+            out.extend(c.escape_unicode());
+        } else {
+            out.push(c);
+        }
+    }
+    Cow::Owned(out)
+}
 
 /// Why a command ended without its result.
 #[derive(Debug)]
@@ -43,6 +70,48 @@ impl miette::Diagnostic for Failed {
         self.help
             .as_ref()
             .map(|h| Box::new(h) as Box<dyn std::fmt::Display>)
+    }
+}
+
+/// An error in words alone.
+#[derive(Debug)]
+struct Said {
+    text: String,
+    source: Option<Box<Self>>,
+}
+
+impl fmt::Display for Said {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl Error for Said {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        self.source.as_deref().map(|s| s as &(dyn Error + 'static))
+    }
+}
+
+impl Said {
+    fn of(error: &dyn Error) -> Self {
+        Self {
+            text: printable(&error.to_string()).into_owned(),
+            source: error.source().map(|source| Box::new(Self::of(source))),
+        }
+    }
+}
+
+impl Failed {
+    /// The same with texts that a terminal shows and does not obey.
+    fn printable(&self) -> Self {
+        Self {
+            doing: printable(&self.doing).into_owned(),
+            cause: Box::new(Said::of(&*self.cause)),
+            help: self
+                .help
+                .as_deref()
+                .map(|help| printable(help).into_owned()),
+        }
     }
 }
 
@@ -106,7 +175,8 @@ impl Failure {
             // A reader that closed the pipe early (`maveric … | head`) wanted no more.
             Self::Failed(failed) if is_broken_pipe(&failed) => ExitCode::SUCCESS,
             Self::Failed(failed) => {
-                tell!("{}", render(&failed));
+                // With colours there are escape sequences of ours in it: its texts are made printable first.
+                let _ = writeln!(std::io::stderr(), "{}", render(&failed.printable()));
                 ExitCode::FAILURE
             }
         }
@@ -138,4 +208,18 @@ fn render(failed: &Failed) -> String {
         text = format!("{failed}: {}", failed.cause);
     }
     text.trim_end().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_terminal_would_obey_is_shown_and_other_text_is_left_alone() {
+        assert_eq!(
+            printable("/ego\u{1b}[2J\u{202e}x\r"),
+            "/ego\\u{1b}[2J\\u{202e}x\\u{d}"
+        );
+        assert!(matches!(printable("Größe\t3 m\n"), Cow::Borrowed(_)));
+    }
 }

@@ -45,6 +45,7 @@ pub struct Recording {
     segment: Vec<u32>,
     ego: EgoTrack,
     others: Vec<ObjectTrack>,
+    lateral: bool,
 }
 
 fn check_column(column: &'static str, values: &[f64], rows: usize) -> Result<(), DomainError> {
@@ -147,7 +148,22 @@ impl Recording {
             segment,
             ego,
             others,
+            lateral: true,
         })
+    }
+
+    /// The same, where nobody recorded who was how far to the side: every lateral position stands for none.
+    #[must_use]
+    pub fn without_lateral(self) -> Self {
+        Self {
+            lateral: false,
+            ..self
+        }
+    }
+
+    /// Whether lateral positions were recorded; else whoever is passed cannot be told from who is ahead in ego's lane.
+    pub fn has_lateral(&self) -> bool {
+        self.lateral
     }
 
     /// Number of rows, n.

@@ -3,8 +3,10 @@
 use crate::{
     differentiate::fill_speeds,
     error::IngestError,
+    join_speeds::join_speeds,
     lanes::{EgoPath, place},
     mapping::{FrameKind, RoadMapping},
+    plausible::{doubts, on_the_road},
     quality::{Warning, WarningKind},
     raw::{EgoSample, ObjectSample, RawDrive},
     resample::{Grid, grid, speeds},
@@ -12,6 +14,11 @@ use crate::{
 };
 use maveric_domain::{EgoTrack, ObjectTrack, Recording, Road, VehicleId};
 use std::{collections::BTreeMap, path::Path};
+
+/// Rows from which a rate far above that of the log is refused: an hour at 1000 Hz is more than anybody looks at.
+const MOST_ROWS: f64 = 1e6;
+/// Rows a sample that are still a rate and no mistake.
+const MOST_ROWS_A_SAMPLE: f64 = 100.0;
 
 /// Length of a vehicle whose log does not say it: a middle-sized car, in m.
 const CAR_LENGTH_M: f64 = 4.7;
@@ -55,13 +62,15 @@ impl Target {
 /// Makes the recording of a drive and says what was left out of it.
 ///
 /// # Errors
-/// [`IngestError::TooSparse`] where no two rows belong together, [`IngestError::Refused`].
+/// [`IngestError::TooSparse`] where no two rows belong together, [`IngestError::Implausible`], [`IngestError::Refused`].
 pub(crate) fn assemble(
     path: &Path,
     mut drive: RawDrive,
     target: &Target,
 ) -> Result<(Recording, Vec<Warning>), IngestError> {
     let mut warnings = synchronise(path, &mut drive, target.max_gap_s);
+    warnings.extend(join_speeds(path, &mut drive));
+    warnings.extend(doubts(path, &drive)?);
     if drive.ego.iter().any(|s| s.speed_mps.is_none()) {
         let without = drive.ego.iter().filter(|s| s.speed_mps.is_none()).count();
         fill_speeds(&mut drive.ego, target.max_gap_s);
@@ -74,12 +83,28 @@ pub(crate) fn assemble(
     }
     let lane_y_m = target.right_lane_centre_y_m;
     place(&mut drive, target.frame, lane_y_m, target.max_gap_s);
+    if target.frame == FrameKind::Map && !target.own_lane_only {
+        warnings.extend(on_the_road(path, &drive.ego, &target.road)?);
+    }
     if target.own_lane_only {
         warnings.extend(keep_own_lane(path, &mut drive, target.road.lane_width_m));
     }
 
     let seconds = |ns: i64| ns as f64 / 1e9;
     let time_s: Vec<f64> = drive.ego.iter().map(|s| seconds(s.stamp_ns)).collect();
+    let span_s = time_s
+        .last()
+        .zip(time_s.first())
+        .map_or(0.0, |(b, a)| b - a);
+    let wanted = span_s * target.rate_hz;
+    if wanted > MOST_ROWS && wanted > MOST_ROWS_A_SAMPLE * time_s.len() as f64 {
+        return Err(IngestError::TooManyRows {
+            path: path.to_owned(),
+            rows: wanted,
+            rate_hz: target.rate_hz,
+            samples: time_s.len(),
+        });
+    }
     let rows = grid(&time_s, target.rate_hz, target.max_gap_s);
     if !rows.holes_s.is_empty() {
         let what = format!(
@@ -123,6 +148,11 @@ pub(crate) fn assemble(
         path: path.to_owned(),
         source,
     })?;
+    if drive.without_lateral {
+        let what = "nothing says who is beside ego: passing cannot be told from following, and has no measures";
+        warnings.push(Warning::new(path, WarningKind::Default, 1, what));
+        return Ok((recording.without_lateral(), warnings));
+    }
     Ok((recording, warnings))
 }
 
@@ -291,6 +321,8 @@ mod tests {
         RawDrive {
             ego: ego.collect(),
             objects,
+            speeds: Vec::new(),
+            without_lateral: false,
             ego_length_m: Some(4.0),
             ego_among_objects: true,
         }

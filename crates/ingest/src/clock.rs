@@ -1,6 +1,6 @@
 //! Clocks that were set back, or that differ.
 
-use crate::raw::{EgoSample, ObjectSample};
+use crate::raw::{EgoSample, RawDrive, Timed};
 
 /// How far a clock must go back to count as set anew, in ns.
 const SET_BACK_NS: i64 = 1_000_000_000;
@@ -14,14 +14,13 @@ const FASTEST_MPS: f64 = 100.0;
 type Span = (i64, i64);
 
 /// Goes by times of receipt where header stamps cannot be compared: ego's clock was set back while it drove on, or ego and
-/// the others are on two clocks.
-pub(crate) fn one_clock(
-    ego: &mut [EgoSample],
-    objects: &mut [ObjectSample],
-) -> Option<&'static str> {
-    let of_ego = Times::of(ego.iter().map(|s| (s.stamp_ns, s.log_ns)));
-    let of_objects = Times::of(objects.iter().map(|s| (s.stamp_ns, s.log_ns)));
-    if of_ego.receipt_back || of_objects.receipt_back || ego.is_empty() {
+/// the others, or its speeds, are on two clocks.
+pub(crate) fn one_clock(drive: &mut RawDrive) -> Option<&'static str> {
+    let ego = &drive.ego;
+    let of_ego = Times::of(ego);
+    let (of_objects, of_speeds) = (Times::of(&drive.objects), Times::of(&drive.speeds));
+    let all = [&of_ego, &of_objects, &of_speeds];
+    if all.iter().any(|times| times.receipt_back) || ego.is_empty() {
         // Receipt goes back as well: nothing is gained.
         return None;
     }
@@ -36,9 +35,11 @@ pub(crate) fn one_clock(
         (b.x_m - a.x_m).hypot(b.y_m - a.y_m) > ELSEWHERE_M + FASTEST_MPS * dt
     };
     let apart = |a: Span, b: Span| a.1 < b.0 || b.1 < a.0;
-    let two = !objects.is_empty()
-        && apart(of_ego.span, of_objects.span)
-        && !apart(of_ego.receipt_span, of_objects.receipt_span);
+    let other_clock = |other: &Times, none: bool| {
+        !none && apart(of_ego.span, other.span) && !apart(of_ego.receipt_span, other.receipt_span)
+    };
+    let two = other_clock(&of_objects, drive.objects.is_empty());
+    let speeds = other_clock(&of_speeds, drive.speeds.is_empty());
     let why = if set_back.iter().any(elsewhere) {
         // The world began anew with its clock: two pieces of a drive, which times of receipt would join.
         return None;
@@ -46,16 +47,25 @@ pub(crate) fn one_clock(
         "the clock of ego's header stamps was set back: times of receipt are used"
     } else if two {
         "ego and the others are on two clocks: times of receipt are used"
+    } else if speeds {
+        "ego and its speeds are on two clocks: times of receipt are used"
     } else {
         return None;
     };
-    for s in ego.iter_mut() {
-        s.stamp_ns = s.log_ns;
-    }
-    for s in objects.iter_mut() {
-        s.stamp_ns = s.log_ns;
-    }
+    by_receipt(drive);
     Some(why)
+}
+
+/// Puts every sample on its time of receipt.
+pub(crate) fn by_receipt(drive: &mut RawDrive) {
+    fn each(samples: &mut [impl Timed]) {
+        for s in samples {
+            *s.stamp_mut() = s.log_ns();
+        }
+    }
+    each(&mut drive.ego);
+    each(&mut drive.objects);
+    each(&mut drive.speeds);
 }
 
 /// How stamps and times of receipt run.
@@ -67,8 +77,8 @@ struct Times {
 }
 
 impl Times {
-    /// Of stamps and times of receipt, in the order of the file.
-    fn of(times: impl Iterator<Item = (i64, i64)>) -> Self {
+    /// Of samples in the order of the file.
+    fn of(samples: &[impl Timed]) -> Self {
         let none = (i64::MAX, i64::MIN);
         let mut found = Self {
             back: false,
@@ -77,7 +87,7 @@ impl Times {
             receipt_span: none,
         };
         let grow = |span: &mut Span, t: i64| *span = (span.0.min(t), span.1.max(t));
-        for (stamp, log) in times {
+        for (stamp, log) in samples.iter().map(|s| (s.stamp_ns(), s.log_ns())) {
             found.back |= stamp < found.span.1.saturating_sub(SET_BACK_NS);
             found.receipt_back |= log < found.receipt_span.1.saturating_sub(SET_BACK_NS);
             grow(&mut found.span, stamp);
@@ -109,12 +119,10 @@ fn restarts(ego: &[EgoSample]) -> Vec<usize> {
 /// Lays what follows a clock that was set back behind what stands before, `hole_ns` apart; gives the holes.
 ///
 /// Only where times come twice: pieces of a file that are merely in another order are left to sorting. Samples are in
-/// the order of the file. The others go with ego by their place in the file, and between two pieces by their time.
-pub(crate) fn separate_restarts(
-    ego: &mut [EgoSample],
-    objects: &mut [ObjectSample],
-    hole_ns: i64,
-) -> Vec<Span> {
+/// the order of the file. The others and the speeds go with ego by their place in the file, and between two pieces by their
+/// time.
+pub(crate) fn separate_restarts(drive: &mut RawDrive, hole_ns: i64) -> Vec<Span> {
+    let ego = &mut drive.ego;
     let starts = restarts(ego);
     if starts.is_empty() {
         return Vec::new();
@@ -147,14 +155,20 @@ pub(crate) fn separate_restarts(
     }
     let first_nth: Vec<u32> = starts.iter().map(|&i| ego[i].nth).collect();
     let last_nth: Vec<u32> = starts.iter().map(|&i| ego[i - 1].nth).collect();
-    for object in objects.iter_mut() {
-        let mut piece = first_nth.partition_point(|&nth| nth <= object.nth);
+    let shift = |nth: u32, stamp_ns: i64| {
+        let mut piece = first_nth.partition_point(|&first| first <= nth);
         // Between the last sample of one piece and the first of the next.
-        if last_nth.get(piece).is_some_and(|&nth| nth < object.nth) {
-            let to = |t: i64| object.stamp_ns.abs_diff(t);
+        if last_nth.get(piece).is_some_and(|&last| last < nth) {
+            let to = |t: i64| stamp_ns.abs_diff(t);
             piece += usize::from(to(pieces[piece + 1].0) < to(pieces[piece].1));
         }
-        object.stamp_ns = object.stamp_ns.saturating_add(shifts[piece]);
+        stamp_ns.saturating_add(shifts[piece])
+    };
+    for object in &mut drive.objects {
+        object.stamp_ns = shift(object.nth, object.stamp_ns);
+    }
+    for speed in &mut drive.speeds {
+        speed.stamp_ns = shift(speed.nth, speed.stamp_ns);
     }
     for (b, shift) in bounds.windows(2).zip(shifts) {
         for sample in &mut ego[b[0]..b[1]] {
@@ -167,6 +181,7 @@ pub(crate) fn separate_restarts(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::raw::ObjectSample;
 
     const STEP: i64 = 50_000_000;
 
@@ -202,9 +217,13 @@ mod tests {
             .collect()
     }
 
-    fn separated(mut ego: Vec<EgoSample>) -> (Vec<i64>, usize) {
-        let holes = separate_restarts(&mut ego, &mut [], 20 * STEP);
-        let stamps = ego.iter().map(|s| s.stamp_ns / STEP).collect();
+    fn separated(ego: Vec<EgoSample>) -> (Vec<i64>, usize) {
+        let mut drive = RawDrive {
+            ego,
+            ..RawDrive::default()
+        };
+        let holes = separate_restarts(&mut drive, 20 * STEP);
+        let stamps = drive.ego.iter().map(|s| s.stamp_ns / STEP).collect();
         (stamps, holes.len())
     }
 
@@ -230,16 +249,19 @@ mod tests {
 
     #[test]
     fn the_others_go_with_ego_by_their_place_in_the_file() {
-        let mut ego = stamped((0..100).chain(0..100));
         // Of the first piece; between both, of either; of the second.
-        let mut objects = [
-            object(199, 99 * STEP),
-            object(199, 0),
-            object(201, STEP),
-            object(21, 10 * STEP),
-        ];
-        separate_restarts(&mut ego, &mut objects, 20 * STEP);
-        let found: Vec<i64> = objects.iter().map(|o| o.stamp_ns / STEP).collect();
+        let mut drive = RawDrive {
+            ego: stamped((0..100).chain(0..100)),
+            objects: vec![
+                object(199, 99 * STEP),
+                object(199, 0),
+                object(201, STEP),
+                object(21, 10 * STEP),
+            ],
+            ..RawDrive::default()
+        };
+        separate_restarts(&mut drive, 20 * STEP);
+        let found: Vec<i64> = drive.objects.iter().map(|o| o.stamp_ns / STEP).collect();
         assert_eq!(found, [99, 119, 120, 10]);
     }
 }

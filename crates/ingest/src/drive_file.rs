@@ -1,23 +1,19 @@
 //! Drives as tables: a data frame, and Parquet with its provenance.
 
-use crate::{error::IngestError, provenance::Provenance};
+use crate::{
+    error::IngestError,
+    parquet::{is_parquet, parquet_bytes, read_parquet},
+    provenance::Provenance,
+    raw::mcap::metadata::{LATERAL, UNKNOWN},
+};
 use maveric_domain::{Drive, DriveMeta, Road, drive::Rows};
-use polars::prelude::{
-    Column, DataFrame, DataType, KeyValueMetadata, ParquetCompression, ParquetReader,
-    ParquetWriter, PolarsError, SerReader,
-};
-use std::{
-    collections::BTreeMap,
-    fs::File,
-    io::{Read as _, Seek, Write},
-    path::Path,
-    str::FromStr,
-};
+use polars::prelude::{Column, DataFrame, DataType, PolarsError};
+use std::{collections::BTreeMap, io::Write, path::Path, str::FromStr};
 
-/// Version of what is written; version 1 also named one of two studies.
-const VERSION: &str = "2";
+/// Version of what is written; version 1 also named one of two studies, and neither 1 nor 2 carried a checksum.
+const VERSION: &str = "3";
 /// Versions that are read.
-const READ: [&str; 2] = ["1", VERSION];
+const READ: [&str; 3] = ["1", "2", VERSION];
 /// What the names of our metadata begin with.
 const PREFIX: &str = "maveric.";
 
@@ -71,7 +67,7 @@ pub fn drive_frame(drive: &Drive) -> DataFrame {
 /// # Errors
 /// [`IngestError::WriteDrive`].
 pub fn write_drive_to(
-    out: impl Write,
+    mut out: impl Write,
     drive: &Drive,
     provenance: &Provenance,
 ) -> Result<(), IngestError> {
@@ -87,19 +83,19 @@ pub fn write_drive_to(
         ("lane_width_m", road.lane_width_m.to_string()),
         ("posted_speed_mps", road.posted_speed_mps.to_string()),
     ];
-    let own = own.into_iter().map(|(k, v)| (k.to_owned(), v));
+    let lateral = (LATERAL, UNKNOWN.to_owned());
+    let own = own
+        .into_iter()
+        .chain((!drive.has_lateral()).then_some(lateral));
+    let own = own.map(|(k, v)| (k.to_owned(), v));
     let entries = own.chain(provenance.entries.iter().cloned());
     let entries = entries.map(|(k, v)| (format!("{PREFIX}{k}"), v)).collect();
-    ParquetWriter::new(out)
-        .with_compression(ParquetCompression::Zstd(None))
-        .with_key_value_metadata(Some(KeyValueMetadata::from_static(entries)))
-        .set_parallel(false)
-        .finish(&mut drive_frame(drive))
-        .map(|_| ())
-        .map_err(|source| IngestError::WriteDrive {
-            drive: meta.drive.to_string(),
-            reason: source.to_string(),
-        })
+    let failed = |reason: String| IngestError::WriteDrive {
+        drive: meta.drive.to_string(),
+        reason,
+    };
+    let bytes = parquet_bytes(&mut drive_frame(drive), entries).map_err(failed)?;
+    out.write_all(&bytes).map_err(|e| failed(e.to_string()))
 }
 
 /// Reads a drive back, exactly as it was written, with its provenance.
@@ -107,34 +103,20 @@ pub fn write_drive_to(
 /// # Errors
 /// [`IngestError::NotFound`] and the like; [`IngestError::BadDrive`] for what is no drive of this format.
 pub fn read_drive_from(path: &Path) -> Result<(Drive, Provenance), IngestError> {
-    let wrong = |e| IngestError::io(path, e);
-    let mut file = File::open(path).map_err(wrong)?;
-    let mut magic = [0; 4];
-    let is_parquet = file.read_exact(&mut magic).is_ok() && magic == *b"PAR1";
-    if !is_parquet {
+    let bytes = std::fs::read(path).map_err(|e| IngestError::io(path, e))?;
+    if !is_parquet(&bytes) {
         return Err(bad(path, "is not Parquet: it does not start with PAR1"));
     }
-    file.rewind().map_err(wrong)?;
-    let broken = |e: PolarsError| bad(path, format!("cannot be read: {e}"));
-    let mut reader = ParquetReader::new(file);
-    let metadata = reader.get_metadata().map_err(broken)?;
-    let entries: BTreeMap<String, String> = metadata
-        .key_value_metadata()
-        .iter()
-        .flatten()
-        .filter_map(|kv| Some((kv.key.strip_prefix(PREFIX)?.to_owned(), kv.value.clone()?)))
-        .collect();
-    let order: Vec<String> = metadata
-        .key_value_metadata()
-        .iter()
-        .flatten()
-        .filter_map(|kv| Some(kv.key.strip_prefix(PREFIX)?.to_owned()))
-        .collect();
-    let frame = reader.finish().map_err(broken)?;
+    let file = read_parquet(bytes, None);
+    let file = file.map_err(|why| bad(path, format!("cannot be read: {why}")))?;
+    let own = |(key, value): (String, String)| Some((key.strip_prefix(PREFIX)?.to_owned(), value));
+    let told: Vec<(String, String)> = file.metadata.into_iter().filter_map(own).collect();
+    let order: Vec<String> = told.iter().map(|(key, _)| key.clone()).collect();
     let read = DriveFile {
         path,
-        entries,
-        frame,
+        entries: told.into_iter().collect(),
+        frame: file.frame,
+        checked: file.checked,
     };
     let drive = read.drive()?;
     let own = |key: &String| OWN_KEYS.contains(&key.as_str());
@@ -150,7 +132,7 @@ pub fn read_drive_from(path: &Path) -> Result<(Drive, Provenance), IngestError> 
 }
 
 /// Keys that say whose drive it is and on which road; the others are its provenance.
-const OWN_KEYS: [&str; 10] = [
+const OWN_KEYS: [&str; 11] = [
     "version",
     "drive",
     "participant",
@@ -161,6 +143,7 @@ const OWN_KEYS: [&str; 10] = [
     "lanes",
     "lane_width_m",
     "posted_speed_mps",
+    LATERAL,
 ];
 
 fn bad(path: &Path, problem: impl Into<String>) -> IngestError {
@@ -174,6 +157,7 @@ struct DriveFile<'a> {
     path: &'a Path,
     entries: BTreeMap<String, String>,
     frame: DataFrame,
+    checked: bool,
 }
 
 impl DriveFile<'_> {
@@ -185,6 +169,9 @@ impl DriveFile<'_> {
                 READ.join(" or ")
             );
             return Err(bad(self.path, problem));
+        }
+        if version == VERSION && !self.checked {
+            return Err(bad(self.path, "is damaged: its checksum is not there"));
         }
         let meta = DriveMeta {
             drive: self.id("drive")?,
@@ -221,8 +208,14 @@ impl DriveFile<'_> {
             gap_behind_right_m: self.numbers("gap_behind_right_m")?,
         };
         let rate_hz = self.parsed("rate_hz")?;
-        Drive::from_rows(meta, road, rate_hz, rows)
-            .map_err(|e| bad(self.path, format!("is no drive: {e}")))
+        let drive = Drive::from_rows(meta, road, rate_hz, rows)
+            .map_err(|e| bad(self.path, format!("is no drive: {e}")))?;
+        let unknown = self.entries.get(LATERAL).is_some_and(|v| v == UNKNOWN);
+        Ok(if unknown {
+            drive.without_lateral()
+        } else {
+            drive
+        })
     }
 
     fn entry(&self, key: &str) -> Result<&str, IngestError> {

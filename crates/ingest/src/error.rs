@@ -150,6 +150,33 @@ pub enum IngestError {
         /// The longest hole that is bridged, in s.
         max_gap_s: f64,
     },
+    /// Values that no car can have, too many of them for chance.
+    #[error("{}: in {count} of {of} samples {what}", path.display())]
+    Implausible {
+        /// The file.
+        path: PathBuf,
+        /// Samples with such a value.
+        count: usize,
+        /// Samples there are.
+        of: usize,
+        /// What they are, as a sentence.
+        what: String,
+    },
+    /// A rate far above what the log holds.
+    #[error(
+        "{} would have {rows:.0} rows at {rate_hz} Hz from {samples} samples of ego: expected at most 100 rows a sample",
+        path.display()
+    )]
+    TooManyRows {
+        /// The file.
+        path: PathBuf,
+        /// Rows of the result.
+        rows: f64,
+        /// The rate asked for, in Hz.
+        rate_hz: f64,
+        /// Samples of ego.
+        samples: usize,
+    },
     /// A setting outside its range.
     #[error("`{name}` is {found}, expected {expected}")]
     BadSetting {
@@ -230,6 +257,9 @@ impl IngestError {
             }
             Self::TooSparse { .. } => {
                 "the log is sampled too rarely for a drive; its channels are in `maveric inspect`".to_owned()
+            }
+            Self::Implausible { .. } => {
+                "correct units, kinds of gaps or lanes in the mapping; `maveric inspect` shows what is in the log".to_owned()
             }
             Self::BadDrive { .. } => "make drives from logs with `maveric ingest LOG… --out DIR`".to_owned(),
             Self::BadTable { .. } => "see what is in it with `maveric inspect`".to_owned(),

@@ -13,8 +13,11 @@ mod drive_file;
 mod error;
 mod foreign;
 mod inspect;
+mod join_speeds;
 mod lanes;
 mod mapping;
+mod parquet;
+mod plausible;
 mod provenance;
 mod quality;
 mod raw;
@@ -36,6 +39,7 @@ pub use mapping::{
     SpeedUnit, TableMapping, Tells, TimeUnit, Topics, TracksSignal, TwistFrame, Units,
     VelocitySignal,
 };
+pub use parquet::{ParquetFile, is_parquet, parquet_bytes, read_parquet};
 pub use provenance::Provenance;
 pub use quality::{Warning, WarningKind};
 pub use raw::mcap::decisions::{Decision, DecisionKind, read_decisions};

@@ -6,11 +6,11 @@ use crate::{
     error::IngestError,
     foreign::{self, foreign},
     mapping::{FrameKind, Mapping, RoadMapping, names::meta_of},
+    parquet::is_parquet,
     quality::{Warning, WarningKind},
     raw::{
         self,
         mcap::parts::{Parts, is_split, parts_of},
-        table::open::PARQUET,
     },
     read_table::read_table,
     settings::{IngestSettings, Ingested},
@@ -235,7 +235,7 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, IngestError> {
     let named_mcap = path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("mcap"));
-    let parquet = head.starts_with(PARQUET);
+    let parquet = is_parquet(&head);
     if !named_mcap && (parquet || text && !head.contains(&0)) {
         return Ok(Format::Table);
     }
@@ -254,6 +254,10 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, IngestError> {
         let found = "it is a text, though its name ends in `.mcap`".to_owned();
         let advice = "give a table the name that it should have (`.csv`), and a mapping";
         return Err(not_a_log(found, advice));
+    }
+    if let (true, Some(at)) = (text, head.iter().position(|&b| b == 0)) {
+        let found = format!("it is a text with a zero byte at byte {at}, expected a table");
+        return Err(not_a_log(found, "export it again as CSV in UTF-8"));
     }
     let first = head.iter().take(8).map(|b| format!("{b:02x}"));
     let first = first.collect::<Vec<String>>().join(" ");

@@ -38,6 +38,7 @@ pub(crate) fn read_table(
     let mut found = Vec::new();
     let mut refused: Option<IngestError> = None;
     let mut sparse = 0;
+    let mut impossible = Vec::new();
     for drive in drives {
         let TableDrive {
             mut captures,
@@ -45,6 +46,7 @@ pub(crate) fn read_table(
             lane_steps,
             raw,
             mut warnings,
+            ..
         } = drive;
         let road = road.unwrap_or(mapped);
         let target = Target {
@@ -74,15 +76,25 @@ pub(crate) fn read_table(
                 sparse += 1;
                 refused.get_or_insert(error);
             }
+            Err(error @ IngestError::Implausible { .. }) if several => {
+                impossible.push(error.to_string());
+                refused.get_or_insert(error);
+            }
             Err(error) => return Err(error),
         }
     }
     match (found.first_mut(), refused) {
         (Some(first), Some(_)) => {
-            let what =
-                "vehicles whose samples are all further apart than the longest gap are no drives";
-            let warning = Warning::new(path, WarningKind::MissingValue, sparse, what);
-            first.warnings.push(warning);
+            if sparse > 0 {
+                let what = "vehicles whose samples are all further apart than the longest gap are no drives";
+                let warning = Warning::new(path, WarningKind::MissingValue, sparse, what);
+                first.warnings.push(warning);
+            }
+            if let Some(why) = impossible.first() {
+                let what = format!("vehicles that no car can be are no drives; the first: {why}");
+                let warning = Warning::new(path, WarningKind::Unit, impossible.len(), what);
+                first.warnings.push(warning);
+            }
         }
         (None, Some(error)) => return Err(error),
         (None, None) => {

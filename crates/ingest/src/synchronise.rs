@@ -1,72 +1,36 @@
 //! One clock, in order, each time once.
 
 use crate::{
-    clock::separate_restarts,
+    clock::{by_receipt, separate_restarts},
     quality::{Warning, WarningKind},
-    raw::{EgoSample, ObjectSample, RawDrive},
+    raw::{EgoSample, RawDrive, Timed},
 };
 use std::path::Path;
 
 /// Median difference between times of receipt and stamps that is worth a word, in s.
 const SKEW_S: f64 = 0.1;
 
-/// A sample of a vehicle at a time.
-trait Stamped {
-    fn stamp_ns(&self) -> i64;
-    /// What may not come twice at one time: a vehicle.
-    fn id(&self) -> u32;
-    fn is_finite(&self) -> bool;
-}
-
-impl Stamped for EgoSample {
-    fn stamp_ns(&self) -> i64 {
-        self.stamp_ns
-    }
-    fn id(&self) -> u32 {
-        0
-    }
-    fn is_finite(&self) -> bool {
-        self.x_m.is_finite() && self.y_m.is_finite() && self.speed_mps.is_none_or(f64::is_finite)
-    }
-}
-
-impl Stamped for ObjectSample {
-    fn stamp_ns(&self) -> i64 {
-        self.stamp_ns
-    }
-    fn id(&self) -> u32 {
-        self.id
-    }
-    fn is_finite(&self) -> bool {
-        self.x_m.is_finite() && self.y_m.is_finite() && self.speed_mps.is_finite()
-    }
-}
-
 /// Puts all samples on header stamps, sorted, each vehicle once a time.
 ///
-/// Where ego or the others carry no stamps (all zero), both go by times of receipt: two clocks cannot be
+/// Where ego, the others or the speeds carry no stamps (all zero), all go by times of receipt: two clocks cannot be
 /// compared. Where the clock was set back over times that are recorded already, what follows is laid behind the rest with
 /// a hole of more than `max_gap_s` between. Afterwards `stamp_ns` counts from ego's first sample.
 pub(crate) fn synchronise(path: &Path, drive: &mut RawDrive, max_gap_s: f64) -> Vec<Warning> {
     let mut warnings = Vec::new();
     // A single stamp may well be 0, and so may a time of receipt beside it.
-    let unstamped = drive.ego.iter().all(|s| s.stamp_ns == 0)
-        && drive.ego.iter().any(|s| s.log_ns != 0)
-        || drive.objects.iter().all(|s| s.stamp_ns == 0)
-            && drive.objects.iter().any(|s| s.log_ns != 0);
-    if unstamped {
-        let count = drive.ego.len() + drive.objects.len();
+    if unstamped(&drive.ego) || unstamped(&drive.objects) || unstamped(&drive.speeds) {
+        let count = drive.ego.len() + drive.objects.len() + drive.speeds.len();
         let what = "no header stamps: times of receipt are used";
         warnings.push(Warning::new(path, WarningKind::ReceiveTime, count, what));
-        drive.ego.iter_mut().for_each(|s| s.stamp_ns = s.log_ns);
-        drive.objects.iter_mut().for_each(|s| s.stamp_ns = s.log_ns);
+        by_receipt(drive);
     } else {
         warnings.extend(skew(path, &drive.ego));
     }
     let hole_ns = ((2.0 * max_gap_s).max(1.0) * 1e9) as i64;
-    let restarts = separate_restarts(&mut drive.ego, &mut drive.objects, hole_ns);
+    let restarts = separate_restarts(drive, hole_ns);
     order(path, "ego", &mut drive.ego, &mut warnings);
     order(path, "the others", &mut drive.objects, &mut warnings);
+    order(path, "its speed", &mut drive.speeds, &mut warnings);
     let start = drive.ego.first().map_or(0, |s| s.stamp_ns);
     if !restarts.is_empty() {
         let what = "the clock was set back over times that are recorded already: what follows is laid behind the rest, after a hole of no known length";
@@ -75,13 +39,17 @@ pub(crate) fn synchronise(path: &Path, drive: &mut RawDrive, max_gap_s: f64) -> 
         let warning = Warning::new(path, WarningKind::ClockRestart, restarts.len(), what);
         warnings.push(warning.with_spans(spans));
     }
-    let rebase = |ns: &mut i64| *ns = ns.saturating_sub(start);
-    drive.ego.iter_mut().for_each(|s| rebase(&mut s.stamp_ns));
-    drive
-        .objects
-        .iter_mut()
-        .for_each(|s| rebase(&mut s.stamp_ns));
+    let stamps = drive.ego.iter_mut().map(Timed::stamp_mut);
+    let stamps = stamps.chain(drive.objects.iter_mut().map(Timed::stamp_mut));
+    for stamp_ns in stamps.chain(drive.speeds.iter_mut().map(Timed::stamp_mut)) {
+        *stamp_ns = stamp_ns.saturating_sub(start);
+    }
     warnings
+}
+
+/// Whether nobody stamped these samples.
+fn unstamped(samples: &[impl Timed]) -> bool {
+    samples.iter().all(|s| s.stamp_ns() == 0) && samples.iter().any(|s| s.log_ns() != 0)
 }
 
 fn skew(path: &Path, ego: &[EgoSample]) -> Option<Warning> {
@@ -100,7 +68,7 @@ fn skew(path: &Path, ego: &[EgoSample]) -> Option<Warning> {
     })
 }
 
-fn order<T: Stamped>(path: &Path, who: &str, samples: &mut Vec<T>, warnings: &mut Vec<Warning>) {
+fn order<T: Timed>(path: &Path, who: &str, samples: &mut Vec<T>, warnings: &mut Vec<Warning>) {
     let key = |s: &T| (s.stamp_ns(), s.id());
     // What almost every log is: finite, in order, each once.
     if samples.iter().all(T::is_finite) && samples.is_sorted_by(|a, b| key(a) < key(b)) {
@@ -112,13 +80,13 @@ fn order<T: Stamped>(path: &Path, who: &str, samples: &mut Vec<T>, warnings: &mu
         }
     };
     let before = samples.len();
-    samples.retain(Stamped::is_finite);
+    samples.retain(Timed::is_finite);
     let what = format!("samples of {who} with a value that is not finite are left out");
     report(WarningKind::MissingValue, before - samples.len(), what);
 
     let mut backwards = 0;
     let mut last = i64::MIN;
-    for time in samples.iter().map(Stamped::stamp_ns) {
+    for time in samples.iter().map(Timed::stamp_ns) {
         backwards += usize::from(time < last);
         last = time;
     }

@@ -3,8 +3,9 @@
 
 mod generated;
 
-use maveric_ingest::{IngestSettings, read_log};
+use maveric_ingest::{IngestSettings, Mapping, read_log};
 use peak_alloc::PeakAlloc;
+use std::path::Path;
 
 #[global_allocator]
 static PEAK: PeakAlloc = PeakAlloc;
@@ -13,10 +14,15 @@ const MIB: f64 = 1024.0 * 1024.0;
 
 /// Peak of memory while a log is read, beyond what was in use before, in MiB.
 fn peak_mib(bytes: &[u8]) -> f64 {
+    peak_of(bytes, None)
+}
+
+fn peak_of(bytes: &[u8], mapping: Option<&str>) -> f64 {
     let file = tempfile::Builder::new().suffix(".mcap").tempfile().unwrap();
     std::fs::write(file.path(), bytes).unwrap();
     let settings = IngestSettings {
         recover: true,
+        mapping: mapping.map(|text| Mapping::from_toml(text, Path::new("m.toml")).unwrap()),
         ..IngestSettings::default()
     };
     let before = PEAK.current_usage();
@@ -65,4 +71,30 @@ fn memory_follows_what_a_file_holds_and_not_what_it_claims() {
     );
     let samples = 3.0 * 60.0 * 50.0 * 600.0 / MIB;
     assert!(long - short < samples, "{short} and {long} MiB");
+
+    // Channels share their schema and what is made of it, and a message gives no more rows than any rig sees.
+    let text = format!("float64 x\n# {}\n", "x".repeat(4 << 20));
+    let mut out = mcap::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();
+    let schema = out
+        .add_schema("lab/msg/X", "ros2msg", text.as_bytes())
+        .unwrap();
+    let none = std::collections::BTreeMap::new();
+    for i in 0..500 {
+        out.add_channel(schema, &format!("/{i}"), "cdr", &none)
+            .unwrap();
+    }
+    let objects = out.add_schema("lab.Objects", "jsonschema", b"{}").unwrap();
+    let channel_id = out.add_channel(objects, "/objects", "json", &none).unwrap();
+    let head = mcap::records::MessageHeader {
+        channel_id,
+        sequence: 0,
+        log_time: 1,
+        publish_time: 1,
+    };
+    let many = format!("{{\"cars\":[{}0]}}", "0,".repeat(8 << 20));
+    out.write_to_known_channel(&head, many.as_bytes()).unwrap();
+    out.finish().unwrap();
+    let mapping = "[mcap]\n[[mcap.messages]]\ntype = \"lab.Objects\"\ntells = \"objects\"\nfields = { x = \"cars[].x\", y = \"cars[].y\", id = \"cars[].id\", speed = \"cars[].v\" }\n";
+    let peak = peak_of(&out.into_inner().into_inner(), Some(mapping));
+    assert!(peak < 160.0, "{peak} MiB for shared schemas and many rows");
 }

@@ -1,12 +1,29 @@
-//! Files appear whole or not at all.
+//! Files appear whole or not at all, and over nothing that is not to be written over.
 
-use crate::error::StudyError;
-use std::{fs, io::Write, path::Path};
+use crate::{
+    error::StudyError,
+    outputs::{refuse_other_kind, refuse_unusual},
+};
+use std::{
+    collections::BTreeSet,
+    fs,
+    io::Write,
+    path::{Path, PathBuf},
+    sync::Mutex,
+    time::Duration,
+};
+
+/// How files that are being written begin and end.
+const FRESH: (&str, &str) = (".maveric-", ".tmp");
+/// A file that is being written is locked within this time after it was made.
+const UNLOCKED: Duration = Duration::from_mins(1);
 
 /// Writes a file beside its place, syncs it, then renames it there.
 ///
+/// A plain file of the same kind is replaced; anything else is not. What a killed program was writing in the folder goes.
+///
 /// # Errors
-/// [`StudyError::Io`]; whatever stood there before stays as it was.
+/// [`StudyError::Io`], [`StudyError::BadFile`]; whatever stood there before stays as it was.
 pub fn atomic_write(
     path: &Path,
     write: impl FnOnce(&mut fs::File) -> Result<(), StudyError>,
@@ -15,26 +32,52 @@ pub fn atomic_write(
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
-    if path.is_dir() {
-        return Err(StudyError::file(
-            path,
-            "is a folder, expected the name of a file to write",
-        ));
-    }
+    refuse_unusual(path)?;
     fs::create_dir_all(folder).map_err(StudyError::write(folder))?;
+    remove_left_behind(folder);
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".").suffix(".tmp");
+    builder.prefix(FRESH.0).suffix(FRESH.1);
     // Temporary files are private by default; a result should be as readable as any other file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
     let mut file = builder
         .tempfile_in(folder)
         .map_err(StudyError::write(folder))?;
+    // Where the disk knows no locks nobody takes one, and nobody finds the file free.
+    let _ = file.as_file().try_lock();
     write(file.as_file_mut())?;
     file.as_file().sync_all().map_err(StudyError::write(path))?;
+    refuse_other_kind(path, file.path())?;
     file.persist(path)
         .map_err(|error| StudyError::write(path)(error.error))?;
     Ok(())
+}
+
+/// Removes what killed programs were writing in a folder, once a program; what cannot be removed stays: it does no harm.
+fn remove_left_behind(folder: &Path) {
+    static LOOKED_INTO: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+    if let Ok(mut folders) = LOOKED_INTO.lock()
+        && !folders.insert(folder.to_owned())
+    {
+        return;
+    }
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if !name.starts_with(FRESH.0) || !name.ends_with(FRESH.1) {
+            continue;
+        }
+        let age = entry.metadata().and_then(|m| m.modified()).ok();
+        let old = age
+            .and_then(|t| t.elapsed().ok())
+            .is_some_and(|age| age > UNLOCKED);
+        if old
+            && let Ok(file) = fs::File::options().write(true).open(entry.path())
+            && file.try_lock().is_ok()
+        {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
 }
 
 /// Writes bytes as [`atomic_write`] does.
@@ -81,4 +124,38 @@ pub fn read_text(path: &Path) -> Result<String, StudyError> {
         return Err(StudyError::file(path, "is empty"));
     }
     Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_killed_program_was_writing_goes_and_what_another_is_writing_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let old = std::time::SystemTime::now() - 2 * UNLOCKED;
+        let make = |name: &str| {
+            let file = fs::File::create(at(name)).unwrap();
+            file.set_modified(old).unwrap();
+            file
+        };
+        drop(make(".maveric-killed.tmp"));
+        let used = make(".maveric-used.tmp");
+        used.try_lock().unwrap();
+        fs::write(at(".maveric-fresh.tmp"), "").unwrap();
+        drop(make("mine.tmp"));
+        atomic_write_bytes(&at("table.csv"), b"a\n1\n").unwrap();
+        let left: BTreeSet<String> = fs::read_dir(folder.path())
+            .unwrap()
+            .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
+            .collect();
+        let expected = [
+            ".maveric-fresh.tmp",
+            ".maveric-used.tmp",
+            "mine.tmp",
+            "table.csv",
+        ];
+        assert_eq!(left, expected.map(str::to_owned).into());
+    }
 }

@@ -162,7 +162,7 @@ fn stages(study: &DesignFile) -> Vec<Stage> {
     let read: Vec<String> = read.into_iter().map(|name| format!("{{{name}}}")).collect();
     let ingest = stage(
         "ingest",
-        "ingest --out {out}/drives",
+        "ingest --out {out}/drives --keep-going",
         "{people}",
         "{out}/drives",
     );

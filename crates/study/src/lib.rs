@@ -2,6 +2,7 @@
 //!
 //! Each function of [`stages`] is one command of the `maveric` program; the program parses, calls it and prints.
 
+mod aside;
 pub mod atomic_write;
 pub mod design;
 pub mod design_check;
@@ -9,6 +10,7 @@ pub mod design_pipeline;
 pub mod error;
 pub mod gate;
 pub mod outcome;
+mod outputs;
 pub mod stages;
 mod style_scale;
 pub mod tables;

@@ -68,6 +68,27 @@ impl<'a> Watch<'a> {
     }
 }
 
+/// Most threads of a command: more than any machine has cores, and fewer than exhaust it.
+const MOST_JOBS: usize = 1024;
+
+/// Threads to work on; 0 for as many as there are cores.
+///
+/// # Errors
+/// [`StudyError::NotPossible`] for more than 1024, or if the system has no more.
+pub(crate) fn threads(jobs: usize) -> Result<rayon::ThreadPool, StudyError> {
+    if jobs > MOST_JOBS {
+        return Err(StudyError::NotPossible {
+            problem: format!("{jobs} threads, expected at most {MOST_JOBS}"),
+            help: Some("leave out -j: then there are as many threads as cores".to_owned()),
+        });
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
+    pool.map_err(|e| StudyError::NotPossible {
+        problem: format!("cannot start {jobs} threads: {e}"),
+        help: Some("ask for fewer with -j".to_owned()),
+    })
+}
+
 /// Runs `work` on each item on `jobs` threads; results come in the items' order.
 ///
 /// # Errors
@@ -88,11 +109,7 @@ pub(crate) fn for_each_on<I: Sync, T: Send>(
         watch.step(done.fetch_add(1, Ordering::Relaxed) + 1, items.len(), what)?;
         Ok(result)
     };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
-    let pool = pool.map_err(|e| StudyError::NotPossible {
-        problem: format!("cannot start {jobs} threads: {e}"),
-        help: None,
-    })?;
-    let results: Vec<Result<T, StudyError>> = pool.install(|| items.par_iter().map(one).collect());
+    let results: Vec<Result<T, StudyError>> =
+        threads(jobs)?.install(|| items.par_iter().map(one).collect());
     results.into_iter().collect()
 }

@@ -28,6 +28,9 @@ pub(crate) struct Ingest {
     /// Take what can be read of a damaged log, and say what could not
     #[arg(long)]
     recover: bool,
+    /// End well although logs could not be ingested, as long as one drive came through: exclusions.csv lists them
+    #[arg(long)]
+    keep_going: bool,
     /// Threads
     #[arg(short, long, default_value_t = super::all_cores())]
     jobs: usize,
@@ -48,8 +51,15 @@ impl Ingest {
             recover: self.recover,
             jobs: self.jobs,
         };
+        let mut failed = 0;
         print_outcome(self.format, "could not ingest", |watch| {
-            ingest::ingest(&options, watch)
-        })
+            let outcome = ingest::ingest(&options, watch)?;
+            failed = outcome.value.failed.len();
+            Ok(outcome)
+        })?;
+        if failed > 0 && !self.keep_going {
+            return Err(Failure::Told);
+        }
+        Ok(())
     }
 }

@@ -33,7 +33,7 @@ pub(crate) mod verify;
 
 use crate::{
     args::{Command, Format},
-    diagnostics::{Failure, tell},
+    diagnostics::{Failure, printable, tell},
     interrupt, progress,
 };
 use maveric_study::{Outcome, StudyError, Watch};
@@ -103,7 +103,7 @@ pub(crate) fn print_outcome<T: serde::Serialize>(
 pub(crate) fn print_lines(lines: &[String]) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     for line in lines {
-        writeln!(out, "{line}").map_err(Failure::output)?;
+        writeln!(out, "{}", printable(line)).map_err(Failure::output)?;
     }
     Ok(())
 }

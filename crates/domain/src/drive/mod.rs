@@ -115,6 +115,7 @@ pub struct Drive {
     road: Road,
     rate_hz: f64,
     rows: Rows,
+    lateral: bool,
 }
 
 /// Distance beyond which a vehicle behind in another lane does not count, in m.
@@ -180,6 +181,7 @@ impl Drive {
             road,
             rate_hz: recording.rate_hz(),
             rows,
+            lateral: recording.has_lateral(),
         })
     }
 
@@ -257,7 +259,22 @@ impl Drive {
             road,
             rate_hz,
             rows,
+            lateral: true,
         })
+    }
+
+    /// The same, made from a recording [without lateral positions](Recording::without_lateral).
+    #[must_use]
+    pub fn without_lateral(self) -> Self {
+        Self {
+            lateral: false,
+            ..self
+        }
+    }
+
+    /// Whether it is known who is beside ego and who ahead: without, nothing can be said of passing.
+    pub fn has_lateral(&self) -> bool {
+        self.lateral
     }
 
     /// Whose drive it is.
@@ -349,6 +366,7 @@ impl Drive {
             road: self.road,
             rate_hz: self.rate_hz,
             rows,
+            lateral: self.lateral,
         })
     }
 }

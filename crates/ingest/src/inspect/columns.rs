@@ -2,7 +2,8 @@
 
 use crate::{
     error::IngestError,
-    raw::table::open::{Kind, PARQUET, Style, Table, header},
+    parquet::is_parquet,
+    raw::table::open::{Kind, Style, Table, header},
 };
 use std::path::Path;
 
@@ -33,7 +34,7 @@ pub(super) struct Sheet {
 /// # Errors
 /// [`IngestError::BadTable`] for what is no table.
 pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<Sheet, IngestError> {
-    let parquet = bytes.starts_with(PARQUET);
+    let parquet = is_parquet(&bytes);
     let (preamble, separator, names) = if parquet {
         (0, None, Table::parquet_names(path, &bytes)?)
     } else {

@@ -71,7 +71,7 @@ pub(super) fn look(path: &Path) -> Result<Vec<u8>, IngestError> {
         .read_to_end(&mut bytes)
         .map_err(wrong)?;
     if bytes.len() as u64 == LOOKED_AT {
-        if bytes.starts_with(crate::raw::table::open::PARQUET) {
+        if crate::parquet::is_parquet(&bytes) {
             file.read_to_end(&mut bytes).map_err(wrong)?;
         } else if let Some(end) = bytes.iter().rposition(|&b| b == b'\n') {
             bytes.truncate(end + 1);

@@ -227,6 +227,10 @@ impl Visitor for Survey {
         }
     }
 
+    fn passed_over(&mut self) {
+        // Reading the drive says how many there are.
+    }
+
     fn mark(&mut self) {
         for channel in &mut self.channels {
             channel.mark = channel.log_ns.len();

@@ -156,6 +156,7 @@ impl TableMapping {
             let missing = || format!("layout `{}` needs {what}", self.layout.as_str());
             given.then_some(()).ok_or_else(missing)
         };
+        self.check_keys()?;
         let known = self.layout.columns();
         if let Some((key, _)) = columns.given().iter().find(|(k, _)| !known.contains(k)) {
             return Err(format!(
@@ -236,6 +237,94 @@ impl TableMapping {
             }
         }
         Ok(())
+    }
+}
+
+impl TableMapping {
+    /// Refuses keys that do nothing: somebody thinks that they do.
+    fn check_keys(&self) -> Result<(), String> {
+        let c = &self.columns;
+        let long = self.layout == Layout::Long;
+        let name = self.layout.as_str();
+        let of_layout = |given: bool, key: &str, applies: bool| {
+            if given && !applies {
+                return Err(format!(
+                    "layout `{name}` has no `table.{key}`: leave it out"
+                ));
+            }
+            Ok(())
+        };
+        of_layout(self.directions != Directions::Along, "directions", long)?;
+        of_layout(self.y_grows.is_some(), "y_grows", long)?;
+        of_layout(self.lanes_from.is_some(), "lanes_from", long)?;
+        of_layout(self.first_lane != one(), "first_lane", long)?;
+        of_layout(
+            self.new_vehicle_after_s.is_some(),
+            "new_vehicle_after_s",
+            long,
+        )?;
+        of_layout(self.recording_meta.is_some(), "recording_meta", long)?;
+        of_layout(
+            self.signals.is_some(),
+            "signals",
+            self.layout == Layout::Signals,
+        )?;
+        let pair = self.layout == Layout::Pair;
+        of_layout(self.point.is_some(), "point", long || pair)?;
+        of_layout(
+            self.gap_kind == Some(GapKind::Signed),
+            "gap_kind = \"signed\"",
+            !long,
+        )?;
+        let without = |given: bool, key: &str, applies: bool, what: &str| {
+            if given && !applies {
+                return Err(format!(
+                    "`table.{key}` does nothing without {what}: leave it out"
+                ));
+            }
+            Ok(())
+        };
+        let gap = c.gap.is_some() || self.signals.as_ref().is_some_and(|s| s.tracks.is_some());
+        without(
+            self.gap_kind.is_some(),
+            "gap_kind",
+            gap,
+            "`table.columns.gap`",
+        )?;
+        let lead = c.lead_x.is_some() && c.gap.is_none();
+        let point = long || lead;
+        without(
+            self.point.is_some(),
+            "point",
+            point,
+            "`table.columns.lead_x`, or beside a `gap`",
+        )?;
+        without(
+            self.y_grows.is_some(),
+            "y_grows",
+            c.y.is_some(),
+            "`table.columns.y`",
+        )?;
+        let lane = c.lane.is_some();
+        without(
+            self.lanes_from.is_some(),
+            "lanes_from",
+            lane,
+            "`table.columns.lane`",
+        )?;
+        without(
+            self.first_lane != one(),
+            "first_lane",
+            lane,
+            "`table.columns.lane`",
+        )?;
+        let frames = self.units.time == TimeUnit::Frames;
+        without(
+            self.frames_per_s.is_some(),
+            "frames_per_s",
+            frames,
+            "`time = \"frames\"`",
+        )
     }
 }
 

@@ -1,6 +1,6 @@
 //! JSON messages: the wanted numbers are picked out while reading, and nothing else is kept.
 
-use super::wanted::{Slots, Taken, Tree};
+use super::wanted::{Slots, Taken, Tree, name_number};
 use serde::de::{DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::fmt;
 
@@ -88,8 +88,12 @@ impl<'de> Visitor<'de> for Seed<'_> {
     }
 
     fn visit_str<E>(self, value: &str) -> Result<(), E> {
-        // Whole numbers of 64 bits are often written as text.
-        if let Ok(value) = value.parse() {
+        if !self.tree.names.is_empty() {
+            // A text that is wanted as one is none of a number: `007` is not 7.
+            let number = name_number(value.as_bytes());
+            self.taken.set(&self.tree.names, number);
+        } else if let Ok(value) = value.parse() {
+            // Whole numbers of 64 bits are often written as text.
             self.number(value);
         }
         Ok(())
@@ -167,6 +171,21 @@ mod tests {
         assert_eq!(found[0], [3.0, 7.0, 4.5]);
         assert_eq!(found[1][..2], [3.0, 8.0]);
         assert!(found[1][2].is_nan() && found.len() == 2);
+    }
+
+    #[test]
+    fn a_text_that_is_wanted_is_no_number_and_too_many_rows_are_refused() {
+        let wanted = ["cars[].id|cars[].id#"];
+        let found = rows(
+            r#"{"cars":[{"id":7},{"id":"7"},{"id":"007"},{"id":"car"}]}"#,
+            &wanted,
+        );
+        let found = found.unwrap();
+        let ids: std::collections::BTreeSet<u64> = found.iter().map(|r| r[0].to_bits()).collect();
+        assert_eq!((found[0][0], ids.len()), (7.0, 4));
+        let many = format!("{{\"cars\":[{}0]}}", "0,".repeat(200_000));
+        let error = rows(&many, &wanted).unwrap_err();
+        assert_eq!(error, "it has more than 100000 rows");
     }
 
     #[test]

@@ -47,6 +47,65 @@ pub(crate) struct ObjectSample {
     pub(crate) length_m: f64,
 }
 
+/// Ego's speed at one time, from a channel of its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SpeedSample {
+    /// Time stamped by the source, in ns.
+    pub(crate) stamp_ns: i64,
+    /// Time of receipt, in ns.
+    pub(crate) log_ns: i64,
+    /// Number of the message that it came in.
+    pub(crate) nth: u32,
+    /// Speed, in m/s.
+    pub(crate) speed_mps: f64,
+}
+
+/// What ego, the others and speeds have in common: a place in time.
+pub(crate) trait Timed {
+    /// Time stamped by the source, in ns.
+    fn stamp_ns(&self) -> i64;
+    /// The same, to be set.
+    fn stamp_mut(&mut self) -> &mut i64;
+    /// Time of receipt, in ns.
+    fn log_ns(&self) -> i64;
+    /// What may not come twice at one time: a vehicle.
+    fn id(&self) -> u32;
+    /// Whether every number of it is one.
+    fn is_finite(&self) -> bool;
+}
+
+macro_rules! timed {
+    ($name:ty, $id:expr, $finite:expr) => {
+        impl Timed for $name {
+            fn stamp_ns(&self) -> i64 {
+                self.stamp_ns
+            }
+            fn stamp_mut(&mut self) -> &mut i64 {
+                &mut self.stamp_ns
+            }
+            fn log_ns(&self) -> i64 {
+                self.log_ns
+            }
+            fn id(&self) -> u32 {
+                $id(self)
+            }
+            fn is_finite(&self) -> bool {
+                $finite(self)
+            }
+        }
+    };
+}
+
+timed!(EgoSample, |_: &Self| 0, |s: &Self| {
+    s.x_m.is_finite() && s.y_m.is_finite() && s.speed_mps.is_none_or(f64::is_finite)
+});
+timed!(ObjectSample, |s: &Self| s.id, |s: &Self| {
+    s.x_m.is_finite() && s.y_m.is_finite() && s.speed_mps.is_finite()
+});
+timed!(SpeedSample, |_: &Self| 0, |s: &Self| s
+    .speed_mps
+    .is_finite());
+
 impl ObjectSample {
     /// Bumper to bumper, in m, where it is known.
     pub(crate) fn known_length_m(&self) -> Option<f64> {
@@ -61,8 +120,12 @@ pub(crate) struct RawDrive {
     pub(crate) ego: Vec<EgoSample>,
     /// The others, in the order of the file.
     pub(crate) objects: Vec<ObjectSample>,
+    /// Ego's speeds from a channel of their own, in the order of the file; joined once all are on one clock.
+    pub(crate) speeds: Vec<SpeedSample>,
     /// Ego's length, where the log says it, in m.
     pub(crate) ego_length_m: Option<f64>,
     /// Whether one of the objects may be ego itself.
     pub(crate) ego_among_objects: bool,
+    /// Whether nobody recorded who was how far to the side, though ego passes others.
+    pub(crate) without_lateral: bool,
 }

@@ -1,6 +1,6 @@
 //! Protobuf messages: field numbers from the schema's descriptors, wanted numbers along the bytes, the rest passed over.
 
-use super::wanted::{Slots, Taken, Tree};
+use super::wanted::{Slots, Taken, Tree, name_number};
 use prost_reflect::{DescriptorPool, FieldDescriptor, Kind, MessageDescriptor};
 use std::collections::BTreeMap;
 
@@ -35,6 +35,8 @@ struct Field {
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Value {
     Number(Kind),
+    /// Slots that take a text as [`name_number`].
+    Name(Vec<usize>),
     /// What is wanted of an element, by its place; the last node serves all others.
     Messages(BTreeMap<usize, Node>, Option<Node>),
 }
@@ -117,6 +119,12 @@ fn field(descriptor: &FieldDescriptor, tree: &Tree, found: &mut [bool]) -> Field
             let one = node(&message, tree, found);
             Value::Messages(BTreeMap::from([(0, one)]), None)
         }
+        Kind::String if !repeated && !tree.names.is_empty() => {
+            for &slot in &tree.names {
+                found[slot] = true;
+            }
+            Value::Name(tree.names.clone())
+        }
         Kind::String | Kind::Bytes => Value::Messages(BTreeMap::new(), None),
         kind => {
             if repeated {
@@ -178,6 +186,10 @@ impl Field {
                     taken.end_row();
                     walked?;
                 }
+                Some(())
+            }
+            (Value::Name(slots), Piece::Bytes(bytes)) => {
+                taken.set(slots, name_number(bytes));
                 Some(())
             }
             (Value::Number(of), Piece::Bytes(bytes)) => {

@@ -2,6 +2,9 @@
 
 use std::collections::BTreeMap;
 
+/// Most rows that one message may give: a thousand times as many vehicles as any rig sees.
+pub(crate) const MOST_ROWS: usize = 100_000;
+
 /// Whether a path need not be there: one that ends in `?`, and an empty one.
 pub(crate) fn may_be_missing(path: &str) -> bool {
     path.is_empty() || path.ends_with('?')
@@ -13,11 +16,24 @@ pub(crate) fn alternatives(path: &str) -> impl Iterator<Item = &str> {
     all.filter(|p| !p.is_empty())
 }
 
+/// A name as a number, to compare it with others: of its part behind the last `/`, which may be a namespace's.
+pub(crate) fn name_number(name: &[u8]) -> f64 {
+    let name = name.strip_suffix(&[0]).unwrap_or(name);
+    let last = name.rsplit(|&b| b == b'/').next().unwrap_or_default();
+    // FNV-1a, as many bits of it as a float holds.
+    let hash = last.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, &b| {
+        (hash ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3)
+    });
+    (hash >> 11) as f64
+}
+
 /// Wanted paths as a tree: what to look for in a message that names its fields.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Tree {
     /// Slots that take the number here.
     pub(crate) slots: Vec<usize>,
+    /// Slots that take the text here, as [`name_number`].
+    pub(crate) names: Vec<usize>,
     /// Fields to look into.
     pub(crate) fields: BTreeMap<String, Self>,
     /// Of a sequence: every element gives a row.
@@ -32,7 +48,10 @@ impl Tree {
         let mut root = Self::default();
         for (slot, path) in wanted.iter().enumerate() {
             for path in alternatives(path) {
-                root.at(path).slots.push(slot);
+                match path.strip_suffix('#') {
+                    Some(path) => root.at(path).names.push(slot),
+                    None => root.at(path).slots.push(slot),
+                }
             }
         }
         root
@@ -59,7 +78,7 @@ impl Tree {
     fn all_slots(&self) -> Vec<usize> {
         let below = self.fields.values().chain(self.items.values());
         let below = below.chain(self.each.as_deref());
-        let mut slots = self.slots.clone();
+        let mut slots = [self.slots.as_slice(), &self.names].concat();
         slots.extend(below.flat_map(Self::all_slots));
         slots
     }
@@ -117,6 +136,9 @@ impl Slots {
             None => Ok(()),
         };
         check(&taken.outer, false)?;
+        if taken.too_many {
+            return Err(format!("it has more than {MOST_ROWS} rows"));
+        }
         for values in taken.rows.chunks_exact_mut(n.max(1)) {
             check(values, true)?;
             for i in (0..n).filter(|&i| !self.in_rows[i]) {
@@ -136,6 +158,7 @@ pub(crate) struct Taken {
     outer: Vec<f64>,
     rows: Vec<f64>,
     in_row: bool,
+    too_many: bool,
 }
 
 impl Taken {
@@ -144,6 +167,7 @@ impl Taken {
             outer: vec![f64::NAN; slots.names.len()],
             rows: Vec::new(),
             in_row: false,
+            too_many: false,
         }
     }
 
@@ -178,6 +202,10 @@ impl Taken {
     /// Starts a row; false within another, where there is none.
     pub(crate) fn begin_row(&mut self) -> bool {
         if self.in_row || self.outer.is_empty() {
+            return false;
+        }
+        if self.rows.len() >= MOST_ROWS * self.outer.len() {
+            self.too_many = true;
             return false;
         }
         self.in_row = true;

@@ -42,12 +42,13 @@ fn recording(hole: bool) -> Recording {
     let shift = |row: usize| if hole && row >= 700 { 2.0 } else { 0.0 };
     let time_s: Vec<f64> = (0..ROWS).map(|i| i as f64 / 20.0 + shift(i)).collect();
     let speed = |t: f64| (25.0 - 0.5 * t).max(0.0) + 0.1 * (7.0 * t).sin().abs();
+    let way = |t: f64| {
+        let braking = t.min(50.0);
+        25.0 * braking - 0.25 * braking * braking + 0.06 * t
+    };
     let ego = EgoTrack {
         length_m: 4.83,
-        x_m: time_s
-            .iter()
-            .map(|t| 24.0 * t + (0.3 * t).sin() / 3.0)
-            .collect(),
+        x_m: time_s.iter().map(|&t| way(t)).collect(),
         y_m: time_s
             .iter()
             .map(|t| 3.66 / (1.0 + (20.0 - t).exp()))

@@ -152,3 +152,39 @@ fn a_split_recording_that_lacks_a_part_is_refused_and_recovered_with_its_hole() 
         assert_eq!(inspect(&folder).unwrap().damage.len(), 1);
     }
 }
+
+#[test]
+fn an_intact_log_with_one_very_large_message_is_read_and_the_message_counted() {
+    for compression in [None, Some(mcap::Compression::Zstd)] {
+        for chunks in [true, false] {
+            let options = mcap::WriteOptions::new()
+                .compression(compression)
+                .use_chunks(chunks);
+            let mut out = options.create(std::io::Cursor::new(Vec::new())).unwrap();
+            let log = super::bytes_of(&super::recording(false));
+            let map = out.add_channel(0, "/map", "json", &std::collections::BTreeMap::new());
+            let head = mcap::records::MessageHeader {
+                channel_id: map.unwrap(),
+                sequence: 0,
+                log_time: 1,
+                publish_time: 1,
+            };
+            out.write_to_known_channel(&head, &vec![b' '; 40 << 20])
+                .unwrap();
+            for record in mcap::read::LinearReader::new(&log).unwrap() {
+                if let mcap::records::Record::Metadata(metadata) = record.unwrap() {
+                    out.write_metadata(&metadata).unwrap();
+                }
+            }
+            for message in mcap::MessageStream::new(&log).unwrap() {
+                out.write(&message.unwrap()).unwrap();
+            }
+            out.finish().unwrap();
+            let bytes = out.into_inner().into_inner();
+            let found = super::damage::read(&bytes, false).unwrap();
+            assert_eq!(found.recording.rows(), super::ROWS);
+            let said = |w: &maveric_ingest::Warning| w.what.contains("more than 32 MiB");
+            assert_eq!(found.warnings.iter().filter(|w| said(w)).count(), 1);
+        }
+    }
+}

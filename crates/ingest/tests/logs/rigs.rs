@@ -392,6 +392,50 @@ fn a_pose_and_a_fix_take_their_speed_from_the_channel_beside_them() {
 }
 
 #[test]
+fn speeds_of_another_channel_stay_with_their_poses_whatever_the_clock_does() {
+    const SPEED_ALONE: (&str, &str) = ("lab_msgs/msg/Speed", "float64 value\n");
+    const MAPPING: &str = "[mcap]\n[[mcap.messages]]\ntype = \"lab_msgs/Speed\"\ntells = \"speed\"\nfields = { speed = \"value\" }\n";
+    let speed_at = |t: f64| SPEED + 5.0 * (0.5 * t).sin();
+    // What the stamps of both channels are, or of the mapped one that has none.
+    let clocks: [&dyn Fn(f64) -> f64; 3] =
+        [&|_| 0.0, &|t| if t < 115.0 { t } else { t - 15.0 }, &|t| t];
+    for (case, stamp) in clocks.iter().enumerate() {
+        let mapped = case == 2;
+        let mut rig = Rig::new();
+        let mut east = 0.0;
+        for t in times() {
+            east += speed_at(t) / 20.0;
+            let mut pose = cdr();
+            pose.header(stamp(t), "map").pose((east, 0.0, 0.0));
+            rig.send("/pose", POSE, t, &pose);
+            let mut speed = cdr();
+            if mapped {
+                speed.f64s(&[speed_at(t)]);
+                rig.send("/vel", SPEED_ALONE, t, &speed);
+            } else {
+                speed.header(stamp(t), "base_link").twist(speed_at(t), 0.0);
+                rig.send("/vel", TWIST, t, &speed);
+            }
+        }
+        let found = read(&rig.log(), mapped.then_some(MAPPING));
+        assert!(
+            !said(&found, "differentiated"),
+            "{case}: {:?}",
+            found.warnings
+        );
+        let ego = found.recording.ego();
+        assert!(ego.speed_mps.len() > ROWS - 5, "{case}");
+        for (time, v) in found.recording.time_s().iter().zip(&ego.speed_mps) {
+            let expected = speed_at(100.0 + time);
+            assert!(
+                (v - expected).abs() < 0.05,
+                "{case}: {v} at {time}, expected {expected}"
+            );
+        }
+    }
+}
+
+#[test]
 fn ego_is_told_from_transforms_where_nothing_else_tells_it() {
     for packed in [false, true] {
         let header = if packed { "uint32 seq\n" } else { "" };

@@ -164,3 +164,129 @@ fn a_quote_that_is_never_closed_is_named_by_its_row() {
     let (found, plain) = (of_text(&quoted).unwrap(), of_text(&whole).unwrap());
     assert_eq!(found.recording, plain.recording);
 }
+
+const PAIR: &str = "[table]\nlayout = \"pair\"\n";
+const UNITS: &str = "[table.units]\ntime = \"s\"\nlength = \"m\"\nspeed = \"m/s\"\n";
+
+fn mapped(mapping: &str, text: &str) -> Result<Vec<Ingested>, IngestError> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.csv");
+    std::fs::write(&path, text).unwrap();
+    let settings = IngestSettings {
+        mapping: Some(Mapping::from_toml(mapping, Path::new("m.toml"))?),
+        ..IngestSettings::default()
+    };
+    read_log(&path, &settings)
+}
+
+/// A minute at 10 Hz: each row by its number and time.
+fn minute(header: &str, row: impl Fn(usize, f64) -> String) -> String {
+    let rows = (0..600).map(|i| row(i, i as f64 / 10.0) + "\n");
+    format!("{header}\n{}", rows.collect::<String>())
+}
+
+#[test]
+fn a_gap_of_the_wrong_kind_is_counted_and_refused_where_it_is_most_of_them() {
+    let columns =
+        "[table.columns]\ntime = \"t\"\nego_speed = \"v\"\ngap = \"gap\"\nlead_speed = \"w\"\n";
+    let mapping = format!("{PAIR}gap_kind = \"front_to_front\"\n{UNITS}{columns}");
+    let table = |short: usize| {
+        minute("t,v,gap,w", |i, t| {
+            format!("{t},20,{},20", if i < short { 3 } else { 30 })
+        })
+    };
+    let found = mapped(&mapping, &table(60)).unwrap().remove(0);
+    let warning = found
+        .warnings
+        .iter()
+        .find(|w| w.what.contains("within ego"));
+    assert_eq!(warning.unwrap().count, 60);
+    let error = mapped(&mapping, &table(300)).unwrap_err().to_string();
+    assert!(
+        error.contains("in 300 of 600 samples gaps to the leader are negative"),
+        "{error}"
+    );
+    let fast = minute("t,v,gap,w", |_, t| format!("{t},20,30,100"));
+    let error = mapped(&mapping, &fast).unwrap_err().to_string();
+    assert!(
+        error.contains("speeds of others are above 90 m/s"),
+        "{error}"
+    );
+}
+
+#[test]
+fn keys_that_do_nothing_are_refused_by_name() {
+    let columns =
+        "[table.columns]\ntime = \"t\"\nego_speed = \"v\"\ngap = \"gap\"\nlead_speed = \"w\"\n";
+    for (key, said) in [
+        ("directions = \"both\"", "`table.directions`"),
+        ("y_grows = \"left\"", "`table.y_grows`"),
+        ("new_vehicle_after_s = 2.0", "`table.new_vehicle_after_s`"),
+        ("point = \"front\"", "`table.point`"),
+        ("frames_per_s = 25.0", "`table.frames_per_s`"),
+    ] {
+        let mapping = format!("{PAIR}gap_kind = \"bumper_to_bumper\"\n{key}\n{UNITS}{columns}");
+        let error = Mapping::from_toml(&mapping, Path::new("m.toml")).unwrap_err();
+        assert!(error.to_string().contains(said), "{error}");
+    }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
+    for entry in std::fs::read_dir(folder).unwrap() {
+        Mapping::read(&entry.unwrap().path()).unwrap();
+    }
+}
+
+#[test]
+fn a_leader_numbered_0_is_a_leader_where_vehicles_are_counted_from_0() {
+    let columns = "[table.columns]\ntime = \"t\"\nid = \"id\"\nx = \"x\"\nspeed = \"v\"\nlead_id = \"lead\"\n";
+    let mapping = format!("[table]\nlayout = \"long\"\npoint = \"centre\"\n{UNITS}{columns}");
+    let leads = |first: &str| {
+        let row = |_: usize, t: f64| {
+            format!(
+                "{t},{first},{},20,-1\n{t},car,{},20,{first}",
+                30.0 + 20.0 * t,
+                20.0 * t
+            )
+        };
+        let found = mapped(&mapping, &minute("t,id,x,v,lead", row)).unwrap();
+        let follower = found
+            .iter()
+            .find(|d| d.recording.ego().x_m[0] == 0.0)
+            .unwrap();
+        follower
+            .recording
+            .others()
+            .iter()
+            .map(|o| o.id.0)
+            .collect::<Vec<u32>>()
+    };
+    assert_eq!(leads("0"), [0]);
+    assert_eq!(leads("7"), [7]);
+    assert_eq!(leads("007").len(), 1);
+}
+
+#[test]
+fn a_table_that_says_nothing_of_sides_has_no_measures_of_passing() {
+    let columns = "[table.columns]\ntime = \"t\"\nego_x = \"x\"\nego_speed = \"v\"\ngap = \"gap\"\nlead_speed = \"w\"\n";
+    let mapping = format!("{PAIR}gap_kind = \"signed\"\n{UNITS}{columns}");
+    let passing = |slower: f64| {
+        let row = |_: usize, t: f64| {
+            format!(
+                "{t},{},20,{},{}",
+                20.0 * t,
+                60.0 - slower * t,
+                20.0 - slower
+            )
+        };
+        let found = mapped(&mapping, &minute("t,x,v,gap,w", row))
+            .unwrap()
+            .remove(0);
+        let said = found
+            .warnings
+            .iter()
+            .any(|w| w.what.contains("has no measures"));
+        let drive = Drive::from_recording(found.meta, &found.recording).unwrap();
+        (drive.has_lateral(), said)
+    };
+    assert_eq!(passing(5.0), (false, true));
+    assert_eq!(passing(0.0), (true, false));
+}

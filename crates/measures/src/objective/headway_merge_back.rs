@@ -16,7 +16,8 @@ pub(super) const DISTANCE: Measure = Measure {
     shown: Shown::in_unit("m"),
     aggression: Some(Sign::Minus),
     description: "Mean over changes back of the gap to the vehicle behind in the lane merged into, at the start of the change.",
-    why_missing: "never merged back in front of a vehicle",
+    of_passing: true,
+    why_missing: "never merged back in front of a vehicle, or a log without lateral positions",
     value: distance,
 };
 
@@ -28,7 +29,8 @@ pub(super) const TIME: Measure = Measure {
     shown: Shown::in_unit("s"),
     aggression: Some(Sign::Minus),
     description: "Mean over changes back of the gap to the vehicle behind in the lane merged into over ego speed, at the start of the change.",
-    why_missing: "never merged back in front of a vehicle",
+    of_passing: true,
+    why_missing: "never merged back in front of a vehicle, or a log without lateral positions",
     value: time,
 };
 

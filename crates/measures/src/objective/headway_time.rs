@@ -17,7 +17,8 @@ pub(super) const MEASURE: Measure = Measure {
     shown: Shown::in_unit("s"),
     aggression: Some(Sign::Minus),
     description: "Mean over changes to the passing lane of the gap to the lead vehicle over ego speed at the start of the change.",
-    why_missing: "no change to the passing lane with a lead vehicle ahead",
+    of_passing: true,
+    why_missing: "no change to the passing lane with a lead vehicle ahead, or a log without lateral positions",
     value,
 };
 

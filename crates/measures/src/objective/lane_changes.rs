@@ -10,7 +10,8 @@ pub(super) const MEASURE: Measure = Measure {
     shown: Shown::PLAIN,
     aggression: Some(Sign::Plus),
     description: "Count of completed lane changes, to either side.",
-    why_missing: "never missing",
+    of_passing: true,
+    why_missing: "the log has no lateral positions",
     value,
 };
 

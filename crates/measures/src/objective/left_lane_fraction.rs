@@ -10,7 +10,8 @@ pub(super) const MEASURE: Measure = Measure {
     shown: Shown::PLAIN,
     aggression: None,
     description: "Share of rows with ego left of the rightmost lane.",
-    why_missing: "never missing",
+    of_passing: true,
+    why_missing: "the log has no lateral positions",
     value,
 };
 

@@ -10,6 +10,7 @@ pub(super) const MEASURE: Measure = Measure {
     shown: Shown::MPH,
     aggression: Some(Sign::Plus),
     description: "Mean of ego speed over the drive.",
+    of_passing: false,
     why_missing: "never missing",
     value,
 };

@@ -16,7 +16,8 @@ pub(super) const MEASURE: Measure = Measure {
     shown: Shown::in_unit("m"),
     aggression: None,
     description: "Smallest gap to a lead vehicle, over encounters, before ego first slows down or changes lane.",
-    why_missing: "no lead vehicle ahead in ego's lane",
+    of_passing: true,
+    why_missing: "no lead vehicle ahead in ego's lane, or a log without lateral positions",
     value: |drive| nearest(drive, Until::SlowingOrChange),
 };
 
@@ -31,7 +32,8 @@ pub(super) const TO_CHANGE: Measure = Measure {
     shown: Shown::in_unit("m"),
     aggression: None,
     description: "Smallest gap to a lead vehicle, over encounters, before ego changes lane, whether it slows down or not.",
-    why_missing: "no lead vehicle ahead in ego's lane",
+    of_passing: true,
+    why_missing: "no lead vehicle ahead in ego's lane, or a log without lateral positions",
     value: |drive| nearest(drive, Until::Change),
 };
 

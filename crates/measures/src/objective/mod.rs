@@ -29,6 +29,8 @@ pub struct Measure {
     pub aggression: Option<Sign>,
     /// What is measured, in one sentence.
     pub description: &'static str,
+    /// Whether it is about passing or lanes: a drive without lateral positions has no value.
+    pub of_passing: bool,
     /// Why a drive may have no value.
     pub why_missing: &'static str,
     value: fn(&Drive) -> Option<f64>,
@@ -63,6 +65,9 @@ impl Measure {
     ///
     /// A value is finite.
     pub fn of(&self, drive: &Drive) -> Option<f64> {
+        if self.of_passing && !drive.has_lateral() {
+            return None;
+        }
         (self.value)(drive).filter(|v| v.is_finite())
     }
 }
@@ -131,6 +136,19 @@ mod tests {
         assert_eq!(names.len(), 8);
         assert!(names.iter().all(|n| find(n).is_some()));
         assert!(find("mean_speed").is_none());
+    }
+
+    #[test]
+    fn a_drive_without_lateral_positions_has_a_speed_and_no_measure_of_passing() {
+        let drive = Scripted::new(40.0).lead(85.0, 25.0).pass(5.0, 30.0).drive();
+        assert!(measure(&drive).iter().all(|m| m.value.is_some()));
+        let found = measure(&drive.without_lateral());
+        let there: Vec<&str> = found
+            .iter()
+            .filter(|m| m.value.is_some())
+            .map(|m| m.measure.as_str())
+            .collect();
+        assert_eq!(there, ["mean_velocity_mps"]);
     }
 
     #[test]

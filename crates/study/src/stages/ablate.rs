@@ -7,7 +7,8 @@ use super::{
 use crate::{
     atomic_write::write_json,
     error::StudyError,
-    outcome::{Outcome, Watch},
+    outcome::{Outcome, Watch, threads},
+    outputs::spare_inputs,
     tables::{drives::read_drives, surveys::read_scores},
 };
 use maveric_domain::DrivenBy;
@@ -67,6 +68,13 @@ const LOSSES: [(&str, &str, Of); 3] = [
 /// # Source
 /// Method section 3, "Embedding size"; the paper says that more than three numbers bring nothing.
 pub fn ablate(options: &AblateOptions, watch: Watch<'_>) -> Result<Outcome<Ablated>, StudyError> {
+    let out = options.out.join("ablation.json");
+    spare_inputs(
+        [&*options.drives]
+            .into_iter()
+            .chain(options.scores.as_deref()),
+        [&*out],
+    )?;
     let drives = read_drives(&options.drives)?;
     let scores = options.scores.as_deref().map(read_scores).transpose()?;
     let scores = scores.unwrap_or_default();
@@ -92,13 +100,7 @@ pub fn ablate(options: &AblateOptions, watch: Watch<'_>) -> Result<Outcome<Ablat
         Ok(()) => ControlFlow::Continue(()),
         Err(_) => ControlFlow::Break(()),
     };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.jobs)
-        .build();
-    let pool = pool.map_err(|e| StudyError::NotPossible {
-        problem: format!("cannot start {} threads: {e}", options.jobs),
-        help: None,
-    })?;
+    let pool = threads(options.jobs)?;
     let personalizing = PersonalizeParams::default();
     let found = pool.install(|| {
         compare(
@@ -122,7 +124,7 @@ pub fn ablate(options: &AblateOptions, watch: Watch<'_>) -> Result<Outcome<Ablat
     } else {
         Context::real()
     };
-    write_json(&options.out.join("ablation.json"), &found)?;
+    write_json(&out, &found)?;
     let table = table(&found);
     let text = table.to_markdown();
     let page = write_page(&options.out, &page(&found, options, table, &context)?)?;

@@ -5,10 +5,15 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch},
+    outputs::spare_inputs,
     stages::score::read_scales,
     tables::{
-        Table, conditions::read_conditions, embeddings::read_embeddings,
-        measurements::read_measurements, surveys::read_answers, surveys::read_scores,
+        Table,
+        conditions::read_conditions,
+        embeddings::read_embeddings,
+        measurements::{one_drive_a_condition, read_measurements},
+        surveys::read_answers,
+        surveys::read_scores,
     },
 };
 use maveric_analysis::{Analysis, Friedman, Person, StudyData, Tables};
@@ -42,6 +47,12 @@ pub fn analyse(
     options: &AnalyseOptions,
     watch: Watch<'_>,
 ) -> Result<Outcome<Analysis>, StudyError> {
+    let named = options
+        .design
+        .as_deref()
+        .into_iter()
+        .chain(options.participants.as_deref());
+    spare_inputs(named, [&*options.out])?;
     let study = DesignFile::find(options.design.as_deref())?;
     let data = read_study(&options.results, &study, options.participants.as_deref())?;
     watch.step(0, 1, "analyses")?;
@@ -91,6 +102,10 @@ pub(crate) fn read_study(
     let in_folder = |name: &str| folder.join(name);
     // What no stage of this design makes need not be there; what one makes has to be.
     let made = |name: &str, is_made: bool| is_made || in_folder(name).is_file();
+    let measurements = in_folder("measurements.parquet");
+    let measured = read_measurements(&measurements)?;
+    let of_design = measured.iter().filter(|d| design.knows(d.meta.condition));
+    one_drive_a_condition(&measurements, of_design)?;
     let tables = Tables {
         people: people
             .into_iter()
@@ -101,7 +116,7 @@ pub(crate) fn read_study(
                 columns: p.cells,
             })
             .collect(),
-        measurements: read_measurements(&in_folder("measurements.parquet"))?,
+        measurements: measured,
         embeddings: if made("embeddings.csv", embedded) {
             read_embeddings(&in_folder("embeddings.csv"))?
         } else {

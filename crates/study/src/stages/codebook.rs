@@ -4,6 +4,7 @@ use crate::{
     atomic_write::atomic_write_bytes,
     error::StudyError,
     outcome::{Outcome, Watch},
+    outputs::spare_inputs,
     stages::score::read_scales,
     tables::TableBuilder,
 };
@@ -37,6 +38,9 @@ pub fn codebook(
     options: &CodebookOptions,
     watch: Watch<'_>,
 ) -> Result<Outcome<Codebook>, StudyError> {
+    let csv = options.out.join("codebook.csv");
+    let markdown = options.out.join("codebook.md");
+    spare_inputs([&*options.scales], [&*csv, &markdown])?;
     let scales = read_scales(&options.scales)?;
     watch.check()?;
     let mut page = String::from(
@@ -60,7 +64,6 @@ pub fn codebook(
             .cloned()
             .unwrap_or_default()
     };
-    let csv = options.out.join("codebook.csv");
     TableBuilder::default()
         .text("scale", rows.iter().map(|r| r.0.id.as_str()))
         .text("subscale", rows.iter().map(|r| r.1.id.as_str()))
@@ -71,7 +74,6 @@ pub fn codebook(
         .flags("reversed", rows.iter().map(|r| r.0.is_reversed(r.1, r.2)))
         .text("wording", rows.iter().map(wording))
         .write(&csv)?;
-    let markdown = options.out.join("codebook.md");
     atomic_write_bytes(&markdown, page.as_bytes())?;
     let value = Codebook {
         scales: scales.len(),
@@ -96,6 +98,23 @@ fn list(items: &[u32]) -> String {
     items.join(", ")
 }
 
+/// A text as Markdown shows it: no mark-up of its own, and one line.
+fn shown(text: &str) -> String {
+    let mut out = String::new();
+    for c in text.chars() {
+        match c {
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '&' => out.push_str("&amp;"),
+            '|' => out.push_str("\\|"),
+            '\n' | '\r' | '\t' => out.push(' '),
+            c if c.is_control() => {}
+            c => out.push(c),
+        }
+    }
+    out
+}
+
 /// A line of Markdown to a `String` cannot fail.
 macro_rules! line {
     ($page:expr, $($text:tt)*) => {{ let _ = writeln!($page, $($text)*); }};
@@ -110,7 +129,8 @@ fn describe(scale: &Scale, page: &mut String) {
         max,
         ..
     } = scale;
-    line!(page, "\n## {title} (`{id}`)\n\n{}\n", scale.reference);
+    let (title, reference) = (shown(title), shown(&scale.reference));
+    line!(page, "\n## {title} (`{id}`)\n\n{reference}\n");
     let how = match scale.scoring {
         Scoring::Sum => "sum",
         Scoring::Mean => "mean",
@@ -150,15 +170,21 @@ fn describe(scale: &Scale, page: &mut String) {
                 let alpha = n
                     .alpha_source
                     .as_ref()
-                    .map_or_else(String::new, |s| format!("; alpha: {s}"));
-                format!("{} | {} | {} | {}{alpha}", n.mean, n.sd, n.alpha, n.source)
+                    .map_or_else(String::new, |s| format!("; alpha: {}", shown(s)));
+                format!(
+                    "{} | {} | {} | {}{alpha}",
+                    n.mean,
+                    n.sd,
+                    n.alpha,
+                    shown(&n.source)
+                )
             },
         );
         line!(
             page,
             "| `{}` | {} | {} | {} | {low} to {high} | {norms} |",
             subscale.id,
-            subscale.title,
+            shown(&subscale.title),
             list(&subscale.items),
             list(&reversed)
         );
@@ -167,7 +193,15 @@ fn describe(scale: &Scale, page: &mut String) {
         let pairs: Vec<String> = scale
             .correlations
             .iter()
-            .map(|c| format!("{} with {} {} ({})", c.of[0], c.of[1], c.r, c.source))
+            .map(|c| {
+                format!(
+                    "{} with {} {} ({})",
+                    c.of[0],
+                    c.of[1],
+                    c.r,
+                    shown(&c.source)
+                )
+            })
             .collect();
         line!(page, "\nUsual correlations: {}.", pairs.join("; "));
     }
@@ -179,7 +213,20 @@ fn describe(scale: &Scale, page: &mut String) {
     } else {
         line!(page, "\n| item | wording |\n|---|---|");
         for (item, text) in (1..).zip(&scale.wording) {
-            line!(page, "| {item} | {text} |");
+            line!(page, "| {item} | {} |", shown(text));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wording_is_text_and_neither_mark_up_nor_a_cell_of_its_own() {
+        assert_eq!(
+            shown("a | <script>b</script>\n& c\u{1b}[2J"),
+            "a \\| &lt;script&gt;b&lt;/script&gt; &amp; c[2J"
+        );
     }
 }

@@ -7,6 +7,7 @@ use crate::{
     atomic_write::write_json,
     error::StudyError,
     outcome::{Outcome, Watch},
+    outputs::spare_inputs,
     stages::train::read_model,
     tables::{drives::read_drives, embeddings::read_embeddings},
 };
@@ -45,6 +46,14 @@ pub fn evaluate(
     options: &EvaluateOptions,
     watch: Watch<'_>,
 ) -> Result<Outcome<FollowingEvaluation>, StudyError> {
+    let model = options
+        .model
+        .iter()
+        .flat_map(|(model, embeddings)| [&**model, embeddings]);
+    let folders = [&*options.drives]
+        .into_iter()
+        .chain(options.learn.as_deref());
+    spare_inputs(folders.chain(model), [&*options.out])?;
     watch.step(0, 2, "laws and networks")?;
     let judged = read_runs(&options.drives)?;
     let learned = match &options.learn {

@@ -5,6 +5,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
+    outputs::spare_inputs,
     stages::{rate::read_effects, score::read_scales, simulate::Scenes},
     tables::{
         Table, drives::remove_former, participants::write_participants, surveys::write_answers,
@@ -50,6 +51,9 @@ pub struct GenerateOptions {
     /// Threads.
     pub jobs: usize,
 }
+
+/// Most people that one call makes up.
+const MOST_PEOPLE: usize = 100_000;
 
 /// What was made up.
 #[derive(Debug, Clone, Serialize)]
@@ -99,8 +103,21 @@ pub fn generate(
     options: &GenerateOptions,
     watch: Watch<'_>,
 ) -> Result<Outcome<Generated>, StudyError> {
+    let people = options.learn.saturating_add(options.test);
+    if people > MOST_PEOPLE {
+        return Err(StudyError::NotPossible {
+            problem: format!(
+                "{people} people, expected at most {MOST_PEOPLE}: each drives, and a log is about a megabyte"
+            ),
+            help: Some("make up fewer, or several studies with seeds of their own".to_owned()),
+        });
+    }
     let study = DesignFile::find(options.design.as_deref())?;
     let place = Place::of(options, &study)?;
+    let given = [&options.design, &options.population, &place.scenario];
+    let given = given.into_iter().filter_map(Option::as_deref);
+    let inputs = given.chain([&*place.scales, &place.effects]);
+    spare_inputs(inputs, [&*place.people, &place.answers])?;
     let scenario = read_scenario(place.scenario.as_deref(), options.duration_s)?;
     let people = read_people(options.population.as_deref(), &scenario)?;
     let scales = read_scales(&place.scales)?;

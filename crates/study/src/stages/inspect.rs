@@ -4,6 +4,7 @@ use crate::{
     atomic_write::atomic_write_bytes,
     error::StudyError,
     outcome::{Outcome, Watch},
+    outputs::spare_inputs,
     stages::train::read_model,
     watching::{read_watched, write_watch_page},
 };
@@ -145,6 +146,12 @@ pub fn inspect(
     options: &InspectOptions,
     watch: Watch<'_>,
 ) -> Result<Outcome<InspectedFiles>, StudyError> {
+    let inputs = options.files.iter().map(|path| &**path);
+    let outputs = [&options.plot, &options.watch];
+    spare_inputs(
+        inputs.chain(options.mapping.as_deref()),
+        outputs.into_iter().filter_map(Option::as_deref),
+    )?;
     let settings = IngestSettings {
         mapping: options.mapping.as_deref().map(Mapping::read).transpose()?,
         ..IngestSettings::default()

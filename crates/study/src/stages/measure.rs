@@ -5,13 +5,15 @@ use crate::{
     error::StudyError,
     gate::{Gate, counted},
     outcome::{Outcome, Watch},
+    outputs::spare_inputs,
     tables::{
         drives::read_drives,
         measurements::{MeasuredDrive, write_measurements},
     },
 };
+use maveric_domain::DriveId;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::{collections::BTreeMap, path::PathBuf};
 
 /// What to measure.
 #[derive(Debug, Clone)]
@@ -45,6 +47,10 @@ pub fn measure(
     options: &MeasureOptions,
     watch: Watch<'_>,
 ) -> Result<Outcome<Measured>, StudyError> {
+    let given = [&options.design, &options.participants];
+    let given = given.into_iter().filter_map(Option::as_deref);
+    let folders = options.drives.iter().map(|folder| &**folder);
+    spare_inputs(given.chain(folders), [&*options.out])?;
     let measures = maveric_measures::objective::all();
     let names: Vec<&'static str> = measures.iter().map(|m| m.name).collect();
     let study = DesignFile::here(options.design.as_deref())?;
@@ -52,9 +58,23 @@ pub fn measure(
         .map(|study| Gate::of(&study, options.participants.as_deref()))
         .transpose()?;
     let (mut rows, mut left_out) = (Vec::new(), Vec::new());
+    let mut from: BTreeMap<DriveId, &PathBuf> = BTreeMap::new();
     for (done, folder) in options.drives.iter().enumerate() {
         for drive in read_drives(folder)? {
             watch.check()?;
+            if let Some(first) = from.insert(drive.meta().drive.clone(), folder) {
+                return Err(StudyError::BadFile {
+                    path: folder.clone(),
+                    problem: format!(
+                        "holds drive {}, which {} holds too",
+                        drive.meta().drive,
+                        first.display()
+                    ),
+                    help: Some(
+                        "measure each drive once: leave out one of the folders or files".to_owned(),
+                    ),
+                });
+            }
             let duration_s = drive.rows().time_s.last().copied().unwrap_or(0.0);
             let why = gate
                 .as_ref()

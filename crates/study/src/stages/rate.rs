@@ -5,9 +5,10 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch},
+    outputs::spare_inputs,
     stages::score::read_scales,
     tables::{
-        measurements::{MeasuredDrive, read_measurements},
+        measurements::{MeasuredDrive, one_drive_a_condition, read_measurements},
         participants::read_participants,
         surveys::write_answers,
     },
@@ -64,7 +65,18 @@ pub fn read_effects(path: &Path) -> Result<Effects, StudyError> {
 /// # Errors
 /// [`StudyError`] if a table cannot be read, and for participants without an own drive.
 pub fn rate(options: &RateOptions, watch: Watch<'_>) -> Result<Outcome<Ratings>, StudyError> {
+    let inputs = [
+        &*options.measures,
+        &options.participants,
+        &options.effects,
+        &options.scales,
+    ];
+    spare_inputs(
+        inputs.into_iter().chain(options.design.as_deref()),
+        [&*options.out],
+    )?;
     let drives = read_measurements(&options.measures)?;
+    one_drive_a_condition(&options.measures, &drives)?;
     let study = DesignFile::find(options.design.as_deref())?;
     let design = &study.design;
     let tested = study.people(Some(&options.participants))?.tested();

@@ -6,6 +6,7 @@ use crate::{
     error::StudyError,
     gate::{Gate, LeftOut, counted},
     outcome::{Outcome, Watch},
+    outputs::spare_inputs,
     tables::{
         Table, TableBuilder,
         surveys::{read_timed_answers, write_scores},
@@ -272,6 +273,12 @@ pub fn score(
     options: &ScoreOptions,
     watch: Watch<'_>,
 ) -> Result<Outcome<ScoredSurveys>, StudyError> {
+    let given = [&options.design, &options.participants];
+    let given = given.into_iter().filter_map(Option::as_deref);
+    let surveys = options.surveys.iter().map(|path| &**path);
+    let beside = [reliabilities_path, items_path, exclusions_path].map(|of| of(&options.out));
+    let outputs = beside.iter().map(|path| &**path).chain([&*options.out]);
+    spare_inputs(given.chain(surveys).chain([&*options.scales]), outputs)?;
     let scales = read_scales(&options.scales)?;
     let mut answers: Vec<Answer> = Vec::new();
     let mut times = Vec::new();

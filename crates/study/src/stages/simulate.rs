@@ -5,6 +5,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
+    outputs::spare_inputs,
     stages::{generate::read_scenario, train::read_model},
     tables::{
         TableBuilder,
@@ -157,6 +158,18 @@ pub fn simulate(
     options: &SimulateOptions,
     watch: Watch<'_>,
 ) -> Result<Outcome<Simulated>, StudyError> {
+    let given = [&options.design, &options.scenario];
+    let given = given.into_iter().filter_map(Option::as_deref);
+    let own = options.watch.as_ref().and_then(|w| w.own.as_deref());
+    let tables = ["drives/drives.csv", "drives/exclusions.csv", "rollouts.csv"]
+        .map(|name| options.out.join(name));
+    let page = options.watch.as_ref().map(|w| &*w.page);
+    spare_inputs(
+        given
+            .chain(own)
+            .chain([&*options.model, &options.conditions]),
+        tables.iter().map(|path| &**path).chain(page),
+    )?;
     let model = read_model(&options.model)?;
     let mut conditions = read_conditions(&options.conditions)?;
     if let Some(study) = DesignFile::here(options.design.as_deref())? {

@@ -4,7 +4,8 @@ use crate::{
     atomic_write::{atomic_write_bytes, write_json},
     design::drives_of,
     error::StudyError,
-    outcome::{Outcome, Watch},
+    outcome::{Outcome, Watch, threads},
+    outputs::spare_inputs,
     style_scale::style_scores,
     tables::{
         embeddings::{EmbeddingRow, write_embeddings},
@@ -167,6 +168,14 @@ pub fn train(
     options: &TrainOptions,
     watch: Watch<'_>,
 ) -> Result<Outcome<TrainingSummary>, StudyError> {
+    let given = [&options.design, &options.participants, &options.scores];
+    let given = given.into_iter().filter_map(Option::as_deref);
+    let beside = [
+        training_path(&options.out),
+        embeddings_path(&options.out),
+    ];
+    let outputs = beside.iter().map(|path| &**path).chain([&*options.out]);
+    spare_inputs(given.chain([&*options.drives]), outputs)?;
     let design = options.design.as_deref();
     let drives = drives_of(
         &options.drives,
@@ -209,13 +218,7 @@ pub fn train(
     }
     let mut progress = EpochProgress::new(watch);
     let mut observe = |report: &EpochReport| progress.show(report);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.jobs)
-        .build();
-    let pool = pool.map_err(|e| StudyError::NotPossible {
-        problem: format!("cannot start {} threads: {e}", options.jobs),
-        help: None,
-    })?;
+    let pool = threads(options.jobs)?;
     let seed = options.seed;
     let trained = match pool.install(|| learn(&training, &params, seed, &mut observe)) {
         Err(ModelError::Cancelled { .. }) => return Err(StudyError::Interrupted),

@@ -79,6 +79,12 @@ fn read_sweep(table: &Table) -> Result<Vec<Option<SweepPoint>>, StudyError> {
 /// As [`Table`] does, naming row and column.
 pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
     let table = Table::read(path)?;
+    let sweep = read_sweep(&table)?;
+    if sweep.iter().all(Option::is_none) {
+        table.each_once(&["participant", "condition"])?;
+    } else {
+        table.each_once(&["participant", "condition", "drive"])?;
+    }
     let participant: Vec<ParticipantId> = table.ids("participant")?;
     let condition: Vec<ConditionId> = table.parsed("condition")?;
     let adb_hat = table.all_numbers("adb_hat")?;
@@ -88,7 +94,6 @@ pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
     let angle_rad = table.numbers("angle_rad")?;
     let beyond_training: Vec<bool> = table.parsed("beyond_training")?;
     let embedding = read_coordinates(&table)?;
-    let sweep = read_sweep(&table)?;
     Ok((0..table.rows())
         .map(|i| ConditionRow {
             sweep: sweep[i].clone(),

@@ -76,6 +76,7 @@ pub fn write_embeddings(path: &Path, rows: &[EmbeddingRow]) -> Result<(), StudyE
 /// As [`Table`] does, naming row and column.
 pub fn read_embeddings(path: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
     let table = Table::read(path)?;
+    table.each_once(&["drive", "adb_used"])?;
     let drive: Vec<DriveId> = table.ids("drive")?;
     let participant: Vec<ParticipantId> = table.ids("participant")?;
     let condition: Vec<ConditionId> = table.parsed("condition")?;

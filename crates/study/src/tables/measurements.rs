@@ -47,6 +47,7 @@ pub fn write_measurements(
 /// As [`Table`] does, naming row and column.
 pub fn read_measurements(path: &Path) -> Result<Vec<MeasuredDrive>, StudyError> {
     let table = Table::read(path)?;
+    table.each_once(&["drive"])?;
     let drive: Vec<DriveId> = table.ids("drive")?;
     let participant: Vec<ParticipantId> = table.ids("participant")?;
     let condition: Vec<ConditionId> = table.parsed("condition")?;
@@ -73,4 +74,29 @@ pub fn read_measurements(path: &Path) -> Result<Vec<MeasuredDrive>, StudyError> 
         }
     }
     Ok(drives)
+}
+
+/// Refuses two drives of one person in one condition: which of them counted would depend on the order of the rows.
+///
+/// # Errors
+/// [`StudyError::BadFile`] naming both.
+pub(crate) fn one_drive_a_condition<'a>(
+    path: &Path,
+    drives: impl IntoIterator<Item = &'a MeasuredDrive>,
+) -> Result<(), StudyError> {
+    let mut seen = BTreeMap::new();
+    for MeasuredDrive { meta, .. } in drives {
+        let Some(first) = seen.insert((&meta.participant, meta.condition), &meta.drive) else {
+            continue;
+        };
+        return Err(StudyError::BadFile {
+            path: path.to_owned(),
+            problem: format!(
+                "holds two drives of {} in condition {}: {first} and {}",
+                meta.participant, meta.condition, meta.drive
+            ),
+            help: Some("measure one of them, or give the other a condition of its own".to_owned()),
+        });
+    }
+    Ok(())
 }

@@ -7,9 +7,13 @@ pub mod measurements;
 pub mod participants;
 pub mod surveys;
 
-use crate::{atomic_write::atomic_write, error::StudyError};
+use crate::{
+    atomic_write::{atomic_write, atomic_write_bytes},
+    error::StudyError,
+};
 use polars::prelude::*;
 use std::{
+    collections::BTreeMap,
     io::{Cursor, Read as _},
     path::{Path, PathBuf},
     str::FromStr,
@@ -27,6 +31,18 @@ pub struct Table {
 fn is_parquet(path: &Path) -> bool {
     path.extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("parquet"))
+}
+
+/// Whether a spreadsheet takes a cell for a formula; a number is none.
+fn is_formula(cell: &str) -> bool {
+    cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && cell.parse::<f64>().is_err()
+}
+
+/// The text of a cell behind the `'` that keeps it from being a formula.
+fn without_guard(cell: &str) -> &str {
+    cell.strip_prefix('\'')
+        .filter(|rest| is_formula(rest))
+        .unwrap_or(cell)
 }
 
 fn separator(path: &Path) -> u8 {
@@ -71,17 +87,19 @@ impl Table {
                 "is empty, expected a table with a header line",
             ));
         }
-        let bad = |format: &'static str| {
-            move |e: PolarsError| StudyError::BadTable {
-                path: path.to_owned(),
-                format,
-                problem: e.to_string(),
-            }
+        let bad = |e: PolarsError| StudyError::BadTable {
+            path: path.to_owned(),
+            format: "CSV",
+            problem: e.to_string(),
         };
-        let frame = if bytes.starts_with(b"PAR1") {
-            ParquetReader::new(Cursor::new(bytes))
-                .finish()
-                .map_err(bad("Parquet"))?
+        let frame = if maveric_ingest::is_parquet(&bytes) {
+            let file = maveric_ingest::read_parquet(bytes, None);
+            let bad = |problem| StudyError::BadTable {
+                path: path.to_owned(),
+                format: "Parquet",
+                problem,
+            };
+            file.map_err(bad)?.frame
         } else if is_parquet(path) {
             return Err(StudyError::file(path, "does not start like Parquet (PAR1)"));
         } else {
@@ -97,7 +115,7 @@ impl Table {
                 .map_parse_options(|o| o.with_separator(separator(path)))
                 .into_reader_with_file_handle(Cursor::new(bytes))
                 .finish()
-                .map_err(bad("CSV"))?
+                .map_err(bad)?
         };
         Ok(Self {
             path: path.to_owned(),
@@ -262,7 +280,10 @@ impl Table {
         let text = text.str().map_err(|e| self.bad_column(column, &e))?;
         Ok(text
             .iter()
-            .map(|cell| cell.filter(|t| !t.is_empty()).map(str::to_owned))
+            .map(|cell| {
+                cell.filter(|t| !t.is_empty())
+                    .map(|t| without_guard(t).to_owned())
+            })
             .collect())
     }
 
@@ -350,6 +371,28 @@ impl Table {
         cells.into_iter().enumerate().map(parse).collect()
     }
 
+    /// Refuses two rows that say the same of these columns: which of them counted would depend on their order.
+    ///
+    /// # Errors
+    /// [`StudyError::NoColumn`]; [`StudyError::BadCell`] naming the second row and the first.
+    pub(crate) fn each_once(&self, columns: &[&str]) -> Result<(), StudyError> {
+        let cells: Vec<Vec<Option<String>>> = columns
+            .iter()
+            .map(|column| self.text(column))
+            .collect::<Result<_, _>>()?;
+        let mut seen: BTreeMap<Vec<Option<&str>>, usize> = BTreeMap::new();
+        for row in 0..self.rows() {
+            let key: Vec<Option<&str>> = cells.iter().map(|c| c[row].as_deref()).collect();
+            let Some(first) = seen.insert(key.clone(), row) else {
+                continue;
+            };
+            let found: Vec<&str> = key.into_iter().flatten().collect();
+            let expected = format!("each once: row {} says so already", self.origin(first) + 1);
+            return Err(self.bad_cell(row, &columns.join("`, `"), found.join(", "), expected));
+        }
+        Ok(())
+    }
+
     /// A column in which every cell makes a `T`, such as a participant id.
     ///
     /// # Errors
@@ -406,7 +449,8 @@ impl TableBuilder {
         self
     }
 
-    /// Writes CSV, TSV or Parquet by the file's name, whole or not at all.
+    /// Writes CSV, TSV or Parquet by the file's name, whole or not at all. In CSV and TSV a text that a spreadsheet would run as
+    /// a formula begins with `'`, which reading takes off again.
     ///
     /// # Errors
     /// [`StudyError::Io`], [`StudyError::BadTable`].
@@ -420,28 +464,42 @@ impl TableBuilder {
         path: &Path,
         metadata: Vec<(String, String)>,
     ) -> Result<(), StudyError> {
-        let format = if is_parquet(path) { "Parquet" } else { "CSV" };
-        let bad = |e: PolarsError| StudyError::BadTable {
+        let bad = |problem: String| StudyError::BadTable {
             path: path.to_owned(),
-            format,
-            problem: e.to_string(),
+            format: if is_parquet(path) { "Parquet" } else { "CSV" },
+            problem,
         };
         let height = self.columns.first().map_or(0, Column::len);
-        let mut frame = DataFrame::new(height, self.columns).map_err(bad)?;
+        let frame = DataFrame::new(height, self.columns);
+        let mut frame = frame.map_err(|e| bad(e.to_string()))?;
+        if is_parquet(path) {
+            let bytes = maveric_ingest::parquet_bytes(&mut frame, metadata).map_err(bad)?;
+            return atomic_write_bytes(path, &bytes);
+        }
+        for name in frame.get_column_names_owned() {
+            let column = frame.column(&name).map_err(|e| bad(e.to_string()))?;
+            let Ok(texts) = column.str() else { continue };
+            if !texts.iter().flatten().any(is_formula) {
+                continue;
+            }
+            let plain: Vec<Option<String>> = texts
+                .iter()
+                .map(|cell| {
+                    Some(if is_formula(cell?) {
+                        format!("'{}", cell?)
+                    } else {
+                        cell?.to_owned()
+                    })
+                })
+                .collect();
+            let plain = Column::new(name, plain);
+            frame.with_column(plain).map_err(|e| bad(e.to_string()))?;
+        }
         atomic_write(path, |file| {
-            let done = if is_parquet(path) {
-                ParquetWriter::new(file)
-                    .with_compression(ParquetCompression::Zstd(None))
-                    .with_key_value_metadata(Some(KeyValueMetadata::from_static(metadata)))
-                    .set_parallel(false)
-                    .finish(&mut frame)
-                    .map(|_| ())
-            } else {
-                CsvWriter::new(file)
-                    .with_separator(separator(path))
-                    .finish(&mut frame)
-            };
-            done.map_err(bad)
+            CsvWriter::new(file)
+                .with_separator(separator(path))
+                .finish(&mut frame)
+                .map_err(|e| bad(e.to_string()))
         })
     }
 }
@@ -483,6 +541,33 @@ mod tests {
             .numbers("vlaue")
             .unwrap_err();
         assert_eq!(error.suggestion().unwrap(), "did you mean `value`?");
+    }
+
+    #[test]
+    fn a_formula_is_no_formula_in_a_spreadsheet_and_comes_back_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.csv");
+        let cells = ["=cmd()", "+1+1", "@x", "-a", "-2", "plain", "'quoted"];
+        TableBuilder::default()
+            .text("a", cells)
+            .write(&path)
+            .unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(text, "a\n'=cmd()\n'+1+1\n'@x\n'-a\n-2\nplain\n'quoted\n");
+        let back = Table::read(&path).unwrap().text("a").unwrap();
+        assert_eq!(
+            back.iter().flatten().collect::<Vec<_>>(),
+            cells.iter().collect::<Vec<_>>()
+        );
+    }
+
+    #[test]
+    fn two_rows_of_one_key_are_refused_by_both_their_numbers() {
+        let table = table("who,when,x\nA,1,3\nA,2,4\nA,1,5\n").unwrap();
+        let error = table.each_once(&["who", "when"]).unwrap_err().to_string();
+        let expected = "t.csv: row 3, column `who`, `when`: found `A, 1`, expected each once: row 1 says so already";
+        assert_eq!(error, expected);
+        table.each_once(&["who", "x"]).unwrap();
     }
 
     #[test]

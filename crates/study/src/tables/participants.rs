@@ -218,6 +218,7 @@ fn conditions(
 /// that is none of the design's.
 pub fn read_participants(path: &Path, design: &Design) -> Result<Vec<Participant>, StudyError> {
     let table = Table::read(path)?;
+    table.each_once(&["participant"])?;
     let id: Vec<ParticipantId> = table.ids("participant")?;
     let population: Vec<Population> = table.parsed("population")?;
     let age: Vec<u32> = table.parsed("age")?;

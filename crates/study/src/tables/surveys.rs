@@ -125,6 +125,7 @@ pub fn write_scores(path: &Path, scores: &[Score]) -> Result<(), StudyError> {
 /// As [`Table`] does, naming row and column.
 pub fn read_scores(path: &Path) -> Result<Vec<Score>, StudyError> {
     let table = Table::read(path)?;
+    table.each_once(&["participant", "moment", "scale", "subscale"])?;
     let participant: Vec<ParticipantId> = table.ids("participant")?;
     let moment: Vec<Moment> = table.parsed("moment")?;
     let scale = table.text("scale")?;

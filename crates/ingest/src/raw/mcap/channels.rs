@@ -14,6 +14,7 @@ use crate::{
         },
     },
 };
+use std::sync::Arc;
 
 /// How a channel is decoded.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -57,7 +58,8 @@ pub(crate) fn decoder(
 pub(crate) struct OwnedSchema {
     pub(crate) name: String,
     pub(crate) encoding: String,
-    data: Vec<u8>,
+    /// Shared by all channels that it describes.
+    data: Arc<[u8]>,
 }
 
 impl From<Schema<'_>> for OwnedSchema {
@@ -65,7 +67,7 @@ impl From<Schema<'_>> for OwnedSchema {
         Self {
             name: schema.name,
             encoding: schema.encoding,
-            data: schema.data.to_vec(),
+            data: schema.data.into(),
         }
     }
 }
@@ -73,7 +75,7 @@ impl From<Schema<'_>> for OwnedSchema {
 impl OwnedSchema {
     /// Whether another schema has the same text.
     pub(crate) fn has_data(&self, other: &Self) -> bool {
-        self.data == other.data
+        Arc::ptr_eq(&self.data, &other.data) || self.data == other.data
     }
 }
 

@@ -127,7 +127,8 @@ pub(crate) struct Unpacker {
 }
 
 impl Unpacker {
-    /// Gives every record of a chunk to `each`, in order, and then says whether to believe them.
+    /// Gives every record of a chunk to `each`, in order, and then says whether to believe them; of one that is too long to be
+    /// read it gives no content.
     ///
     /// `content` is what there is of the chunk: all of it, or what stands before the end of a cut file; `unpacked` what its
     /// packed bytes gave, where that is known. Nothing is allocated by a length that the chunk claims beyond a few MiB.
@@ -135,7 +136,7 @@ impl Unpacker {
         &mut self,
         content: &[u8],
         unpacked: Option<&[u8]>,
-        each: impl FnMut(u8, &[u8]),
+        each: impl FnMut(u8, Option<&[u8]>),
     ) -> Verdict {
         let lost = |why: &str| Verdict::Lost(why.to_owned());
         let Some(head) = Head::read(content) else {
@@ -214,7 +215,7 @@ impl Unpacker {
         &mut self,
         head: &Head,
         data: &[u8],
-        splitter: &mut Splitter<impl FnMut(u8, &[u8])>,
+        splitter: &mut Splitter<impl FnMut(u8, Option<&[u8]>)>,
     ) -> Result<bool, String> {
         let cannot = |e: std::io::Error| format!("it cannot be unpacked ({e})");
         self.room_for(head);
@@ -272,7 +273,7 @@ impl Unpacker {
         &mut self,
         head: &Head,
         data: &[u8],
-        splitter: &mut Splitter<impl FnMut(u8, &[u8])>,
+        splitter: &mut Splitter<impl FnMut(u8, Option<&[u8]>)>,
     ) -> Result<bool, String> {
         let cannot = |e: std::io::Error| format!("it cannot be unpacked ({e})");
         self.room_for(head);
@@ -289,7 +290,7 @@ impl Unpacker {
 fn roll(
     room: &mut Vec<u8>,
     head: &Head,
-    splitter: &mut Splitter<impl FnMut(u8, &[u8])>,
+    splitter: &mut Splitter<impl FnMut(u8, Option<&[u8]>)>,
     mut fill: impl FnMut(&mut [u8]) -> Result<usize, String>,
 ) -> Result<bool, String> {
     let most = head
@@ -329,7 +330,7 @@ struct Splitter<F> {
     total: u64,
 }
 
-impl<F: FnMut(u8, &[u8])> Splitter<F> {
+impl<F: FnMut(u8, Option<&[u8]>)> Splitter<F> {
     fn count(&mut self, bytes: &[u8]) {
         self.crc.update(bytes);
         self.total += bytes.len() as u64;
@@ -362,6 +363,7 @@ impl<F: FnMut(u8, &[u8])> Splitter<F> {
                 return at;
             };
             if length > MOST_RECORD as u64 {
+                (self.each)(opcode, None);
                 self.pass_over = length;
                 at += HEAD;
                 continue;
@@ -370,7 +372,7 @@ impl<F: FnMut(u8, &[u8])> Splitter<F> {
             let Some(content) = rest.get(HEAD..HEAD + length) else {
                 return at;
             };
-            (self.each)(opcode, content);
+            (self.each)(opcode, Some(content));
             at += HEAD + length;
         }
     }

@@ -27,6 +27,8 @@ pub(crate) struct Damage {
 pub(crate) trait Visitor {
     /// The next record.
     fn record(&mut self, record: Record<'_>);
+    /// A message that is too long to be read was passed over.
+    fn passed_over(&mut self);
     /// A chunk begins: remember where you are.
     fn mark(&mut self);
     /// The chunk turned out to be damaged: forget its messages.
@@ -176,6 +178,9 @@ impl Walker<'_> {
         }
         self.hash(at, body)?;
         if !wanted || length > chunk::MOST_RECORD as u64 {
+            if opcode == op::MESSAGE {
+                self.pass_over(visitor);
+            }
             return self.hash(body, body + length);
         }
         self.load(body, length)?;
@@ -363,15 +368,16 @@ impl Walker<'_> {
         let before = (self.last_ns, self.messages, self.damage.len());
         visitor.mark();
         let mut unreadable = 0;
-        let verdict =
-            unpacker.records(
-                &buffer,
-                unpacked.as_deref(),
-                |opcode, content| match record::parse(opcode, content) {
-                    Some(record) => self.give(record, visitor),
-                    None => unreadable += 1,
-                },
-            );
+        let verdict = unpacker.records(
+            &buffer,
+            unpacked.as_deref(),
+            |opcode, content| match content.map(|content| record::parse(opcode, content)) {
+                Some(Some(record)) => self.give(record, visitor),
+                Some(None) => unreadable += 1,
+                None if opcode == op::MESSAGE => self.pass_over(visitor),
+                None => {}
+            },
+        );
         if let (Some(ahead), Some(unpacked)) = (&self.ahead, unpacked) {
             ahead.give_back(unpacked);
         }
@@ -409,6 +415,12 @@ impl Walker<'_> {
             }
             damage.between_ns.1 = None;
         }
+    }
+
+    /// Counts a message that is too long to be read: the file's own count has it too.
+    fn pass_over(&mut self, visitor: &mut impl Visitor) {
+        self.messages += 1;
+        visitor.passed_over();
     }
 
     fn give(&mut self, record: Record<'_>, visitor: &mut impl Visitor) {

@@ -1,7 +1,7 @@
 //! Which transform is ego's pose.
 
 use super::roles::EGO_SLOTS;
-use crate::raw::ros2::plan::name_number;
+use crate::raw::wanted::name_number;
 use std::sync::LazyLock;
 
 /// Frames that stand still, the better first: `odom` drifts.

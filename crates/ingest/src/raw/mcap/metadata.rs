@@ -9,12 +9,18 @@ use std::{collections::BTreeMap, path::Path, str::FromStr};
 /// Name of the metadata record.
 pub(crate) const NAME: &str = "maveric.drive";
 
+/// Key and value where lateral positions stand for none.
+pub(crate) const LATERAL: &str = "lateral";
+pub(crate) const UNKNOWN: &str = "unknown";
+
 /// What the record says.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct DriveRecord {
     pub(crate) meta: DriveMeta,
     pub(crate) road: Road,
     pub(crate) ego_length_m: f64,
+    /// Whether lateral positions stand for none.
+    pub(crate) without_lateral: bool,
 }
 
 /// The record's values for a recording.
@@ -31,7 +37,11 @@ pub(crate) fn values(meta: &DriveMeta, recording: &Recording) -> BTreeMap<String
         ("rate_hz", recording.rate_hz().to_string()),
         ("ego_length_m", recording.ego().length_m.to_string()),
     ];
-    pairs.map(|(k, v)| (k.to_owned(), v)).into()
+    let mut values: BTreeMap<String, String> = pairs.map(|(k, v)| (k.to_owned(), v)).into();
+    if !recording.has_lateral() {
+        values.insert(LATERAL.to_owned(), UNKNOWN.to_owned());
+    }
+    values
 }
 
 /// Reads the record's values.
@@ -62,6 +72,7 @@ pub(crate) fn parse(
             posted_speed_mps: of.positive("posted_speed_mps")?,
         },
         ego_length_m: of.positive("ego_length_m")?,
+        without_lateral: values.get(LATERAL).is_some_and(|v| v == UNKNOWN),
     })
 }
 

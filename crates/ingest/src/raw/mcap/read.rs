@@ -3,27 +3,26 @@
 use super::{
     channels::{Decoder, OwnedSchema, decoder, same_type},
     choice::{Choice, Found, choose, parent},
+    chunk::MOST_RECORD,
     container::{Damage, Visitor, walk},
     frames::Frames,
     metadata::{self, DriveRecord},
     record::{Channel, Message, Record},
     roles::{Convention, Role},
-    signals::{Came, EgoRow, Objects, ego_row, flatten, join_speeds, settle_speeds, turn},
+    signals::{Came, EgoRow, Objects, ego_row, flatten, settle_speeds, turn},
 };
 use crate::{
     clock::one_clock,
     error::IngestError,
     mapping::{McapMapping, TwistFrame},
     quality::{Warning, WarningKind},
-    raw::{EgoSample, ObjectSample, RawDrive},
+    raw::{EgoSample, ObjectSample, RawDrive, SpeedSample},
 };
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
+    sync::Arc,
 };
-
-/// Longest time between speeds of a channel of their own that is bridged, in s.
-const SPEED_GAP_S: f64 = 0.5;
 
 /// Reads the samples of ego and the others, and whose drive it is where the recording says so.
 ///
@@ -69,6 +68,9 @@ pub(crate) fn read(
     };
     let what = "messages belong to no channel that the file declares".to_owned();
     warn(WarningKind::BadMessage, undeclared, what);
+    let most = MOST_RECORD >> 20;
+    let what = format!("messages of more than {most} MiB are passed over");
+    warn(WarningKind::BadMessage, collector.too_long, what);
     let streams = collector.streams;
     let found: Vec<Found<'_>> = streams.iter().map(Stream::found).collect();
     let choice = choose(path, mapping, &found)?;
@@ -79,7 +81,8 @@ pub(crate) fn read(
             // A channel without a message is refused as well.
             warn(WarningKind::RefusedChannel, stream.messages.max(1), what);
         }
-        let what = format!("messages of `{topic}` do not fit their definition");
+        let why = stream.bad_why.as_deref().unwrap_or_default();
+        let what = format!("messages of `{topic}` do not fit their definition: {why}");
         warn(WarningKind::BadMessage, stream.bad, what);
     }
     if let Some(what) = &choice.others {
@@ -161,30 +164,28 @@ fn drive_of(
     if is_fix {
         flatten(&mut ego);
     }
-    if let Some(what) = one_clock(&mut ego, &mut objects) {
-        warn(WarningKind::ReceiveTime, ego.len() + objects.len(), what);
-    }
-    let speeds: Vec<EgoSample> = speeds.into_iter().map(|r| r.sample).collect();
-    if !speeds.is_empty() {
-        let unknown = join_speeds(&mut ego, &speeds, SPEED_GAP_S);
-        // A few at the ends and in holes are left out; where most have none, the positions are the better source.
-        if unknown > 0 && 2 * unknown < ego.len() {
-            ego.retain(|s| s.speed_mps.is_some());
-            warn(
-                WarningKind::MissingValue,
-                unknown,
-                "poses of ego between two speeds too far apart are left out",
-            );
-        }
-    }
-    RawDrive {
+    let speeds = speeds.into_iter().filter_map(|r| {
+        Some(SpeedSample {
+            stamp_ns: r.sample.stamp_ns,
+            log_ns: r.sample.log_ns,
+            nth: r.sample.nth,
+            speed_mps: r.sample.speed_mps?,
+        })
+    });
+    let mut drive = RawDrive {
         ego,
         objects,
+        speeds: speeds.collect(),
         ego_length_m,
         ego_among_objects: ego_among_objects && ego_id.is_none(),
+        without_lateral: record.is_some_and(|r| r.without_lateral),
+    };
+    if let Some(what) = one_clock(&mut drive) {
+        let count = drive.ego.len() + drive.objects.len() + drive.speeds.len();
+        warn(WarningKind::ReceiveTime, count, what);
     }
+    drive
 }
-
 /// Damage as warnings, with times since the first message.
 pub(crate) fn damage_warnings(
     path: &Path,
@@ -225,9 +226,11 @@ impl EgoRow {
 struct Stream {
     channel: Channel,
     schema: Option<OwnedSchema>,
-    decoder: Result<Decoder, String>,
+    decoder: Result<Arc<Decoder>, String>,
     messages: usize,
     bad: usize,
+    /// What was wrong with the first of them.
+    bad_why: Option<String>,
     ego: Vec<EgoRow>,
     objects: Vec<ObjectSample>,
     making: Objects,
@@ -240,14 +243,19 @@ struct Stream {
 }
 
 impl Stream {
-    fn new(channel: Channel, schema: Option<&OwnedSchema>, mapping: Option<&McapMapping>) -> Self {
-        let mapped = mapping.map_or(&[][..], |m| &m.messages);
+    fn new(
+        channel: Channel,
+        schema: Option<&OwnedSchema>,
+        decoder: Result<Arc<Decoder>, String>,
+        mapping: Option<&McapMapping>,
+    ) -> Self {
         Self {
-            decoder: decoder(&channel, schema, mapped),
+            decoder,
             schema: schema.cloned(),
             channel,
             messages: 0,
             bad: 0,
+            bad_why: None,
             ego: Vec::new(),
             objects: Vec::new(),
             making: Objects::default(),
@@ -328,7 +336,8 @@ impl Stream {
                 ego.push(ego_row(row, came));
             }
         });
-        if walked.is_err() {
+        if let Err(why) = walked {
+            self.bad_why.get_or_insert(why);
             // Half a message is none.
             self.objects.truncate(before);
             self.ego.truncate(before_ego);
@@ -351,6 +360,8 @@ struct Collector<'a> {
     /// Declarations of the file that is being read.
     schemas: BTreeMap<u16, OwnedSchema>,
     ids: BTreeMap<u16, usize>,
+    /// Decoders of the file's schemas, by their numbers and the encoding of messages.
+    decoders: BTreeMap<(u16, String), Result<Arc<Decoder>, String>>,
     /// Declarations of each file that its messages may need before they come.
     known: Vec<Declarations>,
     part: usize,
@@ -361,6 +372,9 @@ struct Collector<'a> {
     nth: u32,
     /// Messages whose channel was not known when they came.
     undeclared: usize,
+    /// Messages that are too long to be read, and how many there were when the chunk began.
+    too_long: usize,
+    mark_too_long: usize,
     row: Vec<f64>,
     /// Declarations of the chunk that is being read.
     fresh: (Vec<u16>, Vec<u16>),
@@ -402,6 +416,7 @@ impl<'a> Collector<'a> {
         self.part = part;
         self.schemas.clear();
         self.ids.clear();
+        self.decoders.clear();
         if self.known.len() <= part {
             self.known.resize(part + 1, Declarations::default());
             return;
@@ -429,8 +444,15 @@ impl<'a> Collector<'a> {
         // Within one file two channels of one topic stay two.
         let same = same.filter(|i| !self.ids.values().any(|j| j == i));
         let index = same.unwrap_or_else(|| {
-            self.streams
-                .push(Stream::new(channel, schema, self.mapping));
+            // Channels of one schema and encoding are decoded alike.
+            let key = (channel.schema_id, channel.encoding.clone());
+            let compile = || {
+                let mapped = self.mapping.map_or(&[][..], |m| &m.messages);
+                decoder(&channel, schema, mapped).map(Arc::new)
+            };
+            let decoder = self.decoders.entry(key).or_insert_with(compile).clone();
+            let stream = Stream::new(channel, schema, decoder, self.mapping);
+            self.streams.push(stream);
             self.streams.len() - 1
         });
         self.ids.insert(id, index);
@@ -488,9 +510,14 @@ impl Visitor for Collector<'_> {
         }
     }
 
+    fn passed_over(&mut self) {
+        self.too_long += 1;
+    }
+
     fn mark(&mut self) {
         self.fresh = Default::default();
         self.mark = (self.first_ns, self.undeclared, self.streams.len());
+        self.mark_too_long = self.too_long;
         for s in &mut self.streams {
             s.mark = [s.messages, s.bad, s.ego.len(), s.objects.len()];
         }
@@ -499,6 +526,7 @@ impl Visitor for Collector<'_> {
     fn roll_back(&mut self) {
         let (first_ns, undeclared, streams) = self.mark;
         (self.first_ns, self.undeclared) = (first_ns, undeclared);
+        self.too_long = self.mark_too_long;
         self.streams.truncate(streams);
         for s in &mut self.streams {
             [s.messages, s.bad, ..] = s.mark;
@@ -516,6 +544,7 @@ impl Visitor for Collector<'_> {
         }
         for id in schemas {
             self.schemas.remove(&id);
+            self.decoders.retain(|(schema, _), _| *schema != id);
             known
                 .doubtful_schemas
                 .extend(known.schemas.remove_entry(&id));

@@ -115,7 +115,11 @@ impl Reading {
             role,
             paths: slots
                 .iter()
-                .map(|slot| mapped.fields.get(*slot).cloned().unwrap_or_default())
+                .map(|slot| match mapped.fields.get(*slot) {
+                    // An id may be a number or a text.
+                    Some(path) if *slot == "id" => format!("{path}|{path}#"),
+                    path => path.cloned().unwrap_or_default(),
+                })
                 .collect(),
             convention: Convention::Mapped,
         }

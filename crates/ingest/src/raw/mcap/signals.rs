@@ -94,9 +94,12 @@ const PEDESTRIAN: f64 = 7.0;
 /// Makes samples of objects.
 #[derive(Debug, Default)]
 pub(crate) struct Objects {
-    /// Numbers given to UUIDs, in the order of their first appearance.
+    /// Numbers given to UUIDs, texts and numbers that are no usual ones, in the order of their first appearance.
     numbers: BTreeMap<u128, u32>,
 }
+
+/// Usual numbers of vehicles are below this, and those that are given to other names are not.
+const GIVEN_FROM: u32 = 1 << 31;
 
 impl Objects {
     /// An object's slots: the pose is of its centre. None for what is no vehicle.
@@ -132,13 +135,22 @@ impl Objects {
         if !vehicle {
             return None;
         }
+        let next = u32::try_from(self.numbers.len()).unwrap_or(u32::MAX);
         let id = if uuid.is_empty() {
-            row[12] as u32
+            let usual = row[12] as u32;
+            if f64::from(usual).to_bits() == row[12].to_bits() && usual < GIVEN_FROM {
+                usual
+            } else {
+                let key = u128::from(row[12].to_bits());
+                *self
+                    .numbers
+                    .entry(key)
+                    .or_insert(next.saturating_add(GIVEN_FROM))
+            }
         } else {
             let key = uuid
                 .iter()
                 .fold(0, |key, &byte| key << 8 | u128::from(byte as u8));
-            let next = u32::try_from(self.numbers.len()).unwrap_or(u32::MAX);
             *self.numbers.entry(key).or_insert(next)
         };
         let (vx, vy) = (row[8], row[9]);
@@ -222,28 +234,6 @@ pub(crate) fn settle_speeds(rows: &mut [EgoRow]) -> Option<&'static str> {
     Some(
         "ego's twist is in the frame of the map, not in its own: its speed is the part along its heading",
     )
-}
-
-/// Ego's speeds from a channel of their own, between its samples no more than `max_gap_s` apart; gives how many of ego's
-/// samples are left without.
-pub(crate) fn join_speeds(ego: &mut [EgoSample], speeds: &[EgoSample], max_gap_s: f64) -> usize {
-    let mut sorted: Vec<&EgoSample> = speeds.iter().filter(|s| s.speed_mps.is_some()).collect();
-    sorted.sort_by_key(|s| s.stamp_ns);
-    let most_ns = (max_gap_s * 1e9) as i64;
-    for sample in ego.iter_mut().filter(|s| s.speed_mps.is_none()) {
-        let next = sorted.partition_point(|s| s.stamp_ns <= sample.stamp_ns);
-        let before = next.checked_sub(1).map(|i| sorted[i]);
-        let after = sorted.get(next).copied();
-        sample.speed_mps = match (before, after) {
-            (Some(a), _) if a.stamp_ns == sample.stamp_ns => a.speed_mps,
-            (Some(a), Some(b)) if b.stamp_ns.saturating_sub(a.stamp_ns) <= most_ns => {
-                let w = (sample.stamp_ns - a.stamp_ns) as f64 / (b.stamp_ns - a.stamp_ns) as f64;
-                a.speed_mps.zip(b.speed_mps).map(|(a, b)| a + w * (b - a))
-            }
-            _ => None,
-        };
-    }
-    ego.iter().filter(|s| s.speed_mps.is_none()).count()
 }
 
 /// Places fixes on a plane that touches the Earth at the first of them: x to the east, y to the north, in m.
@@ -344,28 +334,5 @@ mod tests {
         // Geodesic distances on the WGS 84 ellipsoid.
         assert!((ego[1].x_m - 71.696).abs() < 0.01, "{}", ego[1].x_m);
         assert!((ego[2].y_m - 111.229).abs() < 0.01, "{}", ego[2].y_m);
-    }
-
-    #[test]
-    fn speeds_of_another_channel_are_joined_but_not_over_a_hole() {
-        let mut ego: Vec<EgoSample> = (0..4)
-            .map(|i| row(i, 0.0, 0.0, 0.0, (0.0, 0.0)).sample)
-            .collect();
-        for s in &mut ego {
-            s.speed_mps = None;
-        }
-        let at = |ns, v| EgoSample {
-            stamp_ns: ns,
-            speed_mps: Some(v),
-            ..ego[0]
-        };
-        let speeds = [
-            at(50_000_000, 2.0),
-            at(150_000_000, 4.0),
-            at(900_000_000, 9.0),
-        ];
-        assert_eq!(join_speeds(&mut ego, &speeds, 0.5), 3);
-        let found: Vec<Option<f64>> = ego.iter().map(|s| s.speed_mps).collect();
-        assert_eq!(found, [None, Some(3.0), None, None]);
     }
 }

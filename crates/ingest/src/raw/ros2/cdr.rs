@@ -1,6 +1,7 @@
 //! The bytes of a message (CDR, and ROS 1's): alignment, byte order, sizes, and a writer for our own.
 
 use super::definition::Primitive;
+use crate::raw::wanted::MOST_ROWS;
 
 /// A message that its definition does not fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -11,6 +12,9 @@ pub(crate) enum CdrError {
     /// A parameter list, or an encapsulation that is unknown.
     #[error("its encapsulation {0:02x} {1:02x} is neither plain nor delimited CDR")]
     Encapsulation(u8, u8),
+    /// More rows than one message may give.
+    #[error("it has {0} rows, expected at most {MOST_ROWS}")]
+    TooMany(u64),
 }
 
 /// How the bytes of a message are laid out.

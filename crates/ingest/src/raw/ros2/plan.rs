@@ -27,7 +27,7 @@ pub(super) enum Step {
     },
     /// Pass over a string.
     SkipString,
-    /// Put a name into a slot, as [`name_number`].
+    /// Put a name into a slot, as [`wanted::name_number`].
     TakeName { slot: usize },
     /// Pass over a string of wide characters.
     SkipWide,
@@ -138,7 +138,7 @@ impl Plan {
     /// A path names fields down from the root: `header.stamp.sec`, `objects[].id` (a row for each element),
     /// `shape.dimensions[0]` (one number of a sequence) or `classes[0].label` (of the first element of a sequence).
     /// Alternatives are separated by `|`; one that ends in `?`, and an empty one, may be missing. A path to a string ends in
-    /// `#`: its slot takes the string's [`name_number`].
+    /// `#`: its slot takes the string's [`wanted::name_number`].
     ///
     /// # Errors
     /// A sentence that says what is missing or cannot be followed.
@@ -257,17 +257,6 @@ impl Plan {
         let whole = whole.or_else(|| candidates.iter().find(|&&c| fits(c, usize::MAX)).copied());
         whole.unwrap_or(declared)
     }
-}
-
-/// A name as a number, to compare it with others: of its part behind the last `/`, which may be a namespace's.
-pub(crate) fn name_number(name: &[u8]) -> f64 {
-    let name = name.strip_suffix(&[0]).unwrap_or(name);
-    let last = name.rsplit(|&b| b == b'/').next().unwrap_or_default();
-    // FNV-1a, as many bits of it as a float holds.
-    let hash = last.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, &b| {
-        (hash ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3)
-    });
-    (hash >> 11) as f64
 }
 
 fn takes(step: &Step) -> bool {

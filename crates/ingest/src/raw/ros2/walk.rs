@@ -3,8 +3,9 @@
 use super::{
     cdr::{CdrError, Reader, number},
     definition::Primitive,
-    plan::{Block, Step, name_number},
+    plan::{Block, Step},
 };
+use crate::raw::wanted::{MOST_ROWS, name_number};
 
 /// Walks `steps`: wanted numbers go into `row`, which is given to `each` for every element that is a row.
 ///
@@ -74,7 +75,11 @@ pub(super) fn walk(
             }
             Step::Rows { body, slots } => {
                 within_collection(reader, |reader| {
-                    for _ in 0..reader.count()? {
+                    let count = reader.count()?;
+                    if count > MOST_ROWS as u64 {
+                        return Err(CdrError::TooMany(count));
+                    }
+                    for _ in 0..count {
                         for &slot in slots {
                             row[slot] = f64::NAN;
                         }

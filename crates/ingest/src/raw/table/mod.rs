@@ -1,10 +1,10 @@
 //! Reads tables: CSV, TSV and Parquet in the layouts that a mapping may declare.
 
+mod ids;
 mod long;
 pub(crate) mod open;
 mod pair;
 mod platoon;
-mod plausible;
 mod recording_meta;
 mod signals;
 mod time;
@@ -12,6 +12,7 @@ mod time;
 use crate::{
     error::IngestError,
     mapping::{Layout, RoadMapping, TableMapping},
+    plausible::refuse_many,
     quality::{Warning, WarningKind},
     raw::RawDrive,
 };
@@ -31,6 +32,44 @@ pub(crate) struct TableDrive {
     pub(crate) raw: RawDrive,
     /// What was left out on the way.
     pub(crate) warnings: Vec<Warning>,
+    /// The gaps that its rows say of its leader.
+    pub(crate) gaps: Gaps,
+}
+
+/// Gaps to a leader: how many, and the times of those at which it would stand within ego.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Gaps {
+    pub(crate) count: usize,
+    pub(crate) negative_ns: Vec<i64>,
+}
+
+impl Gaps {
+    /// Counts a gap between bumpers, in m.
+    pub(crate) fn note(&mut self, stamp_ns: i64, gap_m: f64) {
+        self.count += 1;
+        if gap_m < 0.0 {
+            self.negative_ns.push(stamp_ns);
+        }
+    }
+}
+
+/// Warns of leaders that stand within ego; many of them say that the gap is of another kind.
+fn refuse_overlaps(path: &Path, drives: &mut [TableDrive]) -> Result<(), IngestError> {
+    let what = "gaps to the leader are negative: it would stand within ego. Is `gap_kind` right?";
+    let count = drives.iter().map(|d| d.gaps.negative_ns.len()).sum();
+    let of = drives.iter().map(|d| d.gaps.count).sum();
+    refuse_many(path, count, of, what)?;
+    for drive in drives {
+        let start_ns = drive.raw.ego.iter().map(|s| s.stamp_ns).min();
+        let since = |ns: i64| (ns - start_ns.unwrap_or(ns)) as f64 / 1e9;
+        let negative = &drive.gaps.negative_ns;
+        if !negative.is_empty() {
+            let spans = negative.iter().map(|&ns| (since(ns), since(ns)));
+            let warning = Warning::new(path, WarningKind::Unit, negative.len(), what);
+            drive.warnings.push(warning.with_spans(spans));
+        }
+    }
+    Ok(())
 }
 
 /// Reads the drives of a table, ordered by group and vehicle; of a folder if the layout is `signals`.
@@ -50,9 +89,7 @@ pub(crate) fn read(
         Layout::Long => long::read(path, bytes()?, mapping, road, max_gap_s)?,
         Layout::Signals => vec![signals::read(path, mapping, max_gap_s)?],
     };
-    for drive in &mut drives {
-        drive.warnings.extend(plausible::doubts(path, &drive.raw));
-    }
+    refuse_overlaps(path, &mut drives)?;
     Ok(drives)
 }
 

@@ -3,10 +3,11 @@
 use crate::{
     error::{IngestError, nearest},
     mapping::TableMapping,
+    parquet,
 };
 use polars::prelude::{
-    Column, CsvParseOptions, CsvReadOptions, DataFrame, DataType, Field, ParquetReader, PlSmallStr,
-    PolarsError, Schema, SerReader,
+    Column, CsvParseOptions, CsvReadOptions, DataFrame, DataType, Field, PlSmallStr, PolarsError,
+    Schema, SerReader,
 };
 use std::{
     collections::BTreeMap,
@@ -21,8 +22,6 @@ const EMPTY: [&str; 6] = ["", "nan", "na", "null", "none", "-"];
 const MOST_PREAMBLE: usize = 64;
 /// Columns that a table may have: a header of commas must not cost more memory than its file.
 const MOST_COLUMNS: usize = 4096;
-/// How Parquet begins.
-pub(crate) const PARQUET: &[u8] = b"PAR1";
 
 /// What a column is read as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -110,18 +109,42 @@ fn cells(line: &[u8], separator: u8) -> Vec<String> {
         .collect()
 }
 
-/// The row, counted from 1 below the header, with a cell whose quote is never closed: what stands behind it would be
-/// one cell, its last character lost.
-fn open_quote(text: &[u8], header: &Header) -> Option<usize> {
-    if !text.contains(&b'"') {
-        return None;
-    }
+/// What is wrong with the rows of a text: polars would read on.
+enum Flaw {
+    /// A cell's quote is never closed: what stands behind it would be one cell, its last character lost.
+    OpenQuote { row: usize },
+    /// More cells than the header has, and something in the last of them.
+    TooWide { row: usize, found: usize },
+}
+
+/// The first flaw of a text; rows are counted from 1 below the header.
+fn flaw(text: &[u8], header: &Header) -> Option<Flaw> {
     let mut lines = text.split_inclusive(|&b| b == b'\n');
     let above: usize = lines.by_ref().take(header.preamble).map(<[u8]>::len).sum();
+    let width = header.names.len();
+    // A single cell too many that is empty is a separator at the end of the line.
+    let too_wide = |found: usize, last: &[u8]| {
+        found > width + 1 || found > width && !last.trim_ascii().is_empty()
+    };
+    if !text.contains(&b'"') {
+        return text[above..]
+            .split(|&b| b == b'\n')
+            .enumerate()
+            .skip(1)
+            .find_map(|(row, line)| {
+                let found = line.split(|&b| b == header.separator).count();
+                let last = line
+                    .rsplit(|&b| b == header.separator)
+                    .next()
+                    .unwrap_or_default();
+                too_wide(found, last).then_some(Flaw::TooWide { row, found })
+            });
+    }
     let (mut begins, mut quoted, mut inside) = (true, false, false);
     // The row that is being read, and the one in which the last quoted cell began; 0 is the header.
     let (mut row, mut opened) = (0, 0);
-    for &b in &text[above..] {
+    let (mut found, mut cell) = (1, above);
+    for (at, &b) in text.iter().enumerate().skip(above) {
         if begins && b == b'"' {
             (quoted, inside, opened) = (true, true, row);
         } else if begins {
@@ -130,9 +153,17 @@ fn open_quote(text: &[u8], header: &Header) -> Option<usize> {
             inside = !inside;
         }
         begins = !inside && (b == header.separator || b == b'\n');
+        if begins && b == b'\n' {
+            if row > 0 && too_wide(found, &text[cell..at]) {
+                return Some(Flaw::TooWide { row, found });
+            }
+            (found, cell) = (1, at + 1);
+        } else if begins {
+            (found, cell) = (found + 1, at + 1);
+        }
         row += usize::from(b == b'\n');
     }
-    inside.then_some(opened)
+    inside.then_some(Flaw::OpenQuote { row: opened })
 }
 
 fn same_name(a: &str, b: &str) -> bool {
@@ -185,7 +216,7 @@ impl Table {
             frame: DataFrame::default(),
             decimal_comma: style.decimal_comma,
         };
-        if bytes.starts_with(PARQUET) {
+        if parquet::is_parquet(&bytes) {
             table.read_parquet(bytes, wanted)?;
         } else {
             let bytes = without_mark(bytes);
@@ -221,12 +252,10 @@ impl Table {
     /// # Errors
     /// [`IngestError::BadTable`].
     pub(crate) fn parquet_names(path: &Path, bytes: &[u8]) -> Result<Vec<String>, IngestError> {
-        let schema = ParquetReader::new(Cursor::new(bytes)).schema();
-        let schema = schema.map_err(|e| IngestError::BadTable {
+        parquet::parquet_names(bytes).map_err(|reason| IngestError::BadTable {
             path: path.to_owned(),
-            reason: first_line(&e),
-        })?;
-        Ok(schema.iter_names().map(ToString::to_string).collect())
+            reason,
+        })
     }
 
     fn read_text(
@@ -247,10 +276,18 @@ impl Table {
                 reason: format!("its header has the column `{name}` twice"),
             });
         }
-        if let Some(row) = open_quote(&bytes, header) {
+        if let Some(flaw) = flaw(&bytes, header) {
+            let width = header.names.len();
             return Err(IngestError::BadTable {
                 path: self.path.clone(),
-                reason: format!("row {row} opens a quote that is never closed"),
+                reason: match flaw {
+                    Flaw::OpenQuote { row } => {
+                        format!("row {row} opens a quote that is never closed")
+                    }
+                    Flaw::TooWide { row, found } => {
+                        format!("row {row} has {found} cells, expected {width} as in its header")
+                    }
+                },
             });
         }
         let bytes: Arc<[u8]> = bytes.into();
@@ -296,42 +333,23 @@ impl Table {
         };
         self.frame = match read(true) {
             Ok(frame) => frame,
-            Err(_) => read(false).map_err(|e| self.no_table(&bytes, header, &e))?,
+            Err(_) => read(false).map_err(|e| IngestError::BadTable {
+                path: self.path.clone(),
+                reason: first_line(&e),
+            })?,
         };
         Ok(())
     }
 
-    /// Why polars could not read a text, with the row where we can tell.
-    fn no_table(&self, bytes: &[u8], header: &Header, error: &PolarsError) -> IngestError {
-        let lines = bytes.split(|&b| b == b'\n').skip(header.preamble + 1);
-        let width = header.names.len();
-        let ragged = lines.enumerate().find_map(|(row, line)| {
-            let found = cells(line, header.separator).len();
-            (found > width).then_some((row + 1, found))
-        });
-        let reason = match ragged {
-            Some((row, found)) => {
-                format!("row {row} has {found} cells, expected {width} as in its header")
-            }
-            None => first_line(error),
-        };
-        IngestError::BadTable {
-            path: self.path.clone(),
-            reason,
-        }
-    }
-
     fn read_parquet(&mut self, bytes: Vec<u8>, wanted: &[(&str, Kind)]) -> Result<(), IngestError> {
-        let path = self.path.clone();
-        let bad = |e: PolarsError| IngestError::BadTable {
-            path: path.clone(),
-            reason: first_line(&e),
+        let bad = |path: &Path, reason| IngestError::BadTable {
+            path: path.to_owned(),
+            reason,
         };
-        let mut reader = ParquetReader::new(Cursor::new(bytes));
-        let schema = reader.schema().map_err(bad)?;
-        self.names = schema.iter_names().map(ToString::to_string).collect();
-        let columns = self.wanted(wanted)?.into_iter().map(|c| c.0).collect();
-        self.frame = reader.with_columns(Some(columns)).finish().map_err(bad)?;
+        self.names = parquet::parquet_names(&bytes).map_err(|why| bad(&self.path, why))?;
+        let columns: Vec<String> = self.wanted(wanted)?.into_iter().map(|c| c.0).collect();
+        let file = parquet::read_parquet(bytes, Some(&columns));
+        self.frame = file.map_err(|why| bad(&self.path, why))?.frame;
         Ok(())
     }
 
@@ -547,6 +565,21 @@ mod tests {
         let error = open("t,v\n0,1\n0,1,2\n", &[("t", Kind::Number)]);
         let error = error.unwrap_err().to_string();
         assert!(error.contains("row 2 has 3 cells, expected 2"), "{error}");
+        // The cell that is too many stands behind the columns that are read, or holds what looks like a number.
+        for text in ["t,v\n0,1\n0,19,5\n", "t,\"v\"\n0,1\n0,\"1\",5\n"] {
+            let error = open(text, &[("t", Kind::Number), ("v", Kind::Number)]).unwrap_err();
+            assert!(
+                error.to_string().contains("row 2 has 3 cells, expected 2"),
+                "{error}"
+            );
+        }
+        assert_eq!(
+            open("t,v\n0,1,\n2,3,\n", &[("v", Kind::Number)])
+                .unwrap()
+                .numbers("v")
+                .unwrap(),
+            [1.0, 3.0]
+        );
         let error = open("t,t\n0,1\n", &[("t", Kind::Number)]).unwrap_err();
         assert!(error.to_string().contains("twice"));
     }

@@ -1,7 +1,7 @@
 //! A follower and its leader: the columns of a file of pairs, or two neighbours of a platoon.
 
 use super::{
-    TableDrive, clock, named,
+    Gaps, TableDrive, clock, ids, named,
     open::{Kind, Table},
     report,
     time::stamps,
@@ -87,8 +87,9 @@ pub(super) fn read(
     let ego_speed = named(path, "ego_speed", names.ego_speed.as_ref())?;
     let lead_id = match &names.lead_id {
         Some(name) if table.has(name) => {
-            let (codes, ids) = table.codes(name)?;
-            let number = |code: u32| ids[code as usize].parse().unwrap_or(code);
+            let (codes, names) = table.codes(name)?;
+            let numbers = ids::numbers(&names);
+            let number = |code: u32| numbers[code as usize];
             Some(codes.into_iter().map(|c| c.map(number)).collect())
         }
         _ => None,
@@ -141,6 +142,8 @@ pub(super) fn drive(path: &Path, couple: &Couple, max_gap_s: f64) -> TableDrive 
         ..RawDrive::default()
     };
     let (mut without_ego, mut without_leader) = (0, 0);
+    let mut gaps = Gaps::default();
+    let mut passed = false;
     let mut way = Way::default();
     let mut leader: Vec<EgoSample> = Vec::new();
     let mut numbers: Vec<u32> = Vec::new();
@@ -175,6 +178,10 @@ pub(super) fn drive(path: &Path, couple: &Couple, max_gap_s: f64) -> TableDrive 
             without_leader += 1;
             continue;
         }
+        passed |= behind;
+        if !couple.signed {
+            gaps.note(stamp_ns, gap_m);
+        }
         numbers.push(id);
         leader.push(EgoSample {
             x_m: lead_x_m,
@@ -199,6 +206,9 @@ pub(super) fn drive(path: &Path, couple: &Couple, max_gap_s: f64) -> TableDrive 
             length_m: couple.lead_length_m,
         })
     };
+    let several = numbers.iter().any(|id| Some(id) != numbers.first());
+    let beside = couple.ego_y_m.is_some() || couple.lead_dy_m.is_some();
+    raw.without_lateral = !beside && (several || passed);
     raw.objects = leader.into_iter().zip(numbers).filter_map(object).collect();
     let kind = WarningKind::MissingValue;
     let what = "rows without time, position or speed of ego are left out";
@@ -208,6 +218,7 @@ pub(super) fn drive(path: &Path, couple: &Couple, max_gap_s: f64) -> TableDrive 
     TableDrive {
         raw,
         warnings,
+        gaps,
         ..TableDrive::default()
     }
 }

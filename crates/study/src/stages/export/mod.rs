@@ -1,5 +1,6 @@
 //! `export`: a study without the people's names, to give away.
 
+mod place;
 mod pseudonym;
 mod wide;
 
@@ -16,6 +17,7 @@ use crate::{
 };
 use maveric_domain::{Answer, ConditionId, Design, DriveId, DriveMeta, ParticipantId, Recording};
 use maveric_ingest::{IngestSettings, Mapping, log_files, read_log, write_mcap};
+use place::Place;
 use pseudonym::Pseudonyms;
 use serde::Serialize;
 use std::{
@@ -69,6 +71,7 @@ const FEWEST_ALIKE: usize = 3;
 ///   neither direction can be computed. No table of who is who is written.
 /// - Of a log only the recording is kept: who was where on the road, from time 0 and position 0 on. Dates, positions on a map, other
 ///   channels and file names are gone.
+/// - The folder is new, or holds nothing but an earlier export, which goes: who has withdrawn since is in none of its files.
 /// - Of `participants.csv` only who is learned from and who is tested, population, age in bands of ten years, gender, professional and order; of answers only
 ///   what is scored. Free text and any other column is left out.
 ///
@@ -76,7 +79,8 @@ const FEWEST_ALIKE: usize = 3;
 /// knows them. Groups of fewer than three alike are warned about.
 ///
 /// # Errors
-/// [`StudyError`] if a file cannot be read, the key is too short or lies in `out`, or nothing was asked for.
+/// [`StudyError`] if a file cannot be read, the key is too short or lies in `out`, `out` holds something else, or nothing was
+/// asked for.
 pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Exported>, StudyError> {
     let study = DesignFile::find(options.design.as_deref())?;
     let design = &study.design;
@@ -101,6 +105,8 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
             help: Some("give at least one of --logs, --participants and --surveys".to_owned()),
         });
     }
+    let place = Place::new(&options.out)?;
+    let out = place.fresh();
     let mut names = Pseudonyms::read(&options.key, &options.out)?;
     let settings = IngestSettings {
         mapping,
@@ -148,22 +154,14 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
         watch,
         "drives written",
         |(meta, recording)| {
-            let path = options
-                .out
-                .join("logs")
-                .join(format!("{}.mcap", meta.drive));
+            let path = out.join("logs").join(format!("{}.mcap", meta.drive));
             let moved = from_zero(recording)?;
             atomic_write(&path, |file| Ok(write_mcap(&moved, meta, file)?))
         },
     )?;
     let mut warnings = Vec::new();
     if !people.is_empty() {
-        write_people(
-            &options.out.join("participants.csv"),
-            &people,
-            &names,
-            design,
-        )?;
+        write_people(&out.join("participants.csv"), &people, &names, design)?;
         warnings.extend(alike(&people));
     }
     if !answers.is_empty() {
@@ -179,13 +177,14 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
                 b.item,
             ))
         });
-        write_answers(&options.out.join("surveys.csv"), &answers)?;
+        write_answers(&out.join("surveys.csv"), &answers)?;
         let orders: BTreeMap<ParticipantId, &[ConditionId]> = people
             .iter()
             .map(|p| (names.of(&p.id), p.order.as_slice()))
             .collect();
-        wide::write(&options.out.join("surveys_wide.csv"), &answers, &orders)?;
+        wide::write(&out.join("surveys_wide.csv"), &answers, &orders)?;
     }
+    place.take()?;
     let value = Exported {
         participants: names.len(),
         drives: drives.len(),

@@ -9,6 +9,7 @@ use crate::{
     design::{DesignFile, listed},
     error::StudyError,
     outcome::{Outcome, Watch},
+    outputs::spare_inputs,
     stages::score::read_scales,
     tables::{Table, TableBuilder},
 };
@@ -88,6 +89,12 @@ struct Found {
 /// [`StudyError`] naming the file, and participant, scale and item of an answer that is text or out of range, of a sheet given
 /// twice, or of a scale of which only some items have a column.
 pub fn import(options: &ImportOptions, watch: Watch<'_>) -> Result<Outcome<Imported>, StudyError> {
+    let given = [&options.design, &options.columns];
+    let given = given.into_iter().filter_map(Option::as_deref);
+    spare_inputs(
+        given.chain([&*options.file, &options.scales]),
+        [&*options.out],
+    )?;
     let scales = read_scales(&options.scales)?;
     let map = options
         .columns

@@ -3,24 +3,25 @@
 mod logs;
 
 use crate::{
+    aside::Aside,
     design::DesignFile,
     error::StudyError,
     gate::{Gate, LeftOut, counted},
     outcome::{Outcome, Watch, for_each_on},
+    outputs::{put_in_place, spare_inputs},
     tables::{
         TableBuilder,
         drives::{write_drive_list, write_drive_of},
     },
 };
 use maveric_domain::{Drive, DriveMeta};
-use maveric_ingest::{Provenance, Warning, read_log};
+use maveric_ingest::{IngestError, Provenance, Warning, read_log};
 use serde::Serialize;
 use std::{
     collections::BTreeSet,
-    fs::File,
+    fmt,
     path::{Path, PathBuf},
 };
-use tempfile::TempDir;
 
 /// What to ingest.
 #[derive(Debug, Clone)]
@@ -52,6 +53,17 @@ pub struct IngestedDrives {
     pub rows: usize,
     /// Drives that the design does not let in, each with the rule.
     pub left_out: Vec<(DriveMeta, LeftOut)>,
+    /// Logs that could not be ingested, each with the reason.
+    pub failed: Vec<FailedLog>,
+}
+
+/// A log that could not be ingested.
+#[derive(Debug, Clone, Serialize)]
+pub struct FailedLog {
+    /// The log.
+    pub log: PathBuf,
+    /// Why.
+    pub why: String,
 }
 
 /// A drive that is written but not yet in its place.
@@ -69,11 +81,11 @@ struct Written {
 /// Reads logs, finds reference vehicle, lane changes and following rows, and writes the drives.
 ///
 /// Each drive is written as soon as it is read, into a hidden folder on the same disk, and all are renamed into `out`
-/// at the end: memory holds one log a thread, and a log that cannot be read refuses the whole call with nothing
-/// written. What was repaired or left out within a log is a warning, and a row of `exclusions.csv`.
+/// at the end: memory holds one log a thread. A log that cannot be read is listed with its reason, and so is what was repaired or
+/// left out within a log: a warning, and a row of `exclusions.csv`.
 ///
 /// # Errors
-/// [`StudyError::Ingest`] naming the log; [`StudyError`] if two logs are one drive or a file cannot be written.
+/// [`StudyError`] if no log gives a drive, two logs are one drive or a file cannot be written: then nothing is.
 pub fn ingest(
     options: &IngestOptions,
     watch: Watch<'_>,
@@ -84,12 +96,41 @@ pub fn ingest(
         .map(|study| Gate::of(study, options.participants.as_deref()))
         .transpose()?;
     let logs = logs::of(options, study.as_ref())?;
+    let (list, exclusions) = (
+        options.out.join("drives.csv"),
+        options.out.join("exclusions.csv"),
+    );
+    let tables = logs
+        .iter()
+        .filter_map(|log| log.mapping.as_deref())
+        .chain(logs.iter().map(|log| &*log.path));
+    spare_inputs(tables, [&*list, &exclusions])?;
     let aside = Aside::new(&options.out)?;
     let numbered: Vec<(usize, &logs::Log)> = logs.iter().enumerate().collect();
-    let written = for_each_on(options.jobs, &numbered, watch, "logs ingested", |log| {
-        write_log(*log, aside.folder.path())
-    })?;
-    let (mut drives, left_out) = sorted_out(written.into_iter().flatten(), gate.as_ref());
+    let written = for_each_on(
+        options.jobs,
+        &numbered,
+        watch,
+        "logs ingested",
+        |log| match write_log(*log, aside.path()) {
+            Ok(written) => Ok(Ok(written)),
+            Err(StudyError::Ingest(error)) => Ok(Err((log.1.path.clone(), error))),
+            Err(StudyError::Domain(error)) => {
+                let (path, source) = (log.1.path.clone(), error);
+                Ok(Err((path.clone(), IngestError::Refused { path, source })))
+            }
+            Err(error) => Err(error),
+        },
+    )?;
+    let mut failed = Vec::new();
+    let read = written
+        .into_iter()
+        .filter_map(|log| log.map_err(|e| failed.push(e)).ok());
+    let (mut drives, left_out) = sorted_out(read.flatten(), gate.as_ref());
+    if drives.is_empty() && left_out.is_empty() {
+        return Err(none_ingested(failed));
+    }
+    let failed: Vec<FailedLog> = failed.into_iter().map(FailedLog::from).collect();
     if let (true, Some((meta, why))) = (drives.is_empty(), left_out.first()) {
         return Err(StudyError::NotPossible {
             problem: format!("no drive is let in; {}: {why}", meta.drive),
@@ -112,10 +153,10 @@ pub fn ingest(
     std::fs::create_dir_all(&options.out).map_err(StudyError::write(&options.out))?;
     for drive in &drives {
         let place = options.out.join(format!("{}.parquet", drive.meta.drive));
-        std::fs::rename(&drive.file, &place).map_err(StudyError::write(&place))?;
+        put_in_place(&drive.file, &place)?;
     }
-    write_exclusions(&options.out, &drives, &left_out)?;
-    let mut warnings: Vec<String> = Vec::new();
+    write_exclusions(&options.out, &drives, &left_out, &failed)?;
+    let mut warnings: Vec<String> = failed.iter().map(FailedLog::to_string).collect();
     for drive in &drives {
         warnings.extend(drive.warnings.iter().map(Warning::to_string));
     }
@@ -143,68 +184,64 @@ pub fn ingest(
         options.out.display()
     )];
     summary.extend(counted("drives", left_out.iter().map(|(_, why)| why)));
+    if !failed.is_empty() {
+        summary.push(format!(
+            "{} of {} logs could not be ingested: see {}",
+            failed.len(),
+            logs.len(),
+            exclusions.display()
+        ));
+    }
     Ok(Outcome {
         value: IngestedDrives {
             drives: list.into_iter().map(|l| l.0).collect(),
             rows,
             left_out,
+            failed,
         },
         summary,
         warnings,
     })
 }
 
-/// A hidden folder on the disk of `out`, in the nearest folder above that exists; it goes when it is dropped.
-struct Aside {
-    /// Held as long as the folder is in use: it says so to others, whatever ends this program.
-    _lock: File,
-    folder: TempDir,
+impl From<(PathBuf, IngestError)> for FailedLog {
+    fn from((log, error): (PathBuf, IngestError)) -> Self {
+        let mut why = error.to_string();
+        let mut cause = std::error::Error::source(&error);
+        while let Some(error) = cause {
+            why = format!("{why}: {error}");
+            cause = error.source();
+        }
+        Self { log, why }
+    }
 }
 
-impl Aside {
-    const PREFIX: &str = ".ingest-";
-    const LOCK: &str = "in-use";
-    /// How far above `out` a call that was killed may have left its folder: `out` was made since.
-    const LEVELS: usize = 4;
-
-    /// Makes the folder, and removes those that killed calls left behind.
-    fn new(out: &Path) -> Result<Self, StudyError> {
-        let out = std::path::absolute(out).map_err(StudyError::write(out))?;
-        let exists = out.ancestors().find(|folder| folder.is_dir());
-        let place = exists.unwrap_or(&out);
-        out.ancestors()
-            .take(Self::LEVELS)
-            .for_each(Self::remove_left_behind);
-        let folder = tempfile::Builder::new()
-            .prefix(Self::PREFIX)
-            .tempdir_in(place)
-            .map_err(StudyError::write(place))?;
-        // Locked before it has its name, so that nobody finds it free; where the disk knows no locks nobody takes one.
-        let (fresh, lock) = (folder.path().join("new"), folder.path().join(Self::LOCK));
-        let file = File::create(&fresh).map_err(StudyError::write(&fresh))?;
-        let _ = file.try_lock();
-        std::fs::rename(&fresh, &lock).map_err(StudyError::write(&lock))?;
-        Ok(Self {
-            _lock: file,
-            folder,
-        })
+impl fmt::Display for FailedLog {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "not ingested: {}", self.why)
     }
+}
 
-    /// Removes folders of other calls whose lock nobody holds any more. What cannot be removed stays: it does no harm.
-    fn remove_left_behind(place: &Path) {
-        for entry in std::fs::read_dir(place).into_iter().flatten().flatten() {
-            let folder = entry.path();
-            let ours = entry
-                .file_name()
-                .to_string_lossy()
-                .starts_with(Self::PREFIX);
-            if let Ok(lock) = File::options().write(true).open(folder.join(Self::LOCK))
-                && ours
-                && lock.try_lock().is_ok()
-            {
-                let _ = std::fs::remove_dir_all(&folder);
-            }
-        }
+/// Why there is nothing: the one log's own error, or the first of several.
+fn none_ingested(mut failed: Vec<(PathBuf, IngestError)>) -> StudyError {
+    if failed.len() == 1
+        && let Some((_, error)) = failed.pop()
+    {
+        return error.into();
+    }
+    let count = failed.len();
+    let first = failed.into_iter().next();
+    let help = first.as_ref().and_then(|(_, error)| error.suggestion());
+    let first = first.map(FailedLog::from);
+    StudyError::NotPossible {
+        problem: match first {
+            Some(first) => format!(
+                "none of {count} logs could be ingested; the first: {}",
+                first.why
+            ),
+            None => "the logs hold no drive".to_owned(),
+        },
+        help,
     }
 }
 
@@ -243,50 +280,38 @@ fn write_log((number, log): (usize, &logs::Log), aside: &Path) -> Result<Vec<Wri
     Ok(written)
 }
 
-/// Writes what was repaired or left out, in the order of the logs, then the drives that the design does not let in.
+/// Writes what was repaired or left out, in the order of the logs, then the drives that the design does not let in, then the
+/// logs that could not be ingested.
 fn write_exclusions(
     folder: &Path,
     drives: &[Written],
     left_out: &[(DriveMeta, LeftOut)],
+    failed: &[FailedLog],
 ) -> Result<(), StudyError> {
     let rows: Vec<(&DriveMeta, &Warning)> = drives
         .iter()
         .flat_map(|d| d.warnings.iter().map(move |w| (&d.meta, w)))
         .collect();
-    let out = || left_out.iter();
-    let log = |w: &Warning| {
-        w.file
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned()
+    let name = |file: &Path| {
+        let name = file.file_name().unwrap_or_default();
+        name.to_string_lossy().into_owned()
     };
+    let repaired = rows.iter().map(|(meta, w)| {
+        let drive = meta.drive.to_string();
+        (drive, name(&w.file), w.what.clone(), w.count)
+    });
+    let out = left_out
+        .iter()
+        .map(|(meta, why)| (meta.drive.to_string(), String::new(), why.to_string(), 1));
+    let lost = failed
+        .iter()
+        .map(|log| (String::new(), name(&log.log), log.to_string(), 1));
+    let rows: Vec<(String, String, String, usize)> = repaired.chain(out).chain(lost).collect();
     TableBuilder::default()
-        .text(
-            "drive",
-            rows.iter()
-                .map(|r| r.0)
-                .chain(out().map(|o| &o.0))
-                .map(|m| m.drive.as_str()),
-        )
-        .text(
-            "log",
-            rows.iter()
-                .map(|r| log(r.1))
-                .chain(out().map(|_| String::new())),
-        )
-        .text(
-            "what",
-            rows.iter()
-                .map(|r| r.1.what.clone())
-                .chain(out().map(|o| o.1.to_string())),
-        )
-        .integers(
-            "count",
-            rows.iter()
-                .map(|r| i64::try_from(r.1.count).ok())
-                .chain(out().map(|_| Some(1))),
-        )
+        .text("drive", rows.iter().map(|r| &r.0))
+        .text("log", rows.iter().map(|r| &r.1))
+        .text("what", rows.iter().map(|r| &r.2))
+        .integers("count", rows.iter().map(|r| i64::try_from(r.3).ok()))
         .write(&folder.join("exclusions.csv"))
 }
 
@@ -345,20 +370,33 @@ mod tests {
     }
 
     #[test]
-    fn drives_appear_together_and_one_log_that_cannot_be_read_leaves_nothing() {
+    fn drives_appear_together_and_a_log_that_cannot_be_read_is_listed_beside_them() {
         let folder = tempfile::tempdir().unwrap();
         let (logs, out) = (
             folder.path().join("logs"),
             folder.path().join("made/drives"),
         );
         std::fs::create_dir(&logs).unwrap();
-        for name in ["a.csv", "b.csv", "c.csv"] {
-            std::fs::write(logs.join(name), table(100)).unwrap();
-        }
         std::fs::write(logs.join("d.csv"), table(50).replace(",20,", ",fast,")).unwrap();
         let error = run(vec![logs.clone()], &out).unwrap_err();
         assert!(error.to_string().contains("d.csv"), "{error}");
         assert_eq!(names(folder.path()), BTreeSet::from(["logs".to_owned()]));
+        for name in ["a.csv", "b.csv", "c.csv"] {
+            std::fs::write(logs.join(name), table(100)).unwrap();
+        }
+        let made = run(vec![logs.clone()], &out).unwrap();
+        assert_eq!(made.value.drives.len(), 3);
+        assert!(
+            made.value.failed[0].why.contains("`fast`"),
+            "{:?}",
+            made.value.failed
+        );
+        let list = std::fs::read_to_string(out.join("exclusions.csv")).unwrap();
+        let last = list.lines().last().unwrap();
+        assert!(
+            last.contains(",d.csv,") && last.contains("not ingested"),
+            "{list}"
+        );
 
         std::fs::remove_file(logs.join("d.csv")).unwrap();
         let made = run(vec![logs.clone()], &out).unwrap();
@@ -371,18 +409,6 @@ mod tests {
             "exclusions.csv",
         ];
         assert_eq!(names(&out), expected.map(str::to_owned).into());
-
-        // What a killed call left behind goes at the next one, what another call is using does not.
-        let (left, used) = (out.join(".ingest-left"), folder.path().join(".ingest-used"));
-        for aside in [&left, &used] {
-            std::fs::create_dir(aside).unwrap();
-            std::fs::write(aside.join("in-use"), "").unwrap();
-        }
-        let lock = File::open(used.join("in-use")).unwrap();
-        lock.try_lock().unwrap();
-        run(vec![logs.clone()], &out).unwrap();
-        assert!(!left.exists() && used.exists());
-        drop(lock);
 
         // The same log twice is one drive twice; what stood there before stays.
         let before = std::fs::read(out.join("a.parquet")).unwrap();

@@ -3,6 +3,7 @@
 mod study_text;
 
 use crate::{
+    aside::Aside,
     atomic_write::atomic_write_bytes,
     design::DESIGN_FILE,
     error::StudyError,
@@ -83,9 +84,12 @@ pub struct Initialised {
 /// that is no id or a style that no shipped scale has; [`StudyError::Io`].
 pub fn init(options: &InitOptions, watch: Watch<'_>) -> Result<Outcome<Initialised>, StudyError> {
     let folder = &options.folder;
-    if folder.exists() {
-        let mut entries = std::fs::read_dir(folder).map_err(StudyError::read(folder))?;
-        if entries.next().is_some() {
+    let (design, people) = texts(options)?;
+    std::fs::create_dir_all(folder).map_err(StudyError::write(folder))?;
+    // What a killed call left of a folder goes here.
+    let aside = Aside::new(folder)?;
+    for entry in std::fs::read_dir(folder).map_err(StudyError::read(folder))? {
+        if entry.map_err(StudyError::read(folder))?.path().file_name() != aside.path().file_name() {
             return Err(StudyError::BadFile {
                 path: folder.clone(),
                 problem: "is not empty, expected a new or an empty folder".to_owned(),
@@ -93,7 +97,7 @@ pub fn init(options: &InitOptions, watch: Watch<'_>) -> Result<Outcome<Initialis
             });
         }
     }
-    let (design, people) = texts(options)?;
+    let fresh = aside.path().join("study");
     let mut files = FILES.to_vec();
     files.push((DESIGN_FILE, &design));
     files.push(("participants.csv", people));
@@ -104,12 +108,17 @@ pub fn init(options: &InitOptions, watch: Watch<'_>) -> Result<Outcome<Initialis
         files.push(CLAIMS);
     }
     for name in FOLDERS {
-        let path = folder.join(name);
+        let path = fresh.join(name);
         std::fs::create_dir_all(&path).map_err(StudyError::write(&path))?;
     }
     for (name, text) in &files {
         watch.check()?;
-        atomic_write_bytes(&folder.join(name), text.as_bytes())?;
+        atomic_write_bytes(&fresh.join(name), text.as_bytes())?;
+    }
+    for entry in std::fs::read_dir(&fresh).map_err(StudyError::read(&fresh))? {
+        let entry = entry.map_err(StudyError::read(&fresh))?;
+        let place = folder.join(entry.file_name());
+        std::fs::rename(entry.path(), &place).map_err(StudyError::write(&place))?;
     }
     let summary = vec![
         format!("a study's folder: {}", folder.display()),
@@ -233,6 +242,30 @@ mod tests {
         assert_eq!(design.files().scales, PathBuf::from("scales"));
         assert_eq!(design.files().claims, Some(PathBuf::from("claims.toml")));
         assert!(!design.synthetic() && !text.contains(".."));
+    }
+
+    #[test]
+    fn a_call_that_was_killed_leaves_a_folder_in_which_the_next_one_works() {
+        let folder = tempfile::tempdir().unwrap();
+        let left = folder.path().join(".maveric-aside-left");
+        std::fs::create_dir(&left).unwrap();
+        std::fs::write(left.join("in-use"), "").unwrap();
+        let options = InitOptions {
+            folder: folder.path().to_owned(),
+            ..InitOptions::default()
+        };
+        let (quiet, go_on) = (
+            |_: usize, _: usize, _: &str| (),
+            std::sync::atomic::AtomicBool::new(false),
+        );
+        init(&options, Watch::new(&quiet, &go_on)).unwrap();
+        let names: BTreeSet<String> = std::fs::read_dir(folder.path())
+            .unwrap()
+            .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
+            .collect();
+        assert!(names.contains(DESIGN_FILE) && names.iter().all(|n| !n.starts_with(".maveric")));
+        let error = init(&options, Watch::new(&quiet, &go_on)).unwrap_err();
+        assert!(error.to_string().contains("is not empty"), "{error}");
     }
 
     #[test]

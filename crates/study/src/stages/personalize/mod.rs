@@ -8,6 +8,7 @@ use crate::{
     design::drives_of,
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
+    outputs::spare_inputs,
     stages::train::{adb_of, read_model},
     style_scale::style_scores,
     tables::{
@@ -83,6 +84,12 @@ pub fn personalize(
     options: &PersonalizeOptions,
     watch: Watch<'_>,
 ) -> Result<Outcome<PersonalizedDrives>, StudyError> {
+    let given = [&options.design, &options.participants, &options.scores];
+    let given = given.into_iter().filter_map(Option::as_deref);
+    let outputs = [&*options.out]
+        .into_iter()
+        .chain(options.learning_curve.as_deref());
+    spare_inputs(given.chain([&*options.model, &options.drives]), outputs)?;
     let model = read_model(&options.model)?;
     let design = options.design.as_deref();
     let drives = drives_of(

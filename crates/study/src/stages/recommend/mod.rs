@@ -17,6 +17,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch},
+    outputs::spare_inputs,
     stages::analyse::read_study,
 };
 use maveric_analysis::StudyData;
@@ -84,6 +85,7 @@ pub fn recommend(
     options: &RecommendOptions,
     watch: Watch<'_>,
 ) -> Result<Outcome<Recommended>, StudyError> {
+    spare_inputs(options.design.as_deref(), options.out.as_deref())?;
     let study = DesignFile::find(options.design.as_deref())?;
     let data = read_study(&options.results, &study, None)?;
     let wanted: Vec<&ParticipantId> = match &options.participant {

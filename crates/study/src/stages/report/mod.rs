@@ -11,6 +11,7 @@ use crate::{
     atomic_write::atomic_write_bytes,
     error::StudyError,
     outcome::{Outcome, Watch},
+    outputs::spare_inputs,
 };
 pub(crate) use inputs::hashed;
 use maveric_report::{html::RenderedFile, markup};
@@ -55,6 +56,8 @@ pub struct Reported {
 /// [`StudyError`] if the folder holds neither, a result cannot be read, or a figure refuses its numbers.
 pub fn report(options: &ReportOptions, watch: Watch<'_>) -> Result<Outcome<Reported>, StudyError> {
     let folder = &options.results;
+    // What a page is drawn from has names that the page's own tables have too.
+    spare_inputs([&**folder], [&*options.out])?;
     let (page, findings) = if folder.join("analysis.json").exists() {
         synthetic::page(options, watch)?
     } else if folder.join("following.json").exists() {

@@ -10,7 +10,7 @@ pub use designs::{Bounds, DesignTest, FactorialColumns, FactorialMethod, Formula
 pub use input::{Input, ROW};
 pub use maveric_stats::{Adjustment, CorrelationMethod, PosthocTest, Statistic};
 
-use crate::{error::StudyError, outcome::Outcome, tables::Table};
+use crate::{error::StudyError, outcome::Outcome, outputs::spare_inputs, tables::Table};
 use input::Long;
 use maveric_stats::{
     self as tests, Bootstrap, BootstrapData, BootstrapSettings,
@@ -258,6 +258,7 @@ impl Ran {
 /// [`StudyError`] naming file, row and column, and the shape that was found where the test refuses it; before anything is read, if
 /// the figure is neither SVG nor PNG, or the test has nothing to draw.
 pub fn stats(request: &Request) -> Result<Outcome<Value>, StudyError> {
+    spare_inputs([&*request.data], request.figure.as_deref())?;
     if let Some(path) = &request.figure {
         pictures::svg(path)?;
         if !request.test.has_figure() {

@@ -10,6 +10,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch},
+    outputs::spare_inputs,
     stages::train::read_model,
     tables::{
         conditions::{ConditionRow, write_conditions},
@@ -79,6 +80,12 @@ pub struct Steered {
 /// # Source
 /// Method section 4.
 pub fn steer(options: &SteerOptions, watch: Watch<'_>) -> Result<Outcome<Steered>, StudyError> {
+    let named = options.design.as_deref().into_iter();
+    let named = named.chain(options.attribute.as_ref().map(|a| &*a.scores));
+    spare_inputs(
+        named.chain([&*options.model, &options.embeddings]),
+        [&*options.out],
+    )?;
     let model = read_model(&options.model)?;
     let rows = read_embeddings(&options.embeddings)?;
     let axis = AggressionAxis::of(&model)?;

@@ -26,6 +26,7 @@ use crate::{
     atomic_write::{atomic_write_bytes, write_json},
     error::StudyError,
     outcome::{Outcome, Watch},
+    outputs::spare_inputs,
     stages::{generate::read_scenario, report::write_page, train::read_model},
 };
 use maveric_domain::DrivenBy;
@@ -93,6 +94,12 @@ pub fn validate(
             help: Some("name models with --model FILE".to_owned()),
         });
     }
+    let models = options.models.iter().map(|path| &**path);
+    let out = ["validation.md", "validation.json"].map(|name| options.out.join(name));
+    spare_inputs(
+        models.chain(options.scenario.as_deref()),
+        out.iter().map(|path| &**path),
+    )?;
     let people = people::read(&options.run)?;
     let scenario = read_scenario(options.scenario.as_deref(), options.duration_s)?;
     let bench = examine::Bench {

@@ -189,18 +189,19 @@ fn groups(table: &Table, columns: &[String]) -> Result<(Vec<Option<u32>>, Groups
     Ok((codes, groups))
 }
 
-/// Leaders as places among the vehicles' names; beyond them those that have no rows of their own; 0 and -1 are none.
+/// Leaders as places among the vehicles' names; beyond them those that have no rows of their own. 0 and -1 are none where no
+/// vehicle is called so: some tables count from 0.
 fn leads(
     table: &Table,
     name: &str,
     ids: &[String],
 ) -> Result<(Vec<Option<u32>>, Vec<String>), IngestError> {
     let (codes, names) = table.codes(name)?;
-    let place = |(i, name): (u32, &String)| match name.as_str() {
-        "0" | "-1" => None,
-        name => {
-            let known = ids.binary_search_by(|id| id.as_str().cmp(name)).ok();
-            Some(known.map_or(ids.len() as u32 + i, |k| k as u32))
+    let place = |(i, name): (u32, &String)| {
+        let known = ids.binary_search(name).ok().map(|k| k as u32);
+        match name.as_str() {
+            "0" | "-1" => known,
+            _ => known.or(Some(ids.len() as u32 + i)),
         }
     };
     let places: Vec<Option<u32>> = (0..).zip(&names).map(place).collect();

@@ -4,7 +4,7 @@ mod columns;
 mod surroundings;
 mod vehicles;
 
-use super::{TableDrive, clock, recording_meta, report};
+use super::{Gaps, TableDrive, clock, ids::numbers, recording_meta, report};
 use crate::{
     error::IngestError,
     mapping::{RoadMapping, Side, TableMapping},
@@ -59,6 +59,7 @@ pub(super) fn read(
         _ => View::All,
     };
     let surroundings = Surroundings::new(&fleet.vehicles);
+    let numbers = numbers(&ids);
     let mut drives = Vec::new();
     let mut alone = 0;
     for (index, vehicle) in fleet.vehicles.iter().enumerate() {
@@ -70,9 +71,9 @@ pub(super) fn read(
         captures.push(("id".to_owned(), name_of(vehicle, &ids)));
         let raw = RawDrive {
             ego: vehicle.samples.clone(),
-            objects: surroundings.others(&fleet.vehicles, index, &ids, view),
+            objects: surroundings.others(&fleet.vehicles, index, &numbers, view),
             ego_length_m: Some(vehicle.length_m),
-            ego_among_objects: false,
+            ..RawDrive::default()
         };
         drives.push(TableDrive {
             captures,
@@ -82,6 +83,7 @@ pub(super) fn read(
                 .map(|m| m.road(road, vehicle.sign, frame.y_left)),
             raw,
             warnings: vehicle_warnings(path, vehicle),
+            gaps: gaps(vehicle),
         });
     }
     if let Some(first) = drives.first_mut() {
@@ -92,6 +94,18 @@ pub(super) fn read(
         report(&mut first.warnings, path, kind, alone, what);
     }
     Ok(drives)
+}
+
+/// The gaps that a vehicle's own rows say, in the frame in which they say them.
+fn gaps(vehicle: &Vehicle) -> Gaps {
+    let mut gaps = Gaps::default();
+    for (sample, lead) in vehicle.samples.iter().zip(&vehicle.leads) {
+        if let Some(lead) = lead {
+            let centres_m = 0.5 * (vehicle.length_m + lead.length_m);
+            gaps.note(sample.stamp_ns, lead.x_m - sample.x_m - centres_m);
+        }
+    }
+    gaps
 }
 
 fn vehicle_warnings(path: &Path, vehicle: &Vehicle) -> Vec<Warning> {
@@ -116,10 +130,4 @@ fn name_of(vehicle: &Vehicle, ids: &[String]) -> String {
         0 => id.to_owned(),
         again => format!("{id}-{}", again + 1),
     }
-}
-
-/// A number for a vehicle's name: the name itself where it is a number.
-fn number_of(id: u32, ids: &[String]) -> u32 {
-    let name = ids.get(id as usize).and_then(|name| name.parse().ok());
-    name.unwrap_or(id)
 }

@@ -1,6 +1,6 @@
 //! Who else was there at the times of a vehicle.
 
-use super::{number_of, vehicles::Vehicle};
+use super::vehicles::Vehicle;
 use crate::raw::ObjectSample;
 use std::collections::BTreeSet;
 
@@ -70,7 +70,7 @@ impl Surroundings {
         &self,
         vehicles: &[Vehicle],
         ego: usize,
-        ids: &[String],
+        numbers: &[u32],
         view: View,
     ) -> Vec<ObjectSample> {
         let vehicle = &vehicles[ego];
@@ -85,7 +85,7 @@ impl Surroundings {
                     log_ns: sample.log_ns,
                     nth: 0,
                     id: match lead.id {
-                        Some(id) => number_of(id, ids),
+                        Some(id) => numbers[id as usize],
                         None => unnamed.number(sample.stamp_ns, lead.x_m, lead.speed_mps),
                     },
                     x_m: lead.x_m,
@@ -121,7 +121,7 @@ impl Surroundings {
                         stamp_ns: sample.stamp_ns,
                         log_ns: sample.log_ns,
                         nth: 0,
-                        id: number_of(other.id, ids),
+                        id: numbers[other.id as usize],
                         x_m: if bends {
                             sample.x_m + distance * cos
                         } else {

@@ -307,9 +307,16 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
         };
         let table = File::read(&path)?;
         let (drive, what) = (table.text("drive")?, table.text("what")?);
+        // A log that could not be ingested is no drive, and has its own name alone.
+        let log = if table.has("log") {
+            table.text("log")?
+        } else {
+            vec![None; table.rows()]
+        };
         for i in 0..table.rows() {
+            let who = drive[i].as_ref().or(log[i].as_ref());
             found.push(Exclusion {
-                who: drive[i].clone().unwrap_or_default(),
+                who: who.cloned().unwrap_or_default(),
                 what: stage.to_owned(),
                 why: what[i].clone().unwrap_or_default(),
             });

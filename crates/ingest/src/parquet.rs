@@ -1,0 +1,232 @@
+//! Parquet with a checksum over the whole file: the one place where it is written and read.
+
+use polars::prelude::{
+    DataFrame, KeyValueMetadata, ParallelStrategy, ParquetCompression, ParquetReader,
+    ParquetWriter, Schema, SchemaExt as _, SerReader,
+};
+use std::{
+    cell::Cell,
+    io::Cursor,
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::Once,
+};
+
+/// How Parquet begins, and ends.
+const MAGIC: &[u8] = b"PAR1";
+/// The entry of a file's own metadata that holds its checksum.
+const CHECKSUM: &str = "maveric.checksum";
+/// How the checksum's text begins.
+const BLAKE3: &str = "blake3:";
+/// Length of the checksum itself, in hexadecimal digits.
+const DIGITS: usize = 64;
+
+/// What was read from Parquet.
+#[derive(Debug, Clone)]
+pub struct ParquetFile {
+    /// The columns that were wanted.
+    pub frame: DataFrame,
+    /// The file's own metadata, in its order, without the checksum.
+    pub metadata: Vec<(String, String)>,
+    /// Whether the file carries a checksum; if so it fits.
+    pub checked: bool,
+}
+
+/// Whether bytes begin as Parquet does.
+pub fn is_parquet(bytes: &[u8]) -> bool {
+    bytes.starts_with(MAGIC)
+}
+
+/// Writes a data frame with named texts, and a BLAKE3 checksum over every other byte of the file. The same frame and texts
+/// give the same bytes.
+///
+/// # Errors
+/// What polars says of the frame.
+pub fn parquet_bytes(
+    frame: &mut DataFrame,
+    mut metadata: Vec<(String, String)>,
+) -> Result<Vec<u8>, String> {
+    let blank = format!("{BLAKE3}{}", "0".repeat(DIGITS));
+    metadata.push((CHECKSUM.to_owned(), blank));
+    let mut bytes = Vec::new();
+    ParquetWriter::new(&mut bytes)
+        .with_compression(ParquetCompression::Zstd(None))
+        .with_key_value_metadata(Some(KeyValueMetadata::from_static(metadata)))
+        .set_parallel(false)
+        .finish(frame)
+        .map_err(|e| e.to_string())?;
+    let at = checksum_at(&bytes).ok_or("its checksum has no place in the file")?;
+    let sum = blake3::hash(&bytes).to_hex();
+    bytes[at..at + DIGITS].copy_from_slice(sum.as_bytes());
+    Ok(bytes)
+}
+
+/// Where the digits of the checksum stand: behind their key, the marks of the next text, and its beginning.
+fn checksum_at(bytes: &[u8]) -> Option<usize> {
+    let mut mark = CHECKSUM.as_bytes().to_vec();
+    // A text in the compact protocol: field 1 behind the last, then its length.
+    mark.extend([0x18, (BLAKE3.len() + DIGITS) as u8]);
+    mark.extend(BLAKE3.as_bytes());
+    let last = bytes.len().checked_sub(mark.len() + DIGITS)?;
+    let at = (0..=last).rev().find(|&i| bytes[i..].starts_with(&mark))?;
+    Some(at + mark.len())
+}
+
+/// Holds bytes against the checksum that they carry; false where they carry none.
+///
+/// # Errors
+/// A sentence, where it does not fit.
+fn checked(bytes: &[u8]) -> Result<bool, String> {
+    let Some(at) = checksum_at(bytes) else {
+        return Ok(false);
+    };
+    let (before, rest) = bytes.split_at(at);
+    let (claimed, after) = rest.split_at(DIGITS);
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(before).update(&[b'0'; DIGITS]).update(after);
+    if hasher.finalize().to_hex().as_bytes() == claimed {
+        Ok(true)
+    } else {
+        Err(
+            "its checksum does not match: it was changed or damaged after it was written"
+                .to_owned(),
+        )
+    }
+}
+
+/// Reads Parquet: its checksum first, where it carries one; then `columns`, or all.
+///
+/// # Errors
+/// A sentence, where the bytes are damaged or no Parquet; polars' own panics on damaged files among them.
+pub fn read_parquet(bytes: Vec<u8>, columns: Option<&[String]>) -> Result<ParquetFile, String> {
+    if !is_parquet(&bytes) {
+        return Err("it does not start with PAR1".to_owned());
+    }
+    if bytes.len() < 12 || !bytes.ends_with(MAGIC) {
+        return Err("it does not end with PAR1: its end is missing".to_owned());
+    }
+    let checked = checked(&bytes)?;
+    let read = move || -> Result<ParquetFile, String> {
+        let mut reader = ParquetReader::new(Cursor::new(bytes));
+        let told = reader.get_metadata().map_err(|e| first_line(&e))?;
+        let entries = told.key_value_metadata().iter().flatten();
+        let metadata = entries
+            .filter(|kv| kv.key != CHECKSUM)
+            .filter_map(|kv| Some((kv.key.clone(), kv.value.clone()?)));
+        let metadata = metadata.collect();
+        let frame = reader
+            // On this thread, where a panic can be caught without a word.
+            .read_parallel(ParallelStrategy::None)
+            .with_columns(columns.map(<[String]>::to_vec))
+            .finish()
+            .map_err(|e| first_line(&e))?;
+        Ok(ParquetFile {
+            frame,
+            metadata,
+            checked,
+        })
+    };
+    caught(read)
+}
+
+/// Names of the columns.
+///
+/// # Errors
+/// As [`read_parquet`].
+pub(crate) fn parquet_names(bytes: &[u8]) -> Result<Vec<String>, String> {
+    caught(|| {
+        let schema = ParquetReader::new(Cursor::new(bytes)).schema();
+        let schema: std::sync::Arc<Schema> = schema
+            .map(|s| std::sync::Arc::new(Schema::from_arrow_schema(&s)))
+            .map_err(|e| first_line(&e))?;
+        Ok(schema.iter_names().map(ToString::to_string).collect())
+    })
+}
+
+thread_local! {
+    static QUIET: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Runs `read`; a panic in it is an error, and says nothing on standard error.
+fn caught<T>(read: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    static HOOK: Once = Once::new();
+    HOOK.call_once(|| {
+        let before = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |info| {
+            if !QUIET.get() {
+                before(info);
+            }
+        }));
+    });
+    QUIET.set(true);
+    let read = catch_unwind(AssertUnwindSafe(read));
+    QUIET.set(false);
+    read.unwrap_or_else(|_| Err("it is damaged: its parts contradict each other".to_owned()))
+}
+
+fn first_line(error: &impl ToString) -> String {
+    let text = error.to_string();
+    text.lines().next().unwrap_or_default().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use polars::prelude::Column;
+
+    fn frame() -> DataFrame {
+        let values: Vec<f64> = (0..2000).map(|i| f64::from(i).sin()).collect();
+        let words: Vec<String> = (0..2000).map(|i| format!("w{}", i % 7)).collect();
+        let columns = vec![
+            Column::new("x".into(), values),
+            Column::new("word".into(), words),
+        ];
+        DataFrame::new(2000, columns).unwrap()
+    }
+
+    #[test]
+    fn what_is_written_comes_back_with_its_texts_and_a_checksum() {
+        let texts = vec![("maveric.a".to_owned(), "b".to_owned())];
+        let bytes = parquet_bytes(&mut frame(), texts.clone()).unwrap();
+        assert_eq!(bytes, parquet_bytes(&mut frame(), texts.clone()).unwrap());
+        let read = read_parquet(bytes, None).unwrap();
+        assert!(read.checked && read.frame.equals(&frame()));
+        let own = read
+            .metadata
+            .into_iter()
+            .filter(|e| e.0.starts_with("maveric."));
+        assert_eq!(own.collect::<Vec<_>>(), texts);
+    }
+
+    #[test]
+    fn every_single_bit_that_changes_is_noticed_unless_it_hides_the_checksum_itself() {
+        let bytes = parquet_bytes(&mut frame(), Vec::new()).unwrap();
+        let step = bytes.len() / 997 + 1;
+        for at in (0..bytes.len()).step_by(step) {
+            let mut changed = bytes.clone();
+            changed[at] ^= 1 << (at % 8);
+            match read_parquet(changed, None) {
+                Err(_) => {}
+                // The mark of the checksum was hit: the file is as one without, and its numbers are right.
+                Ok(read) => assert!(!read.checked && read.frame.equals(&frame()), "byte {at}"),
+            }
+        }
+        for length in [0, 4, 11, bytes.len() / 2, bytes.len() - 1] {
+            assert!(read_parquet(bytes[..length].to_vec(), None).is_err());
+        }
+    }
+
+    #[test]
+    fn other_programs_parquet_is_read_and_a_damaged_one_is_an_error_and_no_panic() {
+        let mut bytes = Vec::new();
+        ParquetWriter::new(&mut bytes).finish(&mut frame()).unwrap();
+        assert!(!read_parquet(bytes.clone(), None).unwrap().checked);
+        assert_eq!(parquet_names(&bytes).unwrap(), ["x", "word"]);
+        let mut refused = 0;
+        for at in (4..bytes.len()).step_by(bytes.len() / 499 + 1) {
+            let mut changed = bytes.clone();
+            changed[at] ^= 0x55;
+            refused += usize::from(read_parquet(changed, None).is_err());
+        }
+        assert!(refused > 10, "{refused}");
+    }
+}

@@ -1,0 +1,204 @@
+//! Whether values can be what log or mapping say: a wrong unit is easily declared.
+
+use crate::{
+    error::IngestError,
+    quality::{Warning, WarningKind},
+    raw::{EgoSample, ObjectSample, RawDrive},
+};
+use maveric_domain::Road;
+use std::path::Path;
+
+/// Speeds beyond this are no car's, in m/s.
+const FASTEST_MPS: f64 = 90.0;
+/// Lengths of vehicles outside this are doubted, in m: a moped, a long truck.
+const LENGTHS_M: (f64, f64) = (1.5, 26.0);
+/// Slower than this a speed says little about units, in m/s.
+const MOVING_MPS: f64 = 2.0;
+/// Samples that a comparison of speed and movement needs.
+const ENOUGH: usize = 20;
+/// Share of impossible samples above which a log is refused: below it single values are wrong, above it a unit is.
+const MOST_SHARE: f64 = 0.25;
+
+/// Refuses a log in which too many samples are impossible.
+///
+/// # Errors
+/// [`IngestError::Implausible`].
+pub(crate) fn refuse_many(
+    path: &Path,
+    count: usize,
+    of: usize,
+    what: &str,
+) -> Result<(), IngestError> {
+    if of < ENOUGH || count as f64 <= MOST_SHARE * of as f64 {
+        return Ok(());
+    }
+    Err(IngestError::Implausible {
+        path: path.to_owned(),
+        count,
+        of,
+        what: what.to_owned(),
+    })
+}
+
+/// Doubts about the units of a drive's samples, which are in the order of time.
+///
+/// # Errors
+/// [`IngestError::Implausible`] where most of them cannot be.
+pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Result<Vec<Warning>, IngestError> {
+    let mut doubts = Vec::new();
+    let mut doubt = |count: usize, what: String| {
+        if count > 0 {
+            doubts.push(Warning::new(path, WarningKind::Unit, count, what));
+        }
+    };
+    let speeds = || raw.ego.iter().filter_map(|s| s.speed_mps);
+    let fast = speeds().filter(|v| v.abs() > FASTEST_MPS).count();
+    let what = format!("speeds of ego are above {FASTEST_MPS} m/s: is their unit right?");
+    refuse_many(path, fast, speeds().count(), &what)?;
+    doubt(fast, what);
+
+    let fast = raw
+        .objects
+        .iter()
+        .filter(|o| o.speed_mps.abs() > FASTEST_MPS);
+    let fast = fast.count();
+    let what = format!("speeds of others are above {FASTEST_MPS} m/s: is their unit right?");
+    refuse_many(path, fast, raw.objects.len(), &what)?;
+    doubt(fast, what);
+
+    let back = speeds().filter(|v| *v < -MOVING_MPS).count();
+    if 2 * back > raw.ego.len() {
+        let what = "ego drives backwards most of the time: is the sign of its speed right?";
+        doubt(back, what.to_owned());
+    }
+
+    let (least, most) = LENGTHS_M;
+    let lengths = raw
+        .ego_length_m
+        .into_iter()
+        .chain(raw.objects.iter().filter_map(ObjectSample::known_length_m));
+    let odd = lengths.filter(|l| !(least..=most).contains(l)).count();
+    doubt(
+        odd,
+        format!("lengths of vehicles are not between {least} and {most} m: is their unit right?"),
+    );
+
+    let mut ratios: Vec<f64> = Vec::new();
+    for pair in raw.ego.windows(2) {
+        let dt = pair[1].stamp_ns.saturating_sub(pair[0].stamp_ns) as f64 / 1e9;
+        let moved = (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m);
+        if let (Some(v), true) = (pair[0].speed_mps, dt > 0.0 && dt < 1.0)
+            && v.abs() > MOVING_MPS
+            && moved > 0.0
+        {
+            ratios.push(v.abs() * dt / moved);
+        }
+    }
+    if ratios.len() >= ENOUGH {
+        ratios.sort_by(f64::total_cmp);
+        let ratio = ratios[ratios.len() / 2];
+        if !(0.7..=1.4).contains(&ratio) {
+            let what = format!(
+                "ego's speed is {ratio:.2} times what its positions change a second: do the units of time, length \
+                 and speed belong together?"
+            );
+            doubt(ratios.len(), what);
+        }
+    }
+    Ok(doubts)
+}
+
+/// Doubts about ego's place across a road whose lanes are known: further than half a lane beside all of them.
+///
+/// # Errors
+/// [`IngestError::Implausible`] where it is there most of the time.
+pub(crate) fn on_the_road(
+    path: &Path,
+    ego: &[EgoSample],
+    road: &Road,
+) -> Result<Option<Warning>, IngestError> {
+    let (right, left) = (
+        -road.lane_width_m,
+        f64::from(road.lanes) * road.lane_width_m,
+    );
+    let off = |s: &&EgoSample| !(right..=left).contains(&s.y_m);
+    let off: Vec<f64> = ego
+        .iter()
+        .filter(off)
+        .map(|s| s.stamp_ns as f64 / 1e9)
+        .collect();
+    let what = format!(
+        "ego is beside the road of {} lanes of {} m: is `right_lane_centre_y_m` right?",
+        road.lanes, road.lane_width_m
+    );
+    refuse_many(path, off.len(), ego.len(), &what)?;
+    Ok((!off.is_empty()).then(|| {
+        let warning = Warning::new(path, WarningKind::Unit, off.len(), what);
+        warning.with_spans(off.iter().map(|&t| (t, t)))
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn driving(speed_mps: f64) -> RawDrive {
+        let ego = (0..100).map(|i| EgoSample {
+            stamp_ns: i * 100_000_000,
+            log_ns: 0,
+            nth: 0,
+            x_m: i as f64 * 2.0,
+            y_m: 0.0,
+            yaw_rad: None,
+            speed_mps: Some(speed_mps),
+        });
+        RawDrive {
+            ego: ego.collect(),
+            ego_length_m: Some(4.7),
+            ..RawDrive::default()
+        }
+    }
+
+    #[test]
+    fn a_speed_that_positions_contradict_is_doubted_and_one_they_bear_out_is_not() {
+        let of = |speed: f64| doubts(Path::new("t"), &driving(speed)).unwrap();
+        assert_eq!(of(20.0), []);
+        for (kmh, times) in [(72.0, "3.60"), (20.0 / 3.6, "0.28")] {
+            assert!(of(kmh)[0].what.contains(times));
+        }
+        assert!(of(-20.0)[0].what.contains("backwards"));
+        let refused = doubts(Path::new("t"), &driving(1e308)).unwrap_err();
+        assert!(
+            refused.to_string().contains("in 100 of 100 samples"),
+            "{refused}"
+        );
+    }
+
+    #[test]
+    fn a_car_of_a_metre_and_a_speed_of_a_jet_are_doubted() {
+        let mut raw = driving(20.0);
+        raw.ego_length_m = Some(1.4);
+        raw.ego[3].speed_mps = Some(300.0);
+        let kinds = doubts(Path::new("t"), &raw).unwrap().len();
+        assert_eq!(kinds, 2);
+    }
+
+    #[test]
+    fn ego_beside_every_lane_is_counted_and_most_of_the_time_refused() {
+        let mut drive = driving(20.0);
+        let on = |drive: &RawDrive| on_the_road(Path::new("t"), &drive.ego, &Road::PAPER);
+        assert_eq!(on(&drive).unwrap(), None);
+        drive.ego[3].y_m = 9.0;
+        drive.ego[4].y_m = -4.0;
+        let warning = on(&drive).unwrap().unwrap();
+        assert_eq!(warning.count, 2);
+        assert_eq!(warning.spans_s.len(), 2);
+        drive.ego.iter_mut().for_each(|s| s.y_m = 40.0);
+        assert!(
+            on(&drive)
+                .unwrap_err()
+                .to_string()
+                .contains("beside the road")
+        );
+    }
+}

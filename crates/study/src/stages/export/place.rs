@@ -1,0 +1,158 @@
+//! The folder that is given away: new, or wholly an earlier export.
+
+use crate::{
+    aside::Aside,
+    error::StudyError,
+    tables::{Table, TableBuilder},
+};
+use std::{
+    collections::BTreeSet,
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// The list of an export's files, itself not in it: with their sizes and checksums, for whoever is given them.
+const LIST: &str = "files.csv";
+
+/// A folder under way: it is made beside its place and appears whole.
+pub(super) struct Place {
+    out: PathBuf,
+    aside: Aside,
+}
+
+impl Place {
+    /// Looks at the folder to write.
+    ///
+    /// # Errors
+    /// [`StudyError::BadFile`] where it holds anything that no earlier export wrote; nothing is changed.
+    pub(super) fn new(out: &Path) -> Result<Self, StudyError> {
+        let out = std::path::absolute(out).map_err(StudyError::write(out))?;
+        refuse_used(&out)?;
+        let beside = out.parent().unwrap_or(&out).to_owned();
+        fs::create_dir_all(&beside).map_err(StudyError::write(&beside))?;
+        let aside = Aside::new(&beside)?;
+        let place = Self { out, aside };
+        let fresh = place.fresh();
+        fs::create_dir(&fresh).map_err(StudyError::write(&fresh))?;
+        Ok(place)
+    }
+
+    /// Where to write.
+    pub(super) fn fresh(&self) -> PathBuf {
+        self.aside.path().join("export")
+    }
+
+    /// Lists the files and puts the folder in its place; an earlier export goes.
+    ///
+    /// # Errors
+    /// [`StudyError::Io`]; an earlier export stays as it was.
+    pub(super) fn take(self) -> Result<(), StudyError> {
+        let fresh = self.fresh();
+        let names = files(&fresh)?;
+        let mut rows = Vec::new();
+        for name in &names {
+            let path = fresh.join(name);
+            let bytes = fs::read(&path).map_err(StudyError::read(&path))?;
+            rows.push((bytes.len(), blake3::hash(&bytes).to_hex().to_string()));
+        }
+        TableBuilder::default()
+            .text("file", &names)
+            .integers("bytes", rows.iter().map(|r| i64::try_from(r.0).ok()))
+            .text("blake3", rows.iter().map(|r| &r.1))
+            .write(&fresh.join(LIST))?;
+        let former = self.aside.path().join("former");
+        let used = self.out.exists();
+        if used {
+            fs::rename(&self.out, &former).map_err(StudyError::write(&self.out))?;
+        }
+        fs::rename(&fresh, &self.out).map_err(|e| {
+            if used {
+                let _ = fs::rename(&former, &self.out);
+            }
+            StudyError::write(&self.out)(e)
+        })
+    }
+}
+
+/// Refuses a folder with anything in it that no earlier export wrote.
+fn refuse_used(out: &Path) -> Result<(), StudyError> {
+    if !out.exists() {
+        return Ok(());
+    }
+    let found = files(out)?;
+    let list = out.join(LIST);
+    let mut ours = BTreeSet::from([LIST.to_owned()]);
+    if list.is_file() {
+        let listed: Vec<Option<String>> = Table::read(&list)?.text("file")?;
+        ours.extend(listed.into_iter().flatten());
+    }
+    let Some(foreign) = found.iter().find(|name| !ours.contains(*name)) else {
+        return Ok(());
+    };
+    Err(StudyError::BadFile {
+        path: out.to_owned(),
+        problem: format!(
+            "holds `{foreign}`, which no export wrote: it would be given away with the rest"
+        ),
+        help: Some("export into a new folder, or into one of an earlier export".to_owned()),
+    })
+}
+
+/// Everything in a folder that is no folder itself, by its path below it with `/` between, sorted.
+fn files(folder: &Path) -> Result<Vec<String>, StudyError> {
+    let mut found = Vec::new();
+    let mut folders = vec![(folder.to_owned(), String::new())];
+    while let Some((folder, below)) = folders.pop() {
+        for entry in fs::read_dir(&folder).map_err(StudyError::read(&folder))? {
+            let entry = entry.map_err(StudyError::read(&folder))?;
+            let name = format!("{below}{}", entry.file_name().to_string_lossy());
+            let kind = entry.file_type().map_err(StudyError::read(entry.path()))?;
+            if kind.is_dir() {
+                folders.push((entry.path(), name + "/"));
+            } else {
+                found.push(name);
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn exported(out: &Path, names: &[&str]) -> Result<(), StudyError> {
+        let place = Place::new(out)?;
+        for name in names {
+            let path = place.fresh().join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, name).unwrap();
+        }
+        place.take()
+    }
+
+    #[test]
+    fn an_export_takes_the_place_of_an_earlier_one_and_of_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("given");
+        exported(&out, &["logs/P1.mcap", "logs/P2.mcap", "people.csv"]).unwrap();
+        exported(&out, &["logs/P1.mcap", "people.csv"]).unwrap();
+        let left = files(&out).unwrap();
+        assert_eq!(left, ["files.csv", "logs/P1.mcap", "people.csv"]);
+        let list = fs::read_to_string(out.join(LIST)).unwrap();
+        let hash = blake3::hash(b"people.csv").to_hex();
+        assert!(list.contains(&format!("people.csv,10,{hash}")), "{list}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+
+        fs::write(out.join("logs/raw.mcap"), "somebody").unwrap();
+        let error = exported(&out, &["people.csv"]).unwrap_err().to_string();
+        assert!(
+            error.contains("`logs/raw.mcap`, which no export wrote"),
+            "{error}"
+        );
+        assert_eq!(files(&out).unwrap().len(), 4);
+        let error = exported(folder.path(), &["people.csv"]).unwrap_err();
+        assert!(error.to_string().contains("no export wrote"), "{error}");
+    }
+}
