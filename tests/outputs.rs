@@ -209,7 +209,6 @@ fn no_command_writes_over_what_it_was_given() {
         ],
         &[
             "recommend",
-            "--results",
             "d",
             "--design",
             "design.toml",

@@ -162,15 +162,21 @@ fn an_intact_log_with_one_very_large_message_is_read_and_the_message_counted() {
                 .use_chunks(chunks);
             let mut out = options.create(std::io::Cursor::new(Vec::new())).unwrap();
             let log = super::bytes_of(&super::recording(false));
-            let map = out.add_channel(0, "/map", "json", &std::collections::BTreeMap::new());
-            let head = mcap::records::MessageHeader {
-                channel_id: map.unwrap(),
+            let map = mcap::Channel {
+                id: 77,
+                topic: "/map".to_owned(),
+                schema: None,
+                message_encoding: "json".to_owned(),
+                metadata: std::collections::BTreeMap::new(),
+            };
+            let large = mcap::Message {
+                channel: std::sync::Arc::new(map),
                 sequence: 0,
                 log_time: 1,
                 publish_time: 1,
+                data: vec![b' '; 40 << 20].into(),
             };
-            out.write_to_known_channel(&head, &vec![b' '; 40 << 20])
-                .unwrap();
+            out.write(&large).unwrap();
             for record in mcap::read::LinearReader::new(&log).unwrap() {
                 if let mcap::records::Record::Metadata(metadata) = record.unwrap() {
                     out.write_metadata(&metadata).unwrap();
