@@ -170,10 +170,7 @@ pub fn train(
 ) -> Result<Outcome<TrainingSummary>, StudyError> {
     let given = [&options.design, &options.participants, &options.scores];
     let given = given.into_iter().filter_map(Option::as_deref);
-    let beside = [
-        training_path(&options.out),
-        embeddings_path(&options.out),
-    ];
+    let beside = [training_path(&options.out), embeddings_path(&options.out)];
     let outputs = beside.iter().map(|path| &**path).chain([&*options.out]);
     spare_inputs(given.chain([&*options.drives]), outputs)?;
     let design = options.design.as_deref();
