@@ -1,9 +1,10 @@
 //! Every analysis of a study.
 
 use crate::{
-    Analysis, AnalysisError, Exclusion, Panel, Reproduction, StudyData, compare, homophily, line,
-    mixed, reproduction, verdict,
+    Analysis, AnalysisError, Exclusion, Panel, Reproduction, StudyData, compare,
+    design_test::crossed, homophily, line, mixed, reproduction, verdict,
 };
+use maveric_domain::design::Condition;
 
 /// How much work Friedman's p is worth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,29 +59,13 @@ fn beyond_training(data: &StudyData) -> Option<f64> {
 
 /// What the design asks for and is done in another way.
 fn notes(data: &StudyData) -> Vec<String> {
-    let design = &data.design;
-    let names = |columns: &[maveric_domain::design::Column]| {
-        let names: Vec<&str> = columns.iter().map(|c| c.column.as_str()).collect();
-        names.join(" and ")
-    };
+    let conditions: Vec<&Condition> = data.design.conditions().iter().collect();
+    let cross = conditions.iter().any(|c| !c.levels.is_empty());
     let mut notes = Vec::new();
-    if !design.factors().is_empty() {
-        notes.push(format!(
-            "People are divided by {}: every outcome is tested within each group, and Holm’s correction counts the contrasts of all groups. \
-             No test across the groups was made.",
-            names(design.factors())
-        ));
-    }
-    if !design.covariates().is_empty() {
-        notes.push(format!(
-            "The influence of {} was declared as a covariate and is not taken out: the tests compare conditions within people, in whom it \
-             does not change.",
-            names(design.covariates())
-        ));
-    }
-    if design.conditions().iter().any(|c| !c.levels.is_empty()) {
+    if cross && conditions.len() > 1 && crossed(&conditions).is_none() {
         notes.push(
-            "The conditions cross factors: they are tested as one row of conditions, without main effects and interactions."
+            "The conditions name levels, but do not cross two factors completely: they are tested as one row of conditions, without main \
+             effects and interactions."
                 .to_owned(),
         );
     }
@@ -89,7 +74,8 @@ fn notes(data: &StudyData) -> Vec<String> {
 
 fn exclusions(panels: &[Panel], reproduction: &[Reproduction]) -> Vec<Exclusion> {
     let mut found = Vec::new();
-    for panel in panels {
+    // Whoever is left out of everybody's panel is left out of the group's as well.
+    for panel in panels.iter().filter(|p| p.group.is_none()) {
         for who in &panel.dropped {
             found.push(Exclusion {
                 who: who.clone(),

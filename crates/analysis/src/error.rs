@@ -1,6 +1,6 @@
 //! What an analysis refuses.
 
-use maveric_domain::ConditionId;
+use maveric_domain::{ConditionId, ParticipantId};
 
 /// Why a study cannot be analysed.
 #[derive(Debug, thiserror::Error)]
@@ -36,6 +36,18 @@ pub enum AnalysisError {
         /// Those that were scored.
         known: Vec<String>,
     },
+    /// A covariate that is no number.
+    #[error(
+        "the covariate `{column}` of `{participant}` is `{found}`, expected a number, or nothing where it is not known"
+    )]
+    NoNumber {
+        /// Its column in the table of people.
+        column: String,
+        /// Whose it is.
+        participant: ParticipantId,
+        /// What stands there.
+        found: String,
+    },
     /// A test that refuses its data.
     #[error(transparent)]
     Stats(#[from] maveric_stats::StatsError),
@@ -56,6 +68,9 @@ impl AnalysisError {
             ),
             Self::UnansweredScale { .. } | Self::UnknownFactor { .. } => Some(
                 "name scales or SCALE.SUBSCALE that were answered before the drives under `[homophily] factors`",
+            ),
+            Self::NoNumber { .. } => Some(
+                "mend the table of people, or declare the column under `[[factor]]`: it divides people by its words",
             ),
             _ => None,
         }

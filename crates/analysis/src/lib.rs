@@ -2,8 +2,10 @@
 
 mod analyse;
 mod compare;
+mod contrast;
 mod correlations;
 mod data;
+mod design_test;
 mod error;
 mod exclusions;
 mod homophily;

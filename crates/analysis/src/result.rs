@@ -5,7 +5,7 @@ use maveric_domain::{
     ConditionId,
     design::{ScoreName, Sign},
 };
-use maveric_stats::{Comparison, Effect, MixedModel, PosthocTest, Proportion};
+use maveric_stats::{ByDesign, Effect, MixedModel, PosthocTest, Proportion};
 use serde::{Deserialize, Serialize};
 
 /// Every analysis of one study, as its design asks for it (method section 9).
@@ -25,7 +25,7 @@ pub struct Analysis {
     pub line_without_adb: Option<AggressionLine>,
     /// 9.2, a row a measure; empty without a condition at 0 on the dial, or without a baseline.
     pub reproduction: Vec<Reproduction>,
-    /// 9.3, a panel an outcome (and a group of people, where the design divides them).
+    /// 9.3, a panel an outcome, then one a group of people where the design divides them.
     pub panels: Vec<Panel>,
     /// 9.3, is the car at 0 on the dial nearer to the baseline than the others are?
     pub nearer: Vec<Nearer>,
@@ -135,7 +135,7 @@ pub struct Panel {
     pub same: Option<f64>,
     /// The values are differences from this drive; none where they are what was measured or answered.
     pub differences_from: Option<ConditionId>,
-    /// Whose they are, where the design divides people.
+    /// Whose they are; none where they are everybody's. Where the design divides people, a panel of each group follows that of everybody.
     pub group: Option<Group>,
     /// The columns of `rows`.
     pub conditions: Vec<ConditionId>,
@@ -151,9 +151,10 @@ pub struct Panel {
     pub test: Option<PosthocTest>,
     /// Why this test, a sentence a step.
     pub reasons: Vec<String>,
-    /// The test over three or more conditions, with every check that was made.
-    pub comparison: Option<Comparison>,
-    /// The declared contrasts, one family over all groups of this outcome.
+    /// The test that the design calls for, with every check that was made: over the conditions, and between people where it divides
+    /// them and this panel is of everybody.
+    pub comparison: Option<ByDesign>,
+    /// The declared contrasts: one family over everybody, and one over all groups of this outcome.
     pub contrasts: Vec<Contrast>,
 }
 

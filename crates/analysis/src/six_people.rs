@@ -8,7 +8,7 @@ use maveric_domain::{
     Moment, ParticipantId, Scale, Score,
     design::{ScoreName, Sign},
 };
-use maveric_stats::{OmnibusTest, PosthocTest};
+use maveric_stats::{ByDesign, FactorialDesign, OmnibusTest, PosthocTest, factorial};
 use std::collections::BTreeMap;
 
 const CONDITIONS: [&str; 4] = ["same", "fast", "slow", "across"];
@@ -203,7 +203,7 @@ fn a_panel_holds_the_differences_and_friedmans_test_by_hand() {
     let a = analysed(tables());
     let panel = panel(&a, SPEED);
     near(panel.rows[1][0], -3600.0 / 1609.344);
-    let found = panel.comparison.as_ref().unwrap();
+    let found = panel.comparison.as_ref().unwrap().one_factor().unwrap();
     // Ranks: the faster car 4 and the slower 1 for everybody, the two others 16 and 14 in all:
     // 12 / (6 · 4 · 5) · (16² + 24² + 6² + 14²) - 3 · 6 · 5.
     assert_eq!(found.chosen, OmnibusTest::Friedman);
@@ -316,10 +316,12 @@ fn conditions_that_were_only_recorded_are_compared_and_nothing_is_said_of_a_dial
 }
 
 #[test]
-fn two_conditions_get_a_paired_test_and_no_omnibus() {
+fn two_conditions_get_a_paired_test() {
     let a = analysed_by(&plain(&["fast", "slow"], ""), tables());
     let panel = panel(&a, SPEED);
-    assert!(panel.comparison.is_none() && panel.test == Some(PosthocTest::T));
+    let found = panel.comparison.as_ref().unwrap().one_factor().unwrap();
+    assert_eq!(found.chosen, OmnibusTest::PairedT);
+    assert_eq!(panel.test, Some(PosthocTest::T));
     // Differences 5, 5.5, 4.5, 5, 5, 5 m/s: mean 5, s² = 0.1.
     let [pair] = &panel.contrasts[..] else {
         panic!("one pair")
@@ -396,41 +398,148 @@ fn the_design_says_which_way_a_difference_should_lie() {
     assert_eq!(expected("same", "fast"), None);
 }
 
-#[test]
-fn people_of_two_groups_are_tested_within_each_group_and_the_page_is_told() {
+/// The people with a city, and an age where it is known.
+fn with_people(ages: [&str; 6]) -> Tables {
     let mut with = tables();
-    with.people = (0..6)
-        .map(|i| Person {
-            id: person(i),
-            learned: false,
-            tested: true,
-            columns: BTreeMap::from([("city".to_owned(), ["A", "B"][i % 2].to_owned())]),
-        })
-        .collect();
-    let a = analysed_by(
-        &plain(&["same", "fast", "slow"], "[[factor]]\ncolumn = \"city\"\n"),
-        with,
+    let person = |i: usize| Person {
+        id: person(i),
+        learned: false,
+        tested: true,
+        columns: BTreeMap::from([
+            ("city".to_owned(), ["A", "B"][i % 2].to_owned()),
+            ("age".to_owned(), ages[i].to_owned()),
+        ]),
+    };
+    with.people = (0..6).map(person).collect();
+    with
+}
+
+const AGES: [&str; 6] = ["30", "25", "61", "44", "38", "52"];
+
+/// A row a person and condition of a panel.
+struct Long {
+    people: Vec<String>,
+    conditions: Vec<String>,
+    cities: Vec<Option<String>>,
+    values: Vec<Option<f64>>,
+}
+
+fn long(panel: &Panel) -> Long {
+    let mut long = Long {
+        people: Vec::new(),
+        conditions: Vec::new(),
+        cities: Vec::new(),
+        values: Vec::new(),
+    };
+    for (who, row) in panel.participants.iter().zip(&panel.rows) {
+        let number: usize = who[1..].parse().unwrap();
+        for (condition, value) in panel.conditions.iter().zip(row) {
+            long.people.push(who.clone());
+            long.conditions.push(condition.to_string());
+            long.cities.push(Some(["B", "A"][number % 2].to_owned()));
+            long.values.push(*value);
+        }
+    }
+    long
+}
+
+#[test]
+fn people_of_two_cities_are_one_factorial_test_and_each_city_a_panel_of_its_own() {
+    let factor = "[[factor]]\ncolumn = \"city\"\n";
+    let a = analysed_by(&plain(&["same", "fast", "slow"], factor), with_people(AGES));
+    let panels: Vec<&Panel> = a.panels.iter().filter(|p| p.outcome == SPEED).collect();
+    let groups = panels
+        .iter()
+        .map(|p| p.group.as_ref().map(|g| g.level.as_str()));
+    assert_eq!(groups.collect::<Vec<_>>(), [None, Some("A"), Some("B")]);
+    let Some(ByDesign::Factorial(found)) = &panels[0].comparison else {
+        panic!("a factor between people and the conditions")
+    };
+    let long = long(panels[0]);
+    let within = [("condition", &long.conditions[..])];
+    let between = [("city", &long.cities[..])];
+    let alone =
+        FactorialDesign::from_columns(&long.people, &within, &between, &long.values).unwrap();
+    assert_eq!(found.found.anova, factorial(&alone));
+    assert!(found.found.anova.anova.get("city:condition").is_some());
+    assert!(a.notes.is_empty());
+    // Three contrasts over everybody are one family, six of two groups another.
+    for (family, count) in [(&panels[..1], 3.0), (&panels[1..], 6.0)] {
+        let contrasts = || family.iter().flat_map(|p| &p.contrasts);
+        let least = contrasts().filter_map(|c| c.p).fold(1.0, f64::min);
+        let holm = contrasts().filter_map(|c| c.p_holm).fold(1.0, f64::min);
+        near(Some(holm), (count * least).min(1.0));
+    }
+}
+
+#[test]
+fn a_covariate_is_taken_out_by_a_mixed_model_and_must_be_a_number() {
+    let covariate = "[[covariate]]\ncolumn = \"age\"\n";
+    let text = plain(&["same", "fast", "slow"], covariate);
+    let a = analysed_by(&text, with_people(AGES));
+    let Some(ByDesign::Mixed(found)) = &panel(&a, SPEED).comparison else {
+        panic!("a covariate")
+    };
+    assert_eq!(found.found.formula, "condition + age");
+    assert_eq!((found.found.n_obs, found.found.n_subjects), (18, 6));
+    assert!(found.found.coef.get("age").unwrap().p.is_some());
+    let mut ages = AGES;
+    ages[2] = "old";
+    let data = StudyData::new(&design(&text), with_people(ages)).unwrap();
+    let refused = analyse(&data, Friedman::Exact).unwrap_err().to_string();
+    assert!(refused.contains("`age` of `P3` is `old`"), "{refused}");
+}
+
+#[test]
+fn conditions_that_cross_two_factors_have_main_effects_and_their_interaction() {
+    let level = |id: &str, speed: &str, side: &str| {
+        format!(
+            "[[condition]]\nid = \"{id}\"\nlevels = {{ speed = \"{speed}\", side = \"{side}\" }}\n"
+        )
+    };
+    let text = plain(&[], "")
+        + &level("same", "low", "left")
+        + &level("fast", "high", "left")
+        + &level("slow", "low", "right")
+        + &level("across", "high", "right");
+    let a = analysed_by(&text, tables());
+    let panel = panel(&a, SPEED);
+    let effects = panel.comparison.as_ref().unwrap().effects();
+    let names: Vec<&str> = effects.iter().map(|(name, _)| *name).collect();
+    assert_eq!(names, ["side", "speed", "side:speed"]);
+    assert_eq!(panel.contrasts.len(), 6);
+    let broken = text.replace(
+        "speed = \"high\", side = \"right\"",
+        "speed = \"middle\", side = \"right\"",
     );
-    let groups: Vec<&str> = a
-        .panels
-        .iter()
-        .filter(|p| p.outcome == SPEED)
-        .map(|p| p.group.as_ref().unwrap().level.as_str())
-        .collect();
-    assert_eq!(groups, ["A", "B"]);
-    assert!(a.notes[0].contains("within each group"));
-    // Six contrasts of two groups are one family.
-    let all: Vec<f64> = a.panels[..2]
-        .iter()
-        .flat_map(|p| &p.contrasts)
-        .filter_map(|c| c.p)
-        .collect();
-    let least = all.iter().copied().fold(1.0, f64::min);
-    let holm = a.panels[..2]
-        .iter()
-        .flat_map(|p| &p.contrasts)
-        .filter_map(|c| c.p_holm);
-    near(Some(holm.fold(1.0, f64::min)), (6.0 * least).min(1.0));
+    let a = analysed_by(&broken, tables());
+    assert!(a.notes[0].contains("do not cross"), "{:?}", a.notes);
+    assert!(
+        a.panels[0]
+            .comparison
+            .as_ref()
+            .unwrap()
+            .one_factor()
+            .is_some()
+    );
+}
+
+#[test]
+fn an_item_of_few_whole_answers_is_ordinal_with_the_rank_tests_beside_it() {
+    let mut with = tables();
+    for (at, score) in with.post.iter_mut().enumerate() {
+        score.value = Some([2.0, 4.0, 1.0, 3.0, 5.0, 2.0, 3.0][at * at % 7]);
+    }
+    let a = analysed_by(&plain(&["same", "fast", "slow"], ""), with);
+    let panel = a.panels.iter().find(|p| p.outcome.contains('.')).unwrap();
+    let Some(ByDesign::Ordinal(found)) = &panel.comparison else {
+        panic!("an item: {:?}", panel.reasons)
+    };
+    assert_eq!(found.found.model.conditions, ["same", "fast", "slow"]);
+    assert_eq!(panel.test, Some(PosthocTest::Wilcoxon));
+    let pair = &panel.contrasts[0];
+    let beside = found.found.beside.as_ref().unwrap();
+    assert_eq!(pair.p, beside.wilcoxon.get("same|fast").unwrap().p);
 }
 
 fn hypothesis(contrast: &str, rule: &str) -> String {

@@ -5,7 +5,7 @@ use maveric_domain::{
     ConditionId,
     design::{Claim, Hypothesis, Sign},
 };
-use maveric_stats::{Adjustment, PosthocTest, WithinSubjects, posthoc};
+use maveric_stats::{Bounds, equivalence_one};
 use serde::{Deserialize, Serialize};
 
 /// What became of a hypothesis.
@@ -42,8 +42,6 @@ pub struct Judged {
     pub rule: String,
     /// What became of it.
     pub verdict: Verdict,
-    /// The group of people, where the design divides them.
-    pub group: Option<String>,
     /// People with both values.
     pub n: usize,
     /// Mean of first minus second, in the unit of the panel.
@@ -52,11 +50,12 @@ pub struct Judged {
     pub p: Option<f64>,
 }
 
-/// Every hypothesis against the panel of its outcome, group by group where the design divides people.
+/// Every hypothesis against the panel of its outcome over everybody.
 pub(crate) fn verdicts(data: &StudyData, panels: &[Panel]) -> Result<Vec<Judged>, AnalysisError> {
     let mut found = Vec::new();
     for hypothesis in data.design.hypotheses() {
-        for panel in panels.iter().filter(|p| p.outcome == hypothesis.outcome) {
+        let whole = |p: &&Panel| p.outcome == hypothesis.outcome && p.group.is_none();
+        for panel in panels.iter().filter(whole) {
             found.push(judge(hypothesis, panel)?);
         }
     }
@@ -73,7 +72,6 @@ fn judge(hypothesis: &Hypothesis, panel: &Panel) -> Result<Judged, AnalysisError
         second,
         rule: rule(&hypothesis.claim, &panel.unit),
         verdict: Verdict::NotAsked,
-        group: panel.group.as_ref().map(|g| g.level.clone()),
         n: pairs.len(),
         mean_difference: None,
         p: None,
@@ -133,57 +131,27 @@ fn rule(claim: &Claim, unit: &str) -> String {
     }
 }
 
-/// Two one-sided paired t tests against the bounds; the larger p decides.
-///
-/// # Source
-/// Schuirmann (1987).
+/// Two one-sided t tests of the differences against the bounds; the larger p decides.
 fn equivalent(
     [low, high]: [f64; 2],
     pairs: &[[f64; 2]],
 ) -> Result<(Verdict, Option<f64>), AnalysisError> {
-    let (Some(at_low), Some(at_high)) = (one_sided(pairs, low)?, one_sided(pairs, high)?) else {
+    let differences: Vec<Option<f64>> = pairs.iter().map(|[a, b]| Some(a - b)).collect();
+    let found = equivalence_one(&differences, 0.0, Bounds::Raw { low, high })?;
+    let Some(test) = found.tost.values().next() else {
         return Ok((Verdict::TooFew, None));
     };
-    let p = at_low.above.max(at_high.below);
+    let (Some(p), Some(above_low), Some(below_high)) = (test.p, test.p_lower, test.p_upper) else {
+        return Ok((Verdict::TooFew, None));
+    };
     let verdict = if p < ALPHA {
         Verdict::Shown
-    } else if at_low.below < ALPHA || at_high.above < ALPHA {
+    } else if 1.0 - above_low < ALPHA || 1.0 - below_high < ALPHA {
         Verdict::Fails
     } else {
         Verdict::NotShown
     };
     Ok((verdict, Some(p)))
-}
-
-/// One-sided p values that the mean difference lies above, or below, a bound.
-struct OneSided {
-    above: f64,
-    below: f64,
-}
-
-/// Paired t against a bound; none where the differences do not vary.
-fn one_sided(pairs: &[[f64; 2]], bound: f64) -> Result<Option<OneSided>, AnalysisError> {
-    let subjects: Vec<String> = (0..pairs.len()).map(|i| i.to_string()).collect();
-    let rows: Vec<Vec<f64>> = pairs.iter().map(|[a, b]| vec![a - b, bound]).collect();
-    let names = ["difference".to_owned(), "bound".to_owned()];
-    let tested = WithinSubjects::from_rows(&names, &subjects, &rows)?;
-    let found = posthoc(&tested, PosthocTest::T, Adjustment::None, ALPHA)?;
-    let pair = found.pairs.get("difference|bound");
-    Ok(pair.and_then(|pair| {
-        let (t, p) = (pair.statistic?, pair.p?);
-        let (near, far) = (p / 2.0, 1.0 - p / 2.0);
-        Some(if t > 0.0 {
-            OneSided {
-                above: near,
-                below: far,
-            }
-        } else {
-            OneSided {
-                above: far,
-                below: near,
-            }
-        })
-    }))
 }
 
 /// Values of both conditions, of everybody who has them; the baseline of a panel of differences is 0.

@@ -9,6 +9,7 @@ mod analysis;
 pub mod apa;
 mod bayes;
 mod bootstrap;
+mod by_design;
 mod compare;
 mod complete;
 mod correlation;
@@ -48,6 +49,10 @@ pub use bayes::{
     bayes_groups, bayes_one, bayes_paired,
 };
 pub use bootstrap::{Bootstrap, BootstrapData, BootstrapSettings, Interval, Statistic, bootstrap};
+pub use by_design::{
+    ByDesign, Chosen, ChosenTest, DesignChoice, DesignColumns, FactorialFinding, MissingCells,
+    OrdinalFinding, OutcomeScale, RankCheck, compare_by_design,
+};
 pub use compare::{
     AssumptionCheck, Comparison, Omnibus, OmnibusP, OmnibusTest, SphericityCorrection, compare,
     compare_without_exact,
@@ -70,8 +75,8 @@ pub use groups::{
 };
 pub use hierarchical::{Belief, Hierarchical, PersonRows, hierarchical};
 pub use mixed::{
-    FixedEffect, Formula, InterceptVariance, MixedMethod, MixedModel, Predictor, RandomIntercept,
-    TermTest, mixed_model, random_intercept,
+    FixedEffect, Formula, InterceptVariance, MarginalContrast, MixedMethod, MixedModel, Predictor,
+    RandomIntercept, TermTest, mixed_model, random_intercept,
 };
 pub use named::Named;
 pub use normality::{Normality, SampleShape, ShapiroWilk, normality};

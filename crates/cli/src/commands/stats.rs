@@ -1,18 +1,19 @@
 //! `maveric stats`.
 
+mod choices;
 mod designs;
+mod table;
 
 use super::print_outcome;
 use crate::{args::Format, diagnostics::Failure};
-use clap::{Args, Subcommand, ValueEnum, builder::ArgPredicate};
+use choices::{AdjustArg, CorrelationArg, PosthocArg, StatisticArg};
+use clap::{Args, Subcommand};
 use maveric_study::stages::{
     analyse::{self, AnalyseOptions},
-    stats::{
-        self, Adjustment, CorrelationMethod, PosthocTest, Request, Resampled, Show, Statistic,
-        Test, WithinColumns,
-    },
+    stats::{self, Resampled, Test, WithinColumns},
 };
 use std::path::PathBuf;
+use table::{Conditions, Input, Within, needs};
 
 /// One test on a tidy table (CSV, Parquet or - for standard input), or the paper's whole analysis
 #[derive(Debug, Args)]
@@ -26,153 +27,6 @@ Examples: maveric stats compare data.csv --subject id --within condition --value
 pub(crate) struct Stats {
     #[command(subcommand)]
     test: TestArgs,
-}
-
-#[derive(Debug, Args)]
-struct Input {
-    /// Table to read: CSV, TSV, Parquet, or - for CSV on standard input
-    data: PathBuf,
-    /// How to print the result
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
-    /// Keep the rows that have this value in this column; several: all of them
-    #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = column_and_value, help_heading = "The table")]
-    keep: Vec<(String, String)>,
-    /// Columns that are conditions, in the place of --within and --value (which then name what they become); without --subject a row is a subject
-    #[arg(
-        long,
-        value_name = "A,B,…",
-        value_delimiter = ',',
-        help_heading = "The table"
-    )]
-    wide: Vec<String>,
-    /// Print the sentences alone, as APA has them
-    #[arg(long, group = "shown", help_heading = "The result")]
-    apa: bool,
-    /// Print the tables in LaTeX (booktabs)
-    #[arg(long, group = "shown", help_heading = "The result")]
-    latex: bool,
-    /// Print the tables in Markdown
-    #[arg(long, group = "shown", help_heading = "The result")]
-    markdown: bool,
-    /// Draw the result into this file
-    #[arg(long, value_name = "OUT.svg|png", help_heading = "The result")]
-    figure: Option<PathBuf>,
-}
-
-impl Input {
-    fn request(self, test: Test) -> Request {
-        let show = match (self.apa, self.latex, self.markdown) {
-            (true, _, _) => Show::Apa,
-            (_, true, _) => Show::Latex,
-            (_, _, true) => Show::Markdown,
-            _ => Show::Report,
-        };
-        Request {
-            data: self.data,
-            input: stats::Input {
-                keep: self.keep,
-                wide: self.wide,
-            },
-            test,
-            show,
-            figure: self.figure,
-        }
-    }
-}
-
-fn column_and_value(text: &str) -> Result<(String, String), String> {
-    let parts = text
-        .split_once('=')
-        .filter(|(column, _)| !column.is_empty());
-    parts
-        .map(|(column, value)| (column.to_owned(), value.to_owned()))
-        .ok_or_else(|| "expected COLUMN=VALUE, as in session=2".to_owned())
-}
-
-#[derive(Debug, Args)]
-#[expect(
-    clippy::struct_field_names,
-    reason = "the fields are named as their flags"
-)]
-struct Within {
-    #[command(flatten)]
-    input: Input,
-    /// Column that says whose row it is
-    #[arg(
-        long,
-        required = false,
-        required_unless_present = "wide",
-        default_value_if("wide", ArgPredicate::IsPresent, stats::ROW)
-    )]
-    subject: String,
-    /// Column that says in which condition
-    #[arg(
-        long,
-        required = false,
-        required_unless_present = "wide",
-        default_value_if("wide", ArgPredicate::IsPresent, "condition")
-    )]
-    within: String,
-    /// Column with the value; several, as in score,speed, are analysed one by one
-    #[arg(
-        long,
-        required = false,
-        required_unless_present = "wide",
-        default_value_if("wide", ArgPredicate::IsPresent, "value")
-    )]
-    value: String,
-}
-
-impl Within {
-    fn split(self) -> (Input, WithinColumns) {
-        let columns = WithinColumns {
-            subject: self.subject,
-            within: self.within,
-            value: self.value,
-        };
-        (self.input, columns)
-    }
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum PosthocArg {
-    T,
-    PooledT,
-    Wilcoxon,
-    Conover,
-    Nemenyi,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum AdjustArg {
-    Holm,
-    Bonferroni,
-    Hochberg,
-    Bh,
-    None,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum MethodArg {
-    Pearson,
-    Spearman,
-    Kendall,
-    Auto,
-    All,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-#[value(rename_all = "snake_case")]
-enum StatisticArg {
-    Mean,
-    Median,
-    Pearson,
-    Spearman,
-    Eta2Partial,
-    Eta2Generalized,
-    Omega2Partial,
-    KendallW,
 }
 
 #[derive(Debug, Subcommand)]
@@ -206,12 +60,6 @@ Example: maveric stats posthoc data.csv --subject id --within condition --value 
         #[arg(long, value_enum, default_value = "holm")]
         adjust: AdjustArg,
     },
-    /// Check the assumptions, choose the test, then compare the pairs; say why
-    #[command(after_help = "\
-The table: a row a cell, with subject, condition and value; or a column a condition, by --wide.
-Examples: maveric stats compare data.csv --subject id --within condition --value score --figure score.svg
-          maveric stats compare data.csv --subject id --within condition --value score,speed --apa")]
-    Compare(Within),
     /// Correlation of two columns
     #[command(after_help = "\
 The table: a row a person (or a measurement), with two columns of numbers.
@@ -227,7 +75,7 @@ Example: maveric stats correlate data.csv --x age --y speed --method auto --figu
         y: String,
         /// Which coefficient
         #[arg(long, value_enum, default_value = "auto")]
-        method: MethodArg,
+        method: CorrelationArg,
         /// Column that says whose row it is: warns where one subject has several rows
         #[arg(long)]
         subject: Option<String>,
@@ -323,12 +171,8 @@ Examples: maveric stats bootstrap data.csv --statistic median --value score --re
         /// Second column of a correlation
         #[arg(long)]
         y: Option<String>,
-        /// Column that says whose row it is: whole subjects are drawn
-        #[arg(long)]
-        subject: Option<String>,
-        /// Column that says in which condition
-        #[arg(long)]
-        within: Option<String>,
+        #[command(flatten)]
+        conditions: Conditions,
         /// Resamples
         #[arg(long, default_value_t = 10_000)]
         resamples: usize,
@@ -398,7 +242,6 @@ impl Stats {
             TestArgs::Within(w) => with(w, Test::Within),
             TestArgs::RmAnova(w) => with(w, Test::RmAnova),
             TestArgs::Friedman(w) => with(w, Test::Friedman),
-            TestArgs::Compare(w) => with(w, Test::Compare),
             TestArgs::Posthoc {
                 within,
                 test,
@@ -409,8 +252,8 @@ impl Stats {
                     input,
                     Test::Posthoc {
                         columns,
-                        test: posthoc_test(test),
-                        adjust: adjustment(adjust),
+                        test: test.into(),
+                        adjust: adjust.into(),
                     },
                 )
             }
@@ -425,7 +268,7 @@ impl Stats {
                 Test::Correlate {
                     x,
                     y,
-                    method: correlation_method(method),
+                    method: method.into(),
                     subject,
                 },
             ),
@@ -457,12 +300,11 @@ impl Stats {
                 value,
                 x,
                 y,
-                subject,
-                within,
+                conditions,
                 resamples,
                 seed,
             } => {
-                let resampled = resampled(statistic, value, (x, y), (subject, within))?;
+                let resampled = resampled(statistic, value, (x, y), conditions)?;
                 (
                     input,
                     Test::Bootstrap {
@@ -486,76 +328,26 @@ fn with(within: Within, test: impl FnOnce(WithinColumns) -> Test) -> (Input, Tes
     (input, test(columns))
 }
 
-fn posthoc_test(arg: PosthocArg) -> PosthocTest {
-    match arg {
-        PosthocArg::T => PosthocTest::T,
-        PosthocArg::PooledT => PosthocTest::PooledT,
-        PosthocArg::Wilcoxon => PosthocTest::Wilcoxon,
-        PosthocArg::Conover => PosthocTest::Conover,
-        PosthocArg::Nemenyi => PosthocTest::Nemenyi,
-    }
-}
-
-fn adjustment(arg: AdjustArg) -> Adjustment {
-    match arg {
-        AdjustArg::Holm => Adjustment::Holm,
-        AdjustArg::Bonferroni => Adjustment::Bonferroni,
-        AdjustArg::Hochberg => Adjustment::Hochberg,
-        AdjustArg::Bh => Adjustment::Bh,
-        AdjustArg::None => Adjustment::None,
-    }
-}
-
-fn correlation_method(arg: MethodArg) -> CorrelationMethod {
-    match arg {
-        MethodArg::Pearson => CorrelationMethod::Pearson,
-        MethodArg::Spearman => CorrelationMethod::Spearman,
-        MethodArg::Kendall => CorrelationMethod::Kendall,
-        MethodArg::Auto => CorrelationMethod::Auto,
-        MethodArg::All => CorrelationMethod::All,
-    }
-}
-
-type Pair = (Option<String>, Option<String>);
-
 fn resampled(
     arg: StatisticArg,
     value: Option<String>,
-    (x, y): Pair,
-    (subject, within): Pair,
+    (x, y): (Option<String>, Option<String>),
+    conditions: Conditions,
 ) -> Result<Resampled, Failure> {
-    let needs = |flags: &str| Failure::Usage(format!("this statistic needs {flags}"));
-    let statistic = match arg {
-        StatisticArg::Mean => Statistic::Mean,
-        StatisticArg::Median => Statistic::Median,
-        StatisticArg::Pearson => Statistic::Pearson,
-        StatisticArg::Spearman => Statistic::Spearman,
-        StatisticArg::Eta2Partial => Statistic::Eta2Partial,
-        StatisticArg::Eta2Generalized => Statistic::Eta2Generalized,
-        StatisticArg::Omega2Partial => Statistic::Omega2Partial,
-        StatisticArg::KendallW => Statistic::KendallW,
-    };
-    match arg {
-        StatisticArg::Mean | StatisticArg::Median => Ok(Resampled::Column {
+    let statistic = arg.into();
+    Ok(match arg {
+        StatisticArg::Mean | StatisticArg::Median => Resampled::Column {
             statistic,
             value: value.ok_or_else(|| needs("--value"))?,
-        }),
+        },
         StatisticArg::Pearson | StatisticArg::Spearman => {
-            let (Some(x), Some(y)) = (x, y) else {
-                return Err(needs("--x and --y"));
-            };
-            Ok(Resampled::Pair { statistic, x, y })
+            let (x, y) = x.zip(y).ok_or_else(|| needs("--x and --y"))?;
+            Resampled::Pair { statistic, x, y }
         }
         _ => {
-            let (Some(subject), Some(within), Some(value)) = (subject, within, value) else {
-                return Err(needs("--subject, --within and --value"));
-            };
-            let columns = WithinColumns {
-                subject,
-                within,
-                value,
-            };
-            Ok(Resampled::Design { statistic, columns })
+            let columns = value.and_then(|value| conditions.columns(&value));
+            let columns = columns.ok_or_else(|| needs("--subject, --within and --value"))?;
+            Resampled::Design { statistic, columns }
         }
-    }
+    })
 }

@@ -4,6 +4,7 @@
 //! that is not finite is written as `n/a`: a report string never shows `NaN`. Results say
 //! themselves by [`Statements`], and by `Display`.
 
+mod designs;
 mod results;
 
 pub use results::Statements;

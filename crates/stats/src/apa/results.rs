@@ -17,7 +17,7 @@ pub trait Statements {
 }
 
 /// One sentence alone, several with their names, a line each.
-fn write(said: &[(String, Statement)], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+pub(super) fn write(said: &[(String, Statement)], f: &mut fmt::Formatter<'_>) -> fmt::Result {
     for (i, (name, statement)) in said.iter().enumerate() {
         if i > 0 {
             f.write_str("\n")?;
@@ -33,13 +33,15 @@ fn write(said: &[(String, Statement)], f: &mut fmt::Formatter<'_>) -> fmt::Resul
 /// `Display` as the sentences of a result.
 macro_rules! says_itself {
     ($($result:ty),* $(,)?) => {$(
-        impl fmt::Display for $result {
-            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                write(&self.statements(), f)
+        impl std::fmt::Display for $result {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                $crate::apa::results::write(&self.statements(), f)
             }
         }
     )*};
 }
+pub(super) use says_itself;
+
 says_itself!(
     RmAnovaAnalysis,
     FriedmanAnalysis,
@@ -55,7 +57,9 @@ says_itself!(
 );
 
 /// Those of the named statements that exist.
-fn those<const N: usize>(all: [(&str, Option<Statement>); N]) -> Vec<(String, Statement)> {
+pub(super) fn those<const N: usize>(
+    all: [(&str, Option<Statement>); N],
+) -> Vec<(String, Statement)> {
     let named = |(name, said): (&str, Option<Statement>)| Some((name.to_owned(), said?));
     all.into_iter().filter_map(named).collect()
 }
@@ -130,8 +134,16 @@ impl Omnibus {
     }
 
     fn said(&self, n: usize, short: bool) -> Option<Statement> {
-        let (statistic, df1, p) = (self.statistic?, self.df1?, self.p?);
-        let effect = &self.effect;
+        let (statistic, p, effect) = (self.statistic?, self.p?, &self.effect);
+        if self.test == OmnibusTest::Wilcoxon {
+            return Some(wilcoxon(statistic, p, Adjustment::None, effect.value));
+        }
+        let df1 = self.df1?;
+        if self.test == OmnibusTest::PairedT {
+            let interval = of_effect(effect).filter(|_| !short);
+            let dz = effect.value.map(|dz| (dz, interval));
+            return Some(t(statistic, df1, p, Adjustment::None, dz));
+        }
         if self.test == OmnibusTest::Friedman {
             return Some(chi2(statistic, df1.round() as usize, n, p, effect.value));
         }
@@ -155,7 +167,10 @@ fn of_effect(effect: &Effect) -> Option<Interval> {
 impl Statements for Comparison {
     fn statements(&self) -> Vec<(String, Statement)> {
         let mut said = those([("omnibus", self.omnibus.statement(self.n))]);
-        said.extend(self.posthoc.statements());
+        // The only pair of two conditions is the test itself.
+        if self.k > 2 {
+            said.extend(self.posthoc.statements());
+        }
         said
     }
 }

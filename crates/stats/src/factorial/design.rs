@@ -223,6 +223,12 @@ impl Levels {
     }
 }
 
+/// Refuses a factor between subjects that has one level, or changes within a subject.
+pub(crate) fn check_between(subjects: &[String], column: &BetweenColumn) -> Result<(), StatsError> {
+    let people = Index::of(subjects);
+    Levels::new(column, &people.names, &people.rows).map(|_| ())
+}
+
 fn factor(name: &str, levels: Vec<String>) -> Result<Factor, StatsError> {
     if levels.len() < 2 {
         return Err(StatsError::OneLevel {

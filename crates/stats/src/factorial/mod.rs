@@ -5,9 +5,11 @@ mod art;
 mod cells;
 mod design;
 mod means;
+mod residuals;
 
 pub use anova::FactorialEffect;
 pub use art::{AlignedRanks, ArtEffect, ArtStrata, aligned_ranks};
+pub(crate) use design::check_between;
 pub use design::{BetweenColumn, Factor, FactorialDesign, WithinColumn};
 pub use means::{CellContrast, ExactTest, MarginalMean, SimpleEffect};
 

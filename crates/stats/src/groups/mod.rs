@@ -18,7 +18,9 @@ pub(crate) use t::student;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Adjustment, Named, PMethod, Reasons, StatsError};
+use crate::{
+    Adjustment, Named, PMethod, Reasons, StatsError, numerics::distributions::t_quantile_two_sided,
+};
 
 /// The values of one group in short.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -29,6 +31,10 @@ pub struct GroupSummary {
     pub mean: f64,
     /// Their standard deviation, with n - 1.
     pub sd: Option<f64>,
+    /// Lower end of the 95 % interval of the mean, by t with n - 1 degrees of freedom.
+    pub ci_low: Option<f64>,
+    /// Upper end.
+    pub ci_high: Option<f64>,
 }
 
 /// Comparison of independent groups; each row is another person.
@@ -131,15 +137,19 @@ pub fn groups(groups: &[String], values: &[Option<f64>]) -> Result<GroupsAnalysi
     let desc = samples.all.iter().map(|s| {
         let sd = s.variance().map(f64::sqrt);
         if sd.is_none() {
-            undefined.note(
-                &format!("desc.{}.sd", s.name),
-                "the group has a single value",
-            );
+            for part in ["sd", "ci_low", "ci_high"] {
+                let name = format!("desc.{}.{part}", s.name);
+                undefined.note(&name, "the group has a single value");
+            }
         }
+        let (n, mean) = (s.values.len() as f64, samples.pivot + s.mean);
+        let half = sd.and_then(|sd| Some(t_quantile_two_sided(0.05, n - 1.0)? * sd / n.sqrt()));
         let summary = GroupSummary {
             n: s.values.len(),
-            mean: samples.pivot + s.mean,
+            mean,
             sd,
+            ci_low: half.map(|h| mean - h),
+            ci_high: half.map(|h| mean + h),
         };
         (s.name.clone(), summary)
     });

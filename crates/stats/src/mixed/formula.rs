@@ -29,6 +29,36 @@ impl Formula {
         &self.predictors
     }
 
+    /// All factors with their products, and covariates beside them, by names that may hold any sign.
+    ///
+    /// # Errors
+    /// [`StatsError::BadParameter`] without a name; [`StatsError::DoubleName`].
+    pub fn crossed(factors: &[&str], covariates: &[&str]) -> Result<Self, StatsError> {
+        let names: Vec<&str> = factors.iter().chain(covariates).copied().collect();
+        if names.is_empty() {
+            return Err(StatsError::BadParameter {
+                name: "predictors".to_owned(),
+                expected: "at least 1 of them".to_owned(),
+                found: 0.0,
+            });
+        }
+        if let Some(twice) = (1..names.len()).find(|&i| names[..i].contains(&names[i])) {
+            return Err(StatsError::DoubleName {
+                what: "predictor".to_owned(),
+                name: names[twice].to_owned(),
+            });
+        }
+        let subsets = 1..1_usize << factors.len();
+        let product = |bits: usize| (0..factors.len()).filter(move |f| bits >> f & 1 == 1);
+        let mut terms: Vec<Vec<usize>> = subsets.map(|bits| product(bits).collect()).collect();
+        terms.extend((factors.len()..names.len()).map(|covariate| vec![covariate]));
+        terms.sort_by_key(|term| (term.len(), term.clone()));
+        Ok(Self {
+            predictors: names.into_iter().map(str::to_owned).collect(),
+            terms,
+        })
+    }
+
     pub(super) fn terms(&self) -> &[Vec<usize>] {
         &self.terms
     }
@@ -139,6 +169,16 @@ mod tests {
         );
         assert_eq!(read("b + a + b:a + a*b").unwrap(), "b + a + b:a");
         assert_eq!(read("1 + x").unwrap(), "x");
+    }
+
+    #[test]
+    fn crossed_factors_are_what_a_star_stands_for() {
+        let made = Formula::crossed(&["a", "b", "c"], &["x"]).unwrap();
+        assert_eq!(made, "a*b*c + x".parse().unwrap());
+        let odd = Formula::crossed(&["driving style (1)"], &["age"]).unwrap();
+        assert_eq!(odd.to_string(), "driving style (1) + age");
+        assert!(Formula::crossed(&["a"], &["a"]).is_err());
+        assert!(Formula::crossed(&[], &[]).is_err());
     }
 
     #[test]

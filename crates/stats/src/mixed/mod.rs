@@ -3,11 +3,13 @@
 pub(crate) mod blocks;
 mod columns;
 mod formula;
+mod marginal;
 mod random_intercept;
 mod satterthwaite;
 
 pub use columns::Predictor;
 pub use formula::Formula;
+pub use marginal::MarginalContrast;
 pub use random_intercept::{InterceptVariance, RandomIntercept, TermTest, random_intercept};
 
 use serde::{Deserialize, Serialize};

@@ -8,7 +8,9 @@ use super::{
     columns::{Columns, Predictor, Weight},
     fit,
     formula::Formula,
-    groups, profile,
+    groups,
+    marginal::{MarginalContrast, NO_FREEDOM},
+    profile,
     satterthwaite::{Information, Satterthwaite},
 };
 use crate::{
@@ -24,7 +26,7 @@ use crate::{
 /// Variances of a model with a random intercept.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct InterceptVariance {
-    /// Of the subjects' levels; exactly 0 if they differ less than chance would have them.
+    /// Of the subjects' levels; exactly 0 if they differ less than chance would have them, or each subject has a single row.
     pub subject: f64,
     /// Within a subject.
     pub residual: f64,
@@ -69,6 +71,8 @@ pub struct RandomIntercept {
     pub anova: Named<TermTest>,
     /// Marginal means of each term of factors alone, by cell: covariates at their mean, other factors averaged.
     pub emm: Named<Named<MarginalMean>>,
+    /// Pairwise differences of the same means; of an interaction those of cells that differ in one factor.
+    pub contrast: Named<Named<MarginalContrast>>,
     /// Why numbers do not exist, by name.
     pub undefined: Reasons,
 }
@@ -77,12 +81,13 @@ pub struct RandomIntercept {
 ///
 /// `subjects`, `y` and each predictor have shape `(rows,)`; rows with a missing value are left out, the subject's others stay.
 /// Coefficients and terms are tested with Satterthwaite's degrees of freedom from the observed information of the variances, as
-/// lmerTest; where the likelihood has its top at τ² = 0 those are n - p.
+/// lmerTest; where the likelihood has its top at τ² = 0 those are n - p. Where every subject has a single row, u and ε cannot be told
+/// apart: the fit is that of least squares (with a factor and a covariate an analysis of covariance).
 ///
 /// # Errors
 /// [`StatsError::Formula`] if the formula asks for a predictor that is not there; [`StatsError::LengthMismatch`];
 /// [`StatsError::NotFinite`]; [`StatsError::OneLevel`]; [`StatsError::Collinear`] with the name of the column;
-/// [`StatsError::TooFew`] unless there are two subjects and more rows than columns and subjects; [`StatsError::NoFit`] if the
+/// [`StatsError::TooFew`] unless there are two subjects and more rows than columns, and than subjects if one has several; [`StatsError::NoFit`] if the
 /// predictors explain y whole.
 ///
 /// # Source
@@ -136,7 +141,8 @@ pub fn random_intercept(
     let (n, p) = (kept.len(), columns.count());
     let missing = y.len() - n;
     complete::enough("subject", people.len(), missing, 2)?;
-    complete::enough("row", n, missing, p.max(people.len()) + 1)?;
+    let alone = people.len() == n;
+    complete::enough("row", n, missing, p + 1)?;
     if let Some(name) = columns.collinear(n) {
         return Err(StatsError::Collinear { name });
     }
@@ -155,7 +161,11 @@ pub fn random_intercept(
         reason: "the predictors explain all of the values, so nothing is left to estimate a variance from".to_owned(),
     }
     };
-    let found = to_the_top(&blocks, fit(&blocks, MixedMethod::Reml).ok_or_else(no_fit)?);
+    let found = if alone {
+        at(&blocks, 0.0).ok_or_else(no_fit)?
+    } else {
+        to_the_top(&blocks, fit(&blocks, MixedMethod::Reml).ok_or_else(no_fit)?)
+    };
     let mut result = Described::new(&blocks, &found, &columns, offset).result(formula);
     (result.n_subjects, result.missing) = (people.len(), missing);
     Ok(result)
@@ -176,32 +186,34 @@ fn find<'a>(
     formula.predictors().iter().map(one).collect()
 }
 
+/// The fit at a ratio of the standard deviations of u and ε.
+fn at(blocks: &Blocks, theta: f64) -> Option<Fit> {
+    let l = Matrix::from(1, 1, |_, _| theta);
+    let (beta, xx_inverse, variance, deviance) = profile(blocks, &l, MixedMethod::Reml)?;
+    Some(Fit {
+        l,
+        beta,
+        xx_inverse,
+        variance,
+        deviance,
+    })
+}
+
 /// The same fit to the last digits: exactly 0 where that is the top, else by parabolas through three points.
 fn to_the_top(blocks: &Blocks, start: Fit) -> Fit {
-    let at = |theta: f64| {
-        let l = Matrix::from(1, 1, |_, _| theta);
-        let (beta, xx_inverse, variance, deviance) = profile(blocks, &l, MixedMethod::Reml)?;
-        Some(Fit {
-            l,
-            beta,
-            xx_inverse,
-            variance,
-            deviance,
-        })
-    };
-    if let Some(zero) = at(0.0).filter(|zero| zero.deviance <= start.deviance + 1e-9) {
+    if let Some(zero) = at(blocks, 0.0).filter(|zero| zero.deviance <= start.deviance + 1e-9) {
         return zero;
     }
     let mut best = start;
     for _ in 0..4 {
         let theta = best.l[(0, 0)].abs();
         let step = 1e-4 * theta;
-        let (Some(low), Some(high)) = (at(theta - step), at(theta + step)) else {
+        let (Some(low), Some(high)) = (at(blocks, theta - step), at(blocks, theta + step)) else {
             return best;
         };
         let slope = (high.deviance - low.deviance) / (2.0 * step);
         let curvature = (high.deviance - 2.0 * best.deviance + low.deviance) / (step * step);
-        let next = at(theta - slope / curvature).filter(|_| curvature > 0.0);
+        let next = at(blocks, theta - slope / curvature).filter(|_| curvature > 0.0);
         // Rounding of the deviance may hide which of the two is lower.
         match next.filter(|next| next.deviance <= best.deviance + 1e-9) {
             Some(next) => best = next,
@@ -212,15 +224,13 @@ fn to_the_top(blocks: &Blocks, start: Fit) -> Fit {
 }
 
 /// A fit and what its combinations of coefficients need.
-struct Described<'a> {
+pub(super) struct Described<'a> {
     blocks: &'a Blocks,
     fit: &'a Fit,
-    columns: &'a Columns<'a>,
+    pub(super) columns: &'a Columns<'a>,
     offset: f64,
     freedom: Option<Satterthwaite>,
 }
-
-const NO_FREEDOM: &str = "the variances have no information, so neither have degrees of freedom";
 
 impl<'a> Described<'a> {
     fn new(blocks: &'a Blocks, fit: &'a Fit, columns: &'a Columns<'a>, offset: f64) -> Self {
@@ -236,7 +246,7 @@ impl<'a> Described<'a> {
     }
 
     /// Estimate (its share of the offset counted), standard error and degrees of freedom.
-    fn estimate(&self, weights: &[f64]) -> (f64, f64, Option<f64>) {
+    pub(super) fn estimate(&self, weights: &[f64]) -> (f64, f64, Option<f64>) {
         let beta: Vec<f64> = (0..weights.len()).map(|j| self.fit.beta[(j, 0)]).collect();
         let variance = self.fit.variance * self.fit.xx_inverse.between(weights, weights);
         let df = self.freedom.as_ref().and_then(|s| s.df(weights));
@@ -263,6 +273,7 @@ impl<'a> Described<'a> {
             coef: self.coefficients(&mut undefined),
             anova: self.terms(formula, &mut undefined),
             emm: self.means(formula, &mut undefined),
+            contrast: self.contrasts(formula, &mut undefined),
             undefined,
         }
     }
@@ -384,48 +395,6 @@ impl<'a> Described<'a> {
             p: df2.map(|df2| f_upper(f, q as f64, df2)),
         }
     }
-
-    fn means(&self, formula: &Formula, undefined: &mut Reasons) -> Named<Named<MarginalMean>> {
-        let mut found = Vec::new();
-        for term in formula.terms() {
-            let levels: Option<Vec<&[String]>> =
-                term.iter().map(|&p| self.columns.levels(p)).collect();
-            let Some(levels) = levels else { continue };
-            let mut cells = vec![(Vec::new(), self.columns.at_means())];
-            for (&p, levels) in term.iter().zip(&levels) {
-                let mut next = Vec::new();
-                for (names, weights) in &cells {
-                    for (i, level) in levels.iter().enumerate() {
-                        let (mut names, mut weights) = (names.clone(), weights.clone());
-                        names.push(level.as_str());
-                        let one = (0..levels.len()).map(|j| f64::from(u8::from(i == j)));
-                        weights[p] = Weight::Levels(one.collect());
-                        next.push((names, weights));
-                    }
-                }
-                cells = next;
-            }
-            let name = formula.name(term);
-            let cell = |(names, weights): (Vec<&str>, Vec<Weight>)| {
-                let cell = names.join(":");
-                let (mean, se, df) = self.estimate(&self.columns.combination(&weights));
-                let half = df.and_then(|df| Some(se * t_quantile_two_sided(0.05, df)?));
-                if half.is_none() {
-                    undefined.note(&format!("emm.{name}.{cell}"), NO_FREEDOM);
-                }
-                let mean = MarginalMean {
-                    mean,
-                    se,
-                    ci_low: half.map(|h| mean - h),
-                    ci_high: half.map(|h| mean + h),
-                };
-                (cell, mean)
-            };
-            let cells: Named<MarginalMean> = cells.into_iter().map(cell).collect();
-            found.push((name, cells));
-        }
-        found.into_iter().collect()
-    }
 }
 
 /// Degrees of freedom of an F from those of its axes.
@@ -493,6 +462,57 @@ mod tests {
         assert!((term.f / anova.f.unwrap() - 1.0).abs() < 1e-6);
         assert!((term.df2.unwrap() - anova.df2 as f64).abs() < 1e-4);
         assert_eq!(fit.emm.get("mode").unwrap().len(), 3);
+        // Without gaps a pair over the pooled error is the t test of the analysis of variance.
+        let pooled = crate::within(&data).pooled;
+        for (name, pair) in fit.contrast.get("mode").unwrap().iter() {
+            let known = pooled.get(name).unwrap();
+            assert!((pair.t / known.t.unwrap() - 1.0).abs() < 1e-6, "{name}");
+            assert!((pair.p_holm.unwrap() / known.p_holm.unwrap() - 1.0).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn pairs_of_an_interaction_differ_in_one_factor() {
+        let made = made();
+        let side = (0..18).map(|i| Some(["left", "right"][i / 9].to_owned()));
+        let side: Vec<Option<String>> = side.collect();
+        let predictors = [
+            ("mode", Predictor::Factor(&made.mode)),
+            ("side", Predictor::Factor(&side)),
+        ];
+        let formula = "mode*side".parse().unwrap();
+        let fit = random_intercept(&made.people, &formula, &predictors, &made.y).unwrap();
+        let pairs = fit.contrast.get("mode:side").unwrap();
+        // Three of the sides at each mode, three of the modes at each side.
+        assert_eq!(pairs.len(), 3 + 2 * 3);
+        let means = fit.emm.get("mode:side").unwrap();
+        let pair = pairs.get("calm:left|calm:right").unwrap();
+        let [a, b] = ["calm:left", "calm:right"].map(|cell| means.get(cell).unwrap().mean);
+        assert!((pair.estimate - (a - b)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn single_rows_are_an_analysis_of_covariance() {
+        // y = 1 + 2 x + 3 (group b), and residuals of +-1/4 that are orthogonal to all columns.
+        let people: Vec<String> = (0..8).map(|i| i.to_string()).collect();
+        let group: Vec<_> = (0..8).map(|i| Some(["a", "b"][i / 4].to_owned())).collect();
+        let x = [1.0, 2.0, 3.0, 4.0, 1.0, 2.0, 3.0, 4.0];
+        let rest = [1.0, -1.0, -1.0, 1.0, -1.0, 1.0, 1.0, -1.0];
+        let y: Vec<_> = (0..8)
+            .map(|i| Some(1.0 + 2.0 * x[i] + 3.0 * (i / 4) as f64 + 0.25 * rest[i]))
+            .collect();
+        let x = x.map(Some);
+        let predictors = [
+            ("group", Predictor::Factor(&group)),
+            ("x", Predictor::Covariate(&x)),
+        ];
+        let fit =
+            random_intercept(&people, &"group + x".parse().unwrap(), &predictors, &y).unwrap();
+        let group = fit.coef.get("group[b]").unwrap();
+        // s² = 8/16 / (8 - 3) = .1; var = s² (1/4 + 1/4).
+        assert!((group.estimate - 3.0).abs() < 1e-12 && (group.df.unwrap() - 5.0).abs() < 1e-9);
+        assert!((group.se.unwrap() - 0.05_f64.sqrt()).abs() < 1e-12);
+        assert!(fit.variance.subject.abs() < 1e-300);
     }
 
     #[test]

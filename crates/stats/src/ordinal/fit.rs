@@ -1,13 +1,11 @@
 //! The top of the likelihood.
 
-use super::likelihood::{Rule, Sample};
+use super::likelihood::Likelihood;
 use crate::numerics::{matrix::Matrix, moments::dot};
 
 /// The highest point of a likelihood.
 pub(super) struct Top {
     pub(super) at: Vec<f64>,
-    /// Standard errors from the observed information; of σ too.
-    pub(super) se: Vec<Option<f64>>,
     pub(super) value: f64,
 }
 
@@ -23,30 +21,32 @@ impl Top {
         self.at.last().copied().unwrap_or(0.0)
     }
 
-    pub(super) fn is_finite(&self, at: usize) -> bool {
-        self.at[at].abs() < LARGEST_ESTIMATE && self.se[at].is_none_or(|se| se < LARGEST_ERROR)
+    /// The estimate with its standard error; `None` where it grows without bound.
+    pub(super) fn finite(&self, at: usize, se: Option<f64>) -> Option<(f64, Option<f64>)> {
+        let finite = self.at[at].abs() < LARGEST_ESTIMATE && se.is_none_or(|se| se < LARGEST_ERROR);
+        finite.then_some((self.at[at], se))
     }
 }
 
 /// Finds it by Newton's method, with the gradient's differences for its derivative; from a point nearby if one is known.
 ///
 /// `None` if that does not settle.
-pub(super) fn top(sample: &Sample, rule: &Rule, from: Option<&Top>) -> Option<Top> {
-    let size = sample.parameters();
-    let mut at = sample.start();
+pub(super) fn top(likelihood: &mut Likelihood, from: Option<&Top>) -> Option<Top> {
+    let size = likelihood.sample().parameters();
+    let mut at = likelihood.sample().start();
     if let Some(near) = from.filter(|near| near.sd() > NO_SD) {
         at.clone_from(&near.at);
     }
     let mut gradient = vec![0.0; size];
-    let mut value = sample.ln_likelihood(rule, &at, &mut gradient)?;
+    let mut value = likelihood.at(&at, &mut gradient)?;
     let mut settled = false;
     for _ in 0..100 {
-        let step = uphill(sample, rule, &at, &gradient)?;
+        let step = uphill(likelihood, &at, &gradient)?;
         let gain = dot(&step, &gradient);
         let mut share = 1.0;
         let (next, there) = loop {
             let next: Vec<f64> = at.iter().zip(&step).map(|(x, s)| x + share * s).collect();
-            let there = sample.ln_likelihood(rule, &next, &mut gradient);
+            let there = likelihood.at(&next, &mut gradient);
             if let Some(there) = there.filter(|there| *there >= value + 1e-4 * share * gain - 1e-11)
             {
                 break (next, there);
@@ -67,15 +67,13 @@ pub(super) fn top(sample: &Sample, rule: &Rule, from: Option<&Top>) -> Option<To
     if !settled || sd > LARGEST_SD {
         return None;
     }
-    let value = sample.ln_likelihood(rule, &at, &mut gradient)?;
-    let se = errors(sample, rule, &at);
-    Some(Top { at, se, value })
+    let value = likelihood.at(&at, &mut gradient)?;
+    Some(Top { at, value })
 }
 
 /// -∂²/∂θ² by differences of the gradient, on both sides or on one.
 fn information(
-    sample: &Sample,
-    rule: &Rule,
+    likelihood: &mut Likelihood,
     at: &[f64],
     step: f64,
     here: Option<&[f64]>,
@@ -86,13 +84,13 @@ fn information(
     for j in 0..size {
         let h = step * (1.0 + at[j].abs());
         moved[j] = at[j] + h;
-        sample.ln_likelihood(rule, &moved, &mut up)?;
+        likelihood.at(&moved, &mut up)?;
         let width = if let Some(here) = here {
             down.copy_from_slice(here);
             h
         } else {
             moved[j] = at[j] - h;
-            sample.ln_likelihood(rule, &moved, &mut down)?;
+            likelihood.at(&moved, &mut down)?;
             2.0 * h
         };
         moved[j] = at[j];
@@ -106,9 +104,9 @@ fn information(
 }
 
 /// Newton's step, bent towards the gradient where the likelihood is not concave, and no longer than a few logits.
-fn uphill(sample: &Sample, rule: &Rule, at: &[f64], gradient: &[f64]) -> Option<Vec<f64>> {
+fn uphill(likelihood: &mut Likelihood, at: &[f64], gradient: &[f64]) -> Option<Vec<f64>> {
     let size = at.len();
-    let information = information(sample, rule, at, 1e-6, Some(gradient))?;
+    let information = information(likelihood, at, 1e-6, Some(gradient))?;
     let slope = Matrix::from(size, 1, |i, _| gradient[i]);
     let mut ridge = 0.0;
     for _ in 0..60 {
@@ -128,10 +126,11 @@ fn uphill(sample: &Sample, rule: &Rule, at: &[f64], gradient: &[f64]) -> Option<
     None
 }
 
-fn errors(sample: &Sample, rule: &Rule, at: &[f64]) -> Vec<Option<f64>> {
+/// Standard errors of the parameters at the top, from the observed information.
+pub(super) fn errors(likelihood: &mut Likelihood, at: &[f64]) -> Vec<Option<f64>> {
     // At 0 the SD is not estimated, and has nothing to do with the others.
     let free = at.len() - usize::from(at[at.len() - 1].abs() < NO_SD);
-    let inverse = information(sample, rule, at, 1e-4, None).and_then(|all| {
+    let inverse = information(likelihood, at, 1e-4, None).and_then(|all| {
         let part = Matrix::from(free, free, |i, j| all[(i, j)]);
         Some(part.cholesky()?.inverse())
     });

@@ -129,43 +129,17 @@ impl Sample {
         start
     }
 
-    /// ln of the likelihood at the parameters, its gradient in `gradient`; `None` where thresholds are out of order.
-    pub(super) fn ln_likelihood(
-        &self,
-        rule: &Rule,
-        parameters: &[f64],
-        gradient: &mut [f64],
-    ) -> Option<f64> {
-        gradient.fill(0.0);
-        let sigma = *parameters.last()?;
-        let mut total = 0.0;
-        for (lower, count) in self.between.iter().enumerate().filter(|(_, n)| **n > 0.0) {
-            let width = parameters[lower + 1] - parameters[lower];
-            if width.is_nan() || width <= 0.0 {
-                return None;
-            }
-            total += count * (-(-width).exp_m1()).ln();
-            let slope = count / width.exp_m1();
-            gradient[lower + 1] += slope;
-            gradient[lower] -= slope;
-        }
-        let mut work = Work::default();
-        for terms in &self.subjects {
-            total += self.subject(terms, rule, parameters, sigma, gradient, &mut work);
-        }
-        total.is_finite().then_some(total)
-    }
-
     fn subject(
         &self,
         terms: &[Term],
         rule: &Rule,
         parameters: &[f64],
-        sigma: f64,
         gradient: &mut [f64],
         work: &mut Work,
+        mode: &mut f64,
     ) -> f64 {
         let effects = self.thresholds();
+        let sigma = parameters[parameters.len() - 1];
         work.etas.clear();
         for term in terms {
             let effect = if term.condition == 0 {
@@ -175,7 +149,8 @@ impl Sample {
             };
             work.etas.push(parameters[term.threshold] - effect);
         }
-        let mode = work.mode(terms, sigma);
+        *mode = work.mode(terms, sigma, *mode);
+        let mode = *mode;
         let top = work.at(terms, sigma, mode, true);
         let curvature = 1.0 - sigma * sigma * top.d[1];
         let spread = curvature.sqrt().recip();
@@ -214,6 +189,57 @@ impl Sample {
             + by_mode * (sigma * mode * top.d[1] - top.d[0])
             + by_spread * (2.0 * sigma * top.d[1] - sigma * sigma * mode * top.d[2]);
         top.value + (spread * sum).ln()
+    }
+}
+
+/// The likelihood of a sample by one rule; remembers each subject's mode, near which the next one lies.
+pub(super) struct Likelihood<'a> {
+    sample: &'a Sample,
+    rule: &'a Rule,
+    modes: Vec<f64>,
+    work: Work,
+}
+
+impl<'a> Likelihood<'a> {
+    pub(super) fn new(sample: &'a Sample, rule: &'a Rule) -> Self {
+        Self {
+            sample,
+            rule,
+            modes: vec![0.0; sample.subjects.len()],
+            work: Work::default(),
+        }
+    }
+
+    pub(super) fn sample(&self) -> &Sample {
+        self.sample
+    }
+
+    /// Its logarithm at the parameters, with the gradient in `gradient`; `None` where thresholds are out of order.
+    pub(super) fn at(&mut self, parameters: &[f64], gradient: &mut [f64]) -> Option<f64> {
+        gradient.fill(0.0);
+        let mut total = 0.0;
+        for (lower, count) in self
+            .sample
+            .between
+            .iter()
+            .enumerate()
+            .filter(|(_, n)| **n > 0.0)
+        {
+            let width = parameters[lower + 1] - parameters[lower];
+            if width.is_nan() || width <= 0.0 {
+                return None;
+            }
+            total += count * (-(-width).exp_m1()).ln();
+            let slope = count / width.exp_m1();
+            gradient[lower + 1] += slope;
+            gradient[lower] -= slope;
+        }
+        for (terms, mode) in self.sample.subjects.iter().zip(&mut self.modes) {
+            total +=
+                self.sample
+                    .subject(terms, self.rule, parameters, gradient, &mut self.work, mode);
+        }
+        total.is_finite().then_some(total)
     }
 }
 
@@ -267,10 +293,10 @@ impl Work {
         at
     }
 
-    /// Where value is largest: Newton's method, kept within what brackets the root of a falling slope.
-    fn mode(&mut self, terms: &[Term], sigma: f64) -> f64 {
+    /// Where value is largest: Newton's method from a point nearby, kept within what brackets the root of a falling slope.
+    fn mode(&mut self, terms: &[Term], sigma: f64, near: f64) -> f64 {
         let reach = sigma.abs() * terms.len() as f64 + 1e-9;
-        let (mut low, mut high, mut v) = (-reach, reach, 0.0);
+        let (mut low, mut high, mut v) = (-reach, reach, near.clamp(-reach, reach));
         for _ in 0..200 {
             let here = self.at(terms, sigma, v, false);
             let slope = -sigma * here.d[0] - v;
@@ -330,12 +356,16 @@ mod tests {
         let at = [-1.3, 0.2, 1.9, 0.6, -0.7, 1.2];
         for rule in [Rule::laplace(), Rule::ten_nodes()] {
             let mut gradient = vec![0.0; 6];
-            sample.ln_likelihood(&rule, &at, &mut gradient).unwrap();
+            Likelihood::new(&sample, &rule)
+                .at(&at, &mut gradient)
+                .unwrap();
             for j in 0..6 {
                 let value = |step: f64| {
                     let mut moved = at;
                     moved[j] += step;
-                    sample.ln_likelihood(&rule, &moved, &mut [0.0; 6]).unwrap()
+                    Likelihood::new(&sample, &rule)
+                        .at(&moved, &mut [0.0; 6])
+                        .unwrap()
                 };
                 let slope = (value(1e-5) - value(-1e-5)) / 2e-5;
                 assert!(
@@ -350,8 +380,8 @@ mod tests {
     #[test]
     fn without_people_who_differ_it_is_the_product_of_all_answers() {
         let at = [-1.3, 0.2, 1.9, 0.6, -0.7, 0.0];
-        let found = sample()
-            .ln_likelihood(&Rule::ten_nodes(), &at, &mut [0.0; 6])
+        let found = Likelihood::new(&sample(), &Rule::ten_nodes())
+            .at(&at, &mut [0.0; 6])
             .unwrap();
         let below = |j: usize, effect: f64| match j {
             0 => 0.0,

@@ -10,8 +10,8 @@ use crate::{
     Named, Reasons, StatsError,
     numerics::distributions::{chi2_upper, normal_quantile, normal_two_sided},
 };
-use fit::{Top, top};
-use likelihood::{Rule, Sample};
+use fit::{Top, errors, top};
+use likelihood::{Likelihood, Rule, Sample};
 use rows::Answers;
 
 /// A threshold or a coefficient, on the scale of the logit.
@@ -119,18 +119,17 @@ pub fn ordinal(
     let (with, without) = (reduced.sample(), data.without_conditions().sample());
     let mut undefined = Reasons::default();
     let mut fit = |rule: &Rule, from: Option<&(Top, Top)>, prefix: &str| {
-        let with = top(&with, rule, from.map(|(with, _)| with));
-        let without = top(&without, rule, from.map(|(_, without)| without));
+        let mut likelihood = Likelihood::new(&with, rule);
+        let full = top(&mut likelihood, from.map(|(full, _)| full)).map(|top| {
+            let se = errors(&mut likelihood, &top.at);
+            (top, se)
+        });
+        let mut likelihood = Likelihood::new(&without, rule);
+        let flat = top(&mut likelihood, from.map(|(_, flat)| flat));
         let mut reasons = Reasons::default();
-        let described = describe(
-            &data,
-            &reduced,
-            with.as_ref(),
-            without.as_ref(),
-            &mut reasons,
-        );
+        let described = describe(&data, &reduced, full.as_ref(), flat.as_ref(), &mut reasons);
         undefined.absorb(prefix, reasons);
-        (described, with.zip(without))
+        (described, full.map(|(top, _)| top).zip(flat))
     };
     let (laplace, from) = fit(&Rule::laplace(), None, "laplace");
     let (quadrature, _) = fit(&Rule::ten_nodes(), from.as_ref(), "");
@@ -152,15 +151,16 @@ const NOT_CONVERGED: &str =
 fn describe(
     data: &Answers,
     reduced: &Answers,
-    with: Option<&Top>,
+    with: Option<&(Top, Vec<Option<f64>>)>,
     without: Option<&Top>,
     undefined: &mut Reasons,
 ) -> OrdinalFit {
     let sample: Sample = reduced.sample();
     let mut parameter = |name: String, found: Result<usize, &str>| {
         let found = match (found, with) {
-            (Ok(at), Some(top)) if top.is_finite(at) => Ok((top.at[at], top.se[at])),
-            (Ok(_), Some(_)) => Err("the answers leave it without a finite estimate"),
+            (Ok(at), Some((top, se))) => top
+                .finite(at, se[at])
+                .ok_or("the answers leave it without a finite estimate"),
             (Ok(_), None) => Err(NOT_CONVERGED),
             (Err(reason), _) => Err(reason),
         };
@@ -221,6 +221,7 @@ fn describe(
     if with.is_none() {
         undefined.note_all(&["variance.subject", "log_likelihood"], NOT_CONVERGED);
     }
+    let with = with.map(|(top, _)| top);
     let chi2 = with
         .zip(without)
         .map(|(with, without)| (2.0 * (with.value - without.value)).max(0.0));

@@ -45,13 +45,13 @@ pub fn versions() -> BTreeMap<String, String> {
         ("measure", 2),
         ("rate", 1),
         ("evaluate", 3),
-        ("stats", 5),
+        ("stats", 6),
         ("ablate", 2),
         ("validate", 3),
         ("recommend", 1),
-        ("rehearse", 1),
+        ("rehearse", 2),
         ("rehearse-dial", 1),
-        ("report", 3),
+        ("report", 4),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()

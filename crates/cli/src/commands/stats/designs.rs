@@ -1,20 +1,37 @@
 //! `maveric stats` of groups, factors, bounds and models.
 
-use super::{Input, Within};
-use crate::diagnostics::Failure;
-use clap::{Subcommand, ValueEnum};
-use maveric_study::stages::stats::{
-    Bounds, DesignTest, FactorialColumns, FactorialMethod, Formula, Test, WithinColumns,
+use super::{
+    choices::{FactorialArg, MissingArg},
+    table::{Conditions, Factors, Input, Within, needs},
 };
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(super) enum MethodArg {
-    Anova,
-    Art,
-}
+use crate::diagnostics::Failure;
+use clap::Subcommand;
+use maveric_study::stages::stats::{Bounds, DesignTest, Formula, Test};
 
 #[derive(Debug, Subcommand)]
 pub(super) enum DesignArgs {
+    /// The test that the design calls for: check the assumptions, choose, compare the pairs; say why
+    #[command(after_help = "\
+The table: a row a cell, with subject, the factors and the value; a column a condition, by --wide; without --within a row a person.
+Examples: maveric stats compare data.csv --subject id --within condition --value score --figure score.svg
+          maveric stats compare data.csv --subject id --within condition --value score,speed --apa
+          maveric stats compare data.csv --subject id --within style --between vehicle --value score
+          maveric stats compare data.csv --subject id --within condition --covariate age --value score
+          maveric stats compare data.csv --subject id --within condition --value answer --ordinal
+          maveric stats compare data.csv --subject id --within condition --value score --missing mixed")]
+    Compare {
+        #[command(flatten)]
+        factors: Factors,
+        /// Columns of numbers whose influence is taken out
+        #[arg(long, value_delimiter = ',')]
+        covariate: Vec<String>,
+        /// The values are ordered answers: only their order counts
+        #[arg(long)]
+        ordinal: bool,
+        /// What becomes of a person without every cell
+        #[arg(long, value_enum, default_value = "listwise")]
+        missing: MissingArg,
+    },
     /// Up to two factors within subjects and two between: F, corrected; means, contrasts, simple effects; or aligned ranks
     #[command(after_help = "\
 The table: a row a cell, with subject, the factors and the value; without --within a row a person.
@@ -22,27 +39,10 @@ Examples: maveric stats factorial data.csv --subject id --within style,load --be
           maveric stats factorial data.csv --between vehicle,age --value score --method art")]
     Factorial {
         #[command(flatten)]
-        input: Input,
-        /// Column that says whose row it is
-        #[arg(long, required_unless_present = "between")]
-        subject: Option<String>,
-        /// Columns of the factors within subjects, one or two
-        #[arg(
-            long,
-            value_delimiter = ',',
-            requires = "subject",
-            required_unless_present = "between"
-        )]
-        within: Vec<String>,
-        /// Columns of the factors between subjects, one or two
-        #[arg(long, value_delimiter = ',')]
-        between: Vec<String>,
-        /// Column with the value
-        #[arg(long)]
-        value: String,
+        factors: Factors,
         /// Analysis of variance, or aligned ranks
         #[arg(long, value_enum, default_value = "anova")]
-        method: MethodArg,
+        method: FactorialArg,
     },
     /// A linear model with a random intercept: coefficients, terms, marginal means; Satterthwaite's degrees of freedom
     #[command(after_help = "\
@@ -89,17 +89,18 @@ Examples: maveric stats equivalence data.csv --subject id --within condition --v
     Equivalence {
         #[command(flatten)]
         input: Input,
-        /// Column that says whose row it is
-        #[arg(long, requires = "within", required_unless_present = "mu")]
-        subject: Option<String>,
-        /// Column that says in which condition
-        #[arg(long, requires = "subject")]
-        within: Option<String>,
+        #[command(flatten)]
+        conditions: Conditions,
         /// Column with the value
         #[arg(long)]
         value: String,
         /// What the mean of one sample is compared with
-        #[arg(long, conflicts_with = "subject", allow_hyphen_values = true)]
+        #[arg(
+            long,
+            conflicts_with = "subject",
+            required_unless_present = "subject",
+            allow_hyphen_values = true
+        )]
         mu: Option<f64>,
         /// Differences that count as none: LOW,HIGH
         #[arg(long, value_name = "LOW,HIGH", value_parser = two_numbers, allow_hyphen_values = true)]
@@ -121,14 +122,10 @@ Examples: maveric stats bayes data.csv --subject id --within condition --value s
     Bayes {
         #[command(flatten)]
         input: Input,
-        /// Column that says whose row it is
-        #[arg(long, requires = "within", requires = "value")]
-        subject: Option<String>,
-        /// Column that says in which condition
-        #[arg(long, requires = "subject")]
-        within: Option<String>,
+        #[command(flatten)]
+        conditions: Conditions,
         /// Column with the value
-        #[arg(long, conflicts_with = "x")]
+        #[arg(long, conflicts_with = "x", required_unless_present = "x")]
         value: Option<String>,
         /// What the mean of one sample is compared with
         #[arg(long, requires = "value", allow_hyphen_values = true)]
@@ -162,24 +159,25 @@ fn two_numbers(text: &str) -> Result<(f64, f64), String> {
 impl DesignArgs {
     pub(super) fn split(self) -> Result<(Input, Test), Failure> {
         let (input, test) = match self {
-            Self::Factorial {
-                input,
-                subject,
-                within,
-                between,
-                value,
-                method,
+            Self::Compare {
+                factors,
+                covariate,
+                ordinal,
+                missing,
             } => {
-                let columns = FactorialColumns {
-                    subject,
-                    within,
-                    between,
-                    value,
+                let (input, mut columns) = factors.split();
+                columns.covariates = covariate;
+                let missing = missing.into();
+                let test = DesignTest::Compare {
+                    columns,
+                    ordinal,
+                    missing,
                 };
-                let method = match method {
-                    MethodArg::Anova => FactorialMethod::Anova,
-                    MethodArg::Art => FactorialMethod::Art,
-                };
+                (input, test)
+            }
+            Self::Factorial { factors, method } => {
+                let (input, columns) = factors.split();
+                let method = method.into();
                 (input, DesignTest::Factorial { columns, method })
             }
             Self::Mixed {
@@ -206,8 +204,7 @@ impl DesignArgs {
             } => (input, DesignTest::Groups { group, value }),
             Self::Equivalence {
                 input,
-                subject,
-                within,
+                conditions,
                 value,
                 mu,
                 bounds: (low, high),
@@ -218,7 +215,7 @@ impl DesignArgs {
                 } else {
                     Bounds::Raw { low, high }
                 };
-                let test = match (columns(subject, within, &value), mu) {
+                let test = match (conditions.columns(&value), mu) {
                     (Some(columns), _) => DesignTest::Equivalence { columns, bounds },
                     (None, Some(mu)) => DesignTest::EquivalenceOne { value, mu, bounds },
                     (None, None) => return Err(needs("--subject and --within, or --mu")),
@@ -227,48 +224,26 @@ impl DesignArgs {
             }
             Self::Bayes {
                 input,
-                subject,
-                within,
+                conditions,
                 value,
                 mu,
                 group,
                 x,
                 y,
-            } => (input, bayes((subject, within), value, mu, group, (x, y))?),
+            } => {
+                let test = match (x.zip(y), value) {
+                    (Some((x, y)), _) => DesignTest::BayesCorrelation { x, y },
+                    (None, Some(value)) => match (conditions.columns(&value), mu, group) {
+                        (Some(columns), ..) => DesignTest::BayesPaired(columns),
+                        (_, Some(mu), _) => DesignTest::BayesOne { value, mu },
+                        (_, _, Some(group)) => DesignTest::BayesGroups { group, value },
+                        _ => return Err(needs("--subject and --within, --group or --mu")),
+                    },
+                    (None, None) => return Err(needs("--value, or --x and --y")),
+                };
+                (input, test)
+            }
         };
         Ok((input, Test::Design(test)))
     }
-}
-
-type Pair = (Option<String>, Option<String>);
-
-fn bayes(
-    (subject, within): Pair,
-    value: Option<String>,
-    mu: Option<f64>,
-    group: Option<String>,
-    (x, y): Pair,
-) -> Result<DesignTest, Failure> {
-    if let Some((x, y)) = x.zip(y) {
-        return Ok(DesignTest::BayesCorrelation { x, y });
-    }
-    let value = value.ok_or_else(|| needs("--value"))?;
-    Ok(match (columns(subject, within, &value), mu, group) {
-        (Some(columns), ..) => DesignTest::BayesPaired(columns),
-        (_, Some(mu), _) => DesignTest::BayesOne { value, mu },
-        (_, _, Some(group)) => DesignTest::BayesGroups { group, value },
-        _ => return Err(needs("--subject and --within, --group or --mu")),
-    })
-}
-
-fn columns(subject: Option<String>, within: Option<String>, value: &str) -> Option<WithinColumns> {
-    Some(WithinColumns {
-        subject: subject?,
-        within: within?,
-        value: value.to_owned(),
-    })
-}
-
-fn needs(flags: &str) -> Failure {
-    Failure::Usage(format!("this test needs {flags}"))
 }

@@ -1,6 +1,6 @@
 //! Every test that a report prints, by name.
 
-use maveric_analysis::{Analysis, Correlation, HomophilyRow};
+use maveric_analysis::{Analysis, Correlation, HomophilyRow, Panel};
 use serde::Serialize;
 
 /// Which part of the report a test belongs to.
@@ -104,12 +104,15 @@ pub(crate) fn outcomes(a: &Analysis) -> Vec<Found> {
         }
     }
     for panel in &a.panels {
-        add(
-            Part::Omnibus,
-            format!("panel.{}.omnibus", panel.outcome),
-            None,
-            panel.comparison.as_ref().and_then(|c| c.omnibus.p),
-        );
+        let name = name_of(panel);
+        match &panel.comparison {
+            Some(found) => {
+                for (effect, p) in found.effects() {
+                    add(Part::Omnibus, format!("{name}.{effect}"), None, p);
+                }
+            }
+            None => add(Part::Omnibus, format!("{name}.omnibus"), None, None),
+        }
     }
     for row in &a.kept {
         let key = |what: &str| format!("kept.{}.{what}", row.measure);
@@ -156,7 +159,7 @@ pub(crate) fn outcomes(a: &Analysis) -> Vec<Found> {
         });
     };
     for panel in &a.panels {
-        let name = format!("panel.{}", panel.outcome);
+        let name = name_of(panel);
         for pair in &panel.contrasts {
             corrected(
                 Part::Pairs,
@@ -193,4 +196,12 @@ pub(crate) fn outcomes(a: &Analysis) -> Vec<Found> {
         );
     }
     found
+}
+
+/// The outcome, and the group where people are divided.
+fn name_of(panel: &Panel) -> String {
+    match &panel.group {
+        Some(group) => format!("panel.{}.{}", panel.outcome, group.level),
+        None => format!("panel.{}", panel.outcome),
+    }
 }

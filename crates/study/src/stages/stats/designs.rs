@@ -1,10 +1,19 @@
-//! Tests of groups, factors, bounds and models: from the columns of a table to the result.
+//! Tests of any design, of groups, factors, bounds and models: from the columns of a table to the result.
 
-use super::{WithinColumns, columns, input::Long, plain};
+use super::{
+    columns,
+    input::Long,
+    pictures, printed,
+    ran::Ran,
+    rows::{DesignRows, FactorColumns},
+    run::ALPHA,
+    test::WithinColumns,
+};
 use crate::{error::StudyError, tables::Table};
-use maveric_stats::{self as tests, BetweenColumn, FactorialDesign, Predictor, WithinColumn};
-pub use maveric_stats::{Bounds, Formula};
-use serde_json::Value;
+use maveric_stats::{
+    self as tests, BayesTAnalysis, ByDesign, DesignChoice, OutcomeScale, Predictor, RandomIntercept,
+};
+pub use maveric_stats::{Bounds, Formula, MissingCells};
 
 /// How a factorial design is tested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,26 +24,22 @@ pub enum FactorialMethod {
     Art,
 }
 
-/// The columns of a factorial design.
-#[derive(Debug, Clone)]
-pub struct FactorialColumns {
-    /// Whose row it is; without it every row is a subject.
-    pub subject: Option<String>,
-    /// Factors within subjects.
-    pub within: Vec<String>,
-    /// Factors between subjects.
-    pub between: Vec<String>,
-    /// The value.
-    pub value: String,
-}
-
 /// A test of another design than one factor within subjects, and the columns that it reads.
 #[derive(Debug, Clone)]
 pub enum DesignTest {
+    /// The test that the design calls for: what was varied, within whom and between whom, and what was answered.
+    Compare {
+        /// Columns of the design.
+        columns: FactorColumns,
+        /// Whether the values are ordered answers.
+        ordinal: bool,
+        /// What becomes of a subject with a missing cell.
+        missing: MissingCells,
+    },
     /// Up to two factors within subjects and two between.
     Factorial {
         /// Columns of the design.
-        columns: FactorialColumns,
+        columns: FactorColumns,
         /// How it is tested.
         method: FactorialMethod,
     },
@@ -101,6 +106,7 @@ impl DesignTest {
     /// Its name on the command line.
     pub(super) fn name(&self) -> &'static str {
         match self {
+            Self::Compare { .. } => "compare",
             Self::Factorial { .. } => "factorial",
             Self::Mixed { .. } => "mixed",
             Self::Ordinal(_) => "ordinal",
@@ -124,13 +130,22 @@ impl DesignTest {
                 within: group,
                 value,
             }),
-            Self::Factorial { columns, .. } if columns.within.len() == 1 => Some(Long {
-                subject: columns.subject.as_deref(),
-                within: &columns.within[0],
-                value: &columns.value,
-            }),
+            Self::Compare { columns, .. } | Self::Factorial { columns, .. }
+                if columns.within.len() == 1 =>
+            {
+                Some(Long {
+                    subject: columns.subject.as_deref(),
+                    within: &columns.within[0],
+                    value: &columns.value,
+                })
+            }
             _ => None,
         }
+    }
+
+    /// Whether there are cells, contrasts or two columns to draw.
+    pub(super) fn has_figure(&self) -> bool {
+        !matches!(self, Self::BayesOne { .. })
     }
 
     /// The column of values, if there is one.
@@ -139,7 +154,9 @@ impl DesignTest {
             Self::Ordinal(c) | Self::BayesPaired(c) | Self::Equivalence { columns: c, .. } => {
                 Some(&mut c.value)
             }
-            Self::Factorial { columns, .. } => Some(&mut columns.value),
+            Self::Compare { columns, .. } | Self::Factorial { columns, .. } => {
+                Some(&mut columns.value)
+            }
             Self::Mixed { value, .. }
             | Self::Groups { value, .. }
             | Self::EquivalenceOne { value, .. }
@@ -151,14 +168,28 @@ impl DesignTest {
 }
 
 /// Runs one test on the table.
-pub(super) fn run(table: &Table, test: &DesignTest) -> Result<Value, StudyError> {
+pub(super) fn run(table: &Table, test: &DesignTest) -> Result<Ran, StudyError> {
     let one = |value: &str| table.numbers(value);
     Ok(match test {
+        DesignTest::Compare {
+            columns,
+            ordinal,
+            missing,
+        } => compare(table, columns, *ordinal, *missing)?,
         DesignTest::Factorial { columns, method } => {
-            let design = factorial(table, columns)?;
+            let rows = DesignRows::read(table, columns)?;
+            let design = rows.design()?;
             match method {
-                FactorialMethod::Anova => plain(&tests::factorial(&design)),
-                FactorialMethod::Art => plain(&tests::aligned_ranks(&design)),
+                FactorialMethod::Anova => {
+                    let found = tests::factorial(&design);
+                    let picture = pictures::factorial(&rows, &columns.value, &found, None);
+                    Ran::of(&found, printed::factorial(&found)).drawn(picture)
+                }
+                FactorialMethod::Art => {
+                    let found = tests::aligned_ranks(&design);
+                    let picture = pictures::aligned(&rows, &columns.value, &found);
+                    Ran::of(&found, printed::aligned(&found)).drawn(picture)
+                }
             }
         }
         DesignTest::Mixed {
@@ -167,64 +198,92 @@ pub(super) fn run(table: &Table, test: &DesignTest) -> Result<Value, StudyError>
             value,
         } => mixed(table, subject, fixed, value)?,
         DesignTest::Ordinal(c) => {
-            let (people, conditions) = (
-                columns::labels(table, &c.subject)?,
-                columns::labels(table, &c.within)?,
-            );
-            plain(&tests::ordinal(&people, &conditions, &one(&c.value)?)?)
+            let people = columns::labels(table, &c.subject)?;
+            let conditions = columns::labels(table, &c.within)?;
+            let found = tests::ordinal(&people, &conditions, &one(&c.value)?)?;
+            let rows = DesignRows::one_factor(table, Some(&c.subject), &c.within, &c.value)?;
+            let picture = pictures::ordinal(&rows, &c.value, &found, None);
+            Ran::of(&found, printed::ordinal(&found)).drawn(picture)
         }
-        DesignTest::Groups { group, value } => plain(&tests::groups(
-            &columns::labels(table, group)?,
-            &one(value)?,
-        )?),
-        DesignTest::Equivalence { columns, bounds } => {
-            let data = columns::within(table, columns)?;
-            plain(&tests::equivalence(&data, *bounds)?)
+        DesignTest::Groups { group, value } => {
+            let found = tests::groups(&columns::labels(table, group)?, &one(value)?)?;
+            let rows = DesignRows::one_factor(table, None, group, value)?;
+            let picture = pictures::groups(&rows, value, &found, None);
+            Ran::of(&found, printed::groups(&found)).drawn(picture)
+        }
+        DesignTest::Equivalence { columns: c, bounds } => {
+            let found = tests::equivalence(&columns::within(table, c)?, *bounds)?;
+            let picture = pictures::equivalence(&c.value, &found);
+            Ran::of(&found, printed::equivalence(&found)).drawn(picture)
         }
         DesignTest::EquivalenceOne { value, mu, bounds } => {
-            plain(&tests::equivalence_one(&one(value)?, *mu, *bounds)?)
+            let found = tests::equivalence_one(&one(value)?, *mu, *bounds)?;
+            let picture = pictures::equivalence(value, &found);
+            Ran::of(&found, printed::equivalence(&found)).drawn(picture)
         }
-        DesignTest::BayesPaired(c) => plain(&tests::bayes_paired(&columns::within(table, c)?)),
-        DesignTest::BayesOne { value, mu } => plain(&tests::bayes_one(&one(value)?, *mu)?),
+        DesignTest::BayesPaired(c) => {
+            let found = tests::bayes_paired(&columns::within(table, c)?);
+            bayes(table, &found, Some(&c.subject), &c.within, &c.value)?
+        }
+        DesignTest::BayesOne { value, mu } => Ran::plainly(&tests::bayes_one(&one(value)?, *mu)?),
         DesignTest::BayesGroups { group, value } => {
-            let groups = columns::labels(table, group)?;
-            plain(&tests::bayes_groups(&groups, &one(value)?)?)
+            let found = tests::bayes_groups(&columns::labels(table, group)?, &one(value)?)?;
+            bayes(table, &found, None, group, value)?
         }
         DesignTest::BayesCorrelation { x, y } => {
-            plain(&tests::bayes_correlation(&one(x)?, &one(y)?)?)
+            let (of_x, of_y) = (one(x)?, one(y)?);
+            let found = tests::bayes_correlation(&of_x, &of_y)?;
+            let said = pictures::first(&found);
+            Ran::plainly(&found).drawn(pictures::correlation((x, &of_x), (y, &of_y), said))
         }
     })
 }
 
-/// Reads the columns of a factorial design.
-fn factorial(table: &Table, columns: &FactorialColumns) -> Result<FactorialDesign, StudyError> {
-    let subjects = match &columns.subject {
-        Some(subject) => columns::labels(table, subject)?,
-        None => (1..=table.rows()).map(|row| row.to_string()).collect(),
+/// The test that the design calls for.
+fn compare(
+    table: &Table,
+    columns: &FactorColumns,
+    ordinal: bool,
+    missing: MissingCells,
+) -> Result<Ran, StudyError> {
+    let rows = DesignRows::read(table, columns)?;
+    let choice = DesignChoice {
+        scale: if ordinal {
+            OutcomeScale::Ordinal
+        } else {
+            OutcomeScale::Measure
+        },
+        missing,
+        alpha: ALPHA,
+        exact: true,
     };
-    let within: Result<Vec<_>, _> = columns
-        .within
-        .iter()
-        .map(|f| columns::labels(table, f))
-        .collect();
-    let between: Result<Vec<_>, _> = columns.between.iter().map(|f| table.text(f)).collect();
-    let (within, between) = (within?, between?);
-    let within: Vec<WithinColumn> = columns
-        .within
-        .iter()
-        .map(String::as_str)
-        .zip(within.iter().map(Vec::as_slice))
-        .collect();
-    let between: Vec<BetweenColumn> = columns
-        .between
-        .iter()
-        .map(String::as_str)
-        .zip(between.iter().map(Vec::as_slice))
-        .collect();
-    let values = table.numbers(&columns.value)?;
-    Ok(FactorialDesign::from_columns(
-        &subjects, &within, &between, &values,
-    )?)
+    let found = tests::compare_by_design(&rows.columns(), &choice)?;
+    let picture = match (&found, &columns.subject) {
+        (ByDesign::OneFactor(found), Some(subject)) => {
+            let c = WithinColumns {
+                subject: subject.clone(),
+                within: columns.within.concat(),
+                value: columns.value.clone(),
+            };
+            let data = columns::within(table, &c)?;
+            let p = found.posthoc.pairs.values().map(|pair| pair.p_adjusted);
+            pictures::conditions(&data, &c.value, pictures::first(&**found), &found.desc, p)
+        }
+        _ => pictures::by_design(&rows, &columns.value, &found),
+    };
+    Ok(Ran::of(&found, printed::by_design(&found)).drawn(picture))
+}
+
+fn bayes(
+    table: &Table,
+    found: &BayesTAnalysis,
+    subject: Option<&str>,
+    factor: &str,
+    value: &str,
+) -> Result<Ran, StudyError> {
+    let rows = DesignRows::one_factor(table, subject, factor, value)?;
+    let picture = pictures::plain_cells(&rows, value, pictures::first(found));
+    Ok(Ran::plainly(found).drawn(picture))
 }
 
 /// Cells of a predictor.
@@ -234,7 +293,7 @@ enum Cells {
 }
 
 /// Reads the columns of a formula and fits the model.
-fn mixed(table: &Table, subject: &str, fixed: &Formula, value: &str) -> Result<Value, StudyError> {
+fn mixed(table: &Table, subject: &str, fixed: &Formula, value: &str) -> Result<Ran, StudyError> {
     let read = |name: &String| {
         let cells = table.text(name)?;
         let is_number = |cell: &Option<String>| {
@@ -263,5 +322,26 @@ fn mixed(table: &Table, subject: &str, fixed: &Formula, value: &str) -> Result<V
         .collect();
     let people = columns::labels(table, subject)?;
     let found = tests::random_intercept(&people, fixed, &predictors, &table.numbers(value)?)?;
-    Ok(plain(&found))
+    let rows = shown(table, subject, value, &found)?;
+    let picture = pictures::mixed(rows.as_ref(), value, &found);
+    Ok(Ran::of(&found, printed::mixed(&found)).drawn(picture))
+}
+
+/// The cells of the highest term of factors alone; none in a model of covariates.
+fn shown(
+    table: &Table,
+    subject: &str,
+    value: &str,
+    found: &RandomIntercept,
+) -> Result<Option<DesignRows>, StudyError> {
+    let Some((term, _)) = found.emm.iter().last() else {
+        return Ok(None);
+    };
+    let columns = FactorColumns {
+        subject: Some(subject.to_owned()),
+        between: term.split(':').map(str::to_owned).collect(),
+        value: value.to_owned(),
+        ..FactorColumns::default()
+    };
+    DesignRows::read(table, &columns).map(Some)
 }

@@ -13,9 +13,10 @@ use maveric_report::{
         perpendicular_circle, time_space,
     },
     html::Section,
+    markup,
     tables::{self, AccuracyRow, Cell, Column},
 };
-use maveric_stats::{Adjustment, PosthocTest};
+use maveric_stats::{Adjustment, PosthocTest, apa::Statements};
 use std::collections::BTreeMap;
 
 pub(super) fn section_conditions(
@@ -158,30 +159,52 @@ pub(super) fn section_kept(run: &Run) -> Result<Option<Section>, StudyError> {
     }))
 }
 
-/// The omnibus test in words, with marks; `short` leaves out interval and ε, for a panel's width.
+/// The test over the conditions, and over what else the design crosses with them, in words with marks; `short` is for a panel's width: without
+/// interval and ε, and of several effects the highest.
 pub(super) fn omnibus(panel: &Panel, short: bool) -> String {
-    let reason = panel.reasons.first().map_or("", String::as_str);
-    match (&panel.comparison, &panel.contrasts[..]) {
-        (Some(found), _) => {
-            let said = if short {
-                found.omnibus.short_statement(found.n)
-            } else {
-                found.omnibus.statement(found.n)
-            };
-            said.map_or_else(
-                || "no test statistic: see the reasons in the analysis".to_owned(),
-                |said| said.markup().to_owned(),
-            )
-        }
-        (None, [pair]) if panel.test.is_some() => {
-            paired(panel, pair).unwrap_or_else(|| "no test statistic".to_owned())
-        }
-        (None, _) if short => format!("not tested: *n* = {}", panel.n),
-        (None, _) => format!("not tested: {reason}"),
+    let Some(found) = &panel.comparison else {
+        let reason = panel.reasons.first().map_or("", String::as_str);
+        return if short {
+            format!("not tested: *n* = {}", panel.n)
+        } else {
+            format!("not tested: {reason}")
+        };
+    };
+    if let Some(found) = found.one_factor() {
+        let said = if short {
+            found.omnibus.short_statement(found.n)
+        } else {
+            found.omnibus.statement(found.n)
+        };
+        return said.map_or_else(
+            || "no test statistic: see the reasons in the analysis".to_owned(),
+            |said| said.markup().to_owned(),
+        );
+    }
+    // Pairs have a table of their own.
+    let effects = found.effects();
+    let all: Vec<String> = found
+        .statements()
+        .into_iter()
+        .filter(|(name, _)| effects.len() == 1 || effects.iter().any(|(e, _)| e == name))
+        .map(|(name, said)| match effects.len() {
+            1 => said.markup().to_owned(),
+            _ => format!(
+                "{}: {}",
+                markup::literal(&name.replace(':', " × ")),
+                said.markup()
+            ),
+        })
+        .collect();
+    match (&all[..], short || effects.len() == 1) {
+        ([], _) => "no test statistic: see the reasons in the analysis".to_owned(),
+        ([first, ..], true) if effects.len() == 1 => first.clone(),
+        ([.., last], true) => last.clone(),
+        (all, false) => all.join("; "),
     }
 }
 
-/// A paired test in words: the only one of its panel, so that nothing is adjusted.
+/// A paired test in words; *p* is that of Holm over its family, under its plain name.
 fn paired(panel: &Panel, pair: &Contrast) -> Option<String> {
     let effect = pair.effect.as_ref();
     let p = pair.p_holm?;
@@ -273,7 +296,7 @@ fn contrasts_table(run: &Run) -> tables::Table {
         ],
         rows: all.map(row).collect(),
         notes: vec![
-            "*p* adjusted after Holm over the contrasts of an outcome. Expected: where the design, or the places of the two on the dial and what \
+            "*p* adjusted after Holm over the contrasts of an outcome; those within groups of people are one family of their own. Expected: where the design, or the places of the two on the dial and what \
              aggression does to the measure, say so."
                 .to_owned(),
         ],

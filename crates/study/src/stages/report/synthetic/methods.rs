@@ -4,8 +4,9 @@ use super::Run;
 use crate::stages::train::TrainingSummary;
 use maveric_domain::{
     MetresPerSecond, Road,
-    design::{Car, Compare, Condition},
+    design::{Car, Column, Compare, Condition},
 };
+use maveric_stats::ByDesign;
 
 pub(super) fn text(run: &Run, road: Option<&Road>, minutes: Option<f64>) -> Vec<String> {
     let mut paragraphs = Vec::new();
@@ -101,12 +102,7 @@ fn car(run: &Run, condition: &Condition) -> String {
 
 fn tests(run: &Run) -> String {
     let design = &run.design;
-    let omnibus = if design.conditions().len() > 2 {
-        "Repeated-measures ANOVA, with its degrees of freedom corrected where sphericity fails, or Friedman’s test where the residuals are not \
-         normal; then paired t tests or Wilcoxon’s."
-    } else {
-        "Paired t tests, or Wilcoxon’s where the differences are not normal."
-    };
+    let used = chosen(run);
     let compared = match design.compare() {
         Compare::All => "every condition with every other".to_owned(),
         Compare::Against(one) => format!("every condition with {}", run.label(*one)),
@@ -122,7 +118,66 @@ fn tests(run: &Run) -> String {
         " Correlations are Pearson’s or Spearman’s by the same check."
     };
     format!(
-        "*Tests.* {omnibus} Compared are {compared}; *p* is adjusted after Holm over the contrasts of an outcome.{correlations} Intervals are 95%. Each \
+        "*Tests.* {used} Compared are {compared}; *p* is adjusted after Holm over the contrasts of an outcome.{correlations} Intervals are 95%. Each \
          measure and each test is defined in docs/method.md."
     )
+}
+
+/// The kinds of test that the design called for, each with what calls for it.
+fn chosen(run: &Run) -> String {
+    let design = &run.design;
+    let labels = |columns: &[Column]| {
+        let named = columns
+            .iter()
+            .map(|c| c.label.as_ref().unwrap_or(&c.column).as_str());
+        named.collect::<Vec<_>>().join(" and ")
+    };
+    let found = |is: fn(&ByDesign) -> bool| {
+        let mut all = run
+            .analysis
+            .panels
+            .iter()
+            .filter_map(|p| p.comparison.as_ref());
+        all.any(is)
+    };
+    let mut said = Vec::new();
+    if found(|f| matches!(f, ByDesign::Factorial(_))) {
+        let between = if design.factors().is_empty() {
+            String::new()
+        } else {
+            format!(" with {} between people", labels(design.factors()))
+        };
+        said.push(format!(
+            "Factorial analysis of variance{between} (type III, Greenhouse-Geisser), or aligned ranks where the residuals are not normal."
+        ));
+    }
+    if found(|f| matches!(f, ByDesign::Groups(_))) {
+        let factors = labels(design.factors());
+        said.push(format!(
+            "Groups of {factors} by Welch’s test, or by ranks where they are not normal."
+        ));
+    }
+    if found(|f| matches!(f, ByDesign::Mixed(_))) {
+        let covariates = labels(design.covariates());
+        said.push(format!(
+            "Mixed models with a random intercept of the person take out the influence of {covariates} (Satterthwaite’s degrees of freedom)."
+        ));
+    }
+    if found(|f| matches!(f, ByDesign::Ordinal(_))) {
+        said.push(
+            "Ratings of one item, whose answers have an order alone, by a cumulative logit model with a random intercept of the person; the rank \
+             tests stand beside it."
+                .to_owned(),
+        );
+    }
+    if found(|f| f.one_factor().is_some_and(|c| c.k > 2)) {
+        said.push(
+            "Repeated-measures ANOVA, with its degrees of freedom corrected where sphericity fails, or Friedman’s test where the residuals are not \
+             normal; then paired t tests or Wilcoxon’s."
+                .to_owned(),
+        );
+    } else {
+        said.push("Paired t tests, or Wilcoxon’s where the differences are not normal.".to_owned());
+    }
+    said.join(" ")
 }

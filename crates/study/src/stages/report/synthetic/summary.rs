@@ -113,12 +113,8 @@ fn judged(run: &Run, h: &Judged) -> String {
     if let Some(p) = h.p {
         why.push(apa::p(p).markup().to_owned());
     }
-    let group = h
-        .group
-        .as_ref()
-        .map_or_else(String::new, |g| format!(" ({g})"));
     format!(
-        "*{}*{group}: {what} ({}). The rule: {}.",
+        "*{}*: {what} ({}). The rule: {}.",
         h.says.trim_end_matches('.'),
         why.join(", "),
         h.rule

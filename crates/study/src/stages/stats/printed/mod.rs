@@ -1,15 +1,25 @@
 //! Results as people read them: what was found, of whom, why, and what has no value; on a terminal, in Markdown, in LaTeX.
 
 mod cells;
+mod chosen;
 mod correlations;
+mod factors;
+mod groups;
+mod models;
 mod pairs;
 mod plain;
 mod within;
 
+pub(super) use chosen::by_design;
 pub(super) use correlations::{correlation, rm_correlation};
-pub(super) use pairs::{comparison, posthoc};
+pub(super) use factors::{aligned, factorial};
+pub(super) use groups::{equivalence, groups};
+pub(super) use models::{mixed, ordinal};
+pub(super) use pairs::posthoc;
 pub(super) use plain::plain;
 pub(super) use within::{friedman, rm_anova, whole};
+
+use pairs::comparison;
 
 use maveric_report::{markup, tables::Table};
 use maveric_stats::{Reasons, apa::Statements};
@@ -26,19 +36,31 @@ pub(super) struct Printed {
 impl Printed {
     /// Whose data these are: the first line of each report of a within-subject design.
     fn of(what: &str, n: usize, k: usize, dropped: &[String]) -> Self {
-        let mut heading = vec![format!("{what}: {n} subjects, {k} conditions")];
+        Self::headed(format!("{what}: {n} subjects, {k} conditions"), n, dropped)
+    }
+
+    /// What was done, with how many, and who was left out of it.
+    fn headed(who: String, n: usize, dropped: &[String]) -> Self {
+        let mut heading = vec![who];
         if !dropped.is_empty() {
+            let (count, all, names) = (dropped.len(), n + dropped.len(), dropped.join(", "));
             heading.push(format!(
-                "left out for a missing cell: {} of {} subjects ({})",
-                dropped.len(),
-                n + dropped.len(),
-                dropped.join(", ")
+                "left out for a missing cell: {count} of {all} subjects ({names})"
             ));
         }
         Self {
             heading,
             tables: Vec::new(),
         }
+    }
+
+    /// How many rows or values were left out.
+    fn left_out(mut self, missing: usize, what: &str) -> Self {
+        if missing > 0 {
+            self.heading
+                .push(format!("left out for a missing value: {missing} {what}"));
+        }
+        self
     }
 
     /// Adds a table, unless it has neither rows nor notes.
@@ -59,7 +81,7 @@ impl Printed {
     /// Reasons for numbers without a value, each with the names it stands for.
     fn undefined(self, reasons: &Reasons) -> Self {
         let mut by_reason: Vec<(&str, Vec<&str>)> = Vec::new();
-        for (name, reason) in reasons.iter() {
+        for (name, reason) in reasons.iter().filter(|(name, _)| !only_elsewhere(name)) {
             match by_reason.iter_mut().find(|(known, _)| *known == reason) {
                 Some((_, names)) => names.push(name),
                 None => by_reason.push((reason, vec![name])),
@@ -116,6 +138,15 @@ impl Printed {
     }
 }
 
+/// Whether a number stands in the JSON alone, for comparing with a program that prints it.
+fn only_elsewhere(name: &str) -> bool {
+    let last = name.rsplit('.').next().unwrap_or(name);
+    ["p_r_default", "p_scipy_auto", "p_zsplit", "p_anderson"]
+        .iter()
+        .any(|known| last.starts_with(known))
+        || last.contains("_mbess_")
+}
+
 /// The sentences said about `names`, with marks.
 fn said(found: &impl Statements, names: &[&str]) -> Vec<String> {
     let all = found.statements();
@@ -123,4 +154,11 @@ fn said(found: &impl Statements, names: &[&str]) -> Vec<String> {
         .iter()
         .filter(|(name, _)| names.contains(&name.as_str()));
     wanted.map(|(_, said)| said.markup().to_owned()).collect()
+}
+
+/// All sentences, each after its name, with marks.
+fn named_sentences(found: &impl Statements) -> Vec<String> {
+    let all = found.statements().into_iter();
+    all.map(|(name, said)| format!("{}: {}", markup::literal(&name), said.markup()))
+        .collect()
 }

@@ -3,33 +3,15 @@
 use super::{
     Printed,
     cells::{effect, interval, number, optional, p, share, shown, table},
+    chosen::{checks, why},
     said, within,
 };
-use maveric_report::{
-    markup,
-    tables::{Cell, Table},
-};
+use maveric_report::tables::{Cell, Table};
 use maveric_stats::{
     Adjustment, Comparison, EffectName, OmnibusP, OmnibusTest, PMethod, Posthoc, PosthocTest, apa,
 };
 
-pub(in crate::stages::stats) fn comparison(found: &Comparison) -> Printed {
-    let mut checks = table("Checks", &["Assumption", "*W*", "*p*", "Stands"]);
-    for check in &found.checks {
-        let stands = match check.passed {
-            Some(true) => Cell::text("yes"),
-            Some(false) => Cell::text("no"),
-            None => Cell::Missing,
-        };
-        checks.rows.push(vec![
-            Cell::text(&check.name),
-            share(check.statistic),
-            p(check.p),
-            stands,
-        ]);
-    }
-    let reasons = found.reasons.iter().enumerate();
-    let reasons = reasons.map(|(i, reason)| markup::literal(&format!("{}. {reason}", i + 1)));
+pub(super) fn comparison(found: &Comparison) -> Printed {
     let omnibus = &found.omnibus;
     let mut finding = said(found, &["omnibus"]);
     if omnibus.test == OmnibusTest::Friedman {
@@ -55,12 +37,14 @@ pub(in crate::stages::stats) fn comparison(found: &Comparison) -> Printed {
     );
     let heading = match omnibus.test {
         OmnibusTest::Friedman => "Friedman's test",
+        OmnibusTest::PairedT => "Paired t test",
+        OmnibusTest::Wilcoxon => "Wilcoxon's signed ranks",
         _ => "Repeated-measures analysis of variance",
     };
     Printed::of("Comparison of conditions", found.n, found.k, &found.dropped)
         .table(within::conditions(&found.desc, None))
-        .table(checks)
-        .lines("Why this test", reasons.collect())
+        .table(checks(&found.checks))
+        .lines("Why this test", why(&found.reasons))
         .lines(heading, finding)
         .table(pairs(&found.posthoc))
         .undefined(&found.undefined)

@@ -1,40 +1,21 @@
 //! One procedure from data to finding: check, choose, test, compare pairs, and say why.
 
+mod omnibus;
+
+pub use omnibus::{Omnibus, OmnibusP, OmnibusTest, SphericityCorrection};
+
+use omnibus::{of_anova, of_friedman, of_pair};
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Adjustment, ConditionSummary, Effect, EffectName, Friedman, Mauchly, Named, Posthoc,
-    PosthocTest, Reasons, RmAnova, ShapiroWilk, Sphericity, StatsError, WithinSubjects, analysis,
+    Adjustment, ConditionSummary, Mauchly, Named, Posthoc, PosthocTest, Reasons, RmAnova,
+    ShapiroWilk, Sphericity, StatsError, WithinSubjects, analysis,
     friedman::{self, Exact, RankTable},
     normality::shapiro_wilk,
     posthoc::all_pairs,
     reasons::p_words,
     rm_anova,
 };
-
-/// The omnibus test chosen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-#[non_exhaustive]
-pub enum OmnibusTest {
-    /// Repeated-measures analysis of variance.
-    RmAnova,
-    /// Friedman's test.
-    Friedman,
-}
-
-/// The correction of the degrees of freedom of F.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-#[non_exhaustive]
-pub enum SphericityCorrection {
-    /// None: Huynh and Feldt's ε is 1, or sphericity cannot fail.
-    None,
-    /// Greenhouse and Geisser's ε.
-    GreenhouseGeisser,
-    /// Huynh and Feldt's ε.
-    HuynhFeldt,
-}
 
 /// One assumption that was looked at.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -47,47 +28,6 @@ pub struct AssumptionCheck {
     pub p: Option<f64>,
     /// Whether the assumption stands; `None` if it could not be tested.
     pub passed: Option<bool>,
-}
-
-/// The omnibus test as it should be reported.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Omnibus {
-    /// Which test.
-    pub test: OmnibusTest,
-    /// Which correction, for the analysis of variance.
-    pub correction: SphericityCorrection,
-    /// F, or χ² of Friedman.
-    pub statistic: Option<f64>,
-    /// Degrees of freedom, corrected.
-    pub df1: Option<f64>,
-    /// Degrees of freedom of the error, corrected; F only.
-    pub df2: Option<f64>,
-    /// The ε by which both were multiplied; F only.
-    pub epsilon: Option<f64>,
-    /// p with the correction; of Friedman the exact p where feasible, else that of Iman
-    /// and Davenport's F.
-    pub p: Option<f64>,
-    /// How p was computed.
-    pub p_method: OmnibusP,
-    /// Whether p is below alpha.
-    pub reject: Option<bool>,
-    /// Partial eta squared, or Kendall's W.
-    pub effect: Effect,
-}
-
-/// Where the omnibus p comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-#[non_exhaustive]
-pub enum OmnibusP {
-    /// The F distribution.
-    F,
-    /// All orders of the ranks within subjects.
-    Exact,
-    /// Iman and Davenport's F of the ranks.
-    ImanDavenport,
-    /// χ², where all subjects agree and F is infinite.
-    Chi2,
 }
 
 /// What was checked, chosen and found.
@@ -128,6 +68,8 @@ pub struct Comparison {
 ///    too weak to see. With 24 x 4 values and ε of .7, pooled residuals and that gate
 ///    would find differences in 6 of 100 null data sets; this procedure keeps to 5
 ///    (`examples/false_positives.rs`).
+///
+/// Two conditions have differences, which Shapiro and Wilk's test looks at: the paired t test, or Wilcoxon's.
 ///
 /// Pairs are corrected by Holm's method, whatever the omnibus test says. Each step is
 /// recorded in `checks` and `reasons`.
@@ -179,32 +121,35 @@ fn run(data: &WithinSubjects, alpha: f64, exact: Exact) -> Result<Comparison, St
         });
     }
     let parts = rm_anova::decompose(data);
-    let mut inner = Reasons::default();
-    let (anova, mauchly, sphericity) = analysis::variance_part(data, &parts, &mut inner);
-    let (normal, _) = shapiro_wilk(&standardised(&parts.residuals, data.k()));
     let mut trace = Trace::default();
-    let chosen = trace.choose(&normal, &anova);
-    let mut undefined = Reasons::default();
-    let omnibus = match chosen {
-        OmnibusTest::RmAnova => {
-            let correction = trace.correction(data, &mauchly, &sphericity);
+    let (chosen, several) = if data.k() == 2 {
+        (trace.choose_of_two(&of_differences(data)), None)
+    } else {
+        let mut inner = Reasons::default();
+        let (anova, mauchly, sphericity) = analysis::variance_part(data, &parts, &mut inner);
+        let (normal, _) = shapiro_wilk(&standardised(&parts.residuals, data.k()));
+        let chosen = trace.choose(&normal, &anova);
+        let omnibus = if chosen == OmnibusTest::RmAnova {
+            let correction = trace.correction(&mauchly, &sphericity);
             of_anova(&anova, &sphericity, correction)
-        }
-        OmnibusTest::Friedman => {
+        } else {
             let (friedman, _) = friedman::test(&RankTable::of(data), exact);
             of_friedman(&friedman)
-        }
+        };
+        (chosen, Some(omnibus))
     };
+    let test = match chosen {
+        OmnibusTest::RmAnova | OmnibusTest::PairedT => PosthocTest::T,
+        OmnibusTest::Friedman | OmnibusTest::Wilcoxon => PosthocTest::Wilcoxon,
+    };
+    let mut posthoc = all_pairs(data, test, Adjustment::Holm, alpha);
+    let omnibus = several.unwrap_or_else(|| of_pair(chosen, &posthoc));
     let omnibus = Omnibus {
         reject: omnibus.p.map(|p| p < alpha),
         ..omnibus
     };
+    let mut undefined = Reasons::default();
     say_why(&omnibus, &trace.checks, &mut undefined);
-    let test = match chosen {
-        OmnibusTest::RmAnova => PosthocTest::T,
-        OmnibusTest::Friedman => PosthocTest::Wilcoxon,
-    };
-    let mut posthoc = all_pairs(data, test, Adjustment::Holm, alpha);
     undefined.absorb("posthoc", std::mem::take(&mut posthoc.undefined));
     Ok(Comparison {
         n: data.n(),
@@ -284,18 +229,40 @@ impl Trace {
         }
     }
 
-    fn correction(
-        &mut self,
-        data: &WithinSubjects,
-        mauchly: &Mauchly,
-        sphericity: &Sphericity,
-    ) -> SphericityCorrection {
-        if data.k() == 2 {
-            self.reasons.push(
-                "two conditions have a single difference: no correction for sphericity".to_owned(),
-            );
-            return SphericityCorrection::None;
-        }
+    /// The same for the differences of two conditions.
+    fn choose_of_two(&mut self, normal: &ShapiroWilk) -> OmnibusTest {
+        self.checks.push(AssumptionCheck {
+            name: "normality of the differences (Shapiro-Wilk)".to_owned(),
+            statistic: normal.w,
+            p: normal.p,
+            passed: normal.p.map(|p| p >= CHECK_ALPHA),
+        });
+        let (chosen, why) = match normal.p {
+            Some(p) if p >= CHECK_ALPHA => (
+                OmnibusTest::PairedT,
+                format!(
+                    "normality of the differences is not rejected ({}): paired t test",
+                    p_words(p)
+                ),
+            ),
+            Some(p) => (
+                OmnibusTest::Wilcoxon,
+                format!(
+                    "the differences are not normal ({}): Wilcoxon's signed ranks",
+                    p_words(p)
+                ),
+            ),
+            None => (
+                OmnibusTest::Wilcoxon,
+                "the differences cannot be tested for normality: Wilcoxon's signed ranks"
+                    .to_owned(),
+            ),
+        };
+        self.reasons.push(why);
+        chosen
+    }
+
+    fn correction(&mut self, mauchly: &Mauchly, sphericity: &Sphericity) -> SphericityCorrection {
         self.checks.push(AssumptionCheck {
             name: "sphericity (Mauchly)".to_owned(),
             statistic: mauchly.w,
@@ -333,56 +300,10 @@ impl Trace {
     }
 }
 
-fn of_anova(anova: &RmAnova, sphericity: &Sphericity, correction: SphericityCorrection) -> Omnibus {
-    let (epsilon, p) = match correction {
-        SphericityCorrection::None => (Some(1.0), anova.p),
-        SphericityCorrection::GreenhouseGeisser => (sphericity.gg, sphericity.p_gg),
-        SphericityCorrection::HuynhFeldt => (sphericity.hf, sphericity.p_hf),
-    };
-    Omnibus {
-        test: OmnibusTest::RmAnova,
-        correction,
-        statistic: anova.f,
-        df1: epsilon.map(|e| e * anova.df1 as f64),
-        df2: epsilon.map(|e| e * anova.df2 as f64),
-        epsilon,
-        p,
-        p_method: OmnibusP::F,
-        reject: None,
-        effect: Effect {
-            name: EffectName::Eta2Partial,
-            value: anova.eta2_partial,
-            ci_low: anova.eta2_partial_ci90_low,
-            ci_high: anova.eta2_partial_ci90_high,
-            confidence: 0.90,
-        },
-    }
-}
-
-fn of_friedman(friedman: &Friedman) -> Omnibus {
-    let (p, p_method) = match (friedman.p_exact, friedman.f_p) {
-        (Some(p), _) => (Some(p), OmnibusP::Exact),
-        (None, Some(p)) => (Some(p), OmnibusP::ImanDavenport),
-        (None, None) => (friedman.p, OmnibusP::Chi2),
-    };
-    Omnibus {
-        test: OmnibusTest::Friedman,
-        correction: SphericityCorrection::None,
-        statistic: friedman.chi2,
-        df1: friedman.df.map(|df| df as f64),
-        df2: None,
-        epsilon: None,
-        p,
-        p_method,
-        reject: None,
-        effect: Effect {
-            name: EffectName::KendallW,
-            value: friedman.kendall_w,
-            ci_low: friedman.kendall_w_ci90_low,
-            ci_high: friedman.kendall_w_ci90_high,
-            confidence: 0.90,
-        },
-    }
+/// Differences of two conditions.
+fn of_differences(data: &WithinSubjects) -> ShapiroWilk {
+    let differences: Vec<f64> = data.rows().map(|row| row[0] - row[1]).collect();
+    shapiro_wilk(&differences).0
 }
 
 fn say_why(omnibus: &Omnibus, checks: &[AssumptionCheck], undefined: &mut Reasons) {
@@ -391,11 +312,22 @@ fn say_why(omnibus: &Omnibus, checks: &[AssumptionCheck], undefined: &mut Reason
             undefined.note(&format!("checks.{i}"), "the data do not allow this check");
         }
     }
-    if omnibus.statistic.is_none() {
+    let of_two = matches!(omnibus.test, OmnibusTest::PairedT | OmnibusTest::Wilcoxon);
+    if omnibus.statistic.is_none() || omnibus.p.is_none() && of_two {
         undefined.note(
             "omnibus",
             "neither test has a value: the conditions do not differ for any subject",
         );
+    }
+    if of_two {
+        undefined.note_all(
+            &["omnibus.df2", "omnibus.epsilon"],
+            "a test of two conditions has neither",
+        );
+        if omnibus.test == OmnibusTest::Wilcoxon {
+            undefined.note("omnibus.df1", "Wilcoxon's test has no degrees of freedom");
+        }
+        return;
     }
     let corrected = omnibus.test != OmnibusTest::Friedman;
     if corrected && omnibus.statistic.is_some() && omnibus.epsilon.is_none() {

@@ -1,0 +1,228 @@
+//! The sentences of factors, groups, bounds and models.
+
+use super::{
+    F, Interval, Statement, Statements, bounded, degrees, f, number,
+    results::{says_itself, those},
+    t,
+};
+use crate::{
+    Adjustment, AlignedRanks, BayesCorrelationAnalysis, BayesTAnalysis, ByDesign, ChosenTest,
+    Equivalence, Factorial, FactorialEffect, GroupsAnalysis, Ordinal, OrdinalParameter,
+    RandomIntercept,
+};
+
+says_itself!(
+    Factorial,
+    AlignedRanks,
+    GroupsAnalysis,
+    Equivalence,
+    BayesTAnalysis,
+    BayesCorrelationAnalysis,
+    RandomIntercept,
+    Ordinal,
+    ByDesign,
+);
+
+impl Factorial {
+    /// An effect, after Greenhouse and Geisser's correction where its within part has more than one degree of freedom.
+    fn effect(&self, name: &str, effect: &FactorialEffect) -> Option<Statement> {
+        let sphericity = self.sphericity.get(name);
+        let epsilon = sphericity.and_then(|s| s.gg);
+        let times = epsilon.unwrap_or(1.0);
+        let (low, high) = (effect.eta2_partial_ci90_low, effect.eta2_partial_ci90_high);
+        Some(f(&F {
+            f: effect.f?,
+            df_effect: effect.df1 as f64 * times,
+            df_error: effect.df2 as f64 * times,
+            p: sphericity.map_or(effect.p, |s| s.p_gg)?,
+            eta2_partial: effect.eta2_partial,
+            interval: Interval::of(0.9, low, high),
+            epsilon,
+        }))
+    }
+}
+
+impl Statements for Factorial {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let effects = self.anova.iter();
+        let said =
+            |(name, e): (&str, &FactorialEffect)| Some((name.to_owned(), self.effect(name, e)?));
+        effects.filter_map(said).collect()
+    }
+}
+
+impl Statements for AlignedRanks {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let effects = self.art.iter().filter_map(|(name, effect)| {
+            let df = [effect.df1 as f64, effect.df2 as f64];
+            let said = Statement::of("*F*", &df, effect.f?).p(effect.p?, Adjustment::None);
+            Some((name.to_owned(), said))
+        });
+        effects.collect()
+    }
+}
+
+/// Of two groups Welch's t and Mann-Whitney's U; of more, Welch's F and Kruskal-Wallis, then the pairs after Games and Howell.
+impl Statements for GroupsAnalysis {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let Some(several) = &self.several else {
+            let welch = || {
+                let test = self.welch_t.values().next()?;
+                let said = Statement::of("*t*", &[test.df?], test.t?).p(test.p?, Adjustment::None);
+                let size = self.hedges.values().next()?;
+                let ci = Interval::of(0.95, size.g_ci_low, size.g_ci_high);
+                Some(match size.g {
+                    Some(g) => said.and("*g*", &number(g, 2)).ci(ci, number),
+                    None => said,
+                })
+            };
+            let ranks = || {
+                let test = self.mann_whitney.values().next()?;
+                let said =
+                    Statement(format!("*U* = {}", degrees(test.u))).p(test.p?, Adjustment::None);
+                Some(said.and("*r*_{rb}", &bounded(test.rank_biserial, 2)))
+            };
+            return those([("welch_t", welch()), ("mann_whitney", ranks())]);
+        };
+        let welch = || {
+            let test = &several.welch_anova;
+            let said = Statement::of("*F*", &[test.df1 as f64, test.df2?], test.f?);
+            Some(said.p(test.p?, Adjustment::None))
+        };
+        let ranks = || {
+            let test = &several.kruskal;
+            let (df, n, chi2) = (test.df, self.n, number(test.chi2?, 2));
+            let said = Statement(format!("*χ*^{{2}}({df}, *N* = {n}) = {chi2}"));
+            let said = said.p(test.p?, Adjustment::None);
+            Some(said.and("*ε*^{2}", &bounded(test.epsilon2?, 2)))
+        };
+        let mut said = those([("welch_anova", welch()), ("kruskal", ranks())]);
+        said.extend(several.games_howell.iter().filter_map(|(name, pair)| {
+            let test = Statement::of("*t*", &[pair.df?], pair.t?).p(pair.p?, Adjustment::None);
+            Some((name.to_owned(), test))
+        }));
+        said
+    }
+}
+
+/// `t(23) = 2.41, p = .012, 90% CI [−0.20, 0.11]`: the larger of both one-sided tests.
+impl Statements for Equivalence {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let pairs = self.tost.iter().filter_map(|(name, test)| {
+            let (lower, upper) = (test.t_lower?, test.t_upper?);
+            let weaker = if lower.abs() < upper.abs() {
+                lower
+            } else {
+                upper
+            };
+            let said = t(weaker, test.df as f64, test.p?, Adjustment::None, None);
+            let ci = Interval::of(0.9, test.ci90_low, test.ci90_high);
+            Some((name.to_owned(), said.ci(ci, number)))
+        });
+        pairs.collect()
+    }
+}
+
+/// `BF10 = 3.20`, or `BF01 = 5.41` where the data speak for no difference.
+fn bayes_factor(bf10: f64, bf01: f64) -> Statement {
+    let (symbol, value) = if bf10 >= 1.0 {
+        ("*BF*_{10}", bf10)
+    } else {
+        ("*BF*_{01}", bf01)
+    };
+    if value >= 1e5 {
+        return Statement(format!("{symbol} = {value:.2e}"));
+    }
+    Statement::of(symbol, &[], value)
+}
+
+impl Statements for BayesTAnalysis {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let tests = self.bayes_t.iter();
+        let said =
+            tests.filter_map(|(name, t)| Some((name.to_owned(), bayes_factor(t.bf10?, t.bf01?))));
+        said.collect()
+    }
+}
+
+impl Statements for BayesCorrelationAnalysis {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let found = &self.bayes_r;
+        let said = || {
+            let factor = bayes_factor(found.bf10?, found.bf01?);
+            Some(factor.and("*r*", &bounded(found.r?, 2)))
+        };
+        those([("bayes_r", said())])
+    }
+}
+
+impl Statements for RandomIntercept {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let terms = self.anova.iter().filter_map(|(name, test)| {
+            let df = [test.df1 as f64, test.df2?];
+            let said = Statement::of("*F*", &df, test.f).p(test.p?, Adjustment::None);
+            Some((name.to_owned(), said))
+        });
+        terms.collect()
+    }
+}
+
+/// The likelihood ratio test of the conditions, then each condition against the first.
+impl Statements for Ordinal {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let test = &self.quadrature.lr;
+        let lr = || {
+            let said = Statement::of("*χ*^{2}", &[test.df as f64], test.chi2?);
+            Some(said.p(test.p?, Adjustment::None))
+        };
+        let mut said = those([("lr", lr())]);
+        let of = |found: &OrdinalParameter| {
+            let ci = Interval::of(0.95, found.ci_low, found.ci_high);
+            let value = number(found.estimate?, 2);
+            let said = Statement(format!("*b* = {value}")).ci(ci, number);
+            Some(
+                said.and("*z*", &number(found.z?, 2))
+                    .p(found.p?, Adjustment::None),
+            )
+        };
+        let coefficients = self.quadrature.coef.iter();
+        said.extend(coefficients.filter_map(|(name, found)| Some((name.to_owned(), of(found)?))));
+        said
+    }
+}
+
+/// The test that was chosen, and no other.
+impl Statements for ByDesign {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        match self {
+            Self::OneFactor(found) => found.statements(),
+            Self::Factorial(found) => match &found.found.ranks {
+                Some(ranks) => ranks.statements(),
+                None => found.found.anova.statements(),
+            },
+            Self::Groups(found) => {
+                let (skipped, ranks) = match found.chosen {
+                    ChosenTest::WelchT => ("mann_whitney", false),
+                    ChosenTest::MannWhitney => ("welch_t", true),
+                    ChosenTest::WelchAnova => ("kruskal", false),
+                    _ => ("welch_anova", true),
+                };
+                let all = found.found.statements().into_iter();
+                let own = |name: &str| name != skipped && !(ranks && name.contains('|'));
+                let mut said: Vec<_> = all.filter(|(name, _)| own(name)).collect();
+                let dunn = found.found.several.as_ref().filter(|_| ranks);
+                said.extend(
+                    dunn.into_iter()
+                        .flat_map(|several| several.dunn.iter())
+                        .filter_map(|(name, pair)| {
+                            let z = Statement(format!("*z* = {}", number(pair.z?, 2)));
+                            Some((name.to_owned(), z.p(pair.p_holm?, Adjustment::Holm)))
+                        }),
+                );
+                said
+            }
+            Self::Mixed(found) => found.found.statements(),
+            Self::Ordinal(found) => found.found.model.statements(),
+        }
+    }
+}

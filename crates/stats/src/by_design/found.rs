@@ -1,0 +1,173 @@
+//! What a design called for, and what was found.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    AlignedRanks, AssumptionCheck, Comparison, Factorial, Friedman, GroupsAnalysis, Named, Ordinal,
+    RandomIntercept, Reasons, Wilcoxon,
+};
+
+/// The test that a design calls for, where it is not one factor within subjects.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum ChosenTest {
+    /// Factorial analysis of variance.
+    Factorial,
+    /// Aligned ranks.
+    AlignedRanks,
+    /// Welch's t of two groups.
+    WelchT,
+    /// Mann and Whitney's test of two groups.
+    MannWhitney,
+    /// Welch's analysis of variance of several groups.
+    WelchAnova,
+    /// Kruskal and Wallis' test of several groups.
+    KruskalWallis,
+    /// Mixed model with a random intercept.
+    Mixed,
+    /// Cumulative logit with a random intercept.
+    Ordinal,
+}
+
+/// A chosen test with what it found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Chosen<T> {
+    /// The test.
+    pub chosen: ChosenTest,
+    /// Why, one sentence a step.
+    pub reasons: Vec<String>,
+    /// Every check that was made.
+    pub checks: Vec<AssumptionCheck>,
+    /// What was found, under the names of its own call.
+    #[serde(flatten)]
+    pub found: T,
+}
+
+/// A factorial analysis, and the aligned ranks where they were chosen.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FactorialFinding {
+    /// Analysis of variance, means, contrasts and simple effects.
+    #[serde(flatten)]
+    pub anova: Factorial,
+    /// The effects by aligned ranks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ranks: Option<AlignedRanks>,
+}
+
+/// An ordinal model, and the rank test of the same subjects beside it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OrdinalFinding {
+    /// The model.
+    #[serde(flatten)]
+    pub model: Ordinal,
+    /// The rank test of the complete subjects, as a check; `None` where too few are complete.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beside: Option<RankCheck>,
+}
+
+/// The rank tests beside an ordinal model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RankCheck {
+    /// Complete subjects.
+    pub n: usize,
+    /// Subjects left out of the rank tests because a cell is missing.
+    pub left_out: Vec<String>,
+    /// Of all conditions.
+    pub friedman: Friedman,
+    /// Of each pair, corrected by Holm.
+    pub wilcoxon: Named<Wilcoxon>,
+    /// Why numbers do not exist, by name.
+    pub undefined: Reasons,
+}
+
+/// What a design called for, and what was found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+#[non_exhaustive]
+pub enum ByDesign {
+    /// One factor within subjects.
+    OneFactor(Box<Comparison>),
+    /// Several factors.
+    Factorial(Box<Chosen<FactorialFinding>>),
+    /// Independent groups.
+    Groups(Box<Chosen<GroupsAnalysis>>),
+    /// A covariate, or subjects with missing cells that stay.
+    Mixed(Box<Chosen<RandomIntercept>>),
+    /// Ordered answers.
+    Ordinal(Box<Chosen<OrdinalFinding>>),
+}
+
+impl ByDesign {
+    /// Why this test, one sentence a step.
+    pub fn reasons(&self) -> &[String] {
+        match self {
+            Self::OneFactor(found) => &found.reasons,
+            Self::Factorial(found) => &found.reasons,
+            Self::Groups(found) => &found.reasons,
+            Self::Mixed(found) => &found.reasons,
+            Self::Ordinal(found) => &found.reasons,
+        }
+    }
+
+    /// Every check that was made.
+    pub fn checks(&self) -> &[AssumptionCheck] {
+        match self {
+            Self::OneFactor(found) => &found.checks,
+            Self::Factorial(found) => &found.checks,
+            Self::Groups(found) => &found.checks,
+            Self::Mixed(found) => &found.checks,
+            Self::Ordinal(found) => &found.checks,
+        }
+    }
+
+    /// The comparison of one factor within subjects, if that is what it is.
+    pub fn one_factor(&self) -> Option<&Comparison> {
+        match self {
+            Self::OneFactor(found) => Some(found),
+            _ => None,
+        }
+    }
+
+    /// p of each effect by its name; of one factor, of groups and of answers the single one is `omnibus`.
+    pub fn effects(&self) -> Vec<(&str, Option<f64>)> {
+        match self {
+            Self::OneFactor(found) => vec![("omnibus", found.omnibus.p)],
+            Self::Factorial(found) => match &found.found.ranks {
+                Some(ranks) => ranks.art.iter().map(|(name, e)| (name, e.p)).collect(),
+                None => found.found.anova.effects(),
+            },
+            Self::Groups(found) => vec![("omnibus", group_p(found.chosen, &found.found))],
+            Self::Mixed(found) => {
+                let terms = found.found.anova.iter();
+                terms.map(|(name, t)| (name, t.p)).collect()
+            }
+            Self::Ordinal(found) => vec![("omnibus", found.found.model.quadrature.lr.p)],
+        }
+    }
+}
+
+impl Factorial {
+    /// p of each effect, after Greenhouse and Geisser's correction where its within part has more than one degree of freedom.
+    pub fn effects(&self) -> Vec<(&str, Option<f64>)> {
+        let corrected =
+            |(name, effect): (&'_ str, &crate::FactorialEffect)| match self.sphericity.get(name) {
+                Some(sphericity) => sphericity.p_gg,
+                None => effect.p,
+            };
+        self.anova
+            .iter()
+            .map(|(name, effect)| (name, corrected((name, effect))))
+            .collect()
+    }
+}
+
+fn group_p(chosen: ChosenTest, found: &GroupsAnalysis) -> Option<f64> {
+    let several = found.several.as_ref();
+    match chosen {
+        ChosenTest::WelchT => found.welch_t.values().next()?.p,
+        ChosenTest::MannWhitney => found.mann_whitney.values().next()?.p,
+        ChosenTest::WelchAnova => several?.welch_anova.p,
+        _ => several?.kruskal.p,
+    }
+}

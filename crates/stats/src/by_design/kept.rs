@@ -1,0 +1,78 @@
+//! Covariates, and subjects who stay although a cell is missing: the mixed model.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::{ByDesign, Chosen, ChosenTest, DesignChoice, DesignColumns, said_of_ordinal};
+use crate::{
+    Formula, Predictor, StatsError, factorial::check_between, random_intercept,
+    within_subjects::Index,
+};
+
+/// How many subjects lack a cell that others have.
+pub(super) fn incomplete(data: &DesignColumns<'_>) -> usize {
+    let rows = data.values.len().min(data.subjects.len());
+    if data.within.is_empty() || data.within.iter().any(|(_, cells)| cells.len() < rows) {
+        return 0;
+    }
+    let cell = |row: usize| -> Vec<&str> {
+        let levels = data.within.iter();
+        levels.map(|(_, cells)| cells[row].as_str()).collect()
+    };
+    let cells: BTreeSet<Vec<&str>> = (0..rows).map(cell).collect();
+    let mut filled: BTreeMap<&str, BTreeSet<Vec<&str>>> = BTreeMap::new();
+    for row in 0..rows {
+        let own = filled.entry(data.subjects[row].as_str()).or_default();
+        if data.values[row].is_some() {
+            own.insert(cell(row));
+        }
+    }
+    let short = filled.values().filter(|own| own.len() < cells.len());
+    short.count()
+}
+
+/// The model in words.
+pub(super) fn model_of(subjects: &[String]) -> &'static str {
+    if Index::of(subjects).repeated.is_some() {
+        "mixed model with a random intercept of the subject, by Satterthwaite's degrees of freedom"
+    } else {
+        "linear model, as each subject has a single row (analysis of covariance)"
+    }
+}
+
+/// All factors and their products, and the covariates, in one model.
+pub(super) fn mixed(
+    data: &DesignColumns<'_>,
+    choice: &DesignChoice,
+    mut reasons: Vec<String>,
+) -> Result<ByDesign, StatsError> {
+    reasons.extend(said_of_ordinal(choice, "they are taken as numbers"));
+    for column in &data.between {
+        check_between(data.subjects, column)?;
+    }
+    let within: Vec<(&str, Vec<Option<String>>)> = data
+        .within
+        .iter()
+        .map(|(name, cells)| (*name, cells.iter().cloned().map(Some).collect()))
+        .collect();
+    let between = data.between.iter().map(|(name, cells)| (*name, *cells));
+    let within = within.iter().map(|(name, cells)| (*name, cells.as_slice()));
+    let factors: Vec<(&str, &[Option<String>])> = between.chain(within).collect();
+    let names: Vec<&str> = factors.iter().map(|(name, _)| *name).collect();
+    let covariates: Vec<&str> = data.covariates.iter().map(|(name, _)| *name).collect();
+    let factors = factors
+        .iter()
+        .map(|(name, cells)| (*name, Predictor::Factor(cells)));
+    let numbers = data
+        .covariates
+        .iter()
+        .map(|(name, cells)| (*name, Predictor::Covariate(cells)));
+    let predictors: Vec<(&str, Predictor<'_>)> = factors.chain(numbers).collect();
+    let formula = Formula::crossed(&names, &covariates)?;
+    let found = random_intercept(data.subjects, &formula, &predictors, data.values)?;
+    Ok(ByDesign::Mixed(Box::new(Chosen {
+        chosen: ChosenTest::Mixed,
+        reasons,
+        checks: Vec::new(),
+        found,
+    })))
+}

@@ -1,0 +1,184 @@
+//! The test of one outcome, chosen by the design: what was varied, within whom and between whom, and what was answered.
+
+mod factors;
+mod found;
+mod groups;
+mod kept;
+mod one_factor;
+
+pub use found::{ByDesign, Chosen, ChosenTest, FactorialFinding, OrdinalFinding, RankCheck};
+
+use crate::{
+    AssumptionCheck, BetweenColumn, ShapiroWilk, StatsError, WithinColumn, reasons::p_words,
+};
+
+/// One outcome in a tidy table, a row a cell; all columns have shape `(rows,)`.
+#[derive(Debug, Clone, Default)]
+pub struct DesignColumns<'a> {
+    /// Whose each row is.
+    pub subjects: &'a [String],
+    /// Up to two factors that change within subjects.
+    pub within: Vec<WithinColumn<'a>>,
+    /// Up to two factors that do not.
+    pub between: Vec<BetweenColumn<'a>>,
+    /// Covariates.
+    pub covariates: Vec<(&'a str, &'a [Option<f64>])>,
+    /// The outcome.
+    pub values: &'a [Option<f64>],
+}
+
+/// What the numbers of an outcome are.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum OutcomeScale {
+    /// A measure: its distances count, even if it happens to be whole numbers.
+    #[default]
+    Measure,
+    /// A rating: an item of at most seven whole answers has an order alone, a mean of items has distances.
+    Rating,
+    /// Ordered answers, whatever they look like.
+    Ordinal,
+}
+
+/// What becomes of a subject with a missing cell.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum MissingCells {
+    /// Left out whole, and named.
+    #[default]
+    Listwise,
+    /// Kept, with the cells that are there, in a mixed model.
+    Mixed,
+}
+
+/// How the test is chosen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DesignChoice {
+    /// What the numbers are.
+    pub scale: OutcomeScale,
+    /// What becomes of a subject with a missing cell.
+    pub missing: MissingCells,
+    /// Level of significance.
+    pub alpha: f64,
+    /// Whether Friedman's p is exact where feasible; simulations do without.
+    pub exact: bool,
+}
+
+impl Default for DesignChoice {
+    fn default() -> Self {
+        Self {
+            scale: OutcomeScale::default(),
+            missing: MissingCells::default(),
+            alpha: 0.05,
+            exact: true,
+        }
+    }
+}
+
+/// Chooses the test that the design calls for, runs it, and says why.
+///
+/// | design | test |
+/// | --- | --- |
+/// | a covariate; or missing cells with [`MissingCells::Mixed`] | mixed model with a random intercept, Satterthwaite |
+/// | one factor within, ordered answers | cumulative logit with a random intercept; the rank test beside it |
+/// | one factor within | [`compare`](crate::compare) |
+/// | one factor between | Welch's t or analysis of variance; Mann-Whitney or Kruskal-Wallis where residuals are not normal |
+/// | anything else | factorial analysis of variance, Greenhouse-Geisser by effect; aligned ranks where residuals are not normal |
+///
+/// Residuals are judged by Shapiro and Wilk at 5 %, each over the root mean square of its cell, as in [`compare`](crate::compare);
+/// with factors of both kinds those within subjects and those of the subjects' means both have to pass.
+///
+/// # Errors
+/// Those of the test chosen; [`StatsError::BadParameter`] if `alpha` is not between 0 and 1 or there is nothing to compare.
+///
+/// # Example
+/// ```
+/// use maveric_stats::{ByDesign, ChosenTest, DesignChoice, DesignColumns, compare_by_design};
+/// let people: Vec<String> = (0..12).map(|i| i.to_string()).collect();
+/// let vehicle: Vec<Option<String>> = (0..12).map(|i| Some(["car", "truck"][i % 2].to_owned())).collect();
+/// let speed: Vec<Option<f64>> = (0..12).map(|i| Some(20.0 + (i % 2) as f64 + 0.1 * (i * i % 7) as f64)).collect();
+/// let data = DesignColumns { subjects: &people, between: vec![("vehicle", &vehicle)], values: &speed, ..Default::default() };
+/// let ByDesign::Groups(found) = compare_by_design(&data, &DesignChoice::default())? else { panic!("one factor between") };
+/// assert_eq!(found.chosen, ChosenTest::WelchT);
+/// assert!(found.reasons[0].starts_with("independent groups"));
+/// # Ok::<(), maveric_stats::StatsError>(())
+/// ```
+pub fn compare_by_design(
+    data: &DesignColumns<'_>,
+    choice: &DesignChoice,
+) -> Result<ByDesign, StatsError> {
+    if !(choice.alpha > 0.0 && choice.alpha < 1.0) {
+        return Err(StatsError::BadParameter {
+            name: "alpha".to_owned(),
+            expected: "between 0 and 1".to_owned(),
+            found: choice.alpha,
+        });
+    }
+    let mut reasons = Vec::new();
+    if let Some((name, _)) = data.covariates.first() {
+        reasons.push(format!(
+            "a covariate ({name}): {}",
+            kept::model_of(data.subjects)
+        ));
+        return kept::mixed(data, choice, reasons);
+    }
+    if choice.missing == MissingCells::Mixed {
+        match kept::incomplete(data) {
+            0 => {
+                reasons
+                    .push("no cell is missing, so nobody needs a mixed model to stay".to_owned());
+            }
+            who => {
+                reasons.push(format!(
+                    "{who} of the subjects have a missing cell and are kept: {}",
+                    kept::model_of(data.subjects)
+                ));
+                return kept::mixed(data, choice, reasons);
+            }
+        }
+    }
+    match (&data.within[..], &data.between[..]) {
+        ([(_, conditions)], []) => one_factor::one_factor(data, conditions, choice, reasons),
+        ([], [(_, group)]) => groups::independent(data, group, choice, reasons),
+        _ => factors::several(data, choice, reasons),
+    }
+}
+
+/// Level of the checks of assumptions.
+const CHECK_ALPHA: f64 = 0.05;
+
+fn check(name: &str, found: &ShapiroWilk) -> AssumptionCheck {
+    AssumptionCheck {
+        name: format!("normality of {name} (Shapiro-Wilk)"),
+        statistic: found.w,
+        p: found.p,
+        passed: found.p.map(|p| p >= CHECK_ALPHA),
+    }
+}
+
+/// Whether all checks of normality stand, and the words for it.
+fn judged(checks: &[AssumptionCheck]) -> (bool, String) {
+    let Some(failed) = checks.iter().find(|check| check.passed != Some(true)) else {
+        let p: Vec<String> = checks.iter().filter_map(|c| c.p).map(p_words).collect();
+        let words = p.join("; ");
+        return (
+            true,
+            format!("normality of the standardised residuals is not rejected ({words})"),
+        );
+    };
+    let what = failed.name.trim_start_matches("normality of ");
+    let what = what.trim_end_matches(" (Shapiro-Wilk)");
+    let words = match failed.p {
+        Some(p) => format!("{what} are not normal ({})", p_words(p)),
+        None => format!("{what} cannot be tested for normality"),
+    };
+    (false, words)
+}
+
+/// What a scale means where no model of ordered answers fits the design.
+fn said_of_ordinal(choice: &DesignChoice, what: &str) -> Option<String> {
+    (choice.scale == OutcomeScale::Ordinal).then(|| {
+        format!("ordered answers, as asked, have a model of one factor within subjects alone: {what} instead")
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,109 @@
+//! One factor within subjects: a comparison of means or ranks, or a model of ordered answers.
+
+use super::{
+    ByDesign, Chosen, ChosenTest, DesignChoice, DesignColumns, OrdinalFinding, OutcomeScale,
+    RankCheck,
+};
+use crate::{
+    Reasons, StatsError, WithinSubjects, compare, compare_without_exact, ordinal, within,
+    within_without_exact,
+};
+
+/// Different answers at most of an item.
+const MOST_ANSWERS: usize = 7;
+
+/// Whether the answers are of few whole numbers; and what speaks for or against, in words.
+fn few_whole_answers(values: &[Option<f64>]) -> Result<String, String> {
+    let mut different: Vec<f64> = values.iter().flatten().copied().collect();
+    different.sort_by(f64::total_cmp);
+    different.dedup_by(|a, b| (*a - *b).abs() <= 0.0);
+    if let Some(part) = different.iter().find(|v| v.fract().abs() > 0.0) {
+        return Err(format!(
+            "{part} is no whole number: a mean of items, not an item"
+        ));
+    }
+    let count = different.len();
+    if count > MOST_ANSWERS {
+        return Err(format!(
+            "{count} different answers are more than {MOST_ANSWERS}"
+        ));
+    }
+    Ok(format!("{count} different whole answers"))
+}
+
+/// Whether the answers are modelled as ordered, and why.
+fn as_answers(scale: OutcomeScale, values: &[Option<f64>]) -> (bool, Option<String>) {
+    const MODEL: &str = "cumulative logit with a random intercept of the subject";
+    match (scale, few_whole_answers(values)) {
+        (OutcomeScale::Measure, Ok(words)) => (
+            false,
+            Some(format!(
+                "{words}, but a measure: its distances count; ordered answers have to be asked for"
+            )),
+        ),
+        (OutcomeScale::Measure, Err(_)) => (false, None),
+        (OutcomeScale::Rating, Ok(words)) => (
+            true,
+            Some(format!(
+                "an item ({words}), of which only the order counts: {MODEL}"
+            )),
+        ),
+        (OutcomeScale::Rating, Err(why)) => (
+            false,
+            Some(format!("a scale, not an item ({why}): its distances count")),
+        ),
+        (OutcomeScale::Ordinal, _) => (true, Some(format!("ordered answers, as asked: {MODEL}"))),
+    }
+}
+
+pub(super) fn one_factor(
+    data: &DesignColumns<'_>,
+    conditions: &[String],
+    choice: &DesignChoice,
+    mut reasons: Vec<String>,
+) -> Result<ByDesign, StatsError> {
+    let (as_answers, why) = as_answers(choice.scale, data.values);
+    reasons.extend(why);
+    let complete = WithinSubjects::from_long(data.subjects, conditions, data.values);
+    if as_answers {
+        let model = ordinal(data.subjects, conditions, data.values)?;
+        reasons
+            .push("the rank test of the complete subjects stands beside it, as a check".to_owned());
+        let beside = complete.ok().map(|data| rank_check(&data, choice.exact));
+        return Ok(ByDesign::Ordinal(Box::new(Chosen {
+            chosen: ChosenTest::Ordinal,
+            reasons,
+            checks: Vec::new(),
+            found: OrdinalFinding { model, beside },
+        })));
+    }
+    let complete = complete?;
+    let mut found = if choice.exact {
+        compare(&complete, choice.alpha)?
+    } else {
+        compare_without_exact(&complete, choice.alpha)?
+    };
+    found.reasons.splice(0..0, reasons);
+    Ok(ByDesign::OneFactor(Box::new(found)))
+}
+
+fn rank_check(data: &WithinSubjects, exact: bool) -> RankCheck {
+    let all = if exact {
+        within(data)
+    } else {
+        within_without_exact(data)
+    };
+    let mut undefined = Reasons::default();
+    for (name, reason) in all.undefined.iter() {
+        if name.starts_with("friedman") || name.starts_with("wilcoxon") {
+            undefined.note(name, reason);
+        }
+    }
+    RankCheck {
+        n: data.n(),
+        left_out: data.dropped().to_vec(),
+        friedman: all.friedman,
+        wilcoxon: all.wilcoxon,
+        undefined,
+    }
+}

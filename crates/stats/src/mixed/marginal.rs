@@ -1,0 +1,158 @@
+//! Marginal means of a mixed model, and their differences.
+
+use serde::{Deserialize, Serialize};
+
+use super::{columns::Weight, formula::Formula, random_intercept::Described};
+use crate::{
+    Adjustment, MarginalMean, Named, Reasons,
+    numerics::distributions::{t_quantile_two_sided, t_two_sided},
+};
+
+/// The difference of two marginal means of a mixed model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MarginalContrast {
+    /// A minus B.
+    pub estimate: f64,
+    /// Its standard error.
+    pub se: f64,
+    /// Satterthwaite's degrees of freedom.
+    pub df: Option<f64>,
+    /// estimate / se.
+    pub t: f64,
+    /// Two-sided.
+    pub p: Option<f64>,
+    /// Holm's correction over the pairs of the term.
+    pub p_holm: Option<f64>,
+    /// Lower end of the 95 % interval, not adjusted.
+    pub ci_low: Option<f64>,
+    /// Upper end.
+    pub ci_high: Option<f64>,
+}
+
+/// A cell of a term's factors: its levels, and the combination of coefficients that is its mean.
+pub(super) struct Cell<'a> {
+    levels: Vec<&'a str>,
+    weights: Vec<f64>,
+}
+
+impl Cell<'_> {
+    fn name(&self) -> String {
+        self.levels.join(":")
+    }
+
+    /// Whether the cells differ in one factor alone: a simple difference.
+    fn is_beside(&self, other: &Self) -> bool {
+        let pairs = self.levels.iter().zip(&other.levels);
+        pairs.filter(|(a, b)| a != b).count() == 1
+    }
+}
+
+pub(super) const NO_FREEDOM: &str =
+    "the variances have no information, so neither have degrees of freedom";
+
+impl Described<'_> {
+    /// The cells of each term that has factors alone: covariates at their mean, other factors averaged.
+    fn cells(&self, formula: &Formula) -> Vec<(String, Vec<Cell<'_>>)> {
+        let mut found = Vec::new();
+        for term in formula.terms() {
+            let levels: Option<Vec<&[String]>> =
+                term.iter().map(|&p| self.columns.levels(p)).collect();
+            let Some(levels) = levels else { continue };
+            let mut cells = vec![(Vec::new(), self.columns.at_means())];
+            for (&p, levels) in term.iter().zip(&levels) {
+                let mut next = Vec::new();
+                for (names, weights) in &cells {
+                    for (i, level) in levels.iter().enumerate() {
+                        let (mut names, mut weights) = (names.clone(), weights.clone());
+                        names.push(level.as_str());
+                        let one = (0..levels.len()).map(|j| f64::from(u8::from(i == j)));
+                        weights[p] = Weight::Levels(one.collect());
+                        next.push((names, weights));
+                    }
+                }
+                cells = next;
+            }
+            let cells = cells.into_iter().map(|(levels, weights)| Cell {
+                levels,
+                weights: self.columns.combination(&weights),
+            });
+            found.push((formula.name(term), cells.collect()));
+        }
+        found
+    }
+
+    /// Means by term and cell.
+    pub(super) fn means(
+        &self,
+        formula: &Formula,
+        undefined: &mut Reasons,
+    ) -> Named<Named<MarginalMean>> {
+        let mut one = |term: &str, cell: &Cell| {
+            let (mean, se, df) = self.estimate(&cell.weights);
+            let half = df.and_then(|df| Some(se * t_quantile_two_sided(0.05, df)?));
+            let name = cell.name();
+            if half.is_none() {
+                undefined.note(&format!("emm.{term}.{name}"), NO_FREEDOM);
+            }
+            let mean = MarginalMean {
+                mean,
+                se,
+                ci_low: half.map(|h| mean - h),
+                ci_high: half.map(|h| mean + h),
+            };
+            (name, mean)
+        };
+        let terms = self.cells(formula).into_iter();
+        terms
+            .map(|(term, cells)| {
+                let means = cells.iter().map(|cell| one(&term, cell)).collect();
+                (term, means)
+            })
+            .collect()
+    }
+
+    /// Differences by term and pair of cells; of an interaction the pairs that differ in one factor.
+    pub(super) fn contrasts(
+        &self,
+        formula: &Formula,
+        undefined: &mut Reasons,
+    ) -> Named<Named<MarginalContrast>> {
+        let mut found = Vec::new();
+        for (term, cells) in self.cells(formula) {
+            let mut pairs = Vec::new();
+            for (i, a) in cells.iter().enumerate() {
+                for b in cells[i + 1..].iter().filter(|b| a.is_beside(b)) {
+                    let name = format!("{}|{}", a.name(), b.name());
+                    let contrast = self.contrast(a, b);
+                    if contrast.p.is_none() {
+                        undefined.note(&format!("contrast.{term}.{name}"), NO_FREEDOM);
+                    }
+                    pairs.push((name, contrast));
+                }
+            }
+            let p: Vec<Option<f64>> = pairs.iter().map(|(_, pair)| pair.p).collect();
+            for ((_, pair), p) in pairs.iter_mut().zip(Adjustment::Holm.apply_defined(&p)) {
+                pair.p_holm = p;
+            }
+            found.push((term, pairs.into_iter().collect()));
+        }
+        found.into_iter().collect()
+    }
+
+    fn contrast(&self, a: &Cell, b: &Cell) -> MarginalContrast {
+        let weights = a.weights.iter().zip(&b.weights).map(|(a, b)| a - b);
+        let (estimate, se, df) = self.estimate(&weights.collect::<Vec<f64>>());
+        let t = estimate / se;
+        let half = df.and_then(|df| Some(se * t_quantile_two_sided(0.05, df)?));
+        MarginalContrast {
+            estimate,
+            se,
+            df,
+            t,
+            p: df.map(|df| t_two_sided(t, df)),
+            p_holm: None,
+            ci_low: half.map(|h| estimate - h),
+            ci_high: half.map(|h| estimate + h),
+        }
+    }
+}

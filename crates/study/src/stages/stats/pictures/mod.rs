@@ -1,0 +1,101 @@
+//! The figure of a result: rainclouds with contrasts, a scatter, or a forest.
+
+mod cells;
+mod designs;
+mod points;
+
+pub(super) use cells::{conditions, pairs};
+pub(super) use designs::{
+    aligned, by_design, equivalence, factorial, groups, mixed, ordinal, plain_cells,
+};
+pub(super) use points::{correlation, within_people};
+
+use crate::{atomic_write::atomic_write_bytes, error::StudyError};
+use maveric_report::{
+    Context, Figure,
+    figures::{
+        comparison::{Comparison, ComparisonPanel, comparison},
+        forest::{Forest, forest},
+        scatter::{Scatter, scatter},
+    },
+    markup,
+};
+use maveric_stats::apa;
+use std::path::Path;
+
+/// What is drawn of one result.
+#[derive(Debug)]
+pub(super) enum Picture {
+    /// Groups, conditions or cells; the sentences say what intervals and brackets are.
+    Panel(ComparisonPanel, &'static str, &'static str),
+    /// Two columns.
+    Scatter(Scatter),
+    /// Contrasts or coefficients.
+    Forest(Forest),
+}
+
+/// Draws one result, or the panels of several outcomes, into an SVG or PNG file.
+pub(super) fn write(path: &Path, pictures: Vec<Picture>) -> Result<(), StudyError> {
+    let figure = draw(pictures)?;
+    let bytes = if svg(path)? {
+        figure.standalone_svg().into_bytes()
+    } else {
+        figure.png()?
+    };
+    atomic_write_bytes(path, &bytes)
+}
+
+/// Whether the file is to be SVG; else PNG.
+pub(super) fn svg(path: &Path) -> Result<bool, StudyError> {
+    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    match ending.as_deref() {
+        Some("svg") => Ok(true),
+        Some("png") => Ok(false),
+        _ => Err(StudyError::NotPossible {
+            problem: format!("{}: a figure is written as .svg or .png", path.display()),
+            help: None,
+        }),
+    }
+}
+
+fn draw(pictures: Vec<Picture>) -> Result<Figure, StudyError> {
+    let context = Context::real();
+    let (mut panels, mut forests, mut scatters) = (Vec::new(), Vec::new(), Vec::new());
+    let mut said = ("", "");
+    for picture in pictures {
+        match picture {
+            Picture::Panel(panel, intervals, contrasts) => {
+                said = (intervals, contrasts);
+                panels.push(panel);
+            }
+            Picture::Forest(found) => forests.push(found),
+            Picture::Scatter(found) => scatters.push(found),
+        }
+    }
+    if let Some(mut first) = forests.pop() {
+        // Several outcomes under each other, each row with its own.
+        while let Some(other) = forests.pop() {
+            first.title = format!("{}; {}", other.title, first.title);
+            first.rows.splice(0..0, other.rows);
+        }
+        return Ok(forest(&first, &context)?);
+    }
+    if let Some(found) = scatters.pop() {
+        return Ok(scatter(&found, &context)?);
+    }
+    let input = Comparison {
+        panels,
+        intervals: said.0.to_owned(),
+        contrasts: said.1.to_owned(),
+    };
+    Ok(comparison(&input, &context)?)
+}
+
+/// The first sentence of a result, for above a panel.
+pub(super) fn first(found: &impl apa::Statements) -> String {
+    let first = found.statements().into_iter().next();
+    first.map_or_else(
+        || markup::literal("no test has a value"),
+        |(_, said)| said.markup().to_owned(),
+    )
+}

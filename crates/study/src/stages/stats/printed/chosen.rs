@@ -1,0 +1,83 @@
+//! The report of what a design called for: why, and the report of that test.
+
+use super::{
+    Printed, aligned,
+    cells::{p, share, table},
+    comparison, factorial, groups, mixed, ordinal,
+};
+use maveric_report::{
+    markup,
+    tables::{Cell, Table},
+};
+use maveric_stats::{AssumptionCheck, ByDesign, RankCheck};
+
+pub(in crate::stages::stats) fn by_design(found: &ByDesign) -> Printed {
+    let mut inner = match found {
+        ByDesign::OneFactor(found) => return comparison(found),
+        ByDesign::Factorial(found) => {
+            let mut printed = factorial(&found.found.anova);
+            if let Some(ranks) = &found.found.ranks {
+                // The effects that count in the place of those of the analysis of variance.
+                printed.tables.splice(0..1, aligned(ranks).tables);
+            }
+            printed
+        }
+        ByDesign::Groups(found) => groups(&found.found),
+        ByDesign::Mixed(found) => mixed(&found.found),
+        ByDesign::Ordinal(found) => {
+            let printed = ordinal(&found.found.model);
+            match &found.found.beside {
+                Some(beside) => printed.table(ranks(beside)),
+                None => printed,
+            }
+        }
+        _ => return Printed::default(),
+    };
+    let mut printed = Printed::default()
+        .table(checks(found.checks()))
+        .lines("Why this test", why(found.reasons()));
+    printed.heading = std::mem::take(&mut inner.heading);
+    printed.tables.append(&mut inner.tables);
+    printed
+}
+
+/// The reasons, numbered, with marks.
+pub(super) fn why(reasons: &[String]) -> Vec<String> {
+    let numbered = reasons.iter().enumerate();
+    numbered
+        .map(|(i, reason)| markup::literal(&format!("{}. {reason}", i + 1)))
+        .collect()
+}
+
+/// The assumptions that were looked at.
+pub(super) fn checks(all: &[AssumptionCheck]) -> Table {
+    let mut table = table("Checks", &["Assumption", "*W*", "*p*", "Stands"]);
+    for check in all {
+        let stands = check.passed.map_or(Cell::Missing, |passed| {
+            Cell::text(if passed { "yes" } else { "no" })
+        });
+        table.rows.push(vec![
+            Cell::text(&check.name),
+            share(check.statistic),
+            p(check.p),
+            stands,
+        ]);
+    }
+    table
+}
+
+fn ranks(beside: &RankCheck) -> Table {
+    let title = format!(
+        "Rank tests of the {} complete subjects, as a check",
+        beside.n
+    );
+    let mut table = table(&title, &["", "*p*"]);
+    let f = &beside.friedman;
+    let omnibus = p(f.p_exact.or(f.f_p).or(f.p));
+    table.rows.push(vec![Cell::text("Friedman"), omnibus]);
+    for (name, w) in beside.wilcoxon.iter() {
+        let name = Cell::text(format!("Wilcoxon {name}, Holm"));
+        table.rows.push(vec![name, p(w.p_holm)]);
+    }
+    table
+}

@@ -1,0 +1,157 @@
+//! The columns of any design, read from a table.
+
+use super::columns;
+use crate::{error::StudyError, tables::Table};
+use maveric_stats::{DesignColumns, FactorialDesign};
+
+/// Which columns a design has.
+#[derive(Debug, Clone, Default)]
+pub struct FactorColumns {
+    /// Whose row it is; without it every row is a subject.
+    pub subject: Option<String>,
+    /// Factors within subjects.
+    pub within: Vec<String>,
+    /// Factors between subjects.
+    pub between: Vec<String>,
+    /// Covariates.
+    pub covariates: Vec<String>,
+    /// The value.
+    pub value: String,
+}
+
+/// Their cells.
+#[derive(Debug)]
+pub(super) struct DesignRows {
+    subjects: Vec<String>,
+    within: Vec<(String, Vec<String>)>,
+    between: Vec<(String, Vec<Option<String>>)>,
+    covariates: Vec<(String, Vec<Option<f64>>)>,
+    values: Vec<Option<f64>>,
+}
+
+impl DesignRows {
+    pub(super) fn read(table: &Table, columns: &FactorColumns) -> Result<Self, StudyError> {
+        let subjects = match &columns.subject {
+            Some(subject) => columns::labels(table, subject)?,
+            None => (1..=table.rows()).map(|row| row.to_string()).collect(),
+        };
+        let within = columns.within.iter();
+        let between = columns.between.iter();
+        let covariates = columns.covariates.iter();
+        Ok(Self {
+            subjects,
+            within: within
+                .map(|f| Ok((f.clone(), columns::labels(table, f)?)))
+                .collect::<Result<_, StudyError>>()?,
+            between: between
+                .map(|f| Ok((f.clone(), table.text(f)?)))
+                .collect::<Result<_, StudyError>>()?,
+            covariates: covariates
+                .map(|f| Ok((f.clone(), table.numbers(f)?)))
+                .collect::<Result<_, StudyError>>()?,
+            values: table.numbers(&columns.value)?,
+        })
+    }
+
+    /// One factor: conditions of the same people, or groups of different ones.
+    pub(super) fn one_factor(
+        table: &Table,
+        subject: Option<&str>,
+        factor: &str,
+        value: &str,
+    ) -> Result<Self, StudyError> {
+        let columns = FactorColumns {
+            subject: subject.map(str::to_owned),
+            between: vec![factor.to_owned()],
+            value: value.to_owned(),
+            ..FactorColumns::default()
+        };
+        Self::read(table, &columns)
+    }
+
+    pub(super) fn columns(&self) -> DesignColumns<'_> {
+        DesignColumns {
+            subjects: &self.subjects,
+            within: self
+                .within
+                .iter()
+                .map(|(n, c)| (n.as_str(), &c[..]))
+                .collect(),
+            between: self
+                .between
+                .iter()
+                .map(|(n, c)| (n.as_str(), &c[..]))
+                .collect(),
+            covariates: (self.covariates.iter())
+                .map(|(n, c)| (n.as_str(), &c[..]))
+                .collect(),
+            values: &self.values,
+        }
+    }
+
+    pub(super) fn design(&self) -> Result<FactorialDesign, StudyError> {
+        let all = self.columns();
+        let design =
+            FactorialDesign::from_columns(all.subjects, &all.within, &all.between, all.values)?;
+        Ok(design)
+    }
+
+    /// Levels of each factor in order of appearance, those between subjects first.
+    pub(super) fn levels(&self) -> Vec<Vec<&str>> {
+        let mut found: Vec<Vec<&str>> = Vec::new();
+        for (_, cells) in &self.between {
+            found.push(distinct(cells.iter().flatten()));
+        }
+        for (_, cells) in &self.within {
+            found.push(distinct(cells.iter()));
+        }
+        found
+    }
+
+    /// The cell of a row, the last factor counting fastest.
+    fn cell(&self, row: usize, levels: &[Vec<&str>]) -> Option<usize> {
+        let between = self.between.iter().map(|(_, cells)| cells[row].as_deref());
+        let within = self
+            .within
+            .iter()
+            .map(|(_, cells)| Some(cells[row].as_str()));
+        let mut at = 0;
+        for (level, levels) in between.chain(within).zip(levels) {
+            let level = level?;
+            at = at * levels.len() + levels.iter().position(|known| *known == level)?;
+        }
+        Some(at)
+    }
+
+    /// A row a person, a column a cell; whoever has several values in a cell has several rows.
+    pub(super) fn people(&self, levels: &[Vec<&str>]) -> Vec<Vec<Option<f64>>> {
+        let count: usize = levels.iter().map(Vec::len).product();
+        let mut people: Vec<(&str, Vec<Option<f64>>)> = Vec::new();
+        for (row, (who, value)) in self.subjects.iter().zip(&self.values).enumerate() {
+            let (Some(at), Some(value)) = (self.cell(row, levels), value) else {
+                continue;
+            };
+            let own = people
+                .iter_mut()
+                .find(|(known, own)| known == who && own[at].is_none());
+            if let Some((_, own)) = own {
+                own[at] = Some(*value);
+            } else {
+                let mut own = vec![None; count];
+                own[at] = Some(*value);
+                people.push((who, own));
+            }
+        }
+        people.into_iter().map(|(_, row)| row).collect()
+    }
+}
+
+fn distinct<'a>(cells: impl Iterator<Item = &'a String>) -> Vec<&'a str> {
+    let mut seen: Vec<&str> = Vec::new();
+    for cell in cells {
+        if !seen.contains(&cell.as_str()) {
+            seen.push(cell);
+        }
+    }
+    seen
+}

@@ -1,0 +1,153 @@
+//! From a table to the result of one test.
+
+use super::{
+    columns, designs, pictures, printed,
+    ran::{Ran, plain},
+    test::{Resampled, Test},
+};
+use crate::{error::StudyError, tables::Table};
+use maveric_stats::{self as tests, Bootstrap, BootstrapData, BootstrapSettings, apa::Statements};
+use serde_json::{Map, json};
+
+/// Confidence of an interval and level of a test.
+pub(super) const ALPHA: f64 = 0.05;
+
+pub(super) fn run(table: &Table, test: &Test) -> Result<Ran, StudyError> {
+    Ok(match test {
+        Test::Within(c) => {
+            let data = columns::within(table, c)?;
+            let found = tests::within(&data);
+            let p = found.paired.values().map(|pair| pair.p_holm);
+            let picture =
+                pictures::conditions(&data, &c.value, pictures::first(&found), &found.desc, p);
+            Ran::of(&found, printed::whole(&found)).drawn(picture)
+        }
+        Test::RmAnova(c) => {
+            let data = columns::within(table, c)?;
+            let found = tests::rm_anova(&data);
+            let none = std::iter::empty();
+            let picture =
+                pictures::conditions(&data, &c.value, pictures::first(&found), &found.desc, none);
+            Ran::of(&found, printed::rm_anova(&found)).drawn(picture)
+        }
+        Test::Friedman(c) => {
+            let data = columns::within(table, c)?;
+            let found = tests::friedman(&data);
+            let none = std::iter::empty();
+            let picture =
+                pictures::conditions(&data, &c.value, pictures::first(&found), &found.desc, none);
+            Ran::of(&found, printed::friedman(&found)).drawn(picture)
+        }
+        Test::Posthoc {
+            columns: c,
+            test,
+            adjust,
+        } => {
+            let data = columns::within(table, c)?;
+            let found = tests::posthoc(&data, *test, *adjust, ALPHA)?;
+            let desc = tests::rm_anova(&data).desc;
+            let picture = pictures::pairs(&data, &c.value, &desc, &found);
+            Ran::of(&found, printed::posthoc(&found)).drawn(picture)
+        }
+        Test::Correlate {
+            x,
+            y,
+            method,
+            subject,
+        } => {
+            let subjects = subject
+                .as_ref()
+                .map(|s| columns::labels(table, s))
+                .transpose()?;
+            let (of_x, of_y) = (table.numbers(x)?, table.numbers(y)?);
+            let found = tests::correlate(&of_x, &of_y, *method, subjects.as_deref())?;
+            let picture = pictures::correlation((x, &of_x), (y, &of_y), pictures::first(&found));
+            Ran::of(&found, printed::correlation(&found, x, y)).drawn(picture)
+        }
+        Test::Rmcorr { subject, x, y } => {
+            let subjects = columns::labels(table, subject)?;
+            let (of_x, of_y) = (table.numbers(x)?, table.numbers(y)?);
+            let found = tests::rm_correlation(&subjects, &of_x, &of_y)?;
+            let (slope, said) = (found.rm_corr.slope, pictures::first(&found));
+            let picture = pictures::within_people(&subjects, (x, &of_x), (y, &of_y), slope, said);
+            Ran::of(&found, printed::rm_correlation(&found, x, y)).drawn(picture)
+        }
+        Test::Normality { value, group: None } => {
+            Ran::plainly(&tests::normality(&table.numbers(value)?)?)
+        }
+        Test::Normality {
+            value,
+            group: Some(group),
+        } => {
+            let (mut groups, mut said) = (Map::new(), Vec::new());
+            for (name, values) in columns::grouped(table, group, value)? {
+                let found = tests::normality(&values)?;
+                said.extend(
+                    found
+                        .statements()
+                        .into_iter()
+                        .map(|(_, s)| (name.clone(), s)),
+                );
+                groups.insert(name, plain(&found));
+            }
+            Ran {
+                said,
+                ..Ran::numbers(json!({ "group": groups }))
+            }
+        }
+        Test::Levene { group, value } => Ran::plainly(&tests::levene(
+            &columns::labels(table, group)?,
+            &table.numbers(value)?,
+        )?),
+        Test::Alpha { items, subject } => {
+            let found: Result<Vec<_>, StudyError> = items
+                .iter()
+                .map(|item| Ok((item.as_str(), table.numbers(item)?)))
+                .collect();
+            let found = found?;
+            let items: Vec<(&str, &[Option<f64>])> =
+                found.iter().map(|(n, c)| (*n, c.as_slice())).collect();
+            let people = subject
+                .as_ref()
+                .map(|s| columns::labels(table, s))
+                .transpose()?;
+            Ran::plainly(&tests::alpha(&items, people.as_deref())?)
+        }
+        Test::Adjust { p } => Ran::numbers(plain(&tests::adjust(&table.all_numbers(p)?)?)),
+        Test::Bootstrap {
+            resampled,
+            resamples,
+            seed,
+        } => Ran::plainly(&bootstrap(table, resampled, *resamples, *seed)?),
+        Test::Power => Ran::numbers(plain(&tests::power(&columns::power_questions(table)?)?)),
+        Test::Recheck => Ran::numbers(plain(&tests::recheck(&columns::reported(table)?)?)),
+        Test::Design(design) => designs::run(table, design)?,
+    })
+}
+
+fn bootstrap(
+    table: &Table,
+    resampled: &Resampled,
+    resamples: usize,
+    seed: u64,
+) -> Result<Bootstrap, StudyError> {
+    let settings = BootstrapSettings {
+        resamples,
+        seed,
+        confidence: 1.0 - ALPHA,
+    };
+    Ok(match resampled {
+        Resampled::Column { statistic, value } => {
+            let values = table.numbers(value)?;
+            tests::bootstrap(*statistic, BootstrapData::Values(&values), &settings)
+        }
+        Resampled::Pair { statistic, x, y } => {
+            let (x, y) = (table.numbers(x)?, table.numbers(y)?);
+            tests::bootstrap(*statistic, BootstrapData::Pairs(&x, &y), &settings)
+        }
+        Resampled::Design { statistic, columns } => {
+            let data = columns::within(table, columns)?;
+            tests::bootstrap(*statistic, BootstrapData::Within(&data), &settings)
+        }
+    }?)
+}

@@ -1,0 +1,317 @@
+//! `maveric stats` of designs beyond one factor: what is chosen, how it is said and drawn, and what is refused by name.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test stops at the first surprise"
+)]
+
+mod support;
+
+use serde_json::Value;
+use std::fmt::Write as _;
+use support::{Ran, TempStudy};
+
+/// Sixteen people in two vehicles, in two styles under two loads; with an age, a speed and an answer.
+fn table() -> String {
+    let mut text = String::from("id,vehicle,style,load,age,score,speed,answer\n");
+    let mut power = 5_i32;
+    for i in 0..16 {
+        for (j, (style, load)) in [
+            ("calm", "low"),
+            ("calm", "high"),
+            ("sporty", "low"),
+            ("sporty", "high"),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            // 5 is a primitive root of 97: no order, no ties.
+            power = power * 5 % 97;
+            let score = f64::from(i % 5) + j as f64 + f64::from(power) / 24.0;
+            let vehicle = ["car", "truck"][i as usize % 2];
+            let _ = writeln!(
+                text,
+                "P{i},{vehicle},{style},{load},{},{score:.3},{:.3},{}",
+                20 + 3 * i % 29,
+                20.0 + score + f64::from(power % 7),
+                1 + (i + 2 * i32::from(j > 1) + power % 2) % 5,
+            );
+        }
+    }
+    text
+}
+
+fn call(study: &TempStudy, words: &str, more: &[&str]) -> Ran {
+    let words: Vec<&str> = words.split(' ').collect();
+    let whole = [&["stats", words[0], "d.csv"], &words[1..], more].concat();
+    study.maveric(&whole)
+}
+
+fn json(study: &TempStudy, words: &str) -> Value {
+    let ran = call(study, words, &["--format", "json"]).ok();
+    serde_json::from_str(&ran.stdout).unwrap()
+}
+
+fn with(table: &str) -> TempStudy {
+    let study = TempStudy::new();
+    study.write("d.csv", table);
+    study
+}
+
+/// Rows under the low load alone.
+const LOW: &str = "--where load=low";
+
+#[test]
+fn a_comparison_chooses_by_the_design_and_finds_what_the_call_of_its_own_finds() {
+    let study = with(&table());
+    for (design, chosen, own, parts) in [
+        (
+            "--subject id --within style,load --value score".to_owned(),
+            &["factorial", "aligned-ranks"][..],
+            "factorial --subject id --within style,load --value score".to_owned(),
+            &["anova", "emm", "contrast", "simple", "sphericity"][..],
+        ),
+        (
+            format!("--subject id --within style --between vehicle --value score {LOW}"),
+            &["factorial", "aligned-ranks"],
+            format!("factorial --subject id --within style --between vehicle --value score {LOW}"),
+            &["anova", "emm", "contrast", "simple"],
+        ),
+        (
+            format!("--between vehicle --value score {LOW} --where style=calm"),
+            &["welch-t", "mann-whitney"],
+            format!("groups --group vehicle --value score {LOW} --where style=calm"),
+            &["welch_t", "mann_whitney", "hedges", "desc"],
+        ),
+        (
+            format!("--subject id --within style --covariate age --value score {LOW}"),
+            &["mixed"],
+            format!("mixed --subject id --fixed style+age --value score {LOW}"),
+            &["coef", "anova", "emm", "contrast", "variance"],
+        ),
+        (
+            format!("--subject id --within style --ordinal --value answer {LOW}"),
+            &["ordinal"],
+            format!("ordinal --subject id --within style --value answer {LOW}"),
+            &["threshold", "coef", "lr", "laplace", "variance"],
+        ),
+        (
+            format!("--subject id --within style --value score {LOW}"),
+            &["paired-t", "wilcoxon"],
+            format!("within --subject id --within style --value score {LOW}"),
+            &["desc"],
+        ),
+    ] {
+        let found = json(&study, &format!("compare {design}"));
+        let name = found["chosen"].as_str().unwrap();
+        assert!(chosen.contains(&name), "{design}: {name}");
+        assert!(!found["reasons"].as_array().unwrap().is_empty(), "{design}");
+        assert!(!found["apa"].as_object().unwrap().is_empty(), "{design}");
+        let alone = json(&study, &own);
+        for part in parts {
+            assert!(!found[part].is_null(), "{design}: no {part}");
+            assert_eq!(found[part], alone[part], "{design}: {part}");
+        }
+    }
+}
+
+#[test]
+fn a_person_without_a_cell_leaves_by_name_or_stays_in_a_mixed_model() {
+    let mut rows: Vec<String> = table().lines().map(str::to_owned).collect();
+    rows.remove(2);
+    let study = with(&(rows.join("\n") + "\n"));
+    let compare = "compare --subject id --within style,load --between vehicle --value score";
+    let out = call(&study, compare, &[]).ok();
+    assert!(
+        out.stderr.contains("P0") && out.stdout.contains("15 subjects"),
+        "{}",
+        out.stdout
+    );
+    let kept = json(&study, &format!("{compare} --missing mixed"));
+    assert_eq!(kept["chosen"], "mixed");
+    assert_eq!(
+        (&kept["n_obs"], &kept["n_subjects"]),
+        (&63.into(), &16.into())
+    );
+    let why = kept["reasons"][0].as_str().unwrap();
+    assert!(
+        why.contains("1 of the subjects") && why.contains("are kept"),
+        "{why}"
+    );
+}
+
+/// Each call with a sentence, the beginning of that sentence, and whether there is something to draw.
+const CALLS: [(&str, &str, bool); 11] = [
+    (
+        "factorial --subject id --within style,load --value score",
+        "style: F(1, 15) = ",
+        true,
+    ),
+    (
+        "factorial --subject id --within style,load --value score --method art",
+        "style: F(1, 45) = ",
+        true,
+    ),
+    (
+        "groups --group vehicle --value score --where style=calm --where load=low",
+        "welch_t: t(",
+        true,
+    ),
+    (
+        "groups --group style --value score --where load=low",
+        "welch_t: t(",
+        true,
+    ),
+    (
+        "equivalence --subject id --within style --value score --bounds=-1,1 --where load=low",
+        "t(15) = ",
+        true,
+    ),
+    (
+        "equivalence --subject id --within style --value score --bounds=-1,1 --standardized --where load=low",
+        "t(15) = ",
+        true,
+    ),
+    (
+        "bayes --subject id --within style --value score --where load=low",
+        "BF",
+        true,
+    ),
+    ("bayes --value score --mu=3", "BF", false),
+    ("bayes --x score --y speed", "BF", true),
+    (
+        "mixed --subject id --fixed style*load+age --value score",
+        "style: F(1, ",
+        true,
+    ),
+    (
+        "ordinal --subject id --within style --value answer",
+        "lr: χ²(1) = ",
+        true,
+    ),
+];
+
+#[test]
+fn each_analysis_has_its_sentence_its_tables_and_its_figure() {
+    let study = with(&table());
+    for (words, sentence, drawn) in CALLS {
+        let said = call(&study, words, &["--apa"]).ok().stdout;
+        assert!(said.starts_with(sentence), "{words}: {said}");
+        let latex = call(&study, words, &["--latex"]).ok().stdout;
+        assert!(latex.contains("\\begin{tabular}"), "{words}: {latex}");
+        let markdown = call(&study, words, &["--markdown"]).ok().stdout;
+        assert!(markdown.contains("| --"), "{words}: {markdown}");
+        let text = call(&study, words, &[]).ok().stdout;
+        assert!(
+            !text.contains("NaN") && !text.contains("p_anderson"),
+            "{words}: {text}"
+        );
+        let figure = call(&study, words, &["--figure", "f.svg"]);
+        if drawn {
+            figure.ok();
+            assert!(
+                std::fs::read_to_string(study.path("f.svg"))
+                    .unwrap()
+                    .contains("<svg")
+            );
+            std::fs::remove_file(study.path("f.svg")).unwrap();
+        } else {
+            figure.failed(1, &["`bayes` has nothing to draw"]);
+        }
+    }
+}
+
+#[test]
+fn a_wide_table_is_a_design_of_one_factor_for_every_call_that_has_one() {
+    let study = TempStudy::new();
+    study.write("d.csv", "a,b,c\n1,2,4\n2,2,3\n3,5,5\n1,4,3\n2,3,5\n4,3,5\n");
+    let compared = json(&study, "compare --wide a,b,c");
+    let tested = json(&study, "factorial --wide a,b,c");
+    assert_eq!((&compared["n"], &tested["n"]), (&6.into(), &6.into()));
+    assert!(tested["anova"]["condition"]["F"].is_number());
+}
+
+#[test]
+fn what_no_test_can_take_is_refused_by_the_name_of_what_is_wrong() {
+    let whole = table();
+    let each = |old: &str, new: &str| whole.replace(old, new);
+    let factorial =
+        "factorial --subject id --within style --between vehicle --value score --where load=low";
+    let mixed = "mixed --subject id --fixed style+age+twice --value score";
+    let head = whole.lines().next().unwrap();
+    let twice: String = std::iter::once(format!("{head},twice\n"))
+        .chain(whole.lines().skip(1).map(|row| {
+            let age: i32 = row.split(',').nth(4).unwrap().parse().unwrap();
+            format!("{row},{}\n", 2 * age + 1)
+        }))
+        .collect();
+    let two_groups = whole.replacen("P0,car", "P0,truck", 1);
+    for (table, words, named) in [
+        (
+            each("truck", "car"),
+            factorial,
+            &["factor `vehicle`", "one level, `car`"][..],
+        ),
+        (
+            // Nobody in a truck has a calm drive, so that group has no complete subject.
+            each("truck,calm,low", "truck,calm,none"),
+            factorial,
+            &[
+                "cell `truck`",
+                "no subject with all values",
+                "leave out its level",
+            ],
+        ),
+        (
+            two_groups,
+            factorial,
+            &["subject `P0`", "`truck`", "`car`", "within factor"],
+        ),
+        (
+            twice,
+            mixed,
+            &["`twice`", "determined by the other predictors"],
+        ),
+        (
+            each("low", "none"),
+            "compare --subject id --within style,load --value score --covariate style",
+            &["style"],
+        ),
+    ] {
+        let study = with(&table);
+        call(&study, words, &[]).failed(1, named);
+    }
+}
+
+#[test]
+fn a_model_that_does_not_converge_has_a_reason_in_the_place_of_its_numbers() {
+    // Within each person the conditions separate the answers, and people do not differ: no finite coefficient.
+    let mut text = String::from("id,w,v\n");
+    for i in 0..8 {
+        let _ = writeln!(text, "P{i},a,1\nP{i},b,2\nP{i},c,3");
+    }
+    let study = with(&text);
+    let words = "ordinal --subject id --within w --value v";
+    let ran = call(&study, words, &["--format", "json"]);
+    if ran.status == Some(0) {
+        let found: Value = serde_json::from_str(&ran.stdout).unwrap();
+        assert!(found["coef"]["b"]["estimate"].is_null());
+        let why = found["undefined"].as_object().unwrap();
+        assert!(why.keys().any(|name| name.starts_with("coef.b")), "{why:?}");
+    } else {
+        ran.failed(1, &["cannot be fitted", "separate the answers"]);
+    }
+    // Two answers that follow another order in each person, without an end: a slope that grows without bound.
+    let mut text = String::from("id,w,v\n");
+    for i in 0..6 {
+        let _ = writeln!(text, "P{i},a,{}\nP{i},b,{}\nP{i},c,2", 1 + i % 2, 2 + i % 2);
+    }
+    let found = json(&with(&text), words);
+    let reasons = found["undefined"].as_object().unwrap();
+    for (name, coefficient) in found["coef"].as_object().unwrap() {
+        if coefficient["estimate"].is_null() {
+            assert!(reasons.contains_key(&format!("coef.{name}")), "{reasons:?}");
+        }
+    }
+}
