@@ -10,6 +10,7 @@
 )]
 
 pub mod own_logs;
+pub mod page;
 
 use std::{
     path::{Path, PathBuf},

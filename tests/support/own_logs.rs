@@ -62,3 +62,95 @@ pub fn only_scales(study: &TempStudy, folder: &str, scales: &[(&str, String)]) {
         study.write(&format!("{folder}/scales/{id}.toml"), text);
     }
 }
+
+/// Who takes part.
+pub const PEOPLE: [&str; 4] = ["P01", "P02", "P03", "P04"];
+/// What they are asked: id, items, highest answer.
+pub const SCALES: [(&str, usize, usize); 2] = [("comfort", 3, 7), ("hurry", 2, 5)];
+
+/// A file of the study.
+pub fn read(study: &TempStudy, path: &str) -> String {
+    std::fs::read_to_string(study.path(path)).unwrap()
+}
+
+/// Changes a file of the study.
+pub fn change(study: &TempStudy, path: &str, from: &str, to: &str) {
+    let text = read(study, path);
+    assert!(text.contains(from), "{path} has no {from}:\n{text}");
+    study.write(path, text.replace(from, to));
+}
+
+/// Ego's speed in km/h: people differ in it, and in what a condition changes.
+pub fn speed(who: usize, place: usize) -> f64 {
+    95.0 + 3.0 * who as f64 + (6 + who % 3) as f64 * place as f64
+}
+
+/// A study whose cars were recorded: logs in km/h, two questionnaires of its own, the condition in the file's name.
+pub fn recorded(conditions: &[&str]) -> TempStudy {
+    recorded_of(&PEOPLE, conditions)
+}
+
+/// As [`recorded`], of these people.
+pub fn recorded_of(people: &[&str], conditions: &[&str]) -> TempStudy {
+    let study = TempStudy::new();
+    let list = conditions.join(",");
+    study
+        .maveric(&["init", "mine", "--conditions", &list, "--style", "none"])
+        .ok();
+    let own = [
+        ("comfort", scale("comfort", 3, 1, 7, "mean")),
+        ("hurry", scale("hurry", 2, 1, 5, "sum")),
+    ];
+    only_scales(&study, "mine", &own);
+    change(
+        &study,
+        "mine/study.toml",
+        "software = \"otree\"",
+        "software = \"table\"",
+    );
+    study.write(
+        "mine/surveys/answers.csv",
+        answers(people, &SCALES, conditions),
+    );
+    let names = "[names]\nfile = \"{who}-{condition}\"\ndrive = \"{who}-{condition}\"\nparticipant = \"{who}\"\ncondition = \"{condition}\"\n";
+    study.write("mine/mapping.toml", format!("{names}{TABLE}"));
+    let rows: Vec<String> = people
+        .iter()
+        .map(|p| format!("{p},,30,,{}", conditions.join(" ")))
+        .collect();
+    study.write(
+        "mine/participants.csv",
+        format!(
+            "participant,population,age,gender,order\n{}\n",
+            rows.join("\n")
+        ),
+    );
+    for (i, who) in people.iter().enumerate() {
+        for (place, condition) in ["own"].iter().chain(conditions).enumerate() {
+            study.write(
+                &format!("mine/logs/{who}-{condition}.csv"),
+                table(speed(i, place), 30.0 + (i * place) as f64, condition),
+            );
+        }
+    }
+    study
+}
+
+/// As far as the scores.
+pub const TO_THE_NUMBERS: [&str; 4] = ["run", "measure", "score", "score-ratings"];
+
+/// Participant and condition of every drive that can be measured.
+pub fn measured(study: &TempStudy) -> Vec<(String, String)> {
+    study
+        .maveric_in(
+            "mine",
+            &["measure", "--drives", "results/drives", "--out", "m.csv"],
+        )
+        .ok();
+    let text = read(study, "mine/m.csv");
+    let cells = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        (cells[1].to_owned(), cells[2].to_owned())
+    };
+    text.lines().skip(1).map(cells).collect()
+}

@@ -4,7 +4,8 @@ use crate::{
     Analysis, AnalysisError, Exclusion, Panel, Reproduction, StudyData, compare,
     design_test::crossed, homophily, line, mixed, reproduction, verdict,
 };
-use maveric_domain::design::Condition;
+use maveric_domain::design::{Condition, Outcome, Quantity};
+use maveric_measures::objective;
 
 /// How much work Friedman's p is worth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,6 +24,11 @@ pub enum Friedman {
 /// # Source
 /// Method section 9.
 pub fn analyse(data: &StudyData, friedman: Friedman) -> Result<Analysis, AnalysisError> {
+    if let Some(outcome) = data.design.outcomes().iter().find(|o| unanswered(data, o)) {
+        return Err(AnalysisError::Unanswered {
+            outcome: outcome.id(),
+        });
+    }
     let reproduction = reproduction::reproduction(data);
     let panels = compare::panels(data, friedman)?;
     let exclusions = exclusions(&panels, &reproduction);
@@ -47,6 +53,16 @@ pub fn analyse(data: &StudyData, friedman: Friedman) -> Result<Analysis, Analysi
     })
 }
 
+/// Whether an outcome is a score that nobody has of any condition.
+fn unanswered(data: &StudyData, outcome: &Outcome) -> bool {
+    let Quantity::Score(name) = &outcome.quantity else {
+        return false;
+    };
+    let conditions = || data.design.conditions().iter();
+    let answered = |p| conditions().any(|c| data.rated(p, c.id, name).is_some());
+    !data.participants.iter().any(answered)
+}
+
 fn beyond_training(data: &StudyData) -> Option<f64> {
     let shifted = data.shifted();
     let rows = data.conditions.iter().filter(|row| {
@@ -62,6 +78,18 @@ fn notes(data: &StudyData) -> Vec<String> {
     let conditions: Vec<&Condition> = data.design.conditions().iter().collect();
     let cross = conditions.iter().any(|c| !c.levels.is_empty());
     let mut notes = Vec::new();
+    let undeclared = data.design.outcomes().is_empty();
+    let nowhere: Vec<String> = objective::all()
+        .iter()
+        .filter(|m| undeclared && !data.is_measured(m.name))
+        .map(|m| format!("{} ({})", m.title.to_lowercase(), m.why_missing))
+        .collect();
+    if !nowhere.is_empty() {
+        notes.push(format!(
+            "No drive has a value of these measures, so they are not tested: {}.",
+            nowhere.join("; ")
+        ));
+    }
     if cross && conditions.len() > 1 && crossed(&conditions).is_none() {
         notes.push(
             "The conditions name levels, but do not cross two factors completely: they are tested as one row of conditions, without main \

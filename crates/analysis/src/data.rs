@@ -83,6 +83,8 @@ pub struct Tables {
     pub answers: Vec<Answer>,
     /// How long each drive took, in s, where it is known.
     pub durations_s: BTreeMap<DriveId, f64>,
+    /// Drives that the design kept from being measured.
+    pub kept_out: Vec<Driven>,
 }
 
 /// What the analyses of a study read: whoever is left out by the design is not in it.
@@ -128,9 +130,10 @@ impl StudyData {
                 duration_s: tables.durations_s.get(&d.meta.drive).copied(),
             })
             .collect();
-        let left_out = LeftOut::of(
+        let judged: Vec<Driven> = driven.iter().cloned().chain(tables.kept_out).collect();
+        let mut left_out = LeftOut::of(
             design,
-            &driven,
+            &judged,
             (&tables.scales, &tables.answers),
             &tables.post,
         );
@@ -138,16 +141,24 @@ impl StudyData {
         let tested = |p: &ParticipantId| {
             tables.people.is_empty() || tables.people.iter().any(|q| q.id == *p && q.tested)
         };
-        let there: BTreeSet<ParticipantId> = driven
-            .iter()
-            .map(|d| (&d.participant, d.condition))
-            .chain(tables.post.iter().filter_map(|s| match s.moment {
-                Moment::After(c) if s.value.is_some() => Some((&s.participant, c)),
-                _ => None,
-            }))
+        let rated = tables.post.iter().filter_map(|s| match s.moment {
+            Moment::After(c) if s.value.is_some() => Some((&s.participant, c)),
+            _ => None,
+        });
+        let came = judged.iter().map(|d| (&d.participant, d.condition));
+        let there: BTreeSet<ParticipantId> = came
+            .chain(rated.clone())
             .filter(|(p, c)| in_study(*c) && tested(p))
             .map(|(p, _)| p.clone())
             .collect();
+        let kept: BTreeSet<ParticipantId> = driven
+            .iter()
+            .map(|d| (&d.participant, d.condition))
+            .chain(rated)
+            .filter(|(p, c)| in_study(*c) && left_out.keeps(p, *c))
+            .map(|(p, _)| p.clone())
+            .collect();
+        left_out.without_drives(&judged, &kept);
         let flow = exclusions::flow(design, &tables.people, &there, &left_out);
         let mut measurements = tables.measurements;
         measurements.retain(|d| left_out.keeps(&d.meta.participant, d.meta.condition));

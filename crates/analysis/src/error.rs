@@ -18,6 +18,12 @@ pub enum AnalysisError {
         /// The condition.
         condition: ConditionId,
     },
+    /// A declared outcome of which nobody has an answer about any condition.
+    #[error("`[[outcome]]` names `{outcome}`, which nobody answered after any condition")]
+    Unanswered {
+        /// The outcome.
+        outcome: String,
+    },
     /// A family of tests that names a scale without answers.
     #[error(
         "`[homophily] factors` names the scale `{scale}`, which nobody answered before the drives"
@@ -65,6 +71,9 @@ impl AnalysisError {
             ),
             Self::NobodyThere { .. } => Some(
                 "add its logs or answers, or take it out of the design: maveric status says what is there",
+            ),
+            Self::Unanswered { .. } => Some(
+                "ask it after the conditions, or take it out of the design: rating_scores.csv has what was answered",
             ),
             Self::UnansweredScale { .. } | Self::UnknownFactor { .. } => Some(
                 "name scales or SCALE.SUBSCALE that were answered before the drives under `[homophily] factors`",

@@ -164,6 +164,16 @@ impl LeftOut {
         }
     }
 
+    /// Leaves out whoever has nothing left, for the reason of a drive of theirs.
+    pub(crate) fn without_drives(&mut self, drives: &[Driven], kept: &BTreeSet<ParticipantId>) {
+        for driven in drives.iter().filter(|d| !kept.contains(&d.participant)) {
+            if let Some(why) = self.drives.get(&driven.drive) {
+                let who = driven.participant.clone();
+                self.people.entry(who).or_insert_with(|| why.clone());
+            }
+        }
+    }
+
     /// Whether a person's drive in a condition, and what they said of it, stays.
     pub fn keeps(&self, who: &ParticipantId, condition: ConditionId) -> bool {
         !self.people.contains_key(who) && !self.cells.contains(&(who.clone(), condition))

@@ -27,8 +27,8 @@ pub(crate) fn mixed(data: &StudyData) -> Result<Vec<MixedRow>, AnalysisError> {
     let shift: Vec<Option<f64>> = cells
         .iter()
         .map(|(p, c)| {
-            data.condition(p, *c)
-                .map(|row| row.moved_points / unit_points)
+            let moved = data.condition(p, *c)?.moved_points?;
+            Some(moved / unit_points)
         })
         .collect();
     let square: Vec<Option<f64>> = shift.iter().map(|s| s.map(|s| s * s)).collect();

@@ -2,6 +2,7 @@
 
 use crate::diagnostics::Failure;
 use maveric_pipeline::{Pipeline, Place, Program, Settings, command_line, parse_override};
+use maveric_study::design::DESIGN_FILE;
 use std::path::{Path, PathBuf};
 
 /// The pipeline of the folder one stands in: that of its study, else the paper's.
@@ -13,29 +14,37 @@ const OWN_PIPELINE: &str = "pipelines/study.toml";
 /// Where the pipeline that follows from a study's design is written.
 const DESIGNED_PIPELINE: &str = ".maveric/study.toml";
 
+/// The pipeline of a folder, seen from there.
+fn folders_own(folder: &Path) -> &'static Path {
+    Path::new(if !folder.join(DESIGN_FILE).is_file() {
+        PAPER_PIPELINE
+    } else if folder.join(OWN_PIPELINE).is_file() {
+        OWN_PIPELINE
+    } else {
+        DESIGNED_PIPELINE
+    })
+}
+
 /// The file that was named; for the folder one stands in, with a `study.toml` its own pipeline, else the one that follows from the
 /// design; without, the paper's.
 fn named(file: &Path) -> Result<PathBuf, Failure> {
     if file != Path::new(DEFAULT_PIPELINE) {
         return Ok(file.to_owned());
     }
-    if !Path::new(maveric_study::design::DESIGN_FILE).is_file() {
-        return Ok(PathBuf::from(PAPER_PIPELINE));
-    }
-    if Path::new(OWN_PIPELINE).is_file() {
-        return Ok(PathBuf::from(OWN_PIPELINE));
+    let own = folders_own(Path::new("")).to_owned();
+    if own != Path::new(DESIGNED_PIPELINE) {
+        return Ok(own);
     }
     let doing = "could not make the study's pipeline";
     let study = maveric_study::DesignFile::find(None).map_err(Failure::study(doing))?;
     maveric_study::check_design(&study).map_err(Failure::study(doing))?;
     let text = maveric_study::design_pipeline(&study);
-    let file = PathBuf::from(DESIGNED_PIPELINE);
-    if std::fs::read_to_string(&file).is_ok_and(|there| there == text) {
-        return Ok(file);
+    if std::fs::read_to_string(&own).is_ok_and(|there| there == text) {
+        return Ok(own);
     }
-    maveric_study::atomic_write::atomic_write_bytes(&file, text.as_bytes())
+    maveric_study::atomic_write::atomic_write_bytes(&own, text.as_bytes())
         .map_err(Failure::study(doing))?;
-    Ok(file)
+    Ok(own)
 }
 
 /// What every command about a pipeline takes.
@@ -77,14 +86,16 @@ impl PipelineArgs {
             .map_err(Failure::pipeline("could not read the pipeline"))
     }
 
-    /// The command that makes the same again, from the root.
+    /// The command that makes the same again, from the root; its pipeline needs no name where it is the folder's own.
     fn command(&self, file: &Path, root: &Path) -> String {
-        let file = maveric_pipeline::below_root(file, root);
+        let file = Some(maveric_pipeline::below_root(file, root));
+        let file = file.filter(|file| Path::new(file) != folders_own(root));
         let variant = self.variant.iter().flat_map(|name| ["--variant", name]);
         let set = self.set.iter().flat_map(|pair| ["--set", pair]);
         command_line(
-            ["maveric", "run", &file]
+            ["maveric", "run"]
                 .into_iter()
+                .chain(file.as_deref())
                 .chain(variant)
                 .chain(set),
         )
@@ -93,9 +104,7 @@ impl PipelineArgs {
 
 /// What one should know of the study of the folder one stands in; nothing where it is none, or another pipeline was named.
 pub(crate) fn study_notes(file: &Path) -> Result<Vec<String>, Failure> {
-    if file != Path::new(DEFAULT_PIPELINE)
-        || !Path::new(maveric_study::design::DESIGN_FILE).is_file()
-    {
+    if file != Path::new(DEFAULT_PIPELINE) || !Path::new(DESIGN_FILE).is_file() {
         return Ok(Vec::new());
     }
     let doing = "could not tell what is in the study";

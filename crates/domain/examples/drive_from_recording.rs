@@ -2,8 +2,8 @@
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use maveric_domain::{
-    ConditionId, DomainError, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack,
-    ParticipantId, Recording, Road, VehicleId,
+    DomainError, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId,
+    Recording, Road, VehicleId,
 };
 
 fn main() -> Result<(), DomainError> {
@@ -27,7 +27,7 @@ fn main() -> Result<(), DomainError> {
     let meta = DriveMeta {
         drive: DriveId::new("P01-own")?,
         participant: ParticipantId::new("P01")?,
-        condition: ConditionId::OWN,
+        condition: "own".parse()?,
         driven_by: DrivenBy::Synthetic,
     };
     let drive = Drive::from_recording(meta, &recording)?;

@@ -15,19 +15,19 @@ pub struct ConditionRow {
     pub participant: ParticipantId,
     /// The condition.
     pub condition: ConditionId,
-    /// Ŝ at the embedding, in points.
-    pub adb_hat: f64,
-    /// How far Ŝ moved from the participant's own, in points, after clamping.
-    pub moved_points: f64,
+    /// Ŝ at the embedding, in points; `None` where the model has no style head.
+    pub adb_hat: Option<f64>,
+    /// How far Ŝ moved from the participant's own, in points, after clamping; `None` where the model has no style head.
+    pub moved_points: Option<f64>,
     /// SD of that, as far as the people learned from determine the direction; none where that is not known.
     pub moved_points_sd: Option<f64>,
     /// Whether an end of the scale cut the move short.
     pub clamped: bool,
-    /// Angle on the perpendicular ellipse, in rad; only there.
+    /// Angle on the ellipse across the dial, in rad; only there.
     pub angle_rad: Option<f64>,
     /// Whether the embedding lies further out than any training driver's.
     pub beyond_training: bool,
-    /// What it is one point of; none for the study's four conditions.
+    /// What it is one point of; none for the conditions of a study.
     pub sweep: Option<SweepPoint>,
     /// The embedding.
     pub embedding: Embedding,

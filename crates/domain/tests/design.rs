@@ -69,17 +69,6 @@ fn the_papers_design_is_four_cars_against_a_drive_by_hand() {
 }
 
 #[test]
-fn the_small_study_is_the_papers_but_for_its_title() {
-    let lines = |name: &str| -> Vec<String> {
-        let text = shipped(name);
-        let same = text.lines().filter(|l| !l.starts_with(['#', 't']));
-        same.map(str::to_owned).collect()
-    };
-    assert_eq!(lines("smoke.toml"), lines("paper.toml"));
-    read(&shipped("smoke.toml")).unwrap();
-}
-
-#[test]
 fn what_is_left_out_has_its_usual_place() {
     let design = with("").unwrap();
     let files = design.files();

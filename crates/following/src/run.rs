@@ -267,8 +267,8 @@ mod tests {
     use super::{FollowingError as E, *};
     use crate::made_up;
     use maveric_domain::{
-        ConditionId, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording,
-        Road, VehicleId,
+        DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording, Road,
+        VehicleId,
     };
 
     fn columns() -> FollowingColumns {
@@ -301,7 +301,7 @@ mod tests {
         let meta = DriveMeta {
             drive: DriveId::new("P01-own").unwrap(),
             participant: ParticipantId::new("P01").unwrap(),
-            condition: ConditionId::OWN,
+            condition: "own".parse().unwrap(),
             driven_by: DrivenBy::Human,
         };
         Drive::from_recording(meta, &recording).unwrap()

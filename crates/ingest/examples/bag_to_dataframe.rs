@@ -2,7 +2,7 @@
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use maveric_domain::{
-    ConditionId, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ParticipantId, Recording, Road,
+    Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ParticipantId, Recording, Road,
 };
 use maveric_ingest::{IngestSettings, drive_frame, read_log, write_mcap};
 use std::{error::Error, fs::File, path::PathBuf};
@@ -39,7 +39,7 @@ fn a_bag() -> Result<PathBuf, Box<dyn Error>> {
     let meta = DriveMeta {
         drive: DriveId::new("P01-own")?,
         participant: ParticipantId::new("P01")?,
-        condition: ConditionId::OWN,
+        condition: "own".parse()?,
         driven_by: DrivenBy::Synthetic,
     };
     let path = std::env::temp_dir().join(format!("maveric-{}.mcap", std::process::id()));

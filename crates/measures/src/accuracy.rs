@@ -8,7 +8,7 @@ pub fn difference_from_own(av: Option<f64>, own: Option<f64>) -> Option<f64> {
     Some(av? - own?).filter(|d| d.is_finite())
 }
 
-/// Mimic accuracy of one driver: 1 − |AV − driver| / |driver|.
+/// Accuracy of the car as one driver: 1 − |AV − driver| / |driver|.
 ///
 /// 1 is a perfect copy; a drive off by more than the driver's own value is below 0, and stays so.
 /// `None` where either has no value, or the driver's own is zero (no lane change at all): a share of nothing.
@@ -18,16 +18,16 @@ pub fn difference_from_own(av: Option<f64>, own: Option<f64>) -> Option<f64> {
 ///
 /// # Example
 /// ```
-/// # use maveric_measures::mimic_accuracy;
-/// assert_eq!(mimic_accuracy(Some(33.0), Some(30.0)), Some(0.9));
-/// assert_eq!(mimic_accuracy(Some(1.0), Some(0.0)), None);
+/// # use maveric_measures::drive_accuracy;
+/// assert_eq!(drive_accuracy(Some(33.0), Some(30.0)), Some(0.9));
+/// assert_eq!(drive_accuracy(Some(1.0), Some(0.0)), None);
 /// ```
-pub fn mimic_accuracy(av: Option<f64>, own: Option<f64>) -> Option<f64> {
+pub fn drive_accuracy(av: Option<f64>, own: Option<f64>) -> Option<f64> {
     let (av, own) = (av?, own?);
     Some(1.0 - (av - own).abs() / own.abs()).filter(|a| own != 0.0 && a.is_finite())
 }
 
-/// Mimic accuracy of one measure over drivers.
+/// Accuracy of one measure over drivers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Accuracy {
     /// Mean over drivers; `None` if no driver has a value.
@@ -51,11 +51,11 @@ impl Accuracy {
     }
 }
 
-/// Mean of [`mimic_accuracy`] over drivers; `pairs` holds (AV, own) for each, shape `(n,)`.
+/// Mean of [`drive_accuracy`] over drivers; `pairs` holds (AV, own) for each, shape `(n,)`.
 pub fn mean_accuracy(pairs: &[(Option<f64>, Option<f64>)]) -> Accuracy {
     let values: Vec<f64> = pairs
         .iter()
-        .filter_map(|&(av, own)| mimic_accuracy(av, own))
+        .filter_map(|&(av, own)| drive_accuracy(av, own))
         .collect();
     let n = values.len();
     let own_missing = pairs.iter().filter(|(_, own)| own.is_none()).count();
@@ -110,8 +110,8 @@ mod tests {
     proptest! {
         #[test]
         fn accuracy_is_at_most_one_and_one_for_a_copy(av in -1e6..1e6_f64, own in 0.1..1e6_f64) {
-            prop_assert!(mimic_accuracy(Some(av), Some(own)).unwrap() <= 1.0);
-            prop_assert!((mimic_accuracy(Some(own), Some(own)).unwrap() - 1.0).abs() < 1e-12);
+            prop_assert!(drive_accuracy(Some(av), Some(own)).unwrap() <= 1.0);
+            prop_assert!((drive_accuracy(Some(own), Some(own)).unwrap() - 1.0).abs() < 1e-12);
         }
     }
 }

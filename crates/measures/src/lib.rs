@@ -9,7 +9,7 @@ pub mod likeness;
 pub mod objective;
 pub mod survey;
 
-pub use accuracy::{Accuracy, difference_from_own, mean_accuracy, mimic_accuracy};
+pub use accuracy::{Accuracy, difference_from_own, drive_accuracy, mean_accuracy};
 pub use error::MeasureError;
 pub use objective::Measure;
 pub use survey::{ItemMatrix, ScoreWarning, Scored, parse_scale, score};

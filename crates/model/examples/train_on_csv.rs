@@ -5,8 +5,8 @@
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use maveric_domain::{
-    ConditionId, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId,
-    Recording, Road, VehicleId,
+    Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording, Road,
+    VehicleId,
 };
 use maveric_model::{TrainParams, TrainSettings, TrainingDrive, train};
 use std::{collections::BTreeMap, error::Error, ops::ControlFlow};
@@ -91,7 +91,7 @@ fn drive(driver: &str, lines: &[Vec<&str>]) -> Result<Drive, Box<dyn Error>> {
         }
     }
     let recording = Recording::new(Road::PAPER, rate_hz, time_s, vec![0; n], ego, leads)?;
-    let (condition, driven_by) = (ConditionId::OWN, DrivenBy::Synthetic);
+    let (condition, driven_by) = ("own".parse()?, DrivenBy::Synthetic);
     let (drive, participant) = (DriveId::new(driver)?, ParticipantId::new(driver)?);
     let meta = DriveMeta {
         drive,

@@ -1,7 +1,7 @@
 //! Draws a small study, lets its people answer and rate a car that drives faster and slower than they do.
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
-use maveric_domain::{ConditionId, Design, MeasureValues, Moment, Scale};
+use maveric_domain::{Design, MeasureValues, Moment, Scale};
 use maveric_participants::{Cohort, CohortSettings, Effects, answer_before, preferred_shift, rate};
 use std::collections::BTreeMap;
 
@@ -21,9 +21,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let drive = |mps: f64| MeasureValues::from([("mean_velocity_mps".to_owned(), Some(mps))]);
     let spread = BTreeMap::from([("mean_velocity_mps".to_owned(), 2.6)]);
     let trials = [
-        (ConditionId::MIMIC, drive(29.0)),
-        (ConditionId::AGGRESSIVE, drive(31.0)),
-        (ConditionId::CAUTIOUS, drive(27.0)),
+        ("mimic".parse()?, drive(29.0)),
+        ("aggressive".parse()?, drive(31.0)),
+        ("cautious".parse()?, drive(27.0)),
     ];
     for p in &cohort.participants {
         let own = before

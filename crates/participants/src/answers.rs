@@ -209,7 +209,6 @@ fn graded(
 mod tests {
     use super::*;
     use crate::{settings::CohortSettings, testing::*};
-    use maveric_domain::ConditionId;
     use std::collections::BTreeMap;
 
     fn everybody(n1: usize, n2: usize, effects: &Effects) -> (Cohort, Vec<Answer>) {
@@ -297,8 +296,8 @@ mod tests {
             mine.filter_map(|a| a.answer).sum()
         };
         for p in cohort.participants.iter().filter(|p| p.professional) {
-            let up = total(p.id.clone(), Moment::After(ConditionId::AGGRESSIVE));
-            let down = total(p.id.clone(), Moment::After(ConditionId::CAUTIOUS));
+            let up = total(p.id.clone(), Moment::After(id("aggressive")));
+            let down = total(p.id.clone(), Moment::After(id("cautious")));
             assert!(up > 30 && (11..26).contains(&down), "{up} {down}");
         }
         let roles = answers.iter().filter(|a| a.moment != Moment::Pre).count();

@@ -113,14 +113,14 @@ pub fn rate(
 /// Lets one participant rate one more drive of the car, beside those of a study: the trials in which their preference is searched for.
 ///
 /// As [`rate`], but each answer's random part belongs to `label`, which names the trial; habits and preference are those of the
-/// study. The answers are filed under [`ConditionId::MIMIC`]. The place in the order of trials counts for nothing.
+/// study. The answers are filed under the condition that is given. The place in the order of trials counts for nothing.
 ///
 /// # Errors
 /// As [`rate`].
 pub fn rate_trial(
     participant: &Participant,
     own: &MeasureValues,
-    (label, values): (&str, &MeasureValues),
+    (label, condition, values): (&str, ConditionId, &MeasureValues),
     spread: &BTreeMap<String, f64>,
     scales: &[Scale],
     effects: &Effects,
@@ -132,7 +132,7 @@ pub fn rate_trial(
     check_measures(participant, values)?;
     let trial = Trial {
         participant,
-        condition: ConditionId::MIMIC,
+        condition,
         label,
         place: 0.0,
         own,
@@ -285,7 +285,7 @@ mod tests {
         let conscientious = ("mini_ipip", "conscientiousness");
         for (scale, subscale, sign) in OUTCOMES {
             let outcome = (scale, subscale);
-            for other in [ConditionId::CAUTIOUS, ConditionId::AGGRESSIVE] {
+            for other in [id("cautious"), id("aggressive")] {
                 let r = sign * mean_r(&studies, conscientious, other, outcome);
                 assert!((-0.75..-0.15).contains(&r), "{other} {subscale}: {r}");
             }
@@ -293,7 +293,7 @@ mod tests {
                 * mean_r(
                     &studies,
                     ("mdsi", "high_velocity"),
-                    ConditionId::AGGRESSIVE,
+                    id("aggressive"),
                     outcome,
                 );
             assert!((-0.75..-0.15).contains(&r), "high velocity {subscale}: {r}");
@@ -301,14 +301,14 @@ mod tests {
         let r = mean_r(
             &studies,
             ("mini_ipip", "openness"),
-            ConditionId::AGGRESSIVE,
+            id("aggressive"),
             ("rosas", "discomfort"),
         );
         assert!((0.1..0.6).contains(&r), "openness: {r}");
         for (scale, subscale, sign) in OUTCOMES {
             let over_conditions = |s: &TestStudy, scale: &str, subscale: &str| -> Vec<f64> {
                 let after = |c: &ConditionId| s.scores(Moment::After(*c), scale, subscale);
-                ConditionId::AV.iter().flat_map(after).collect()
+                conditions().iter().flat_map(after).collect()
             };
             let r = |s: &TestStudy| {
                 correlation(
@@ -325,20 +325,17 @@ mod tests {
     fn aggressive_is_called_more_and_cautious_less_aggressive_than_mimic() {
         let study = TestStudy::run(200, 3, &effects());
         let scale = ("aggressiveness", "aggressiveness");
-        let mimic = mean(&study.scores(Moment::After(ConditionId::MIMIC), scale.0, scale.1));
+        let mimic = mean(&study.scores(Moment::After(id("mimic")), scale.0, scale.1));
         assert!((mimic - 4.0).abs() < 0.2, "{mimic}");
-        let above = mean(&study.mimic_minus(ConditionId::AGGRESSIVE, scale.0, scale.1));
-        let below = mean(&study.mimic_minus(ConditionId::CAUTIOUS, scale.0, scale.1));
+        let above = mean(&study.mimic_minus(id("aggressive"), scale.0, scale.1));
+        let below = mean(&study.mimic_minus(id("cautious"), scale.0, scale.1));
         assert!(above < -0.4 && below > 0.4, "{above} {below}");
     }
 
     #[test]
     fn a_part_of_the_people_prefer_another_style_than_their_own() {
         let study = TestStudy::run(400, 4, &effects());
-        for (other, low) in [
-            (ConditionId::AGGRESSIVE, 0.12),
-            (ConditionId::CAUTIOUS, 0.2),
-        ] {
+        for (other, low) in [(id("aggressive"), 0.12), (id("cautious"), 0.2)] {
             let differences = study.mimic_minus(other, "jian_trust", "overall");
             let share = differences.iter().filter(|d| **d < 0.0).count() as f64 / 400.0;
             assert!((low..0.5).contains(&share), "{other}: {share}");
@@ -356,11 +353,7 @@ mod tests {
             ("aggressiveness", "aggressiveness"),
         ]);
         for (scale, subscale) in scales {
-            for other in [
-                ConditionId::CAUTIOUS,
-                ConditionId::AGGRESSIVE,
-                ConditionId::PERPENDICULAR,
-            ] {
+            for other in [id("cautious"), id("aggressive"), id("perpendicular")] {
                 let d = study.mimic_minus(other, scale, subscale);
                 let m = mean(&d);
                 let sd = mean(&d.iter().map(|x| (x - m).powi(2)).collect::<Vec<_>>()).sqrt();
@@ -375,7 +368,7 @@ mod tests {
                 }
             }
             if scale != "similarity" {
-                let mimic = Moment::After(ConditionId::MIMIC);
+                let mimic = Moment::After(id("mimic"));
                 let similarity = study.scores(mimic, "similarity", "similarity");
                 let r = correlation(&similarity, &study.scores(mimic, scale, subscale));
                 assert!(r.abs() < bound, "similarity {subscale}: {r}");
@@ -393,7 +386,7 @@ mod tests {
         let study = TestStudy::run(2, 1, &effects());
         let participant = study.cohort.participants[0].clone();
         let own = own_measures(&participant.id, 1);
-        (participant, own, vec![(ConditionId::MIMIC, values)])
+        (participant, own, vec![(id("mimic"), values)])
     }
 
     fn units() -> BTreeMap<String, f64> {
@@ -406,7 +399,7 @@ mod tests {
         let (participant, own, _) = one_trial(MeasureValues::new());
         let mut values = own.clone();
         values.insert("headway_merge_back_m".to_owned(), None);
-        let trials = [(ConditionId::MIMIC, values)];
+        let trials = [(id("mimic"), values)];
         let rated = rate(
             &participant,
             &own,
@@ -455,7 +448,7 @@ mod tests {
         let own = own_measures(&participant.id, 1);
         let (_, values) = &trials(&own, &participant.id, 1)[0];
         let answers = |label: &str| {
-            let trial = (label, values);
+            let trial = (label, id("mimic"), values);
             rate_trial(participant, &own, trial, &units(), &scales(), &effects(), 1)
                 .unwrap()
                 .answers
@@ -483,11 +476,9 @@ mod tests {
             .to_string()
         };
         assert!(said(&trials).contains("mimic is given twice"));
-        assert!(
-            said(&[(ConditionId::OWN, own.clone())]).contains("own is none that they sat through")
-        );
+        assert!(said(&[(id("own"), own.clone())]).contains("own is none that they sat through"));
         let mut infinite = own.clone();
         infinite.insert("lane_changes".to_owned(), Some(f64::INFINITY));
-        assert!(said(&[(ConditionId::MIMIC, infinite)]).contains("`lane_changes` is inf"));
+        assert!(said(&[(id("mimic"), infinite)]).contains("`lane_changes` is inf"));
     }
 }

@@ -18,6 +18,16 @@ pub(crate) fn design() -> Design {
     Design::from_toml(include_str!("../../../study_data/designs/paper.toml")).unwrap()
 }
 
+/// The id of a condition of the paper's.
+pub(crate) fn id(word: &str) -> ConditionId {
+    word.parse().unwrap()
+}
+
+/// Its conditions, in the order of its page.
+pub(crate) fn conditions() -> Vec<ConditionId> {
+    design().conditions().iter().map(|c| c.id).collect()
+}
+
 pub(crate) fn effects() -> Effects {
     toml::from_str(include_str!("../../../study_data/effects.toml")).unwrap()
 }
@@ -70,10 +80,10 @@ pub(crate) fn trials(
         let value = |(i, (name, _, sd, up, down)): (usize, &(&str, f64, f64, f64, f64))| {
             let size = if i == 0 { 0.2 } else { 0.65 };
             let error = size * sd * (0.7 * errors[i] + 0.7 * normal(&mut rng));
-            let change = match condition {
-                ConditionId::AGGRESSIVE => *up,
-                ConditionId::CAUTIOUS => *down,
-                ConditionId::PERPENDICULAR => 0.6 * sd * normal(&mut rng),
+            let change = match condition.as_str() {
+                "aggressive" => *up,
+                "cautious" => *down,
+                "perpendicular" => 0.6 * sd * normal(&mut rng),
                 _ => 0.0,
             };
             let own = own.get(*name).copied().flatten().unwrap();
@@ -81,7 +91,7 @@ pub(crate) fn trials(
         };
         (condition, MEASURES.iter().enumerate().map(value).collect())
     };
-    ConditionId::AV.into_iter().map(trial).collect()
+    conditions().into_iter().map(trial).collect()
 }
 
 /// Mean of a subscale's answered items after reversal.
@@ -173,7 +183,7 @@ impl TestStudy {
 
     /// Mimic minus another condition.
     pub(crate) fn mimic_minus(&self, other: ConditionId, scale: &str, subscale: &str) -> Vec<f64> {
-        let mimic = self.scores(Moment::After(ConditionId::MIMIC), scale, subscale);
+        let mimic = self.scores(Moment::After(id("mimic")), scale, subscale);
         let other = self.scores(Moment::After(other), scale, subscale);
         mimic.iter().zip(other).map(|(m, o)| m - o).collect()
     }

@@ -62,7 +62,7 @@ fn space(drives: usize, people: usize) -> Live {
             drives: (0..drives).map(|i| drive(NASTY, i)).collect(),
             people: (0..people).map(person).collect(),
             gradient: [0.0, 1.0, 0.0],
-            ellipse: [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
+            ellipse: Some([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
             score: (11.0, 55.0, NASTY.to_owned()),
             dial: Vec::new(),
         }),

@@ -6,8 +6,8 @@
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use maveric_domain::{
-    ConditionId, Drive, DriveId, DriveMeta, DrivenBy, LaneWish, LatentTraits, ParticipantId,
-    Setpoints, When, drive::Direction, stream_seed,
+    Drive, DriveId, DriveMeta, DrivenBy, LaneWish, LatentTraits, ParticipantId, Setpoints, When,
+    drive::Direction, stream_seed,
 };
 use maveric_simulator::{
     Driver, DriverParams, People, Rollout, Scenario, SimulatorError, View, population_table,
@@ -104,7 +104,7 @@ fn drive_of(rollout: &Rollout) -> Result<Drive, SimulatorError> {
     let meta = DriveMeta {
         drive: DriveId::new("example")?,
         participant: ParticipantId::new("example")?,
-        condition: ConditionId::OWN,
+        condition: "own".parse()?,
         driven_by: DrivenBy::Synthetic,
     };
     Ok(Drive::from_recording(meta, &rollout.recording)?)

@@ -1,8 +1,7 @@
 //! The second kind of people, held against what they have to be: sane drivers, about as fast and as close as the paper's population.
 
 use maveric_domain::{
-    ConditionId, Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId,
-    drive::Direction, stream_seed,
+    Drive, DriveId, DriveMeta, DrivenBy, LatentTraits, ParticipantId, drive::Direction, stream_seed,
 };
 use maveric_simulator::{Driver, People, Rollout, Scenario, rollout};
 use rand::SeedableRng;
@@ -36,7 +35,7 @@ fn drive(rollout: &Rollout) -> Drive {
     let meta = DriveMeta {
         drive: DriveId::new("test").expect("a plain word"),
         participant: ParticipantId::new("test").expect("a plain word"),
-        condition: ConditionId::OWN,
+        condition: "own".parse().expect("an id"),
         driven_by: DrivenBy::Synthetic,
     };
     Drive::from_recording(meta, &rollout.recording).expect("a whole recording")

@@ -273,8 +273,8 @@ fn stages(study: &DesignFile) -> Vec<Stage> {
     }
     stages.push(stage(
         "score-ratings",
-        &format!("score --surveys {rated} --moments after --participants {{people}} --scales {{scales}} --out {{out}}/rating_scores.csv"),
-        &format!("{rated} {{people}} {{scales}}"),
+        &format!("score --surveys {rated} --moments after --participants {{people}} --scales {{scales}} --drives {{out}}/drives --out {{out}}/rating_scores.csv"),
+        &format!("{rated} {{people}} {{scales}} {{out}}/drives"),
         &scores("rating_scores"),
     ));
     stages.push(stage(
@@ -285,10 +285,16 @@ fn stages(study: &DesignFile) -> Vec<Stage> {
     ));
     let report = stage(
         "report",
-        "report {out} --participants {people} --out {report} --param seed={seed}",
+        "report {out} --participants {people} --out {report} --param seed={seed} --command {command}",
         &format!("{shown} {results}"),
         "{report}",
     );
+    // The page plays a drive by hand beside those of the car.
+    let report = if has("logs") && simulates(study) {
+        report.and("", "{logs}")
+    } else {
+        report
+    };
     stages.push(if has("claims") {
         report.and("--claims {claims}", "{claims}")
     } else {

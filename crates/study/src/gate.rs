@@ -4,7 +4,7 @@ use crate::{
     design::{DesignFile, People, listed},
     error::StudyError,
 };
-use maveric_domain::{ConditionId, Design, DriveMeta, Moment, ParticipantId};
+use maveric_domain::{ConditionId, Design, DriveId, DriveMeta, Moment, ParticipantId};
 use std::{collections::BTreeMap, fmt, path::Path};
 
 /// What lets drives and answers into a study.
@@ -13,6 +13,11 @@ pub struct Gate {
     design: Design,
     people: People,
 }
+
+/// The rule for drives that did not last long enough.
+pub(crate) const TOO_SHORT: &str = "exclude.drive_shorter_than_s";
+/// The rule for sheets of one answer.
+const STRAIGHT_LINED: &str = "exclude.straight_lined";
 
 /// Why something is left out: a rule of the design, and the reason.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -24,6 +29,22 @@ pub struct LeftOut {
 }
 
 impl LeftOut {
+    /// With all that somebody answered who gave one answer to every item of a scale.
+    pub(crate) fn straight_lined(scale: &str) -> Self {
+        Self::by(
+            STRAIGHT_LINED,
+            format!("one answer to every item of `{scale}`, reversed ones too"),
+        )
+    }
+
+    /// With what was said of a drive that did not last long enough.
+    pub(crate) fn short(drive: &DriveId) -> Self {
+        Self::by(
+            TOO_SHORT,
+            format!("about the drive {drive}, which is too short"),
+        )
+    }
+
     fn by(rule: &str, why: impl Into<String>) -> Self {
         Self {
             rule: rule.to_owned(),
@@ -70,7 +91,7 @@ impl Gate {
         let shortest = exclude.drive_shorter_than_s?;
         (duration_s < shortest).then(|| {
             let why = format!("{duration_s:.0} s long, expected at least {shortest} s");
-            LeftOut::by("exclude.drive_shorter_than_s", why)
+            LeftOut::by(TOO_SHORT, why)
         })
     }
 

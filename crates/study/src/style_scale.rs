@@ -4,9 +4,7 @@
 //! back on the way out, so that every file has the points of the study's own score.
 
 use crate::{design::DesignFile, error::StudyError, stages::score::read_scales};
-use maveric_domain::{
-    AdbScore, ConditionId, EmbeddingRow, Moment, Scale, Score, Subscale, design::DesignError,
-};
+use maveric_domain::{AdbScore, EmbeddingRow, Scale, Score, Subscale, design::DesignError};
 use std::path::Path;
 
 /// Lowest and highest score of a study's style.
@@ -122,22 +120,6 @@ pub(crate) fn style_scores(
         }
         "adb".clone_into(&mut score.scale);
         "total".clone_into(&mut score.subscale);
-    }
-    // The style is asked before the drives; that drive is the baseline, whatever it is called.
-    if let Some(baseline) = study
-        .design
-        .baseline_id()
-        .filter(|id| *id != ConditionId::OWN)
-    {
-        let before: Vec<Score> = scores
-            .iter()
-            .filter(|s| s.moment == Moment::Pre)
-            .cloned()
-            .collect();
-        scores.extend(before.into_iter().map(|score| Score {
-            moment: Moment::After(baseline),
-            ..score
-        }));
     }
     Ok((scores, scale))
 }

@@ -1,7 +1,10 @@
 //! `maveric ablate`.
 
 use super::print_outcome;
-use crate::{args::Format, diagnostics::Failure};
+use crate::{
+    args::{Format, Repeat},
+    diagnostics::Failure,
+};
 use maveric_study::stages::ablate::{self, AblateOptions};
 
 /// Compare embedding sizes, losses, window lengths and baselines on drivers held out in turn
@@ -37,6 +40,8 @@ pub(crate) struct Ablate {
     /// Threads
     #[arg(short, long, default_value_t = super::all_cores())]
     jobs: usize,
+    #[command(flatten)]
+    repeat: Repeat,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -54,6 +59,7 @@ impl Ablate {
             epochs: self.epochs,
             seed: self.seed,
             jobs: self.jobs,
+            command: self.repeat.command(),
         };
         print_outcome(self.format, "could not ablate", |watch| {
             ablate::ablate(&options, watch)

@@ -1,7 +1,10 @@
 //! `maveric rehearse`.
 
 use super::print_outcome;
-use crate::{args::Format, diagnostics::Failure};
+use crate::{
+    args::{Format, Repeat},
+    diagnostics::Failure,
+};
 use maveric_study::stages::rehearse::{self, RehearseOptions};
 
 /// Run the paper's whole analysis on many made-up studies without driving: false-positive rates, power, sample sizes
@@ -40,6 +43,8 @@ pub(crate) struct Rehearse {
     /// Threads
     #[arg(short, long, default_value_t = super::all_cores())]
     jobs: usize,
+    #[command(flatten)]
+    repeat: Repeat,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -58,6 +63,7 @@ impl Rehearse {
             out: self.out,
             seed: self.seed,
             jobs: self.jobs,
+            command: self.repeat.command(),
         };
         print_outcome(self.format, "could not rehearse", |watch| {
             rehearse::rehearse(&options, watch)

@@ -1,7 +1,10 @@
 //! `maveric rehearse-dial`.
 
 use super::print_outcome;
-use crate::{args::Format, diagnostics::Failure};
+use crate::{
+    args::{Format, Repeat},
+    diagnostics::Failure,
+};
 use maveric_study::stages::recommend::{self, RehearseDialOptions};
 
 /// Try the recommended shift on made-up people whose preference is known, and count the trials it takes to learn one
@@ -37,6 +40,8 @@ pub(crate) struct RehearseDial {
     /// Threads
     #[arg(short, long, default_value_t = super::all_cores())]
     jobs: usize,
+    #[command(flatten)]
+    repeat: Repeat,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -54,6 +59,7 @@ impl RehearseDial {
             out: self.out,
             seed: self.seed,
             jobs: self.jobs,
+            command: self.repeat.command(),
         };
         print_outcome(self.format, "could not rehearse the dial", |watch| {
             recommend::rehearse_dial(&options, watch)

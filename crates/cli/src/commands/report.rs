@@ -1,7 +1,10 @@
 //! `maveric report`.
 
 use super::print_outcome;
-use crate::{args::Format, diagnostics::Failure};
+use crate::{
+    args::{Format, Repeat},
+    diagnostics::Failure,
+};
 use maveric_study::stages::report::{self, ReportOptions};
 
 /// Draw the figures, tables and the page from the results of a run
@@ -25,6 +28,8 @@ pub(crate) struct Report {
     /// Table of who took part; RESULTS/participants.csv when not given
     #[arg(long)]
     participants: Option<std::path::PathBuf>,
+    #[command(flatten)]
+    repeat: Repeat,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -37,7 +42,7 @@ impl Report {
             results: self.results,
             out: self.out,
             claims: self.claims,
-            command: super::this_command(),
+            command: self.repeat.command(),
             parameters: self.parameters,
             participants: self.participants,
         };

@@ -21,6 +21,9 @@ pub(crate) struct Score {
     /// Folder of questionnaire definitions
     #[arg(long, default_value = "study_data/scales")]
     scales: std::path::PathBuf,
+    /// Folder of drives: what was said of those left out there as too short is left out too; may be given more than once
+    #[arg(long)]
+    drives: Vec<std::path::PathBuf>,
     /// Score all answers, or only those given after a drive
     #[arg(long, value_enum, default_value_t)]
     moments: Which,
@@ -49,6 +52,7 @@ impl Score {
             surveys: self.surveys,
             participants: self.participants,
             scales: self.scales,
+            drives: self.drives,
             moments: match self.moments {
                 Which::All => Moments::All,
                 Which::After => Moments::After,

@@ -1,7 +1,10 @@
 //! `maveric validate`.
 
 use super::print_outcome;
-use crate::{args::Format, diagnostics::Failure};
+use crate::{
+    args::{Format, Repeat},
+    diagnostics::Failure,
+};
 use maveric_study::stages::validate::{self, ValidateOptions};
 
 /// Check on people who drove twice whether the learned style is theirs: identity, fidelity, dial, aggression line
@@ -36,6 +39,8 @@ pub(crate) struct Validate {
     /// Threads
     #[arg(short, long, default_value_t = super::all_cores())]
     jobs: usize,
+    #[command(flatten)]
+    repeat: Repeat,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -53,6 +58,7 @@ impl Validate {
             worlds: self.worlds,
             seed: self.seed,
             jobs: self.jobs,
+            command: self.repeat.command(),
         };
         print_outcome(self.format, "could not validate", |watch| {
             validate::validate(&options, watch)

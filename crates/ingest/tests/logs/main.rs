@@ -18,8 +18,7 @@ mod scene;
 mod tables;
 
 use maveric_domain::{
-    ConditionId, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording,
-    Road, VehicleId,
+    DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording, Road, VehicleId,
 };
 use maveric_ingest::write_mcap;
 use mcap::{Message, MessageStream, WriteOptions, read::LinearReader, records::Record};
@@ -32,7 +31,7 @@ fn meta() -> DriveMeta {
     DriveMeta {
         drive: DriveId::new("S2P07-mimic").unwrap(),
         participant: ParticipantId::new("S2P07").unwrap(),
-        condition: ConditionId::MIMIC,
+        condition: "mimic".parse().unwrap(),
         driven_by: DrivenBy::Automated,
     }
 }

@@ -1,8 +1,8 @@
 //! Drives made by hand for the tests.
 
 use maveric_domain::{
-    ConditionId, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId,
-    Recording, Road, VehicleId,
+    Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording, Road,
+    VehicleId,
 };
 
 const RATE_HZ: f64 = 20.0;
@@ -95,7 +95,7 @@ impl Scripted {
         let meta = DriveMeta {
             drive: DriveId::new("S2P01-own").unwrap(),
             participant: ParticipantId::new("S2P01").unwrap(),
-            condition: ConditionId::OWN,
+            condition: "own".parse().unwrap(),
             driven_by: DrivenBy::Synthetic,
         };
         Drive::from_recording(meta, &recording).unwrap()

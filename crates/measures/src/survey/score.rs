@@ -393,8 +393,8 @@ mod tests {
     fn who_did_not_answer_is_counted_and_who_was_not_asked_is_not() {
         let scales = [scale("calm", Scoring::Mean), scale("trust", Scoring::Mean)];
         let full = [Some(4); 5];
-        let mimic = Moment::After(ConditionId::MIMIC);
-        let aggressive = Moment::After(ConditionId::AGGRESSIVE);
+        let mimic = Moment::After("mimic".parse().unwrap());
+        let aggressive = Moment::After("aggressive".parse().unwrap());
         let answers = [
             sheet("P01", Moment::Pre, "calm", &full),
             sheet("P01", mimic, "trust", &full),
@@ -426,7 +426,7 @@ mod tests {
 
     #[test]
     fn matrices_keep_complete_rows_of_the_moments_asked_for() {
-        let mimic = Moment::After(ConditionId::MIMIC);
+        let mimic = Moment::After("mimic".parse().unwrap());
         let answers = [
             sheet("P01", Moment::Pre, "calm", &[Some(4); 5]),
             sheet("P02", Moment::Pre, "calm", &[Some(4); 4]),

@@ -6,8 +6,8 @@
 )]
 
 use maveric_domain::{
-    AdbScore, ConditionId, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack,
-    ParticipantId, Recording, Road, VehicleId,
+    AdbScore, Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording,
+    Road, VehicleId,
 };
 
 /// How somebody drives in [`drive`].
@@ -148,7 +148,7 @@ fn driven(rate_hz: f64, name: &str, habits: &Habits, seconds: f64, apart_s: f64)
     let meta = DriveMeta {
         drive: DriveId::new(format!("{name}-own")).unwrap(),
         participant: ParticipantId::new(name).unwrap(),
-        condition: ConditionId::OWN,
+        condition: "own".parse().unwrap(),
         driven_by: DrivenBy::Synthetic,
     };
     Drive::from_recording(meta, &recording).unwrap()

@@ -74,7 +74,7 @@ fn style_space() -> StyleSpace {
             })
             .collect(),
         gradient: [1.0, 1.0, 1.0],
-        ellipse: [[0.7, -0.7, 0.0], [0.4, 0.4, -0.8]],
+        ellipse: Some([[0.7, -0.7, 0.0], [0.4, 0.4, -0.8]]),
         score: (11.0, 55.0, "ADB score".into()),
         dial: [2, 0, 1].map(|i| conditions()[i]).to_vec(),
     }

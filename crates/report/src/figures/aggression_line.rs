@@ -1,4 +1,4 @@
-//! Where drivers lie on the aggression line, against what they do and say.
+//! Where drivers lie on the style line, against what they do and say.
 
 use super::axes::{Frame, Labels, Scale};
 use super::check::Check;
@@ -32,7 +32,7 @@ pub struct LinePanel {
 
 const NAME: &str = "aggression-line";
 
-/// Draws each measure against the position on the aggression line, with line and band.
+/// Draws each measure against the position on the style line, with line and band.
 ///
 /// # Errors
 /// [`ReportError`] if there is no panel, a panel is empty or a value is not finite.
@@ -64,7 +64,7 @@ pub fn aggression_line(input: &AggressionLine, context: &Context) -> Result<Figu
     let n = if low == high {
         format!("{low}")
     } else {
-        format!("{low} to {high}, by panel (a drive without merge-back has no value there)")
+        format!("{low} to {high}, by panel (not every drive has a value of every measure)")
     };
     let found: Vec<String> = input
         .panels
@@ -83,9 +83,9 @@ pub fn aggression_line(input: &AggressionLine, context: &Context) -> Result<Figu
             TWO_COLUMNS_MM * columns as f64 / 3.0,
             55.0 * rows as f64 + 3.0,
         ),
-        title: "Position on the aggression line against each measure".to_owned(),
+        title: "Position on the style line against each measure".to_owned(),
         caption: format!(
-            "Each test participant’s position on the aggression line (the projection of the \
+            "Each test participant’s position on the style line (the projection of the \
              embedding on the gradient of the style predictor) against each measure of their own \
              drive, in standard deviations of the training drivers. Line: least squares, with its \
              95% band. *n* = {n}. The correlation and its test stand below each title.{}",
@@ -103,7 +103,7 @@ pub fn aggression_line(input: &AggressionLine, context: &Context) -> Result<Figu
             let labels = Labels {
                 title: &panel.title,
                 subtitle: &panel.statistic,
-                x: "Position on the aggression line (SD)",
+                x: "Position on the style line (SD)",
                 y: &panel.axis,
                 ..Labels::default()
             };

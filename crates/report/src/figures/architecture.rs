@@ -129,7 +129,7 @@ fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Architecture) {
         Row {
             inputs: ["", ""],
             encoder: None,
-            name: "*S*_{θ}  style (ADB score)",
+            name: "*S*_{θ}  style score",
             layers: &input.style,
             output: "*ŝ*^{ (p)}",
             loss: "*L*_{4}  squared error",

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// A grid of scatter plots: a row a measure, a column an axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AxisRegressions {
-    /// The axes, the aggression line first.
+    /// The axes, the style line first.
     pub axes: Vec<StyleAxis>,
     /// The measures, from top to bottom; at most 8.
     pub measures: Vec<AxisMeasure>,
@@ -50,7 +50,7 @@ const MOST_MEASURES: usize = 8;
 /// is not finite.
 ///
 /// # Source
-/// Method, sections 4 and 9.1: the aggression line; 9.4: what is perpendicular to it. The picture is ours.
+/// Method, sections 4 and 9.1: the style line; 9.4: what is perpendicular to it. The picture is ours.
 pub fn axis_regressions(input: &AxisRegressions, context: &Context) -> Result<Figure, ReportError> {
     check(input)?;
     let drivers = input.axes[0].positions.len();
@@ -83,7 +83,7 @@ pub fn axis_regressions(input: &AxisRegressions, context: &Context) -> Result<Fi
         title: "What each axis of the style space goes with".to_owned(),
         caption: format!(
             "Each driver’s position on the axes of the style space against measures of their own drive; the first \
-             axis is the aggression line, the others are perpendicular to it. Lines: least squares with 95% bands. \
+             axis is the style line, the others are perpendicular to it. Lines: least squares with 95% bands. \
              The test stands above each panel; *p* values are not adjusted. *n* = {drivers} drivers{}.{}",
             missing.concat(),
             crowd::words(drivers)

@@ -1,4 +1,4 @@
-//! The plane of the aggression gradient and of the direction across it in which drivers differ most.
+//! The plane of the style gradient and of the direction across it in which drivers differ most.
 
 use super::Context;
 use super::axes::{Frame, Labels, Place, Scale};
@@ -104,7 +104,7 @@ pub(crate) fn paint(
     let x = Scale::over(places.iter().map(|place| place.0), 5);
     let y = Scale::over(places.iter().map(|place| place.1), 5);
     let labels = Labels {
-        x: "Position on the aggression line",
+        x: "Position on the style line",
         y: "First axis across it",
         ..Labels::default()
     };

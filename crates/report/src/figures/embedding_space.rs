@@ -53,7 +53,7 @@ pub struct ExampleConditions {
 const NAME: &str = "embedding-space";
 const MPH_PER_MPS: f64 = 2.236_936_292_054_402;
 
-/// Draws the space in three dimensions, if it has three, and the plane of aggression against the
+/// Draws the space in three dimensions, if it has three, and the plane of the style gradient against the
 /// first axis perpendicular to it.
 ///
 /// # Errors
@@ -80,10 +80,10 @@ pub fn embedding_space(input: &EmbeddingSpace, context: &Context) -> Result<Figu
         None => String::new(),
     };
     let views = if solid {
-        "Left, the three dimensions; right, the plane of the aggression gradient and of the \
+        "Left, the three dimensions; right, the plane of the style gradient and of the \
          direction across it in which drivers differ most."
     } else {
-        "The plane of the aggression gradient and of the direction across it in which drivers \
+        "The plane of the style gradient and of the direction across it in which drivers \
          differ most."
     };
     let drawn = sample(&input.points).count();

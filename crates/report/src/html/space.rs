@@ -17,8 +17,9 @@ pub struct StyleSpace {
     pub people: Vec<SpacePerson>,
     /// The gradient of the style predictor, shape `(3,)`; not zero.
     pub gradient: [f64; 3],
-    /// The half-axes of the ellipse across the gradient, round each participant's own style; shape `(2, 3)`.
-    pub ellipse: [[f64; 3]; 2],
+    /// The half-axes of the ellipse across the gradient, round each participant's own style, shape `(2, 3)`; `None` where no condition
+    /// moves across it.
+    pub ellipse: Option<[[f64; 3]; 2]>,
     /// What the size of a point says: lowest and highest score, and what the score is called.
     pub score: (f64, f64, String),
     /// The conditions from the low end of the dial to the high one, between which a line is drawn.
@@ -68,7 +69,10 @@ impl StyleSpace {
             }
         }
         finite("the gradient", &self.gradient)?;
-        finite("the ellipse", self.ellipse.as_flattened())?;
+        finite(
+            "the ellipse",
+            self.ellipse.as_slice().as_flattened().as_flattened(),
+        )?;
         if self.gradient.iter().all(|g| *g == 0.0) {
             return Err("the gradient is zero".to_owned());
         }
@@ -92,7 +96,7 @@ impl StyleSpace {
             "drives": self.drives.iter().take(MOST).map(drive).collect::<Vec<_>>(),
             "people": self.people.iter().take(MOST).map(person).collect::<Vec<_>>(),
             "gradient": at(&self.gradient),
-            "ellipse": self.ellipse.map(|axis| at(&axis)),
+            "ellipse": self.ellipse.map(|axes| axes.map(|axis| at(&axis))),
             "score": [self.score.0, self.score.1, self.score.2],
             "dial": self.dial.iter().map(ToString::to_string).collect::<Vec<_>>(),
             "looks": self.looks(context).map(|look| json!([look.id.to_string(), look.label, look.marker()])).collect::<Vec<_>>(),
@@ -108,10 +112,16 @@ impl StyleSpace {
         context.conditions.iter().filter(placed)
     }
 
-    /// Which marker is which condition, in words.
+    /// Which marker is which condition, and the ellipse, in words.
     pub(super) fn key(&self, context: &Context) -> String {
         let one = |look: &ConditionLook| format!("{} {}", look.marker().words(), look.label);
-        self.looks(context).map(one).collect::<Vec<_>>().join(", ")
+        let key = self.looks(context).map(one).collect::<Vec<_>>().join(", ");
+        match self.ellipse {
+            Some(_) => {
+                format!("{key}, and the ellipse across the gradient, one standard deviation wide")
+            }
+            None => key,
+        }
     }
 
     /// The ids that can be chosen.

@@ -1,4 +1,4 @@
-//! Correlations of the position on the aggression line.
+//! Correlations of the position on the style line.
 
 use super::{Cell, Column, Correlation, Table};
 use serde::{Deserialize, Serialize};

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// A group of participants.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ParticipantGroup {
-    /// Such as `Study 2, internal`.
+    /// Such as `Tested, internal`.
     pub group: String,
     /// How many.
     pub n: usize,
@@ -24,8 +24,15 @@ pub struct ParticipantGroup {
     pub sd_score: Option<f64>,
 }
 
-/// Builds the table `participants`.
-pub fn participants(groups: &[ParticipantGroup], score: &str, synthetic: bool) -> Table {
+/// Builds the table `participants`; `score` is what the dial turns, where there is a dial.
+pub fn participants(groups: &[ParticipantGroup], score: Option<&str>, synthetic: bool) -> Table {
+    let score = score.map(|score| {
+        [
+            Column::right(format!("{}, *M*", crate::markup::literal(score))),
+            Column::right("*SD*"),
+        ]
+    });
+    let width = if score.is_some() { 8 } else { 6 };
     Table {
         name: "participants".to_owned(),
         title: "Participants".to_owned(),
@@ -36,13 +43,14 @@ pub fn participants(groups: &[ParticipantGroup], score: &str, synthetic: bool) -
             Column::right("Age, *M* (years)"),
             Column::right("*SD*"),
             Column::right("Female (%)"),
-            Column::right(format!("{}, *M*", crate::markup::literal(score))),
-            Column::right("*SD*"),
-        ],
+        ]
+        .into_iter()
+        .chain(score.into_iter().flatten())
+        .collect(),
         rows: groups
             .iter()
             .map(|group| {
-                vec![
+                let mut cells = vec![
                     Cell::text(&group.group),
                     Cell::count(group.n),
                     Cell::count(group.drives),
@@ -51,7 +59,9 @@ pub fn participants(groups: &[ParticipantGroup], score: &str, synthetic: bool) -
                     Cell::number(group.female.map(|share| 100.0 * share), 1),
                     Cell::number(group.mean_score, 1),
                     Cell::number(group.sd_score, 1),
-                ]
+                ];
+                cells.truncate(width);
+                cells
             })
             .collect(),
         notes: if synthetic {

@@ -8,8 +8,8 @@ use crate::{
     scenario::{ControllerSettings, Integrator, ScenarioSettings, VehicleModel, VehiclePlacement},
 };
 use maveric_domain::{
-    ConditionId, Drive, DriveId, DriveMeta, DrivenBy, LaneActivity, LaneWish, LatentTraits,
-    MetresPerSecond, ParticipantId, Seconds, Setpoints, When, drive::Direction,
+    Drive, DriveId, DriveMeta, DrivenBy, LaneActivity, LaneWish, LatentTraits, MetresPerSecond,
+    ParticipantId, Seconds, Setpoints, When, drive::Direction,
 };
 use proptest::prelude::*;
 
@@ -17,7 +17,7 @@ fn drive(rollout: &Rollout) -> Drive {
     let meta = DriveMeta {
         drive: DriveId::new("test").unwrap(),
         participant: ParticipantId::new("test").unwrap(),
-        condition: ConditionId::OWN,
+        condition: "own".parse().unwrap(),
         driven_by: DrivenBy::Synthetic,
     };
     Drive::from_recording(meta, &rollout.recording).unwrap()

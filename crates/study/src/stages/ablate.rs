@@ -6,6 +6,7 @@ use super::{
 };
 use crate::{
     atomic_write::write_json,
+    design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch, threads},
     outputs::spare_inputs,
@@ -45,6 +46,8 @@ pub struct AblateOptions {
     pub seed: u64,
     /// Threads.
     pub jobs: usize,
+    /// The command that makes the same again, for the page.
+    pub command: String,
 }
 
 type Of = fn(&HeldOut) -> Option<f64>;
@@ -78,11 +81,12 @@ pub fn ablate(options: &AblateOptions, watch: Watch<'_>) -> Result<Outcome<Ablat
     let drives = read_drives(&options.drives)?;
     let scores = options.scores.as_deref().map(read_scores).transpose()?;
     let scores = scores.unwrap_or_default();
+    let baseline = DesignFile::find(None)?.design.baseline_id();
     let mut given = Vec::new();
     for drive in &drives {
         given.push(TrainingDrive {
             drive,
-            adb: adb_of(drive, &scores)?,
+            adb: adb_of(drive, &scores, baseline)?,
         });
     }
     // The last part of an unseen drive judges; nothing is kept back of those learned from.
@@ -233,9 +237,6 @@ fn page(
             .collect(),
         folds: found.settings.folds,
     };
-    let list = |numbers: &[String]| numbers.join(",");
-    let sizes: Vec<String> = options.sizes.iter().map(ToString::to_string).collect();
-    let windows: Vec<String> = options.windows_s.iter().map(ToString::to_string).collect();
     let made_up = if context.synthetic {
         "Synthetic participants: "
     } else {
@@ -269,16 +270,7 @@ fn page(
         provenance: Provenance {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             seed: Some(options.seed),
-            command: format!(
-                "maveric ablate --drives {} --out {} --sizes {} --windows {} --folds {} --epochs {} --seed {}",
-                options.drives.display(),
-                options.out.display(),
-                list(&sizes),
-                list(&windows),
-                options.folds,
-                options.epochs,
-                options.seed
-            ),
+            command: options.command.clone(),
             parameters: Vec::new(),
             inputs: hashed(options.scores.iter().cloned())?,
         },

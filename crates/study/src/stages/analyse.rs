@@ -10,13 +10,14 @@ use crate::{
     tables::{
         Table,
         conditions::read_conditions,
+        drives::kept_out,
         embeddings::read_embeddings,
         measurements::{one_drive_a_condition, read_measurements},
         surveys::read_answers,
         surveys::read_scores,
     },
 };
-use maveric_analysis::{Analysis, Friedman, Person, StudyData, Tables};
+use maveric_analysis::{Analysis, Driven, Friedman, Person, StudyData, Tables};
 use maveric_domain::{Answer, DriveId, design::Software};
 use std::{
     collections::BTreeMap,
@@ -140,6 +141,7 @@ pub(crate) fn read_study(
         scales: read_scales(&study.resolve(&design.files().scales))?,
         answers: answers(folder, study)?,
         durations_s: durations(folder)?,
+        kept_out: drives_kept_out(folder)?,
     };
     Ok(StudyData::new(design, tables)?)
 }
@@ -160,6 +162,16 @@ fn answers(folder: &Path, study: &DesignFile) -> Result<Vec<Answer>, StudyError>
         if path.is_file() {
             found.extend(read_answers(&path)?);
         }
+    }
+    Ok(found)
+}
+
+/// What the design keeps out, from beside every list of drives among the results.
+fn drives_kept_out(folder: &Path) -> Result<Vec<Driven>, StudyError> {
+    let mut found = Vec::new();
+    for list in lists(folder) {
+        let drives = kept_out(list.parent().unwrap_or(folder))?;
+        found.extend(drives.into_iter().map(|(_, driven)| driven));
     }
     Ok(found)
 }

@@ -4,15 +4,16 @@ use crate::{
     atomic_write::read_text,
     design::DesignFile,
     error::StudyError,
-    gate::{Gate, LeftOut, counted},
+    gate::{Gate, LeftOut, TOO_SHORT, counted},
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
     tables::{
         Table, TableBuilder,
+        drives::kept_out,
         surveys::{read_timed_answers, write_scores},
     },
 };
-use maveric_domain::{Answer, Moment, ParticipantId, Scale, Score, Subscale};
+use maveric_domain::{Answer, DriveId, Moment, ParticipantId, Scale, Score, Subscale};
 use maveric_measures::{
     ItemMatrix, ScoreWarning, parse_scale,
     survey::{SheetTime, response_styles, too_fast},
@@ -35,6 +36,8 @@ pub struct ScoreOptions {
     pub participants: Option<PathBuf>,
     /// Folder of questionnaire definitions.
     pub scales: PathBuf,
+    /// Folders of drives: what was said of those that are left out there as too short is left out too.
+    pub drives: Vec<PathBuf>,
     /// Which answers to score.
     pub moments: Moments,
     /// Scores to write.
@@ -292,7 +295,7 @@ pub fn score(
         times.retain(|t| t.moment != Moment::Pre);
     }
     watch.check()?;
-    let left_out = let_in(options, &mut answers, &mut times)?;
+    let left_out = let_in(options, &scales, &mut answers, &mut times)?;
     if answers.is_empty() {
         return Err(StudyError::NotPossible {
             problem: "the surveys hold no answers".to_owned(),
@@ -380,6 +383,7 @@ type LeftOutAnswers = BTreeMap<(ParticipantId, Moment, LeftOut), usize>;
 /// Takes out the answers that the design does not let in.
 fn let_in(
     options: &ScoreOptions,
+    scales: &[Scale],
     answers: &mut Vec<Answer>,
     times: &mut Vec<SheetTime>,
 ) -> Result<LeftOutAnswers, StudyError> {
@@ -388,7 +392,33 @@ fn let_in(
         return Ok(left_out);
     };
     let gate = Gate::of(&study, options.participants.as_deref())?;
-    answers.retain(|a| match gate.answer(&a.participant, a.moment) {
+    let mut lined: BTreeMap<ParticipantId, String> = BTreeMap::new();
+    if study.design.exclude().straight_lined {
+        for warning in response_styles(scales, answers) {
+            if let ScoreWarning::OneAnswer {
+                participant, scale, ..
+            } = warning
+            {
+                lined.entry(participant).or_insert(scale);
+            }
+        }
+    }
+    let mut short: BTreeMap<(ParticipantId, Moment), DriveId> = BTreeMap::new();
+    for folder in &options.drives {
+        for (rule, d) in kept_out(folder)? {
+            if rule == TOO_SHORT {
+                short.insert((d.participant, Moment::After(d.condition)), d.drive);
+            }
+        }
+    }
+    let out = |who: &ParticipantId, when: Moment| {
+        let by_rule = || {
+            let lined = lined.get(who).map(|scale| LeftOut::straight_lined(scale));
+            lined.or_else(|| short.get(&(who.clone(), when)).map(LeftOut::short))
+        };
+        gate.answer(who, when).or_else(by_rule)
+    };
+    answers.retain(|a| match out(&a.participant, a.moment) {
         None => true,
         Some(why) => {
             *left_out
@@ -397,7 +427,7 @@ fn let_in(
             false
         }
     });
-    times.retain(|t| gate.answer(&t.participant, t.moment).is_none());
+    times.retain(|t| out(&t.participant, t.moment).is_none());
     Ok(left_out)
 }
 
@@ -460,6 +490,7 @@ mod tests {
             surveys: vec![surveys],
             participants: None,
             scales: folder.path().join("scales"),
+            drives: Vec::new(),
             moments,
             out: folder.path().join("scores.csv"),
         };

@@ -10,7 +10,7 @@ use crate::{
     tables::{
         TableBuilder,
         conditions::{ConditionRow, read_conditions},
-        drives::{former_drives, remove_former, write_drive, write_drive_list},
+        drives::{former_drives, refuse_foreign, remove_former, write_drive, write_drive_list},
     },
     watching::{WatchedDrive, braking, read_watched, write_watch_page},
 };
@@ -189,6 +189,10 @@ pub fn simulate(
             return Err(StudyError::file(&options.conditions, problem));
         }
     }
+    refuse_foreign(
+        &options.out.join("drives"),
+        names.iter().map(DriveId::as_str),
+    )?;
     let people = || conditions.iter().map(|row| &row.participant);
     options.scenes.check(people())?;
     let watched = options.watch.as_ref().map(|w| {

@@ -2,7 +2,7 @@
 
 use crate::{
     atomic_write::{atomic_write_bytes, write_json},
-    design::drives_of,
+    design::{DesignFile, drives_of},
     error::StudyError,
     outcome::{Outcome, Watch, threads},
     outputs::spare_inputs,
@@ -140,10 +140,14 @@ pub fn read_model(path: &Path) -> Result<Model, StudyError> {
     })
 }
 
-/// The ADB score that belongs to a drive: the one answered before the drives, or in a professional's role.
-pub(crate) fn adb_of(drive: &Drive, scores: &[Score]) -> Result<Option<AdbScore>, StudyError> {
+/// The ADB score that belongs to a drive: the one answered before the drives to the baseline, another to a professional's role.
+pub(crate) fn adb_of(
+    drive: &Drive,
+    scores: &[Score],
+    baseline: Option<ConditionId>,
+) -> Result<Option<AdbScore>, StudyError> {
     let meta = drive.meta();
-    let moment = if meta.condition == ConditionId::OWN {
+    let moment = if Some(meta.condition) == baseline {
         Moment::Pre
     } else {
         Moment::After(meta.condition)
@@ -197,10 +201,11 @@ pub fn train(
         ..TrainSettings::default()
     };
     let params = TrainParams::new(settings.clone())?;
+    let baseline = DesignFile::find(design)?.design.baseline_id();
     let mut unscored = Vec::new();
     let mut training = Vec::new();
     for drive in &drives {
-        let adb = adb_of(drive, &scores)?;
+        let adb = adb_of(drive, &scores, baseline)?;
         if adb.is_none() && options.scores.is_some() {
             unscored.push(format!(
                 "drive {}: no ADB score, so it does not teach the style head",
@@ -258,13 +263,14 @@ pub fn train(
             continue;
         };
         let meta = drive.meta();
+        let adb = adb_of(drive, &scores, baseline)?;
         rows.push(EmbeddingRow {
             drive: id,
             participant: meta.participant.clone(),
             condition: meta.condition,
             // Linear heads learn where drivers lie from their driving alone.
-            adb_used: options.heads == HeadsKind::Paper && adb_of(drive, &scores)?.is_some(),
-            adb: adb_of(drive, &scores)?.map(AdbScore::points),
+            adb_used: options.heads == HeadsKind::Paper && adb.is_some(),
+            adb: adb.map(AdbScore::points),
             adb_hat: axis
                 .as_ref()
                 .map(|a| a.aggression_hat(&embedding))

@@ -1,4 +1,4 @@
-//! The AV conditions of each participant: where in style space the car should drive.
+//! The conditions of each participant: where in style space the car should drive.
 
 use super::{
     Table, TableBuilder,
@@ -18,8 +18,8 @@ pub fn write_conditions(path: &Path, rows: &[ConditionRow]) -> Result<(), StudyE
     let builder = TableBuilder::default()
         .text("participant", rows.iter().map(|r| r.participant.as_str()))
         .text("condition", rows.iter().map(|r| r.condition.as_str()))
-        .numbers("adb_hat", rows.iter().map(|r| Some(r.adb_hat)))
-        .numbers("moved_points", rows.iter().map(|r| Some(r.moved_points)))
+        .numbers("adb_hat", rows.iter().map(|r| r.adb_hat))
+        .numbers("moved_points", rows.iter().map(|r| r.moved_points))
         .numbers("moved_points_sd", rows.iter().map(|r| r.moved_points_sd))
         .flags("clamped", rows.iter().map(|r| r.clamped))
         .numbers("angle_rad", rows.iter().map(|r| r.angle_rad))
@@ -87,8 +87,8 @@ pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
     }
     let participant: Vec<ParticipantId> = table.ids("participant")?;
     let condition: Vec<ConditionId> = table.parsed("condition")?;
-    let adb_hat = table.all_numbers("adb_hat")?;
-    let moved_points = table.all_numbers("moved_points")?;
+    let adb_hat = table.numbers("adb_hat")?;
+    let moved_points = table.numbers("moved_points")?;
     let moved_points_sd = table.numbers("moved_points_sd")?;
     let clamped: Vec<bool> = table.parsed("clamped")?;
     let angle_rad = table.numbers("angle_rad")?;
@@ -118,9 +118,9 @@ mod tests {
     fn a_sweep_comes_back_with_its_drives_and_a_study_without() {
         let row = |sweep: Option<SweepPoint>| ConditionRow {
             participant: ParticipantId::new("P01").unwrap(),
-            condition: ConditionId::AGGRESSIVE,
-            adb_hat: 40.0,
-            moved_points: 10.0,
+            condition: "sporty".parse().unwrap(),
+            adb_hat: Some(40.0),
+            moved_points: Some(10.0),
             moved_points_sd: Some(1.5),
             clamped: false,
             angle_rad: None,
@@ -144,6 +144,6 @@ mod tests {
             write_conditions(&path, &rows).unwrap();
             assert_eq!(read_conditions(&path).unwrap(), rows);
         }
-        assert_eq!(row(None).drive().unwrap().as_str(), "P01-aggressive");
+        assert_eq!(row(None).drive().unwrap().as_str(), "P01-sporty");
     }
 }

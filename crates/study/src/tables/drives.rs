@@ -2,12 +2,16 @@
 
 use super::{Table, TableBuilder};
 use crate::{atomic_write::atomic_write, error::StudyError};
-use maveric_domain::{Drive, DriveId, DriveMeta};
+use maveric_analysis::Driven;
+use maveric_domain::{Drive, DriveId, DriveMeta, ParticipantId};
 use maveric_ingest::{Provenance, read_drive_from, write_drive_to};
 use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
 };
+
+/// The list of the drives of a folder.
+const LIST: &str = "drives.csv";
 
 /// Writes `<folder>/<drive>.parquet` of a drive that was made here, from no log.
 ///
@@ -42,8 +46,60 @@ pub fn read_drive(path: &Path) -> Result<Drive, StudyError> {
 /// Reads every drive of a folder, ordered by file name.
 ///
 /// # Errors
-/// [`StudyError::BadFile`] for a folder without drives, and as [`read_drive`].
+/// [`StudyError::BadFile`] for a folder without drives or, where `drives.csv` lists what was made there, with another one; and as
+/// [`read_drive`].
 pub fn read_drives(folder: &Path) -> Result<Vec<Drive>, StudyError> {
+    let paths = drive_files(folder)?;
+    if paths.is_empty() {
+        return Err(StudyError::BadFile {
+            path: folder.to_owned(),
+            problem: "holds no drives (*.parquet)".to_owned(),
+            help: Some("make drives from logs with `maveric ingest LOG… --out DIR`".to_owned()),
+        });
+    }
+    if folder.join(LIST).is_file() {
+        refuse_foreign(folder, [])?;
+    }
+    paths.iter().map(|p| read_drive(p)).collect()
+}
+
+/// Refuses a folder to write into that holds a drive which neither its `drives.csv` lists nor `now` replaces: nobody knows who made
+/// it, and it would be read as one of this study. It is left as it is.
+///
+/// # Errors
+/// [`StudyError::BadFile`] naming the drive's file; [`StudyError::Io`].
+pub(crate) fn refuse_foreign<'a>(
+    folder: &Path,
+    now: impl IntoIterator<Item = &'a str>,
+) -> Result<(), StudyError> {
+    let list = folder.join(LIST);
+    let mut own: BTreeSet<String> = now.into_iter().map(str::to_owned).collect();
+    if list.is_file() {
+        let listed: Vec<DriveId> = Table::read(&list)?.ids("drive")?;
+        own.extend(listed.iter().map(ToString::to_string));
+    }
+    let known = |path: &PathBuf| {
+        let stem = path.file_stem();
+        stem.is_some_and(|stem| own.contains(stem.to_string_lossy().as_ref()))
+    };
+    match drive_files(folder)?.into_iter().find(|path| !known(path)) {
+        None => Ok(()),
+        Some(path) => Err(StudyError::BadFile {
+            path,
+            problem: format!("is a drive that {} does not list", list.display()),
+            help: Some(
+                "nobody knows how it was made: move it elsewhere, or ingest its log with the others"
+                    .to_owned(),
+            ),
+        }),
+    }
+}
+
+/// The drives' files of a folder, by name; none where there is no such folder.
+fn drive_files(folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
+    if !folder.exists() {
+        return Ok(Vec::new());
+    }
     let entries = std::fs::read_dir(folder).map_err(StudyError::read(folder))?;
     let mut paths = Vec::new();
     for entry in entries {
@@ -55,15 +111,44 @@ pub fn read_drives(folder: &Path) -> Result<Vec<Drive>, StudyError> {
             paths.push(path);
         }
     }
-    if paths.is_empty() {
-        return Err(StudyError::BadFile {
-            path: folder.to_owned(),
-            problem: "holds no drives (*.parquet)".to_owned(),
-            help: Some("make drives from logs with `maveric ingest LOG… --out DIR`".to_owned()),
-        });
-    }
     paths.sort();
-    paths.iter().map(|p| read_drive(p)).collect()
+    Ok(paths)
+}
+
+/// The drives that a rule of the design keeps out of a folder, each with the rule, as `exclusions.csv` there lists them.
+///
+/// # Errors
+/// As [`Table`] does.
+pub(crate) fn kept_out(folder: &Path) -> Result<Vec<(String, Driven)>, StudyError> {
+    let path = folder.join("exclusions.csv");
+    if !path.is_file() {
+        return Ok(Vec::new());
+    }
+    let table = Table::read(&path)?;
+    if !table.has("rule") {
+        return Ok(Vec::new());
+    }
+    let text = |column: &str| table.text(column);
+    let (drive, participant) = (text("drive")?, text("participant")?);
+    let (condition, rule) = (text("condition")?, text("rule")?);
+    let duration_s = table.numbers("duration_s")?;
+    let mut found = Vec::new();
+    for row in 0..table.rows() {
+        let cell = |column: &[Option<String>]| column[row].clone().unwrap_or_default();
+        let rule = cell(&rule);
+        if !rule.starts_with("exclude.") {
+            continue;
+        }
+        let condition = cell(&condition);
+        let driven = Driven {
+            drive: DriveId::new(cell(&drive))?,
+            participant: ParticipantId::new(cell(&participant))?,
+            condition: condition.parse()?,
+            duration_s: duration_s[row],
+        };
+        found.push((rule, driven));
+    }
+    Ok(found)
 }
 
 /// The drives that `<folder>/drives.csv` lists and that are not among `now`: made here by an earlier call, and no
@@ -72,7 +157,7 @@ pub(crate) fn former_drives<'a>(
     folder: &Path,
     now: impl IntoIterator<Item = &'a str>,
 ) -> Vec<DriveId> {
-    let listed = Table::read(&folder.join("drives.csv")).and_then(|list| list.ids("drive"));
+    let listed = Table::read(&folder.join(LIST)).and_then(|list| list.ids("drive"));
     let mut former: Vec<DriveId> = listed.unwrap_or_default();
     let now: BTreeSet<&str> = now.into_iter().collect();
     former.retain(|drive| !now.contains(drive.as_str()));
@@ -114,5 +199,47 @@ pub fn write_drive_list(
         .text("driven_by", drives.iter().map(|d| d.0.driven_by.as_str()))
         .integers("rows", drives.iter().map(|d| i64::try_from(d.1).ok()))
         .numbers("duration_s", drives.iter().map(|d| Some(d.2)))
-        .write(&folder.join("drives.csv"))
+        .write(&folder.join(LIST))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As the first version of the format wrote it: of one of two studies.
+    fn of_format_1() -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/drive_of_format_1.parquet")
+    }
+
+    #[test]
+    fn a_drive_of_the_first_format_is_read_and_written_in_the_second() {
+        let old = read_drive(&of_format_1()).unwrap();
+        let meta = old.meta();
+        let words = (meta.participant.as_str(), meta.condition.as_str());
+        assert_eq!((words, old.len()), (("P01", "own"), 121));
+        let folder = tempfile::tempdir().unwrap();
+        let new = read_drive(&write_drive(folder.path(), &old).unwrap()).unwrap();
+        assert_eq!((new.meta(), new.rows()), (meta, old.rows()));
+    }
+
+    #[test]
+    fn a_drive_that_the_list_does_not_have_is_named_and_left_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let drive = read_drive(&of_format_1()).unwrap();
+        write_drive(folder.path(), &drive).unwrap();
+        // Without a list a folder is as somebody put it together.
+        assert_eq!(read_drives(folder.path()).unwrap().len(), 1);
+        write_drive_list(folder.path(), &[(drive.meta().clone(), 121, 6.0)]).unwrap();
+        assert_eq!(read_drives(folder.path()).unwrap().len(), 1);
+        let foreign = folder.path().join("P09-own.parquet");
+        std::fs::copy(of_format_1(), &foreign).unwrap();
+        let said = read_drives(folder.path()).unwrap_err().to_string();
+        assert!(
+            said.contains("P09-own.parquet") && said.contains("does not list"),
+            "{said}"
+        );
+        assert!(refuse_foreign(folder.path(), ["P01-own"]).is_err());
+        refuse_foreign(folder.path(), ["P09-own"]).unwrap();
+        assert!(foreign.exists());
+    }
 }

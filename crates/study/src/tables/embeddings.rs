@@ -142,7 +142,7 @@ mod tests {
         let row = |name: &str, covariance: Option<Vec<f64>>| EmbeddingRow {
             drive: DriveId::new(name).unwrap(),
             participant: ParticipantId::new("P01").unwrap(),
-            condition: ConditionId::OWN,
+            condition: "own".parse().unwrap(),
             adb_used: false,
             adb: None,
             adb_hat: Some(30.5),

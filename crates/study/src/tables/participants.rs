@@ -284,7 +284,10 @@ mod tests {
             (people[1].age_years, people[1].gender.as_deref()),
             (Some(35.0), None)
         );
-        assert_eq!(people[1].order, [ConditionId::MIMIC, ConditionId::CAUTIOUS]);
+        assert_eq!(
+            people[1].order,
+            ["mimic", "cautious"].map(|c| c.parse::<ConditionId>().unwrap())
+        );
         assert_eq!(
             (people[2].age_years, people[2].gender.as_deref()),
             (None, Some("other"))

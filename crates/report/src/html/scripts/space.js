@@ -128,11 +128,13 @@ function startSpace(root) {
     data.people.forEach((d) => drive(d, true));
     const labels = [];
     if (chosen) {
-      const round = Array.from({ length: 73 }, (_, i) => {
-        const angle = (i / 72) * 2 * Math.PI;
-        return chosen.at.map((v, k) => v + Math.cos(angle) * data.ellipse[0][k] + Math.sin(angle) * data.ellipse[1][k]);
-      });
-      line(items, round, muted, 1.2);
+      if (data.ellipse) {
+        const round = Array.from({ length: 73 }, (_, i) => {
+          const angle = (i / 72) * 2 * Math.PI;
+          return chosen.at.map((v, k) => v + Math.cos(angle) * data.ellipse[0][k] + Math.sin(angle) * data.ellipse[1][k]);
+        });
+        line(items, round, muted, 1.2);
+      }
       const placed = Object.fromEntries(chosen.conditions);
       const dialled = data.dial.map((id) => placed[id]).filter(Boolean);
       for (let i = 1; i < dialled.length; i++) line(items, pieces(dialled[i - 1], dialled[i], 10), muted, 1.2);

@@ -11,7 +11,7 @@ use crate::{
     outputs::{put_in_place, spare_inputs},
     tables::{
         TableBuilder,
-        drives::{write_drive_list, write_drive_of},
+        drives::{refuse_foreign, write_drive_list, write_drive_of},
     },
 };
 use maveric_domain::{Drive, DriveMeta};
@@ -52,7 +52,7 @@ pub struct IngestedDrives {
     /// Rows over all drives.
     pub rows: usize,
     /// Drives that the design does not let in, each with the rule.
-    pub left_out: Vec<(DriveMeta, LeftOut)>,
+    pub left_out: Vec<LeftOutDrive>,
     /// Logs that could not be ingested, each with the reason.
     pub failed: Vec<FailedLog>,
 }
@@ -64,6 +64,17 @@ pub struct FailedLog {
     pub log: PathBuf,
     /// Why.
     pub why: String,
+}
+
+/// A drive that the design does not let in.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LeftOutDrive {
+    /// Whose it is.
+    pub meta: DriveMeta,
+    /// How long it took, in s.
+    pub duration_s: f64,
+    /// By which rule, and why.
+    pub why: LeftOut,
 }
 
 /// A drive that is written but not yet in its place.
@@ -131,9 +142,9 @@ pub fn ingest(
         return Err(none_ingested(failed));
     }
     let failed: Vec<FailedLog> = failed.into_iter().map(FailedLog::from).collect();
-    if let (true, Some((meta, why))) = (drives.is_empty(), left_out.first()) {
+    if let (true, Some(first)) = (drives.is_empty(), left_out.first()) {
         return Err(StudyError::NotPossible {
-            problem: format!("no drive is let in; {}: {why}", meta.drive),
+            problem: format!("no drive is let in; {}: {}", first.meta.drive, first.why),
             help: Some(
                 "say whose drives these are under [names] of the mapping, or add people and conditions to the study".to_owned(),
             ),
@@ -150,6 +161,7 @@ pub fn ingest(
         });
     }
     watch.check()?;
+    refuse_foreign(&options.out, drives.iter().map(|d| d.meta.drive.as_str()))?;
     std::fs::create_dir_all(&options.out).map_err(StudyError::write(&options.out))?;
     for drive in &drives {
         let place = options.out.join(format!("{}.parquet", drive.meta.drive));
@@ -170,7 +182,7 @@ pub fn ingest(
     warnings.extend(
         left_out
             .iter()
-            .map(|(m, w)| format!("drive {}: {w}", m.drive)),
+            .map(|out| format!("drive {}: {}", out.meta.drive, out.why)),
     );
     let rows = drives.iter().map(|d| d.rows).sum();
     let list: Vec<(DriveMeta, usize, f64)> = drives
@@ -183,7 +195,7 @@ pub fn ingest(
         list.len(),
         options.out.display()
     )];
-    summary.extend(counted("drives", left_out.iter().map(|(_, why)| why)));
+    summary.extend(counted("drives", left_out.iter().map(|out| &out.why)));
     if !failed.is_empty() {
         summary.push(format!(
             "{} of {} logs could not be ingested: see {}",
@@ -249,12 +261,16 @@ fn none_ingested(mut failed: Vec<(PathBuf, IngestError)>) -> StudyError {
 fn sorted_out(
     written: impl Iterator<Item = Written>,
     gate: Option<&Gate>,
-) -> (Vec<Written>, Vec<(DriveMeta, LeftOut)>) {
+) -> (Vec<Written>, Vec<LeftOutDrive>) {
     let (mut drives, mut left_out) = (Vec::new(), Vec::new());
     for drive in written {
         match gate.and_then(|gate| gate.drive(&drive.meta, drive.duration_s)) {
             None => drives.push(drive),
-            Some(why) => left_out.push((drive.meta, why)),
+            Some(why) => left_out.push(LeftOutDrive {
+                meta: drive.meta,
+                duration_s: drive.duration_s,
+                why,
+            }),
         }
     }
     (drives, left_out)
@@ -285,7 +301,7 @@ fn write_log((number, log): (usize, &logs::Log), aside: &Path) -> Result<Vec<Wri
 fn write_exclusions(
     folder: &Path,
     drives: &[Written],
-    left_out: &[(DriveMeta, LeftOut)],
+    left_out: &[LeftOutDrive],
     failed: &[FailedLog],
 ) -> Result<(), StudyError> {
     let rows: Vec<(&DriveMeta, &Warning)> = drives
@@ -298,20 +314,33 @@ fn write_exclusions(
     };
     let repaired = rows.iter().map(|(meta, w)| {
         let drive = meta.drive.to_string();
-        (drive, name(&w.file), w.what.clone(), w.count)
+        (drive, name(&w.file), w.what.clone(), w.count, None)
     });
-    let out = left_out
-        .iter()
-        .map(|(meta, why)| (meta.drive.to_string(), String::new(), why.to_string(), 1));
+    let kept_out = left_out.iter().map(|out| {
+        let drive = out.meta.drive.to_string();
+        (drive, String::new(), out.why.to_string(), 1, Some(out))
+    });
     let lost = failed
         .iter()
-        .map(|log| (String::new(), name(&log.log), log.to_string(), 1));
-    let rows: Vec<(String, String, String, usize)> = repaired.chain(out).chain(lost).collect();
+        .map(|log| (String::new(), name(&log.log), log.to_string(), 1, None));
+    // The drive, its log, what happened how often, and what is known of a drive that was left out whole.
+    type Row<'a> = (String, String, String, usize, Option<&'a LeftOutDrive>);
+    let rows: Vec<Row<'_>> = repaired.chain(kept_out).chain(lost).collect();
+    let out = |of: &dyn Fn(&LeftOutDrive) -> String| -> Vec<String> {
+        rows.iter().map(|r| r.4.map_or_else(String::new, of)).collect()
+    };
     TableBuilder::default()
         .text("drive", rows.iter().map(|r| &r.0))
         .text("log", rows.iter().map(|r| &r.1))
         .text("what", rows.iter().map(|r| &r.2))
         .integers("count", rows.iter().map(|r| i64::try_from(r.3).ok()))
+        .text("participant", out(&|o| o.meta.participant.to_string()))
+        .text("condition", out(&|o| o.meta.condition.to_string()))
+        .text("rule", out(&|o| o.why.rule.clone()))
+        .numbers(
+            "duration_s",
+            rows.iter().map(|r| r.4.map(|o| o.duration_s)),
+        )
         .write(&folder.join("exclusions.csv"))
 }
 

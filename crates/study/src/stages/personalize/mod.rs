@@ -5,7 +5,7 @@ mod learning_curve;
 pub use learning_curve::{CurveRow, MeanWithInterval};
 
 use crate::{
-    design::drives_of,
+    design::{DesignFile, drives_of},
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
     outputs::spare_inputs,
@@ -92,6 +92,7 @@ pub fn personalize(
     spare_inputs(given.chain([&*options.model, &options.drives]), outputs)?;
     let model = read_model(&options.model)?;
     let design = options.design.as_deref();
+    let baseline = DesignFile::find(design)?.design.baseline_id();
     let drives = drives_of(
         &options.drives,
         design,
@@ -117,7 +118,7 @@ pub fn personalize(
     let mut tasks = Vec::new();
     let mut warnings = Vec::new();
     for drive in &drives {
-        let adb = adb_of(drive, &scores)?;
+        let adb = adb_of(drive, &scores, baseline)?;
         if adb.is_some() && model.knows_aggression() {
             tasks.push(Task {
                 drive,

@@ -246,7 +246,7 @@ impl Learned {
                 if let (Some(y), Some(perceived)) =
                     (regard, self.percept.of_condition(data, p, c.id))
                 {
-                    let moved = data.condition(p, c.id).map(|row| row.moved_points);
+                    let moved = data.condition(p, c.id).and_then(|row| row.moved_points);
                     let row = Self::row(&traits, perceived, setting_of(c, moved));
                     self.observe(&mut belief, &row, y);
                 }

@@ -17,11 +17,6 @@ pub(super) fn page(
     options: &RehearseDialOptions,
 ) -> Result<Report, StudyError> {
     let context = Context::synthetic(options.seed);
-    let sizes: Vec<String> = options
-        .participants
-        .iter()
-        .map(ToString::to_string)
-        .collect();
     let section = |title: &str, intro: &str, figures, tables| Section {
         title: title.to_owned(),
         intro: vec![intro.to_owned()],
@@ -66,14 +61,7 @@ pub(super) fn page(
         provenance: Provenance {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             seed: Some(options.seed),
-            command: format!(
-                "maveric rehearse-dial --participants {} --studies {} --trials {} --seed {} --out {}",
-                sizes.join(","),
-                options.studies,
-                options.trials,
-                options.seed,
-                options.out.display()
-            ),
+            command: options.command.clone(),
             parameters: Vec::new(),
             inputs: Vec::new(),
         },

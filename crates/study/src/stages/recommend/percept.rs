@@ -133,7 +133,7 @@ impl Percept {
         let moved: Vec<f64> = people
             .iter()
             .flat_map(|p| [ends[0], ends[2]].map(|c| data.condition(p, c)))
-            .filter_map(|row| Some(row?.moved_points.abs()))
+            .filter_map(|row| Some(row?.moved_points?.abs()))
             .collect();
         dial.points = moved.iter().sum::<f64>() / moved.len().max(1) as f64;
         let [low, middle, high] = dial.shift;

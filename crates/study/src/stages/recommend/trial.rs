@@ -49,6 +49,8 @@ pub struct RehearseDialOptions {
     pub seed: u64,
     /// Threads.
     pub jobs: usize,
+    /// The command that makes the same again, for the page.
+    pub command: String,
 }
 
 /// A way to set the dial.
@@ -351,6 +353,7 @@ impl Rider<'_> {
         };
         let mut errors = vec![error(&belief)];
         let unit = bench.truth.percept.spread.clone();
+        let shown = world.design.conditions()[0].id;
         for trial in 0..trials {
             let points = choose(&belief, &traits, trial);
             let label = format!("trial {trial}");
@@ -359,7 +362,7 @@ impl Rider<'_> {
             let rated = rate_trial(
                 person,
                 &drives.own,
-                (&label, &drives.trials[0]),
+                (&label, shown, &drives.trials[0]),
                 &unit,
                 &world.scales,
                 &world.effects,

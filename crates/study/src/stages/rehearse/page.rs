@@ -50,17 +50,6 @@ pub(super) fn page(found: &Rehearsal, options: &RehearseOptions) -> Result<Repor
             tables: tables::power_tables(found),
         }]
     };
-    let list = |values: &[String]| values.join(",");
-    let sizes: Vec<String> = options
-        .participants
-        .iter()
-        .map(ToString::to_string)
-        .collect();
-    let scales: Vec<String> = options
-        .effect_scales
-        .iter()
-        .map(ToString::to_string)
-        .collect();
     Ok(Report {
         title: if found.is_null() {
             "How often do the tests cry wolf?".to_owned()
@@ -85,14 +74,7 @@ pub(super) fn page(found: &Rehearsal, options: &RehearseOptions) -> Result<Repor
         provenance: Provenance {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             seed: Some(options.seed),
-            command: format!(
-                "maveric rehearse --participants {} --effects-times {} --studies {} --seed {} --out {}",
-                list(&sizes),
-                list(&scales),
-                options.studies,
-                options.seed,
-                options.out.display()
-            ),
+            command: options.command.clone(),
             parameters: Vec::new(),
             inputs: Vec::new(),
         },

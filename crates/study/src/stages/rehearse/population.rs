@@ -72,12 +72,12 @@ pub struct DrawnMeasure {
     pub bias: f64,
     /// Standard deviation of the car's error.
     pub error_sd: f64,
-    /// Effect: the Aggressive condition.
-    pub aggressive: Step,
-    /// Effect: the Cautious condition.
-    pub cautious: Step,
-    /// Effect: the Perpendicular condition.
-    pub perpendicular: Round,
+    /// Effect: a step up the dial.
+    pub up: Step,
+    /// Effect: a step down the dial.
+    pub down: Step,
+    /// Effect: a move across the dial.
+    pub across: Round,
 }
 
 /// A move along the line.
@@ -125,14 +125,14 @@ pub(crate) struct Drives {
 /// What the car is asked to do in a trial.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Asked {
-    /// A shift of the dial, in units of the study's own step: 1 is Aggressive, −1 Cautious, 0 Mimic.
+    /// A shift of the dial, in units of the population's step; 0 is the person's own style.
     Shift(f64),
     /// A move to this angle round the ellipse.
     Round(f64),
 }
 
 impl Asked {
-    /// A study's condition; the angle is used by Perpendicular alone.
+    /// A study's condition; the angle is used by a move across the dial alone.
     pub(crate) fn of(condition: &Condition, angle: f64, step: f64) -> Self {
         match condition.car {
             Some(Car::Across) => Self::Round(angle),
@@ -200,17 +200,17 @@ impl PopulationModel {
                     within(key("error_sd"), m.error_sd, 0.0, 10.0)?;
                     for (field, value) in [
                         ("bias", m.bias),
-                        ("aggressive.step", m.aggressive.step),
-                        ("cautious.step", m.cautious.step),
-                        ("perpendicular.cosine", m.perpendicular.cosine),
-                        ("perpendicular.sine", m.perpendicular.sine),
+                        ("up.step", m.up.step),
+                        ("down.step", m.down.step),
+                        ("across.cosine", m.across.cosine),
+                        ("across.sine", m.across.sine),
                     ] {
                         within(key(field), value, -10.0, 10.0)?;
                     }
                     for (field, value) in [
-                        ("aggressive.sd", m.aggressive.sd),
-                        ("cautious.sd", m.cautious.sd),
-                        ("perpendicular.sd", m.perpendicular.sd),
+                        ("up.sd", m.up.sd),
+                        ("down.sd", m.down.sd),
+                        ("across.sd", m.across.sd),
                     ] {
                         within(key(field), value, 0.0, 10.0)?;
                     }
@@ -250,13 +250,13 @@ impl PopulationModel {
         scaled.line.adb_weight = (scaled.line.adb_weight * factor).min(1.0);
         for measure in scaled.measures.values_mut() {
             if let MeasureModel::Drawn(m) = measure {
-                for step in [&mut m.aggressive, &mut m.cautious] {
+                for step in [&mut m.up, &mut m.down] {
                     step.step *= factor;
                     step.sd *= factor;
                 }
-                m.perpendicular.cosine *= factor;
-                m.perpendicular.sine *= factor;
-                m.perpendicular.sd *= factor;
+                m.across.cosine *= factor;
+                m.across.sine *= factor;
+                m.across.sd *= factor;
             }
         }
         scaled
@@ -341,12 +341,10 @@ impl DrawnMeasure {
     /// Change by what is asked; a person's dial is steeper or flatter by `differs`.
     fn moved(&self, asked: Asked, differs: [f64; 2], rng: &mut Pcg64) -> f64 {
         match asked {
-            Asked::Shift(shift) if shift >= 0.0 => {
-                shift * (self.aggressive.step + self.aggressive.sd * differs[0])
-            }
-            Asked::Shift(shift) => -shift * (self.cautious.step + self.cautious.sd * differs[1]),
+            Asked::Shift(shift) if shift >= 0.0 => shift * (self.up.step + self.up.sd * differs[0]),
+            Asked::Shift(shift) => -shift * (self.down.step + self.down.sd * differs[1]),
             Asked::Round(angle) => {
-                let Round { cosine, sine, sd } = self.perpendicular;
+                let Round { cosine, sine, sd } = self.across;
                 cosine * angle.cos() + sine * angle.sin() + sd * normal(rng)
             }
         }

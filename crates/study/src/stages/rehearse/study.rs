@@ -184,8 +184,8 @@ fn condition_row(
     Ok(ConditionRow {
         participant: person.id.clone(),
         condition: condition.id,
-        adb_hat: 0.0,
-        moved_points: condition.dial().unwrap_or(0.0),
+        adb_hat: None,
+        moved_points: condition.dial().or(Some(0.0)),
         moved_points_sd: None,
         clamped: false,
         angle_rad: (condition.car == Some(Car::Across)).then_some(angle),

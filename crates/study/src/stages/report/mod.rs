@@ -29,7 +29,7 @@ pub struct ReportOptions {
     pub out: PathBuf,
     /// The ledger of claims; the design's without, and none where it names none.
     pub claims: Option<PathBuf>,
-    /// The command that is running, to be repeated.
+    /// The command that makes the same again, for the page.
     pub command: String,
     /// Parameters of the run, listed on the page; a value that is a file stands there whole, with its hash.
     pub parameters: Vec<(String, String)>,

@@ -8,19 +8,20 @@ use crate::{
         surveys::read_scores,
     },
 };
-use maveric_domain::{Design, Moment, Score, design::ScoreName};
+use maveric_analysis::Flow;
+use maveric_domain::{Design, DrivenBy, Moment, ParticipantId, Score, design::ScoreName};
 use maveric_participants::{Gender, Part};
 use maveric_report::tables::ParticipantGroup;
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
-/// The participants of both studies.
+/// Everybody who takes part and is not left out.
 pub(super) struct People {
     participants: Vec<Enrolled>,
     scores: Vec<Score>,
     /// What the dial turns.
     score: Option<ScoreName>,
-    /// Drives by hand of each study.
-    drives: [usize; 2],
+    /// Drives of each person that the program did not drive.
+    drives: BTreeMap<ParticipantId, usize>,
 }
 
 fn mean(values: &[f64]) -> Option<f64> {
@@ -46,17 +47,22 @@ impl People {
         folder: &Path,
         participants: &Path,
         drives: &[MeasuredDrive],
-        design: &Design,
+        (design, flow): (&Design, &Flow),
     ) -> Result<Self, StudyError> {
-        let enrolled = read_enrolled(participants, design)?;
-        let by_hand = |part| {
-            let of_part = |d: &&MeasuredDrive| {
-                let mut people = enrolled.iter().filter(|p| takes(p, part));
-                people.any(|p| p.id == d.meta.participant)
-            };
-            let hand = |d: &&MeasuredDrive| d.meta.driven_by != maveric_domain::DrivenBy::Automated;
-            drives.iter().filter(of_part).filter(hand).count()
+        let mut enrolled = read_enrolled(participants, design)?;
+        let out = |id: &str| {
+            flow.left_out
+                .iter()
+                .any(|l| l.who.iter().any(|who| who == id))
         };
+        enrolled.retain(|p| p.excluded.is_none() && !out(p.id.as_str()));
+        let mut recorded: BTreeMap<ParticipantId, usize> = BTreeMap::new();
+        for drive in drives
+            .iter()
+            .filter(|d| d.meta.driven_by != DrivenBy::Automated)
+        {
+            *recorded.entry(drive.meta.participant.clone()).or_default() += 1;
+        }
         let scores = folder.join("scores.csv");
         Ok(Self {
             scores: if scores.is_file() {
@@ -65,7 +71,7 @@ impl People {
                 Vec::new()
             },
             score: design.style().map(|s| s.score.clone()),
-            drives: [by_hand(Part::Learn), by_hand(Part::Test)],
+            drives: recorded,
             participants: enrolled,
         })
     }
@@ -100,11 +106,7 @@ impl People {
             .filter(|g| **g == Gender::Female.as_str())
             .count();
         let scored = self.style(&people);
-        let drives = match (part, population) {
-            (Part::Learn, _) => self.drives[0],
-            (Part::Test, None) => self.drives[1],
-            (Part::Test, Some(_)) => people.len(),
-        };
+        let drives = people.iter().filter_map(|p| self.drives.get(&p.id)).sum();
         ParticipantGroup {
             group: name.to_owned(),
             n: people.len(),
@@ -173,7 +175,7 @@ impl People {
         ));
         found.push((
             "participants.study1.drives".to_owned(),
-            Some(self.drives[0] as f64),
+            Some(self.group("study1", Part::Learn, None).drives as f64),
         ));
         found
     }

@@ -73,6 +73,7 @@ impl Heads {
         model_path: &Path,
         axis: &AggressionAxis,
         options: &AttributeOptions,
+        baseline: Option<ConditionId>,
     ) -> Result<Self, StudyError> {
         let training = read_embeddings(&embeddings_path(model_path))?;
         let mut heads = Self {
@@ -85,7 +86,7 @@ impl Heads {
                 heads.all.push(LinearHead::aggression(axis));
                 continue;
             }
-            let found = scores_of(&options.scores, name, &training)?;
+            let found = scores_of(&options.scores, name, &training, baseline)?;
             let head = AttributeHead::fit(model, name, &found.scores)?;
             heads.note(&head, &found);
             heads.all.push(head.head);
@@ -131,13 +132,18 @@ struct Scores {
 
 /// Reads a score: `SCALE.SUBSCALE` from a table of questionnaire scores, else a column of a table with a row a `drive`
 /// or a `participant`.
-fn scores_of(path: &Path, name: &str, training: &[EmbeddingRow]) -> Result<Scores, StudyError> {
+fn scores_of(
+    path: &Path,
+    name: &str,
+    training: &[EmbeddingRow],
+    baseline: Option<ConditionId>,
+) -> Result<Scores, StudyError> {
     let table = Table::read(path)?;
     if ["participant", "moment", "scale", "subscale", "value"]
         .iter()
         .all(|column| table.has(column))
     {
-        return questionnaire(path, name, training);
+        return questionnaire(path, name, training, baseline);
     }
     let mut found = Scores::default();
     let values = table.numbers(name)?;
@@ -162,7 +168,7 @@ fn scores_of(path: &Path, name: &str, training: &[EmbeddingRow]) -> Result<Score
         let Some(value) = value else { continue };
         let own = training
             .iter()
-            .find(|t| t.participant == *participant && t.condition == ConditionId::OWN);
+            .find(|t| t.participant == *participant && Some(t.condition) == baseline);
         match own {
             None => found.unknown += 1,
             Some(own) => {
@@ -176,7 +182,12 @@ fn scores_of(path: &Path, name: &str, training: &[EmbeddingRow]) -> Result<Score
     Ok(found)
 }
 
-fn questionnaire(path: &Path, name: &str, training: &[EmbeddingRow]) -> Result<Scores, StudyError> {
+fn questionnaire(
+    path: &Path,
+    name: &str,
+    training: &[EmbeddingRow],
+    baseline: Option<ConditionId>,
+) -> Result<Scores, StudyError> {
     let scores = read_scores(path)?;
     let full = |scale: &str, subscale: &str| format!("{scale}.{subscale}");
     let names: BTreeSet<String> = scores.iter().map(|s| full(&s.scale, &s.subscale)).collect();
@@ -209,7 +220,7 @@ fn questionnaire(path: &Path, name: &str, training: &[EmbeddingRow]) -> Result<S
             t.participant == score.participant
                 && score.moment
                     == match t.condition {
-                        ConditionId::OWN => Moment::Pre,
+                        own if Some(own) == baseline => Moment::Pre,
                         role => Moment::After(role),
                     }
         });
@@ -226,11 +237,11 @@ mod tests {
     use super::*;
     use maveric_domain::Embedding;
 
-    fn training(drive: &str, participant: &str, condition: ConditionId) -> EmbeddingRow {
+    fn training(drive: &str, participant: &str, condition: &str) -> EmbeddingRow {
         EmbeddingRow {
             drive: DriveId::new(drive).unwrap(),
             participant: ParticipantId::new(participant).unwrap(),
-            condition,
+            condition: condition.parse().unwrap(),
             adb_used: false,
             adb: None,
             adb_hat: None,
@@ -247,11 +258,11 @@ mod tests {
         let path = folder.path().join("scores.csv");
         std::fs::write(&path, text).unwrap();
         let training = [
-            training("A-own", "A", ConditionId::OWN),
-            training("A-aggressive", "A", ConditionId::AGGRESSIVE),
-            training("B-own", "B", ConditionId::OWN),
+            training("A-own", "A", "own"),
+            training("A-aggressive", "A", "aggressive"),
+            training("B-own", "B", "own"),
         ];
-        scores_of(&path, name, &training)
+        scores_of(&path, name, &training, "own".parse().ok())
     }
 
     const LONG: &str = "participant,moment,scale,subscale,value,answered,items

@@ -23,12 +23,13 @@ use maveric_model::{
 use rand_pcg::{Pcg64Mcg, rand_core::SeedableRng};
 use std::path::Path;
 
-/// Where a condition lies, how far that is along the dial (points), and the angle of a move across it.
-type Place = (Embedding, f64, Option<f64>);
+/// Where a condition lies, how far that is along the dial (points), where there is one, and the angle of a move across it.
+type Place = (Embedding, Option<f64>, Option<f64>);
 
 struct Steering<'a> {
     model: &'a Model,
-    axis: &'a AggressionAxis,
+    /// None where the model has no style head.
+    axis: Option<&'a AggressionAxis>,
     ellipse: Option<PerpendicularEllipse>,
     /// Points of the model for one of the design's: a `--points` that is not the design's own step.
     stretch: f64,
@@ -42,7 +43,7 @@ pub(super) fn conditions(
     options: &SteerOptions,
     study: &DesignFile,
     model: &Model,
-    axis: &AggressionAxis,
+    axis: Option<&AggressionAxis>,
     own: &[&EmbeddingRow],
     watch: Watch<'_>,
 ) -> Result<Outcome<Steered>, StudyError> {
@@ -115,9 +116,11 @@ pub(super) fn conditions(
             rows.push(ConditionRow {
                 participant: person.participant.clone(),
                 condition: condition.id,
-                adb_hat: scale.outward(axis.aggression_hat(&embedding)?),
-                moved_points: moved_points / scale.stretch(),
-                moved_points_sd: axis.step_sd(&step).map(|sd| sd / scale.stretch()),
+                adb_hat: steering.hat(&embedding)?.map(|hat| scale.outward(hat)),
+                moved_points: moved_points.map(|points| points / scale.stretch()),
+                moved_points_sd: axis
+                    .and_then(|axis| axis.step_sd(&step))
+                    .map(|sd| sd / scale.stretch()),
                 clamped: steering.clamped > clamped_before,
                 angle_rad,
                 beyond_training: is_beyond(model, &embedding)?,
@@ -166,12 +169,13 @@ impl Steering<'_> {
             Some(Car::Dial(points)) => {
                 let points = points * self.stretch;
                 if points.abs() < f64::EPSILON {
-                    return Ok(Some((own.clone(), 0.0, None)));
+                    return Ok(Some((own.clone(), Some(0.0), None)));
                 }
-                let moved = shift(self.axis, own, points)?;
+                let axis = self.axis.ok_or(ModelError::NoAggressionAxis)?;
+                let moved = shift(axis, own, points)?;
                 self.shifts += 1;
                 self.clamped += usize::from(moved.clamped);
-                Some((moved.embedding, moved.effective_points, None))
+                Some((moved.embedding, Some(moved.effective_points), None))
             }
             Some(Car::Across) => match &self.ellipse {
                 None => None,
@@ -179,7 +183,7 @@ impl Steering<'_> {
                     let labels = [person.participant.as_str(), condition.id.as_str()];
                     let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(self.seed, &labels));
                     let across = ellipse.sample(own, &mut rng)?;
-                    Some((across.embedding, 0.0, Some(across.angle_rad)))
+                    Some((across.embedding, Some(0.0), Some(across.angle_rad)))
                 }
             },
             Some(Car::Mean) => Some(self.elsewhere(self.model.mean_embedding(), own)?),
@@ -194,8 +198,13 @@ impl Steering<'_> {
 
     /// A style that is not the person's own, and how far along the dial it is from there.
     fn elsewhere(&self, style: &Embedding, own: &Embedding) -> Result<Place, StudyError> {
-        let moved = self.axis.aggression_hat(style)? - self.axis.aggression_hat(own)?;
-        Ok((style.clone(), moved, None))
+        let moved = self.hat(style)?.zip(self.hat(own)?);
+        Ok((style.clone(), moved.map(|(there, here)| there - here), None))
+    }
+
+    /// Ŝ at an embedding; none where the model has no style head.
+    fn hat(&self, style: &Embedding) -> Result<Option<f64>, ModelError> {
+        self.axis.map(|axis| axis.aggression_hat(style)).transpose()
     }
 }
 

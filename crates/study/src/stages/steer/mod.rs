@@ -19,7 +19,7 @@ use crate::{
 };
 use maveric_domain::{ConditionId, Embedding, ParticipantId};
 use maveric_model::{
-    Model,
+    Model, ModelError,
     style_space::{AggressionAxis, share_outside_training},
 };
 use serde::Serialize;
@@ -70,12 +70,12 @@ pub struct Steered {
     pub conditions: Vec<ConditionRow>,
 }
 
-/// Places every condition of the design that has a learned car, for every own-drive embedding that was fitted with its ADB
-/// score; for one without a score, the fit without. With a sweep or an attribute, places its points instead.
+/// Places every condition of the design that has a learned car, for every baseline embedding that was fitted with the score of
+/// the style; for one without a score, the fit without. With a sweep or an attribute, places its points instead.
 ///
 /// # Errors
-/// [`StudyError`] if model, embeddings or scores cannot be read, the model has no style head, or an attribute cannot be
-/// fitted or moved.
+/// [`StudyError`] if model, embeddings or scores cannot be read, an attribute cannot be fitted or moved, or the model has no style
+/// head and the design a dial: without one, cars such as the average driver's need no such head.
 ///
 /// # Source
 /// Method section 4.
@@ -88,8 +88,12 @@ pub fn steer(options: &SteerOptions, watch: Watch<'_>) -> Result<Outcome<Steered
     )?;
     let model = read_model(&options.model)?;
     let rows = read_embeddings(&options.embeddings)?;
-    let axis = AggressionAxis::of(&model)?;
     let study = DesignFile::find(options.design.as_deref())?;
+    let sweeps = !options.sweep.is_empty() || options.attribute.is_some();
+    let axis = match AggressionAxis::of(&model) {
+        Err(ModelError::NoAggressionAxis) if !sweeps && !study.design.has_a_dial() => None,
+        axis => Some(axis?),
+    };
     let Some(baseline) = study.design.baseline_id() else {
         return Err(study.wrong(
             "`baseline`: found none, expected the drive by hand that the car is fitted to",
@@ -103,10 +107,9 @@ pub fn steer(options: &SteerOptions, watch: Watch<'_>) -> Result<Outcome<Steered
             "holds no own drive to steer from",
         ));
     }
-    let outcome = if options.sweep.is_empty() && options.attribute.is_none() {
-        conditions::conditions(options, &study, &model, &axis, &own, watch)?
-    } else {
-        sweep::sweep(options, &model, &axis, &own, watch)?
+    let outcome = match &axis {
+        Some(axis) if sweeps => sweep::sweep(options, &study.design, (&model, axis), &own, watch)?,
+        _ => conditions::conditions(options, &study, &model, axis.as_ref(), &own, watch)?,
     };
     write_conditions(&options.out, &outcome.value.conditions)?;
     Ok(outcome)

@@ -13,7 +13,10 @@ use crate::{
         embeddings::EmbeddingRow,
     },
 };
-use maveric_domain::{ConditionId, DriveId, Embedding};
+use maveric_domain::{
+    ConditionId, Design, DomainError, DriveId, Embedding,
+    design::{Car, Sign},
+};
 use maveric_model::{
     Model,
     style_space::{AggressionAxis, LinearHead, StyleMetric, shift},
@@ -26,8 +29,8 @@ const UNMOVED: f64 = 1e-6;
 
 pub(super) fn sweep(
     options: &SteerOptions,
-    model: &Model,
-    axis: &AggressionAxis,
+    design: &Design,
+    (model, axis): (&Model, &AggressionAxis),
     own: &[&EmbeddingRow],
     watch: Watch<'_>,
 ) -> Result<Outcome<Steered>, StudyError> {
@@ -48,7 +51,13 @@ pub(super) fn sweep(
         }
     }
     let heads = match &options.attribute {
-        Some(attribute) => Some(Heads::fit(model, &options.model, axis, attribute)?),
+        Some(attribute) => Some(Heads::fit(
+            model,
+            &options.model,
+            axis,
+            attribute,
+            design.baseline_id(),
+        )?),
         None => None,
     };
     let metric = StyleMetric::of(model);
@@ -83,9 +92,9 @@ pub(super) fn sweep(
                 .collect();
             conditions.push(ConditionRow {
                 participant: row.participant.clone(),
-                condition: condition(requested_points, moved_points),
-                adb_hat,
-                moved_points,
+                condition: condition(design, requested_points, moved_points)?,
+                adb_hat: Some(adb_hat),
+                moved_points: Some(moved_points),
                 moved_points_sd: axis.step_sd(&step),
                 clamped: cut,
                 angle_rad: None,
@@ -134,32 +143,46 @@ pub(super) fn sweep(
     })
 }
 
-/// The condition that a point is: by what it does to S.
-fn condition(requested_points: f64, moved_points: f64) -> ConditionId {
-    if requested_points.abs() < UNMOVED {
-        ConditionId::MIMIC
+/// The condition that a point is, by what it does to S: that of the design which lies there, else one named as the point.
+fn condition(
+    design: &Design,
+    requested_points: f64,
+    moved_points: f64,
+) -> Result<ConditionId, DomainError> {
+    let all = || design.conditions().iter();
+    let on = |way| all().find(move |c| c.side() == Some(way));
+    let there = if requested_points.abs() < UNMOVED {
+        all().find(|c| c.dial() == Some(0.0))
     } else if moved_points > UNMOVED {
-        ConditionId::AGGRESSIVE
+        on(Sign::Plus)
     } else if moved_points < -UNMOVED {
-        ConditionId::CAUTIOUS
+        on(Sign::Minus)
     } else {
-        ConditionId::PERPENDICULAR
-    }
+        all().find(|c| c.car == Some(Car::Across))
+    };
+    there.map_or_else(
+        || ConditionId::new(&point_name(requested_points)),
+        |c| Ok(c.id),
+    )
 }
 
-/// `P01-aggression-up15`, `P01-big5_openness-down0_5`, `P01-aggression-0`: letters that are safe in a file name.
-fn drive_name(participant: &str, attribute: &str, points: f64) -> Result<DriveId, StudyError> {
-    let safe = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
-    let attribute: String = attribute.chars().map(safe).collect();
+/// `up15`, `down0_5`, `0`.
+fn point_name(points: f64) -> String {
     let way = match points {
         p if p > 0.0 => "up",
         p if p < 0.0 => "down",
         _ => "",
     };
     let size = points.abs().to_string().replace('.', "_");
-    Ok(DriveId::new(format!(
-        "{participant}-{attribute}-{way}{size}"
-    ))?)
+    format!("{way}{size}")
+}
+
+/// `P01-aggression-up15`, `P01-big5_openness-down0_5`, `P01-aggression-0`: letters that are safe in a file name.
+fn drive_name(participant: &str, attribute: &str, points: f64) -> Result<DriveId, StudyError> {
+    let safe = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    let attribute: String = attribute.chars().map(safe).collect();
+    let point = point_name(points);
+    Ok(DriveId::new(format!("{participant}-{attribute}-{point}"))?)
 }
 
 #[cfg(test)]
@@ -175,10 +198,26 @@ mod tests {
     }
 
     #[test]
-    fn a_point_is_the_condition_that_it_makes_of_aggression() {
-        assert_eq!(condition(0.0, 0.0), ConditionId::MIMIC);
-        assert_eq!(condition(5.0, 5.0), ConditionId::AGGRESSIVE);
-        assert_eq!(condition(5.0, -1.0), ConditionId::CAUTIOUS);
-        assert_eq!(condition(5.0, 1e-9), ConditionId::PERPENDICULAR);
+    fn a_point_is_the_condition_of_the_design_that_lies_there_or_one_of_its_own() {
+        let style = "[study]\ntitle = \"x\"\n[people]\nlearn = { part = \"learn\" }\n[style]\nscore = \"adb.total\"\n";
+        let car =
+            |id: &str, car: &str| format!("[[condition]]\nid = \"{id}\"\ncar = {{ {car} }}\n");
+        let design =
+            |cars: &[String]| Design::from_toml(&format!("{style}{}", cars.concat())).unwrap();
+        let whole = design(&[
+            car("gentle", "dial = -5"),
+            car("mine", "dial = 0"),
+            car("keen", "dial = 10"),
+            car("other", "across = true"),
+        ]);
+        let point =
+            |design: &Design, asked, moved| condition(design, asked, moved).unwrap().to_string();
+        assert_eq!(point(&whole, 0.0, 0.0), "mine");
+        assert_eq!(point(&whole, 5.0, 5.0), "keen");
+        assert_eq!(point(&whole, 5.0, -1.0), "gentle");
+        assert_eq!(point(&whole, 5.0, 1e-9), "other");
+        let one = design(&[car("keen", "dial = 10")]);
+        assert_eq!(point(&one, 0.0, 0.0), "0");
+        assert_eq!(point(&one, -2.5, -2.5), "down2_5");
     }
 }

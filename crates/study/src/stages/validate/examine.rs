@@ -13,9 +13,7 @@ use crate::{
     error::StudyError,
     outcome::{Watch, for_each_on},
 };
-use maveric_domain::{
-    AdbScore, ConditionId, Drive, DriveId, DriveMeta, DrivenBy, Embedding, stream_seed,
-};
+use maveric_domain::{AdbScore, Drive, DriveId, DriveMeta, DrivenBy, Embedding, stream_seed};
 use maveric_measures::likeness::{Window, windows};
 use maveric_model::{
     Model, PersonalizeParams, PersonalizeSettings, Personalized, personalize,
@@ -338,7 +336,7 @@ impl Bench<'_> {
         let meta = DriveMeta {
             drive: DriveId::new(format!("{id}-validate"))?,
             participant: ride.person.participant.clone(),
-            condition: ConditionId::MIMIC,
+            condition: ride.person.first.meta().condition,
             driven_by: DrivenBy::Automated,
         };
         let drive = Drive::from_recording(meta, &driven.recording)?;

@@ -66,7 +66,7 @@ pub(super) fn fidelity(
     training: &[Values],
 ) -> Vec<Fidelity> {
     let row = |(k, measure): (usize, &&'static str)| {
-        let (mimic_accuracy, n) = accuracy(mimic, own, k);
+        let (drive_accuracy, n) = accuracy(mimic, own, k);
         let test_retest = accuracy(again, own, k).0;
         let known: Vec<f64> = training.iter().filter_map(|v| v[k]).collect();
         let mut guess = own.to_vec();
@@ -77,14 +77,14 @@ pub(super) fn fidelity(
             measure,
             title: objective::find(measure).map_or(measure, |m| m.title),
             n,
-            mimic: mimic_accuracy,
+            mimic: drive_accuracy,
             mimic_bias: bias(mimic, own, k),
             test_retest,
             test_retest_bias: bias(again, own, k),
             car_again: accuracy(mimic_again, mimic, k).0,
             population_mean: accuracy(&guess, own, k).0,
             paper: PAPER.get(k).copied(),
-            of_test_retest: mimic_accuracy.zip(test_retest).map(|(m, t)| m / t),
+            of_test_retest: drive_accuracy.zip(test_retest).map(|(m, t)| m / t),
         }
     };
     MEASURES.iter().enumerate().map(row).collect()

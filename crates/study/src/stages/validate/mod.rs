@@ -55,6 +55,8 @@ pub struct ValidateOptions {
     pub seed: u64,
     /// Threads.
     pub jobs: usize,
+    /// The command that makes the same again, for the page.
+    pub command: String,
 }
 
 /// What was found.

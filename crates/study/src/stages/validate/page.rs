@@ -39,11 +39,6 @@ pub(super) fn page(
         figures,
         tables,
     };
-    let models: Vec<String> = found
-        .models
-        .iter()
-        .map(|m| format!("--model {}", m.model))
-        .collect();
     Ok(Report {
         title: "Is the learned style the driver’s?".to_owned(),
         subtitle: format!(
@@ -84,12 +79,7 @@ pub(super) fn page(
         provenance: Provenance {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             seed: Some(options.seed),
-            command: format!(
-                "maveric validate {} {} --out {}",
-                options.run.display(),
-                models.join(" "),
-                options.out.display()
-            ),
+            command: options.command.clone(),
             parameters: vec![
                 ("points".to_owned(), options.points.to_string()),
                 ("worlds".to_owned(), options.worlds.to_string()),

@@ -6,7 +6,7 @@ use crate::{
     stages::train::adb_of,
     tables::{drives::read_drives, participants::read_participants, surveys::read_scores},
 };
-use maveric_domain::{AdbScore, ConditionId, Drive, ParticipantId};
+use maveric_domain::{AdbScore, Drive, ParticipantId};
 use maveric_measures::objective;
 use std::{collections::BTreeMap, path::Path};
 
@@ -59,8 +59,10 @@ pub(super) struct People {
 pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
     let scores = read_scores(&folder.join("scores.csv"))?;
     let people = folder.join("participants.csv");
+    let design = DesignFile::paper()?.design;
+    let baseline = design.baseline_id();
     let latents: BTreeMap<ParticipantId, f64> = if people.exists() {
-        let rows = read_participants(&people, &DesignFile::paper()?.design)?.into_iter();
+        let rows = read_participants(&people, &design)?.into_iter();
         rows.map(|p| (p.id, p.traits.aggressiveness)).collect()
     } else {
         BTreeMap::new()
@@ -78,7 +80,7 @@ pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
             });
         }
         let mut drives = read_drives(&path)?;
-        drives.retain(|d| d.meta().condition == ConditionId::OWN);
+        drives.retain(|d| Some(d.meta().condition) == baseline);
         Ok(drives)
     };
     let twice = |name: &str| -> Result<Vec<Person>, StudyError> {
@@ -91,7 +93,7 @@ pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
             let participant = first.meta().participant.clone();
             if let Some(again) = second.remove(&participant) {
                 found.push(Person {
-                    adb: adb_of(&first, &scores)?,
+                    adb: adb_of(&first, &scores, baseline)?,
                     latent: latents.get(&participant).copied(),
                     participant,
                     first,
@@ -117,7 +119,7 @@ pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
     for drive in read_drives(&folder.join("drives").join("study1"))? {
         trained_on.push((
             values(&drive),
-            adb_of(&drive, &scores)?.map(AdbScore::points),
+            adb_of(&drive, &scores, baseline)?.map(AdbScore::points),
         ));
     }
     Ok(People {

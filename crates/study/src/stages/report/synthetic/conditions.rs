@@ -177,7 +177,11 @@ pub(super) fn omnibus(panel: &Panel, short: bool) -> String {
             found.omnibus.statement(found.n)
         };
         return said.map_or_else(
-            || "no test statistic: see the reasons in the analysis".to_owned(),
+            || {
+                let why = found.undefined.get("omnibus").filter(|_| !short);
+                let why = why.map_or_else(String::new, |why| format!(": {why}"));
+                format!("no test statistic{why}")
+            },
             |said| said.markup().to_owned(),
         );
     }
@@ -263,6 +267,11 @@ fn capital_first(text: &str) -> String {
 
 /// Every declared contrast with its test.
 fn contrasts_table(run: &Run) -> tables::Table {
+    let all = || {
+        let panels = run.analysis.panels.iter();
+        panels.flat_map(|panel| panel.contrasts.iter().map(move |pair| (panel, pair)))
+    };
+    let expecting = all().any(|(_, pair)| pair.expected.is_some());
     let row = |(panel, pair): (&Panel, &Contrast)| {
         let expected = pair.expected.map_or(Cell::Missing, |sign| {
             Cell::text(match sign {
@@ -270,36 +279,35 @@ fn contrasts_table(run: &Run) -> tables::Table {
                 Sign::Minus => "below",
             })
         });
-        vec![
+        let mut cells = vec![
             Cell::text(format!("{}{}", panel.title, of_group(panel))),
             Cell::text(format!(
                 "{} − {}",
                 run.design.label(pair.first),
                 run.design.label(pair.second)
             )),
-            expected,
+        ];
+        cells.extend(expecting.then_some(expected));
+        cells.extend([
             Cell::number(pair.mean_difference, 2),
             paired(panel, pair).map_or(Cell::Missing, Cell::Marked),
-        ]
+        ]);
+        cells
     };
-    let all = run.analysis.panels.iter();
-    let all = all.flat_map(|panel| panel.contrasts.iter().map(move |pair| (panel, pair)));
+    let mut columns = vec![Column::left("Outcome"), Column::left("Contrast")];
+    columns.extend(expecting.then(|| Column::left("Expected")));
+    columns.extend([Column::right("Mean difference"), Column::left("Test")]);
+    let mut notes = vec!["*p* adjusted after Holm over the contrasts of an outcome; those within groups of people are one family of their own.".to_owned()];
+    notes.extend(expecting.then(|| {
+        "Expected: where the design, or the places of the two on the dial and what aggression does to the measure, say so."
+            .to_owned()
+    }));
     tables::Table {
         name: "contrasts".to_owned(),
         title: "The declared contrasts".to_owned(),
-        columns: vec![
-            Column::left("Outcome"),
-            Column::left("Contrast"),
-            Column::left("Expected"),
-            Column::right("Mean difference"),
-            Column::left("Test"),
-        ],
-        rows: all.map(row).collect(),
-        notes: vec![
-            "*p* adjusted after Holm over the contrasts of an outcome; those within groups of people are one family of their own. Expected: where the design, or the places of the two on the dial and what \
-             aggression does to the measure, say so."
-                .to_owned(),
-        ],
+        columns,
+        rows: all().map(row).collect(),
+        notes,
     }
 }
 
@@ -329,7 +337,7 @@ fn nearer_table(run: &Run) -> Option<tables::Table> {
         ],
         rows: run.analysis.nearer.iter().map(row).collect(),
         notes: vec![format!(
-            "Wilcoxon's signed ranks of |{label} − own| against |condition − own|; p adjusted after Holm over all {} rows.",
+            "Wilcoxon’s signed ranks of |{label} − baseline| against |condition − baseline|; *p* adjusted after Holm over all {} rows.",
             run.analysis.nearer.len()
         )],
     })

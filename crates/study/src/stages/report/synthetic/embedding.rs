@@ -76,11 +76,16 @@ pub(super) fn section_embedding(
         })
         .collect();
     let mut intro = vec![format!(
-        "The embeddings of the test participants were fitted with their {score}, as the paper does; the line’s correlation with \
+        "The embeddings of the test participants were fitted with their {score}; the line’s correlation with \
          it is then partly built in, so the table shows the fit without the score beside it."
     )];
     let mut figures = Vec::new();
-    if space.points.is_empty() {
+    if space.points.is_empty() && run.training.is_none() {
+        intro.push(
+            "The model was learned elsewhere, and the drives that it learned from are not here."
+                .to_owned(),
+        );
+    } else if space.points.is_empty() {
         intro.push(format!(
             "No training drive has both a score ({score}) and a mean velocity: there is no space to draw."
         ));
@@ -149,11 +154,13 @@ pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError>
         })
     };
     let own = |row: &&EmbeddingRow| row.adb_used && Some(row.condition) == run.design.baseline_id();
-    let round = PerpendicularEllipse::of(model)?;
-    let half_axis = |i: usize| {
-        let (axis, half) = (&round.axes()[i], round.half_axes()[i]);
-        std::array::from_fn(|k| axis[k] * half)
-    };
+    let round = run.across().map(|_| PerpendicularEllipse::of(model));
+    let ellipse = round.transpose()?.map(|round| {
+        [0, 1].map(|i| {
+            let (axis, half) = (&round.axes()[i], round.half_axes()[i]);
+            std::array::from_fn(|k| axis[k] * half)
+        })
+    });
     let space = StyleSpace {
         drives: trained
             .iter()
@@ -161,7 +168,7 @@ pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError>
             .collect(),
         people: tested.iter().filter(own).filter_map(person).collect(),
         gradient,
-        ellipse: [half_axis(0), half_axis(1)],
+        ellipse,
         score: (low, high, run.style_label().to_owned()),
         dial: along_the_dial(run),
     };
@@ -188,7 +195,7 @@ fn along_the_dial(run: &Run) -> Vec<ConditionId> {
 pub(super) fn shown_participant(run: &Run) -> Option<&ConditionRow> {
     let (low, high) = run.score_range().unwrap_or_default();
     let middle = f64::midpoint(low, high);
-    let from_middle = |row: &ConditionRow| (row.adb_hat - middle).abs();
+    let from_middle = |row: &ConditionRow| (row.adb_hat.unwrap_or(middle) - middle).abs();
     let own = run.own_style();
     let rows = run.conditions.iter();
     let rows = rows.filter(|c| own.is_none_or(|own| c.condition == own));

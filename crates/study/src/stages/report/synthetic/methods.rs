@@ -4,15 +4,22 @@ use super::Run;
 use crate::stages::train::TrainingSummary;
 use maveric_domain::{
     MetresPerSecond, Road,
-    design::{Car, Column, Compare, Condition},
+    design::{By, Car, Column, Compare, Condition},
 };
 use maveric_stats::ByDesign;
 
 pub(super) fn text(run: &Run, road: Option<&Road>, minutes: Option<f64>) -> Vec<String> {
     let mut paragraphs = Vec::new();
     if let Some(road) = road {
-        let long =
-            minutes.map_or_else(String::new, |m| format!(", {m:.0} minutes a drive by hand"));
+        let by_hand = if run.design.baseline().is_some_and(|b| b.by == By::Hand) {
+            " by hand"
+        } else {
+            ""
+        };
+        let long = minutes.map_or_else(String::new, |m| {
+            let s = if (0.5..1.5).contains(&m) { "" } else { "s" };
+            format!(", {m:.0} minute{s} a drive{by_hand}")
+        });
         paragraphs.push(format!(
             "*Driving.* {} lanes of {:.2} m in one direction, posted {:.0} mph{long}.",
             road.lanes,
@@ -22,6 +29,8 @@ pub(super) fn text(run: &Run, road: Option<&Road>, minutes: Option<f64>) -> Vec<
     }
     if let Some(training) = &run.training {
         paragraphs.push(learning(training));
+    }
+    if run.model.is_some() {
         let score = run.design.style().map_or_else(String::new, |style| {
             format!(", once with the driver’s {} and once without", style.label)
         });
@@ -80,14 +89,21 @@ fn car(run: &Run, condition: &Condition) -> String {
     };
     let dial = run.style_label();
     let what = match &condition.car {
-        None => "was driven elsewhere: only its recordings are read".to_owned(),
+        None => "is the study’s own car, of which the recordings are read".to_owned(),
         Some(Car::Dial(0.0)) => "is the fitted embedding itself".to_owned(),
         Some(Car::Dial(points)) => {
+            let from = match run.own_style() {
+                Some(own) => run.label(own),
+                None => "the embedding fitted to the person".to_owned(),
+            };
             let way = if *points > 0.0 { "up" } else { "down" };
             let held = run.score_range().map_or_else(String::new, |(low, high)| {
                 format!(", held within {low:.0} to {high:.0}")
             });
-            format!("lies {} points of {dial} {way} from it{held}", points.abs())
+            format!(
+                "lies {} points of {dial} {way} from {from}{held}",
+                points.abs()
+            )
         }
         Some(Car::Across) => format!(
             "is drawn at random from the ellipse one standard deviation across the gradient of {dial}"

@@ -53,7 +53,10 @@ use maveric_report::{
 };
 use setting::{listed_exclusions, reliabilities, section_model, section_study};
 use setup::setup;
-use std::{collections::BTreeSet, path::Path};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 use summary::summary;
 
 pub(super) struct Run {
@@ -63,6 +66,8 @@ pub(super) struct Run {
     pub(super) analysis: Analysis,
     training: Option<TrainingSummary>,
     model: Option<Model>,
+    /// Where it stands: among the results, or where the design says that it was learned.
+    model_file: PathBuf,
     measured: Vec<MeasuredDrive>,
     conditions: Vec<ConditionRow>,
     context: Context,
@@ -108,9 +113,8 @@ impl Run {
 }
 
 /// What the page is made from, beside the drives.
-const READ: [&str; 12] = [
+const READ: [&str; 11] = [
     "analysis.json",
-    "model.maveric",
     "model_training.json",
     "model_embeddings.csv",
     "embeddings.csv",
@@ -132,7 +136,12 @@ pub(super) fn page(
     let run = read(folder, &study)?;
     let beside = folder.join("participants.csv");
     let participants = options.participants.as_deref().unwrap_or(&beside);
-    let people = People::read(folder, participants, &run.measured, &study.design)?;
+    let people = People::read(
+        folder,
+        participants,
+        &run.measured,
+        (&study.design, &run.analysis.flow),
+    )?;
     let (road, minutes) = driven(folder, &run)?;
     let given = |key| {
         let mut all = options.parameters.iter();
@@ -161,7 +170,7 @@ pub(super) fn page(
     watch.check()?;
     let reliabilities = reliabilities(folder)?;
     let findings = findings(&run);
-    let logs = watch::logs(folder, &run);
+    let logs = watch::logs(folder, &study, &run);
     let watched = watch::drives(&logs)?;
     let mut sections = vec![section_study(folder, &run, &people, &reliabilities)?];
     if let Some(scenario) = scenario.as_ref().filter(|_| run.analysis.synthetic) {
@@ -200,7 +209,7 @@ pub(super) fn page(
         ));
     }
     let mut moving = Vec::from_iter(live(folder, &run)?);
-    moving.extend(watch::player(watched));
+    moving.extend(watch::player(&run, watched));
     // Without its figure, a part that moves has nothing to stand for it on paper.
     let drawn = |name: &String| {
         sections
@@ -211,7 +220,7 @@ pub(super) fn page(
     moving.retain(|live| drawn(&live.below));
     let files = parameter_files(&options.parameters);
     let shown = in_folder(folder, &READ).into_iter();
-    let shown = shown.chain([participants.to_owned()]);
+    let shown = shown.chain([run.model_file.clone(), participants.to_owned()]);
     let parameters = options
         .parameters
         .iter()
@@ -260,8 +269,11 @@ pub(super) fn page(
 fn read(folder: &Path, study: &DesignFile) -> Result<Run, StudyError> {
     let design = &study.design;
     let analysis: Analysis = read_json(&folder.join("analysis.json"))?;
-    let model = folder.join(MODEL_FILE);
-    let summary = training_path(&model);
+    let model = match design.model().filter(|_| design.needs_a_model()) {
+        Some(elsewhere) => study.resolve(&elsewhere.file),
+        None => folder.join(MODEL_FILE),
+    };
+    let summary = training_path(&folder.join(MODEL_FILE));
     let conditions = folder.join("conditions.csv");
     let training: Option<TrainingSummary> = if summary.is_file() {
         Some(read_json(&summary)?)
@@ -283,6 +295,7 @@ fn read(folder: &Path, study: &DesignFile) -> Result<Run, StudyError> {
         } else {
             None
         },
+        model_file: model,
         conditions: if conditions.is_file() {
             read_conditions(&conditions)?
         } else {
@@ -417,7 +430,10 @@ fn flatten(path: &str, value: &serde_json::Value, list: &mut Vec<(String, String
 }
 
 fn percent(value: Option<f64>) -> String {
-    value.map_or_else(|| "no value".to_owned(), |v| format!("{:.1}%", 100.0 * v))
+    value.map_or_else(
+        || "no value".to_owned(),
+        |v| format!("{:.1}%", 100.0 * v).replace('-', "−"),
+    )
 }
 
 fn said(c: &Found) -> String {

@@ -45,7 +45,7 @@ pub(super) fn section_study(
     }
     let mut tables = vec![tables::participants(
         &people.groups(),
-        run.style_label(),
+        run.design.style().map(|style| style.label.as_str()),
         run.analysis.synthetic,
     )];
     if !reliabilities.is_empty() {
@@ -92,7 +92,10 @@ fn done(run: &Run) -> String {
         parts.push(format!("sat through {}", labels(by_car)));
     }
     if !by_hand.is_empty() {
-        parts.push(format!("took part in {}, as recorded", labels(by_hand)));
+        parts.push(format!(
+            "took part in the recorded conditions ({})",
+            labels(by_hand)
+        ));
     }
     if a.panels.iter().any(|p| p.outcome.contains('.')) {
         parts.push("answered questionnaires about them".to_owned());

@@ -14,7 +14,10 @@ pub(super) fn setup(
     minutes: Option<f64>,
     scenario: Option<&Scenario>,
 ) -> Result<Vec<(String, f64)>, StudyError> {
-    let moved = run.conditions.iter().map(|c| c.moved_points.abs());
+    let moved = run
+        .conditions
+        .iter()
+        .filter_map(|c| Some(c.moved_points?.abs()));
     let conditions: BTreeSet<ConditionId> = run.conditions.iter().map(|c| c.condition).collect();
     let mut found: Vec<(String, f64)> = [
         ("steer.adb_shift_points", moved.fold(0.0, f64::max)),

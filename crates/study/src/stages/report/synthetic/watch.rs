@@ -2,6 +2,7 @@
 
 use super::{Run, embedding::shown_participant};
 use crate::{
+    design::DesignFile,
     error::StudyError,
     watching::{WatchedDrive, read_watched, watch_player},
 };
@@ -14,16 +15,24 @@ use maveric_report::{
 use std::path::{Path, PathBuf};
 
 /// The logs of the shown participant that are there: the own drive, then the conditions.
-pub(super) fn logs(folder: &Path, run: &Run) -> Vec<PathBuf> {
+pub(super) fn logs(folder: &Path, study: &DesignFile, run: &Run) -> Vec<PathBuf> {
     let Some(shown) = shown_participant(run) else {
         return Vec::new();
     };
     let who = &shown.participant;
     let own = run.design.baseline_id().into_iter();
-    let own = own.flat_map(|b| {
-        let of = |part: &str| folder.join(format!("logs/{part}{who}-{b}.mcap"));
-        [of("study2/"), of("test/"), of("")]
+    let mut own = own.flat_map(|b| {
+        // Of a run by stages, and of a study's own folder.
+        let roots = [
+            folder.join("logs"),
+            study.resolve(&study.design.files().logs),
+        ];
+        roots.into_iter().flat_map(move |root| {
+            let of = |part: &str| root.join(format!("{part}{who}-{b}.mcap"));
+            [of("study2/"), of("test/"), of("")]
+        })
     });
+    let own = own.find(|log| log.is_file()).into_iter();
     let conditions = run.design.conditions().iter();
     let driven = conditions.map(|c| folder.join(format!("av/logs/{who}-{}.mcap", c.id)));
     let mut logs: Vec<PathBuf> = own.chain(driven).collect();
@@ -40,8 +49,11 @@ pub(super) fn drives(logs: &[PathBuf]) -> Result<Vec<WatchedDrive>, StudyError> 
     Ok(drives)
 }
 
-/// The player, below the six panels; `None` without a drive.
-pub(super) fn player(drives: Vec<WatchedDrive>) -> Option<Live> {
+/// The player, below the panels, its rows called as the page calls them; `None` without a drive.
+pub(super) fn player(run: &Run, mut drives: Vec<WatchedDrive>) -> Option<Live> {
+    for watched in &mut drives {
+        watched.drive.label = run.design.label(watched.meta.condition);
+    }
     (!drives.is_empty()).then(|| Live {
         below: "difference-panels".to_owned(),
         content: LiveContent::Player(watch_player(drives)),
