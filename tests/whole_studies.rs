@@ -442,7 +442,7 @@ fn five_conditions_on_a_dial_of_11_to_66_points_with_roles_and_then_a_model_from
         .is_silent_of(&[
             "drives to learn from",
             "training drives:",
-            "Learned from",
+            "Learned from 4",
             "mimic",
             "perpendicular",
             "brisker",
