@@ -265,7 +265,6 @@ fn matrices(scales: &[Scale], sheets: &Sheets) -> Vec<ItemMatrix> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maveric_domain::ConditionId;
     use proptest::prelude::*;
 
     fn scale(id: &str, scoring: Scoring) -> Scale {
