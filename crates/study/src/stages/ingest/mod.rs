@@ -296,6 +296,9 @@ fn write_log((number, log): (usize, &logs::Log), aside: &Path) -> Result<Vec<Wri
     Ok(written)
 }
 
+/// The drive, its log, what happened how often, and what is known of a drive that was left out whole.
+type Row<'a> = (String, String, String, usize, Option<&'a LeftOutDrive>);
+
 /// Writes what was repaired or left out, in the order of the logs, then the drives that the design does not let in, then the
 /// logs that could not be ingested.
 fn write_exclusions(
@@ -323,11 +326,11 @@ fn write_exclusions(
     let lost = failed
         .iter()
         .map(|log| (String::new(), name(&log.log), log.to_string(), 1, None));
-    // The drive, its log, what happened how often, and what is known of a drive that was left out whole.
-    type Row<'a> = (String, String, String, usize, Option<&'a LeftOutDrive>);
     let rows: Vec<Row<'_>> = repaired.chain(kept_out).chain(lost).collect();
     let out = |of: &dyn Fn(&LeftOutDrive) -> String| -> Vec<String> {
-        rows.iter().map(|r| r.4.map_or_else(String::new, of)).collect()
+        rows.iter()
+            .map(|r| r.4.map_or_else(String::new, of))
+            .collect()
     };
     TableBuilder::default()
         .text("drive", rows.iter().map(|r| &r.0))
@@ -337,10 +340,7 @@ fn write_exclusions(
         .text("participant", out(&|o| o.meta.participant.to_string()))
         .text("condition", out(&|o| o.meta.condition.to_string()))
         .text("rule", out(&|o| o.why.rule.clone()))
-        .numbers(
-            "duration_s",
-            rows.iter().map(|r| r.4.map(|o| o.duration_s)),
-        )
+        .numbers("duration_s", rows.iter().map(|r| r.4.map(|o| o.duration_s)))
         .write(&folder.join("exclusions.csv"))
 }
 
