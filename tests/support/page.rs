@@ -55,11 +55,11 @@ impl Page {
         let told = self.0.split("Files read").next();
         let text = told.unwrap_or_default().to_lowercase();
         for word in words {
-            if let Some(at) = text.find(&word.to_lowercase()) {
+            let seen = text.find(&word.to_lowercase()).map(|at| {
                 let from = text[..at].char_indices().rev().nth(80).map_or(0, |c| c.0);
-                let seen: String = text[from..].chars().take(200).collect();
-                panic!("`{word}` in: …{seen}…");
-            }
+                text[from..].chars().take(200).collect::<String>()
+            });
+            assert_eq!(seen, None, "`{word}` is on the page");
         }
         self
     }
