@@ -36,10 +36,8 @@ pub(crate) fn text(context: &Context) -> Result<String, ReportError> {
         let figure = draw(context)?;
         let _ = write!(
             out,
-            "## {}\n\n`figures::{name}` · [example](../crates/report/examples/gallery/kinds/{name}.rs) · \
-             [SVG](../crates/report/tests/golden/{}.svg)\n\n![{}](gallery/{}.png)\n\n{}\n\n",
+            "## {}\n\n`figures::{name}` · [example](../crates/report/examples/gallery/kinds/{name}.rs)\n\n![{}](gallery/{}.png)\n\n{}\n\n",
             markup::plain(&figure.title),
-            figure.name,
             markup::plain(&figure.title),
             figure.name,
             markup::plain(&figure.caption)

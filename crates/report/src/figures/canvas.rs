@@ -1,7 +1,6 @@
 //! Drawing in points on a plotters area, with one check at the end and not one at each stroke.
 
 use super::font::{CAP_HEIGHT_EM, FAMILY, Face, LINE_EM};
-pub(crate) use super::legend::Key;
 use super::page::{Head, Page, SCRIPT_SIZE, UNITS_PER_POINT, points_from_mm};
 use super::theme::{INK, Marker, PAPER, stroke};
 use crate::error::ReportError;

@@ -1,8 +1,9 @@
 //! One driver's unseen last third, driven again by the models.
 
 use super::axes::{Frame, Labels, Place, Scale};
-use super::canvas::{Key, Pen};
+use super::canvas::Pen;
 use super::check::Check;
+use super::legend::Key;
 use super::theme::{BLUE, GREEN, GREY, INK, MUTED, Marker, OCHRE, PURPLE, TWO_COLUMNS_MM, stroke};
 use super::thin::thinned;
 use super::{Context, Figure, Plan, Shows, draw};

@@ -1,8 +1,9 @@
 //! Curves with intervals against a number, panel by panel: power against participants, errors against trials.
 
 use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Key, Pen, cap_height};
+use super::canvas::{Pen, cap_height};
 use super::check::Check;
+use super::legend::Key;
 use super::theme::{BLUE, GREEN, GREY, INK, MUTED, Marker, ORANGE, TWO_COLUMNS_MM, size, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;

@@ -4,7 +4,7 @@ use super::Context;
 use super::axes::{Frame, Labels, Place, Scale};
 use super::canvas::{Canvas, Pen};
 use super::crowd::{self, MOST_POINTS};
-use super::embedding_space::{
+use super::embedding_drives::{
     EmbeddingPoint, EmbeddingSpace, ExampleConditions, Palette, dot, norm, paint_condition,
     paint_point,
 };

@@ -1,58 +1,21 @@
 //! The style space: who lies where, and which way is "more aggressive".
 
 use super::axes::{Place, Scale};
-use super::canvas::{Canvas, Key, Look, Pen, cap_height};
+use super::canvas::{Canvas, Look, Pen, cap_height};
 use super::check::Check;
 use super::crowd::MOST_POINTS;
+use super::embedding_drives::{MPH_PER_MPS, Palette, norm, paint_condition, paint_point, radius};
 use super::embedding_plane;
+use super::legend::Key;
 use super::projection::{View, paint_box};
-use super::theme::{GREEN, GREY, INK, MUTED, PAPER, TWO_COLUMNS_MM, size, stroke, viridis};
+use super::theme::{GREEN, GREY, INK, MUTED, TWO_COLUMNS_MM, size, stroke, viridis};
 use super::{ConditionLook, Context, Figure, Plan, Shows, draw};
 use crate::apa::number;
 use crate::error::ReportError;
-use maveric_domain::ConditionId;
-use serde::{Deserialize, Serialize};
 
-/// Drivers in the style space.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct EmbeddingSpace {
-    /// The drivers, all with embeddings of the same size.
-    pub points: Vec<EmbeddingPoint>,
-    /// The gradient of the style predictor, of the same size; not zero.
-    pub gradient: Vec<f64>,
-    /// Lowest and highest score.
-    pub score_range: (f64, f64),
-    /// What the score is called, such as `ADB score`.
-    pub score: String,
-    /// One participant's conditions.
-    pub example: Option<ExampleConditions>,
-}
-
-/// One driver.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct EmbeddingPoint {
-    /// The embedding.
-    pub embedding: Vec<f64>,
-    /// The driver's score in points: the size of the point.
-    pub score_points: f64,
-    /// Mean velocity in m/s: the colour of the point, in mph.
-    pub mean_velocity_mps: f64,
-}
-
-/// Where one participant's conditions lie.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ExampleConditions {
-    /// The participant's id.
-    pub participant: String,
-    /// Where each lies.
-    pub conditions: Vec<(ConditionId, Vec<f64>)>,
-    /// Round the own style, one standard deviation wide, across the gradient; in order round it. Empty where it is not drawn.
-    pub ellipse: Vec<Vec<f64>>,
-}
+pub use super::embedding_drives::{EmbeddingPoint, EmbeddingSpace, ExampleConditions};
 
 const NAME: &str = "embedding-space";
-const MPH_PER_MPS: f64 = 2.236_936_292_054_402;
-
 /// Draws the space in three dimensions, if it has three, and the plane of the style gradient against the
 /// first axis perpendicular to it.
 ///
@@ -196,68 +159,11 @@ fn check(input: &EmbeddingSpace) -> Result<(), ReportError> {
     Ok(())
 }
 
-impl ExampleConditions {
-    pub(crate) fn all(&self) -> impl Iterator<Item = &[f64]> {
-        self.conditions
-            .iter()
-            .map(|(_, w)| w.as_slice())
-            .chain(self.ellipse.iter().map(Vec::as_slice))
-    }
-}
-
 /// All points, or at most [`MOST_POINTS`] of them, evenly over the list.
 fn sample(points: &[EmbeddingPoint]) -> impl Iterator<Item = &EmbeddingPoint> {
     points
         .iter()
         .step_by(points.len().div_ceil(MOST_POINTS).max(1))
-}
-
-pub(crate) fn norm(vector: &[f64]) -> f64 {
-    vector.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Palette {
-    low: f64,
-    high: f64,
-}
-
-impl Palette {
-    pub(crate) fn of(self, mps: f64) -> plotters::style::RGBColor {
-        let range = self.high - self.low;
-        viridis(if range > 1e-9 {
-            (mps * MPH_PER_MPS - self.low) / range
-        } else {
-            0.5
-        })
-    }
-}
-
-/// Area grows with the score.
-fn radius(score: f64, (low, high): (f64, f64)) -> f64 {
-    let share = (score - low) / (high - low);
-    (1.2 + share * 12.0).sqrt()
-}
-
-pub(crate) fn paint_point(
-    canvas: &mut Canvas<'_>,
-    at: (f64, f64),
-    point: &EmbeddingPoint,
-    palette: Palette,
-    range: (f64, f64),
-) {
-    let r = radius(point.score_points, range);
-    canvas.disc(at, r, palette.of(point.mean_velocity_mps), 1.0);
-    canvas.ring(at, r, Pen::new(PAPER, stroke::THIN));
-}
-
-pub(crate) fn paint_condition(canvas: &mut Canvas<'_>, at: (f64, f64), look: &ConditionLook) {
-    canvas.marker(at, 4.6, look.marker(), PAPER);
-    canvas.marker(at, 3.8, look.marker(), look.rgb());
 }
 
 enum Item<'a> {

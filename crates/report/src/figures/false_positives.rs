@@ -1,8 +1,9 @@
 //! How often each test says yes where there is nothing to find.
 
 use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Key, Pen, cap_height};
+use super::canvas::{Pen, cap_height};
 use super::check::Check;
+use super::legend::Key;
 use super::theme::{GREY, INK, MUTED, Marker, PALE, PURPLE, TWO_COLUMNS_MM, size, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;

@@ -1,8 +1,9 @@
 //! How near the car's own drive comes to its driver's, beside how near drivers come to themselves.
 
 use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Key, Pen, cap_height};
+use super::canvas::{Pen, cap_height};
 use super::check::Check;
+use super::legend::Key;
 use super::theme::{GREY, GRID, INK, Marker, OCHRE, PURPLE, size, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa::number;

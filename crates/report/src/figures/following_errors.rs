@@ -1,16 +1,18 @@
 //! How far from the recorded gap each model drove, driver by driver.
 
 use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Key, Pen};
-use super::car_following::Follower;
+use super::canvas::Pen;
 use super::check::Check;
 use super::fit;
 use super::following_spread as spread;
+use super::legend::Key;
 use super::theme::{GRID, MUTED, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa::number;
 use crate::error::ReportError;
 use serde::{Deserialize, Serialize};
+
+pub use super::following_spread::ModelErrors;
 
 /// Errors of several models on the same drivers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -21,15 +23,6 @@ pub struct FollowingErrors {
     pub drivers: Vec<String>,
     /// The models.
     pub models: Vec<ModelErrors>,
-}
-
-/// One model's error for every driver.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ModelErrors {
-    /// Which model.
-    pub model: Follower,
-    /// Root-mean-square error of the gap over the test third, in metres, one a driver.
-    pub gap_rmse_m: Vec<f64>,
 }
 
 const NAME: &str = "following-errors";
@@ -192,6 +185,7 @@ fn apart(places: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::car_following::Follower;
     use super::*;
 
     #[test]

@@ -2,9 +2,19 @@
 
 use super::axes::{Frame, Labels, Place, Scale};
 use super::canvas::{Canvas, Pen};
+use super::car_following::Follower;
 use super::fit;
-use super::following_errors::ModelErrors;
 use super::theme::{GREY, stroke};
+use serde::{Deserialize, Serialize};
+
+/// One model's error for every driver.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelErrors {
+    /// Which model.
+    pub model: Follower,
+    /// Root-mean-square error of the gap over the test third, in metres, one a driver.
+    pub gap_rmse_m: Vec<f64>,
+}
 
 /// Height of a model's row, in points.
 pub(crate) const ROW: f64 = 14.0;

@@ -1,8 +1,9 @@
 //! How much of a drive it takes to know a driver.
 
 use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Key, Pen, cap_height};
+use super::canvas::{Pen, cap_height};
 use super::check::Check;
+use super::legend::Key;
 use super::theme::{GREY, INK, Marker, TWO_COLUMNS_MM, size, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::apa::number;

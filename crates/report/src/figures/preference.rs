@@ -1,8 +1,9 @@
 //! How many rated another style above their own.
 
 use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Key, Look, Pen, cap_height};
+use super::canvas::{Look, Pen, cap_height};
 use super::check::Check;
+use super::legend::Key;
 use super::theme::{INK, Marker, ONE_COLUMN_MM, size, stroke};
 use super::{ConditionLook, Context, Figure, Plan, Shows, draw};
 use crate::apa::number;

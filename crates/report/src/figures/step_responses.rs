@@ -1,8 +1,9 @@
 //! How the car's controllers answer a step: velocity, gap, lane.
 
 use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Key, Pen};
+use super::canvas::Pen;
 use super::check::Check;
+use super::legend::Key;
 use super::theme::{GREY, INK, OCHRE, PALE, TWO_COLUMNS_MM, stroke};
 use super::thin::thinned;
 use super::{Context, Figure, Plan, Shows, draw};

@@ -1,8 +1,9 @@
 //! One drive as a time-space diagram, with what was decided marked on it.
 
 use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Canvas, Key, Pen};
+use super::canvas::{Canvas, Pen};
 use super::check::Check;
+use super::legend::Key;
 use super::theme::{BLUE, GREY, INK, MUTED, Marker, OCHRE, ORANGE, TWO_COLUMNS_MM, stroke};
 use super::thin::thinned;
 use super::{Context, Figure, Plan, Shows, draw};

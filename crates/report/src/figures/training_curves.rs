@@ -1,8 +1,9 @@
 //! How the losses fell while training.
 
 use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Key, Pen};
+use super::canvas::Pen;
 use super::check::Check;
+use super::legend::Key;
 use super::theme::{GREY, INK, TWO_COLUMNS_MM, stroke};
 use super::{Context, Figure, Plan, Shows, draw};
 use crate::error::ReportError;

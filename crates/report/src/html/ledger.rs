@@ -1,6 +1,6 @@
 //! The claims ledger on the page: grouped by part of the paper, ready to be filtered.
 
-use super::page::safe;
+use super::template::safe;
 use crate::claims::{LedgerRow, Verdict, ours, own_figures, rule, theirs, verdict_counts};
 use crate::markup;
 use minijinja::{Value, context};

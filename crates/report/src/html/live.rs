@@ -49,11 +49,6 @@ pub(crate) fn embedded(json: &serde_json::Value) -> String {
         .replace('&', "\\u0026")
 }
 
-/// A number with four decimals: more than a screen can show.
-pub(crate) fn short(value: f64) -> f64 {
-    (value * 1e4).round() / 1e4
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

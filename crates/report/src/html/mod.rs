@@ -8,6 +8,8 @@ pub mod player;
 mod report;
 mod scripts;
 mod space;
+mod style;
+mod template;
 
 pub use files::{RenderedFile, render};
 pub use live::{Live, LiveContent};

@@ -5,15 +5,15 @@ use super::live::{Live, LiveContent, embedded};
 use super::player::{PlayerFragment, player};
 use super::report::{Report, Section};
 use super::scripts;
+use super::style::style;
+use super::template::{fill, safe};
 use crate::claims::ledger_table;
 use crate::error::ReportError;
-use crate::figures::{ConditionLook, Context, DARK, Figure, font_face_css, hex, on_dark};
+use crate::figures::Figure;
 use crate::markup;
 use crate::tables::Table;
-use minijinja::{Environment, UndefinedBehavior, Value, context};
-use plotters::style::RGBColor;
+use minijinja::{Value, context};
 use std::collections::BTreeSet;
-use std::fmt::Write as _;
 
 /// Rows of a table that the page shows; the files have them all.
 const MOST_ROWS: usize = 200;
@@ -106,35 +106,6 @@ fn described(report: &Report) -> String {
     }
 }
 
-/// A template of this folder with its values; no empty lines.
-pub(super) fn fill(template: &str, values: Value) -> Result<String, ReportError> {
-    let failed = |error: minijinja::Error| ReportError::Template {
-        reason: format!("{error:#}"),
-    };
-    let mut environment = Environment::new();
-    environment.set_undefined_behavior(UndefinedBehavior::Strict);
-    for (name, source) in [
-        ("page.html", include_str!("templates/page.html")),
-        ("table.html", include_str!("templates/table.html")),
-        ("parts.html", include_str!("templates/parts.html")),
-        ("ledger.html", include_str!("templates/ledger.html")),
-        ("space.html", include_str!("templates/space.html")),
-        ("player.html", include_str!("player/player.html")),
-        ("watch.html", include_str!("player/watch.html")),
-    ] {
-        environment.add_template(name, source).map_err(failed)?;
-    }
-    let page = environment
-        .get_template(template)
-        .and_then(|page| page.render(values))
-        .map_err(failed)?;
-    // The template's own statements leave empty lines behind.
-    let lines = page.lines().filter(|line| !line.trim().is_empty());
-    Ok(lines.fold(String::with_capacity(page.len()), |out, line| {
-        out + line + "\n"
-    }))
-}
-
 /// A file's text, its empty lines kept from [`fill`].
 fn whole_text(text: &str) -> String {
     let line = |line: &str| match markup::escape(line) {
@@ -142,11 +113,6 @@ fn whole_text(text: &str) -> String {
         line => line,
     };
     text.lines().map(line).collect::<Vec<_>>().join("\n")
-}
-
-/// Only what this crate wrote itself, escaped where it was not ours.
-pub(crate) fn safe(html: String) -> Value {
-    Value::from_safe_string(html)
 }
 
 fn marked(texts: &[String]) -> Vec<Value> {
@@ -272,37 +238,4 @@ fn whole_table(table: &Table) -> Value {
         title => markup::plain(&table.title),
         html => safe(table.to_html()),
     }
-}
-
-/// A colour a condition as a variable below `root`, light and dark.
-pub(crate) fn condition_colours(context: &Context, root: &str, prefix: &str) -> String {
-    let variables = |of: fn(RGBColor) -> String| {
-        let one = |look: &ConditionLook| format!("{prefix}{}:{};", look.id, of(look.rgb()));
-        context.conditions.iter().map(one).collect::<String>()
-    };
-    format!(
-        "{root}{{{}}}\n@media screen and (prefers-color-scheme: dark) {{{root}{{{}}}}}\n",
-        variables(hex),
-        variables(on_dark)
-    )
-}
-
-/// The page's own rules, the font, and the colours that the figures turn to in the dark.
-fn style(context: &Context) -> String {
-    let mut out = String::from(font_face_css());
-    out.push_str(include_str!("templates/page.css"));
-    out.push_str(&condition_colours(context, ":root", "--of-"));
-    out.push_str("@media screen and (prefers-color-scheme: dark) {\n");
-    let drawn = DARK.map(|(light, dark)| (light, dark.to_owned()));
-    let looks = context.conditions.iter().map(ConditionLook::rgb);
-    let own = looks.filter(|c| DARK.iter().all(|(light, _)| light != c));
-    for (light, dark) in drawn.into_iter().chain(own.map(|c| (c, on_dark(c)))) {
-        let light = hex(light);
-        let _ = writeln!(
-            out,
-            "figure svg [fill=\"{light}\"]{{fill:{dark}}} figure svg [stroke=\"{light}\"]{{stroke:{dark}}}"
-        );
-    }
-    out.push_str("}\n");
-    out
 }

@@ -1,6 +1,5 @@
 //! The embedding space, to be turned by hand.
 
-use super::live::short;
 use crate::figures::{ConditionLook, Context};
 use maveric_domain::ConditionId;
 use serde_json::{Value, json};
@@ -140,4 +139,9 @@ impl StyleSpace {
             )
         })
     }
+}
+
+/// A number with four decimals: more than a screen can show.
+fn short(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
 }

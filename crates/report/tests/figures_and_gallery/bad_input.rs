@@ -33,7 +33,6 @@ fn kinds() -> Vec<Kind> {
     kinds![
         ablation,
         aggression_line,
-        axis_regressions,
         calibration,
         car_following,
         correlation_heatmap,
@@ -49,13 +48,11 @@ fn kinds() -> Vec<Kind> {
         learning_curve,
         perpendicular,
         perpendicular_circle,
-        population_distributions,
         preference,
         recommendation,
         residuals,
         simulator_view,
         step_responses,
-        test_retest,
         time_space,
         training_curves,
     ]
@@ -279,7 +276,6 @@ fn what_is_not_a_number_is_refused_by_name() {
     let all: Vec<Put> = put![
         ablation: |i, v| i.variants[1].losses[0][2] = Some(v),
         aggression_line: |i, v| i.panels[2].points[3].1 = v,
-        axis_regressions: |i, v| i.measures[1].values[4] = Some(v),
         calibration: |i, v| i.bins[2].observed = v,
         car_following: |i, v| i.series[1].gap_m[70] = v,
         correlation_heatmap: |i, v| i.cells[1][1].as_mut().unwrap().value = v,
@@ -295,12 +291,10 @@ fn what_is_not_a_number_is_refused_by_name() {
         learning_curve: |i, v| i.panels[1].points[2].high = v,
         perpendicular: |i, v| i.panels[1].points[2].angle_rad = v,
         perpendicular_circle: |i, v| i.panels[1].points[2].change = v,
-        population_distributions: |i, v| i.panels[1].groups[2].quantiles[0].1 = v,
         recommendation: |i, v| i.people[3][2] = v,
         residuals: |i, v| i.panels[1].mean = v,
         simulator_view: |i, v| i.ego.x_m = v,
         step_responses: |i, v| i.panels[2].value[30] = v,
-        test_retest: |i, v| i.measures[2].drivers[5].1 = Some(v),
         time_space: |i, v| i.leads[2].x_m[5] = v,
         training_curves: |i, v| i.terms[3].train[7] = v,
     ];

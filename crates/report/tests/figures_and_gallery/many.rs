@@ -37,13 +37,6 @@ fn crowds() -> Vec<Figure> {
     for panel in &mut line.panels {
         panel.points = grown(&panel.points, |p, by| *p = (p.0 * by, p.1 * by));
     }
-    let mut axes = kinds::axis_regressions::input();
-    for axis in &mut axes.axes {
-        axis.positions = numbers(&axis.positions);
-    }
-    for measure in &mut axes.measures {
-        measure.values = options(&measure.values);
-    }
     let mut differences = kinds::difference_panels::input();
     for panel in &mut differences.panels {
         panel.rows = grown(&panel.rows, |row, by| {
@@ -83,7 +76,6 @@ fn crowds() -> Vec<Figure> {
     }
     vec![
         figures::aggression_line(&line, &context()).unwrap(),
-        figures::axis_regressions(&axes, &context()).unwrap(),
         figures::difference_panels(&differences, &context()).unwrap(),
         figures::embedding_space(&space, &context()).unwrap(),
         figures::embedding_space(&flat, &context()).unwrap(),
@@ -120,13 +112,6 @@ fn a_crowd_is_a_density_and_the_caption_says_so() {
 
 #[test]
 fn means_of_a_crowd_grow_no_picture() {
-    let mut twice = kinds::test_retest::input();
-    for measure in &mut twice.measures {
-        measure.drivers = grown(&measure.drivers, |(own, mimic), by| {
-            *own = own.map(|value| value * by);
-            *mimic = mimic.map(|value| value * by);
-        });
-    }
     let mut variants = kinds::ablation::input();
     for values in variants.variants.iter_mut().flat_map(|v| &mut v.losses) {
         *values = options(values);
@@ -134,7 +119,6 @@ fn means_of_a_crowd_grow_no_picture() {
     let mut bars = kinds::preference::input();
     bars.scales.iter_mut().for_each(|scale| scale.n = MANY);
     for figure in [
-        figures::test_retest(&twice, &context()).unwrap(),
         figures::ablation(&variants, &context()).unwrap(),
         figures::preference(&bars, &context()).unwrap(),
     ] {

@@ -7,7 +7,6 @@ use maveric_stats::linear_fit;
 pub(crate) mod ablation;
 pub(crate) mod aggression_line;
 pub(crate) mod architecture;
-pub(crate) mod axis_regressions;
 pub(crate) mod calibration;
 pub(crate) mod car_following;
 pub(crate) mod comparison;
@@ -27,14 +26,12 @@ pub(crate) mod lane_change_quality;
 pub(crate) mod learning_curve;
 pub(crate) mod perpendicular;
 pub(crate) mod perpendicular_circle;
-pub(crate) mod population_distributions;
 pub(crate) mod preference;
 pub(crate) mod recommendation;
 pub(crate) mod residuals;
 pub(crate) mod scatter;
 pub(crate) mod simulator_view;
 pub(crate) mod step_responses;
-pub(crate) mod test_retest;
 pub(crate) mod time_space;
 pub(crate) mod training_curves;
 
@@ -64,12 +61,11 @@ pub(crate) const PARTICIPANTS: usize = 24;
 pub(crate) type Draw = fn(&Context) -> Result<Figure, ReportError>;
 
 /// Every kind: the name of its function, and one that draws it from made-up numbers.
-pub(crate) const KINDS: [(&str, Draw); 33] = [
+pub(crate) const KINDS: [(&str, Draw); 30] = [
     ("flow", flow::draw),
     ("domain", domain::draw),
     ("architecture", architecture::draw),
     ("simulator_view", simulator_view::draw),
-    ("population_distributions", population_distributions::draw),
     ("training_curves", training_curves::draw),
     ("calibration", calibration::draw),
     ("residuals", residuals::draw),
@@ -77,7 +73,6 @@ pub(crate) const KINDS: [(&str, Draw); 33] = [
     ("ablation", ablation::draw),
     ("embedding_space", embedding_space::draw),
     ("aggression_line", aggression_line::draw),
-    ("axis_regressions", axis_regressions::draw),
     ("perpendicular", perpendicular::draw),
     ("perpendicular_circle", perpendicular_circle::draw),
     ("difference_panels", difference_panels::draw),
@@ -90,7 +85,6 @@ pub(crate) const KINDS: [(&str, Draw); 33] = [
     ("curves", curves::draw),
     ("false_positives", false_positives::draw),
     ("fidelity", fidelity::draw),
-    ("test_retest", test_retest::draw),
     ("dial_sweep", dial_sweep::draw),
     ("car_following", car_following::draw),
     ("following_errors", following_errors::draw),

@@ -1,0 +1,38 @@
+//! How the page looks: its rules, its font, its colours by day and at night.
+
+use crate::figures::{ConditionLook, Context, DARK, font_face_css, hex, on_dark};
+use plotters::style::RGBColor;
+use std::fmt::Write as _;
+
+/// A colour a condition as a variable below `root`, light and dark.
+pub(crate) fn condition_colours(context: &Context, root: &str, prefix: &str) -> String {
+    let variables = |of: fn(RGBColor) -> String| {
+        let one = |look: &ConditionLook| format!("{prefix}{}:{};", look.id, of(look.rgb()));
+        context.conditions.iter().map(one).collect::<String>()
+    };
+    format!(
+        "{root}{{{}}}\n@media screen and (prefers-color-scheme: dark) {{{root}{{{}}}}}\n",
+        variables(hex),
+        variables(on_dark)
+    )
+}
+
+/// The page's own rules, the font, and the colours that the figures turn to in the dark.
+pub(crate) fn style(context: &Context) -> String {
+    let mut out = String::from(font_face_css());
+    out.push_str(include_str!("templates/page.css"));
+    out.push_str(&condition_colours(context, ":root", "--of-"));
+    out.push_str("@media screen and (prefers-color-scheme: dark) {\n");
+    let drawn = DARK.map(|(light, dark)| (light, dark.to_owned()));
+    let looks = context.conditions.iter().map(ConditionLook::rgb);
+    let own = looks.filter(|c| DARK.iter().all(|(light, _)| light != c));
+    for (light, dark) in drawn.into_iter().chain(own.map(|c| (c, on_dark(c)))) {
+        let light = hex(light);
+        let _ = writeln!(
+            out,
+            "figure svg [fill=\"{light}\"]{{fill:{dark}}} figure svg [stroke=\"{light}\"]{{stroke:{dark}}}"
+        );
+    }
+    out.push_str("}\n");
+    out
+}
