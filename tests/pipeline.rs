@@ -542,5 +542,5 @@ fn a_pipeline_of_someone_elses_is_run_verified_traced_compared_and_cleaned() {
     let cleaned = study.maveric(&["clean", two]).ok().stdout;
     assert!(cleaned.contains("kept made/table.csv"), "{cleaned}");
     let graph = study.maveric(&["graph", one]).ok().stdout;
-    assert!(graph.contains("row (x3)     <- count (x3)"), "{graph}");
+    assert!(graph.contains(r#""count (x3)" -> "row (x3)""#), "{graph}");
 }

@@ -1,6 +1,4 @@
-//! The graph as text, DOT, Mermaid and SVG.
-
-mod svg;
+//! The graph for Graphviz and for Mermaid.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -50,12 +48,6 @@ impl<'g> Picture<'g> {
         }
     }
 
-    /// The longest label, in letters.
-    fn width(&self) -> usize {
-        let widths = self.nodes.iter().map(|node| node.label.len());
-        widths.max().unwrap_or(0)
-    }
-
     /// Maker and user, each pair once.
     fn edges(&self) -> impl Iterator<Item = (usize, usize)> {
         let nodes = self.nodes.iter().enumerate();
@@ -64,25 +56,7 @@ impl<'g> Picture<'g> {
 }
 
 impl Graph<'_> {
-    /// A line a stage, in the order in which they run, with the stages that it waits for.
-    /// Here and in the other forms the stages of a fan-out are drawn as one.
-    pub fn text(&self) -> String {
-        let picture = Picture::of(self);
-        let width = picture.width();
-        let line = |node: &Node| {
-            let label = &node.label;
-            let makers = node.makers.iter().map(|&i| &*picture.nodes[i].label);
-            let makers: Vec<&str> = makers.collect();
-            if makers.is_empty() {
-                format!("{label}\n")
-            } else {
-                format!("{label:width$}  <- {}\n", makers.join(", "))
-            }
-        };
-        picture.nodes.iter().map(line).collect()
-    }
-
-    /// The graph for Graphviz.
+    /// The graph for Graphviz. Here and for Mermaid the stages of a fan-out are drawn as one.
     pub fn dot(&self) -> String {
         let picture = Picture::of(self);
         let label = |i: usize| &picture.nodes[i].label;
@@ -104,11 +78,6 @@ impl Graph<'_> {
         let edges: String = picture.edges().map(edge).collect();
         format!("flowchart LR\n{nodes}{edges}")
     }
-
-    /// The graph as a picture of its own, stages left of what needs them.
-    pub fn svg(&self) -> String {
-        svg::draw(&Picture::of(self))
-    }
 }
 
 #[cfg(test)]
@@ -117,10 +86,9 @@ mod tests {
     use crate::{Graph, Pipeline};
 
     #[test]
-    fn the_graph_reads_the_same_in_each_form() {
+    fn both_forms_name_each_stage_and_what_it_waits_for() {
         let p = pipeline(&[("make", &[], &["a", "b"]), ("use", &["a", "b"], &["c"])]);
         let graph = Graph::new(&p).unwrap();
-        assert_eq!(graph.text(), "make\nuse   <- make\n");
         assert_eq!(
             graph.dot(),
             "digraph \"test\" {\n  rankdir=LR;\n  node [shape=box];\n  \"make\";\n  \"use\";\n  \
@@ -129,13 +97,6 @@ mod tests {
         assert_eq!(
             graph.mermaid(),
             "flowchart LR\n  s0[\"make\"]\n  s1[\"use\"]\n  s0 --> s1\n"
-        );
-        let svg = graph.svg();
-        assert_eq!(svg.matches("<rect").count(), 2);
-        assert_eq!(
-            svg.matches("<path").count(),
-            1 + 1,
-            "an edge and the arrow head"
         );
     }
 
@@ -152,7 +113,9 @@ mod tests {
         )
         .unwrap();
         let graph = Graph::new(&p).unwrap();
-        assert_eq!(graph.text(), "fit (x3)\njoin      <- fit (x3)\n");
-        assert_eq!(graph.svg().matches("<rect").count(), 2);
+        assert_eq!(
+            graph.mermaid(),
+            "flowchart LR\n  s0[\"fit (x3)\"]\n  s1[\"join\"]\n  s0 --> s1\n"
+        );
     }
 }

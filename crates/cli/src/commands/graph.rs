@@ -25,15 +25,11 @@ pub(crate) struct Graph {
 /// How a graph is printed.
 #[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
 enum GraphFormat {
-    /// A line a stage
-    #[default]
-    Text,
     /// For Graphviz
+    #[default]
     Dot,
     /// For Markdown pages
     Mermaid,
-    /// A drawing
-    Svg,
     /// The JSON schema of pipeline files, for editors
     Schema,
 }
@@ -44,10 +40,8 @@ impl Graph {
         let graph =
             StageGraph::new(&pipeline).map_err(Failure::pipeline("could not order the stages"))?;
         let text = match self.format {
-            GraphFormat::Text => graph.text(),
             GraphFormat::Dot => graph.dot(),
             GraphFormat::Mermaid => graph.mermaid(),
-            GraphFormat::Svg => graph.svg(),
             GraphFormat::Schema => return print_json(&maveric_pipeline::schema()),
         };
         print_lines(&[text.trim_end().to_owned()])
