@@ -263,7 +263,10 @@ fn a_change_goes_the_way_it_goes_and_has_the_gap_of_the_lane_entered() {
     }
 }
 
-fn parts() -> (Road, Vec<f64>, Vec<u32>, EgoTrack, Vec<ObjectTrack>) {
+/// What a recording is made of, its rate apart.
+type Parts = (Road, Vec<f64>, Vec<u32>, EgoTrack, Vec<ObjectTrack>);
+
+fn parts() -> Parts {
     let ego = ego(&[0.0, 5.0, 10.0], &[0.0; 3], 10.0);
     (
         Road::PAPER,
@@ -303,7 +306,7 @@ fn a_recording_gives_back_what_it_took() {
 
 #[test]
 fn a_recording_that_cannot_be_is_refused_by_name() {
-    type Change = fn(&mut (Road, Vec<f64>, Vec<u32>, EgoTrack, Vec<ObjectTrack>));
+    type Change = fn(&mut Parts);
     let cases: [(Change, &str); 12] = [
         (|p| p.0.lane_width_m = 0.0, "`lane_width_m` is 0"),
         (
@@ -350,13 +353,16 @@ fn a_recording_that_cannot_be_is_refused_by_name() {
     }
 }
 
+/// Spoils rows that were a drive's.
+type Spoil = fn(&mut Rows);
+
 #[test]
 fn rows_read_back_are_the_drive_again_and_impossible_ones_are_refused() {
     let drive = by_hand();
     let again =
         Drive::from_rows(meta(), *drive.road(), drive.rate_hz(), drive.rows().clone()).unwrap();
     assert_eq!(again, drive);
-    let cases: [(fn(&mut Rows), &str); 25] = [
+    let cases: [(Spoil, &str); 25] = [
         (|r| r.segment.truncate(3), "segment"),
         (|r| r.ego_x_m.truncate(3), "ego_x_m"),
         (|r| r.ego_y_m.truncate(3), "ego_y_m"),
