@@ -65,6 +65,8 @@ fn a_conditions_drive_is_called_after_person_and_condition_and_a_sweeps_by_itsel
         condition: "calm".parse().unwrap(),
         adb_hat: 30.0,
         moved_points: 0.0,
+        moved_points_sd: None,
+        clamped: false,
         angle_rad: None,
         beyond_training: false,
         sweep: None,
