@@ -63,8 +63,8 @@ fn a_conditions_drive_is_called_after_person_and_condition_and_a_sweeps_by_itsel
     let mut row = ConditionRow {
         participant: ParticipantId::new("P1").unwrap(),
         condition: "calm".parse().unwrap(),
-        adb_hat: 30.0,
-        moved_points: 0.0,
+        adb_hat: Some(30.0),
+        moved_points: Some(0.0),
         moved_points_sd: None,
         clamped: false,
         angle_rad: None,
