@@ -20,7 +20,7 @@ from mcap_ros2.reader import read_ros2_messages
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
-SCHEMA = pathlib.Path(__file__).parents[2] / "crates/ingest/src/raw/ros2/schemas/odometry.txt"
+SCHEMA = pathlib.Path(__file__).parents[2] / "crates/ingest/src/raw/mcap/schemas/odometry.txt"
 MESSAGES = 6000
 TOPIC = "/carla/hero/odometry"
 HEAD = 9

@@ -1,5 +1,6 @@
 //! What can be wrong with a log.
 
+use maveric_bag::BagError;
 use std::path::{Path, PathBuf};
 
 /// A log, a mapping or a setting that cannot be used, or a log that cannot be written.
@@ -217,8 +218,26 @@ pub enum IngestError {
     Write {
         /// Why.
         #[source]
-        source: mcap::McapError,
+        source: BagError,
     },
+}
+
+impl From<BagError> for IngestError {
+    fn from(error: BagError) -> Self {
+        match error {
+            BagError::Io { path, source } => Self::io(&path, source),
+            BagError::Damaged {
+                path,
+                at_byte,
+                what,
+            } => Self::Damaged {
+                path,
+                at_byte,
+                what,
+            },
+            source => Self::Write { source },
+        }
+    }
 }
 
 impl IngestError {

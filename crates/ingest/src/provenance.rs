@@ -1,6 +1,7 @@
 //! What a drive was made from.
 
-use crate::{error::IngestError, raw::mcap::parts::parts_of, settings::IngestSettings};
+use crate::{error::IngestError, settings::IngestSettings};
+use maveric_bag::parts_of;
 use std::{
     fs::File,
     path::{Path, PathBuf},

@@ -8,13 +8,11 @@ use crate::{
     mapping::{FrameKind, Mapping, RoadMapping, names::meta_of},
     parquet::is_parquet,
     quality::{Warning, WarningKind},
-    raw::{
-        self,
-        mcap::parts::{Parts, is_split, parts_of},
-    },
+    raw,
     read_table::read_table,
     settings::{IngestSettings, Ingested},
 };
+use maveric_bag::{Parts, is_split, parts_of};
 use std::{
     fs::File,
     io::{Read, Seek, SeekFrom},
@@ -214,7 +212,7 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, IngestError> {
             path: path.to_owned(),
         });
     }
-    let magic = mcap::MAGIC;
+    let magic = maveric_bag::MAGIC;
     if head.starts_with(magic) || head.len() < magic.len() && magic.starts_with(&head) {
         return Ok(Format::Mcap);
     }

@@ -14,13 +14,13 @@ use crate::{
     quality::{Warning, WarningKind},
     raw::mcap::{
         choice::{Choice, Found, choose},
-        parts::parts_of,
         read::damage_warnings,
         roles::Role,
     },
     read_log::{Format, format_of, read_log, without_parts},
     settings::{IngestSettings, Ingested},
 };
+use maveric_bag::parts_of;
 use serde::Serialize;
 use std::{collections::BTreeMap, path::Path};
 pub use suggest::suggest_mapping;

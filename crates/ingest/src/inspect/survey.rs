@@ -4,12 +4,13 @@ use super::{ChannelSummary, Gap};
 use crate::{
     error::IngestError,
     raw::mcap::{
-        channels::{Codec, Decoder, OwnedSchema, decoder, same_type},
+        channels::{Decoder, decoder},
         choice::Found,
-        container::{Damage, Visitor, walk},
         metadata,
-        record::{Channel, Message, Record},
     },
+};
+use maveric_bag::{
+    Channel, Codec, Damage, Message, OwnedSchema, Record, Visitor, Walk, same_type, walk,
 };
 use std::{collections::BTreeMap, path::PathBuf};
 
@@ -164,7 +165,11 @@ impl Survey {
                 self.schemas().insert(id, schema);
             }
             known.channels.into_values().for_each(|c| self.declare(c));
-            damage.push(walk(part, true, self)?);
+            let how = Walk {
+                recover: true,
+                ..Walk::default()
+            };
+            damage.push(walk(part, how, self)?);
         }
         Ok(damage)
     }

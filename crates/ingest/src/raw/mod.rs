@@ -1,11 +1,7 @@
 //! What readers of raw formats give: samples as recorded, before they share a time base.
 
-pub(crate) mod json;
 pub(crate) mod mcap;
-pub(crate) mod protobuf;
-pub(crate) mod ros2;
 pub(crate) mod table;
-pub(crate) mod wanted;
 
 /// Where ego was at one time, as recorded.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,8 +3,8 @@
 use mcap::{Compression, WriteOptions, records::MessageHeader};
 use std::{collections::BTreeMap, io::Cursor};
 
-const ODOMETRY: &str = include_str!("../../src/raw/ros2/schemas/odometry.txt");
-const OBJECTS: &str = include_str!("../../src/raw/ros2/schemas/object_array.txt");
+const ODOMETRY: &str = include_str!("../../src/raw/mcap/schemas/odometry.txt");
+const OBJECTS: &str = include_str!("../../src/raw/mcap/schemas/object_array.txt");
 
 /// `minutes` of odometry at 50 Hz and lists of `cars` objects at 20 Hz, in zstd chunks.
 pub(crate) fn log(minutes: f64, cars: u32) -> Vec<u8> {

@@ -4,12 +4,17 @@
 //!     cargo run --release --manifest-path tests/external/ros_msg_oracle/Cargo.toml -- CASES [FOLDER OF MCAP FILES]
 //!
 //! A project of its own: as a dependency of the tests `re_ros_msg` would have polars built with other features. The reader is
-//! the source of `maveric-ingest` itself.
+//! the source of `maveric-bag` itself.
 
+// The reader of `maveric-bag`, from its own source.
 #[allow(dead_code, reason = "a part of the reader is used here")]
-mod raw;
+#[path = "../../../../crates/bag/src/ros2/mod.rs"]
+mod ros2;
+#[allow(dead_code, reason = "a part of the reader is used here")]
+#[path = "../../../../crates/bag/src/wanted.rs"]
+mod wanted;
 
-use raw::ros2::{
+use ros2::{
     definition::{Dialect, parse},
     plan::Plan,
 };

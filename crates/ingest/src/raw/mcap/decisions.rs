@@ -1,6 +1,7 @@
 //! What the automated car decided, as log messages: written beside the recording, read back for whoever shows a drive.
 
 use crate::error::IngestError;
+use maveric_bag::{Record, Visitor, Walk, walk};
 use maveric_domain::{LaneActivity, TraceRow, drive::Direction};
 use std::path::Path;
 
@@ -125,28 +126,17 @@ fn change(row: &TraceRow) -> DecisionKind {
 /// [`IngestError::Io`] if the file cannot be read; [`IngestError::BadMetadata`] naming a message that no automated car
 /// of ours writes.
 pub fn read_decisions(path: &Path) -> Result<Option<Vec<Decision>>, IngestError> {
-    #[derive(serde::Deserialize)]
-    struct Log {
-        message: String,
-    }
-    let bytes = std::fs::read(path).map_err(|source| IngestError::Io {
-        path: path.to_owned(),
-        source,
-    })?;
-    let Ok(messages) = mcap::MessageStream::new(&bytes) else {
+    let mut reading = Reading::default();
+    let how = Walk {
+        recover: true,
+        ..Walk::default()
+    };
+    walk(path, how, &mut reading)?;
+    let Some(messages) = reading.messages else {
         return Ok(None);
     };
-    // A quiet drive has the channel and no message on it.
-    let summary = mcap::Summary::read(&bytes).ok().flatten();
-    let quiet = summary.is_some_and(|s| s.channels.values().any(|c| c.topic == TOPIC));
-    let mut found = quiet.then(Vec::new);
-    // What follows damage is lost here; reading the drive itself reports it.
-    for message in messages.map_while(Result::ok) {
-        if message.channel.topic != TOPIC {
-            continue;
-        }
-        let text = serde_json::from_slice::<Log>(&message.data).map(|log| log.message);
-        let text = text.unwrap_or_else(|_| String::from_utf8_lossy(&message.data).into_owned());
+    let mut found = Vec::new();
+    for (time_ns, text) in messages {
         let kind = DecisionKind::ALL.into_iter().find(|k| k.as_str() == text);
         let kind = kind.ok_or_else(|| IngestError::BadMetadata {
             path: path.to_owned(),
@@ -154,10 +144,54 @@ pub fn read_decisions(path: &Path) -> Result<Option<Vec<Decision>>, IngestError>
             found: text,
             expected: "a decision of the automated car",
         })?;
-        found.get_or_insert_with(Vec::new).push(Decision {
-            time_s: message.log_time as f64 / 1e9,
+        found.push(Decision {
+            time_s: time_ns as f64 / 1e9,
             kind,
         });
     }
-    Ok(found)
+    Ok(Some(found))
+}
+
+/// The messages of the decisions' channel.
+#[derive(Debug, Default)]
+struct Reading {
+    channels: Vec<u16>,
+    /// None without such a channel: a quiet drive has it, and no message on it.
+    messages: Option<Vec<(u64, String)>>,
+    mark: usize,
+}
+
+impl Visitor for Reading {
+    fn record(&mut self, record: Record<'_>) {
+        #[derive(serde::Deserialize)]
+        struct Log {
+            message: String,
+        }
+        match record {
+            Record::Channel(channel) if channel.topic == TOPIC => {
+                self.channels.push(channel.id);
+                self.messages.get_or_insert_default();
+            }
+            Record::Message(message) if self.channels.contains(&message.channel) => {
+                let text = serde_json::from_slice::<Log>(message.data).map(|log| log.message);
+                let text =
+                    text.unwrap_or_else(|_| String::from_utf8_lossy(message.data).into_owned());
+                let messages = self.messages.get_or_insert_default();
+                messages.push((message.log_ns, text));
+            }
+            _ => {}
+        }
+    }
+
+    fn passed_over(&mut self) {}
+
+    fn mark(&mut self) {
+        self.mark = self.messages.as_ref().map_or(0, Vec::len);
+    }
+
+    fn roll_back(&mut self) {
+        if let Some(messages) = &mut self.messages {
+            messages.truncate(self.mark);
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Which transform is ego's pose.
 
 use super::roles::EGO_SLOTS;
-use crate::raw::wanted::name_number;
+use maveric_bag::name_number;
 use std::sync::LazyLock;
 
 /// Frames that stand still, the better first: `odom` drifts.

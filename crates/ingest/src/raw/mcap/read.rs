@@ -1,15 +1,12 @@
 //! Reads the drive of an MCAP recording, in one file or split over several.
 
 use super::{
-    channels::{Decoder, OwnedSchema, decoder, same_type},
+    channels::{Decoder, decoder},
     choice::{Choice, Found, choose, parent},
-    chunk::MOST_RECORD,
-    container::{Damage, Visitor, walk},
     frames::Frames,
     metadata::{self, DriveRecord},
-    record::{Channel, Message, Record},
     roles::{Convention, Role},
-    signals::{Came, EgoRow, Objects, ego_row, flatten, settle_speeds, turn},
+    signals::{EgoRow, Objects, Receipt, ego_row, flatten, settle_speeds, turn},
 };
 use crate::{
     clock::one_clock,
@@ -17,6 +14,9 @@ use crate::{
     mapping::{McapMapping, TwistFrame},
     quality::{Warning, WarningKind},
     raw::{EgoSample, ObjectSample, RawDrive, SpeedSample},
+};
+use maveric_bag::{
+    Channel, Damage, MOST_RECORD, Message, OwnedSchema, Record, Visitor, Walk, same_type, walk,
 };
 use std::{
     collections::BTreeMap,
@@ -305,7 +305,7 @@ impl Stream {
         let Some(reading) = &decoder.reading else {
             return;
         };
-        let came = Came {
+        let receipt = Receipt {
             log_ns: i64::try_from(message.log_ns).unwrap_or(i64::MAX),
             nth,
         };
@@ -316,7 +316,7 @@ impl Stream {
         let (role, convention): (Role, Convention) = (reading.role, reading.convention);
         let walked = decoder.codec.run(message.data, row, &mut |row| {
             if role == Role::Objects
-                && let Some(object) = making.sample(row, came, convention, twist)
+                && let Some(object) = making.sample(row, receipt, convention, twist)
             {
                 objects.push(object);
             }
@@ -333,7 +333,7 @@ impl Stream {
                         mark[2] = 0;
                     }
                 }
-                ego.push(ego_row(row, came));
+                ego.push(ego_row(row, receipt));
             }
         });
         if let Err(why) = walked {
@@ -348,7 +348,7 @@ impl Stream {
             Role::Objects | Role::Frames => {}
             Role::Identity => self.identity = row.first().map(|&id| id as u32),
             Role::Odometry | Role::Pose | Role::Fix | Role::Speed => {
-                self.ego.push(ego_row(row, came));
+                self.ego.push(ego_row(row, receipt));
             }
         }
     }
@@ -406,7 +406,11 @@ impl<'a> Collector<'a> {
         let mut damage = Vec::with_capacity(parts.len());
         for (i, part) in parts.iter().enumerate() {
             self.begin(i);
-            damage.push(walk(part, recover, self)?);
+            let how = Walk {
+                recover,
+                ..Walk::default()
+            };
+            damage.push(walk(part, how, self)?);
         }
         Ok(damage)
     }

@@ -1,7 +1,8 @@
 //! Rigs out of the box: what their channels mean, chosen by looking at them.
 
-use super::{choice::Found, roles::plain_name};
+use super::choice::Found;
 use crate::mapping::{Mapping, McapMapping, Topics};
+use maveric_bag::plain_name;
 use std::{path::Path, sync::LazyLock};
 
 macro_rules! shipped {

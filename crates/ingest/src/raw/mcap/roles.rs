@@ -1,6 +1,7 @@
 //! Message types that tell something about a drive, and where in them it stands.
 
-use crate::{mapping::MessageMapping, raw::ros2::definition::short_name};
+use crate::mapping::MessageMapping;
+use maveric_bag::plain_name;
 
 /// What a channel can tell about a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -225,11 +226,6 @@ impl Role {
             _ => &EGO_SLOTS,
         }
     }
-}
-
-/// `pkg/Type`, whether a name is written with `/msg/`, with a point or plain.
-pub(crate) fn plain_name(name: &str) -> String {
-    short_name(name).replace('.', "/")
 }
 
 /// Paths of a pose and a twist of `geometry_msgs`, where they are given.

@@ -54,9 +54,9 @@ pub(crate) struct EgoRow {
     pub(crate) twist: Option<(f64, f64)>,
 }
 
-/// When a message came.
+/// When a message receipt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Came {
+pub(crate) struct Receipt {
     /// Time of receipt, in ns.
     pub(crate) log_ns: i64,
     /// Its number among all messages of the recording.
@@ -64,14 +64,14 @@ pub(crate) struct Came {
 }
 
 /// Ego's slots.
-pub(crate) fn ego_row(row: &[f64], came: Came) -> EgoRow {
+pub(crate) fn ego_row(row: &[f64], receipt: Receipt) -> EgoRow {
     let twist = known(row[8]).zip(known(row[9]));
     let of_twist = twist.map(|(vx, vy)| vx.hypot(vy).copysign(vx));
     EgoRow {
         sample: EgoSample {
             stamp_ns: stamp_ns(row),
-            log_ns: came.log_ns,
-            nth: came.nth,
+            log_ns: receipt.log_ns,
+            nth: receipt.nth,
             x_m: row[2],
             y_m: row[3],
             yaw_rad: known(row[10]).or_else(|| heading(&row[4..8])),
@@ -106,7 +106,7 @@ impl Objects {
     pub(crate) fn sample(
         &mut self,
         row: &[f64],
-        came: Came,
+        receipt: Receipt,
         convention: Convention,
         twist: Option<TwistFrame>,
     ) -> Option<ObjectSample> {
@@ -167,8 +167,8 @@ impl Objects {
         };
         Some(ObjectSample {
             stamp_ns: stamp_ns(row),
-            log_ns: came.log_ns,
-            nth: came.nth,
+            log_ns: receipt.log_ns,
+            nth: receipt.nth,
             id,
             x_m: row[2],
             y_m: row[3],

@@ -2,18 +2,12 @@
 
 use super::{
     decisions::{DecisionKind, decisions},
-    metadata, scene,
+    metadata, scene, schemas,
 };
-use crate::{
-    error::IngestError,
-    raw::ros2::{cdr, schemas},
-};
+use crate::error::IngestError;
+use maveric_bag::{BagError, CdrWriter, Writer};
 use maveric_domain::{Drive, DriveMeta, Recording, Scene, TraceRow, VehicleState};
-use mcap::{Compression, WriteOptions, records};
-use std::{
-    collections::BTreeMap,
-    io::{Seek, Write},
-};
+use std::io::{Seek, Write};
 
 /// Topic of ego's odometry.
 pub(crate) const EGO_TOPIC: &str = "/carla/ego_vehicle/odometry";
@@ -86,35 +80,21 @@ pub fn write_mcap_with(
 
 /// A file under way.
 struct File<W: Write + Seek> {
-    writer: mcap::Writer<W>,
+    writer: Writer<W>,
     row: usize,
     time_ns: u64,
 }
 
 impl<W: Write + Seek> File<W> {
-    fn channel(
-        &mut self,
-        topic: &str,
-        (name, text): (&str, &str),
-        (schema, message): (&str, &str),
-    ) -> Result<u16, mcap::McapError> {
-        let schema = self.writer.add_schema(name, schema, text.as_bytes())?;
+    fn json_channel(&mut self, channel: scene::Channel) -> Result<u16, BagError> {
+        let (name, text) = channel.schema;
         self.writer
-            .add_channel(schema, topic, message, &BTreeMap::new())
+            .channel(channel.topic, "json", (name, "jsonschema", text))
     }
 
-    fn json_channel(&mut self, channel: scene::Channel) -> Result<u16, mcap::McapError> {
-        self.channel(channel.topic, channel.schema, ("jsonschema", "json"))
-    }
-
-    fn message(&mut self, channel_id: u16, bytes: &[u8]) -> Result<(), mcap::McapError> {
-        let head = records::MessageHeader {
-            channel_id,
-            sequence: self.row as u32,
-            log_time: self.time_ns,
-            publish_time: self.time_ns,
-        };
-        self.writer.write_to_known_channel(&head, bytes)
+    fn message(&mut self, channel_id: u16, bytes: &[u8]) -> Result<(), BagError> {
+        self.writer
+            .message(channel_id, self.row as u32, self.time_ns, bytes)
     }
 }
 
@@ -124,32 +104,26 @@ fn write(
     trace: &[TraceRow],
     scene: Option<&Drive>,
     out: impl Write + Seek,
-) -> Result<(), mcap::McapError> {
+) -> Result<(), BagError> {
     let mut file = File {
-        writer: WriteOptions::new()
-            .profile("ros2")
-            .library(concat!("maveric ", env!("CARGO_PKG_VERSION")))
-            .compression(Some(Compression::Zstd))
-            // More threads would be faster, but the bytes would depend on them.
-            .compression_threads(0)
-            .create(out)?,
+        writer: Writer::new(out, concat!("maveric ", env!("CARGO_PKG_VERSION")))?,
         row: 0,
         time_ns: 0,
     };
-    file.writer.write_metadata(&records::Metadata {
-        name: metadata::NAME.to_owned(),
-        metadata: metadata::values(meta, recording),
-    })?;
-    let ros = ("ros2msg", "cdr");
-    let ego_channel = file.channel(EGO_TOPIC, schemas::ODOMETRY, ros)?;
-    let objects_channel = file.channel(OBJECTS_TOPIC, schemas::OBJECT_ARRAY, ros)?;
+    file.writer
+        .metadata(metadata::NAME, metadata::values(meta, recording))?;
+    let mut channel = |topic: &str, (name, text): (&str, &str)| {
+        file.writer.channel(topic, "cdr", (name, "ros2msg", text))
+    };
+    let ego_channel = channel(EGO_TOPIC, schemas::ODOMETRY)?;
+    let objects_channel = channel(OBJECTS_TOPIC, schemas::OBJECT_ARRAY)?;
     let mut decisions = Decisions::new(&mut file, trace)?;
     let mut beside = match scene {
         Some(drive) => Some(Beside3d::new(&mut file, recording, drive, trace)?),
         None => None,
     };
     let ego_yaw_rad = headings(recording);
-    let mut bytes = cdr::Writer::new();
+    let mut bytes = CdrWriter::new();
     for (row, yaw) in ego_yaw_rad.into_iter().enumerate() {
         // Every row has a scene.
         let Some(scene) = recording.scene(row) else {
@@ -181,10 +155,7 @@ struct Decisions {
 }
 
 impl Decisions {
-    fn new<W: Write + Seek>(
-        file: &mut File<W>,
-        trace: &[TraceRow],
-    ) -> Result<Self, mcap::McapError> {
+    fn new<W: Write + Seek>(file: &mut File<W>, trace: &[TraceRow]) -> Result<Self, BagError> {
         let channel = (!trace.is_empty()).then(|| file.json_channel(scene::DECISIONS));
         Ok(Self {
             channel: channel.transpose()?,
@@ -196,7 +167,7 @@ impl Decisions {
         &mut self,
         file: &mut File<W>,
         meta: &DriveMeta,
-    ) -> Result<(), mcap::McapError> {
+    ) -> Result<(), BagError> {
         let Some(channel) = self.channel else {
             return Ok(());
         };
@@ -231,7 +202,7 @@ impl<'a> Beside3d<'a> {
         recording: &'a Recording,
         drive: &'a Drive,
         trace: &'a [TraceRow],
-    ) -> Result<Self, mcap::McapError> {
+    ) -> Result<Self, BagError> {
         Ok(Self {
             recording,
             drive,
@@ -250,7 +221,7 @@ impl<'a> Beside3d<'a> {
         file: &mut File<W>,
         scene: &Scene,
         yaw_rad: f64,
-    ) -> Result<(), mcap::McapError> {
+    ) -> Result<(), BagError> {
         let (row, time_ns) = (file.row, file.time_ns);
         if row == 0 {
             file.message(self.road, &scene::road(self.recording, time_ns))?;
@@ -285,18 +256,18 @@ fn headings(recording: &Recording) -> Vec<f64> {
     (0..=last).map(heading).collect()
 }
 
-fn header(bytes: &mut cdr::Writer, time_ns: i64, frame: &str) {
+fn header(bytes: &mut CdrWriter, time_ns: i64, frame: &str) {
     bytes.u32(time_ns.div_euclid(1_000_000_000) as i32 as u32);
     bytes.u32(time_ns.rem_euclid(1_000_000_000) as u32);
     bytes.string(frame);
 }
 
-fn pose(bytes: &mut cdr::Writer, x_m: f64, y_m: f64, yaw_rad: f64) {
+fn pose(bytes: &mut CdrWriter, x_m: f64, y_m: f64, yaw_rad: f64) {
     bytes.f64s(&[x_m, y_m, 0.0]);
     bytes.f64s(&[0.0, 0.0, (0.5 * yaw_rad).sin(), (0.5 * yaw_rad).cos()]);
 }
 
-fn odometry(bytes: &mut cdr::Writer, scene: &Scene, yaw_rad: f64) {
+fn odometry(bytes: &mut CdrWriter, scene: &Scene, yaw_rad: f64) {
     bytes.string("ego_vehicle");
     pose(bytes, scene.ego.x_m, scene.ego.y_m, yaw_rad);
     bytes.f64s(&[0.0; 36]);
@@ -304,14 +275,14 @@ fn odometry(bytes: &mut cdr::Writer, scene: &Scene, yaw_rad: f64) {
     bytes.f64s(&[0.0; 36]);
 }
 
-fn objects(bytes: &mut cdr::Writer, scene: &Scene, time_ns: i64) {
+fn objects(bytes: &mut CdrWriter, scene: &Scene, time_ns: i64) {
     bytes.u32(scene.vehicles.len() as u32);
     for vehicle in &scene.vehicles {
         object(bytes, vehicle, time_ns);
     }
 }
 
-fn object(bytes: &mut cdr::Writer, vehicle: &VehicleState, time_ns: i64) {
+fn object(bytes: &mut CdrWriter, vehicle: &VehicleState, time_ns: i64) {
     const TRACKED: u8 = 1;
     const BOX: u8 = 1;
     const CAR: u8 = 6;

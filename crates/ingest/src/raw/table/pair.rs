@@ -56,14 +56,16 @@ pub(super) fn read(
     wanted.extend(numbers.map(|g| (g.1, Kind::Number)));
     wanted.extend(names.lead_id.iter().map(|n| (n.as_str(), Kind::Word)));
     let table = Table::open(path, bytes, mapping.into(), &wanted)?;
-    let column = |name: &Option<String>, unit: f64| match name {
-        Some(name) if table.has(name) => {
-            let values = table.numbers(name)?;
-            Ok(Some(
-                values.into_iter().map(|v| v * unit).collect::<Vec<f64>>(),
-            ))
+    let column = |name: &Option<String>, unit: f64| -> Result<Option<Vec<f64>>, IngestError> {
+        match name {
+            Some(name) if table.has(name) => {
+                let values = table.numbers(name)?;
+                Ok(Some(
+                    values.into_iter().map(|v| v * unit).collect::<Vec<f64>>(),
+                ))
+            }
+            _ => Ok(None),
         }
-        _ => Ok(None),
     };
     let length = mapping.units.length.metres();
     let speed = mapping.units.speed.metres_per_second();

@@ -44,7 +44,10 @@ pub(super) fn read(
     );
     let meta = Table::open(&path, bytes, Style::default(), &wanted)?;
     let number = |name: &Option<String>| match name {
-        Some(name) => Ok(meta.numbers(name)?.first().copied().filter(|v| *v > 0.0)),
+        Some(name) => {
+            let found = meta.numbers(name)?.first().copied();
+            Ok::<_, IngestError>(found.filter(|v| *v > 0.0))
+        }
         None => Ok(None),
     };
     let markings = |name: &Option<String>| -> Result<Vec<f64>, IngestError> {

@@ -82,14 +82,16 @@ pub(super) fn read_columns(
 
     let length = mapping.units.length.metres();
     let speed = mapping.units.speed.metres_per_second();
-    let column = |name: &Option<String>, unit: f64| match name {
-        Some(name) if table.has(name) => {
-            let values = table.numbers(name)?;
-            Ok(Some(
-                values.into_iter().map(|v| v * unit).collect::<Vec<f64>>(),
-            ))
+    let column = |name: &Option<String>, unit: f64| -> Result<Option<Vec<f64>>, IngestError> {
+        match name {
+            Some(name) if table.has(name) => {
+                let values = table.numbers(name)?;
+                Ok(Some(
+                    values.into_iter().map(|v| v * unit).collect::<Vec<f64>>(),
+                ))
+            }
+            _ => Ok(None),
         }
-        _ => Ok(None),
     };
     let stamp_ns = stamps(&table, time, clock)?;
     let (id_codes, mut ids) = table.codes(id)?;

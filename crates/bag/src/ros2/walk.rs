@@ -5,7 +5,7 @@ use super::{
     definition::Primitive,
     plan::{Block, Step},
 };
-use crate::raw::wanted::{MOST_ROWS, name_number};
+use crate::wanted::{MOST_ROWS, name_number};
 
 /// Walks `steps`: wanted numbers go into `row`, which is given to `each` for every element that is a row.
 ///

@@ -1,7 +1,7 @@
 //! The bytes of a message (CDR, and ROS 1's): alignment, byte order, sizes, and a writer for our own.
 
 use super::definition::Primitive;
-use crate::raw::wanted::MOST_ROWS;
+use crate::wanted::MOST_ROWS;
 
 /// A message that its definition does not fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -216,26 +216,33 @@ pub(crate) fn number(bytes: &[u8], primitive: Primitive, big_endian: bool) -> Op
 
 /// Writes a message as plain little-endian XCDR1.
 #[derive(Debug)]
-pub(crate) struct Writer {
+pub struct Writer {
     bytes: Vec<u8>,
+}
+
+impl Default for Writer {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl Writer {
     const HEAD: usize = 4;
 
-    pub(crate) fn new() -> Self {
+    /// An empty message.
+    pub fn new() -> Self {
         Self {
             bytes: vec![0, 1, 0, 0],
         }
     }
 
     /// The message; the writer starts anew with the same memory.
-    pub(crate) fn bytes(&self) -> &[u8] {
+    pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
     /// Starts a new message in the same memory.
-    pub(crate) fn restart(&mut self) {
+    pub fn restart(&mut self) {
         self.bytes.truncate(Self::HEAD);
     }
 
@@ -245,27 +252,32 @@ impl Writer {
         self.bytes.resize(self.bytes.len() + padding, 0);
     }
 
-    pub(crate) fn u8(&mut self, value: u8) {
+    /// A byte, a boolean or a character.
+    pub fn u8(&mut self, value: u8) {
         self.bytes.push(value);
     }
 
-    pub(crate) fn u32(&mut self, value: u32) {
+    /// Four bytes: a count, seconds, nanoseconds.
+    pub fn u32(&mut self, value: u32) {
         self.align(4);
         self.bytes.extend(value.to_le_bytes());
     }
 
-    pub(crate) fn f64(&mut self, value: f64) {
+    /// A number.
+    pub fn f64(&mut self, value: f64) {
         self.align(8);
         self.bytes.extend(value.to_le_bytes());
     }
 
-    pub(crate) fn f64s(&mut self, values: &[f64]) {
+    /// Numbers one after another, without their count.
+    pub fn f64s(&mut self, values: &[f64]) {
         for &value in values {
             self.f64(value);
         }
     }
 
-    pub(crate) fn string(&mut self, text: &str) {
+    /// A text, with its count and its zero.
+    pub fn string(&mut self, text: &str) {
         self.u32(text.len() as u32 + 1);
         self.bytes.extend(text.as_bytes());
         self.bytes.push(0);

@@ -1,12 +1,12 @@
 //! Chunks: the records within, unpacked piece by piece and as far as they can be read.
 
-use super::record::{Fields, HEAD};
+use crate::record::{Fields, HEAD};
 use std::io::Read;
 use zstd::bulk::Decompressor;
 use zstd::stream::raw::{DParameter, Decoder, InBuffer, Operation, OutBuffer};
 
-/// Longest record that is read; a longer one can be no message that we want, and is passed over.
-pub(crate) const MOST_RECORD: usize = 32 << 20;
+/// Longest record that is read, in bytes; a longer one can be no message that we want, and is passed over.
+pub const MOST_RECORD: usize = 32 << 20;
 /// Longest chunk that is read, compressed.
 pub(crate) const MOST_CHUNK: u64 = 512 << 20;
 /// Most bytes that one chunk may unpack to.
@@ -18,7 +18,7 @@ const MOST_WINDOW_LOG: u32 = 25;
 /// Room for unpacked bytes at first; it grows where one record needs more.
 const ROOM: usize = 1 << 20;
 /// Most room that is given at first for what a header claims.
-pub(super) const MOST_ROOM: u64 = 4 << 20;
+pub(crate) const MOST_ROOM: u64 = 4 << 20;
 /// Bytes of a chunk's content before the name of its compression.
 const FIXED: usize = 8 + 8 + 8 + 4;
 
@@ -33,7 +33,7 @@ enum Packing {
 /// A chunk's own account of itself.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Head {
-    pub(super) uncompressed_size: u64,
+    pub(crate) uncompressed_size: u64,
     crc: u32,
     compression: String,
     compressed_size: u64,
@@ -78,7 +78,7 @@ impl Head {
     }
 
     /// The packed bytes of a zstd chunk of a usual size whose content is as long as it says.
-    pub(super) fn whole_zstd<'a>(&self, content: &'a [u8]) -> Option<&'a [u8]> {
+    pub(crate) fn whole_zstd<'a>(&self, content: &'a [u8]) -> Option<&'a [u8]> {
         let data = content.get(self.length..)?;
         let usual = (1..=MOST_ROOM).contains(&self.uncompressed_size);
         (usual && self.compression == "zstd" && self.compressed_size == data.len() as u64)

@@ -17,45 +17,62 @@ pub(crate) const HEAD: usize = 9;
 
 /// What a channel's bytes mean.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Schema<'a> {
-    pub(crate) id: u16,
-    pub(crate) name: String,
-    pub(crate) encoding: String,
-    pub(crate) data: &'a [u8],
+pub struct Schema<'a> {
+    /// Its number within the file.
+    pub id: u16,
+    /// The type's name.
+    pub name: String,
+    /// How it is written: `ros2msg`, `ros1msg`, `jsonschema`, `protobuf`, …
+    pub encoding: String,
+    /// Its text or descriptors.
+    pub data: &'a [u8],
 }
 
 /// A stream of messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Channel {
-    pub(crate) id: u16,
-    pub(crate) schema_id: u16,
-    pub(crate) topic: String,
-    pub(crate) encoding: String,
+pub struct Channel {
+    /// Its number within the file.
+    pub id: u16,
+    /// Number of its schema.
+    pub schema_id: u16,
+    /// Its topic.
+    pub topic: String,
+    /// How messages are encoded: `cdr`, `ros1`, `json`, `protobuf`, …
+    pub encoding: String,
 }
 
 /// One message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Message<'a> {
-    pub(crate) channel: u16,
-    pub(crate) log_ns: u64,
-    pub(crate) data: &'a [u8],
+pub struct Message<'a> {
+    /// Number of its channel.
+    pub channel: u16,
+    /// Time of receipt, in ns.
+    pub log_ns: u64,
+    /// Its bytes.
+    pub data: &'a [u8],
 }
 
 /// Named text values.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Metadata {
-    pub(crate) name: String,
-    pub(crate) values: BTreeMap<String, String>,
+pub struct Metadata {
+    /// What they are called together.
+    pub name: String,
+    /// The texts by name.
+    pub values: BTreeMap<String, String>,
 }
 
-/// A record, as far as it says something about drives.
+/// A record, as far as it says something about messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Record<'a> {
+pub enum Record<'a> {
     /// The profile and the library that wrote the file.
     Header(String, String),
+    /// What a channel's bytes mean.
     Schema(Schema<'a>),
+    /// A stream of messages.
     Channel(Channel),
+    /// One message.
     Message(Message<'a>),
+    /// Named texts.
     Metadata(Metadata),
     /// Of no interest here.
     Other,

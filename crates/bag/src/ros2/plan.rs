@@ -5,7 +5,7 @@ use super::{
     definition::{Base, Count, Definitions, Dialect, Field, Primitive},
     walk::walk,
 };
-use crate::raw::wanted;
+use crate::wanted;
 
 /// Depth at which a definition that contains itself is refused.
 const MOST_DEPTH: usize = 32;

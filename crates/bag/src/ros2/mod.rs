@@ -3,5 +3,4 @@
 pub(crate) mod cdr;
 pub(crate) mod definition;
 pub(crate) mod plan;
-pub(crate) mod schemas;
 mod walk;

@@ -17,7 +17,7 @@ pub(crate) fn alternatives(path: &str) -> impl Iterator<Item = &str> {
 }
 
 /// A name as a number, to compare it with others: of its part behind the last `/`, which may be a namespace's.
-pub(crate) fn name_number(name: &[u8]) -> f64 {
+pub fn name_number(name: &[u8]) -> f64 {
     let name = name.strip_suffix(&[0]).unwrap_or(name);
     let last = name.rsplit(|&b| b == b'/').next().unwrap_or_default();
     // FNV-1a, as many bits of it as a float holds.

@@ -1,5 +1,5 @@
 use super::*;
-use crate::raw::ros2::{cdr::Writer, definition::parse};
+use crate::ros2::{cdr::Writer, definition::parse};
 
 fn compiled(text: &str, wanted: &[&str]) -> Plan {
     let definitions = parse("p/M", text, Dialect::Ros2).unwrap();

@@ -1,30 +1,31 @@
 //! The container: record after record, over damage where that is wanted.
 
-use super::{
+use crate::{
     ahead::Ahead,
     chunk::{self, Unpacker, Verdict},
+    error::BagError,
     record::{self, HEAD, Record, op},
 };
-use crate::error::IngestError;
 use std::{
     fs::File,
     io::{BufReader, Read, Seek, SeekFrom},
     path::Path,
+    sync::atomic::{AtomicBool, Ordering},
 };
 
 /// A part of a file that could not be read.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Damage {
+pub struct Damage {
     /// Where it was met.
-    pub(crate) at_byte: u64,
+    pub at_byte: u64,
     /// What is wrong there.
-    pub(crate) what: String,
+    pub what: String,
     /// Time of receipt of the last message before it and of the first one after it, in ns.
-    pub(crate) between_ns: (Option<u64>, Option<u64>),
+    pub between_ns: (Option<u64>, Option<u64>),
 }
 
 /// Takes what a file holds.
-pub(crate) trait Visitor {
+pub trait Visitor {
     /// The next record.
     fn record(&mut self, record: Record<'_>);
     /// A message that is too long to be read was passed over.
@@ -35,32 +36,73 @@ pub(crate) trait Visitor {
     fn roll_back(&mut self);
 }
 
+/// How a recording is walked.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Walk<'a> {
+    /// Whether damage is stepped over and returned.
+    pub recover: bool,
+    /// Ends the walk with an error soon after it became true.
+    pub cancel: Option<&'a AtomicBool>,
+}
+
 /// Walks a file from start to end and gives its records to `visitor`.
 ///
-/// With `recover`, damage is stepped over and returned: messages of a chunk that cannot be trusted are rolled back, those
+/// With [`Walk::recover`], damage is stepped over and returned: messages of a chunk that cannot be trusted are rolled back, those
 /// of a chunk that the file's end cuts are kept, and behind a senseless record the next ones that fit together are
 /// looked for. Besides what cannot be read, damage is what the file's own accounts deny: the checksums of chunks, of
 /// the data and of the summary, and the number of messages.
 ///
 /// # Errors
-/// [`IngestError::Damaged`] at the first damage without `recover`; [`IngestError::Io`].
-pub(crate) fn walk(
+/// [`BagError::Damaged`] at the first damage without `recover`; [`BagError::Io`]; [`BagError::Cancelled`].
+pub fn walk(
     path: &Path,
-    recover: bool,
+    how: Walk<'_>,
     visitor: &mut impl Visitor,
-) -> Result<Vec<Damage>, IngestError> {
-    let open = || File::open(path).map_err(|e| IngestError::io(path, e));
-    let file = open()?;
-    let length = file.metadata().map_err(|e| IngestError::io(path, e))?.len();
+) -> Result<Vec<Damage>, BagError> {
+    let wrong = |source| BagError::Io {
+        path: path.to_owned(),
+        source,
+    };
+    let file = File::open(path).map_err(wrong)?;
+    let length = file.metadata().map_err(wrong)?.len();
+    walk_with(path, file, length, Ahead::start(path, length), how, visitor)
+}
+
+/// Walks anything that can be read and sought in; `path` is what errors call it.
+///
+/// # Errors
+/// As [`walk`].
+pub fn walk_from(
+    path: &Path,
+    mut source: impl Read + Seek,
+    how: Walk<'_>,
+    visitor: &mut impl Visitor,
+) -> Result<Vec<Damage>, BagError> {
+    let length = source.seek(SeekFrom::End(0));
+    let length = length.and_then(|length| source.rewind().map(|()| length));
+    let length = length.map_err(|source| BagError::Io {
+        path: path.to_owned(),
+        source,
+    })?;
+    walk_with(path, source, length, None, how, visitor)
+}
+
+fn walk_with(
+    path: &Path,
+    source: impl Read + Seek,
+    length: u64,
+    ahead: Option<Ahead>,
+    how: Walk<'_>,
+    visitor: &mut impl Visitor,
+) -> Result<Vec<Damage>, BagError> {
     let mut walker = Walker {
         path,
-        file: BufReader::with_capacity(1 << 16, file),
-        probe: open()?,
+        file: BufReader::with_capacity(1 << 16, source),
         length,
-        recover,
+        how,
         buffer: Vec::new(),
         unpacker: Unpacker::default(),
-        ahead: Ahead::start(path, length),
+        ahead,
         damage: Vec::new(),
         last_ns: None,
         messages: 0,
@@ -73,13 +115,11 @@ pub(crate) fn walk(
     Ok(walker.damage)
 }
 
-struct Walker<'a> {
+struct Walker<'a, R> {
     path: &'a Path,
-    file: BufReader<File>,
-    /// A second look at the file, for heads far from where it is being read.
-    probe: File,
+    file: BufReader<R>,
     length: u64,
-    recover: bool,
+    how: Walk<'a>,
     buffer: Vec<u8>,
     unpacker: Unpacker,
     ahead: Option<Ahead>,
@@ -94,14 +134,17 @@ struct Walker<'a> {
     resume: u64,
 }
 
-impl Walker<'_> {
-    fn run(&mut self, visitor: &mut impl Visitor) -> Result<(), IngestError> {
+impl<R: Read + Seek> Walker<'_, R> {
+    fn run(&mut self, visitor: &mut impl Visitor) -> Result<(), BagError> {
         let mut at = mcap::MAGIC.len() as u64;
         self.start_magic()?;
         self.resume = at;
         loop {
+            if self.how.cancel.is_some_and(|c| c.load(Ordering::Relaxed)) {
+                return Err(BagError::Cancelled);
+            }
             let Some((opcode, length)) = self.head(at)? else {
-                return self.hurt(
+                return self.damaged(
                     at,
                     "the file ends without a footer: its recording was cut off",
                 );
@@ -120,7 +163,7 @@ impl Walker<'_> {
                 opcode != 0 && length <= left && record::is_plausible(opcode, &start, length);
             if !whole {
                 let what = senseless(opcode, length, left, self.length);
-                self.hurt(at, &what)?;
+                self.damaged(at, &what)?;
                 match self.resynchronise(self.resume.max(mcap::MAGIC.len() as u64), at)? {
                     Some(next) => at = next,
                     None => return Ok(()),
@@ -137,14 +180,14 @@ impl Walker<'_> {
         }
     }
 
-    fn start_magic(&mut self) -> Result<(), IngestError> {
+    fn start_magic(&mut self) -> Result<(), BagError> {
         let n = self.length.min(mcap::MAGIC.len() as u64);
         self.load(0, n)?;
         if self.buffer == mcap::MAGIC {
             self.hash_buffer();
             return Ok(());
         }
-        self.hurt(0, "its first eight bytes are not those of an MCAP file")
+        self.damaged(0, "its first eight bytes are not those of an MCAP file")
     }
 
     /// Reads a record that is no chunk.
@@ -154,7 +197,7 @@ impl Walker<'_> {
         opcode: u8,
         length: u64,
         visitor: &mut impl Visitor,
-    ) -> Result<(), IngestError> {
+    ) -> Result<(), BagError> {
         let body = at + HEAD as u64;
         let wanted = matches!(
             opcode,
@@ -172,7 +215,7 @@ impl Walker<'_> {
             self.data_ended = true;
             let found = self.crc.take().map(crc32fast::Hasher::finalize);
             if claimed != 0 && found.is_some_and(|found| found != claimed) {
-                return self.hurt(at, "the checksum of the data does not match: something outside the chunks has changed");
+                return self.damaged(at, "the checksum of the data does not match: something outside the chunks has changed");
             }
             return Ok(());
         }
@@ -191,7 +234,7 @@ impl Walker<'_> {
         } else {
             match record::parse(opcode, &buffer) {
                 Some(record) => self.give(record, visitor),
-                None => self.hurt(at, &format!("record {opcode:#04x} cannot be read"))?,
+                None => self.damaged(at, &format!("record {opcode:#04x} cannot be read"))?,
             }
         }
         self.buffer = buffer;
@@ -199,19 +242,19 @@ impl Walker<'_> {
     }
 
     /// Checks what the end of the file says of the whole.
-    fn footer(&mut self, at: u64, length: u64) -> Result<(), IngestError> {
+    fn footer(&mut self, at: u64, length: u64) -> Result<(), BagError> {
         let body = at + HEAD as u64;
         self.load(body, length.min(20))?;
         let (summary_start, crc) = record::footer(&self.buffer).unwrap_or((0, 0));
         if summary_start > at {
-            return self.hurt(at, "the footer points behind the end of the file");
+            return self.damaged(at, "the footer points behind the end of the file");
         }
         if crc != 0 && summary_start != 0 {
             self.crc = Some(crc32fast::Hasher::new());
             self.hash(summary_start, body + 16)?;
             let found = self.crc.take().map(crc32fast::Hasher::finalize);
             if found != Some(crc) {
-                self.hurt(at, "the checksum of the summary does not match")?;
+                self.damaged(at, "the checksum of the summary does not match")?;
             }
         }
         let end = body + length;
@@ -219,16 +262,16 @@ impl Walker<'_> {
         let n = magic.min(self.length - end);
         self.load(end, n)?;
         if self.buffer != mcap::MAGIC {
-            self.hurt(end, "the file does not end as an MCAP file does")?;
+            self.damaged(end, "the file does not end as an MCAP file does")?;
         }
         if crc != 0 && !self.data_ended {
             // Who writes checksums writes where the data ends.
-            self.hurt(at, "the record that ends the data is missing")?;
+            self.damaged(at, "the record that ends the data is missing")?;
         }
         let (found, claimed) = (self.messages, self.claimed_messages);
         match claimed {
             // With damage the difference is no news.
-            Some(claimed) if self.damage.is_empty() && claimed != found => self.hurt(
+            Some(claimed) if self.damage.is_empty() && claimed != found => self.damaged(
                 at,
                 &format!("{found} messages were read, {claimed} were written by its statistics"),
             ),
@@ -244,7 +287,7 @@ impl Walker<'_> {
         length: u64,
         start: &[u8],
         visitor: &mut impl Visitor,
-    ) -> Result<Option<u64>, IngestError> {
+    ) -> Result<Option<u64>, BagError> {
         let body = at + HEAD as u64;
         let left = self.length - body;
         let head = chunk::Head::read(start);
@@ -253,7 +296,7 @@ impl Walker<'_> {
         let certain = body + head.as_ref().map_or(0, chunk::Head::length);
         self.resume = certain;
         if opcode != op::CHUNK {
-            self.hurt(
+            self.damaged(
                 at,
                 &format!("record {opcode:#04x} is a chunk by its content"),
             )?;
@@ -281,7 +324,7 @@ impl Walker<'_> {
         } else {
             "the lengths in a chunk's header contradict each other".to_owned()
         };
-        self.hurt(at, &what)?;
+        self.damaged(at, &what)?;
         let end = match end {
             Some(end) => Some(end),
             None => self.resynchronise(certain, certain)?,
@@ -293,40 +336,48 @@ impl Walker<'_> {
     }
 
     /// Opcode and length at `at`; none where the file ends.
-    fn head(&mut self, at: u64) -> Result<Option<(u8, u64)>, IngestError> {
+    fn head(&mut self, at: u64) -> Result<Option<(u8, u64)>, BagError> {
         if self.length.saturating_sub(at) < HEAD as u64 {
             return Ok(None);
         }
         self.seek(at)?;
         let mut head = [0; HEAD];
         let read = self.file.read_exact(&mut head);
-        read.map_err(|e| IngestError::io(self.path, e))?;
+        read.map_err(|e| self.io(e))?;
         Ok(Some(head_of(head)))
     }
 
     /// The first bytes of a record's content, as many as there are of those that tell what it is.
-    fn peek(&mut self, body: u64) -> Result<Vec<u8>, IngestError> {
+    fn peek(&mut self, body: u64) -> Result<Vec<u8>, BagError> {
         let n = (chunk::Head::MOST as u64).min(self.length.saturating_sub(body));
         self.load(body, n)?;
         Ok(self.buffer.clone())
     }
 
-    fn seek(&mut self, at: u64) -> Result<(), IngestError> {
-        let wrong = |e| IngestError::io(self.path, e);
-        let now = self.file.stream_position().map_err(wrong)?;
-        // A relative seek keeps what is buffered.
-        match i64::try_from(i128::from(at) - i128::from(now)) {
-            Ok(offset) => self.file.seek_relative(offset).map_err(wrong),
-            Err(_) => self.file.seek(SeekFrom::Start(at)).map(drop).map_err(wrong),
+    fn seek(&mut self, at: u64) -> Result<(), BagError> {
+        let sought = self.file.stream_position().and_then(|now| {
+            // A relative seek keeps what is buffered.
+            match i64::try_from(i128::from(at) - i128::from(now)) {
+                Ok(offset) => self.file.seek_relative(offset),
+                Err(_) => self.file.seek(SeekFrom::Start(at)).map(drop),
+            }
+        });
+        sought.map_err(|e| self.io(e))
+    }
+
+    fn io(&self, source: std::io::Error) -> BagError {
+        BagError::Io {
+            path: self.path.to_owned(),
+            source,
         }
     }
 
     /// Reads `length` bytes, of which the caller knows that the file has them.
-    fn load(&mut self, at: u64, length: u64) -> Result<(), IngestError> {
+    fn load(&mut self, at: u64, length: u64) -> Result<(), BagError> {
         self.seek(at)?;
         self.buffer.resize(length as usize, 0);
         let read = self.file.read_exact(&mut self.buffer);
-        read.map_err(|e| IngestError::io(self.path, e))
+        read.map_err(|e| self.io(e))
     }
 
     fn hash_buffer(&mut self) {
@@ -336,7 +387,7 @@ impl Walker<'_> {
     }
 
     /// Adds the bytes from `from` to `to` to the checksum, if one is still kept.
-    fn hash(&mut self, mut from: u64, to: u64) -> Result<(), IngestError> {
+    fn hash(&mut self, mut from: u64, to: u64) -> Result<(), BagError> {
         while from < to && self.crc.is_some() {
             let n = (to - from).min(1 << 16);
             self.load(from, n)?;
@@ -353,9 +404,9 @@ impl Walker<'_> {
         length: u64,
         cut: bool,
         visitor: &mut impl Visitor,
-    ) -> Result<bool, IngestError> {
+    ) -> Result<bool, BagError> {
         if length > chunk::MOST_CHUNK {
-            self.hurt(at, &format!("a chunk of {length} bytes is too large"))?;
+            self.damaged(at, &format!("a chunk of {length} bytes is too large"))?;
             return Ok(false);
         }
         self.hash(at, at + HEAD as u64)?;
@@ -392,7 +443,7 @@ impl Walker<'_> {
         match verdict {
             Verdict::Whole => Ok(true),
             Verdict::Proven(why) => {
-                self.hurt(at, &why)?;
+                self.damaged(at, &why)?;
                 Ok(true)
             }
             // What stands before the cut is whole; the cut itself has been reported.
@@ -401,7 +452,7 @@ impl Walker<'_> {
                 visitor.roll_back();
                 self.open_again(before.0);
                 (self.last_ns, self.messages) = (before.0, before.1);
-                self.hurt(at, &format!("a chunk is left out: {why}"))?;
+                self.damaged(at, &format!("a chunk is left out: {why}"))?;
                 Ok(false)
             }
         }
@@ -437,9 +488,9 @@ impl Walker<'_> {
         visitor.record(record);
     }
 
-    fn hurt(&mut self, at_byte: u64, what: &str) -> Result<(), IngestError> {
-        if !self.recover {
-            return Err(IngestError::Damaged {
+    fn damaged(&mut self, at_byte: u64, what: &str) -> Result<(), BagError> {
+        if !self.how.recover {
+            return Err(BagError::Damaged {
                 path: self.path.to_owned(),
                 at_byte,
                 what: what.to_owned(),
@@ -455,7 +506,7 @@ impl Walker<'_> {
     }
 
     /// The next place from `at` on, other than `not`, where records fit together; none up to the end of the file.
-    fn resynchronise(&mut self, mut at: u64, not: u64) -> Result<Option<u64>, IngestError> {
+    fn resynchronise(&mut self, mut at: u64, not: u64) -> Result<Option<u64>, BagError> {
         const WINDOW: u64 = 1 << 18;
         while at + (HEAD as u64) <= self.length {
             let n = WINDOW.min(self.length - at);
@@ -481,16 +532,16 @@ impl Walker<'_> {
     }
 
     /// Whether three records in a row, or all up to the file's end, have known opcodes and lengths that fit.
-    fn records_fit(&mut self, mut at: u64) -> Result<bool, IngestError> {
+    fn records_fit(&mut self, mut at: u64) -> Result<bool, BagError> {
         for hop in 0..3 {
             let left = self.length.saturating_sub(at);
             if left < HEAD as u64 {
                 return Ok(hop > 0 && left == 0);
             }
             let mut head = [0; HEAD];
-            let read = self.probe.seek(SeekFrom::Start(at));
-            let read = read.and_then(|_| self.probe.read_exact(&mut head));
-            read.map_err(|e| IngestError::io(self.path, e))?;
+            self.seek(at)?;
+            let read = self.file.read_exact(&mut head);
+            read.map_err(|e| self.io(e))?;
             let (opcode, length) = head_of(head);
             let least = match opcode {
                 op::FOOTER => 20,

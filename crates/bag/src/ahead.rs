@@ -1,6 +1,6 @@
 //! Chunks unpacked ahead, on a thread of their own, while those before them are being read.
 
-use super::{
+use crate::{
     chunk::{Head, MOST_ROOM},
     record::{HEAD, op},
 };
@@ -30,7 +30,7 @@ struct Unpacked {
 }
 
 /// The chunks of a file in their order, as far as they are as their headers say.
-pub(super) struct Ahead {
+pub(crate) struct Ahead {
     chunks: Option<Receiver<Unpacked>>,
     used: Sender<Vec<u8>>,
     next: Option<Unpacked>,
@@ -39,7 +39,7 @@ pub(super) struct Ahead {
 
 impl Ahead {
     /// Starts to unpack a file of `length` bytes; none where that is not worth while or not possible.
-    pub(super) fn start(path: &Path, length: u64) -> Option<Self> {
+    pub(crate) fn start(path: &Path, length: u64) -> Option<Self> {
         if length < WORTH_WHILE {
             return None;
         }
@@ -59,7 +59,7 @@ impl Ahead {
     }
 
     /// What the chunk whose content begins at `body` unpacks to, if it was unpacked ahead.
-    pub(super) fn take(&mut self, body: u64, length: u64) -> Option<Vec<u8>> {
+    pub(crate) fn take(&mut self, body: u64, length: u64) -> Option<Vec<u8>> {
         let chunks = self.chunks.as_ref()?;
         loop {
             let next = match self.next.take() {
@@ -78,7 +78,7 @@ impl Ahead {
     }
 
     /// Gives memory back for another chunk.
-    pub(super) fn give_back(&self, bytes: Vec<u8>) {
+    pub(crate) fn give_back(&self, bytes: Vec<u8>) {
         // Once all is unpacked nobody needs it.
         let _ = self.used.send(bytes);
     }

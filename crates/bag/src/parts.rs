@@ -1,6 +1,6 @@
 //! Recordings that were split over several files: a folder as rosbag2 writes it.
 
-use crate::error::IngestError;
+use crate::error::BagError;
 use std::path::{Path, PathBuf};
 
 /// What rosbag2 writes beside its files once it closes a recording.
@@ -10,16 +10,16 @@ const MOST_PARTS: u64 = 10_000;
 
 /// The files of a recording.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Parts {
+pub struct Parts {
     /// In their order.
-    pub(crate) files: Vec<PathBuf>,
+    pub files: Vec<PathBuf>,
     /// Names of those that are not there.
-    pub(crate) missing: Vec<String>,
+    pub missing: Vec<String>,
 }
 
 /// Whether a folder is one recording: it says so, or its files carry its name and numbers from 0 on, as when the
 /// recording was killed before it could.
-pub(crate) fn is_split(path: &Path) -> bool {
+pub fn is_split(path: &Path) -> bool {
     if !path.is_dir() {
         return false;
     }
@@ -40,8 +40,8 @@ pub(crate) fn is_split(path: &Path) -> bool {
 /// The files of a recording, in the order of their numbers; itself if it is a file.
 ///
 /// # Errors
-/// [`IngestError::Io`] where the folder cannot be read.
-pub(crate) fn parts_of(path: &Path) -> Result<Parts, IngestError> {
+/// [`BagError::Io`] where the folder cannot be read.
+pub fn parts_of(path: &Path) -> Result<Parts, BagError> {
     if !path.is_dir() {
         return Ok(Parts {
             files: vec![path.to_owned()],
@@ -52,7 +52,12 @@ pub(crate) fn parts_of(path: &Path) -> Result<Parts, IngestError> {
     let listed = match std::fs::read_to_string(&metadata) {
         Ok(text) => listed(&text),
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => Vec::new(),
-        Err(e) => return Err(IngestError::io(&metadata, e)),
+        Err(e) => {
+            return Err(BagError::Io {
+                path: metadata,
+                source: e,
+            });
+        }
     };
     let there = numbered(path);
     if listed.is_empty() {

@@ -1,0 +1,147 @@
+//! How the messages of a channel are decoded, or why they are not.
+
+use crate::{
+    json, protobuf,
+    record::{Channel, Schema},
+    ros2::{
+        definition::{self, Dialect, short_name},
+        plan::{self, MOST_PADDING},
+    },
+};
+use std::sync::Arc;
+
+/// How messages are encoded, and which numbers of them are wanted.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Codec(Plan);
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Plan {
+    /// ROS 1 or ROS 2.
+    Ros(plan::Plan),
+    Json(json::Plan),
+    Protobuf(protobuf::Plan),
+}
+
+/// A schema that outlives the record it came in.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OwnedSchema {
+    /// The type's name.
+    pub name: String,
+    /// How it is written: `ros2msg`, `protobuf`, …
+    pub encoding: String,
+    /// Shared by all channels that it describes.
+    data: Arc<[u8]>,
+}
+
+impl From<Schema<'_>> for OwnedSchema {
+    fn from(schema: Schema<'_>) -> Self {
+        Self {
+            name: schema.name,
+            encoding: schema.encoding,
+            data: schema.data.into(),
+        }
+    }
+}
+
+impl OwnedSchema {
+    /// Whether another schema has the same text.
+    pub fn has_data(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.data, &other.data) || self.data == other.data
+    }
+}
+
+impl Codec {
+    /// Compiles the decoding of a channel for the numbers at some paths.
+    ///
+    /// # Errors
+    /// A sentence that says why this channel cannot be decoded.
+    pub fn compile(
+        channel: &Channel,
+        schema: Option<&OwnedSchema>,
+        wanted: &[&str],
+    ) -> Result<Self, String> {
+        let encoding = channel.encoding.as_str();
+        let expected = match encoding {
+            "cdr" => "ros2msg",
+            "ros1" => "ros1msg",
+            "protobuf" => "protobuf",
+            "json" => return Ok(Self(Plan::Json(json::Plan::compile(wanted)))),
+            _ => {
+                return Err(format!(
+                    "message encoding is `{encoding}`, expected cdr, ros1, json or protobuf"
+                ));
+            }
+        };
+        let Some(schema) = schema else {
+            return Err(format!("its schema {} is missing", channel.schema_id));
+        };
+        if schema.encoding != expected {
+            return Err(format!(
+                "schema encoding is `{}`, expected `{expected}`",
+                schema.encoding
+            ));
+        }
+        if encoding == "protobuf" {
+            let plan = protobuf::Plan::compile(&schema.name, &schema.data, wanted)?;
+            return Ok(Self(Plan::Protobuf(plan)));
+        }
+        let dialect = if encoding == "ros1" {
+            Dialect::Ros1
+        } else {
+            Dialect::Ros2
+        };
+        let text = std::str::from_utf8(&schema.data).map_err(|_| "its schema is not text")?;
+        let definitions = definition::parse(&schema.name, text, dialect)?;
+        plan::Plan::compile(&definitions, wanted, dialect).map(|plan| Self(Plan::Ros(plan)))
+    }
+
+    /// Reads a message: `row` is filled, and given to `each` for every element of the wanted sequence.
+    ///
+    /// Slots of fields that are missing hold NaN.
+    ///
+    /// # Errors
+    /// A sentence that says why the message does not fit.
+    pub fn run(
+        &self,
+        message: &[u8],
+        row: &mut Vec<f64>,
+        each: &mut dyn FnMut(&[f64]),
+    ) -> Result<(), String> {
+        match &self.0 {
+            Plan::Ros(plan) => match plan.run(message, row, each) {
+                Ok(_) => Ok(()),
+                Err(e) => Err(e.to_string()),
+            },
+            Plan::Json(plan) => plan.run(message, row, each),
+            Plan::Protobuf(plan) => plan.run(message, row, each),
+        }
+    }
+
+    /// Whether a message fits as a whole; for a codec that wants nothing.
+    ///
+    /// # Errors
+    /// A sentence that says why not.
+    pub fn fits(&self, message: &[u8]) -> Result<(), String> {
+        let misfit = |why: String| format!("its schema does not fit a message: {why}");
+        match &self.0 {
+            Plan::Ros(plan) => match plan.run(message, &mut Vec::new(), &mut |_| {}) {
+                Ok(left) if left <= MOST_PADDING => Ok(()),
+                Ok(left) => Err(format!("its schema leaves {left} bytes of a message over")),
+                Err(e) => Err(misfit(e.to_string())),
+            },
+            Plan::Json(_) | Plan::Protobuf(_) => self
+                .run(message, &mut Vec::new(), &mut |_| {})
+                .map_err(misfit),
+        }
+    }
+}
+
+/// `pkg/Type`, whether a name is written with `/msg/`, with a point or plain.
+pub fn plain_name(name: &str) -> String {
+    short_name(name).replace('.', "/")
+}
+
+/// Whether two type names mean the same type.
+pub fn same_type(a: &str, b: &str) -> bool {
+    plain_name(a) == plain_name(b)
+}

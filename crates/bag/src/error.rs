@@ -1,0 +1,60 @@
+//! What can be wrong with a recording.
+
+use std::path::PathBuf;
+
+/// A recording that cannot be read, or not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BagError {
+    /// The operating system refused.
+    #[error("could not read {}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        #[source]
+        source: std::io::Error,
+    },
+    /// A recording with a damaged or missing part.
+    #[error("{} is damaged at byte {at_byte}: {what}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// Where the damage was met.
+        at_byte: u64,
+        /// What is wrong there.
+        what: String,
+    },
+    /// No channel whose topic begins a wanted column.
+    #[error("no topic of {} begins `{wanted}`; its topics are {}", path.display(), found.join(", "))]
+    UnknownTopic {
+        /// The file.
+        path: PathBuf,
+        /// The column.
+        wanted: String,
+        /// The topics there are.
+        found: Vec<String>,
+        /// The most similar of them.
+        nearest: Option<String>,
+    },
+    /// A channel that cannot be decoded, or lacks a wanted field.
+    #[error("topic `{topic}` of {} is refused: {why}", path.display())]
+    Refused {
+        /// The file.
+        path: PathBuf,
+        /// The channel's topic.
+        topic: String,
+        /// Why.
+        why: String,
+    },
+    /// It was told to stop.
+    #[error("interrupted")]
+    Cancelled,
+    /// A recording that could not be written.
+    #[error("could not write the recording")]
+    Write {
+        /// Why.
+        #[source]
+        source: mcap::McapError,
+    },
+}

@@ -1,0 +1,31 @@
+//! MCAP recordings: read over damage, any field of any topic as a column, and written.
+//!
+//! [`to_columns`] is what most want: names of topics and fields in, numbers out, for ROS 1, ROS 2, JSON and protobuf.
+//! [`walk`] gives every record to a [`Visitor`], [`Codec`] decodes chosen fields of a channel's messages, and [`Writer`] writes.
+//! No length that a file claims is allocated, and with [`Walk::recover`] what is damaged is stepped over and told.
+
+mod ahead;
+mod chunk;
+mod codec;
+mod columns;
+mod container;
+mod error;
+mod json;
+mod parts;
+mod protobuf;
+mod record;
+mod ros2;
+mod wanted;
+mod writer;
+
+pub use chunk::MOST_RECORD;
+pub use codec::{Codec, OwnedSchema, plain_name, same_type};
+pub use columns::{Column, Columns, columns_from, to_columns};
+pub use container::{Damage, Visitor, Walk, walk, walk_from};
+pub use error::BagError;
+pub use mcap::MAGIC;
+pub use parts::{Parts, is_split, parts_of};
+pub use record::{Channel, Message, Metadata, Record, Schema};
+pub use ros2::cdr::Writer as CdrWriter;
+pub use wanted::name_number;
+pub use writer::Writer;

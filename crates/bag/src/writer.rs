@@ -1,0 +1,108 @@
+//! Writes a recording.
+
+use crate::error::BagError;
+use mcap::{Compression, WriteOptions, records};
+use std::{
+    collections::BTreeMap,
+    fmt,
+    io::{Seek, Write},
+};
+
+/// A recording under way: zstd chunks, a checksum each, an index. The same calls give the same bytes.
+pub struct Writer<W: Write + Seek> {
+    out: mcap::Writer<W>,
+}
+
+impl<W: Write + Seek> fmt::Debug for Writer<W> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Writer").finish_non_exhaustive()
+    }
+}
+
+fn failed(source: mcap::McapError) -> BagError {
+    BagError::Write { source }
+}
+
+impl<W: Write + Seek> Writer<W> {
+    /// Begins a recording of ROS 2 messages, or of others; `library` is who writes it.
+    ///
+    /// # Errors
+    /// [`BagError::Write`].
+    pub fn new(out: W, library: &str) -> Result<Self, BagError> {
+        let out = WriteOptions::new()
+            .profile("ros2")
+            .library(library)
+            .compression(Some(Compression::Zstd))
+            // More threads would be faster, but the bytes would depend on them.
+            .compression_threads(0)
+            .create(out)
+            .map_err(failed)?;
+        Ok(Self { out })
+    }
+
+    /// Writes named texts, where they stand when they are written.
+    ///
+    /// # Errors
+    /// [`BagError::Write`].
+    pub fn metadata(
+        &mut self,
+        name: &str,
+        values: BTreeMap<String, String>,
+    ) -> Result<(), BagError> {
+        let record = records::Metadata {
+            name: name.to_owned(),
+            metadata: values,
+        };
+        self.out.write_metadata(&record).map_err(failed)
+    }
+
+    /// Declares a channel and gives its number: the encoding of its messages (`cdr`, `json`, …), and name, encoding
+    /// (`ros2msg`, `jsonschema`, …) and text of its schema.
+    ///
+    /// # Errors
+    /// [`BagError::Write`].
+    pub fn channel(
+        &mut self,
+        topic: &str,
+        encoding: &str,
+        (name, schema_encoding, text): (&str, &str, &str),
+    ) -> Result<u16, BagError> {
+        let schema = self.out.add_schema(name, schema_encoding, text.as_bytes());
+        let schema = schema.map_err(failed)?;
+        let channel = self
+            .out
+            .add_channel(schema, topic, encoding, &BTreeMap::new());
+        channel.map_err(failed)
+    }
+
+    /// Writes a message of a channel, received and published at `time_ns`.
+    ///
+    /// # Errors
+    /// [`BagError::Write`].
+    pub fn message(
+        &mut self,
+        channel: u16,
+        sequence: u32,
+        time_ns: u64,
+        bytes: &[u8],
+    ) -> Result<(), BagError> {
+        let head = records::MessageHeader {
+            channel_id: channel,
+            sequence,
+            log_time: time_ns,
+            publish_time: time_ns,
+        };
+        self.out
+            .write_to_known_channel(&head, bytes)
+            .map_err(failed)
+    }
+
+    /// Ends the recording with its summary and gives back what it was written to.
+    ///
+    /// # Errors
+    /// [`BagError::Write`].
+    pub fn finish(mut self) -> Result<W, BagError> {
+        self.out.finish().map_err(failed)?;
+        Ok(self.out.into_inner())
+    }
+}
