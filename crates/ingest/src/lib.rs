@@ -34,9 +34,9 @@ pub use inspect::{
     suggest_mapping,
 };
 pub use mapping::{
-    AngleUnit, Columns, Directions, FrameKind, GapKind, Layout, LengthUnit, Mapping, McapMapping,
-    MessageMapping, Names, Point, RecordingMeta, RigSigns, RoadMapping, Side, Signals, SpeedSignal,
-    SpeedUnit, TableMapping, Tells, TimeUnit, Topics, TracksSignal, TwistFrame, Units,
+    AngleUnit, Columns, Directions, Forward, FrameKind, GapKind, Layout, LengthUnit, Mapping,
+    McapMapping, MessageMapping, Names, Point, RecordingMeta, RigSigns, RoadMapping, Side, Signals,
+    SpeedSignal, SpeedUnit, TableMapping, Tells, TimeUnit, Topics, TracksSignal, TwistFrame, Units,
     VelocitySignal,
 };
 pub use parquet::{ParquetFile, is_parquet, parquet_bytes, read_parquet};

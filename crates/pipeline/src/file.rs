@@ -28,6 +28,7 @@
 //! the script of a shell (`["sh", "-c", SCRIPT]`) a value is quoted for the shell.
 //! Unknown keys are errors.
 
+mod code;
 mod fan;
 pub(crate) mod keys;
 mod layers;
@@ -35,6 +36,7 @@ mod schema;
 mod tables;
 mod value;
 
+pub use code::NewStage;
 pub use schema::schema;
 
 use std::collections::BTreeMap;

@@ -40,7 +40,7 @@ mod verify;
 pub use clean::{Cleaned, clean};
 pub use diff::{FileDifference, NumberDifference, RunAt, RunDifference, StageDifference, diff};
 pub use error::{CycleStep, FileProblem, PipelineError};
-pub use file::{Pipeline, Settings, schema};
+pub use file::{NewStage, Pipeline, Settings, schema};
 pub use graph::Graph;
 pub use ledger::{LEDGER_VERSION, Ledger, Left, Record};
 pub use manifest::{FactKind, Manifest};

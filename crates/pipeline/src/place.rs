@@ -37,6 +37,17 @@ pub struct Program {
 }
 
 impl Place {
+    /// A run in a folder, with its ledger and logs in `.pipeline` there, of programs by their own names.
+    pub fn below(root: &Path) -> Self {
+        let own = root.join(".pipeline");
+        Self {
+            root: root.to_owned(),
+            ledger: own.join("lock"),
+            log_dir: own.join("logs"),
+            program: None,
+        }
+    }
+
     pub(crate) fn hash_cache(&self) -> PathBuf {
         self.beside_ledger(".hashes")
     }

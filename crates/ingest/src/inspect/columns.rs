@@ -3,7 +3,7 @@
 use crate::{
     error::IngestError,
     parquet::is_parquet,
-    raw::table::open::{Kind, Style, Table, header},
+    raw::table::open::{Kind, SEPARATORS, Style, Table, header},
 };
 use std::path::Path;
 
@@ -89,14 +89,14 @@ fn likely_header(text: &[u8]) -> usize {
     let numeric = |line: &&[u8]| {
         let text = String::from_utf8_lossy(line);
         let mut cells = text
-            .split([',', ';', '\t'])
+            .split(|c: char| u8::try_from(c).is_ok_and(|c| SEPARATORS.contains(&c)))
             .map(str::trim)
             .filter(|c| !c.is_empty());
         cells.next().is_some_and(|c| c.parse::<f64>().is_ok())
     };
     let first_numbers = lines
         .iter()
-        .position(|l| numeric(l) && b",;\t".iter().any(|&c| width(l, c) > 1));
+        .position(|l| numeric(l) && SEPARATORS.iter().any(|&c| width(l, c) > 1));
     let Some(data) = first_numbers.filter(|&i| i > 0) else {
         return 0;
     };
@@ -106,7 +106,7 @@ fn likely_header(text: &[u8]) -> usize {
     // Commas may be decimal ones: widths are compared by one separator at a time.
     let as_wide = |i: usize| {
         let by = |&c: &u8| (2..=width(lines[i], c)).contains(&width(lines[data], c));
-        b",;\t".iter().any(by)
+        SEPARATORS.iter().any(by)
     };
     above.filter(|&i| as_wide(i)).unwrap_or(0)
 }

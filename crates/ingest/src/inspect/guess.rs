@@ -7,6 +7,8 @@ use super::{
 };
 use std::collections::BTreeMap;
 
+/// How far the ratio of speed and movement may be off a known one, as a logarithm: a tenth.
+const SURE: f64 = 0.1;
 /// Slowest speed, in the table's unit, that tells how a position moves.
 const MOVING: f64 = 2.0;
 
@@ -104,7 +106,9 @@ pub(super) fn guess(table: &Sheet) -> Guess {
             .number(Whose::Ego, What::Speed)
             .or(reader.number(Whose::Ego, What::SpeedX)),
     };
+    // A position that does not move as the speed says is another thing's.
     let position = along(&reader, speed_column, step_s, &series);
+    let position = position.filter(|p| p.1.is_none_or(|ratio| known_ratio(ratio).1 < SURE));
     let lengths = [Whose::Ego, Whose::Lead].map(|w| reader.number(w, What::Length));
     let named = [speed_column, position.map(|p| p.0)].map(|c| unit_of(c));
     let gap_column = match &platoon {
@@ -173,6 +177,10 @@ pub(super) fn guess(table: &Sheet) -> Guess {
         Shape::Pair
     } else if speed_column.is_none() {
         Shape::Unknown("no column looks like a speed")
+    } else if id.is_some() {
+        Shape::Unknown(
+            "no position moves as the speed says, so which one is along the road is not sure",
+        )
     } else {
         Shape::Unknown("no column looks like a gap, a leader's position, or a vehicle's number")
     };

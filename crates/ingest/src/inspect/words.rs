@@ -74,6 +74,10 @@ pub(super) fn words(name: &str) -> Words {
         words.pop();
     }
     let unit = unit_of(name, &words);
+    if unit.is_some() && words.len() > 1 && words.last().is_some_and(|w| is_unit(w)) {
+        // `t_ms` is a time, and `x_m` a position.
+        words.pop();
+    }
     let has = |any: &[&str]| words.iter().any(|w| any.contains(&w.as_str()));
     let is = |exact: &[&str]| words.len() == 1 && exact.contains(&words[0].as_str());
     let whose = if has(&[
@@ -110,6 +114,23 @@ pub(super) fn words(name: &str) -> Words {
         "acceleration",
         "class",
         "total",
+        // Places on a screen or in a picture, and what the driver's hands and eyes do, are no places on the road.
+        "pixel",
+        "pixels",
+        "px",
+        "image",
+        "img",
+        "bbox",
+        "screen",
+        "camera",
+        "cam",
+        "gaze",
+        "eye",
+        "mouse",
+        "steering",
+        "wheel",
+        "pedal",
+        "gps",
     ]);
     let what = if differs || has(&["thw", "ttc"]) || has(&["headway", "gap"]) && has(&["time"]) {
         None
@@ -189,28 +210,34 @@ fn unit_of(name: &str, words: &[String]) -> Option<&'static str> {
     if words.len() < 2 {
         return None;
     }
-    let ends = [
-        ("mps", "m/s"),
-        ("kmh", "km/h"),
-        ("kph", "km/h"),
-        ("mph", "mph"),
-        ("fps", "ft/s"),
-        ("ft", "ft"),
-        ("feet", "ft"),
-        ("m", "m"),
-        ("meters", "m"),
-        ("metres", "m"),
-        ("s", "s"),
-        ("sec", "s"),
-        ("ms", "ms"),
-        ("us", "us"),
-        ("ns", "ns"),
-        ("deg", "deg"),
-        ("rad", "rad"),
-    ];
     let last = words.last()?;
-    ends.iter().find(|(end, _)| end == last).map(|e| e.1)
+    ENDS.iter().find(|(end, _)| end == last).map(|e| e.1)
 }
+
+fn is_unit(word: &str) -> bool {
+    ENDS.iter().any(|(end, _)| *end == word)
+}
+
+/// Words at the end of a name that are its unit.
+const ENDS: [(&str, &str); 17] = [
+    ("mps", "m/s"),
+    ("kmh", "km/h"),
+    ("kph", "km/h"),
+    ("mph", "mph"),
+    ("fps", "ft/s"),
+    ("ft", "ft"),
+    ("feet", "ft"),
+    ("m", "m"),
+    ("meters", "m"),
+    ("metres", "m"),
+    ("s", "s"),
+    ("sec", "s"),
+    ("ms", "ms"),
+    ("us", "us"),
+    ("ns", "ns"),
+    ("deg", "deg"),
+    ("rad", "rad"),
+];
 
 #[cfg(test)]
 mod tests {
@@ -247,6 +274,22 @@ mod tests {
             ("precedingId", Whose::Lead, Some(What::Id)),
         ] {
             assert_eq!(said(name), (whose, what), "{name}");
+        }
+        for (name, what, unit) in [
+            ("t_ms", What::Time, "ms"),
+            ("speed_kmh", What::Speed, "km/h"),
+            ("v_kmh", What::Speed, "km/h"),
+            ("x_m", What::Position, "m"),
+            ("gap_m", What::Gap, "m"),
+        ] {
+            assert_eq!(
+                (words(name).what, words(name).unit),
+                (Some(what), Some(unit)),
+                "{name}"
+            );
+        }
+        for name in ["camera_x", "pixel_y", "gaze_pos", "steering_wheel_position"] {
+            assert_eq!(words(name).what, None, "{name}");
         }
         assert_eq!(words("Speed12").number, Some(12));
         assert_eq!(words("IVS1").what, Some(What::Gap));

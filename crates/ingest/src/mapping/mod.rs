@@ -13,7 +13,7 @@ pub use mcap::{McapMapping, MessageMapping, RigSigns, Tells, Topics, TwistFrame}
 pub use names::Names;
 use serde::Deserialize;
 use std::path::Path;
-pub use table::{Directions, GapKind, Layout, Point, Side, TableMapping};
+pub use table::{Directions, Forward, GapKind, Layout, Point, Side, TableMapping};
 pub use units::{AngleUnit, LengthUnit, SpeedUnit, TimeUnit, Units};
 
 /// What a log means where it does not say so itself; read from TOML, where a misspelt key is an error.
@@ -222,7 +222,7 @@ mod tests {
         let pair = format!("{table}time = \"s\"\nspeed = \"m/s\"\n");
         assert!(Mapping::from_toml(&pair, Path::new("m.toml")).is_ok());
         let unsaid = pair.replace("gap_kind = \"bumper_to_bumper\"\n", "");
-        assert!(of(&unsaid).contains("`front_to_front`?"));
+        assert!(of(&unsaid).contains("`centre_to_centre`?"));
         let odd = pair.replace("ego_x", "lane");
         assert!(of(&odd).contains("layout `pair` has no `table.columns.lane`"));
     }

@@ -4,6 +4,7 @@ use super::{
     columns::{Columns, RecordingMeta, Signals},
     units::{TimeUnit, Units},
 };
+use crate::raw::table::time::is_pattern;
 use serde::Deserialize;
 
 /// Columns of a table, their units and what its gap is measured between.
@@ -31,6 +32,11 @@ pub struct TableMapping {
     /// Number of the first lane on that side.
     #[serde(default = "one")]
     pub first_lane: i64,
+    /// Which way of the table's x is ahead.
+    #[serde(default)]
+    pub forward: Forward,
+    /// How times are written, with `time = "pattern"`: `%Y%m%d %H:%M:%S:%f`, where `%f` at the end is a fraction of any width.
+    pub time_pattern: Option<String>,
     /// Whether everybody drives along x.
     #[serde(default)]
     pub directions: Directions,
@@ -86,6 +92,8 @@ pub enum GapKind {
     BumperToBumper,
     /// From front bumper to front bumper: the leader's length is taken off.
     FrontToFront,
+    /// From centre to centre: half of both lengths is taken off.
+    CentreToCentre,
     /// From bumper to bumper, negative where the other vehicle is behind: `lead_dx_m` of our own drives.
     Signed,
 }
@@ -112,6 +120,18 @@ pub enum Side {
     Left,
     /// The right (slow) side.
     Right,
+}
+
+/// Which way of a table's x is ahead.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+pub enum Forward {
+    /// x grows ahead.
+    #[default]
+    #[serde(rename = "x")]
+    AlongX,
+    /// x falls ahead: both axes are turned round.
+    #[serde(rename = "-x")]
+    AgainstX,
 }
 
 /// Which ways the vehicles of a table drive.
@@ -170,7 +190,7 @@ impl TableMapping {
         }
         if columns.gap.is_some() && self.gap_kind.is_none() {
             return Err(
-                "`table.gap_kind` is not given: is the gap `bumper_to_bumper` or `front_to_front`?"
+                "`table.gap_kind` is not given: is the gap `bumper_to_bumper`, `front_to_front` or `centre_to_centre`?"
                     .to_owned(),
             );
         }
@@ -270,6 +290,7 @@ impl TableMapping {
             self.layout == Layout::Signals,
         )?;
         let pair = self.layout == Layout::Pair;
+        of_layout(self.forward != Forward::AlongX, "forward", long || pair)?;
         of_layout(self.point.is_some(), "point", long || pair)?;
         of_layout(
             self.gap_kind == Some(GapKind::Signed),
@@ -318,6 +339,20 @@ impl TableMapping {
             lane,
             "`table.columns.lane`",
         )?;
+        let patterned = self.units.time == TimeUnit::Pattern;
+        let pattern = self.time_pattern.as_deref();
+        without(
+            pattern.is_some(),
+            "time_pattern",
+            patterned,
+            "`time = \"pattern\"`",
+        )?;
+        if patterned && !pattern.is_some_and(is_pattern) {
+            return Err(format!(
+                "`table.time_pattern` is `{}`, expected one such as `%Y%m%d %H:%M:%S:%f`, with `%f` at the end alone",
+                pattern.unwrap_or_default()
+            ));
+        }
         let frames = self.units.time == TimeUnit::Frames;
         without(
             self.frames_per_s.is_some(),

@@ -38,6 +38,9 @@ pub enum TimeUnit {
     /// A date and a time of day, such as `2019-07-04T10:21:33.1Z`.
     #[serde(rename = "iso8601")]
     Iso8601,
+    /// Dates or times of day as the mapping's `time_pattern` writes them.
+    #[serde(rename = "pattern")]
+    Pattern,
 }
 
 /// A unit of length.
@@ -78,6 +81,9 @@ pub enum AngleUnit {
     /// Degrees.
     #[serde(rename = "deg")]
     Degrees,
+    /// Degrees clockwise from y, as on a compass.
+    #[serde(rename = "deg_from_north")]
+    DegreesFromNorth,
 }
 
 impl TimeUnit {
@@ -88,7 +94,7 @@ impl TimeUnit {
             Self::Milliseconds => Some(1_000_000),
             Self::Microseconds => Some(1_000),
             Self::Nanoseconds => Some(1),
-            Self::Frames | Self::Iso8601 => None,
+            Self::Frames | Self::Iso8601 | Self::Pattern => None,
         }
     }
 }
@@ -116,11 +122,12 @@ impl SpeedUnit {
 }
 
 impl AngleUnit {
-    /// Radians in one.
-    pub fn radians(self) -> f64 {
+    /// An angle in rad, counter-clockwise from x.
+    pub fn radians(self, angle: f64) -> f64 {
         match self {
-            Self::Radians => 1.0,
-            Self::Degrees => std::f64::consts::PI / 180.0,
+            Self::Radians => angle,
+            Self::Degrees => angle.to_radians(),
+            Self::DegreesFromNorth => std::f64::consts::FRAC_PI_2 - angle.to_radians(),
         }
     }
 }

@@ -290,3 +290,61 @@ fn a_table_that_says_nothing_of_sides_has_no_measures_of_passing() {
     assert_eq!(passing(5.0), (false, true));
     assert_eq!(passing(0.0), (true, false));
 }
+
+#[test]
+fn a_simulators_clock_axes_and_gap_are_read_as_they_come() {
+    let units = UNITS
+        .replace("time = \"s\"", "time = \"pattern\"")
+        .replace("\"m/s\"", "\"km/h\"");
+    let columns = "[table.columns]\ntime = \"t\"\nego_x = \"x\"\nego_speed = \"v\"\ngap = \"gap\"\nlead_speed = \"w\"\n";
+    let mapping = format!(
+        "{PAIR}separator = \"#\"\nforward = \"-x\"\ngap_kind = \"centre_to_centre\"\ntime_pattern = \"%Y%m%d %H:%M:%S:%f\"\n{units}{columns}"
+    );
+    let row = |i: usize, t: f64| {
+        let second = i / 10;
+        format!(
+            "20220702 18:26:{second:02}:{:04}#{}#72#34.7#72",
+            i % 10 * 1000,
+            900.0 - 20.0 * t
+        )
+    };
+    let found = mapped(&mapping, &minute("t#x#v#gap#w", row))
+        .unwrap()
+        .remove(0);
+    assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+    assert!((first_gap_m(&found.recording) - 30.0).abs() < 1e-9);
+    let ego = found.recording.ego();
+    assert!((ego.speed_mps[100] - 20.0).abs() < 1e-6);
+    assert!((ego.x_m[100] - ego.x_m[0] - 100.0).abs() < 1e-6);
+    let bad = mapping.replace("%S:%f", "%f:%S");
+    let error = mapped(&bad, "t\n").unwrap_err().to_string();
+    assert!(error.contains("`%f` at the end"), "{error}");
+}
+
+#[test]
+fn sumo_tells_headings_by_the_compass() {
+    // To the north-east, one car 30 m behind the other.
+    let row = |_: usize, t: f64| {
+        let at = |along: f64| {
+            let side = along * std::f64::consts::FRAC_1_SQRT_2;
+            format!("{side:.6};{side:.6};45.00;DEFAULT_VEHTYPE;20.00")
+        };
+        format!(
+            "{t:.2};lead;{}\n{t:.2};1;{}",
+            at(30.0 + 20.0 * t),
+            at(20.0 * t)
+        )
+    };
+    let header =
+        "timestep_time;vehicle_id;vehicle_x;vehicle_y;vehicle_angle;vehicle_type;vehicle_speed";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("town.csv");
+    std::fs::write(&path, minute(header, row)).unwrap();
+    let found = read_log(&path, &settings("sumo_fcd.toml")).unwrap();
+    assert_eq!(found.len(), 2);
+    let follower = found
+        .iter()
+        .find(|d| d.meta.drive.as_str() == "town-1")
+        .unwrap();
+    assert!((first_gap_m(&follower.recording) - 25.0).abs() < 0.01);
+}

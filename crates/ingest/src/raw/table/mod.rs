@@ -7,7 +7,7 @@ mod pair;
 mod platoon;
 mod recording_meta;
 mod signals;
-mod time;
+pub(crate) mod time;
 
 use crate::{
     error::IngestError,
@@ -94,9 +94,10 @@ pub(crate) fn read(
 }
 
 /// The times of a table, where frames need no file beside it.
-fn clock(mapping: &TableMapping) -> Clock {
+fn clock(mapping: &TableMapping) -> Clock<'_> {
     Clock {
         unit: mapping.units.time,
+        pattern: mapping.time_pattern.as_deref(),
         // Only used where times are frames, and checked then.
         frames_per_s: mapping.frames_per_s.unwrap_or(1.0),
     }

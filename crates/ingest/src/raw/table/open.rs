@@ -82,11 +82,13 @@ pub(crate) fn header(text: &[u8], style: Style, anchor: Option<&str>) -> Header 
     anchored.unwrap_or_else(first)
 }
 
-/// The most frequent of comma, semicolon and tab.
+/// Characters that may stand between cells; of two that are as frequent the last counts, so the comma stands there.
+pub(crate) const SEPARATORS: &[u8] = b"#|\t;,";
+
+/// The most frequent of the separators.
 fn separator_of(line: &[u8]) -> u8 {
     let count = |c: u8| line.split(|&b| b == c).count();
-    // Of equals the last wins, so the comma stands there.
-    let likely = b"\t;,".iter().copied().max_by_key(|&c| count(c));
+    let likely = SEPARATORS.iter().copied().max_by_key(|&c| count(c));
     likely.unwrap_or(b',')
 }
 

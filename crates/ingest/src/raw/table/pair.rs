@@ -9,7 +9,7 @@ use super::{
 use crate::{
     differentiate::fill_speeds,
     error::IngestError,
-    mapping::{GapKind, Point, TableMapping},
+    mapping::{Forward, GapKind, Point, TableMapping},
     quality::{Warning, WarningKind},
     raw::{EgoSample, ObjectSample, RawDrive},
 };
@@ -71,13 +71,18 @@ pub(super) fn read(
     let speed = mapping.units.speed.metres_per_second();
     let ego_length_m = first_length(column(&names.ego_length, length)?, mapping.ego_length_m);
     let lead_length_m = first_length(column(&names.lead_length, length)?, mapping.lead_length_m);
-    let ego_x_m = column(&names.ego_x, length)?;
+    let along = if mapping.forward == Forward::AgainstX {
+        -length
+    } else {
+        length
+    };
+    let ego_x_m = column(&names.ego_x, along)?;
     let gap_m: Vec<f64> = if let Some(gap) = column(&names.gap, length)? {
         let gap = gap.into_iter();
-        gap.map(|g| bumper_gap_m(g, mapping.gap_kind, lead_length_m))
+        gap.map(|g| bumper_gap_m(g, mapping.gap_kind, ego_length_m, lead_length_m))
             .collect()
     } else {
-        let lead = column(&names.lead_x, length)?.unwrap_or_default();
+        let lead = column(&names.lead_x, along)?.unwrap_or_default();
         let ego = ego_x_m.as_deref().unwrap_or_default();
         let taken_m = match mapping.point {
             Some(Point::Rear) => ego_length_m,
@@ -99,10 +104,10 @@ pub(super) fn read(
     let couple = Couple {
         stamp_ns: stamps(&table, time, clock)?,
         ego_x_m,
-        ego_y_m: column(&names.ego_y, length)?,
+        ego_y_m: column(&names.ego_y, along)?,
         signed: mapping.gap_kind == Some(GapKind::Signed),
         lead_id,
-        lead_dy_m: column(&names.lead_dy, length)?,
+        lead_dy_m: column(&names.lead_dy, along)?,
         ego_speed_mps: table
             .numbers(ego_speed)?
             .into_iter()
@@ -129,9 +134,15 @@ fn first_length(lengths: Option<Vec<f64>>, otherwise_m: f64) -> f64 {
 }
 
 /// The gap between bumpers behind a gap of some kind, in m.
-pub(super) fn bumper_gap_m(gap_m: f64, kind: Option<GapKind>, lead_length_m: f64) -> f64 {
+pub(super) fn bumper_gap_m(
+    gap_m: f64,
+    kind: Option<GapKind>,
+    ego_length_m: f64,
+    lead_length_m: f64,
+) -> f64 {
     match kind {
         Some(GapKind::FrontToFront) => gap_m - lead_length_m,
+        Some(GapKind::CentreToCentre) => gap_m - 0.5 * (ego_length_m + lead_length_m),
         Some(GapKind::BumperToBumper | GapKind::Signed) | None => gap_m,
     }
 }

@@ -71,15 +71,16 @@ pub(super) fn read(
             break;
         }
         let lead_length_m = length_m(lead, mapping.lead_length_m)?;
+        let ego_length_m = length_m(ego, mapping.ego_length_m)?;
         let gaps = numbers(&of(gap, lead), to_m)?.into_iter();
         let couple = Couple {
             stamp_ns: stamp_ns.clone(),
             ego_x_m: some(x, ego, to_m)?,
             ego_y_m: None,
             ego_speed_mps: numbers(&of(speed, ego), to_mps)?,
-            ego_length_m: length_m(ego, mapping.ego_length_m)?,
+            ego_length_m,
             gap_m: gaps
-                .map(|g| bumper_gap_m(g, mapping.gap_kind, lead_length_m))
+                .map(|g| bumper_gap_m(g, mapping.gap_kind, ego_length_m, lead_length_m))
                 .collect(),
             signed: mapping.gap_kind == Some(GapKind::Signed),
             lead_id: None,

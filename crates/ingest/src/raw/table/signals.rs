@@ -92,7 +92,7 @@ fn open(folder: &Path, file: &str, wanted: &[(&str, Kind)]) -> Result<Table, Ing
 fn speed_samples(
     folder: &Path,
     signal: &SpeedSignal,
-    clock: Clock,
+    clock: Clock<'_>,
     to_mps: f64,
 ) -> Result<(Vec<(i64, f64)>, usize), IngestError> {
     let wanted = [
@@ -113,7 +113,7 @@ fn speed_samples(
 fn headings(
     folder: &Path,
     signal: &VelocitySignal,
-    clock: Clock,
+    clock: Clock<'_>,
 ) -> Result<Vec<Heading>, IngestError> {
     let mut wanted = vec![(signal.time.as_str(), clock.kind())];
     let vectors = signal.position.iter().chain(&signal.velocity);

@@ -2,21 +2,26 @@
 
 use super::open::{Kind, Table};
 use crate::{error::IngestError, mapping::TimeUnit};
-use chrono::{DateTime, NaiveDateTime};
+use chrono::{
+    DateTime, NaiveDateTime, NaiveTime,
+    format::{Item, StrftimeItems},
+};
 
 /// How the times of a table are written.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Clock {
+pub(crate) struct Clock<'a> {
     pub(crate) unit: TimeUnit,
+    /// How times are written, where they have a pattern.
+    pub(crate) pattern: Option<&'a str>,
     /// Where times are numbers of frames; checked to be above 0.
     pub(crate) frames_per_s: f64,
 }
 
-impl Clock {
+impl Clock<'_> {
     /// What a column of such times is read as.
     pub(crate) fn kind(self) -> Kind {
         match self.unit {
-            TimeUnit::Iso8601 => Kind::Word,
+            TimeUnit::Iso8601 | TimeUnit::Pattern => Kind::Word,
             _ => Kind::Number,
         }
     }
@@ -29,13 +34,16 @@ impl Clock {
 pub(crate) fn stamps(
     table: &Table,
     name: &str,
-    clock: Clock,
+    clock: Clock<'_>,
 ) -> Result<Vec<Option<i64>>, IngestError> {
-    if clock.unit == TimeUnit::Iso8601 {
+    if clock.kind() == Kind::Word {
         let words = table.words(name)?.into_iter().enumerate();
         let stamp = |(row, word): (usize, Option<String>)| match word {
             None => Ok(None),
-            Some(word) => match date(&word) {
+            Some(word) => match clock
+                .pattern
+                .map_or_else(|| date(&word), |p| patterned(&word, p))
+            {
                 Some(ns) => Ok(Some(ns)),
                 None => Err(table.bad_cell(row, name, word)),
             },
@@ -79,6 +87,39 @@ fn date(text: &str) -> Option<i64> {
     parsed.and_utc().timestamp_nanos_opt()
 }
 
+/// Whether a pattern can be read: `%f`, a fraction of any width, may stand at its end alone.
+pub(crate) fn is_pattern(pattern: &str) -> bool {
+    let whole = pattern.strip_suffix("%f").unwrap_or(pattern);
+    let mut items = StrftimeItems::new(whole);
+    !whole.is_empty() && !whole.contains("%f") && items.all(|item| item != Item::Error)
+}
+
+/// A time by a pattern, in ns since 1970, or since midnight where it has no date. `%f` at the end is a fraction of any width.
+fn patterned(text: &str, pattern: &str) -> Option<i64> {
+    let (whole, pattern, fraction_ns) = match pattern.strip_suffix("%f") {
+        None => (text, pattern, 0),
+        Some(pattern) => {
+            let digits = text.len() - text.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+            let (whole, digits) = text.split_at(text.len() - digits);
+            let nine = format!("{digits:0<9}");
+            (
+                whole,
+                pattern,
+                nine.get(..9)?.parse().ok().filter(|_| !digits.is_empty())?,
+            )
+        }
+    };
+    let time = NaiveDateTime::parse_from_str(whole, pattern)
+        .ok()
+        .or_else(|| {
+            let time = NaiveTime::parse_from_str(whole, pattern).ok()?;
+            Some(DateTime::UNIX_EPOCH.date_naive().and_time(time))
+        })?;
+    time.and_utc()
+        .timestamp_nanos_opt()?
+        .checked_add(fraction_ns)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -88,6 +129,7 @@ mod tests {
     fn of(cells: &str, unit: TimeUnit) -> Result<Vec<Option<i64>>, IngestError> {
         let clock = Clock {
             unit,
+            pattern: None,
             frames_per_s: 25.0,
         };
         let wanted = [("t", clock.kind())];
@@ -103,6 +145,24 @@ mod tests {
         assert_eq!(of("0.3", TimeUnit::Seconds).unwrap(), [Some(300_000_000)]);
         assert_eq!(of("5", TimeUnit::Frames).unwrap(), [Some(200_000_000)]);
         assert!(of("1e300", TimeUnit::Seconds).is_err());
+    }
+
+    #[test]
+    fn a_pattern_reads_a_fraction_of_any_width_and_a_time_of_day() {
+        let pattern = "%Y%m%d %H:%M:%S:%f";
+        let whole = date("2022-07-02T18:26:03Z").unwrap();
+        for (text, ns) in [
+            ("8236", 823_600_000),
+            ("08", 80_000_000),
+            ("123456789", 123_456_789),
+        ] {
+            let found = patterned(&format!("20220702 18:26:03:{text}"), pattern);
+            assert_eq!(found, Some(whole + ns), "{text}");
+        }
+        assert_eq!(patterned("00:01:02.5", "%H:%M:%S.%f"), Some(62_500_000_000));
+        assert_eq!(patterned("20220702 18:26:03:", pattern), None);
+        assert_eq!(patterned("18:26:03:8236", pattern), None);
+        assert!(is_pattern(pattern) && !is_pattern("%H:%f:%S") && !is_pattern("%Q"));
     }
 
     #[test]

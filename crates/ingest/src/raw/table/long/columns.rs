@@ -5,7 +5,10 @@ use super::super::{
     open::{Kind, Table},
     time::{Clock, stamps},
 };
-use crate::{error::IngestError, mapping::TableMapping};
+use crate::{
+    error::IngestError,
+    mapping::{Forward, TableMapping},
+};
 use std::{collections::BTreeMap, path::Path};
 
 /// One row, in SI units and the table's own frame; NaN stands for an empty cell.
@@ -65,7 +68,7 @@ pub(super) fn read_columns(
     path: &Path,
     bytes: Vec<u8>,
     mapping: &TableMapping,
-    clock: Clock,
+    clock: Clock<'_>,
 ) -> Result<LongColumns, IngestError> {
     let c = &mapping.columns;
     let time = named(path, "time", c.time.as_ref())?;
@@ -109,7 +112,9 @@ pub(super) fn read_columns(
     let lane = column(&c.lane, 1.0)?;
     let (speed_x, speed_y) = (column(&c.speed_x, speed)?, column(&c.speed_y, speed)?);
     let speeds = column(&c.speed, speed)?;
-    let yaw = column(&c.heading, mapping.units.angle.radians())?;
+    let angle = mapping.units.angle;
+    let yaw = column(&c.heading, 1.0)?;
+    let yaw = yaw.map(|yaw| yaw.into_iter().map(|a| angle.radians(a)).collect());
     let (long, wide) = (column(&c.length, length)?, column(&c.width, length)?);
     let (gap, lead_x) = (column(&c.gap, length)?, column(&c.lead_x, length)?);
     let lead_speed = column(&c.lead_speed, speed)?;
@@ -127,22 +132,32 @@ pub(super) fn read_columns(
         let (vx, vy) = (at(&speed_x, row), at(&speed_y, row));
         let across = if vy.is_nan() { 0.0 } else { vy };
         let v = at(&speeds, row);
+        let along = if mapping.forward == Forward::AgainstX {
+            -1.0
+        } else {
+            1.0
+        };
+        let turned = if along < 0.0 {
+            std::f64::consts::PI
+        } else {
+            0.0
+        };
         rows.push(LongRow {
             group,
             id,
             stamp_ns,
-            x_m: x[row],
+            x_m: along * x[row],
             // Without a y everybody is on one line, until lanes say otherwise.
-            y_m: y.as_ref().map_or(0.0, |y| y[row]),
+            y_m: y.as_ref().map_or(0.0, |y| along * y[row]),
             lane: at(&lane, row),
             speed_mps: if v.is_nan() { vx.hypot(across) } else { v },
-            speed_x_mps: vx,
-            yaw_rad: at(&yaw, row),
+            speed_x_mps: along * vx,
+            yaw_rad: at(&yaw, row) + turned,
             length_m: at(&long, row),
             width_m: at(&wide, row),
             lead_id: lead_ids.as_ref().and_then(|l| l[row]),
             gap_m: at(&gap, row),
-            lead_x_m: at(&lead_x, row),
+            lead_x_m: along * at(&lead_x, row),
             lead_speed_mps: at(&lead_speed, row),
             lead_length_m: at(&lead_length, row),
         });

@@ -210,6 +210,7 @@ fn lead(
         let gap = Some(row.gap_m).filter(|g| g.is_finite() && *g > 0.0)?;
         let front_m = match mapping.gap_kind {
             Some(GapKind::FrontToFront) => -length_m,
+            Some(GapKind::CentreToCentre) => -0.5 * (ego_length_m + length_m),
             _ => 0.0,
         };
         ego.x_m + gap + front_m + 0.5 * (ego_length_m + length_m)

@@ -35,7 +35,7 @@ pub(super) fn read(
     folder: &Path,
     signal: &TracksSignal,
     mapping: &TableMapping,
-    clock: Clock,
+    clock: Clock<'_>,
     driven: &DrivenPath,
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<ObjectSample>, IngestError> {
@@ -71,7 +71,12 @@ pub(super) fn read(
             left_out += 1;
             continue;
         };
-        let gap_m = bumper_gap_m(forward[row] * length, mapping.gap_kind, lead_length_m);
+        let gap_m = bumper_gap_m(
+            forward[row] * length,
+            mapping.gap_kind,
+            mapping.ego_length_m,
+            lead_length_m,
+        );
         let (left_m, relative_mps) = (left[row] * length, relative[row] * speed);
         if !(gap_m + left_m + relative_mps).is_finite() {
             left_out += 1;
