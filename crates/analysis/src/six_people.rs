@@ -480,9 +480,12 @@ fn a_covariate_is_taken_out_by_a_mixed_model_and_must_be_a_number() {
     let Some(ByDesign::Mixed(found)) = &panel(&a, SPEED).comparison else {
         panic!("a covariate")
     };
-    assert_eq!(found.found.formula, "condition + age");
-    assert_eq!((found.found.n_obs, found.found.n_subjects), (18, 6));
-    assert!(found.found.coef.get("age").unwrap().p.is_some());
+    assert_eq!(found.found.model.formula, "condition + age");
+    assert_eq!(
+        (found.found.model.n_obs, found.found.model.n_subjects),
+        (18, 6)
+    );
+    assert!(found.found.model.coef.get("age").unwrap().p.is_some());
     let mut ages = AGES;
     ages[2] = "old";
     let data = StudyData::new(&design(&text), with_people(ages)).unwrap();

@@ -96,7 +96,7 @@ fn low_points(v: f64) -> f64 {
     (1.3 + v).round().clamp(1.0, 5.0)
 }
 
-const KINDS: [Kind; 21] = [
+const KINDS: [Kind; 22] = [
     Kind {
         name: "2 x 12 people, 3 conditions; normal",
         ..EVEN
@@ -124,6 +124,12 @@ const KINDS: [Kind; 21] = [
         name: "8 and 16 people, 3 conditions; the 16 twice as spread",
         second_group: 2.0,
         ..UNEVEN
+    },
+    Kind {
+        name: "16 and 8 people, 3 conditions; the 8 twice as spread",
+        groups: &[16, 8],
+        second_group: 2.0,
+        ..EVEN
     },
     Kind {
         name: "8 and 16 people, 3 conditions; lognormal",

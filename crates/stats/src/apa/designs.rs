@@ -7,8 +7,8 @@ use super::{
 };
 use crate::{
     Adjustment, AlignedRanks, BayesCorrelationAnalysis, BayesTAnalysis, ByDesign, ChosenTest,
-    Equivalence, Factorial, FactorialEffect, GroupsAnalysis, Ordinal, OrdinalParameter,
-    RandomIntercept,
+    Equivalence, Factorial, FactorialEffect, GroupsAnalysis, MixedFinding, Ordinal,
+    OrdinalParameter, RandomIntercept,
 };
 
 says_itself!(
@@ -164,6 +164,21 @@ impl Statements for RandomIntercept {
             Some((name.to_owned(), said))
         });
         terms.collect()
+    }
+}
+
+impl Statements for MixedFinding {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let mut said = self.model.statements();
+        for (name, statement) in &mut said {
+            let test = self.model.anova.get(name);
+            if let (Some(test), Some(term)) = (test, self.corrected.get(name)) {
+                let corrected = Statement::of("*F*", &[term.df1, term.df2], test.f);
+                let corrected = corrected.p(term.p, Adjustment::None);
+                *statement = corrected.and("*ε*", &bounded(term.epsilon, 2));
+            }
+        }
+        said
     }
 }
 

@@ -55,6 +55,39 @@ pub struct FactorialFinding {
     pub ranks: Option<AlignedRanks>,
 }
 
+/// A mixed model, and its tests within subjects without the assumption that all cells covary alike.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MixedFinding {
+    /// The model.
+    #[serde(flatten)]
+    pub model: RandomIntercept,
+    /// Terms with more than one degree of freedom within subjects, by Greenhouse and Geisser's ε of the complete subjects: these count.
+    pub corrected: Named<CorrectedTerm>,
+}
+
+/// A term of a mixed model with its degrees of freedom times ε.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CorrectedTerm {
+    /// Greenhouse and Geisser's ε.
+    pub epsilon: f64,
+    /// Degrees of freedom of the term.
+    pub df1: f64,
+    /// Satterthwaite's degrees of freedom.
+    pub df2: f64,
+    /// P(F' ≥ F).
+    pub p: f64,
+}
+
+impl MixedFinding {
+    /// p of a term, corrected where it has to be.
+    pub fn p(&self, term: &str) -> Option<f64> {
+        match self.corrected.get(term) {
+            Some(corrected) => Some(corrected.p),
+            None => self.model.anova.get(term)?.p,
+        }
+    }
+}
+
 /// An ordinal model, and the rank test of the same subjects beside it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OrdinalFinding {
@@ -93,7 +126,7 @@ pub enum ByDesign {
     /// Independent groups.
     Groups(Box<Chosen<GroupsAnalysis>>),
     /// A covariate, or subjects with missing cells that stay.
-    Mixed(Box<Chosen<RandomIntercept>>),
+    Mixed(Box<Chosen<MixedFinding>>),
     /// Ordered answers.
     Ordinal(Box<Chosen<OrdinalFinding>>),
 }
@@ -139,8 +172,8 @@ impl ByDesign {
             },
             Self::Groups(found) => vec![("omnibus", group_p(found.chosen, &found.found))],
             Self::Mixed(found) => {
-                let terms = found.found.anova.iter();
-                terms.map(|(name, t)| (name, t.p)).collect()
+                let terms = found.found.model.anova.iter();
+                terms.map(|(name, _)| (name, found.found.p(name))).collect()
             }
             Self::Ordinal(found) => vec![("omnibus", found.found.model.quadrature.lr.p)],
         }

@@ -2,9 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{ByDesign, Chosen, ChosenTest, DesignChoice, DesignColumns, said_of_ordinal};
+use super::{
+    ByDesign, Chosen, ChosenTest, CorrectedTerm, DesignChoice, DesignColumns, MixedFinding,
+    said_of_ordinal,
+};
 use crate::{
-    Formula, Predictor, StatsError, factorial::check_between, random_intercept,
+    FactorialDesign, Formula, Named, Predictor, RandomIntercept, StatsError, TermTest, factorial,
+    factorial::check_between, numerics::distributions::f_upper, random_intercept,
     within_subjects::Index,
 };
 
@@ -68,11 +72,42 @@ pub(super) fn mixed(
         .map(|(name, cells)| (*name, Predictor::Covariate(cells)));
     let predictors: Vec<(&str, Predictor<'_>)> = factors.chain(numbers).collect();
     let formula = Formula::crossed(&names, &covariates)?;
-    let found = random_intercept(data.subjects, &formula, &predictors, data.values)?;
+    let model = random_intercept(data.subjects, &formula, &predictors, data.values)?;
+    let corrected = corrected(data, &model);
+    if !corrected.is_empty() {
+        reasons.push(
+            "the model takes all cells of a subject to covary alike: degrees of freedom within subjects are multiplied by Greenhouse and \
+             Geisser's epsilon of the complete subjects"
+                .to_owned(),
+        );
+    }
+    let found = MixedFinding { model, corrected };
     Ok(ByDesign::Mixed(Box::new(Chosen {
         chosen: ChosenTest::Mixed,
         reasons,
         checks: Vec::new(),
         found,
     })))
+}
+
+/// The terms that a factorial analysis of the complete subjects corrects for a lack of sphericity; none where nobody is complete.
+fn corrected(data: &DesignColumns<'_>, model: &RandomIntercept) -> Named<CorrectedTerm> {
+    let complete =
+        FactorialDesign::from_columns(data.subjects, &data.within, &data.between, data.values);
+    let Ok(complete) = complete.map(|design| factorial(&design)) else {
+        return Named::from_iter([]);
+    };
+    let one = |(name, test): (&str, &TermTest)| {
+        let epsilon = complete.sphericity.get(name)?.gg?;
+        let (df1, df2) = (test.df1 as f64 * epsilon, test.df2? * epsilon);
+        let p = f_upper(test.f, df1, df2);
+        let term = CorrectedTerm {
+            epsilon,
+            df1,
+            df2,
+            p,
+        };
+        Some((name.to_owned(), term))
+    };
+    model.anova.iter().filter_map(one).collect()
 }

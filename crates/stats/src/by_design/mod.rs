@@ -6,7 +6,10 @@ mod groups;
 mod kept;
 mod one_factor;
 
-pub use found::{ByDesign, Chosen, ChosenTest, FactorialFinding, OrdinalFinding, RankCheck};
+pub use found::{
+    ByDesign, Chosen, ChosenTest, CorrectedTerm, FactorialFinding, MixedFinding, OrdinalFinding,
+    RankCheck,
+};
 
 use crate::{
     AssumptionCheck, BetweenColumn, ShapiroWilk, StatsError, WithinColumn, reasons::p_words,
@@ -77,7 +80,7 @@ impl Default for DesignChoice {
 ///
 /// | design | test |
 /// | --- | --- |
-/// | a covariate; or missing cells with [`MissingCells::Mixed`] | mixed model with a random intercept, Satterthwaite |
+/// | a covariate; or missing cells with [`MissingCells::Mixed`] | mixed model with a random intercept, Satterthwaite, Greenhouse-Geisser by term |
 /// | one factor within, ordered answers | cumulative logit with a random intercept; the rank test beside it |
 /// | one factor within | [`compare`](crate::compare) |
 /// | one factor between | Welch's t or analysis of variance; Mann-Whitney or Kruskal-Wallis where residuals are not normal |

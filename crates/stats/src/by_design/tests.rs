@@ -203,7 +203,36 @@ fn a_covariate_asks_for_a_mixed_model() {
         ("age", Predictor::Covariate(&made.age)),
     ];
     let alone = random_intercept(&made.people, &formula, &predictors, &made.value).unwrap();
-    assert_eq!(found.found, alone);
+    assert_eq!(found.found.model, alone);
+    // Two conditions have a single difference: nothing to correct.
+    assert!(found.found.corrected.is_empty());
+}
+
+#[test]
+fn terms_within_subjects_of_a_mixed_model_are_corrected_as_those_of_the_analysis_of_variance() {
+    let made = made();
+    let cell: Vec<String> = made
+        .mode
+        .iter()
+        .zip(&made.road)
+        .map(|(m, r)| format!("{m} {r}"))
+        .collect();
+    let data = DesignColumns {
+        within: vec![("cell", &cell)],
+        covariates: vec![("age", &made.age)],
+        ..made.columns()
+    };
+    let ByDesign::Mixed(found) = run(&data) else {
+        panic!("a covariate")
+    };
+    let table = crate::WithinSubjects::from_long(&made.people, &cell, &made.value).unwrap();
+    let anova = crate::rm_anova(&table);
+    let term = found.found.corrected.get("cell").unwrap();
+    assert!((term.epsilon - anova.sphericity.gg.unwrap()).abs() < 1e-10);
+    // A covariate of the subjects takes nothing from what lies within them.
+    assert!((term.p / anova.sphericity.p_gg.unwrap() - 1.0).abs() < 1e-4);
+    assert_eq!(found.found.p("cell"), Some(term.p));
+    assert!(found.found.p("age").is_some());
 }
 
 #[test]
@@ -224,7 +253,10 @@ fn a_missing_cell_costs_the_subject_or_asks_for_a_mixed_model() {
     let ByDesign::Mixed(found) = compare_by_design(&data, &keep).unwrap() else {
         panic!("a missing cell")
     };
-    assert_eq!((found.found.n_obs, found.found.n_subjects), (23, 12));
+    assert_eq!(
+        (found.found.model.n_obs, found.found.model.n_subjects),
+        (23, 12)
+    );
     assert!(
         found.reasons[0].starts_with("1 of the subjects"),
         "{:?}",

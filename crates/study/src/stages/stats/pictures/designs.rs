@@ -340,7 +340,7 @@ pub(in crate::stages::stats) fn by_design(
             let chosen = Some((inner.chosen, first(found)));
             groups(rows, outcome, &inner.found, chosen)
         }
-        ByDesign::Mixed(found) => mixed(Some(rows), outcome, &found.found),
+        ByDesign::Mixed(found) => mixed(Some(rows), outcome, &found.found.model),
         ByDesign::Ordinal(found) => ordinal(
             rows,
             outcome,

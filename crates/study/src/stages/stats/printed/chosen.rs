@@ -3,7 +3,7 @@
 use super::{
     Printed, aligned,
     cells::{p, share, table},
-    comparison, factorial, groups, mixed, ordinal,
+    comparison, factorial, groups, mixed, named_sentences, ordinal,
 };
 use maveric_report::{
     markup,
@@ -23,7 +23,20 @@ pub(in crate::stages::stats) fn by_design(found: &ByDesign) -> Printed {
             printed
         }
         ByDesign::Groups(found) => groups(&found.found),
-        ByDesign::Mixed(found) => mixed(&found.found),
+        ByDesign::Mixed(found) => {
+            let mut printed = mixed(&found.found.model);
+            if !found.found.corrected.is_empty() {
+                let sentences = named_sentences(&found.found);
+                let title = "Terms, degrees of freedom within subjects times epsilon";
+                printed = Printed {
+                    heading: std::mem::take(&mut printed.heading),
+                    tables: Vec::new(),
+                }
+                .lines(title, sentences)
+                .and(printed);
+            }
+            printed
+        }
         ByDesign::Ordinal(found) => {
             let printed = ordinal(&found.found.model);
             match &found.found.beside {
@@ -37,8 +50,7 @@ pub(in crate::stages::stats) fn by_design(found: &ByDesign) -> Printed {
         .table(checks(found.checks()))
         .lines("Why this test", why(found.reasons()));
     printed.heading = std::mem::take(&mut inner.heading);
-    printed.tables.append(&mut inner.tables);
-    printed
+    printed.and(inner)
 }
 
 /// The reasons, numbered, with marks.

@@ -71,6 +71,12 @@ impl Printed {
         self
     }
 
+    /// The tables of another report after these.
+    fn and(mut self, mut other: Self) -> Self {
+        self.tables.append(&mut other.tables);
+        self
+    }
+
     /// Adds a heading with lines below it, with marks.
     fn lines(self, heading: &str, lines: Vec<String>) -> Self {
         let mut table = cells::table(heading, &[]);
