@@ -131,3 +131,84 @@ fn status_says_who_is_out_and_what_nobody_drove_and_a_design_names_only_what_the
         .maveric_in("mine", &["run"])
         .failed(1, &["study.toml", "`exclude.people`: found `P20`"]);
 }
+
+#[test]
+fn a_design_says_the_power_that_a_rehearsal_of_it_found_and_recorded_cars_cannot_be_rehearsed() {
+    let study = recorded(&["calm", "sporty"]);
+    let describe = ["design", "describe"];
+    let said = study.maveric_in("mine", &describe).ok().stdout;
+    assert!(
+        said.contains("## Sample size") && said.contains("cannot be rehearsed"),
+        "{said}"
+    );
+    let rehearse = [
+        "rehearse",
+        "--participants",
+        "6,8",
+        "--effects-times",
+        "1",
+        "--studies",
+        "4",
+    ];
+    let rehearse = [&rehearse[..], &["--out", "rehearsal"]].concat();
+    study.maveric_in("mine", &rehearse).failed(
+        1,
+        &["study.toml", "`condition.calm.car`", "maveric stats power"],
+    );
+    let init = [
+        "init",
+        "dial",
+        "--conditions",
+        "calm,sporty",
+        "--style",
+        "adb.total",
+        "--synthetic",
+    ];
+    study.maveric(&init).ok();
+    let outcomes = "[[outcome]]\nmeasure = \"mean_velocity_mps\"\n\n[contrasts]";
+    change(&study, "dial/study.toml", "[contrasts]", outcomes);
+    let said = study.maveric_in("dial", &describe).ok().stdout;
+    assert!(
+        said.contains("Not settled: no rehearsal of this design was found"),
+        "{said}"
+    );
+    study.maveric_in("dial", &rehearse).ok();
+    let said = study.maveric_in("dial", &describe).ok().stdout;
+    for words in [
+        "4 made-up studies of each size, analysed as declared here. Its effects are assumed, not known",
+        "Power, Mean velocity, Calm against Sporty: ",
+        " with 6 people, ",
+        " with 8 people.",
+    ] {
+        assert!(said.contains(words), "no `{words}` in {said}");
+    }
+}
+
+#[test]
+fn answers_out_of_range_and_outcomes_that_nobody_answered_are_refused_by_name() {
+    let study = recorded(&["calm", "sporty"]);
+    let sound = read(&study, "mine/surveys/answers.csv");
+    let first = sound.lines().nth(1).unwrap();
+    let (head, _) = first.rsplit_once(',').unwrap();
+    study.write(
+        "mine/surveys/answers.csv",
+        sound.replacen(first, &format!("{head},9"), 1),
+    );
+    let ran = study.maveric_in("mine", &["run", "score"]);
+    assert_eq!(ran.status, Some(1));
+    for words in ["P01", "comfort", "9", "1 to 7"] {
+        assert!(ran.stderr.contains(words), "no `{words}` in {}", ran.stderr);
+    }
+    // A questionnaire that is declared and was never asked after a condition.
+    study.write("mine/surveys/answers.csv", sound);
+    let asked = "id = \"ease\"\ntitle = \"Ease\"\nreference = \"ours\"\nitems = 1\nmin = 1\nmax = 5\nscoring = \"mean\"\n\
+                 [[subscales]]\nid = \"total\"\ntitle = \"Ease\"\nitems = [1]\n";
+    study.write("mine/scales/ease.toml", asked);
+    let outcome = "[[outcome]]\nscale = \"ease.total\"\n\n[contrasts]";
+    change(&study, "mine/study.toml", "[contrasts]", outcome);
+    let ran = study.maveric_in("mine", &["run"]);
+    assert_eq!(ran.status, Some(1));
+    let words = "names `ease.total`, which nobody answered after any condition";
+    assert!(ran.stderr.contains(words), "{}", ran.stderr);
+    assert!(!study.path("mine/results/analysis.json").exists());
+}

@@ -3,6 +3,7 @@
 use crate::{
     AnalysisError,
     exclusions::{self, Driven, Flow, LeftOut},
+    person::Person,
 };
 use maveric_domain::{
     Answer, ConditionId, ConditionRow, Design, DriveId, DrivenBy, EmbeddingRow, MeasureValues,
@@ -47,19 +48,6 @@ impl Scores {
             .get(p)
             .copied()
     }
-}
-
-/// Somebody in the table of people.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Person {
-    /// Who.
-    pub id: ParticipantId,
-    /// Whether the networks learn from their drives.
-    pub learned: bool,
-    /// Whether they sat through the conditions.
-    pub tested: bool,
-    /// Every further column: factors and covariates.
-    pub columns: BTreeMap<String, String>,
 }
 
 /// The tables of a study, as stages write them: made by a run, or in memory.

@@ -1,6 +1,6 @@
 //! Who and what is left out before anything is computed, why, and how many are left at each step.
 
-use crate::data::Person;
+use crate::person::Person;
 use maveric_domain::{Answer, ConditionId, Design, DriveId, Moment, ParticipantId, Scale, Score};
 use maveric_measures::survey::response_styles;
 use serde::{Deserialize, Serialize};

@@ -12,6 +12,7 @@ mod homophily;
 mod line;
 mod mixed;
 mod outcomes;
+mod person;
 mod reproduction;
 mod result;
 #[cfg(test)]
@@ -19,9 +20,10 @@ mod six_people;
 mod verdict;
 
 pub use analyse::{Friedman, analyse};
-pub use data::{Person, StudyData, Tables};
+pub use data::{StudyData, Tables};
 pub use error::AnalysisError;
 pub use exclusions::{Driven, Flow, LeftOut, LeftOutFor, Why};
+pub use person::Person;
 pub use result::{
     Above, AggressionLine, Analysis, Contrast, Correlation, Exclusion, Group, HomophilyRow, Kept,
     LineRow, MixedRow, Nearer, Panel, Preference, Reproduction, SimilarityRow,

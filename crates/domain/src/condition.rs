@@ -44,6 +44,12 @@ impl ConditionId {
         }
     }
 
+    /// Ids in a row, for a message: `a, b, c`.
+    pub fn listed(ids: &[Self]) -> String {
+        let ids: Vec<&str> = ids.iter().map(Self::as_str).collect();
+        ids.join(", ")
+    }
+
     /// The id as text.
     pub fn as_str(&self) -> &str {
         let end = self.0.iter().position(|&b| b == 0).unwrap_or(LONGEST);

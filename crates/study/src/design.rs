@@ -8,7 +8,7 @@ use crate::{
         participants::{Enrolled, read_enrolled},
     },
 };
-use maveric_domain::{ConditionId, Design, Drive, ParticipantId};
+use maveric_domain::{Design, Drive, ParticipantId};
 use maveric_participants::Part;
 use std::{
     collections::BTreeSet,
@@ -206,12 +206,6 @@ pub(crate) fn drives_of(
         });
     }
     Ok(drives)
-}
-
-/// Ids in a row: `a, b, c`.
-pub fn listed(ids: &[ConditionId]) -> String {
-    let ids: Vec<&str> = ids.iter().map(ConditionId::as_str).collect();
-    ids.join(", ")
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Who and what a design lets in: its people, its conditions, and not what `[exclude]` names.
 
 use crate::{
-    design::{DesignFile, People, listed},
+    design::{DesignFile, People},
     error::StudyError,
 };
 use maveric_domain::{ConditionId, Design, DriveId, DriveMeta, Moment, ParticipantId};
@@ -124,7 +124,7 @@ impl Gate {
     }
 
     fn unknown(&self, condition: ConditionId) -> LeftOut {
-        let labels = listed(&self.design.labels());
+        let labels = ConditionId::listed(&self.design.labels());
         let why = format!("`{condition}` is none of the design's: {labels}");
         LeftOut::by("unknown condition", why)
     }

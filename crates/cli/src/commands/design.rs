@@ -17,10 +17,19 @@ pub(crate) struct Design {
 
 #[derive(Debug, clap::Subcommand)]
 enum What {
-    /// Print the design in plain English
-    Describe(Args),
+    /// Print the design in plain English, with the power that a rehearsal of it found
+    Describe(Describe),
     /// Write study.lock beside the design: what was declared, and when
     Freeze(Args),
+}
+
+#[derive(Debug, clap::Args)]
+struct Describe {
+    #[command(flatten)]
+    args: Args,
+    /// What `maveric rehearse` found for this design (JSON); rehearsal/rehearsal.json beside the design when not given
+    #[arg(long, value_name = "FILE")]
+    power: Option<PathBuf>,
 }
 
 #[derive(Debug, clap::Args)]
@@ -36,9 +45,11 @@ struct Args {
 impl Design {
     pub(crate) fn run(self) -> Result<(), Failure> {
         match self.what {
-            What::Describe(a) => print_outcome(a.format, "could not describe the design", |_| {
-                declare::describe(a.design.as_deref())
-            }),
+            What::Describe(Describe { args: a, power }) => {
+                print_outcome(a.format, "could not describe the design", |_| {
+                    declare::describe(a.design.as_deref(), power.as_deref())
+                })
+            }
             What::Freeze(a) => {
                 let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
                 let seconds = now.map_or(0, |d| d.as_secs());

@@ -7,21 +7,24 @@ use crate::{
 };
 use maveric_study::stages::rehearse::{self, RehearseOptions};
 
-/// Run the paper's whole analysis on many made-up studies without driving: false-positive rates, power, sample sizes
+/// Run the whole analysis of a design on many made-up studies without driving: false-positive rates, power, sample sizes
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples: maveric rehearse --effects-times 0 --studies 4000 --out reports/null
           maveric rehearse --participants 12,24,48,96 --effects-times 0.5,1 --studies 300 --out reports/power")]
 pub(crate) struct Rehearse {
-    /// What drives look like (TOML)
-    #[arg(long, default_value = "study_data/population.toml")]
-    population: std::path::PathBuf,
-    /// Sizes of the effects (TOML)
-    #[arg(long, default_value = "study_data/effects.toml")]
-    effects: std::path::PathBuf,
-    /// Folder of questionnaire definitions
-    #[arg(long, default_value = "study_data/scales")]
-    scales: std::path::PathBuf,
+    /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
+    #[arg(long, value_name = "FILE")]
+    design: Option<std::path::PathBuf>,
+    /// What drives look like (TOML); as shipped when not given
+    #[arg(long)]
+    population: Option<std::path::PathBuf>,
+    /// Sizes of the effects (TOML); the design's when not given, else as shipped
+    #[arg(long)]
+    effects: Option<std::path::PathBuf>,
+    /// Folder of questionnaire definitions; the design's when not given
+    #[arg(long)]
+    scales: Option<std::path::PathBuf>,
     /// What the paper reported (TOML): signs are compared with it
     #[arg(long)]
     claims: Option<std::path::PathBuf>,
@@ -53,6 +56,7 @@ pub(crate) struct Rehearse {
 impl Rehearse {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let options = RehearseOptions {
+            design: self.design,
             population: self.population,
             effects: self.effects,
             scales: self.scales,

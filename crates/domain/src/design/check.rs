@@ -1,4 +1,4 @@
-//! Whether a design agrees with itself.
+//! Reading a design: whether it agrees with itself.
 
 use super::{
     condition::{Baseline, Car, Condition, Role},
@@ -17,7 +17,18 @@ use std::collections::{BTreeMap, BTreeSet};
 
 type Checked<T> = Result<T, DesignError>;
 
-pub(super) fn design(raw: DesignToml) -> Checked<Design> {
+impl Design {
+    /// Reads a design and checks its shape.
+    ///
+    /// # Errors
+    /// [`DesignError`] naming the key, what stands there and what would be possible.
+    pub fn from_toml(text: &str) -> Result<Self, DesignError> {
+        let raw: DesignToml = toml::from_str(text).map_err(|e| DesignError::from_toml(text, &e))?;
+        design(raw)
+    }
+}
+
+fn design(raw: DesignToml) -> Checked<Design> {
     if raw.study.title.trim().is_empty() {
         return Err(DesignError::key("study.title", "an empty text", "a title"));
     }

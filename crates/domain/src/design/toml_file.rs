@@ -1,28 +1,15 @@
 //! The shape of `study.toml`, before it is checked.
 
 use super::{
-    check,
     condition::{By, Sign},
-    error::DesignError,
     exclude::Exclude,
     files::{Files, ModelFile},
     outcome::{Homophily, ScoreName},
     people::Column,
 };
-use crate::{condition::ConditionId, design::Design};
+use crate::condition::ConditionId;
 use serde::Deserialize;
 use std::{collections::BTreeMap, path::PathBuf};
-
-impl Design {
-    /// Reads a design and checks its shape.
-    ///
-    /// # Errors
-    /// [`DesignError`] naming the key, what stands there and what would be possible.
-    pub fn from_toml(text: &str) -> Result<Self, DesignError> {
-        let raw: DesignToml = toml::from_str(text).map_err(|e| DesignError::from_toml(text, &e))?;
-        check::design(raw)
-    }
-}
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

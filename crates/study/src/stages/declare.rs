@@ -1,5 +1,6 @@
 //! `design describe` and `design freeze`: the design as what was declared before looking.
 
+use super::sample_size::sample_size;
 use crate::{
     atomic_write::{atomic_write_bytes, read_text},
     design::DesignFile,
@@ -46,16 +47,20 @@ pub struct Described {
     pub text: String,
 }
 
-/// The design in plain English, under the headings of a preregistration.
+/// The design in plain English, under the headings of a preregistration. The power of its tests is what a rehearsal found: `power`, or
+/// `rehearsal/rehearsal.json` beside the design.
 ///
 /// # Errors
-/// [`StudyError`] if the design cannot be read.
+/// [`StudyError`] if the design or the rehearsal cannot be read, or the rehearsal is of other outcomes or conditions.
 ///
 /// # Source
 /// Headings: the OSF Preregistration template and AsPredicted.
-pub fn describe(design: Option<&Path>) -> Result<Outcome<Described>, StudyError> {
+pub fn describe(
+    design: Option<&Path>,
+    power: Option<&Path>,
+) -> Result<Outcome<Described>, StudyError> {
     let study = DesignFile::find(design)?;
-    let text = text(&study.design);
+    let text = text(&study.design, sample_size(&study, power)?);
     Ok(Outcome {
         summary: text.lines().map(str::to_owned).collect(),
         value: Described { text },
@@ -225,7 +230,7 @@ fn leaves(table: toml::Table) -> BTreeMap<String, String> {
     found
 }
 
-fn text(design: &Design) -> String {
+fn text(design: &Design, sample_size: Vec<String>) -> String {
     let mut out = format!("# {}\n", design.title());
     let mut section = |title: &str, lines: Vec<String>| {
         let _ = write!(out, "\n## {title}\n\n");
@@ -244,6 +249,7 @@ fn text(design: &Design) -> String {
             .collect(),
     );
     section("Participants", people(design));
+    section("Sample size", sample_size);
     section("Measured variables", outcomes(design));
     section("Analyses", analyses(design));
     section("Exclusions", exclusions(design));
@@ -341,7 +347,6 @@ fn people(design: &Design) -> Vec<String> {
     for factor in design.factors() {
         lines.push(format!("Groups by `{}`.", factor.column));
     }
-    lines.push("Sample size: `maveric rehearse` gives the power of these tests on made-up people for the sizes that are tried.".to_owned());
     lines
 }
 
@@ -444,7 +449,7 @@ mod tests {
 
     #[test]
     fn a_design_reads_as_a_preregistration() {
-        let text = text(&Design::from_toml(STUDY).unwrap());
+        let text = text(&Design::from_toml(STUDY).unwrap(), Vec::new());
         for said in [
             "## Hypotheses\n\n- Sporty is faster. In mean_velocity_mps: sporty lies above calm",
             "- calm (`calm`): driven by the laboratory's own car",

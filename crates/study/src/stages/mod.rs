@@ -17,6 +17,7 @@ pub mod rate;
 pub mod recommend;
 pub mod rehearse;
 pub mod report;
+mod sample_size;
 pub mod score;
 pub mod simulate;
 pub mod stats;

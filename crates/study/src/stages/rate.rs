@@ -51,7 +51,15 @@ pub struct Ratings {
 /// # Errors
 /// [`StudyError`] naming the file and the key.
 pub fn read_effects(path: &Path) -> Result<Effects, StudyError> {
-    let effects: Effects = toml::from_str(&read_text(path)?)
+    effects_of(path, &read_text(path)?)
+}
+
+/// The sizes of the effects in a file's text.
+///
+/// # Errors
+/// As [`read_effects`].
+pub(crate) fn effects_of(path: &Path, text: &str) -> Result<Effects, StudyError> {
+    let effects: Effects = toml::from_str(text)
         .map_err(|e| StudyError::file(path, format!("not a file of effects: {e}")))?;
     effects
         .check()

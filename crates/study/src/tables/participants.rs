@@ -1,7 +1,7 @@
 //! People as a table: demographics first, then, for made-up people, the latents behind their driving and answers.
 
 use super::{Table, TableBuilder};
-use crate::{design::listed, error::StudyError};
+use crate::error::StudyError;
 use maveric_domain::{ConditionId, Design, LatentTraits, ParticipantId};
 use maveric_participants::{Cohort, Gender, Participant, Personality, Population};
 use std::{
@@ -204,7 +204,7 @@ fn conditions(
                     row,
                     "order",
                     word,
-                    format!("conditions of the design: {}", listed(&ids)),
+                    format!("conditions of the design: {}", ConditionId::listed(&ids)),
                 )
             })
     };
@@ -265,13 +265,17 @@ pub fn read_participants(path: &Path, design: &Design) -> Result<Vec<Participant
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::design::DesignFile;
+
+    fn paper() -> Design {
+        let text = include_str!("../../../../study_data/designs/paper.toml");
+        Design::from_toml(text).unwrap()
+    }
 
     fn read(text: &str) -> Result<Vec<Enrolled>, String> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("participants.csv");
         std::fs::write(&path, text).unwrap();
-        read_enrolled(&path, &DesignFile::paper().unwrap().design).map_err(|e| e.to_string())
+        read_enrolled(&path, &paper()).map_err(|e| e.to_string())
     }
 
     #[test]

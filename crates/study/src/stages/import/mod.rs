@@ -6,7 +6,7 @@ mod otree;
 
 use crate::{
     atomic_write::read_text,
-    design::{DesignFile, listed},
+    design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
@@ -14,7 +14,7 @@ use crate::{
     tables::{Table, TableBuilder},
 };
 use columns::ColumnMap;
-use maveric_domain::{Moment, ParticipantId, Scale};
+use maveric_domain::{ConditionId, Moment, ParticipantId, Scale};
 use serde::Serialize;
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -121,7 +121,7 @@ pub fn import(options: &ImportOptions, watch: Watch<'_>) -> Result<Outcome<Impor
     warnings.extend(unknown.into_iter().map(|((moment, place), n)| {
         format!(
             "{n} answers left out: condition `{moment}` ({place}) is none of the design's: {}",
-            listed(&study.design.labels())
+            ConditionId::listed(&study.design.labels())
         )
     }));
     refuse_twice(&options.file, &rows, &scales)?;

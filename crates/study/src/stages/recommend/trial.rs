@@ -8,16 +8,15 @@ use super::{
 };
 use crate::{
     atomic_write::write_json,
+    design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
     stages::{
-        rate::read_effects,
         rehearse::{
-            population::{Asked, PopulationModel},
+            population::Asked,
             study::{Rehearsed, World},
         },
         report::write_page,
-        score::read_scales,
     },
 };
 use maveric_domain::{
@@ -162,12 +161,11 @@ pub fn rehearse_dial(
             help: Some("such as --participants 24,48,96 --studies 20".to_owned()),
         });
     }
-    let world = World {
-        design: crate::DesignFile::paper()?.design,
-        population: PopulationModel::read(&options.population)?,
-        effects: read_effects(&options.effects)?,
-        scales: read_scales(&options.scales)?,
-    };
+    let given = [&options.population, &options.effects, &options.scales];
+    let world = World::of(
+        &DesignFile::paper()?,
+        given.map(|path| Some(path.as_path())),
+    )?;
     let many = world.study(MANY, stream_seed(options.seed, &["many"]))?;
     let truth = Truth::of(&world, &many)?;
     let ceiling = Learned::from(
@@ -462,13 +460,9 @@ mod tests {
     use super::*;
 
     fn world() -> World {
-        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data");
-        World {
-            design: crate::DesignFile::paper().unwrap().design,
-            population: PopulationModel::read(&root.join("population.toml")).unwrap(),
-            effects: read_effects(&root.join("effects.toml")).unwrap(),
-            scales: read_scales(&root.join("scales")).unwrap(),
-        }
+        let scales =
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/scales");
+        World::of(&DesignFile::paper().unwrap(), [None, None, Some(&scales)]).unwrap()
     }
 
     #[test]

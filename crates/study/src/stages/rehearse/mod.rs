@@ -1,4 +1,4 @@
-//! `rehearse`: the paper's whole analysis on many synthetic studies that are not driven. How often does each test say yes
+//! `rehearse`: the whole analysis of a design on many synthetic studies that are not driven. How often does each test say yes
 //! when there is nothing, and how many people would it need when there is something?
 
 mod outcomes;
@@ -22,7 +22,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
-    stages::{rate::read_effects, report::write_page, score::read_scales},
+    stages::report::write_page,
 };
 use maveric_analysis::Friedman;
 use maveric_domain::stream_seed;
@@ -33,12 +33,14 @@ use study::World;
 /// What to rehearse.
 #[derive(Debug, Clone)]
 pub struct RehearseOptions {
-    /// What drives look like (TOML).
-    pub population: PathBuf,
-    /// Sizes of the effects.
-    pub effects: PathBuf,
-    /// Folder of questionnaire definitions.
-    pub scales: PathBuf,
+    /// The study's design; `study.toml` of the folder one stands in without, else the paper's.
+    pub design: Option<PathBuf>,
+    /// What drives look like (TOML); as shipped without.
+    pub population: Option<PathBuf>,
+    /// Sizes of the effects; the design's without, else as shipped.
+    pub effects: Option<PathBuf>,
+    /// Folder of questionnaire definitions; the design's without.
+    pub scales: Option<PathBuf>,
     /// What the paper reported, to compare signs with.
     pub claims: Option<PathBuf>,
     /// Sizes of the studies.
@@ -87,12 +89,10 @@ pub fn rehearse(
     watch: Watch<'_>,
 ) -> Result<Outcome<Rehearsal>, StudyError> {
     check(options)?;
-    let world = World {
-        design: DesignFile::paper()?.design,
-        population: PopulationModel::read(&options.population)?,
-        effects: read_effects(&options.effects)?,
-        scales: read_scales(&options.scales)?,
-    };
+    let world = World::of(
+        &DesignFile::find(options.design.as_deref())?,
+        [&options.population, &options.effects, &options.scales].map(Option::as_deref),
+    )?;
     let mut grid = Vec::new();
     for &scale in &options.effect_scales {
         grid.extend(options.participants.iter().map(|n| (scale, *n)));
@@ -188,12 +188,8 @@ mod tests {
 
     pub(super) fn world() -> World {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data");
-        World {
-            design: DesignFile::paper().unwrap().design,
-            population: population::tests::shipped(),
-            effects: read_effects(&root.join("effects.toml")).unwrap(),
-            scales: read_scales(&root.join("scales")).unwrap(),
-        }
+        let scales = root.join("scales");
+        World::of(&DesignFile::paper().unwrap(), [None, None, Some(&scales)]).unwrap()
     }
 
     fn run(world: &World, n: usize, studies: u64) -> Cell {

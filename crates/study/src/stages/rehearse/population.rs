@@ -155,7 +155,20 @@ impl PopulationModel {
     /// # Errors
     /// [`StudyError`] naming the file and what is wrong with it.
     pub fn read(path: &Path) -> Result<Self, StudyError> {
-        let model: Self = toml::from_str(&read_text(path)?)
+        Self::parse(path, &read_text(path)?)
+    }
+
+    /// The population that is shipped.
+    ///
+    /// # Errors
+    /// None: a test reads the file that is built in.
+    pub fn shipped() -> Result<Self, StudyError> {
+        let text = include_str!("../../../../../study_data/population.toml");
+        Self::parse(Path::new("population.toml"), text)
+    }
+
+    fn parse(path: &Path, text: &str) -> Result<Self, StudyError> {
+        let model: Self = toml::from_str(text)
             .map_err(|e| StudyError::file(path, format!("not a population of drives: {e}")))?;
         model
             .check()

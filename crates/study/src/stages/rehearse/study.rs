@@ -2,7 +2,13 @@
 
 use super::population::{Asked, PopulationModel};
 use crate::{
+    design::DesignFile,
     error::StudyError,
+    stages::{
+        rate::{effects_of, read_effects},
+        score::read_scales,
+    },
+    style_scale::StyleScale,
     tables::{conditions::ConditionRow, embeddings::EmbeddingRow, measurements::MeasuredDrive},
 };
 use maveric_analysis::{StudyData, Tables};
@@ -13,9 +19,10 @@ use maveric_domain::{
     spread,
 };
 use maveric_participants::{Cohort, CohortSettings, Effects, Participant, answer_before, rate};
+use std::path::Path;
 
-/// Points of the dial in one step of the population model.
-pub(crate) const POINTS: f64 = 15.0;
+/// Points of the ADB score in one step of the population model.
+const POINTS: f64 = 15.0;
 
 /// Everything that a synthetic study is drawn from.
 #[derive(Debug, Clone)]
@@ -25,7 +32,12 @@ pub(crate) struct World {
     pub(crate) population: PopulationModel,
     pub(crate) effects: Effects,
     pub(crate) scales: Vec<Scale>,
+    /// Points of the design's dial in one step of the population.
+    pub(crate) points: f64,
 }
+
+/// Sizes of the effects, as shipped.
+const EFFECTS: &str = include_str!("../../../../../study_data/effects.toml");
 
 /// A study that was never driven.
 pub(crate) struct Rehearsed {
@@ -34,6 +46,54 @@ pub(crate) struct Rehearsed {
 }
 
 impl World {
+    /// The world of a design; population, effects and questionnaires are those given, else the design's, else as shipped.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a file cannot be read, or the design has a condition whose drives cannot be made up: of a car that was recorded
+    /// elsewhere, that the person turns, or whose style stands in a file, nobody knows what it will do.
+    pub(crate) fn of(
+        study: &DesignFile,
+        [population, effects, scales]: [Option<&Path>; 3],
+    ) -> Result<Self, StudyError> {
+        let unknown = |c: &&Condition| !matches!(c.car, Some(Car::Dial(_) | Car::Across));
+        if let Some(condition) = study.design.conditions().iter().find(unknown) {
+            return Err(study.wrong(
+                format!(
+                    "`condition.{}.car`: what this car will do cannot be made up, expected {{ dial = POINTS }} or {{ across = true }} to rehearse",
+                    condition.id
+                ),
+                Some("maveric stats power gives the power of a test for an effect that you assume".to_owned()),
+            ));
+        }
+        let files = study.design.files();
+        let own = || files.effects.as_ref().map(|path| study.resolve(path));
+        let effects = match effects
+            .map(Path::to_owned)
+            .or_else(own)
+            .filter(|p| p.is_file())
+        {
+            Some(path) => read_effects(&path)?,
+            None => effects_of(Path::new("effects.toml"), EFFECTS)?,
+        };
+        let own = study.resolve(&files.scales);
+        let scales = read_scales(scales.unwrap_or(&own))?;
+        let mut world = Self {
+            population: match population {
+                Some(path) => PopulationModel::read(path)?,
+                None => PopulationModel::shipped()?,
+            },
+            points: POINTS / StyleScale::of(study)?.stretch(),
+            design: study.design.clone(),
+            effects,
+            scales,
+        };
+        // What is not asked is not answered.
+        let asked = |id: &String| world.scales.iter().any(|s| s.id == *id);
+        world.effects.ratings.retain(|id, _| asked(id));
+        world.effects.answers.retain(|id, _| asked(id));
+        Ok(world)
+    }
+
     /// The same world with every effect times `factor`; 0 has none at all, order and halo included.
     pub(crate) fn scaled(&self, factor: f64) -> Self {
         Self {
@@ -45,6 +105,7 @@ impl World {
                 self.effects.scaled(factor)
             },
             scales: self.scales.clone(),
+            points: self.points,
         }
     }
 
@@ -68,7 +129,7 @@ impl World {
             let angle = PopulationModel::angle(person, seed);
             let asked: Vec<(&str, Asked)> = conditions
                 .iter()
-                .map(|c| (c.id.as_str(), Asked::of(c, angle, POINTS)))
+                .map(|c| (c.id.as_str(), Asked::of(c, angle, self.points)))
                 .collect();
             let drives = self.population.drives(person, &asked, seed);
             own.push(drives.own);

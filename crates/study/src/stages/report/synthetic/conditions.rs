@@ -1,6 +1,6 @@
 //! The third and fourth sections: what the conditions did, and which habits they left alone.
 
-use super::{Run, said, summary::of_group, watch};
+use super::{Run, said, watch};
 use crate::{error::StudyError, stages::report::keys::short, watching::WatchedDrive};
 use maveric_analysis::{Contrast, Nearer, Panel, Reproduction};
 use maveric_domain::design::Sign;
@@ -235,6 +235,14 @@ fn paired(panel: &Panel, pair: &Contrast) -> Option<String> {
         .markup()
         .to_owned(),
     })
+}
+
+/// Whose panel it is, where people are divided.
+pub(super) fn of_group(panel: &Panel) -> String {
+    panel
+        .group
+        .as_ref()
+        .map_or_else(String::new, |g| format!(" ({}: {})", g.factor, g.level))
 }
 
 /// Which test answered each panel, and why.

@@ -5,6 +5,7 @@ mod conditions;
 mod embedding;
 mod homophily;
 mod methods;
+mod run;
 mod setting;
 mod setup;
 mod summary;
@@ -17,7 +18,7 @@ use super::{
     people::People,
 };
 use crate::{
-    atomic_write::{read_json, read_text},
+    atomic_write::read_text,
     design::DesignFile,
     error::StudyError,
     outcome::Watch,
@@ -25,92 +26,27 @@ use crate::{
         analyse::{durations, lists},
         declare::declared,
         generate::read_scenario,
-        score::read_scales,
-        train::{MODEL_FILE, TrainingSummary, read_model, training_path},
+        train::TrainingSummary,
     },
-    tables::{
-        conditions::{ConditionRow, read_conditions},
-        drives::read_drive,
-        measurements::{MeasuredDrive, read_measurements},
-    },
+    tables::{drives::read_drive, measurements::MeasuredDrive},
 };
 use car::section_car;
 use conditions::{section_conditions, section_kept};
 use embedding::{live, section_embedding};
 use homophily::section_homophily;
-use maveric_analysis::{Analysis, Correlation as Found};
-use maveric_domain::{
-    ConditionId, Design, Road, Scale,
-    design::{Car, Condition},
-};
-use maveric_model::Model;
+use maveric_analysis::Correlation as Found;
+use maveric_domain::Road;
 use maveric_report::{
-    Context, Report,
+    Report,
     claims::{self, LedgerRow},
-    figures::ConditionLook,
     html::{Methods, Provenance, Section},
     tables::{Coefficient, Correlation, Exclusion},
 };
+pub(in crate::stages::report) use run::Run;
 use setting::{listed_exclusions, reliabilities, section_model, section_study};
 use setup::setup;
-use std::{
-    collections::BTreeSet,
-    path::{Path, PathBuf},
-};
+use std::{collections::BTreeSet, path::Path};
 use summary::summary;
-
-pub(super) struct Run {
-    design: Design,
-    /// Score ranges of the questionnaires, where the design leaves them to the file.
-    scales: Vec<Scale>,
-    pub(super) analysis: Analysis,
-    training: Option<TrainingSummary>,
-    model: Option<Model>,
-    /// Where it stands: among the results, or where the design says that it was learned.
-    model_file: PathBuf,
-    measured: Vec<MeasuredDrive>,
-    conditions: Vec<ConditionRow>,
-    context: Context,
-}
-
-impl Run {
-    /// What the page calls a condition, the baseline or a role.
-    fn label(&self, id: ConditionId) -> String {
-        maveric_report::markup::literal(&self.design.label(id))
-    }
-
-    /// What the dial turns, on the page.
-    fn style_label(&self) -> &str {
-        self.design.style().map_or("the style", |s| &s.label)
-    }
-
-    /// Lowest and highest score of the style.
-    fn score_range(&self) -> Option<(f64, f64)> {
-        let style = self.design.style()?;
-        let of_file = || {
-            let scale = self.scales.iter().find(|s| s.id == style.score.scale)?;
-            let is = |s: &&maveric_domain::Subscale| s.id == style.score.subscale;
-            Some(scale.score_range(scale.subscales.iter().find(is)?))
-        };
-        style.range.map(|[low, high]| (low, high)).or_else(of_file)
-    }
-
-    /// The condition at 0 on the dial.
-    pub(super) fn own_style(&self) -> Option<ConditionId> {
-        let at_0 = |c: &&Condition| c.dial() == Some(0.0);
-        self.design.conditions().iter().find(at_0).map(|c| c.id)
-    }
-
-    /// The condition that moves across the dial.
-    fn across(&self) -> Option<ConditionId> {
-        let is = |c: &&Condition| c.car == Some(Car::Across);
-        self.design.conditions().iter().find(is).map(|c| c.id)
-    }
-
-    fn seed(&self) -> Option<u64> {
-        self.training.as_ref().map(|t| t.seed)
-    }
-}
 
 /// What the page is made from, beside the drives.
 const READ: [&str; 11] = [
@@ -133,7 +69,7 @@ pub(super) fn page(
 ) -> Result<(Report, Vec<String>), StudyError> {
     let folder = options.results.as_path();
     let study = DesignFile::find(options.design.as_deref())?;
-    let run = read(folder, &study)?;
+    let run = Run::read(folder, &study)?;
     let beside = folder.join("participants.csv");
     let participants = options.participants.as_deref().unwrap_or(&beside);
     let people = People::read(
@@ -264,49 +200,6 @@ pub(super) fn page(
         },
     };
     Ok((report, findings))
-}
-
-fn read(folder: &Path, study: &DesignFile) -> Result<Run, StudyError> {
-    let design = &study.design;
-    let analysis: Analysis = read_json(&folder.join("analysis.json"))?;
-    let model = match design.model().filter(|_| design.needs_a_model()) {
-        Some(elsewhere) => study.resolve(&elsewhere.file),
-        None => folder.join(MODEL_FILE),
-    };
-    let summary = training_path(&folder.join(MODEL_FILE));
-    let conditions = folder.join("conditions.csv");
-    let training: Option<TrainingSummary> = if summary.is_file() {
-        Some(read_json(&summary)?)
-    } else {
-        None
-    };
-    let context = match (&training, analysis.synthetic) {
-        (Some(training), true) => Context::synthetic(training.seed),
-        (None, true) => Context {
-            synthetic: true,
-            ..Context::real()
-        },
-        (_, false) => Context::real(),
-    };
-    Ok(Run {
-        scales: read_scales(&study.resolve(&design.files().scales))?,
-        model: if model.is_file() {
-            Some(read_model(&model)?)
-        } else {
-            None
-        },
-        model_file: model,
-        conditions: if conditions.is_file() {
-            read_conditions(&conditions)?
-        } else {
-            Vec::new()
-        },
-        measured: read_measurements(&folder.join("measurements.parquet"))?,
-        context: context.with_conditions(ConditionLook::of(design)),
-        design: design.clone(),
-        analysis,
-        training,
-    })
 }
 
 /// The road, and how long the baseline drives of those who were tested took, in minutes; of any drive where there is no baseline.
@@ -484,7 +377,7 @@ fn findings(run: &Run) -> Vec<String> {
         lines.push(format!(
             "{}{} over the conditions: {}",
             panel.title,
-            summary::of_group(panel),
+            conditions::of_group(panel),
             conditions::omnibus(panel, false)
         ));
     }

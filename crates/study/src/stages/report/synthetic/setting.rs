@@ -1,6 +1,6 @@
 //! The first two sections: the setting and the people; the model and its training.
 
-use super::{Run, enumerated, summary::of_group};
+use super::{Run, conditions::of_group, enumerated};
 use crate::{
     error::StudyError,
     stages::{

@@ -1,6 +1,10 @@
 //! What a reader should take away, a line each.
 
-use super::{Run, conditions::omnibus, percent, said};
+use super::{
+    Run,
+    conditions::{of_group, omnibus},
+    percent, said,
+};
 use maveric_analysis::{Judged, Panel, Verdict};
 use maveric_domain::design::Sign;
 use maveric_report::{
@@ -83,14 +87,6 @@ pub(super) fn summary(run: &Run, ledger: Option<&[LedgerRow]>) -> Vec<String> {
         ));
     }
     lines
-}
-
-/// Whose panel it is, where people are divided.
-pub(super) fn of_group(panel: &Panel) -> String {
-    panel
-        .group
-        .as_ref()
-        .map_or_else(String::new, |g| format!(" ({}: {})", g.factor, g.level))
 }
 
 fn judged(run: &Run, h: &Judged) -> String {

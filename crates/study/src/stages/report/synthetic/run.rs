@@ -1,0 +1,127 @@
+//! A run of a study: its design, its results, and what both say together.
+
+use crate::{
+    atomic_write::read_json,
+    design::DesignFile,
+    error::StudyError,
+    stages::{
+        score::read_scales,
+        train::{MODEL_FILE, TrainingSummary, read_model, training_path},
+    },
+    tables::{
+        conditions::{ConditionRow, read_conditions},
+        measurements::{MeasuredDrive, read_measurements},
+    },
+};
+use maveric_analysis::Analysis;
+use maveric_domain::{
+    ConditionId, Design, Scale,
+    design::{Car, Condition},
+};
+use maveric_model::Model;
+use maveric_report::{Context, figures::ConditionLook};
+use std::path::{Path, PathBuf};
+
+/// What the page of a study is made from.
+pub(in crate::stages::report) struct Run {
+    pub(in crate::stages::report) design: Design,
+    /// Score ranges of the questionnaires, where the design leaves them to the file.
+    pub(in crate::stages::report) scales: Vec<Scale>,
+    pub(in crate::stages::report) analysis: Analysis,
+    pub(in crate::stages::report) training: Option<TrainingSummary>,
+    pub(in crate::stages::report) model: Option<Model>,
+    /// Where it stands: among the results, or where the design says that it was learned.
+    pub(in crate::stages::report) model_file: PathBuf,
+    pub(in crate::stages::report) measured: Vec<MeasuredDrive>,
+    pub(in crate::stages::report) conditions: Vec<ConditionRow>,
+    pub(in crate::stages::report) context: Context,
+}
+
+impl Run {
+    /// Reads a run: its results and, where the design says that the model was learned elsewhere, that model.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a result cannot be read.
+    pub(in crate::stages::report) fn read(
+        folder: &Path,
+        study: &DesignFile,
+    ) -> Result<Self, StudyError> {
+        let design = &study.design;
+        let analysis: Analysis = read_json(&folder.join("analysis.json"))?;
+        let model = match design.model().filter(|_| design.needs_a_model()) {
+            Some(elsewhere) => study.resolve(&elsewhere.file),
+            None => folder.join(MODEL_FILE),
+        };
+        let summary = training_path(&folder.join(MODEL_FILE));
+        let conditions = folder.join("conditions.csv");
+        let training: Option<TrainingSummary> = if summary.is_file() {
+            Some(read_json(&summary)?)
+        } else {
+            None
+        };
+        let context = match (&training, analysis.synthetic) {
+            (Some(training), true) => Context::synthetic(training.seed),
+            (None, true) => Context {
+                synthetic: true,
+                ..Context::real()
+            },
+            (_, false) => Context::real(),
+        };
+        Ok(Self {
+            scales: read_scales(&study.resolve(&design.files().scales))?,
+            model: if model.is_file() {
+                Some(read_model(&model)?)
+            } else {
+                None
+            },
+            model_file: model,
+            conditions: if conditions.is_file() {
+                read_conditions(&conditions)?
+            } else {
+                Vec::new()
+            },
+            measured: read_measurements(&folder.join("measurements.parquet"))?,
+            context: context.with_conditions(ConditionLook::of(design)),
+            design: design.clone(),
+            analysis,
+            training,
+        })
+    }
+
+    /// What the page calls a condition, the baseline or a role.
+    pub(in crate::stages::report) fn label(&self, id: ConditionId) -> String {
+        maveric_report::markup::literal(&self.design.label(id))
+    }
+
+    /// What the dial turns, on the page.
+    pub(in crate::stages::report) fn style_label(&self) -> &str {
+        self.design.style().map_or("the style", |s| &s.label)
+    }
+
+    /// Lowest and highest score of the style.
+    pub(in crate::stages::report) fn score_range(&self) -> Option<(f64, f64)> {
+        let style = self.design.style()?;
+        let of_file = || {
+            let scale = self.scales.iter().find(|s| s.id == style.score.scale)?;
+            let is = |s: &&maveric_domain::Subscale| s.id == style.score.subscale;
+            Some(scale.score_range(scale.subscales.iter().find(is)?))
+        };
+        style.range.map(|[low, high]| (low, high)).or_else(of_file)
+    }
+
+    /// The condition at 0 on the dial.
+    pub(in crate::stages::report) fn own_style(&self) -> Option<ConditionId> {
+        let at_0 = |c: &&Condition| c.dial() == Some(0.0);
+        self.design.conditions().iter().find(at_0).map(|c| c.id)
+    }
+
+    /// The condition that moves across the dial.
+    pub(in crate::stages::report) fn across(&self) -> Option<ConditionId> {
+        let is = |c: &&Condition| c.car == Some(Car::Across);
+        self.design.conditions().iter().find(is).map(|c| c.id)
+    }
+
+    pub(in crate::stages::report) fn seed(&self) -> Option<u64> {
+        self.training.as_ref().map(|t| t.seed)
+    }
+}
