@@ -44,12 +44,11 @@ fn main() -> Result<(), ModelError> {
     for points in [-15.0, 0.0, 15.0] {
         let moved = shift(&axis, &fit.embedding, points)?;
         let own = Habits::new(&trained.model, &moved.embedding)?;
-        let [speed, gap] = [own.free_speed, own.merge_back].map(|h| h.map(|h| h.middle(&[])));
         println!(
             "{points:+3} points: S reads {:.0}, {:.1} m/s, merges back {:.2} s ahead",
             moved.to_points,
-            speed.unwrap_or_default(),
-            gap.unwrap_or_default()
+            own.free_speed_mps().unwrap_or_default(),
+            own.merge_back_s().unwrap_or_default()
         );
     }
     Ok(())

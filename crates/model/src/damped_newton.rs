@@ -4,25 +4,25 @@ use crate::linear_algebra::{dot, norm, of_symmetric, symmetric_eigen, times};
 
 /// A function at a point.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Evaluated {
+pub(crate) struct Evaluated {
     /// The function.
-    pub value: f64,
+    pub(crate) value: f64,
     /// Its gradient; shape `(d,)`.
-    pub gradient: Vec<f64>,
+    pub(crate) gradient: Vec<f64>,
     /// A symmetric matrix that stands for the second derivatives and has no negative eigenvalue, such as Gauss's and
     /// Newton's; shape `(d, d)`, or empty where nobody reads it.
-    pub curvature: Vec<f64>,
+    pub(crate) curvature: Vec<f64>,
 }
 
 /// Where a minimisation ended.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Minimum {
+pub(crate) struct Minimum {
     /// The point; shape `(d,)`.
-    pub at: Vec<f64>,
+    pub(crate) at: Vec<f64>,
     /// The function there.
-    pub there: Evaluated,
+    pub(crate) there: Evaluated,
     /// Steps that were taken.
-    pub iterations: usize,
+    pub(crate) iterations: usize,
 }
 
 /// Share of the promised decrease that a step must bring.

@@ -17,13 +17,11 @@ pub mod losses;
 pub mod model;
 pub mod model_file;
 pub mod network;
-pub mod optimise;
 pub mod paper;
 pub mod params;
 pub mod personalize;
 pub mod predict;
 pub mod quality;
-mod quasi_newton;
 mod rows;
 pub mod scaling;
 pub mod style_space;
@@ -38,6 +36,7 @@ pub mod windows;
 pub use ablation::{
     Ablated, AblationSettings, HeldOut, Variant, VariantKind, VariantResult, ablate, variants,
 };
+pub use adam::cosine;
 pub use error::{ModelError, ModelWarning};
 pub use heads::{FittedHead, HEADS, HeadReport, KeptBack, StyleHead};
 pub use losses::{Loss, LossTerms, LossWeights, MutualInformationLoss};

@@ -1,65 +1,20 @@
 //! Small symmetric matrices: eigenvectors, roots, mean and covariance. Matrices are row by row.
 
-/// Eigenvalues, largest first, and eigenvectors (one a row) of a symmetric `(n, n)` matrix, by Jacobi's
-/// rotations. Each vector's largest component is positive.
-pub(crate) fn symmetric_eigen(matrix: &[f64], n: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
-    let mut a = matrix.to_vec();
-    let mut v = vec![0.0; n * n];
-    for i in 0..n {
-        v[i * n + i] = 1.0;
-    }
-    let scale: f64 = a.iter().map(|x| x * x).sum();
-    for _ in 0..100 {
-        let off: f64 = (0..n)
-            .flat_map(|i| (0..i).map(move |j| (i, j)))
-            .map(|(i, j)| a[i * n + j] * a[i * n + j])
-            .sum();
-        if off <= 1e-30 * scale {
-            break;
-        }
-        for p in 0..n {
-            for q in p + 1..n {
-                rotate(&mut a, &mut v, n, p, q);
-            }
-        }
-    }
-    let mut order: Vec<usize> = (0..n).collect();
-    order.sort_by(|&i, &j| a[j * n + j].total_cmp(&a[i * n + i]));
-    let values = order.iter().map(|&i| a[i * n + i]).collect();
-    let vectors = order.iter().map(|&i| {
-        let vector: Vec<f64> = (0..n).map(|k| v[k * n + i]).collect();
-        let largest = vector
-            .iter()
-            .copied()
-            .max_by(|x, y| x.abs().total_cmp(&y.abs()));
-        let sign = largest.unwrap_or(1.0).signum();
-        vector.into_iter().map(|x| x * sign).collect()
-    });
-    (values, vectors.collect())
-}
+use nalgebra::{DMatrix, SymmetricEigen};
 
-fn rotate(a: &mut [f64], v: &mut [f64], n: usize, p: usize, q: usize) {
-    let apq = a[p * n + q];
-    if apq.abs() < f64::MIN_POSITIVE {
-        return;
-    }
-    let theta = (a[q * n + q] - a[p * n + p]) / (2.0 * apq);
-    let t = 1.0_f64.copysign(theta) / (theta.abs() + theta.hypot(1.0));
-    let c = 1.0 / t.hypot(1.0);
-    let s = t * c;
-    for k in 0..n {
-        let (x, y) = (a[k * n + p], a[k * n + q]);
-        a[k * n + p] = c * x - s * y;
-        a[k * n + q] = s * x + c * y;
-    }
-    for k in 0..n {
-        let (x, y) = (a[p * n + k], a[q * n + k]);
-        a[p * n + k] = c * x - s * y;
-        a[q * n + k] = s * x + c * y;
-        let (x, y) = (v[k * n + p], v[k * n + q]);
-        v[k * n + p] = c * x - s * y;
-        v[k * n + q] = s * x + c * y;
-    }
+/// Eigenvalues, largest first, and eigenvectors (one a row) of a symmetric `(n, n)` matrix. Each vector's largest component is
+/// positive.
+pub(crate) fn symmetric_eigen(matrix: &[f64], n: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let found = SymmetricEigen::new(DMatrix::from_row_slice(n, n, matrix));
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&i, &j| found.eigenvalues[j].total_cmp(&found.eigenvalues[i]));
+    let vector = |&i: &usize| {
+        let vector = found.eigenvectors.column(i);
+        let sign = vector[vector.iamax()].signum();
+        vector.iter().map(|x| x * sign).collect()
+    };
+    let values = order.iter().map(|&i| found.eigenvalues[i]).collect();
+    (values, order.iter().map(vector).collect())
 }
 
 /// Σ f(λ) v vᵀ: a function of a symmetric matrix.

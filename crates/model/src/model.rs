@@ -2,7 +2,7 @@
 
 use crate::{
     error::ModelError,
-    heads::{FittedHead, HEADS, OwnHead, StyleHead, check},
+    heads::{FittedHead, HEADS, OwnHead, StyleHead, at, check, held_up},
     linear_algebra::norm,
     paper::PaperNetworks,
 };
@@ -231,21 +231,12 @@ impl Model {
     }
 }
 
-/// The habits of one driver: every linear head with the style folded in; none where nothing was learned.
+/// The habits of one driver: every linear head with the style folded in. Each answer is a mean, and `None` where nothing of the
+/// kind was learned.
 #[derive(Debug, Clone)]
 pub struct Habits {
-    /// Speed without anybody ahead, in m/s.
-    pub free_speed: Option<OwnHead>,
-    /// Time gap kept while following, in s.
-    pub following_gap: Option<OwnHead>,
-    /// Time gap at which to move out, in s.
-    pub move_out: Option<OwnHead>,
-    /// Time gap to whoever was passed at which to merge back, in s.
-    pub merge_back: Option<OwnHead>,
-    /// Probability of passing; reads the own free speed minus the vehicle's, in m/s.
-    pub pass: Option<OwnHead>,
-    /// Speed over the vehicle beside, in m/s; reads the same.
-    pub passing_speed: Option<OwnHead>,
+    /// In the order of [`HEADS`].
+    own: Vec<Option<OwnHead>>,
 }
 
 impl Habits {
@@ -258,15 +249,44 @@ impl Habits {
         model.check(embedding)?;
         let w = embedding.coordinates();
         let own = linear.heads.iter().zip(&HEADS);
-        let mut own = own.map(|(fitted, head)| OwnHead::new(head, fitted, w));
-        let mut next = || own.next().flatten();
         Ok(Self {
-            free_speed: next(),
-            following_gap: next(),
-            move_out: next(),
-            merge_back: next(),
-            pass: next(),
-            passing_speed: next(),
+            own: own
+                .map(|(fitted, head)| OwnHead::new(head, fitted, w))
+                .collect(),
         })
+    }
+
+    fn say(&self, which: usize, reads: &[f64]) -> Option<f64> {
+        self.own[which].as_ref().map(|h| h.expected(reads))
+    }
+
+    /// Speed without anybody ahead, in m/s.
+    pub fn free_speed_mps(&self) -> Option<f64> {
+        self.say(at::FREE_SPEED, &[])
+    }
+
+    /// Time gap kept behind a vehicle at `lead_mps` by somebody who would drive `free_mps`, in s.
+    pub fn following_gap_s(&self, free_mps: f64, lead_mps: f64) -> Option<f64> {
+        self.say(at::FOLLOWING_GAP, &[held_up(free_mps, lead_mps)])
+    }
+
+    /// Time gap at which to move out, in s.
+    pub fn move_out_s(&self) -> Option<f64> {
+        self.say(at::MOVE_OUT, &[])
+    }
+
+    /// Time gap to whoever was passed at which to merge back, in s.
+    pub fn merge_back_s(&self) -> Option<f64> {
+        self.say(at::MERGE_BACK, &[])
+    }
+
+    /// Probability of passing a vehicle at `lead_mps` for somebody who would drive `free_mps`.
+    pub fn passes(&self, free_mps: f64, lead_mps: f64) -> Option<f64> {
+        self.say(at::PASS, &[free_mps - lead_mps])
+    }
+
+    /// Speed over a vehicle at `lead_mps` while passing it, in m/s, for somebody who would drive `free_mps`.
+    pub fn passing_speed_over_mps(&self, free_mps: f64, lead_mps: f64) -> Option<f64> {
+        self.say(at::PASSING_SPEED, &[free_mps - lead_mps])
     }
 }

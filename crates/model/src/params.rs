@@ -73,7 +73,7 @@ impl Default for TrainSettings {
     fn default() -> Self {
         let windows = WindowSettings::default();
         Self {
-            heads: HeadsKind::Paper,
+            heads: HeadsKind::Linear,
             embedding_size: 3,
             hidden_units: 64,
             hidden_layers: 2,

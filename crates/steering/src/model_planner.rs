@@ -31,7 +31,7 @@ impl ModelPlanner {
     ) -> Result<Self, ModelError> {
         let (rule, controllers) = match model.kind() {
             HeadsKind::Linear => {
-                let habits = HabitRule::new(Habits::new(model, embedding)?);
+                let habits = HabitRule::new(Habits::new(model, embedding)?, settings.clone());
                 (Rule::Habits(Box::new(habits)), settings.clone())
             }
             HeadsKind::Paper => {

@@ -27,7 +27,7 @@ pub(crate) struct Train {
     out: std::path::PathBuf,
     /// Which heads learn: linear (habits as events) or paper (its five networks, which the epochs, fractions and patience below
     /// are about)
-    #[arg(long, default_value = "paper", value_name = "linear|paper")]
+    #[arg(long, default_value = "linear", value_name = "linear|paper")]
     heads: HeadsKind,
     /// Size of the embedding
     #[arg(long, default_value_t = 3)]

@@ -5,6 +5,7 @@
 //! the simulated gap goes back through half a minute of driving to the weights and embeddings: unlike a network
 //! fitted one step ahead it learns from what its own errors lead to.
 
+mod bfgs;
 mod controller;
 mod layout;
 mod settings;

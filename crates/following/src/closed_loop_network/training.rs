@@ -1,6 +1,7 @@
 //! Training through the simulated following, and fitting an embedding with frozen weights.
 
 use super::{
+    bfgs::{Evaluated, minimise},
     ClosedLoopNetwork, ClosedLoopSettings, TrainedClosedLoop,
     controller::Scaling,
     layout::Layout,
@@ -8,7 +9,8 @@ use super::{
 };
 use crate::{FollowingError, Stretch};
 use maveric_laws::Rss;
-use maveric_model::optimise::{Evaluated, cosine, polish};
+use maveric_model::cosine;
+use nalgebra::DVector;
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64;
@@ -121,11 +123,8 @@ pub(super) fn personalize(
     let alone = std::slice::from_ref(driver);
     let batches = batches(alone, segment_steps(alone, settings), None);
     let prior = prior(driver, settings);
-    let d = network.mean_embedding.len();
-    let unit: Vec<f64> = (0..d * d)
-        .map(|k| f64::from(u8::from(k % (d + 1) == 0)))
-        .collect();
-    let value = |w: &[f64]| {
+    let value = |w: &DVector<f64>| {
+        let w = w.as_slice();
         let mut found = loss(&network.world, &network.weights, w, &batches);
         let away: Vec<f64> = w
             .iter()
@@ -136,14 +135,11 @@ pub(super) fn personalize(
         shrink(&mut found.embeddings, &away, prior);
         Evaluated {
             value: found.loss,
-            gradient: found.embeddings,
-            // Nothing is known of it beforehand: the first step goes down the gradient.
-            curvature: unit.clone(),
+            gradient: DVector::from_vec(found.embeddings),
         }
     };
-    let start = network.mean_embedding.clone();
-    let here = value(&start);
-    polish(value, start, here, MOST_ITERATIONS).at
+    let start = DVector::from_column_slice(&network.mean_embedding);
+    minimise(value, start, MOST_ITERATIONS).as_slice().to_vec()
 }
 
 /// Strength of the prior beside a mean over this driver's rows.

@@ -408,10 +408,10 @@ impl<'a> Judge<'a> {
 /// What a driver's habits say of rows: the own gap while following, and the own free speed or, behind somebody nearer than that
 /// gap, theirs.
 fn said(habits: &Habits, rows: &[Row]) -> Vec<Said> {
-    let free_mps = habits.free_speed.as_ref().map(|h| h.middle(&[]));
-    let gap_s = habits.following_gap.as_ref().map(|h| h.middle(&[]));
+    let free_mps = habits.free_speed_mps();
+    let gap_m = |lead_mps: f64| Some(habits.following_gap_s(free_mps?, lead_mps)? * lead_mps);
     let of = |row: &Row| Said {
-        following_distance_m: gap_s.map(|s| s * row.lead_speed_mps),
+        following_distance_m: gap_m(row.lead_speed_mps),
         log_odds: None,
         speed_mps: free_mps.map(|v| match row.following_distance_m {
             Some(_) => v.min(row.lead_speed_mps),

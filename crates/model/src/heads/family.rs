@@ -53,11 +53,11 @@ impl Family {
         }
     }
 
-    /// The middle of the distribution that η gives: a median, or a probability.
-    pub fn middle(self, eta: f64) -> f64 {
+    /// The mean of the distribution that η gives, with the scatter `sd` around η; of [`Family::Logistic`] the probability.
+    pub fn mean(self, eta: f64, sd: f64) -> f64 {
         match self {
             Self::Gaussian => eta,
-            Self::LogNormal => eta.exp(),
+            Self::LogNormal => (eta + 0.5 * sd * sd).exp(),
             Self::Logistic => 1.0 / (1.0 + (-eta).exp()),
         }
     }
@@ -66,7 +66,7 @@ impl Family {
     pub(crate) fn loss(self, outcome: Outcome, eta: f64, sd: f64) -> Loss {
         match (self, outcome) {
             (Self::Logistic, Outcome::Value(done) | Outcome::AtLeast(done)) => {
-                let p = self.middle(eta);
+                let p = self.mean(eta, sd);
                 let towards = if done > 0.5 { -eta } else { eta };
                 Loss {
                     value: towards.max(0.0) + (-towards.abs()).exp().ln_1p(),

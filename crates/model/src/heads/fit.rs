@@ -14,12 +14,9 @@ use super::{
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Rounds at most.
-const ROUNDS: usize = 400;
+const ROUNDS: usize = 200;
 /// Largest change of a number, in its head's scatter between drives, at which the rounds end.
-const TOLERANCE: f64 = 1e-4;
-/// Weight of the mean share of all heads in each head's own share of what the style leaves unexplained, in drives a drive:
-/// with as many numbers in a style as half the heads, the share of a single head is hardly determined.
-const POOLED: f64 = 1.0;
+const TOLERANCE: f64 = 1e-3;
 /// Ridge on a head's numbers, in events.
 const RIDGE: f64 = 1e-3;
 /// Scatter of an event that a single drive starts with, as a share of the scatter over all.
@@ -56,7 +53,7 @@ pub(crate) fn fit(drives: &[DriveEvents], d: usize) -> Fitted {
                 refit(head, k, drives, &latents, d);
             }
         }
-        pool(&mut heads);
+        share_out(&mut heads);
         standardise(&mut heads, &latents, d);
         if heads.iter().zip(&before).all(|(a, b)| same(a, b)) {
             break;
@@ -234,20 +231,12 @@ fn expected_square(family: Family, outcome: Outcome, eta: f64, sd: f64) -> f64 {
     }
 }
 
-/// Draws every head's unexplained share towards the mean of all.
-fn pool(heads: &mut [FittedHead]) {
-    let square = |h: &FittedHead| h.slopes.iter().map(|b| b * b).sum::<f64>();
-    let learned: Vec<&FittedHead> = heads.iter().filter(|h| h.learned()).collect();
-    let share = |h: &FittedHead| {
-        let own = h.between_sd * h.between_sd;
-        own / (own + square(h))
-    };
-    let mean = learned.iter().map(|h| share(h)).sum::<f64>() / learned.len().max(1) as f64;
-    for head in heads.iter_mut().filter(|h| h.learned()) {
-        let own = head.between_sd * head.between_sd;
-        let all = own + square(head);
-        let pooled = (own + POOLED * mean * all) / (1.0 + POOLED);
-        head.between_sd = pooled.sqrt().max(LEAST_SD);
+/// Leaves open what [`Head::left_open`] says: it is the style that has to explain the rest.
+fn share_out(heads: &mut [FittedHead]) {
+    for (head, known) in heads.iter_mut().zip(&HEADS).filter(|(h, _)| h.learned()) {
+        let square = head.slopes.iter().map(|b| b * b).sum::<f64>();
+        let all = head.between_sd * head.between_sd + square;
+        head.between_sd = (known.left_open * all).sqrt().max(LEAST_SD);
     }
 }
 

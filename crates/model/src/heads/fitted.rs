@@ -64,9 +64,10 @@ pub(crate) fn check(heads: &[FittedHead], d: usize) -> Result<(), ModelError> {
 
 /// What a head says of one driver: `η = common·z` with the style folded in.
 #[derive(Debug, Clone)]
-pub struct OwnHead {
+pub(crate) struct OwnHead {
     head: &'static Head,
     common: Vec<f64>,
+    within_sd: f64,
 }
 
 impl OwnHead {
@@ -76,18 +77,22 @@ impl OwnHead {
         }
         let mut common = fitted.common.clone();
         common[0] = fitted.eta(w, std::iter::once(1.0));
-        Some(Self { head, common })
+        Some(Self {
+            head,
+            common,
+            within_sd: fitted.within_sd,
+        })
     }
 
-    /// The middle of what this driver does in the situation `reads`, in the head's unit.
-    pub fn middle(&self, reads: &[f64]) -> f64 {
+    /// The mean of what this driver does in the situation `reads`, in the head's unit; of one habit, a probability.
+    pub(crate) fn expected(&self, reads: &[f64]) -> f64 {
         let z = std::iter::once(&1.0).chain(reads);
         let eta = self.common.iter().zip(z).map(|(a, z)| a * z).sum();
-        self.head.family.middle(eta)
+        self.head.family.mean(eta, self.within_sd)
     }
 
-    /// The middle for the situation of an event.
+    /// The mean for the situation of an event.
     pub(crate) fn of(&self, event: &Event) -> f64 {
-        self.middle(&event.reads)
+        self.expected(&event.reads)
     }
 }

@@ -2,7 +2,8 @@
 
 use super::{
     family::{Family, Outcome},
-    head::{Event, Head},
+    free_speed,
+    head::{BESIDE, Event, Head},
     situation::{blocks, mean},
 };
 use maveric_domain::Drive;
@@ -19,18 +20,27 @@ pub(super) const HEAD: Head = Head {
     title: "Time gap while following",
     unit: "s",
     family: Family::LogNormal,
-    reads: &[],
+    left_open: BESIDE,
+    reads: &["logarithm of how much slower than the own free speed the vehicle is, m/s"],
     events,
 };
 
+/// What is read of a vehicle: people keep less behind one that holds them up. Below 0.5 m/s it does not.
+pub(crate) fn held_up(free_mps: f64, lead_mps: f64) -> f64 {
+    (free_mps - lead_mps).max(0.5).ln()
+}
+
 fn events(drive: &Drive) -> Vec<Event> {
+    let Some(free_mps) = free_speed::own_mps(drive) else {
+        return Vec::new();
+    };
     let rows = drive.rows();
     let found = blocks(drive, SETTLE_S, BLOCK_S, |row| rows.following[row]);
     let of = |block: std::ops::Range<usize>| {
         let gap_s = mean(&rows.lead_dx_m, &block) / mean(&rows.ego_speed_mps, &block);
         (gap_s > SHORTEST_S).then(|| Event {
             time_s: rows.time_s[block.start] - rows.time_s[0],
-            reads: Vec::new(),
+            reads: vec![held_up(free_mps, mean(&rows.lead_speed_mps, &block))],
             outcome: Outcome::Value(gap_s),
         })
     };

@@ -2,7 +2,7 @@
 
 use super::{
     family::{Family, Outcome},
-    head::{Event, Head},
+    head::{CARRIED, Event, Head},
     situation::{blocks, mean},
 };
 use maveric_domain::Drive;
@@ -20,6 +20,7 @@ pub(super) const HEAD: Head = Head {
     title: "Free speed",
     unit: "m/s",
     family: Family::Gaussian,
+    left_open: CARRIED,
     reads: &[],
     events,
 };

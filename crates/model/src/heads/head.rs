@@ -20,11 +20,21 @@ pub struct Head {
     pub unit: &'static str,
     /// What η means.
     pub family: Family,
+    /// Share of how drivers differ in it that the style need not say: [`CARRIED`] or [`BESIDE`].
+    pub left_open: f64,
     /// Names of what it reads beside the constant, with units.
     pub reads: &'static [&'static str],
     /// Whatever of the kind happened in a drive, in order of time.
     pub(super) events: fn(&Drive) -> Vec<Event>,
 }
+
+/// [`Head::left_open`] of the habits that a style is there to carry: its numbers are drawn along them first.
+///
+/// With three numbers for six habits the likelihood alone hardly determines which of them the numbers say exactly; it may as well
+/// spend them on habits that the car seldom shows. Chosen on development seeds.
+pub(super) const CARRIED: f64 = 0.02;
+/// [`Head::left_open`] of habits that are said as far as they go along with those.
+pub(super) const BESIDE: f64 = 0.5;
 
 /// One time that a driver showed a habit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -45,7 +55,6 @@ impl Event {
 }
 
 /// Where each head stands in [`HEADS`].
-#[cfg(test)]
 pub(crate) mod at {
     pub(crate) const FREE_SPEED: usize = 0;
     pub(crate) const FOLLOWING_GAP: usize = 1;

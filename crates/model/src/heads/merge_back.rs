@@ -2,7 +2,7 @@
 
 use super::{
     family::{Family, Outcome},
-    head::{Event, Head},
+    head::{CARRIED, Event, Head},
     situation::STANDSTILL_MPS,
 };
 use maveric_domain::{Drive, drive::Direction};
@@ -12,6 +12,7 @@ pub(super) const HEAD: Head = Head {
     title: "Time gap when merging back",
     unit: "s",
     family: Family::LogNormal,
+    left_open: CARRIED,
     reads: &[],
     events,
 };

@@ -18,7 +18,10 @@ mod train;
 
 pub use family::{Family, Outcome};
 pub(crate) use fitted::check;
-pub use fitted::{FittedHead, OwnHead};
+pub(crate) use fitted::OwnHead;
+pub use fitted::FittedHead;
+pub(crate) use following_gap::held_up;
+pub(crate) use head::at;
 pub use head::{Event, HEADS, Head, events_of};
 pub use kept_back::KeptBack;
 pub use posterior::Posterior;

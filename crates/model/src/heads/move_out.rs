@@ -2,7 +2,7 @@
 
 use super::{
     family::{Family, Outcome},
-    head::{Event, Head},
+    head::{CARRIED, Event, Head},
     situation::{lead_ahead, time_gap_s},
 };
 use maveric_domain::{Drive, drive::Direction};
@@ -15,6 +15,7 @@ pub(super) const HEAD: Head = Head {
     title: "Time gap when moving out",
     unit: "s",
     family: Family::LogNormal,
+    left_open: CARRIED,
     reads: &[],
     events,
 };

@@ -3,7 +3,7 @@
 use super::{
     family::{Family, Outcome},
     free_speed,
-    head::{Event, Head},
+    head::{BESIDE, Event, Head},
     situation::{lead_ahead, time_gap_s},
 };
 use maveric_domain::{Drive, drive::Direction};
@@ -18,6 +18,7 @@ pub(super) const HEAD: Head = Head {
     title: "Passes rather than follows",
     unit: "1",
     family: Family::Logistic,
+    left_open: BESIDE,
     reads: &["own free speed minus the vehicle's, m/s"],
     events,
 };

@@ -3,7 +3,7 @@
 use super::{
     family::{Family, Outcome},
     free_speed,
-    head::{Event, Head},
+    head::{BESIDE, Event, Head},
     situation::{blocks, mean, passing},
 };
 use maveric_domain::Drive;
@@ -19,6 +19,7 @@ pub(super) const HEAD: Head = Head {
     title: "Speed over the vehicle passed",
     unit: "m/s",
     family: Family::Gaussian,
+    left_open: BESIDE,
     reads: &["own free speed minus the vehicle's, m/s"],
     events,
 };

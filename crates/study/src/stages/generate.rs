@@ -30,7 +30,7 @@ pub struct GenerateOptions {
     pub out: Option<PathBuf>,
     /// World to drive in; the design's without, else the paper's.
     pub scenario: Option<PathBuf>,
-    /// Who drives (TOML); the scenario's people without.
+    /// Who drives: a population or a scenario (TOML); the scenario's people without.
     pub population: Option<PathBuf>,
     /// Folder of questionnaire definitions; the design's without.
     pub scales: Option<PathBuf>,
@@ -84,14 +84,21 @@ pub fn read_scenario(path: Option<&Path>, duration_s: Option<f64>) -> Result<Sce
     }
 }
 
-/// Reads a population, or takes the people of `scenario`.
+/// Reads a population, or the people of the scenario in that file; without a file takes the people of `scenario`.
 fn read_people(path: Option<&Path>, scenario: &Scenario) -> Result<People, StudyError> {
     match path {
         None => Ok(People::Drivers(Box::new(
             scenario.settings().drivers.clone(),
         ))),
-        Some(path) => toml::from_str(&read_text(path)?)
-            .map_err(|e| StudyError::file(path, format!("not a population: {e}"))),
+        Some(path) => {
+            let text = read_text(path)?;
+            toml::from_str(&text).or_else(|error| match toml::from_str::<Scenario>(&text) {
+                Ok(scenario) => Ok(People::Drivers(Box::new(
+                    scenario.settings().drivers.clone(),
+                ))),
+                Err(_) => Err(StudyError::file(path, format!("not a population: {error}"))),
+            })
+        }
     }
 }
 

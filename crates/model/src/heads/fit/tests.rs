@@ -47,7 +47,7 @@ fn made_up(n: usize, seed: u64) -> MadeUp {
                     }
                     Family::LogNormal => Outcome::Value((eta + within * normal()).exp()),
                     Family::Logistic => {
-                        let p = Family::Logistic.middle(eta + reads[0]);
+                        let p = Family::Logistic.mean(eta + reads[0], 0.0);
                         let u = 0.5 * (1.0 + (normal() / 1.3).tanh());
                         Outcome::Value(f64::from(u8::from(u < p)))
                     }
