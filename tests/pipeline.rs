@@ -107,7 +107,6 @@ fn the_small_study_runs_once_and_then_only_what_changed() {
     is_page(&study.path("reports/smoke/index.html"));
     for figure in [
         "domain",
-        "architecture",
         "simulator-view",
         "embedding-space",
         "difference-panels",
@@ -123,6 +122,9 @@ fn the_small_study_runs_once_and_then_only_what_changed() {
         };
         assert!(there(".svg") && there(".png"), "figure {figure}");
     }
+
+    let page = std::fs::read_to_string(study.path("reports/smoke/index.html")).unwrap();
+    assert!(page.contains("Habits as events"), "which heads they are");
 
     bad_results_are_said(&study);
     let again = study.maveric(&["run", SMOKE, "--format", "json"]).ok();
@@ -338,7 +340,8 @@ fn the_same_seed_gives_the_same_bytes_on_one_thread_and_on_two() {
 fn an_interrupted_run_ends_with_130_and_goes_on_where_it_stopped() {
     let study = TempStudy::new();
     // Many epochs: the run must not be over before it is interrupted.
-    let mut command = study.command(&["run", SMOKE, "--set", "epochs=2000"]);
+    let paper = ["run", SMOKE, "--set", "heads=paper"];
+    let mut command = study.command(&[&paper[..], &["--set", "epochs=2000"]].concat());
     let mut child = command
         .stdout(Stdio::null())
         .stderr(Stdio::null())
@@ -359,13 +362,26 @@ fn an_interrupted_run_ends_with_130_and_goes_on_where_it_stopped() {
     assert!(killed.success());
     let ended = child.wait().unwrap();
     assert_eq!(ended.code(), Some(130));
-    let next = study.maveric(&["run", SMOKE, "--format", "json"]).ok();
+    let next = study
+        .maveric(&[&paper[..], &["--format", "json"]].concat())
+        .ok();
     let generate = states(&next.stdout)
         .into_iter()
         .find(|(stage, _)| stage == "generate")
         .unwrap();
     assert_eq!(generate.1, "up_to_date");
-    is_page(&study.path("reports/smoke/index.html"));
+    let page = study.path("reports/smoke/index.html");
+    is_page(&page);
+    let page = std::fs::read_to_string(page).unwrap();
+    assert!(page.contains("The paper’s five networks"));
+    assert!(study.path("reports/smoke/figures").is_dir());
+    let figures = std::fs::read_dir(study.path("reports/smoke/figures")).unwrap();
+    let names = figures.map(|f| f.unwrap().file_name().to_string_lossy().into_owned());
+    assert!(
+        names
+            .into_iter()
+            .any(|name| name.starts_with("architecture"))
+    );
 }
 
 #[test]

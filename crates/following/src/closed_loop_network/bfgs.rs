@@ -109,7 +109,8 @@ fn update(inverse: &mut DMatrix<f64>, s: &DVector<f64>, y: &DVector<f64>) {
     let rho = 1.0 / curvature;
     let hy = &*inverse * y;
     let both = &hy * s.transpose();
-    *inverse += rho * (1.0 + rho * y.dot(&hy)) * s * s.transpose() - rho * (&both + both.transpose());
+    *inverse +=
+        rho * (1.0 + rho * y.dot(&hy)) * s * s.transpose() - rho * (&both + both.transpose());
 }
 
 #[cfg(test)]

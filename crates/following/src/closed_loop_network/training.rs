@@ -1,8 +1,8 @@
 //! Training through the simulated following, and fitting an embedding with frozen weights.
 
 use super::{
-    bfgs::{Evaluated, minimise},
     ClosedLoopNetwork, ClosedLoopSettings, TrainedClosedLoop,
+    bfgs::{Evaluated, minimise},
     controller::Scaling,
     layout::Layout,
     unrolled::{Batch, Gradient, LANES, World, gradient},

@@ -31,9 +31,8 @@ pub(crate) fn held_up(free_mps: f64, lead_mps: f64) -> f64 {
 }
 
 fn events(drive: &Drive) -> Vec<Event> {
-    let Some(free_mps) = free_speed::own_mps(drive) else {
-        return Vec::new();
-    };
+    // Without free road in the drive, the speed that is posted stands for the own.
+    let free_mps = free_speed::own_mps(drive).unwrap_or(drive.road().posted_speed_mps);
     let rows = drive.rows();
     let found = blocks(drive, SETTLE_S, BLOCK_S, |row| rows.following[row]);
     let of = |block: std::ops::Range<usize>| {

@@ -17,9 +17,9 @@ mod style;
 mod train;
 
 pub use family::{Family, Outcome};
-pub(crate) use fitted::check;
-pub(crate) use fitted::OwnHead;
 pub use fitted::FittedHead;
+pub(crate) use fitted::OwnHead;
+pub(crate) use fitted::check;
 pub(crate) use following_gap::held_up;
 pub(crate) use head::at;
 pub use head::{Event, HEADS, Head, events_of};

@@ -59,7 +59,7 @@ impl Latent {
 }
 
 /// Newton steps at most.
-const STEPS: usize = 50;
+const STEPS: usize = 100;
 /// Promised gain, as a share of the value, at which they end.
 const TOLERANCE: f64 = 1e-10;
 

@@ -82,12 +82,13 @@ fn heads_learned_from_some_drivers_say_what_others_do() {
     let others = made_up(200, 2);
     for k in [at::FREE_SPEED, at::MOVE_OUT, at::MERGE_BACK] {
         let head = &fitted.heads[k];
-        let (level, slopes, between, within) = TRUTH[k];
+        let (level, slopes, _, within) = TRUTH[k];
         let length = head.slopes.iter().map(|b| b * b).sum::<f64>().sqrt();
         let truth = slopes[0].hypot(slopes[1]);
         assert!((head.common[0] - level).abs() < 0.5 * truth, "{head:?}");
         assert!((length / truth - 1.0).abs() < 0.35, "{head:?}");
-        assert!((head.between_sd / between).ln().abs() < 0.7, "{head:?}");
+        let open = head.between_sd.powi(2) / (head.between_sd.powi(2) + length * length);
+        assert!((open - HEADS[k].left_open).abs() < 1e-3, "{head:?}");
         assert!((head.within_sd / within - 1.0).abs() < 0.25, "{head:?}");
         let pairs = others.events.iter().zip(&others.eta).map(|(events, eta)| {
             let latent = solve(&fitted.heads, events, None, 2, None);

@@ -3,10 +3,12 @@
 mod model;
 mod page;
 mod percept;
+mod scale;
 mod trial;
 
 pub use model::{Learned, Preferred, Standard};
 pub use percept::{Dial, Percept};
+pub use scale::OnTheScale;
 pub use trial::{
     DialRehearsal, LearnedFrom, Method, RehearseDialOptions, Score as RecoveryScore, TrialError,
     rehearse_dial,
@@ -60,6 +62,8 @@ pub struct Recommendation {
     pub participant: ParticipantId,
     /// By their own ratings of the conditions and by who they are; none if the ratings have no top.
     pub preferred: Option<Preferred>,
+    /// The same on the scale of the score, with what the drive leaves open of the own style.
+    pub on_the_scale: Option<OnTheScale>,
     /// By who they are alone, as for somebody who has not ridden yet.
     pub before_riding: Option<Preferred>,
     /// The reasons, the largest first.
@@ -156,9 +160,12 @@ fn recommendation(learned: &Learned, data: &StudyData, p: &ParticipantId) -> Rec
     let traits = learned.traits(data, p);
     let before = learned.belief(data, p, false);
     let after = learned.belief(data, p, true);
+    let preferred = learned.preferred(&after, &traits);
+    let on_the_scale = preferred.as_ref();
     Recommendation {
         participant: p.clone(),
-        preferred: learned.preferred(&after, &traits),
+        on_the_scale: on_the_scale.and_then(|preferred| scale::on_the_scale(data, p, preferred)),
+        preferred,
         before_riding: learned.preferred(&before, &traits),
         reasons: reasons(learned, &before, &after, &traits),
         next: next(learned, &after, &traits),
@@ -234,6 +241,12 @@ fn said(r: &Recommendation, at_length: bool) -> Vec<String> {
         r.participant,
         r.preferred.as_ref().map_or_else(none, line)
     )];
+    if let Some(s) = &r.on_the_scale {
+        lines.push(format!(
+            "  on the scale: {:.0} points (95% {:.0} to {:.0}), the own style being {:.0} ± {:.0}",
+            s.at, s.low, s.high, s.own, s.own_sd
+        ));
+    }
     if at_length {
         lines.push(format!(
             "  before riding: {}",

@@ -79,6 +79,7 @@ pub(super) fn section_embedding(
         "The embeddings of the test participants were fitted with their {score}; the line’s correlation with \
          it is then partly built in, so the table shows the fit without the score beside it."
     )];
+    intro.extend(step_of_the_dial(&run.conditions, score));
     let mut figures = Vec::new();
     if space.points.is_empty() && run.training.is_none() {
         intro.push(
@@ -104,6 +105,23 @@ pub(super) fn section_embedding(
         figures,
         tables: vec![tables::embedding_line(&rows, score, n)],
     }))
+}
+
+/// How sure a step of the dial is, and how often the scale's end cut it short; `None` where nothing is known of that.
+fn step_of_the_dial(conditions: &[ConditionRow], score: &str) -> Option<String> {
+    let steps = conditions
+        .iter()
+        .filter_map(|c| Some((c.moved_points.abs(), c.moved_points_sd?)));
+    let (points, sd) = steps.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let clamped = conditions.iter().filter(|c| c.clamped).count();
+    (points > 0.0).then(|| {
+        format!(
+            "A step of {points:.0} points of {score} is known to within {:.0} points (95%: bootstrap over the people learned from); {clamped} of \
+             {} settings ended at an end of the scale.",
+            1.96 * sd,
+            conditions.len()
+        )
+    })
 }
 
 /// The embeddings of the training drives; none where the model was learned elsewhere.

@@ -1,0 +1,86 @@
+//! Where a recommendation lies on the scale of the score, with what one drive leaves open of the own style.
+
+use super::Preferred;
+use maveric_analysis::StudyData;
+use maveric_domain::{EmbeddingRow, ParticipantId};
+use serde::Serialize;
+
+/// The own style and the recommended one, in points of the score.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OnTheScale {
+    /// What S reads of the own style.
+    pub own: f64,
+    /// SD of that: the posterior of the style, along the direction of S.
+    pub own_sd: f64,
+    /// The recommended setting.
+    pub at: f64,
+    /// Low end of its 95 % interval, both uncertainties together.
+    pub low: f64,
+    /// High end.
+    pub high: f64,
+}
+
+/// Half of a 95 % interval, in SDs.
+const HALF_95: f64 = 1.96;
+
+/// `None` without a model that reads a score and knows how sure it is.
+pub(super) fn on_the_scale(
+    data: &StudyData,
+    p: &ParticipantId,
+    preferred: &Preferred,
+) -> Option<OnTheScale> {
+    let row = data
+        .embedding(p, true)
+        .or_else(|| data.embedding(p, false))?;
+    let own = row.adb_hat?;
+    let own_sd = row.line_position_se? * points_a_step(&data.embeddings)?;
+    let end = |end: f64| {
+        let reach = (end - preferred.points).hypot(HALF_95 * own_sd);
+        own + preferred.points + reach.copysign(end - preferred.points)
+    };
+    Some(OnTheScale {
+        own,
+        own_sd,
+        at: own + preferred.points,
+        low: end(preferred.low),
+        high: end(preferred.high),
+    })
+}
+
+/// Points of the score for each step along the aggression line: S is linear, so any two embeddings tell.
+fn points_a_step(rows: &[EmbeddingRow]) -> Option<f64> {
+    let mut known = rows
+        .iter()
+        .filter_map(|r| r.line_position.zip(r.adb_hat))
+        .collect::<Vec<_>>();
+    known.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (first, last) = (known.first()?, known.last()?);
+    let points = (last.1 - first.1) / (last.0 - first.0);
+    points.is_finite().then_some(points.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use maveric_domain::{ConditionId, DriveId, Embedding};
+
+    #[test]
+    fn two_embeddings_tell_what_a_step_is_worth_and_one_does_not() {
+        let row = |position: f64| EmbeddingRow {
+            drive: DriveId::new("d").unwrap(),
+            participant: ParticipantId::new("P").unwrap(),
+            condition: ConditionId::OWN,
+            adb_used: true,
+            adb: None,
+            adb_hat: Some(30.0 + 9.0 * position),
+            line_position: Some(position),
+            readings: None,
+            covariance: None,
+            line_position_se: Some(0.3),
+            embedding: Embedding::new(vec![position]).unwrap(),
+        };
+        let found = points_a_step(&[row(0.5), row(-1.0)]).unwrap();
+        assert!((found - 9.0).abs() < 1e-9);
+        assert_eq!(points_a_step(&[row(0.5)]), None);
+    }
+}
