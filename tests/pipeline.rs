@@ -169,7 +169,7 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
     let study = TempStudy::new();
     let generate = |out: &str, more: &[&str]| {
         let mut args = vec!["generate", "--out", out, "--study1", "3", "--study2", "3"];
-        args.extend(["--duration", "120", "--seed", "1"]);
+        args.extend(["--duration", "240", "--seed", "1"]);
         args.extend(more);
         study.maveric(&args).ok();
     };

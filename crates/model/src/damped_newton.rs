@@ -34,7 +34,7 @@ const FIRST_DAMPING: f64 = 0.05;
 
 /// Minimises `f` from `start`.
 ///
-/// It ends when no step promises a decrease above `tolerance` times the value, or the last one brought none. A step solves `(H + λ h I) δ = −g`, with h the mean curvature; λ is 0 as long as steps keep what they promise, and rises when
+/// It ends when no step promises a decrease above `tolerance` times the value or, where that is larger, 1, or the last one brought none. A step solves `(H + λ h I) δ = −g`, with h the mean curvature; λ is 0 as long as steps keep what they promise, and rises when
 /// they do not, as where the losses, piecewise smooth (ReLU), have a kink.
 ///
 /// # Source
@@ -68,7 +68,7 @@ pub(crate) fn minimise(
         }
         let bend = dot(&step, &times(&here.curvature, &step));
         let promised = -dot(&step, &here.gradient) - 0.5 * bend;
-        if promised <= tolerance * here.value.abs() {
+        if promised <= tolerance * (1.0 + here.value.abs()) {
             break;
         }
         iterations += 1;
@@ -86,7 +86,7 @@ pub(crate) fn minimise(
             };
         }
         if kept >= SUFFICIENT {
-            let little = gained <= tolerance * here.value.abs();
+            let little = gained <= tolerance * (1.0 + here.value.abs());
             (x, here) = (candidate, there);
             if little {
                 break;
