@@ -111,7 +111,7 @@ pub(super) fn section_embedding(
 fn step_of_the_dial(conditions: &[ConditionRow], score: &str) -> Option<String> {
     let steps = conditions
         .iter()
-        .filter_map(|c| Some((c.moved_points.abs(), c.moved_points_sd?)));
+        .filter_map(|c| Some((c.moved_points?.abs(), c.moved_points_sd?)));
     let (points, sd) = steps.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let clamped = conditions.iter().filter(|c| c.clamped).count();
     (points > 0.0).then(|| {
