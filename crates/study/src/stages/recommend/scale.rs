@@ -69,7 +69,7 @@ mod tests {
         let row = |position: f64| EmbeddingRow {
             drive: DriveId::new("d").unwrap(),
             participant: ParticipantId::new("P").unwrap(),
-            condition: ConditionId::OWN,
+            condition: ConditionId::new("own").unwrap(),
             adb_used: true,
             adb: None,
             adb_hat: Some(30.0 + 9.0 * position),
