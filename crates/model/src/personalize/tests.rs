@@ -48,7 +48,7 @@ fn who_drives_faster_with_shorter_gaps_is_read_as_more_aggressive() {
     };
     let (fast, slow) = (of(&FAST), of(&slow));
     assert!(fast.aggression_hat.unwrap() > slow.aggression_hat.unwrap() + 8.0);
-    assert!(fast.iterations < 50 && !fast.used_adb);
+    assert!(!fast.used_adb);
     // A longer drive says more.
     let short = personalizer
         .fit(&drive_apart("new", &FAST, 60.0), None)
