@@ -462,7 +462,7 @@ fn people_of_two_cities_are_one_factorial_test_and_each_city_a_panel_of_its_own(
         FactorialDesign::from_columns(&long.people, &within, &between, &long.values).unwrap();
     assert_eq!(found.found.anova, factorial(&alone));
     assert!(found.found.anova.anova.get("city:condition").is_some());
-    assert!(a.notes.is_empty());
+    assert!(!a.notes.iter().any(|note| note.contains("city")));
     // Three contrasts over everybody are one family, six of two groups another.
     for (family, count) in [(&panels[..1], 3.0), (&panels[1..], 6.0)] {
         let contrasts = || family.iter().flat_map(|p| &p.contrasts);
@@ -516,7 +516,8 @@ fn conditions_that_cross_two_factors_have_main_effects_and_their_interaction() {
         "speed = \"middle\", side = \"right\"",
     );
     let a = analysed_by(&broken, tables());
-    assert!(a.notes[0].contains("do not cross"), "{:?}", a.notes);
+    let says = |note: &String| note.contains("do not cross");
+    assert!(a.notes.iter().any(says), "{:?}", a.notes);
     assert!(
         a.panels[0]
             .comparison
