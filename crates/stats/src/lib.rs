@@ -51,7 +51,8 @@ pub use bayes::{
 pub use bootstrap::{Bootstrap, BootstrapData, BootstrapSettings, Interval, Statistic, bootstrap};
 pub use by_design::{
     ByDesign, Chosen, ChosenTest, CorrectedTerm, DesignChoice, DesignColumns, FactorialFinding,
-    MissingCells, MixedFinding, OrdinalFinding, OutcomeScale, RankCheck, compare_by_design,
+    MissingCells, MixedFinding, OrdinalFinding, OutcomeScale, RankCheck, SmallSample,
+    compare_by_design,
 };
 pub use compare::{
     AssumptionCheck, Comparison, Omnibus, OmnibusP, OmnibusTest, SphericityCorrection, compare,

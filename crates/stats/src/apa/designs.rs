@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     Adjustment, AlignedRanks, BayesCorrelationAnalysis, BayesTAnalysis, ByDesign, ChosenTest,
-    Equivalence, Factorial, FactorialEffect, GroupsAnalysis, MixedFinding, Ordinal,
+    Equivalence, Factorial, FactorialEffect, GroupsAnalysis, MixedFinding, Ordinal, OrdinalFinding,
     OrdinalParameter, RandomIntercept,
 };
 
@@ -206,6 +206,20 @@ impl Statements for Ordinal {
     }
 }
 
+/// As of the model, with the conditions held against F.
+impl Statements for OrdinalFinding {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let mut said = self.model.statements();
+        said.retain(|(name, _)| name != "lr");
+        if let Some(test) = &self.small_sample {
+            let df = [test.df1 as f64, test.df2 as f64];
+            let conditions = Statement::of("*F*", &df, test.f).p(test.p, Adjustment::None);
+            said.insert(0, ("conditions".to_owned(), conditions));
+        }
+        said
+    }
+}
+
 /// The test that was chosen, and no other.
 impl Statements for ByDesign {
     fn statements(&self) -> Vec<(String, Statement)> {
@@ -237,7 +251,7 @@ impl Statements for ByDesign {
                 said
             }
             Self::Mixed(found) => found.found.statements(),
-            Self::Ordinal(found) => found.found.model.statements(),
+            Self::Ordinal(found) => found.found.statements(),
         }
     }
 }

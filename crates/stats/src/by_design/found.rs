@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     AlignedRanks, AssumptionCheck, Comparison, Factorial, Friedman, GroupsAnalysis, Named, Ordinal,
-    RandomIntercept, Reasons, Wilcoxon,
+    RandomIntercept, Reasons, Wilcoxon, numerics::distributions::f_upper,
 };
 
 /// The test that a design calls for, where it is not one factor within subjects.
@@ -94,9 +94,43 @@ pub struct OrdinalFinding {
     /// The model.
     #[serde(flatten)]
     pub model: Ordinal,
+    /// The conditions, as few subjects ask; `None` without a likelihood ratio or without degrees of freedom.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub small_sample: Option<SmallSample>,
     /// The rank test of the complete subjects, as a check; `None` where too few are complete.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub beside: Option<RankCheck>,
+}
+
+/// A likelihood ratio held against F in place of chi-squared, which finds too much where subjects are few.
+///
+/// # Source
+/// The ratio over its degrees of freedom against F with those and the degrees of freedom within subjects that the model leaves
+/// (rows less subjects less `df1`), as in Wald's F tests; ours for cumulative logits: how often it errs is counted in the crate's README.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SmallSample {
+    /// The ratio over `df1`.
+    #[serde(rename = "F")]
+    pub f: f64,
+    /// Conditions less 1.
+    pub df1: usize,
+    /// Rows less subjects less `df1`.
+    pub df2: usize,
+    /// P(F ≥ `f`).
+    pub p: f64,
+}
+
+impl SmallSample {
+    pub(super) fn of(model: &Ordinal) -> Option<Self> {
+        let df1 = model.quadrature.lr.df;
+        let df2 = model.n_obs.checked_sub(model.n_subjects + df1)?;
+        if df1 == 0 || df2 == 0 {
+            return None;
+        }
+        let f = model.quadrature.lr.chi2? / df1 as f64;
+        let p = f_upper(f, df1 as f64, df2 as f64);
+        Some(Self { f, df1, df2, p })
+    }
 }
 
 /// The rank tests beside an ordinal model.
@@ -175,7 +209,10 @@ impl ByDesign {
                 let terms = found.found.model.anova.iter();
                 terms.map(|(name, _)| (name, found.found.p(name))).collect()
             }
-            Self::Ordinal(found) => vec![("omnibus", found.found.model.quadrature.lr.p)],
+            Self::Ordinal(found) => {
+                let small_sample = found.found.small_sample.as_ref();
+                vec![("omnibus", small_sample.map(|test| test.p))]
+            }
         }
     }
 }

@@ -8,7 +8,7 @@ mod one_factor;
 
 pub use found::{
     ByDesign, Chosen, ChosenTest, CorrectedTerm, FactorialFinding, MixedFinding, OrdinalFinding,
-    RankCheck,
+    RankCheck, SmallSample,
 };
 
 use crate::{

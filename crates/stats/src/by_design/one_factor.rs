@@ -2,7 +2,7 @@
 
 use super::{
     ByDesign, Chosen, ChosenTest, DesignChoice, DesignColumns, OrdinalFinding, OutcomeScale,
-    RankCheck,
+    RankCheck, SmallSample,
 };
 use crate::{
     Reasons, StatsError, WithinSubjects, compare, compare_without_exact, ordinal, within,
@@ -67,6 +67,10 @@ pub(super) fn one_factor(
     let complete = WithinSubjects::from_long(data.subjects, conditions, data.values);
     if as_answers {
         let model = ordinal(data.subjects, conditions, data.values)?;
+        reasons.push(
+            "its likelihood ratio over its degrees of freedom is held against F: against chi-squared it finds too much where people are few"
+                .to_owned(),
+        );
         reasons
             .push("the rank test of the complete subjects stands beside it, as a check".to_owned());
         let beside = complete.ok().map(|data| rank_check(&data, choice.exact));
@@ -74,7 +78,11 @@ pub(super) fn one_factor(
             chosen: ChosenTest::Ordinal,
             reasons,
             checks: Vec::new(),
-            found: OrdinalFinding { model, beside },
+            found: OrdinalFinding {
+                small_sample: SmallSample::of(&model),
+                model,
+                beside,
+            },
         })));
     }
     let complete = complete?;
