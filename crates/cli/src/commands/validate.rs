@@ -27,7 +27,7 @@ pub(crate) struct Validate {
     /// Length of a drive, in s; the scenario's when not given
     #[arg(long)]
     duration: Option<f64>,
-    /// How far Aggressive and Cautious are from Mimic, in points of the ADB scale
+    /// How far a step of the dial to either side is from the own style, in points of the ADB scale
     #[arg(long, default_value_t = 15.0)]
     points: f64,
     /// Roads on which each setting of the dial is driven; the measures are averaged

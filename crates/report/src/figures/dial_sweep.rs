@@ -99,7 +99,7 @@ pub fn dial_sweep(input: &DialSweep, context: &Context) -> Result<Figure, Report
         caption: format!(
             "Each measure of the car’s drives as its driver, shifted by {} to {} points of predicted aggression. \
              {lines}; black: mean of the drivers with a value at every shift, with 95% intervals, \
-             marked blue where the shift is towards cautious, purple where there is none (Mimic) and orange \
+             marked blue where the shift is towards cautious, purple where there is none and orange \
              where it is towards aggressive. *n* = {}; no test.",
             number(first, 0),
             number(last, 0),

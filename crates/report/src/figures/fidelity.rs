@@ -78,7 +78,7 @@ pub fn fidelity(input: &Fidelity, context: &Context) -> Result<Figure, ReportErr
         .iter()
         .map(|row| {
             let mut words = vec![format!(
-                "{}: Mimic {}%",
+                "{}: the car {}%",
                 row.measure,
                 percent(row.mimic.mean)
             )];
@@ -106,7 +106,7 @@ pub fn fidelity(input: &Fidelity, context: &Context) -> Result<Figure, ReportErr
         shows: Shows::Participants,
     };
     let looks = [
-        (Marker::Square, PURPLE, "Mimic"),
+        (Marker::Square, PURPLE, "Car"),
         (Marker::Circle, INK, "own second drive"),
         (Marker::TriangleDown, GREY, "mean of all drivers"),
         (Marker::Diamond, OCHRE, "paper"),

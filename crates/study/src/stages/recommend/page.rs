@@ -237,7 +237,7 @@ fn scores_table(found: &DialRehearsal) -> Table {
         ],
         rows,
         notes: vec![
-            "Wilson’s 95% intervals. Where the model has no recommendation the car stays with Mimic. Preferences beyond 30 points count as 30.".to_owned(),
+            "Wilson’s 95% intervals. Where the model has no recommendation the car stays with the own style. Preferences beyond 30 points count as 30.".to_owned(),
         ],
     }
 }

@@ -31,7 +31,7 @@ pub struct Examined {
     pub model: String,
     /// Are drivers told apart?
     pub identity: Vec<Identification>,
-    /// Is Mimic like its driver?
+    /// Is the car like its driver?
     pub fidelity: Vec<Fidelity>,
     /// And as a distribution?
     pub likeness: Vec<Likeness>,
@@ -208,13 +208,13 @@ impl Bench<'_> {
                 &by_measures,
             ),
             (
-                "embedding read back from Mimic",
+                "embedding read back from the car",
                 w(&own),
                 w(&read_back),
                 &by_days,
             ),
             (
-                "seven measures of Mimic",
+                "seven measures of the car",
                 zs(&own_values),
                 zs(&of(unscored)),
                 &by_measures,

@@ -19,15 +19,15 @@ pub struct Fidelity {
     pub title: &'static str,
     /// Drivers with a value in their own and in the car's drive.
     pub n: usize,
-    /// Mimic against the driver's own drive.
+    /// The car in the own style against the driver's own drive.
     pub mimic: Option<f64>,
-    /// Mean of (Mimic − own) / own: systematic error, which scatter averages out of.
+    /// Mean of (car − own) / own: systematic error, which scatter averages out of.
     pub mimic_bias: Option<f64>,
     /// The driver's second drive against the first.
     pub test_retest: Option<f64>,
     /// Mean of (second − first) / first.
     pub test_retest_bias: Option<f64>,
-    /// Mimic on another road against Mimic: the car's own scatter.
+    /// The car on another road against the car: the car's own scatter.
     pub car_again: Option<f64>,
     /// The mean of the training drivers as guess for everybody.
     pub population_mean: Option<f64>,

@@ -37,7 +37,7 @@ pub(super) struct Driven {
     pub(super) own: Vec<Vec<Window>>,
     /// Own second drives: no likeness can be expected to be better.
     pub(super) again: Vec<Vec<Window>>,
-    /// The car as Mimic.
+    /// The car in the own style.
     pub(super) mimic: Vec<Vec<Window>>,
     /// The car with the mean style, on each person's road: what knowing nobody gives.
     pub(super) average: Vec<Vec<Window>>,
@@ -52,7 +52,7 @@ pub(super) fn likeness(driven: &Driven, seed: u64) -> Result<Vec<Likeness>, Stud
     let spread = Spread::of(all.into_iter().flatten().map(Vec::as_slice));
     let kinds = [
         ("second drive of the owner (ceiling)", &driven.again),
-        ("Mimic", &driven.mimic),
+        ("car in the own style", &driven.mimic),
         ("the car with the mean style (floor)", &driven.average),
     ];
     let mut rows = Vec::new();

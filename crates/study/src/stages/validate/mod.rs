@@ -47,7 +47,7 @@ pub struct ValidateOptions {
     pub scenario: Option<PathBuf>,
     /// Length of a drive, in s; the scenario's without.
     pub duration_s: Option<f64>,
-    /// How far Aggressive and Cautious are from Mimic, in ADB points.
+    /// How far a step of the dial to either side is from the own style, in ADB points.
     pub points: f64,
     /// Roads on which each setting of the dial is driven; the measures are averaged.
     pub worlds: usize,

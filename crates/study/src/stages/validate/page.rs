@@ -65,7 +65,7 @@ pub(super) fn page(
         live: Vec::new(),
         methods: Methods {
             text: vec![format!(
-                "Each driver’s two drives were fitted apart, for each model; Mimic and {} steps of the dial up to ±{} points drove in {} worlds of \
+                "Each driver’s two drives were fitted apart, for each model; the car in the own style and {} steps of the dial up to ±{} points drove in {} worlds of \
                  their own seeds. docs/validation.md defines every number.",
                 found.models.first().map_or(0, |m| m.steps.len()),
                 options.points,

@@ -17,9 +17,9 @@ pub struct Across {
     pub title: &'static str,
     /// Drivers.
     pub n: usize,
-    /// Mean of |Perpendicular − Mimic|.
+    /// Mean of |across − own style|.
     pub mean_change: Option<f64>,
-    /// Mean of |Mimic on another road − Mimic|: what chance does.
+    /// Mean of |own style on another road − own style|: what chance does.
     pub by_chance: Option<f64>,
     /// Multiple R of the change on cosine and sine of the angle.
     pub angle_r: Option<f64>,

@@ -125,20 +125,20 @@ fn fidelity(models: &[Examined], one: &Examined) -> Table {
     });
     table(
         "fidelity",
-        "Fidelity: Mimic against the driver’s own drive (%)",
+        "Fidelity: the car in the own style against the driver’s own drive (%)",
         &[
             "Measure",
-            "Mimic",
+            "Car",
             "Same driver, second drive",
-            "Mimic of that",
+            "Car, of that",
             "Paper",
             "Training mean as guess",
-            "Bias of Mimic",
+            "Bias of the car",
             "Bias of second drive",
-            "Mimic on another road",
+            "Car on another road",
         ],
         rows.collect(),
-        "Accuracy: 1 − |found − own| / own, mean over drivers. Bias: mean of (found − own) / own. Mimic is driven once, from the embedding fitted \
+        "Accuracy: 1 − |found − own| / own, mean over drivers. Bias: mean of (found − own) / own. The car is driven once, from the embedding fitted \
          with the ADB score, as in the study; the last column holds it against itself on another road."
             .to_owned(),
     )
@@ -278,7 +278,7 @@ fn perpendicular(models: &[Examined], one: &Examined) -> Table {
         ],
         rows.collect(),
         format!(
-            "S changes by {largest:.1e} points at most. By chance: |change| of Mimic on another road. R: of the change on cosine and sine of the angle."
+            "S changes by {largest:.1e} points at most. By chance: |change| of the car on another road. R: of the change on cosine and sine of the angle."
         ),
     )
 }
