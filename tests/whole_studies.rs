@@ -287,17 +287,17 @@ fn two_recorded_cars_without_a_drive_by_hand_and_a_factor_between_people() {
     );
 }
 
-/// Makes up people for a study's folder, with short drives.
+/// Makes up people for a study's folder, with drives of two minutes, in which everybody shows a habit.
 fn generate(study: &TempStudy, folder: &str, learn: &str, test: &str) {
     let design = format!("{folder}/study.toml");
-    let words = ["generate", "--design", &design, "--duration", "60"];
+    let words = ["generate", "--design", &design, "--duration", "120"];
     let sizes = ["--learn", learn, "--test", test];
     study.maveric(&[&words[..], &sizes].concat()).ok();
 }
 
 /// Two outcomes are drawn, which is quicker than all.
 const TWO_OUTCOMES: &str = "[[outcome]]\nmeasure = \"mean_velocity_mps\"\n[[outcome]]\nscale = \"jian_trust.overall\"\nlabel = \"Trust\"\n\n[contrasts]";
-const SHORT: [&str; 5] = ["run", "--set", "epochs=2", "--set", "duration=60"];
+const SHORT: [&str; 5] = ["run", "--set", "epochs=2", "--set", "duration=120"];
 
 fn synthetic(study: &TempStudy, folder: &str, conditions: &str, style: &str) {
     let init = ["init", folder, "--conditions", conditions, "--style", style];
@@ -341,7 +341,7 @@ fn a_dial_of_another_score_rehearsed_with_made_up_people() {
             "Learned from 4 4 ",
             "Mean velocity over the conditions",
             "Trust over the conditions",
-            "To repeat maveric run --set epochs=2 --set duration=60 Times",
+            "To repeat maveric run --set epochs=2 --set duration=120 Times",
         ])
         .is_silent_of(&["mimic", "cautious", "perpendicular", "ADB score", "study 1", "aggression line", "as the paper"]);
     // By hand, the page says the call by hand.
@@ -425,7 +425,7 @@ fn five_conditions_on_a_dial_of_11_to_66_points_with_roles_and_then_a_model_from
     change(&study, "theirs/study.toml", "learn = {", "# learn = {");
     generate(&study, "theirs", "0", "3");
     let ran = study
-        .maveric_in("theirs", &["run", "--set", "duration=60"])
+        .maveric_in("theirs", &["run", "--set", "duration=120"])
         .ok();
     assert!(!ran.stderr.contains("train:"), "{}", ran.stderr);
     let conditions = read(&study, "theirs/results/conditions.csv");
