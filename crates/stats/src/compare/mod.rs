@@ -327,6 +327,12 @@ fn say_why(omnibus: &Omnibus, checks: &[AssumptionCheck], undefined: &mut Reason
         if omnibus.test == OmnibusTest::Wilcoxon {
             undefined.note("omnibus.df1", "Wilcoxon's test has no degrees of freedom");
         }
+        if omnibus.effect.value.is_some() && omnibus.effect.ci_low.is_none() {
+            undefined.note_all(
+                &["omnibus.effect.ci_low", "omnibus.effect.ci_high"],
+                "the differences do not vary, or the effect is at its limit",
+            );
+        }
         return;
     }
     let corrected = omnibus.test != OmnibusTest::Friedman;

@@ -390,12 +390,17 @@ mod tests {
             std::fs::write(logs.join(format!("{log}.csv")), table(400)).unwrap();
         }
         run(vec![logs.clone()], &out).unwrap();
-        std::fs::write(out.join("mine.parquet"), "mine").unwrap();
+        std::fs::write(out.join("notes.txt"), "mine").unwrap();
         assert!(names(&out).contains("S1P02-own.parquet"));
-        run(vec![logs.join("S1P01-own.csv")], &out).unwrap();
+        let again = || run(vec![logs.join("S1P01-own.csv")], &out);
+        again().unwrap();
         let left = names(&out);
-        assert!(left.contains("S1P01-own.parquet") && left.contains("mine.parquet"));
+        assert!(left.contains("S1P01-own.parquet") && left.contains("notes.txt"));
         assert!(!left.contains("S1P02-own.parquet"), "{left:?}");
+        std::fs::write(out.join("mine.parquet"), "mine").unwrap();
+        let refused = again().unwrap_err().to_string();
+        assert!(refused.contains("mine.parquet"), "{refused}");
+        assert_eq!(std::fs::read(out.join("mine.parquet")).unwrap(), b"mine");
     }
 
     #[test]
