@@ -82,10 +82,16 @@ impl Asked {
         }
     }
 
+    /// Which way it moves when the dial is turned up: with aggression, or against it where the score of the style counts calmness.
+    fn dial_up(&self, data: &StudyData) -> Option<Sign> {
+        let style = data.design.style().map_or(Sign::Plus, |s| s.aggression);
+        Some(self.aggression? * style)
+    }
+
     /// Which way a condition is expected to move it against the baseline.
-    fn against_baseline(&self, condition: &Condition) -> Option<Sign> {
+    fn against_baseline(&self, data: &StudyData, condition: &Condition) -> Option<Sign> {
         let said = condition.expected.get(&self.id).copied();
-        said.or_else(|| Some(self.aggression? * condition.side()?))
+        said.or_else(|| Some(self.dial_up(data)? * condition.side()?))
     }
 
     /// Which way first minus second is expected to lie: as the design says, else by their places on the dial.
@@ -100,11 +106,11 @@ impl Asked {
         let said = |id| of(id).is_some_and(|c| c.expected.contains_key(&self.id));
         if !said(first) && !said(second) {
             let dial = |id| of(id).map_or(is_baseline(id).then_some(0.0), Condition::dial);
-            return Some(self.aggression? * Sign::of(dial(first)? - dial(second)?)?);
+            return Some(self.dial_up(data)? * Sign::of(dial(first)? - dial(second)?)?);
         }
         let place = |id| -> Option<f64> {
             let condition = of(id);
-            let sign = condition.and_then(|c| self.against_baseline(c));
+            let sign = condition.and_then(|c| self.against_baseline(data, c));
             let still = is_baseline(id) || condition?.dial() == Some(0.0);
             sign.map(Sign::factor).or(still.then_some(0.0))
         };

@@ -225,6 +225,27 @@ fn a_panel_holds_the_differences_and_friedmans_test_by_hand() {
 }
 
 #[test]
+fn where_the_score_of_the_style_counts_calmness_a_car_turned_up_is_expected_to_be_slower() {
+    let faster = |aggression: &str| {
+        let design = format!("[style]\nscore = \"adb.total\"\nrange = [11, 55]\n{aggression}\n");
+        let text = plain(&["same", "fast"], &design)
+            .replace(
+                "id = \"fast\"\n",
+                "id = \"fast\"\ncar = { dial = 15, recorded = true }\n",
+            )
+            .replace(
+                "id = \"same\"\n",
+                "id = \"same\"\ncar = { dial = 0, recorded = true }\n",
+            );
+        let a = analysed_by(&text, tables());
+        panel(&a, SPEED).contrasts[0].expected
+    };
+    assert_eq!(faster(""), Some(Sign::Minus));
+    assert_eq!(faster("aggression = \"+\""), Some(Sign::Minus));
+    assert_eq!(faster("aggression = \"-\""), Some(Sign::Plus));
+}
+
+#[test]
 fn homophily_is_the_factor_against_the_difference_in_rating() {
     let a = analysed(tables());
     let row = a.homophily.iter().find(|r| r.versus == id("slow")).unwrap();

@@ -1,7 +1,7 @@
 //! Reading a design: whether it agrees with itself.
 
 use super::{
-    condition::{Baseline, Car, Condition, Role},
+    condition::{Baseline, Car, Condition, Role, Sign},
     contrast::{Claim, Compare, Hypothesis},
     error::DesignError,
     exclude::Exclude,
@@ -142,6 +142,7 @@ fn style(raw: StyleToml) -> Checked<Style> {
         score: raw.score,
         range: raw.range,
         points: raw.points,
+        aggression: raw.aggression.unwrap_or(Sign::Plus),
     })
 }
 

@@ -1,5 +1,6 @@
 //! What is measured, and what the dial turns.
 
+use super::condition::Sign;
 use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
 
@@ -90,6 +91,8 @@ pub struct Style {
     pub range: Option<[f64; 2]>,
     /// A step of the dial, in points.
     pub points: Option<f64>,
+    /// Which way a more aggressive driver scores: up without a word, down on a score of calmness.
+    pub aggression: Sign,
 }
 
 /// Which traits are set against which ratings: one family, declared before looking.

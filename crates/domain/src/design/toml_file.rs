@@ -89,6 +89,7 @@ pub(super) struct StyleToml {
     pub(super) label: Option<String>,
     pub(super) range: Option<[f64; 2]>,
     pub(super) points: Option<f64>,
+    pub(super) aggression: Option<Sign>,
 }
 
 #[derive(Debug, Deserialize)]
