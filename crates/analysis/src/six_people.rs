@@ -227,7 +227,9 @@ fn a_panel_holds_the_differences_and_friedmans_test_by_hand() {
 #[test]
 fn where_the_score_of_the_style_counts_calmness_a_car_turned_up_is_expected_to_be_slower() {
     let faster = |aggression: &str| {
-        let design = format!("[style]\nscore = \"adb.total\"\nrange = [11, 55]\n{aggression}\n");
+        let design = format!(
+            "[model]\nfile = \"lab.maveric\"\n[style]\nscore = \"adb.total\"\nrange = [11, 55]\n{aggression}\n"
+        );
         let text = plain(&["same", "fast"], &design)
             .replace(
                 "id = \"fast\"\n",
