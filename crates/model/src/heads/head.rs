@@ -20,7 +20,7 @@ pub struct Head {
     pub unit: &'static str,
     /// What η means.
     pub family: Family,
-    /// Share of how drivers differ in it that the style need not say: [`CARRIED`] or [`BESIDE`].
+    /// Share of how drivers differ in it that the style need not say: a small one where it carries the habit, a half where it is beside.
     pub left_open: f64,
     /// Names of what it reads beside the constant, with units.
     pub reads: &'static [&'static str],
