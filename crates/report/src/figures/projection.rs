@@ -27,10 +27,31 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// Length of the shortest axis, as a share of the longest.
+const LEAST_SHARE: f64 = 0.25;
+
 impl View {
     /// Fits the box of all points into a place, turned so that `shown` is seen well.
     pub(crate) fn fit(points: &[[f64; 3]], shown: [f64; 3], place: Place) -> Self {
-        let scales = [0, 1, 2].map(|axis: usize| Scale::over(points.iter().map(|w| w[axis]), 4));
+        let ends = [0, 1, 2].map(|axis: usize| {
+            let along = points.iter().map(|w| w[axis]);
+            let low = along.clone().fold(f64::INFINITY, f64::min);
+            (low, along.fold(f64::NEG_INFINITY, f64::max))
+        });
+        let widest = ends
+            .iter()
+            .map(|(low, high)| high - low)
+            .fold(0.0, f64::max);
+        let scales = [0, 1, 2].map(|axis: usize| {
+            let (low, high) = ends[axis];
+            let (middle, half) = (f64::midpoint(low, high), 0.5 * LEAST_SHARE * widest);
+            // An axis along which hardly anything lies apart still has a length, and room for its numbers.
+            if high - low < 2.0 * half {
+                Scale::between(middle - half, middle + half, 1)
+            } else {
+                Scale::over([low, high], 4)
+            }
+        });
         let low = [0, 1, 2].map(|axis: usize| scales[axis].low());
         let high = [0, 1, 2].map(|axis: usize| scales[axis].high());
         let centre = [0, 1, 2].map(|axis: usize| f64::midpoint(low[axis], high[axis]));
