@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{columns::Weight, formula::Formula, random_intercept::Described};
+use super::{columns::Weight, described::Described, formula::Formula};
 use crate::{
     Adjustment, MarginalMean, Named, Reasons,
     numerics::distributions::{t_quantile_two_sided, t_two_sided},

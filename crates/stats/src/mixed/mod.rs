@@ -2,6 +2,7 @@
 
 pub(crate) mod blocks;
 mod columns;
+mod described;
 mod formula;
 mod marginal;
 mod random_intercept;

@@ -6,12 +6,12 @@ use super::{
     Fit, FixedEffect, MixedMethod,
     blocks::{Block, Blocks},
     columns::{Columns, Predictor, Weight},
+    described::Described,
     fit,
     formula::Formula,
     groups,
     marginal::{MarginalContrast, NO_FREEDOM},
     profile,
-    satterthwaite::{Information, Satterthwaite},
 };
 use crate::{
     MarginalMean, Named, Reasons, StatsError, complete,
@@ -223,40 +223,7 @@ fn to_the_top(blocks: &Blocks, start: Fit) -> Fit {
     best
 }
 
-/// A fit and what its combinations of coefficients need.
-pub(super) struct Described<'a> {
-    blocks: &'a Blocks,
-    fit: &'a Fit,
-    pub(super) columns: &'a Columns<'a>,
-    offset: f64,
-    freedom: Option<Satterthwaite>,
-}
-
-impl<'a> Described<'a> {
-    fn new(blocks: &'a Blocks, fit: &'a Fit, columns: &'a Columns<'a>, offset: f64) -> Self {
-        let psi = fit.l.times(&fit.l.transposed());
-        let observed = Information::Observed(&fit.beta);
-        Self {
-            blocks,
-            fit,
-            columns,
-            offset,
-            freedom: Satterthwaite::new(blocks, &psi, fit.variance, observed),
-        }
-    }
-
-    /// Estimate (its share of the offset counted), standard error and degrees of freedom.
-    pub(super) fn estimate(&self, weights: &[f64]) -> (f64, f64, Option<f64>) {
-        let beta: Vec<f64> = (0..weights.len()).map(|j| self.fit.beta[(j, 0)]).collect();
-        let variance = self.fit.variance * self.fit.xx_inverse.between(weights, weights);
-        let df = self.freedom.as_ref().and_then(|s| s.df(weights));
-        (
-            dot(weights, &beta) + weights[0] * self.offset,
-            variance.sqrt(),
-            df,
-        )
-    }
-
+impl Described<'_> {
     fn result(&self, formula: &Formula) -> RandomIntercept {
         let mut undefined = Reasons::default();
         let residual = self.fit.variance;

@@ -1,8 +1,29 @@
 //! From the columns of a table to what a test takes.
 
-use super::WithinColumns;
+use super::input::Long;
 use crate::{error::StudyError, tables::Table};
 use maveric_stats::{PlannedTest, PowerQuestion, ReportedCorrelation, WithinSubjects};
+
+/// The columns of a within-subject design.
+#[derive(Debug, Clone)]
+pub struct WithinColumns {
+    /// Whose row it is.
+    pub subject: String,
+    /// In which condition.
+    pub within: String,
+    /// The value.
+    pub value: String,
+}
+
+impl WithinColumns {
+    pub(super) fn long(&self) -> Long<'_> {
+        Long {
+            subject: Some(&self.subject),
+            within: &self.within,
+            value: &self.value,
+        }
+    }
+}
 
 /// A column of labels without a missing one.
 pub(super) fn labels(table: &Table, column: &str) -> Result<Vec<String>, StudyError> {

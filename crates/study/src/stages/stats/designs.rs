@@ -1,13 +1,11 @@
 //! Tests of any design, of groups, factors, bounds and models: from the columns of a table to the result.
 
 use super::{
-    columns,
+    columns::{self, WithinColumns},
     input::Long,
     pictures, printed,
-    ran::Ran,
+    ran::{ALPHA, Ran},
     rows::{DesignRows, FactorColumns},
-    run::ALPHA,
-    test::WithinColumns,
 };
 use crate::{error::StudyError, tables::Table};
 use maveric_stats::{

@@ -8,6 +8,9 @@ use super::{
 use maveric_stats::apa::{Statement, Statements};
 use serde_json::Value;
 
+/// Level of a test, and what its intervals leave out.
+pub(super) const ALPHA: f64 = 0.05;
+
 /// What one test gives.
 pub(super) struct Ran {
     pub(super) value: Value,

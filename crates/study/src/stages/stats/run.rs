@@ -2,15 +2,12 @@
 
 use super::{
     columns, designs, pictures, printed,
-    ran::{Ran, plain},
+    ran::{ALPHA, Ran, plain},
     test::{Resampled, Test},
 };
 use crate::{error::StudyError, tables::Table};
 use maveric_stats::{self as tests, Bootstrap, BootstrapData, BootstrapSettings, apa::Statements};
 use serde_json::{Map, json};
-
-/// Confidence of an interval and level of a test.
-pub(super) const ALPHA: f64 = 0.05;
 
 pub(super) fn run(table: &Table, test: &Test) -> Result<Ran, StudyError> {
     Ok(match test {

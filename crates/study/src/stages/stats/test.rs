@@ -1,29 +1,8 @@
 //! The tests by name, and the columns that each reads.
 
-use super::{designs::DesignTest, input::Long};
+use super::{columns::WithinColumns, designs::DesignTest, input::Long};
 use crate::tables::Table;
 use maveric_stats::{Adjustment, CorrelationMethod, PosthocTest, Statistic};
-
-/// The columns of a within-subject design.
-#[derive(Debug, Clone)]
-pub struct WithinColumns {
-    /// Whose row it is.
-    pub subject: String,
-    /// In which condition.
-    pub within: String,
-    /// The value.
-    pub value: String,
-}
-
-impl WithinColumns {
-    pub(super) fn long(&self) -> Long<'_> {
-        Long {
-            subject: Some(&self.subject),
-            within: &self.within,
-            value: &self.value,
-        }
-    }
-}
 
 /// What to bootstrap, and from which columns.
 #[derive(Debug, Clone)]

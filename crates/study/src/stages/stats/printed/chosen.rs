@@ -2,14 +2,12 @@
 
 use super::{
     Printed, aligned,
-    cells::{p, share, table},
+    cells::{p, table},
     comparison, factorial, groups, mixed, named_sentences, ordinal,
+    reasons::{checks, why},
 };
-use maveric_report::{
-    markup,
-    tables::{Cell, Table},
-};
-use maveric_stats::{AssumptionCheck, ByDesign, RankCheck};
+use maveric_report::tables::{Cell, Table};
+use maveric_stats::{ByDesign, RankCheck};
 
 pub(in crate::stages::stats) fn by_design(found: &ByDesign) -> Printed {
     let mut inner = match found {
@@ -51,31 +49,6 @@ pub(in crate::stages::stats) fn by_design(found: &ByDesign) -> Printed {
         .lines("Why this test", why(found.reasons()));
     printed.heading = std::mem::take(&mut inner.heading);
     printed.and(inner)
-}
-
-/// The reasons, numbered, with marks.
-pub(super) fn why(reasons: &[String]) -> Vec<String> {
-    let numbered = reasons.iter().enumerate();
-    numbered
-        .map(|(i, reason)| markup::literal(&format!("{}. {reason}", i + 1)))
-        .collect()
-}
-
-/// The assumptions that were looked at.
-pub(super) fn checks(all: &[AssumptionCheck]) -> Table {
-    let mut table = table("Checks", &["Assumption", "*W*", "*p*", "Stands"]);
-    for check in all {
-        let stands = check.passed.map_or(Cell::Missing, |passed| {
-            Cell::text(if passed { "yes" } else { "no" })
-        });
-        table.rows.push(vec![
-            Cell::text(&check.name),
-            share(check.statistic),
-            p(check.p),
-            stands,
-        ]);
-    }
-    table
 }
 
 fn ranks(beside: &RankCheck) -> Table {

@@ -8,6 +8,7 @@ mod groups;
 mod models;
 mod pairs;
 mod plain;
+mod reasons;
 mod within;
 
 pub(super) use chosen::by_design;

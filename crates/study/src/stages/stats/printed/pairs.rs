@@ -3,7 +3,7 @@
 use super::{
     Printed,
     cells::{effect, interval, number, optional, p, share, shown, table},
-    chosen::{checks, why},
+    reasons::{checks, why},
     said, within,
 };
 use maveric_report::tables::{Cell, Table};
