@@ -8,7 +8,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 target=wasm32-unknown-unknown
-crates=(domain stats laws measures model simulator participants steering following analysis)
+crates=(domain stats laws measures model simulator participants steering following analysis seat-page)
 
 have() { [ -n "${CARGO_UNSTABLE_BUILD_STD:-}" ] || rustup target list --installed | grep -qx "$target"; }
 if ! have && ! timeout 120 rustup target add "$target"; then

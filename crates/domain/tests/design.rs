@@ -4,7 +4,7 @@
 
 use maveric_domain::{
     ConditionId, Design, DriveId, ParticipantId,
-    design::{Car, Claim, Compare, Condition, Mappings, Sign, Software},
+    design::{Car, Claim, Compare, Condition, Mappings, ProtocolStep, Sign, Software},
 };
 use serde_json::Value;
 use std::{collections::BTreeSet, fs, path::PathBuf};
@@ -114,6 +114,7 @@ factors = ["mini_ipip"]
 ratings = ["jian_trust.overall"]
 [protocol]
 steps = ["practice"]
+practice = { passes = 2 }
 [exclude]
 people = { P07 = "withdrew consent" }
 drives = { "P03-calm" = "simulator sickness" }
@@ -140,7 +141,8 @@ file = "rig2.toml"
     assert_eq!(why("P07-calm", "P07").unwrap(), "withdrew consent");
     assert_eq!(why("P03-calm", "P03").unwrap(), "simulator sickness");
     assert_eq!(why("P03-sporty", "P03"), None);
-    assert!(design.protocol().contains_key("steps"));
+    assert_eq!(design.protocol().steps, [ProtocolStep::Practice]);
+    assert_eq!(design.protocol().practice.passes, 2);
     assert!(matches!(&design.files().mapping, Mappings::Rigs(rigs) if rigs.len() == 1));
 }
 
@@ -193,6 +195,22 @@ fn a_fault_is_named_with_its_key_and_what_would_be_possible() {
         (
             "[contrasts]\ncompare = [[\"calm\", \"sporty\"], [\"sporty\", \"calm\"]]",
             "twice",
+        ),
+        (
+            "[protocol]\nsteps = [\"rides\", \"drive\"]",
+            "`protocol.steps`: found rides without a drive before them",
+        ),
+        (
+            "[protocol]\nsteps = [\"drive\", \"drive\"]",
+            "found drive twice, expected each once",
+        ),
+        (
+            "[protocol]\nride_s = 1",
+            "`protocol.ride_s`: found 1, expected 10 to 7200 s",
+        ),
+        (
+            "[protocol]\nconsnet = \"consent.md\"",
+            "did you mean `consent`?",
         ),
         ("[contrasts]\ncompare = \"some\"", "\"against ID\""),
         (

@@ -416,5 +416,5 @@ fn words_for_who_drove_read_back() {
         );
     }
     let refused = "robot".parse::<DrivenBy>().unwrap_err().to_string();
-    assert!(refused.contains("robot") && refused.contains("human, synthetic, automated"));
+    assert!(refused.contains("robot") && refused.contains("human, scripted, synthetic, automated"));
 }

@@ -23,7 +23,7 @@ mod watch;
 mod world;
 
 pub use collision::{Collision, CollisionCause};
-pub use control::{Intervention, InterventionKind, lateral_safe_distance, safe_distance};
+pub use control::{Hands, Intervention, InterventionKind, lateral_safe_distance, safe_distance};
 pub use drivers::{
     BentLaw, Distribution, DriverParams, EncounterNoise, EvidenceParams, EvidencePopulation, Law,
     People, Person, Population, population_table,
@@ -38,4 +38,4 @@ pub use scenario::{
     ChangeRule, ControllerSettings, DynamicsSettings, FollowingRule, Integrator, Scenario,
     ScenarioSettings, ScriptStep, VehicleModel, VehiclePlacement,
 };
-pub use session::{Driver, Session};
+pub use session::{CarState, Driver, LEFT_SHOULDER_M, RIGHT_SHOULDER_M, Session};

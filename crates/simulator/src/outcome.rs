@@ -50,8 +50,10 @@ pub struct RolloutReport {
     pub held_changes: u32,
     /// Lane changes undone in their first half because a gap had become unsafe; 0 for people.
     pub given_up_changes: u32,
-    /// Lane changes started.
+    /// Lane changes started; 0 for a person's hands, whose changes are read from the recording.
     pub started_changes: u32,
+    /// Episodes in which a person's car slid along a barrier; 0 for everybody else, who never comes near one.
+    pub barrier_touches: u32,
     /// Lead vehicles that came.
     pub leads: u32,
     /// Encounters among them in which the passing lane was taken.

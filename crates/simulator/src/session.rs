@@ -3,7 +3,7 @@
 use crate::{
     collision::{Collision, cause},
     control::{
-        AutomatedDriver, InterventionKind,
+        AutomatedDriver, Hands, InterventionKind,
         action::{Action, Manoeuvre},
         path::{PathShape, Steering},
     },
@@ -28,6 +28,8 @@ pub enum Driver<'a> {
     Evidence(&'a EvidenceParams),
     /// A planner, through the controllers.
     Automated(&'a mut dyn Planner, &'a ControllerSettings),
+    /// A person's hands and feet, given at each [`Session::tick`].
+    Hands,
 }
 
 impl<'a> From<&'a Person> for Driver<'a> {
@@ -43,11 +45,35 @@ enum Seat<'a> {
     Human(HumanDriver<'a>),
     Evidence(EvidenceDriver<'a>),
     Automated(AutomatedDriver<'a>),
+    Hands,
 }
 
-/// A drive under way: [`Session::step`] moves everybody on by a row of the recording.
+/// From the edge of the right lane to the barrier, in m.
+pub const RIGHT_SHOULDER_M: f64 = 3.0;
+/// From the edge of the left lane to the barrier, in m.
+pub const LEFT_SHOULDER_M: f64 = 1.2;
+
+/// Ego at the present integration step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CarState {
+    /// Position along the road, in m.
+    pub x_m: f64,
+    /// Lateral position, in m.
+    pub y_m: f64,
+    /// Heading relative to the road, in rad.
+    pub heading_rad: f64,
+    /// Speed, in m/s.
+    pub speed_mps: f64,
+    /// Angle of the front wheels, in rad, positive to the left.
+    pub steering_rad: f64,
+    /// Time since the row recorded last, in s.
+    pub since_row_s: f64,
+}
+
+/// A drive under way: [`Session::step`] moves everybody on by a row of the recording, [`Session::tick`] by an integration step.
 ///
-/// [`rollout`](crate::rollout()) steps one to its end. Whoever shows a drive while it happens steps it against a clock.
+/// [`rollout`](crate::rollout()) steps one to its end. Whoever shows a drive while it happens, or lets a person drive, ticks it
+/// against a clock.
 ///
 /// # Example
 /// ```
@@ -79,6 +105,12 @@ pub struct Session<'a> {
     time_s: Vec<f64>,
     scene: Scene,
     rows: usize,
+    action: Action,
+    /// Integration steps since the row recorded last.
+    ticks: usize,
+    hands: Hands,
+    at_barrier: bool,
+    barrier_touches: u32,
 }
 
 impl<'a> Session<'a> {
@@ -119,6 +151,7 @@ impl<'a> Session<'a> {
                     line,
                 ))
             }
+            Driver::Hands => Seat::Hands,
         };
         let start = &settings.start;
         let car = build(
@@ -157,6 +190,11 @@ impl<'a> Session<'a> {
             },
             time_s: Vec::with_capacity(rows),
             rows,
+            action: Action::NOTHING,
+            ticks: 0,
+            hands: Hands::default(),
+            at_barrier: false,
+            barrier_touches: 0,
         })
     }
 
@@ -165,8 +203,92 @@ impl<'a> Session<'a> {
         &self.scene
     }
 
-    /// Records the next row and drives on until the one after; false, and nothing done, once the drive is over.
+    /// Ego at the present integration step.
+    pub fn car(&self) -> CarState {
+        let pose = self.car.pose();
+        CarState {
+            x_m: pose.x_m,
+            y_m: pose.y_m,
+            heading_rad: pose.heading_rad,
+            speed_mps: pose.speed_mps,
+            steering_rad: self.car.steering_rad(),
+            since_row_s: self.ticks as f64 * self.settings.vehicle.step_s,
+        }
+    }
+
+    /// The lane that the automated or synthetic driver keeps or goes to, and the one a change under way came from; a person's
+    /// lane is where the car is.
+    pub fn lane(&self) -> (u8, Option<u8>) {
+        match self.seat {
+            Seat::Hands => (self.road.lane_at(self.car.pose().y_m), None),
+            _ => (self.steering.lane(), self.steering.coming_from()),
+        }
+    }
+
+    /// What was asked and decided at the row recorded last; none for people.
+    pub fn decided(&self) -> Option<&TraceRow> {
+        self.trace.last()
+    }
+
+    /// Collisions so far, and how often the barrier was touched.
+    pub fn contacts(&self) -> (u32, u32) {
+        (self.watch.collisions.len() as u32, self.barrier_touches)
+    }
+
+    /// Records the next row and drives on until the one after; false, and nothing done, once the drive is over. A person's
+    /// hands stay where they were.
     pub fn step(&mut self) -> bool {
+        let hands = self.hands;
+        while self.tick(hands) {
+            if self.ticks == 0 {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Drives one integration step on (0.01 s unless the scenario says otherwise), with a person's hands where a person drives;
+    /// false, and nothing done, once the drive is over. A row is recorded at the first step of each 0.05 s.
+    pub fn tick(&mut self, hands: Hands) -> bool {
+        if self.ticks == 0 && !self.begin_row() {
+            return false;
+        }
+        self.hands = hands;
+        let command = match self.seat {
+            Seat::Hands => hands.command(&self.settings.vehicle, self.car.pose().speed_mps),
+            _ => Command {
+                acceleration_mps2: self.action.acceleration_mps2,
+                steering_rad: self.steering.angle_rad(self.car.as_ref(), self.line),
+            },
+        };
+        self.car.step(command, self.line);
+        if matches!(self.seat, Seat::Hands) {
+            self.stay_between_barriers();
+        }
+        self.ticks += 1;
+        if self.ticks == self.settings.vehicle.steps_per_row() {
+            self.ticks = 0;
+            self.world.advance();
+        }
+        true
+    }
+
+    fn stay_between_barriers(&mut self) {
+        let outermost = f64::from(self.road.lanes) - 0.5;
+        let half_m = 0.5 * self.settings.vehicle.width_m;
+        let low_m = half_m - 0.5 * self.road.lane_width_m - RIGHT_SHOULDER_M;
+        let high_m = outermost * self.road.lane_width_m + LEFT_SHOULDER_M - half_m;
+        let y_m = self.car.pose().y_m;
+        let touches = !(low_m..=high_m).contains(&y_m);
+        if touches {
+            self.car.slide_along(y_m.clamp(low_m, high_m));
+        }
+        self.barrier_touches += u32::from(touches && !self.at_barrier);
+        self.at_barrier = touches;
+    }
+
+    /// Records the row that begins here and decides what everybody does until the next; false once the drive is over.
+    fn begin_row(&mut self) -> bool {
         let row = self.time_s.len();
         // A recording has at least two rows.
         if row >= self.rows || (self.stopped.is_some() && row >= 2) {
@@ -186,14 +308,7 @@ impl<'a> Session<'a> {
             let now = automated.trace(self.scene.time_s, &self.steering);
             self.trace.extend(now);
         }
-        for _ in 0..self.settings.vehicle.steps_per_row() {
-            let command = Command {
-                acceleration_mps2: action.acceleration_mps2,
-                steering_rad: self.steering.angle_rad(self.car.as_ref(), self.line),
-            };
-            self.car.step(command, self.line);
-        }
-        self.world.advance();
+        self.action = action;
         true
     }
 
@@ -220,6 +335,7 @@ impl<'a> Session<'a> {
         match &mut self.seat {
             Seat::Human(human) => human.act(scene, steering),
             Seat::Evidence(person) => person.act(scene, steering),
+            Seat::Hands => Action::NOTHING,
             Seat::Automated(_) if self.stopped.is_some() => Action::NOTHING,
             Seat::Automated(automated) => automated.act(scene, steering).unwrap_or_else(|error| {
                 self.stopped = Some(error);
@@ -230,14 +346,23 @@ impl<'a> Session<'a> {
 
     fn decide(&mut self, row: usize) {
         let ego = &self.scene.ego;
+        let lane = self.road.lane_at(ego.y_m);
+        let beside_m = (ego.y_m - self.road.lane_centre_m(lane)).abs();
+        let body_inside =
+            beside_m + 0.5 * self.settings.vehicle.width_m <= 0.5 * self.road.lane_width_m;
+        let (bound_for, keeping) = match self.seat {
+            // Nobody says where a person is going: a lane is kept as long as the car is between its marks.
+            Seat::Hands => (lane, body_inside),
+            _ => (self.steering.lane(), self.steering.coming_from().is_none()),
+        };
         let view = EgoView {
             x_m: ego.x_m,
             y_m: ego.y_m,
             speed_mps: ego.speed_mps,
             length_m: ego.length_m,
-            lane: self.road.lane_at(ego.y_m),
-            bound_for: self.steering.lane(),
-            keeping: self.steering.coming_from().is_none(),
+            lane,
+            bound_for,
+            keeping,
             target_mps: self.world.target_mps(),
         };
         self.world.decide(&view, row, self.scene.time_s);
@@ -249,7 +374,7 @@ impl<'a> Session<'a> {
     /// [`SimulatorError::Recording`] if fewer than two rows were driven.
     pub fn finish(self) -> Result<Rollout, SimulatorError> {
         let interventions = match self.seat {
-            Seat::Human(_) | Seat::Evidence(_) => Vec::new(),
+            Seat::Human(_) | Seat::Evidence(_) | Seat::Hands => Vec::new(),
             Seat::Automated(automated) => automated.into_interventions(),
         };
         let counted = |of: fn(&InterventionKind) -> bool| {
@@ -282,6 +407,7 @@ impl<'a> Session<'a> {
                 held_changes: counted(|k| matches!(k, InterventionKind::HeldChange { .. })),
                 given_up_changes: counted(|k| matches!(k, InterventionKind::GaveUpChange { .. })),
                 started_changes: self.started_changes,
+                barrier_touches: self.barrier_touches,
                 leads,
                 blocked_encounters,
             },

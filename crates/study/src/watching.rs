@@ -56,6 +56,7 @@ fn title_case(condition: ConditionId) -> String {
 fn driven(by: DrivenBy) -> &'static str {
     match by {
         DrivenBy::Human => "by hand",
+        DrivenBy::Scripted => "by a script at the wheel",
         DrivenBy::Synthetic => "by hand, synthetic participant",
         DrivenBy::Automated => "automated",
     }

@@ -73,6 +73,7 @@ fn design(raw: DesignToml) -> Checked<Design> {
     once("factor", raw.factor.iter().map(|c| c.column.clone()))?;
     once("covariate", raw.covariate.iter().map(|c| c.column.clone()))?;
     exclude(&raw.exclude)?;
+    raw.protocol.check()?;
     Ok(Design {
         title: raw.study.title,
         authors: raw.study.authors,

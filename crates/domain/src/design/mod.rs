@@ -11,6 +11,7 @@ mod exclude;
 mod files;
 mod outcome;
 mod people;
+mod protocol;
 mod toml_file;
 
 pub use condition::{Baseline, By, Car, Color, Condition, Role, Sign};
@@ -20,6 +21,7 @@ pub use exclude::Exclude;
 pub use files::{Files, Mappings, ModelFile, RigMapping, Software};
 pub use outcome::{Homophily, Outcome, Quantity, ScoreName, Style};
 pub use people::{Column, People};
+pub use protocol::{Practice, Protocol, ProtocolStep, SpeedUnit};
 
 use crate::condition::ConditionId;
 use std::collections::BTreeMap;
@@ -62,7 +64,7 @@ pub struct Design {
     factors: Vec<Column>,
     covariates: Vec<Column>,
     homophily: Option<Homophily>,
-    protocol: toml::Table,
+    protocol: Protocol,
     exclude: Exclude,
     amendments: BTreeMap<String, String>,
 }
@@ -164,8 +166,8 @@ impl Design {
         self.homophily.as_ref()
     }
 
-    /// Steps and texts of the seat, as they stand in the file.
-    pub fn protocol(&self) -> &toml::Table {
+    /// What a person meets in the seat.
+    pub fn protocol(&self) -> &Protocol {
         &self.protocol
     }
 

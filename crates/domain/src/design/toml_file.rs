@@ -6,6 +6,7 @@ use super::{
     files::{Files, ModelFile},
     outcome::{Homophily, ScoreName},
     people::Column,
+    protocol::Protocol,
 };
 use crate::condition::ConditionId;
 use serde::Deserialize;
@@ -38,7 +39,7 @@ pub(super) struct DesignToml {
     pub(super) covariate: Vec<Column>,
     pub(super) homophily: Option<Homophily>,
     #[serde(default)]
-    pub(super) protocol: toml::Table,
+    pub(super) protocol: Protocol,
     #[serde(default)]
     pub(super) exclude: Exclude,
     #[serde(default)]

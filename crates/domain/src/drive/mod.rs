@@ -22,6 +22,8 @@ use std::str::FromStr;
 pub enum DrivenBy {
     /// A person.
     Human,
+    /// A script in a person's place, at the same wheel and pedals.
+    Scripted,
     /// A driver model standing in for a person.
     Synthetic,
     /// The learned model through its controllers.
@@ -33,6 +35,7 @@ impl DrivenBy {
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Human => "human",
+            Self::Scripted => "scripted",
             Self::Synthetic => "synthetic",
             Self::Automated => "automated",
         }
@@ -42,14 +45,19 @@ impl DrivenBy {
 impl FromStr for DrivenBy {
     type Err = DomainError;
     fn from_str(text: &str) -> Result<Self, DomainError> {
-        [Self::Human, Self::Synthetic, Self::Automated]
-            .into_iter()
-            .find(|d| d.as_str() == text)
-            .ok_or_else(|| DomainError::UnknownWord {
-                kind: "driver kind",
-                found: text.to_owned(),
-                expected: "human, synthetic, automated",
-            })
+        [
+            Self::Human,
+            Self::Scripted,
+            Self::Synthetic,
+            Self::Automated,
+        ]
+        .into_iter()
+        .find(|d| d.as_str() == text)
+        .ok_or_else(|| DomainError::UnknownWord {
+            kind: "driver kind",
+            found: text.to_owned(),
+            expected: "human, scripted, synthetic, automated",
+        })
     }
 }
 

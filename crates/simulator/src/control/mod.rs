@@ -2,6 +2,7 @@
 
 pub(crate) mod action;
 mod automated;
+mod by_hand;
 mod emergency;
 mod following;
 mod intervention;
@@ -13,6 +14,7 @@ mod sideways;
 mod velocity;
 
 pub(crate) use automated::AutomatedDriver;
+pub use by_hand::Hands;
 pub use intervention::{Intervention, InterventionKind};
 pub(crate) use safety::safe_distance_m;
 pub use safety::{lateral_safe_distance, safe_distance};

@@ -1,7 +1,7 @@
 //! Dynamic bicycle: two axles on linear tyres that saturate at the friction limit.
 
 use super::{
-    Command, FrontAxle, Pose, Vehicle,
+    Command, FrontAxle, Pose, SCRAPING_MPS2, Vehicle,
     actuators::{jerk_mps3, turn_rad, within_limits},
     ahead_of,
     integrator::rk4,
@@ -219,6 +219,16 @@ impl Vehicle for DynamicBicycle {
     fn front_axle(&self, line: &CentreLine) -> FrontAxle {
         let ahead_m = self.settings.dynamics.front_axle_m;
         ahead_of(line, self.x_m, self.y_m, self.heading_rad, ahead_m)
+    }
+
+    fn slide_along(&mut self, y_m: f64) {
+        (self.y_m, self.heading_rad) = (y_m, 0.0);
+        (self.across_mps, self.yaw_rate_rad_per_s) = (0.0, 0.0);
+        self.along_mps = (self.along_mps - SCRAPING_MPS2 * self.settings.step_s).max(0.0);
+    }
+
+    fn steering_rad(&self) -> f64 {
+        self.steering_rad
     }
 
     fn front_slip_rad(&self, curvature_per_m: f64) -> f64 {

@@ -1,7 +1,7 @@
 //! Kinematic bicycle with lags and limits.
 
 use super::{
-    Command, FrontAxle, Pose, Vehicle,
+    Command, FrontAxle, Pose, SCRAPING_MPS2, Vehicle,
     actuators::{jerk_mps3, turn_rad, within_limits},
     ahead_of,
     integrator::rk4,
@@ -130,6 +130,15 @@ impl Vehicle for KinematicBicycle {
     fn front_axle(&self, line: &CentreLine) -> FrontAxle {
         let half = 0.5 * self.settings.wheelbase_m;
         ahead_of(line, self.x_m, self.y_m, self.heading_rad, half)
+    }
+
+    fn slide_along(&mut self, y_m: f64) {
+        (self.y_m, self.heading_rad) = (y_m, 0.0);
+        self.speed_mps = (self.speed_mps - SCRAPING_MPS2 * self.settings.step_s).max(0.0);
+    }
+
+    fn steering_rad(&self) -> f64 {
+        self.steering_rad
     }
 
     fn front_slip_rad(&self, _: f64) -> f64 {

@@ -50,9 +50,18 @@ pub(crate) trait Vehicle {
     /// Where its front axle is.
     fn front_axle(&self, line: &CentreLine) -> FrontAxle;
 
+    /// Slides along a barrier beside it, at `y_m`, for one integration step: along the road, and slower.
+    fn slide_along(&mut self, y_m: f64);
+
+    /// Angle of the front wheels, in rad, positive to the left.
+    fn steering_rad(&self) -> f64;
+
     /// Angle by which the front wheels must point further inside a bend than they roll, in rad: the tyres' slip.
     fn front_slip_rad(&self, curvature_per_m: f64) -> f64;
 }
+
+/// What a barrier takes from a car that slides along it, in m/s².
+const SCRAPING_MPS2: f64 = 3.0;
 
 /// The car of the settings, in the middle of a lane, at x = 0.
 pub(crate) fn build(settings: &VehicleSettings, y_m: f64, speed_mps: f64) -> Box<dyn Vehicle> {

@@ -1,0 +1,166 @@
+//! What a person meets in the seat: the order of steps, their texts and lengths.
+
+use super::DesignError;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// A part of the protocol, in the order in which it comes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ProtocolStep {
+    /// The text of the consent, and agreeing to it.
+    Consent,
+    /// The scales asked before the drives.
+    Before,
+    /// Choosing keyboard, gamepad or wheel.
+    Controls,
+    /// The practice drive.
+    Practice,
+    /// The drive by hand.
+    Drive,
+    /// The rides in the person's order, each with the scales asked after it.
+    Rides,
+}
+
+/// In which unit speeds are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum SpeedUnit {
+    /// Miles an hour.
+    #[default]
+    #[serde(rename = "mph")]
+    Mph,
+    /// Kilometres an hour.
+    #[serde(rename = "km/h")]
+    Kmh,
+}
+
+/// When a person has practised enough.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Practice {
+    /// Time between the marks of one lane, without a break, in s.
+    pub lane_kept_s: f64,
+    /// Vehicles that were passed.
+    pub passes: u32,
+    /// The practice ends after so long whatever was done, in s; the record says what was.
+    pub at_most_s: f64,
+}
+
+impl Default for Practice {
+    fn default() -> Self {
+        Self {
+            lane_kept_s: 30.0,
+            passes: 1,
+            at_most_s: 300.0,
+        }
+    }
+}
+
+/// The section `[protocol]`.
+///
+/// # Example
+/// ```
+/// # use maveric_domain::Design;
+/// let design = Design::from_toml(r#"
+///     [study]
+///     title = "Calm or sporty"
+///     [protocol]
+///     consent = "consent.md"
+///     after = ["jian_trust"]
+///     drive_s = 300
+/// "#)?;
+/// assert_eq!(design.protocol().ride_s, 600.0);
+/// assert_eq!(design.protocol().after, ["jian_trust"]);
+/// # Ok::<(), maveric_domain::DesignError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Protocol {
+    /// The parts in their order; a text that no file is named for is left out.
+    pub steps: Vec<ProtocolStep>,
+    /// The text of the consent, from the folder of the design's file.
+    pub consent: Option<PathBuf>,
+    /// Scales asked before the drives, in this order.
+    pub before: Vec<String>,
+    /// Scales asked after each ride, in this order.
+    pub after: Vec<String>,
+    /// When a person has practised enough.
+    pub practice: Practice,
+    /// Length of the drive by hand, in s.
+    pub drive_s: f64,
+    /// Length of a ride, in s.
+    pub ride_s: f64,
+    /// In which unit speeds are shown.
+    pub speed: SpeedUnit,
+    /// What is said at the end, from the folder of the design's file.
+    pub thanks: Option<PathBuf>,
+    /// A code for the platform that pays.
+    pub code: Option<String>,
+    /// Root of every random choice.
+    pub seed: u64,
+}
+
+impl Default for Protocol {
+    fn default() -> Self {
+        use ProtocolStep::{Before, Consent, Controls, Drive, Practice as Practises, Rides};
+        Self {
+            steps: vec![Consent, Before, Controls, Practises, Drive, Rides],
+            consent: None,
+            before: Vec::new(),
+            after: Vec::new(),
+            practice: Practice::default(),
+            drive_s: 600.0,
+            ride_s: 600.0,
+            speed: SpeedUnit::default(),
+            thanks: None,
+            code: None,
+            seed: 1,
+        }
+    }
+}
+
+/// Shortest and longest drive, in s.
+const DRIVES_S: [f64; 2] = [10.0, 7_200.0];
+
+impl Protocol {
+    pub(super) fn check(&self) -> Result<(), DesignError> {
+        let lengths = [
+            ("drive_s", self.drive_s),
+            ("ride_s", self.ride_s),
+            ("practice.at_most_s", self.practice.at_most_s),
+        ];
+        let [low, high] = DRIVES_S;
+        for (key, found) in lengths {
+            if !(low..=high).contains(&found) {
+                let expected = format!("{low} to {high} s");
+                return Err(DesignError::key(format!("protocol.{key}"), found, expected));
+            }
+        }
+        let kept_s = self.practice.lane_kept_s;
+        if !(0.0..=self.practice.at_most_s).contains(&kept_s) {
+            let expected = "0 s to `at_most_s`";
+            return Err(DesignError::key(
+                "protocol.practice.lane_kept_s",
+                kept_s,
+                expected,
+            ));
+        }
+        for (at, step) in self.steps.iter().enumerate() {
+            if self.steps[..at].contains(step) {
+                let found = format!("{step:?} twice").to_lowercase();
+                return Err(DesignError::key("protocol.steps", found, "each once"));
+            }
+        }
+        let place = |step| self.steps.iter().position(|s| *s == step);
+        if let Some(rides) = place(ProtocolStep::Rides)
+            && place(ProtocolStep::Drive).is_none_or(|drive| drive > rides)
+        {
+            return Err(DesignError::key(
+                "protocol.steps",
+                "rides without a drive before them",
+                "`drive` before `rides`: a style is learned from it",
+            ));
+        }
+        Ok(())
+    }
+}

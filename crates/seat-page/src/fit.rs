@@ -1,0 +1,55 @@
+//! A style from what was driven.
+
+use crate::error::SeatPageError;
+use maveric_domain::{Drive, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording};
+use maveric_model::{Model, ModelError, PersonalizeParams, personalize};
+use serde::{Deserialize, Serialize};
+
+/// A person's style, as far as one drive shows it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Fit {
+    /// The mean of the style, shape `(d,)`.
+    pub embedding: Vec<f64>,
+    /// Its covariance, shape `(d, d)`, row by row; none where too little was driven.
+    pub covariance: Option<Vec<f64>>,
+    /// The score that is read from it, in its scale's points; none where the model reads none.
+    pub score: Option<f64>,
+    /// Events or rows that it was learned from; 0: nothing was shown, and this is the average driver.
+    pub readings: usize,
+}
+
+/// Learns a style from `recording`, the weights of `model` as they are.
+///
+/// A drive that shows nothing of what the model reads gives the average driver, with no reading.
+///
+/// # Errors
+/// [`SeatPageError::Model`] for a drive that is too short for the model's windows, [`SeatPageError::Domain`] for one that is no drive.
+pub fn fit(
+    model: &Model,
+    recording: &Recording,
+    driven_by: DrivenBy,
+) -> Result<Fit, SeatPageError> {
+    let meta = DriveMeta {
+        drive: DriveId::new("seat")?,
+        participant: ParticipantId::new("seat")?,
+        condition: "own".parse()?,
+        driven_by,
+    };
+    let drive = Drive::from_recording(meta, recording)?;
+    match personalize(model, &drive, None, &PersonalizeParams::default()) {
+        Ok(found) => Ok(Fit {
+            embedding: found.embedding.coordinates().to_vec(),
+            covariance: found.covariance,
+            score: found.aggression_hat,
+            readings: found.readings,
+        }),
+        Err(ModelError::NoHabits { .. }) => Ok(Fit {
+            embedding: model.mean_embedding().coordinates().to_vec(),
+            covariance: None,
+            score: None,
+            readings: 0,
+        }),
+        Err(error) => Err(error.into()),
+    }
+}

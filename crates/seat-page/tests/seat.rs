@@ -1,0 +1,236 @@
+//! Drives in the seat, and the same drives again from their written lines.
+
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+mod support;
+
+use maveric_domain::{DrivenBy, Embedding, MetresPerSecond, Seconds};
+use maveric_seat_page::{
+    Driven, Frames, Input, Keyboard, Keys, Record, Rider, SeatDrive, SeatPageError, Signal, fit,
+    replay,
+};
+use maveric_simulator::Scenario;
+use std::rc::Rc;
+use support::model;
+
+fn scenario(seconds: f64) -> Scenario {
+    Scenario::paper().with_duration(Seconds(seconds)).unwrap()
+}
+
+/// Keys as somebody presses them who keeps to the middle of `lane` at `speed`.
+fn pressed(drive: &SeatDrive<'_>, lane: f64, speed: f64) -> Keys {
+    let car = drive.session().car();
+    let off_m = car.y_m - lane * 3.66 + 1.2 * car.heading_rad * car.speed_mps;
+    Keys {
+        left: off_m < -0.25,
+        right: off_m > 0.25,
+        faster: car.speed_mps < speed - 0.5,
+        slower: car.speed_mps > speed + 0.5,
+        emergency: false,
+    }
+}
+
+/// Drives by keys, changing to the left lane after 8 s and back after 16, with pieces sent each second.
+fn by_keys(scenario: &Scenario, seed: u64) -> (Record, Driven) {
+    let mut drive = SeatDrive::by_hand(scenario, seed, DrivenBy::Scripted).unwrap();
+    let mut keyboard = Keyboard::new(scenario);
+    let mut record = drive.begun();
+    loop {
+        let seconds = drive.ticks() as f64 * 0.01;
+        let lane = f64::from(u8::from((8.0..16.0).contains(&seconds)));
+        let keys = pressed(&drive, lane, 27.0);
+        let speed_mps = drive.session().car().speed_mps;
+        let signal = if lane > 0.5 {
+            Signal::Left
+        } else {
+            Signal::Off
+        };
+        let goes_on = drive.tick(keyboard.input(keys, signal, speed_mps));
+        if !goes_on || drive.ticks().is_multiple_of(100) {
+            record.chunks.push(drive.chunk(Frames::default()));
+        }
+        if !goes_on {
+            break;
+        }
+    }
+    let driven = drive.finish().unwrap();
+    record.end = Some(driven.end.clone());
+    (record, driven)
+}
+
+fn a_ride(scenario: &Scenario, seed: u64) -> Record {
+    let settings = &scenario.settings().controllers;
+    let own = Embedding::new(vec![0.2]).unwrap();
+    let mut rider = Rider::new(Rc::new(model()), own, 0.0, settings).unwrap();
+    let (dial, controllers) = (rider.dial(), rider.controllers());
+    let mut drive = SeatDrive::ride(scenario, seed, &mut rider, &controllers).unwrap();
+    let mut record = drive.begun();
+    while drive.tick(Input::default()) {
+        if drive.ticks() == 1_503 {
+            dial.set(8.0);
+            drive.note("dial", Some(8.0));
+        }
+        if drive.ticks().is_multiple_of(100) {
+            record.chunks.push(drive.chunk(Frames::default()));
+        }
+    }
+    record.end = Some(drive.finish().unwrap().end);
+    record
+}
+
+#[test]
+fn a_lane_is_kept_and_changed_with_keys_alone() {
+    let scenario = scenario(30.0);
+    let (_, driven) = by_keys(&scenario, 3);
+    let ego = driven.rollout.recording.ego();
+    let at = |seconds: f64| ego.y_m[(seconds * 20.0) as usize];
+    assert!(at(7.9).abs() < 0.6, "{}", at(7.9));
+    assert!((at(15.9) - 3.66).abs() < 0.6, "{}", at(15.9));
+    assert!(at(29.0).abs() < 0.6, "{}", at(29.0));
+    assert!((ego.speed_mps[500] - 27.0).abs() < 1.5);
+    assert_eq!(driven.rollout.report.barrier_touches, 0);
+}
+
+#[test]
+fn the_same_inputs_and_seed_give_the_same_drive_to_the_byte() {
+    let scenario = scenario(40.0);
+    let (record, driven) = by_keys(&scenario, 11);
+    let lines = record.to_lines().unwrap();
+    let read = Record::from_lines(&lines).unwrap();
+    assert_eq!(read, record);
+    let again = replay(&read).unwrap();
+    assert!(again.same());
+    assert_eq!(again.rollout.recording, driven.rollout.recording);
+    // One step's steering by a thirty-thousandth is another drive.
+    let mut other = record.clone();
+    other.chunks[4].held[0].input.steering += 1;
+    assert!(!replay(&other).unwrap().same());
+    let mut other = record;
+    other.header.seed += 1;
+    assert!(!replay(&other).unwrap().same());
+}
+
+#[test]
+fn a_ride_is_repeated_from_what_was_asked_without_its_model() {
+    let record = a_ride(&scenario(40.0), 5);
+    assert!(record.chunks.iter().any(|c| !c.events.is_empty()));
+    let read = Record::from_lines(&record.to_lines().unwrap()).unwrap();
+    assert!(replay(&read).unwrap().same());
+    // The dial made it faster: what was asked did not stay.
+    let asked: Vec<f64> = read
+        .chunks
+        .iter()
+        .flat_map(|c| c.asked.iter().map(|a| a.setpoints.speed_mps))
+        .collect();
+    assert!(asked.last().unwrap() > &(asked[0] + 0.5), "{asked:?}");
+}
+
+#[test]
+fn a_drive_cut_short_drives_again_as_far_as_it_was_kept() {
+    let (record, driven) = by_keys(&scenario(20.0), 2);
+    let lines = record.to_lines().unwrap();
+    // The last whole second, and half a line of the next.
+    let cut: Vec<&str> = lines.split_inclusive('\n').collect();
+    let text = cut[..12].concat() + &cut[12][..cut[12].len() / 2];
+    let read = Record::from_lines(&text).unwrap();
+    assert_eq!((read.ticks(), &read.end), (1_100, &None));
+    let again = replay(&read).unwrap();
+    let rows = again.rollout.recording.rows();
+    assert_eq!(rows, 220);
+    assert_eq!(
+        again.rollout.recording.ego().y_m,
+        driven.rollout.recording.ego().y_m[..rows]
+    );
+}
+
+#[test]
+fn records_that_cannot_be_are_refused_with_the_line() {
+    let (record, _) = by_keys(&scenario(5.0), 2);
+    let lines = record.to_lines().unwrap();
+    let cut: Vec<&str> = lines.split_inclusive('\n').collect();
+    let said = |text: &str| match Record::from_lines(text) {
+        Err(error) => error.to_string(),
+        Ok(record) => replay(&record).unwrap_err().to_string(),
+    };
+    let missing = [cut[0], cut[2]].concat();
+    assert!(
+        said(&missing).starts_with("line 2: begins at step 100, expected 0"),
+        "{}",
+        said(&missing)
+    );
+    let twice = [cut[0], cut[1], cut[1]].concat();
+    assert!(said(&twice).starts_with("line 3: begins at step 0, expected 100"));
+    let wild = cut[0].to_owned() + "{\"from_tick\":0,\"ticks\":1,\"held\":[[1,32000,0,0,0]]}\n";
+    assert!(
+        said(&wild).contains("expected -30000 to 30000"),
+        "{}",
+        said(&wild)
+    );
+    let few = cut[0].to_owned() + "{\"from_tick\":0,\"ticks\":9,\"held\":[[1,0,0,0,0]]}\n";
+    assert!(said(&few).contains("inputs for 1 steps, expected 9"));
+    let long = cut[0].to_owned() + "{\"from_tick\":0,\"ticks\":900,\"held\":[[900,0,0,0,0]]}\n";
+    assert!(said(&long).contains("after step 500"), "{}", said(&long));
+    assert!(said("").contains("line 1: empty"));
+    assert!(said("{}\n").starts_with("line 1: not the head of a drive"));
+    let mut ride = a_ride(&scenario(5.0), 1);
+    ride.chunks.truncate(3);
+    ride.chunks[2].asked.clear();
+    ride.end = None;
+    assert!(matches!(replay(&ride), Err(SeatPageError::Record { .. })));
+}
+
+#[test]
+fn a_fast_hand_is_learned_as_faster_than_a_slow_one() {
+    let model = model();
+    let fitted = |speed: f64| {
+        let scenario = scenario(60.0);
+        let mut drive = SeatDrive::by_hand(&scenario, 9, DrivenBy::Human).unwrap();
+        let mut keyboard = Keyboard::new(&scenario);
+        loop {
+            let keys = pressed(&drive, 0.0, speed);
+            let now = drive.session().car().speed_mps;
+            if !drive.tick(keyboard.input(keys, Signal::Off, now)) {
+                break;
+            }
+        }
+        let driven = drive.finish().unwrap();
+        fit(&model, &driven.rollout.recording, DrivenBy::Human).unwrap()
+    };
+    let (slow, fast) = (fitted(22.0), fitted(33.0));
+    assert!(slow.readings > 0 && fast.readings > 0);
+    assert!(
+        fast.embedding[0] > slow.embedding[0] + 0.5,
+        "{slow:?} {fast:?}"
+    );
+}
+
+#[test]
+fn a_car_off_the_road_slides_along_the_barrier_and_is_counted_once() {
+    let scenario = scenario(10.0);
+    let mut drive = SeatDrive::by_hand(&scenario, 1, DrivenBy::Scripted).unwrap();
+    let mut keyboard = Keyboard::new(&scenario);
+    let keys = Keys {
+        right: true,
+        ..Keys::default()
+    };
+    loop {
+        let now = drive.session().car().speed_mps;
+        if !drive.tick(keyboard.input(keys, Signal::Off, now)) {
+            break;
+        }
+    }
+    let driven = drive.finish().unwrap();
+    let lowest = driven
+        .rollout
+        .recording
+        .ego()
+        .y_m
+        .iter()
+        .copied()
+        .fold(0.0, f64::min);
+    // Half a lane and a shoulder of 3 m, less half a car.
+    assert!((lowest + 3.88).abs() < 0.01, "{lowest}");
+    assert!(driven.rollout.report.barrier_touches >= 1);
+    let slowed = driven.rollout.recording.ego().speed_mps.last().unwrap();
+    assert!(*slowed < MetresPerSecond::from_mph(50.0).0);
+}
