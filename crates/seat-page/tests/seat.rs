@@ -183,7 +183,8 @@ fn records_that_cannot_be_are_refused_with_the_line() {
 fn a_fast_hand_is_learned_as_faster_than_a_slow_one() {
     let model = model();
     let fitted = |speed: f64| {
-        let scenario = scenario(60.0);
+        // Long enough for a block of free road before the first vehicle ahead.
+        let scenario = scenario(300.0);
         let mut drive = SeatDrive::by_hand(&scenario, 9, DrivenBy::Human).unwrap();
         let mut keyboard = Keyboard::new(&scenario);
         loop {

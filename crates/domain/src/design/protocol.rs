@@ -64,6 +64,10 @@ impl Default for Practice {
 /// let design = Design::from_toml(r#"
 ///     [study]
 ///     title = "Calm or sporty"
+///     [[condition]]
+///     id = "calm"
+///     [[condition]]
+///     id = "sporty"
 ///     [protocol]
 ///     consent = "consent.md"
 ///     after = ["jian_trust"]
