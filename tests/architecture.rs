@@ -18,11 +18,13 @@ fn allowed(name: &str) -> Vec<&'static str> {
         "following" => vec!["domain", "laws", "model"],
         "simulator" => vec!["domain", "laws"],
         "steering" => vec!["domain", "model", "simulator"],
+        "rehearsal" => vec!["domain", "stats", "analysis", "measures", "participants"],
         "study" => [
             &[
                 "domain",
                 "stats",
                 "report",
+                "rehearsal",
                 "analysis",
                 "following",
                 "steering",

@@ -54,6 +54,12 @@ pub enum AnalysisError {
         /// What stands there.
         found: String,
     },
+    /// Too little to learn a recommendation from.
+    #[error("{problem}")]
+    NothingToLearn {
+        /// What was found and what was expected.
+        problem: String,
+    },
     /// A test that refuses its data.
     #[error(transparent)]
     Stats(#[from] maveric_stats::StatsError),
@@ -80,6 +86,9 @@ impl AnalysisError {
             ),
             Self::NoNumber { .. } => Some(
                 "mend the table of people, or declare the column under `[[factor]]`: it divides people by its words",
+            ),
+            Self::NothingToLearn { .. } => Some(
+                "a recommendation needs a study with at least 6 people, own drives, all conditions and ratings",
             ),
             _ => None,
         }

@@ -13,6 +13,7 @@ mod line;
 mod mixed;
 mod outcomes;
 mod person;
+mod recommendation;
 mod reproduction;
 mod result;
 #[cfg(test)]
@@ -24,6 +25,10 @@ pub use data::{StudyData, Tables};
 pub use error::AnalysisError;
 pub use exclusions::{Driven, Flow, LeftOut, LeftOutFor, Why};
 pub use person::Person;
+pub use recommendation::{
+    Dial, FURTHEST_POINTS, Learned, OnTheScale, Percept, Preferred, Reason, Recommendation,
+    SETTINGS, Standard,
+};
 pub use result::{
     Above, AggressionLine, Analysis, Contrast, Correlation, Exclusion, Group, HomophilyRow, Kept,
     LineRow, MixedRow, Nearer, Panel, Preference, Reproduction, SimilarityRow,

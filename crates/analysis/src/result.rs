@@ -250,6 +250,16 @@ pub struct HomophilyRow {
     pub p_bh: Option<f64>,
 }
 
+impl HomophilyRow {
+    /// The name of this test in a ledger of claims, before `.r`.
+    pub fn key(&self) -> String {
+        format!(
+            "homophily.{}.{}-{}.{}",
+            self.factor, self.own, self.versus, self.rating
+        )
+    }
+}
+
 /// Perceived similarity against a rating.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SimilarityRow {

@@ -13,7 +13,7 @@ use clap::Parser as _;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let args = args::Args::parse();
+    let args = commands::Args::parse();
     interrupt::listen();
     match commands::run(args.command) {
         Ok(()) => ExitCode::SUCCESS,

@@ -2,6 +2,7 @@
 
 use crate::{
     cohort::{Cohort, PlannedDrive},
+    coverage::covered_once,
     effects::{AdbModel, Effects},
     error::ParticipantError,
     item_model::ItemModel,
@@ -10,9 +11,8 @@ use crate::{
     scale_model::ScaleModel,
     trait_mixing::TraitMixing,
 };
-use maveric_domain::{Answer, LatentTraits, Moment, Scale, Subscale};
+use maveric_domain::{Answer, LatentTraits, Moment, Scale};
 use rand_pcg::Pcg64;
-use std::collections::BTreeSet;
 
 /// Code name of the scale whose total, not whose items, follows the person's aggressiveness.
 pub const ADB: &str = "adb";
@@ -88,42 +88,6 @@ fn check_coverage(scales: &[Scale], effects: &Effects) -> Result<(), Participant
         covered_once(scale, models.keys())?;
     }
     Ok(())
-}
-
-/// Whether each item belongs to exactly one of the subscales named.
-pub(crate) fn covered_once<'a>(
-    scale: &Scale,
-    subscales: impl Iterator<Item = &'a String>,
-) -> Result<(), ParticipantError> {
-    let mut seen = BTreeSet::new();
-    for id in subscales {
-        for &item in &subscale_of(scale, id)?.items {
-            if !seen.insert(item) {
-                return Err(ParticipantError::ItemTwice {
-                    scale: scale.id.clone(),
-                    item,
-                });
-            }
-        }
-    }
-    match (1..=scale.items).find(|i| !seen.contains(i)) {
-        Some(item) => Err(ParticipantError::ItemWithoutModel {
-            scale: scale.id.clone(),
-            item,
-        }),
-        None => Ok(()),
-    }
-}
-
-pub(crate) fn subscale_of<'a>(
-    scale: &'a Scale,
-    id: &str,
-) -> Result<&'a Subscale, ParticipantError> {
-    let found = scale.subscales.iter().find(|s| s.id == id);
-    found.ok_or_else(|| ParticipantError::UnknownSubscale {
-        scale: scale.id.clone(),
-        subscale: id.to_owned(),
-    })
 }
 
 /// The ADB scale: a total that follows aggressiveness, spread over the items.

@@ -2,6 +2,7 @@
 
 use crate::{
     error::ParticipantError,
+    part::Part,
     person::{Gender, Participant, Personality, Population, Trait},
     response::{normal, stream},
     settings::{CohortSettings, Group},
@@ -12,26 +13,6 @@ use maveric_domain::{
     design::{By, Condition},
 };
 use serde::{Deserialize, Serialize};
-
-/// What a person takes part in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Part {
-    /// Their drives are learned from.
-    Learn,
-    /// They sit through the conditions.
-    Test,
-}
-
-impl Part {
-    /// The number that ids and folders of logs carry.
-    pub fn number(self) -> &'static str {
-        match self {
-            Self::Learn => "1",
-            Self::Test => "2",
-        }
-    }
-}
 
 /// A drive by hand that somebody is to make, and the traits to make it with.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -80,14 +61,13 @@ impl Cohort {
         settings: &CohortSettings,
         design: &Design,
     ) -> Result<Self, ParticipantError> {
-        settings.check()?;
+        let mixing = TraitMixing::of(settings)?;
         let mut cohort = Self {
             participants: Vec::new(),
             learners: learn,
             drives: Vec::new(),
             settings: settings.clone(),
         };
-        let mixing = TraitMixing::of(settings)?;
         for (part, n) in [(Part::Learn, learn), (Part::Test, test)] {
             for index in 0..n {
                 let participant = person(part, index, seed, settings, &mixing, design)?;

@@ -5,11 +5,13 @@
 
 pub mod answers;
 pub mod cohort;
+mod coverage;
 pub mod effects;
 pub mod error;
 pub mod impression;
 mod item_model;
 mod linear;
+mod part;
 pub mod person;
 pub mod ratings;
 mod response;
@@ -18,10 +20,11 @@ pub mod settings;
 mod trait_mixing;
 
 pub use answers::answer_before;
-pub use cohort::{Cohort, Part, PlannedDrive};
+pub use cohort::{Cohort, PlannedDrive};
 pub use effects::Effects;
 pub use error::ParticipantError;
 pub use impression::preferred_shift;
+pub use part::Part;
 pub use person::{Gender, Participant, Personality, Population, Trait};
 pub use ratings::{Rated, RatingWarning, rate, rate_trial};
 pub use settings::{CohortSettings, Group};

@@ -1,7 +1,7 @@
 //! What people think of the car in each condition.
 
 use crate::{
-    answers::{covered_once, subscale_of},
+    coverage::{covered_once, subscale_of},
     effects::{Effects, RatingModel},
     error::ParticipantError,
     impression::{Impression, Trial},

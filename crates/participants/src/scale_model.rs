@@ -1,7 +1,7 @@
 //! The factors behind a scale: what traits explain of them, and how the rest hangs together.
 
 use crate::{
-    answers::subscale_of,
+    coverage::subscale_of,
     effects::{FactorModel, Loadings},
     error::ParticipantError,
     item_model::ItemModel,

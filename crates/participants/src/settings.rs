@@ -1,6 +1,6 @@
 //! How a cohort is made up.
 
-use crate::{cohort::Part, error::ParticipantError, person::Population, trait_mixing::TraitMixing};
+use crate::{error::ParticipantError, part::Part, person::Population};
 use serde::{Deserialize, Serialize};
 
 /// A group of participants: how old, how many of them women.
@@ -87,7 +87,7 @@ impl Default for CohortSettings {
 }
 
 impl CohortSettings {
-    /// Says whether the settings make sense.
+    /// Says whether each setting makes sense; whether correlations contradict each other shows when people are drawn.
     ///
     /// # Errors
     /// [`ParticipantError::BadSetting`] naming the first key that does not.
@@ -174,7 +174,7 @@ impl CohortSettings {
             1.0,
             "0 to 1",
         )?;
-        TraitMixing::of(self).map(|_| ())
+        Ok(())
     }
 
     pub(crate) fn group(&self, part: Part, population: Population) -> &Group {

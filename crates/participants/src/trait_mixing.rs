@@ -21,12 +21,13 @@ impl TraitMixing {
     /// others are built around: correlations among the Big Five change nobody's driving.
     ///
     /// # Errors
-    /// [`ParticipantError::BadSetting`] where the correlations contradict each other.
+    /// [`ParticipantError::BadSetting`] for a setting out of its range, and where the correlations contradict each other.
     pub(crate) fn of(settings: &CohortSettings) -> Result<Self, ParticipantError> {
         use Trait::{
             Aggressiveness, Agreeableness, Conscientiousness, Extraversion, HighVelocity,
             Neuroticism, Openness, Pace, Spacing,
         };
+        settings.check()?;
         let order = [
             Aggressiveness,
             Conscientiousness,
@@ -166,7 +167,7 @@ mod tests {
             agreeableness_openness: -0.9,
             ..CohortSettings::default()
         };
-        let error = settings.check().unwrap_err().to_string();
+        let error = TraitMixing::of(&settings).unwrap_err().to_string();
         assert!(error.contains("positive definite"), "{error}");
     }
 }

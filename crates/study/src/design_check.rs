@@ -1,6 +1,6 @@
 //! A design held against what there is: scales, measures, people, drives and answers.
 
-use crate::{design::DesignFile, error::StudyError, stages::score::read_scales, tables::Table};
+use crate::{design::DesignFile, error::StudyError, run_folder::read_scales, tables::Table};
 use maveric_domain::{
     Scale,
     design::{DesignError, Quantity, ScoreName},

@@ -97,6 +97,9 @@ pub enum StudyError {
     /// People that could not be made up.
     #[error(transparent)]
     Participants(#[from] maveric_participants::ParticipantError),
+    /// A study that cannot be made up.
+    #[error(transparent)]
+    Rehearsal(#[from] maveric_rehearsal::RehearsalError),
     /// A test that refuses its data.
     #[error(transparent)]
     Stats(#[from] maveric_stats::StatsError),

@@ -11,6 +11,7 @@ pub mod error;
 pub mod gate;
 pub mod outcome;
 mod outputs;
+pub mod run_folder;
 pub mod stages;
 mod style_scale;
 pub mod tables;

@@ -3,7 +3,7 @@
 //! The style head is learned on the range of the ADB score, 11 to 55 points; another score is stretched onto it on the way in, and
 //! back on the way out, so that every file has the points of the study's own score.
 
-use crate::{design::DesignFile, error::StudyError, stages::score::read_scales};
+use crate::{design::DesignFile, error::StudyError, run_folder::read_scales};
 use maveric_domain::{AdbScore, EmbeddingRow, Scale, Score, Subscale, design::DesignError};
 use std::path::Path;
 

@@ -32,12 +32,64 @@ pub(crate) mod validate;
 pub(crate) mod verify;
 
 use crate::{
-    args::{Command, Format},
+    args::Format,
     diagnostics::{Failure, printable, tell},
     interrupt, progress,
 };
+use clap::{Parser, Subcommand};
 use maveric_study::{Outcome, StudyError, Watch};
 use std::io::Write as _;
+
+/// Learn a driver's style, drive as that driver would, and analyse the study: from driving logs to the
+/// printed figure.
+#[derive(Debug, Parser)]
+#[command(
+    name = "maveric",
+    version,
+    arg_required_else_help = true,
+    after_help = "\
+Example: maveric run                      the whole synthetic study, into reports/paper
+         maveric run pipelines/smoke.toml a small one, in a minute"
+)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// The commands, in the order of the data.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    Run(run::Run),
+    Status(status::Status),
+    Graph(graph::Graph),
+    Verify(verify::Verify),
+    Diff(diff::Diff),
+    Trace(trace::Trace),
+    Clean(clean::Clean),
+    Init(init::Init),
+    Design(design::Design),
+    Generate(generate::Generate),
+    Ingest(ingest::Ingest),
+    Inspect(inspect::Inspect),
+    Import(import::Import),
+    Score(score::Score),
+    Codebook(codebook::Codebook),
+    Train(train::Train),
+    Personalize(personalize::Personalize),
+    Steer(steer::Steer),
+    Simulate(simulate::Simulate),
+    Measure(measure::Measure),
+    Rate(rate::Rate),
+    Evaluate(evaluate::Evaluate),
+    Stats(stats::Stats),
+    Ablate(ablate::Ablate),
+    Validate(validate::Validate),
+    Recommend(recommend::Recommend),
+    Rehearse(rehearse::Rehearse),
+    RehearseDial(rehearse_dial::RehearseDial),
+    Report(report::Report),
+    Export(export::Export),
+}
 
 /// Runs the command that was asked for.
 pub(crate) fn run(command: Command) -> Result<(), Failure> {
@@ -113,23 +165,6 @@ pub(crate) fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     serde_json::to_writer_pretty(&mut out, value).map_err(|e| Failure::output(e.into()))?;
     writeln!(out).map_err(Failure::output)
-}
-
-/// The command that is running, as it can be typed again.
-pub(crate) fn this_command() -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
-    let quoted = |word: String| {
-        if !word.is_empty() && word.chars().all(plain) {
-            word
-        } else {
-            format!("'{}'", word.replace('\'', "'\\''"))
-        }
-    };
-    let words = std::env::args().skip(1).map(quoted);
-    std::iter::once("maveric".to_owned())
-        .chain(words)
-        .collect::<Vec<_>>()
-        .join(" ")
 }
 
 /// Threads to use when none are asked for: all cores.

@@ -5,7 +5,7 @@ use crate::{
     args::{Format, Repeat},
     diagnostics::Failure,
 };
-use maveric_study::stages::recommend::{self, RehearseDialOptions};
+use maveric_study::stages::rehearse_dial::{self, RehearseDialOptions};
 
 /// Try the recommended shift on made-up people whose preference is known, and count the trials it takes to learn one
 #[derive(Debug, clap::Args)]
@@ -62,7 +62,7 @@ impl RehearseDial {
             command: self.repeat.command(),
         };
         print_outcome(self.format, "could not rehearse the dial", |watch| {
-            recommend::rehearse_dial(&options, watch)
+            rehearse_dial::rehearse_dial(&options, watch)
         })
     }
 }

@@ -7,6 +7,7 @@ pub(crate) mod matrix;
 pub(crate) mod minimise;
 pub(crate) mod moments;
 pub(crate) mod noncentral;
+mod normal_scale;
 pub(crate) mod roots;
 pub(crate) mod special;
 pub(crate) mod spectrum;

@@ -6,6 +6,7 @@
 use super::{
     beta_mixture::BetaMixture,
     distributions::{chi2_upper, normal_density, normal_quantile, normal_upper},
+    normal_scale::on_normal_scale,
     roots,
 };
 
@@ -129,7 +130,7 @@ pub(crate) fn f_ncp_interval(f: f64, df1: f64, df2: f64, tail: f64) -> Option<(f
         }
         let lower_tail = |root: f64| here.lower(root * root);
         let first = guess.max(0.1);
-        roots::on_normal_scale(lower_tail, probability, first, first + 0.2 * spread)
+        on_normal_scale(lower_tail, probability, first, first + 0.2 * spread)
             .map(|root| root * root)
             .or_else(|| {
                 let gap = |ncp: f64| here.lower(ncp) - probability;
@@ -154,7 +155,7 @@ pub(crate) fn t_ncp_interval(t: f64, df: f64, tail: f64) -> Option<(f64, f64)> {
     here.odd = here.odd.tabulated(rate);
     let at = |probability: f64, guess: f64| {
         let lower_tail = |ncp: f64| here.lower(ncp);
-        roots::on_normal_scale(lower_tail, probability, guess, guess + 0.1 * spread)
+        on_normal_scale(lower_tail, probability, guess, guess + 0.1 * spread)
             .or_else(|| bracketed(|ncp| lower_tail(ncp) - probability, guess, 0.1 * spread))
     };
     Some((at(1.0 - tail, t - reach)?, at(tail, t + reach)?))

@@ -1,15 +1,13 @@
 //! `ablate`: what each part of the model is worth on drivers that it has not seen.
 
-use super::{
-    report::{hashed, write_page},
-    train::adb_of,
-};
+use super::report::{hashed, write_page};
 use crate::{
     atomic_write::write_json,
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch, threads},
     outputs::spare_inputs,
+    run_folder::adb_of,
     tables::{drives::read_drives, surveys::read_scores},
 };
 use maveric_domain::DrivenBy;

@@ -5,7 +5,7 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
-    stages::score::read_scales,
+    run_folder::read_scales,
     tables::TableBuilder,
 };
 use maveric_domain::{Scale, Subscale, survey::Scoring};

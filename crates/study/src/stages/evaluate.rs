@@ -8,7 +8,7 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
-    stages::train::read_model,
+    run_folder::read_model,
     tables::{drives::read_drives, embeddings::read_embeddings},
 };
 use maveric_following::{

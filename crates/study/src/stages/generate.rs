@@ -6,12 +6,13 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
     outputs::spare_inputs,
-    stages::{rate::read_effects, score::read_scales, simulate::Scenes},
+    run_folder::{read_effects, read_scales, read_scenario},
+    stages::simulate::Scenes,
     tables::{
         Table, drives::remove_former, participants::write_participants, surveys::write_answers,
     },
 };
-use maveric_domain::{DriveId, DriveMeta, DrivenBy, ParticipantId, Seconds, stream_seed};
+use maveric_domain::{DriveId, DriveMeta, DrivenBy, ParticipantId, stream_seed};
 use maveric_ingest::{Beside, write_mcap_with};
 use maveric_participants::{Cohort, CohortSettings, PlannedDrive, answer_before};
 use maveric_simulator::{Driver, People, Scenario, rollout};
@@ -66,22 +67,6 @@ pub struct Generated {
     pub answers: usize,
     /// Collisions over all drives.
     pub collisions: usize,
-}
-
-/// Reads a scenario, or takes the paper's, at the length asked for.
-///
-/// # Errors
-/// [`StudyError`] naming the file and the key.
-pub fn read_scenario(path: Option<&Path>, duration_s: Option<f64>) -> Result<Scenario, StudyError> {
-    let scenario = match path {
-        None => Scenario::paper(),
-        Some(path) => toml::from_str(&read_text(path)?)
-            .map_err(|e| StudyError::file(path, format!("not a scenario: {e}")))?,
-    };
-    match duration_s {
-        None => Ok(scenario),
-        Some(seconds) => Ok(scenario.with_duration(Seconds(seconds))?),
-    }
 }
 
 /// Reads a population, or the people of the scenario in that file; without a file takes the people of `scenario`.

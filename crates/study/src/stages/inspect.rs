@@ -5,7 +5,7 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
-    stages::train::read_model,
+    run_folder::read_model,
     watching::{read_watched, write_watch_page},
 };
 use maveric_domain::{Drive, DriveMeta};

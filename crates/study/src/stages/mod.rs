@@ -16,6 +16,7 @@ pub mod personalize;
 pub mod rate;
 pub mod recommend;
 pub mod rehearse;
+pub mod rehearse_dial;
 pub mod report;
 mod sample_size;
 pub mod score;

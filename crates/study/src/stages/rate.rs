@@ -1,12 +1,11 @@
 //! `rate`: synthetic participants rate what each condition did.
 
 use crate::{
-    atomic_write::read_text,
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
-    stages::score::read_scales,
+    run_folder::{read_effects, read_scales},
     tables::{
         measurements::{MeasuredDrive, one_drive_a_condition, read_measurements},
         participants::read_participants,
@@ -14,9 +13,8 @@ use crate::{
     },
 };
 use maveric_domain::{ConditionId, MeasureValues, spread};
-use maveric_participants::Effects;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What to rate.
 #[derive(Debug, Clone)]
@@ -44,27 +42,6 @@ pub struct Ratings {
     pub participants: usize,
     /// Their answers.
     pub answers: usize,
-}
-
-/// Reads the sizes of the effects.
-///
-/// # Errors
-/// [`StudyError`] naming the file and the key.
-pub fn read_effects(path: &Path) -> Result<Effects, StudyError> {
-    effects_of(path, &read_text(path)?)
-}
-
-/// The sizes of the effects in a file's text.
-///
-/// # Errors
-/// As [`read_effects`].
-pub(crate) fn effects_of(path: &Path, text: &str) -> Result<Effects, StudyError> {
-    let effects: Effects = toml::from_str(text)
-        .map_err(|e| StudyError::file(path, format!("not a file of effects: {e}")))?;
-    effects
-        .check()
-        .map_err(|e| StudyError::file(path, e.to_string()))?;
-    Ok(effects)
 }
 
 /// Lets each synthetic participant who is tested rate the conditions that they sat through and that the car drove; a condition

@@ -1,12 +1,12 @@
 //! `score`: questionnaire answers to scores and reliabilities.
 
 use crate::{
-    atomic_write::read_text,
     design::DesignFile,
     error::StudyError,
     gate::{Gate, LeftOut, TOO_SHORT, counted},
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
+    run_folder::{exclusions_path, items_path, read_scales, reliabilities_path},
     tables::{
         Table, TableBuilder,
         drives::kept_out,
@@ -15,7 +15,7 @@ use crate::{
 };
 use maveric_domain::{Answer, DriveId, Moment, ParticipantId, Scale, Score, Subscale};
 use maveric_measures::{
-    ItemMatrix, ScoreWarning, parse_scale,
+    ItemMatrix, ScoreWarning,
     survey::{SheetTime, response_styles, too_fast},
 };
 use maveric_stats::AlphaAnalysis;
@@ -119,52 +119,6 @@ pub struct ScoredSurveys {
     pub missing: usize,
     /// Reliability of each subscale.
     pub reliabilities: Vec<Reliability>,
-}
-
-/// Reads every scale definition of a folder, ordered by file name.
-///
-/// # Errors
-/// [`StudyError`] if there is none, or naming the file that does not define a scale.
-pub fn read_scales(folder: &Path) -> Result<Vec<Scale>, StudyError> {
-    let entries = std::fs::read_dir(folder).map_err(StudyError::read(folder))?;
-    let mut paths = Vec::new();
-    for entry in entries {
-        let path = entry.map_err(StudyError::read(folder))?.path();
-        if path.extension().is_some_and(|e| e == "toml") {
-            paths.push(path);
-        }
-    }
-    paths.sort();
-    if paths.is_empty() {
-        return Err(StudyError::file(
-            folder,
-            "holds no questionnaire definitions (*.toml)",
-        ));
-    }
-    let read = |path: &PathBuf| {
-        parse_scale(&read_text(path)?).map_err(|e| StudyError::file(path, e.to_string()))
-    };
-    paths.iter().map(read).collect()
-}
-
-/// The file beside `out` that holds the reliabilities.
-pub fn reliabilities_path(out: &Path) -> PathBuf {
-    beside(out, "_reliabilities.csv")
-}
-
-/// The file beside `out` that holds each item's part in its subscale.
-pub fn items_path(out: &Path) -> PathBuf {
-    beside(out, "_items.csv")
-}
-
-/// The file beside `out` that lists what was left out: who, what, why.
-pub fn exclusions_path(out: &Path) -> PathBuf {
-    beside(out, "_exclusions.csv")
-}
-
-fn beside(out: &Path, suffix: &str) -> PathBuf {
-    let stem = out.file_stem().unwrap_or_default().to_string_lossy();
-    out.with_file_name(format!("{stem}{suffix}"))
 }
 
 /// Reliability over one sheet a person: those from before the drives where there are any. After the conditions a person

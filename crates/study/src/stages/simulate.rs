@@ -6,7 +6,7 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
     outputs::spare_inputs,
-    stages::{generate::read_scenario, train::read_model},
+    run_folder::{read_model, read_scenario},
     tables::{
         TableBuilder,
         conditions::{ConditionRow, read_conditions},

@@ -6,17 +6,18 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch, threads},
     outputs::spare_inputs,
+    run_folder::{adb_of, embeddings_path, training_path},
     style_scale::style_scores,
     tables::{
         embeddings::{EmbeddingRow, write_embeddings},
         surveys::read_scores,
     },
 };
-use maveric_domain::{AdbScore, ConditionId, Drive, Moment, Score};
+use maveric_domain::{AdbScore, Drive, Score};
 pub use maveric_model::HeadsKind;
 use maveric_model::{
-    EpochReport, HeadReport, Model, ModelError, Quality, Selection, StyleHead, TrainParams,
-    TrainSettings, TrainingDrive, model_file, style_space::AggressionAxis, train as learn,
+    EpochReport, HeadReport, ModelError, Quality, Selection, StyleHead, TrainParams, TrainSettings,
+    TrainingDrive, model_file, style_space::AggressionAxis, train as learn,
 };
 use maveric_participants::Part;
 use serde::{Deserialize, Serialize};
@@ -101,67 +102,6 @@ pub struct NetworkSummary {
     pub selection: Option<Selection>,
     /// How good the predictions of the networks that drive are: calibration of P(change), residuals of F and V.
     pub quality: Quality,
-}
-
-/// Name of the model among a run's results.
-pub const MODEL_FILE: &str = "model.maveric";
-
-/// File beside the model that holds the training's report.
-pub fn training_path(model: &Path) -> PathBuf {
-    beside(model, "_training.json")
-}
-
-/// File beside the model that holds the training embeddings.
-pub fn embeddings_path(model: &Path) -> PathBuf {
-    beside(model, "_embeddings.csv")
-}
-
-fn beside(model: &Path, suffix: &str) -> PathBuf {
-    let stem = model.file_stem().unwrap_or_default().to_string_lossy();
-    model.with_file_name(format!("{stem}{suffix}"))
-}
-
-/// Reads a trained model.
-///
-/// # Errors
-/// [`StudyError`] naming the file, if it is no model, damaged, or of another version.
-pub fn read_model(path: &Path) -> Result<Model, StudyError> {
-    if path.is_dir() {
-        return Err(StudyError::file(path, "is a folder, expected a model file"));
-    }
-    let bytes = std::fs::read(path).map_err(StudyError::read(path))?;
-    model_file::from_bytes(&bytes).map_err(|e| StudyError::BadFile {
-        path: path.to_owned(),
-        problem: e.to_string(),
-        help: e
-            .suggestion()
-            .map(str::to_owned)
-            .or_else(|| Some("train a model with `maveric train`".to_owned())),
-    })
-}
-
-/// The ADB score that belongs to a drive: the one answered before the drives to the baseline, another to a professional's role.
-pub(crate) fn adb_of(
-    drive: &Drive,
-    scores: &[Score],
-    baseline: Option<ConditionId>,
-) -> Result<Option<AdbScore>, StudyError> {
-    let meta = drive.meta();
-    let moment = if Some(meta.condition) == baseline {
-        Moment::Pre
-    } else {
-        Moment::After(meta.condition)
-    };
-    let points = scores
-        .iter()
-        .find(|s| {
-            s.participant == meta.participant
-                && s.moment == moment
-                && s.scale == "adb"
-                && s.subscale == "total"
-        })
-        .and_then(|s| s.value);
-    Ok(points.map(AdbScore::new).transpose()?)
 }
 
 /// Trains on every drive of a folder; writes the model, the training's report and the training embeddings.

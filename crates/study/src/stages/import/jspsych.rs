@@ -79,7 +79,7 @@ fn objects(path: &Path, trials: Vec<Value>) -> Result<Vec<Trial>, StudyError> {
 }
 
 /// A text or number as text.
-fn said(value: &Value) -> Option<String> {
+fn text_of(value: &Value) -> Option<String> {
     match value {
         Value::String(text) => Some(text.clone()),
         Value::Number(number) => Some(number.to_string()),
@@ -90,7 +90,7 @@ fn said(value: &Value) -> Option<String> {
 fn whose(trial: &Trial, map: &ColumnMap) -> Option<String> {
     let named = map.participant.as_deref();
     let names = named.map_or_else(|| PARTICIPANT.to_vec(), |name| vec![name]);
-    names.iter().find_map(|name| said(trial.get(*name)?))
+    names.iter().find_map(|name| text_of(trial.get(*name)?))
 }
 
 /// The answers of a trial by name: an object, or (before version 7) its text.
@@ -115,7 +115,7 @@ fn read_trial(
         return Ok(());
     };
     let bad = |problem: String| StudyError::file(path, problem);
-    let word = |name: &str| trial.get(name).and_then(said);
+    let word = |name: &str| trial.get(name).and_then(text_of);
     let named = word("scale");
     let mut items = Vec::new();
     for (name, value) in &responses {
@@ -169,7 +169,7 @@ fn read_trial(
         }
         let text = match value {
             Value::Null => String::new(),
-            other => said(other).unwrap_or_else(|| other.to_string()),
+            other => text_of(other).unwrap_or_else(|| other.to_string()),
         };
         let add = if likert { scale.min } else { 0 };
         found.rows.push(Row {

@@ -10,7 +10,7 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
-    stages::score::read_scales,
+    run_folder::read_scales,
     tables::{Table, TableBuilder},
 };
 use columns::ColumnMap;

@@ -9,7 +9,7 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
     outputs::spare_inputs,
-    stages::train::{adb_of, read_model},
+    run_folder::{adb_of, read_model},
     style_scale::style_scores,
     tables::{
         embeddings::{EmbeddingRow, write_embeddings},

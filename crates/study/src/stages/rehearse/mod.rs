@@ -1,21 +1,14 @@
 //! `rehearse`: the whole analysis of a design on many synthetic studies that are not driven. How often does each test say yes
 //! when there is nothing, and how many people would it need when there is something?
 
-mod outcomes;
 mod page;
-pub(crate) mod population;
-mod rates;
 mod signs;
-pub(crate) mod study;
 mod tables;
+mod world;
 
-pub use outcomes::Part;
-pub(crate) use outcomes::homophily_key;
-pub use population::{
-    DerivedMeasure, DrawnMeasure, LineModel, MeasureModel, PopulationModel, Round, Step,
-};
-pub use rates::{Cell, FamilyRate, TestRate};
+pub use maveric_rehearsal::{Cell, Part, TestRate};
 pub use signs::SignRow;
+pub(crate) use world::read_world;
 
 use crate::{
     atomic_write::write_json,
@@ -26,9 +19,9 @@ use crate::{
 };
 use maveric_analysis::Friedman;
 use maveric_domain::stream_seed;
+use maveric_rehearsal::{World, found_in};
 use serde::Serialize;
 use std::path::PathBuf;
-use study::World;
 
 /// What to rehearse.
 #[derive(Debug, Clone)]
@@ -89,7 +82,7 @@ pub fn rehearse(
     watch: Watch<'_>,
 ) -> Result<Outcome<Rehearsal>, StudyError> {
     check(options)?;
-    let world = World::of(
+    let world = read_world(
         &DesignFile::find(options.design.as_deref())?,
         [&options.population, &options.effects, &options.scales].map(Option::as_deref),
     )?;
@@ -113,12 +106,12 @@ pub fn rehearse(
         let seed = stream_seed(options.seed, &["rehearsal", scale, size, index]);
         let study = worlds[cell / options.participants.len()].study(n, seed)?;
         let analysis = maveric_analysis::analyse(&study.data, Friedman::Approximate)?;
-        Ok(outcomes::outcomes(&analysis))
+        Ok(found_in(&analysis))
     })?;
     let cells: Vec<Cell> = grid
         .iter()
         .zip(found.chunks(options.studies))
-        .map(|((scale, n), studies)| rates::cell(*n, *scale, studies))
+        .map(|((scale, n), studies)| Cell::of(*n, *scale, studies))
         .collect();
     let signs = match &options.claims {
         Some(path) => signs::signs(path, &cells)?,
@@ -180,63 +173,4 @@ fn check(options: &RehearseOptions) -> Result<(), StudyError> {
         return refuse("a scale of the effects stands twice".to_owned());
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    pub(super) fn world() -> World {
-        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data");
-        let scales = root.join("scales");
-        World::of(&DesignFile::paper().unwrap(), [None, None, Some(&scales)]).unwrap()
-    }
-
-    fn run(world: &World, n: usize, studies: u64) -> Cell {
-        let found: Vec<_> = (0..studies)
-            .map(|seed| {
-                let study = world.study(n, 1000 + seed).unwrap();
-                let a = maveric_analysis::analyse(&study.data, Friedman::Approximate);
-                outcomes::outcomes(&a.unwrap())
-            })
-            .collect();
-        rates::cell(n, 1.0, &found)
-    }
-
-    #[test]
-    fn without_effects_tests_say_yes_about_one_time_in_twenty() {
-        let cell = run(&world().scaled(0.0), 12, 40);
-        let (yes, all) = cell
-            .tests
-            .iter()
-            .fold((0, 0), |(yes, all), t| (yes + t.rejected, all + t.studies));
-        let rate = yes as f64 / all as f64;
-        assert!((0.03..0.07).contains(&rate), "{rate} of {all}");
-    }
-
-    #[test]
-    fn planted_effects_are_found() {
-        let cell = run(&world(), 24, 6);
-        let of = |key: &str| cell.tests.iter().find(|t| t.key == key).unwrap();
-        assert_eq!(of("panel.mean_velocity_mps.omnibus").rejected, 6);
-        let r = of("homophily.mini_ipip.conscientiousness.mimic-cautious.rosas.competence")
-            .mean_estimate
-            .unwrap();
-        assert!(r < -0.2, "{r}");
-    }
-
-    #[test]
-    fn a_study_depends_on_its_seed_alone() {
-        let world = world();
-        let scores = |seed| {
-            let study = world.study(5, seed).unwrap();
-            let p = study.data.participants[2].clone();
-            let name = "rosas.competence".parse().unwrap();
-            study.data.rated(&p, study.data.own_style().unwrap(), &name)
-        };
-        assert_eq!(scores(3), scores(3));
-        let all: std::collections::BTreeSet<String> =
-            (0..8).map(|seed| format!("{:?}", scores(seed))).collect();
-        assert!(all.len() > 2);
-    }
 }

@@ -52,7 +52,7 @@ pub(super) fn page(found: &Rehearsal, options: &RehearseOptions) -> Result<Repor
     };
     Ok(Report {
         title: if found.is_null() {
-            "How often do the tests cry wolf?".to_owned()
+            "How often do the tests find what is not there?".to_owned()
         } else {
             "How many people would it have needed?".to_owned()
         },

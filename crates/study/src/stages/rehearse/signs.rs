@@ -1,7 +1,7 @@
 //! Do effects planted at the paper's sizes come out with the paper's signs?
 
-use super::rates::{Cell, n_for};
 use crate::{atomic_write::read_text, error::StudyError};
+use maveric_rehearsal::{Cell, n_for};
 use maveric_report::claims;
 use maveric_stats::Proportion;
 use serde::Serialize;

@@ -1,9 +1,7 @@
 //! What was found, as tables and as lines.
 
-use super::{
-    Cell, Part, Rehearsal, TestRate,
-    rates::{ALPHA, n_for},
-};
+use super::{Cell, Part, Rehearsal, TestRate};
+use maveric_rehearsal::{ALPHA, n_for};
 use maveric_report::tables::{Cell as Entry, Column, Table};
 use maveric_stats::Proportion;
 

@@ -1,7 +1,6 @@
 //! Our results under the keys of the claims ledger.
 
 use super::{people::People, synthetic::Run};
-use crate::stages::rehearse::homophily_key;
 use maveric_analysis::{Correlation, Preference};
 use maveric_report::claims::Made;
 use std::collections::BTreeMap;
@@ -143,7 +142,7 @@ pub(super) fn results(
         found.correlation(&format!("across.{name}"), &row.angle);
     }
     for row in &analysis.homophily {
-        found.correlation(&homophily_key(row), &row.correlation);
+        found.correlation(&row.key(), &row.correlation);
     }
     for row in &analysis.similarity {
         found.correlation(&format!("similarity.{}", row.rating), &row.pooled);

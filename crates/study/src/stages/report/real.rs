@@ -7,7 +7,8 @@ use super::{
 use crate::{
     atomic_write::read_json,
     error::StudyError,
-    stages::train::{MODEL_FILE, TrainingSummary, training_path},
+    run_folder::{MODEL_FILE, training_path},
+    stages::train::TrainingSummary,
 };
 use maveric_following::{
     DriverEvaluation, FollowingEvaluation, FollowingMethod, MethodMean, Shrinkage,

@@ -3,7 +3,7 @@
 use super::AttributeOptions;
 use crate::{
     error::StudyError,
-    stages::train::embeddings_path,
+    run_folder::embeddings_path,
     tables::{
         Table,
         embeddings::{EmbeddingRow, read_embeddings},

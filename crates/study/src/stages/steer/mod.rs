@@ -11,7 +11,7 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
-    stages::train::read_model,
+    run_folder::read_model,
     tables::{
         conditions::{ConditionRow, write_conditions},
         embeddings::{EmbeddingRow, read_embeddings},

@@ -1,14 +1,6 @@
 //! One trained model: everybody's embeddings, and the car driven from them.
 
-use super::{
-    dial::{Dial, dial},
-    fidelity::{Fidelity, fidelity},
-    identity::{Identification, Known, identify, identify_posteriors, within_person},
-    likeness::{Driven, Likeness, likeness},
-    line::{Agreement, agreement, regression},
-    people::{MEASURES, People, Person, Values, standardiser, values},
-    perpendicular::{Across, across},
-};
+use super::people::{People, Person};
 use crate::{
     error::StudyError,
     outcome::{Watch, for_each_on},
@@ -18,6 +10,11 @@ use maveric_measures::likeness::{Window, windows};
 use maveric_model::{
     Model, PersonalizeParams, PersonalizeSettings, Personalized, personalize,
     style_space::{AggressionAxis, PerpendicularEllipse, share_outside_training, shift},
+};
+use maveric_rehearsal::validation::{
+    Across, Agreement, Dial, Driven, Fidelity, Identification, Known, Likeness, Values, across,
+    agreement, dial, fidelity, identify, identify_posteriors, likeness, mean, regression,
+    standardiser, values, within_person,
 };
 use maveric_simulator::{Driver, Scenario, rollout};
 use maveric_steering::ModelPlanner;
@@ -57,7 +54,7 @@ pub struct Examined {
 
 /// What every model is examined with.
 #[derive(Debug)]
-pub(super) struct Bench<'a> {
+pub(super) struct Examination<'a> {
     pub(super) people: &'a People,
     pub(super) scenario: &'a Scenario,
     pub(super) points: f64,
@@ -94,7 +91,7 @@ struct Ridden {
     read_back: Option<Embedding>,
 }
 
-impl Bench<'_> {
+impl Examination<'_> {
     /// Examines a model.
     pub(super) fn examine(
         &self,
@@ -249,7 +246,7 @@ impl Bench<'_> {
                 regression(trained_on, &own_values, &z),
             ),
         ];
-        let line: Result<Vec<_>, StudyError> = readings
+        let line: Result<Vec<_>, maveric_rehearsal::RehearsalError> = readings
             .iter()
             .map(|(what, values)| agreement(what, values, &adb, &latent))
             .collect();
@@ -308,7 +305,7 @@ impl Bench<'_> {
             let mut values = Values::default();
             for (k, value) in values.iter_mut().enumerate() {
                 let known: Vec<f64> = roads.iter().filter_map(|r| r.values[k]).collect();
-                *value = super::mean(&known);
+                *value = mean(&known);
             }
             values
         };
@@ -378,9 +375,4 @@ fn styles(known: &[Personalized]) -> Option<Vec<Known>> {
         Some((k.embedding.coordinates().to_vec(), rows.collect()))
     };
     known.iter().map(of).collect()
-}
-
-/// Title of each measure, for warnings and tables.
-pub(super) fn title(k: usize) -> &'static str {
-    maveric_measures::objective::find(MEASURES[k]).map_or(MEASURES[k], |m| m.title)
 }

@@ -2,34 +2,26 @@
 //!
 //! It needs people who drove twice, which the paper's did not.
 
-mod dial;
 mod examine;
-mod fidelity;
-mod identity;
-mod likeness;
-mod line;
-mod linear;
 mod page;
 mod people;
-mod perpendicular;
 mod tables;
 
-pub use dial::{Dial, FULL, Right};
 pub use examine::Examined;
-pub use fidelity::Fidelity;
-pub use identity::{Identification, Metric};
-pub use likeness::Likeness;
-pub use line::Agreement;
-pub use perpendicular::Across;
+pub use maveric_rehearsal::validation::{
+    Across, Agreement, Dial, FULL, Fidelity, Identification, Likeness, Metric, Right,
+};
 
 use crate::{
     atomic_write::{atomic_write_bytes, write_json},
     error::StudyError,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
-    stages::{generate::read_scenario, report::write_page, train::read_model},
+    run_folder::{read_model, read_scenario},
+    stages::report::write_page,
 };
 use maveric_domain::DrivenBy;
+use maveric_rehearsal::validation::{MEASURES, mean, title, values};
 use maveric_report::tables::Table;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -72,11 +64,6 @@ pub struct Validated {
     pub models: Vec<Examined>,
 }
 
-/// Mean of the values; `None` without any.
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
 /// Examines every model on the people of a run who drove twice; writes `validation.json`, `validation.md` and a
 /// page with figures and tables.
 ///
@@ -104,7 +91,7 @@ pub fn validate(
     )?;
     let people = people::read(&options.run)?;
     let scenario = read_scenario(options.scenario.as_deref(), options.duration_s)?;
-    let bench = examine::Bench {
+    let examination = examine::Examination {
         people: &people,
         scenario: &scenario,
         points: options.points,
@@ -115,7 +102,7 @@ pub fn validate(
     let mut models = Vec::new();
     for path in &options.models {
         let name = path.display().to_string();
-        models.push(bench.examine(&name, &read_model(path)?, watch)?);
+        models.push(examination.examine(&name, &read_model(path)?, watch)?);
     }
     let tables = tables::tables(&models, options.points);
     let markdown: Vec<String> = tables.iter().map(Table::to_markdown).collect();
@@ -154,18 +141,18 @@ pub fn validate(
 /// What could not be compared, and what should not have happened.
 fn warnings(people: &people::People, collisions: u32) -> Vec<String> {
     let mut warnings = Vec::new();
-    for k in 0..people::MEASURES.len() {
+    for k in 0..MEASURES.len() {
         let missing = people
             .test
             .iter()
             .flat_map(|p| [&p.first, &p.again])
-            .filter(|d| people::values(d)[k].is_none())
+            .filter(|d| values(d)[k].is_none())
             .count();
         if missing > 0 {
             warnings.push(format!(
                 "{missing} of {} own drives have no {}: left out of its fidelity, taken at the mean in identity",
                 2 * people.test.len(),
-                examine::title(k).to_lowercase()
+                title(k).to_lowercase()
             ));
         }
     }

@@ -1,6 +1,6 @@
 //! The page of a validation: its figures and tables.
 
-use super::{Dial, Examined, Fidelity, ValidateOptions, Validated};
+use super::{Dial, Examined, Fidelity, ValidateOptions, Validated, mean};
 use crate::{error::StudyError, stages::report::hashed};
 use maveric_domain::MetresPerSecond;
 use maveric_report::{
@@ -93,7 +93,7 @@ pub(super) fn page(
 fn over(models: &[Examined], of: impl Fn(&Examined) -> Option<f64>) -> Option<Accuracy> {
     let values: Vec<f64> = models.iter().filter_map(of).collect();
     Some(Accuracy {
-        mean: super::mean(&values)?,
+        mean: mean(&values)?,
         low: values.iter().copied().fold(f64::INFINITY, f64::min),
         high: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
     })

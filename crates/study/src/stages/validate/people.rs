@@ -3,31 +3,12 @@
 use crate::{
     design::DesignFile,
     error::StudyError,
-    stages::train::adb_of,
+    run_folder::adb_of,
     tables::{drives::read_drives, participants::read_participants, surveys::read_scores},
 };
 use maveric_domain::{AdbScore, Drive, ParticipantId};
-use maveric_measures::objective;
+use maveric_rehearsal::validation::{Values, values};
 use std::{collections::BTreeMap, path::Path};
-
-/// The seven measures: the five that follow aggression, in the paper's order, then the two that do not.
-pub(super) const MEASURES: [&str; 7] = [
-    "mean_velocity_mps",
-    "mean_headway_time_s",
-    "headway_merge_back_m",
-    "lane_changes",
-    "headway_merge_back_s",
-    "min_headway_distance_m",
-    "left_lane_fraction",
-];
-
-/// A drive's [`MEASURES`]; `None` where it has no value.
-pub(super) type Values = [Option<f64>; 7];
-
-/// Measures a drive.
-pub(super) fn values(drive: &Drive) -> Values {
-    MEASURES.map(|name| objective::find(name).and_then(|m| m.of(drive)))
-}
 
 /// Somebody who drove twice.
 #[derive(Debug)]
@@ -127,41 +108,4 @@ pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
         training,
         trained_on,
     })
-}
-
-/// Puts measures on one footing: minus mean, over SD, of the training drives; a missing one is 0, the mean.
-pub(super) fn standardiser(training: &[Values]) -> impl Fn(&Values) -> Vec<f64> + use<> {
-    let scale: Vec<(f64, f64)> = (0..MEASURES.len())
-        .map(|k| {
-            let known: Vec<f64> = training.iter().filter_map(|v| v[k]).collect();
-            let mean = super::mean(&known).unwrap_or(0.0);
-            let square = known.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
-            let sd = (square / (known.len() as f64 - 1.0).max(1.0)).sqrt();
-            (mean, if sd > 0.0 { sd } else { 1.0 })
-        })
-        .collect();
-    move |values| {
-        values
-            .iter()
-            .zip(&scale)
-            .map(|(value, (mean, sd))| value.map_or(0.0, |v| (v - mean) / sd))
-            .collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn standardised_measures_have_mean_0_and_sd_1_and_a_missing_one_is_the_mean() {
-        let with = |x: f64| {
-            let mut values = Values::default();
-            values[0] = Some(x);
-            values
-        };
-        let z = standardiser(&[with(1.0), with(2.0), with(3.0)]);
-        assert!((z(&with(4.0))[0] - 2.0).abs() < 1e-12);
-        assert!(z(&Values::default()).iter().all(|x| x.abs() < 1e-12));
-    }
 }

@@ -1,17 +1,12 @@
 //! What was found, over all models, as tables.
 
-use super::{
-    dial::{FULL, Right},
-    examine::Examined,
-    identity::Metric,
-    line::Agreement,
-};
+use super::{Agreement, Examined, FULL, Metric, Right, mean};
 use maveric_report::tables::{Cell, Column, Table};
 
 /// Mean over the models and, in brackets, lowest and highest.
 fn range(values: &[Option<f64>], decimals: usize) -> Cell {
     let known: Vec<f64> = values.iter().copied().flatten().collect();
-    let Some(mean) = super::mean(&known) else {
+    let Some(mean) = mean(&known) else {
         return Cell::Missing;
     };
     let low = known.iter().copied().fold(f64::INFINITY, f64::min);
@@ -235,7 +230,7 @@ fn dial(models: &[Examined], one: &Examined, points: f64) -> Table {
             one.steps.len(),
             ends.0.copied().unwrap_or_default(),
             ends.1.copied().unwrap_or_default(),
-            100.0 * super::mean(&beyond).unwrap_or(0.0)
+            100.0 * mean(&beyond).unwrap_or(0.0)
         ),
     )
 }

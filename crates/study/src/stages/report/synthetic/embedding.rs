@@ -3,10 +3,8 @@
 use super::{Run, printed, said, statement};
 use crate::{
     error::StudyError,
-    stages::{
-        report::keys::short,
-        train::{MODEL_FILE, embeddings_path},
-    },
+    run_folder::{MODEL_FILE, embeddings_path},
+    stages::report::keys::short,
     tables::{
         conditions::ConditionRow,
         embeddings::{EmbeddingRow, read_embeddings},

@@ -2,7 +2,6 @@
 
 use super::{Run, printed, statement};
 use crate::error::StudyError;
-use crate::stages::rehearse::homophily_key;
 use maveric_analysis::{HomophilyRow, MixedRow};
 use maveric_report::{
     apa,
@@ -25,7 +24,7 @@ pub(super) fn section_homophily(
         return Ok(None);
     }
     let shown = |row: &&HomophilyRow| {
-        let key = format!("{}.r", homophily_key(row));
+        let key = format!("{}.r", row.key());
         row.correlation.p.is_some_and(|p| p < 0.05) || ledger.iter().any(|l| l.claim.key == key)
     };
     let mut rows: Vec<CorrelationRow> = run
@@ -38,7 +37,7 @@ pub(super) fn section_homophily(
             dependent: dependent(run, row),
             ours: statement(&row.correlation),
             repeated: None,
-            paper: printed(ledger, &format!("{}.r", homophily_key(row))),
+            paper: printed(ledger, &format!("{}.r", row.key())),
         })
         .collect();
     rows.extend(run.analysis.similarity.iter().map(|row| CorrelationRow {

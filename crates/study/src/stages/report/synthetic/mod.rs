@@ -22,12 +22,8 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     outcome::Watch,
-    stages::{
-        analyse::{durations, lists},
-        declare::declared,
-        generate::read_scenario,
-        train::TrainingSummary,
-    },
+    run_folder::{durations, lists, read_scenario},
+    stages::{declare::declared, train::TrainingSummary},
     tables::{drives::read_drive, measurements::MeasuredDrive},
 };
 use car::section_car;

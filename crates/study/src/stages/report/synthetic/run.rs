@@ -4,10 +4,8 @@ use crate::{
     atomic_write::read_json,
     design::DesignFile,
     error::StudyError,
-    stages::{
-        score::read_scales,
-        train::{MODEL_FILE, TrainingSummary, read_model, training_path},
-    },
+    run_folder::{MODEL_FILE, read_model, read_scales, training_path},
+    stages::train::TrainingSummary,
     tables::{
         conditions::{ConditionRow, read_conditions},
         measurements::{MeasuredDrive, read_measurements},

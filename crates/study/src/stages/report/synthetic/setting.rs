@@ -3,8 +3,8 @@
 use super::{Run, conditions::of_group, enumerated};
 use crate::{
     error::StudyError,
+    run_folder::lists,
     stages::{
-        analyse::lists,
         report::{people::People, scene},
         train::{NetworkSummary, TrainingSummary},
     },

@@ -155,7 +155,7 @@ fn only_elsewhere(name: &str) -> bool {
 }
 
 /// The sentences said about `names`, with marks.
-fn said(found: &impl Statements, names: &[&str]) -> Vec<String> {
+fn sentences(found: &impl Statements, names: &[&str]) -> Vec<String> {
     let all = found.statements();
     let wanted = all
         .iter()

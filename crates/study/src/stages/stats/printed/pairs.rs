@@ -4,7 +4,7 @@ use super::{
     Printed,
     cells::{effect, interval, number, optional, p, share, shown, table},
     reasons::{checks, why},
-    said, within,
+    sentences, within,
 };
 use maveric_report::tables::{Cell, Table};
 use maveric_stats::{
@@ -13,7 +13,7 @@ use maveric_stats::{
 
 pub(super) fn comparison(found: &Comparison) -> Printed {
     let omnibus = &found.omnibus;
-    let mut finding = said(found, &["omnibus"]);
+    let mut finding = sentences(found, &["omnibus"]);
     if omnibus.test == OmnibusTest::Friedman {
         let ci = shown(&interval(
             omnibus.effect.ci_low,

@@ -3,7 +3,7 @@
 use super::{
     Printed,
     cells::{degrees, effect, interval, number, optional, p, share, table},
-    said,
+    sentences,
 };
 use maveric_report::tables::{Cell, Table};
 use maveric_stats::{
@@ -13,9 +13,9 @@ use maveric_stats::{
 
 pub(in crate::stages::stats) fn whole(found: &WithinAnalysis) -> Printed {
     let mut anova = variance(&found.rm_anova);
-    anova.notes = said(found, &["rm_anova"]);
+    anova.notes = sentences(found, &["rm_anova"]);
     let mut ranked = ranks(&found.friedman);
-    ranked.notes.splice(0..0, said(found, &["friedman"]));
+    ranked.notes.splice(0..0, sentences(found, &["friedman"]));
     Printed::of("Within-subject analysis", found.n, found.k, &found.dropped)
         .table(conditions(&found.desc, Some(&found.shapiro)))
         .table(anova)
@@ -33,7 +33,7 @@ pub(in crate::stages::stats) fn whole(found: &WithinAnalysis) -> Printed {
 
 pub(in crate::stages::stats) fn rm_anova(found: &RmAnovaAnalysis) -> Printed {
     let mut anova = variance(&found.rm_anova);
-    anova.notes = said(found, &["rm_anova"]);
+    anova.notes = sentences(found, &["rm_anova"]);
     Printed::of("Analysis of variance", found.n, found.k, &found.dropped)
         .table(conditions(&found.desc, None))
         .table(anova)
@@ -48,7 +48,7 @@ pub(in crate::stages::stats) fn rm_anova(found: &RmAnovaAnalysis) -> Printed {
 
 pub(in crate::stages::stats) fn friedman(found: &FriedmanAnalysis) -> Printed {
     let mut ranked = ranks(&found.friedman);
-    ranked.notes.splice(0..0, said(found, &["friedman"]));
+    ranked.notes.splice(0..0, sentences(found, &["friedman"]));
     Printed::of("Friedman's test", found.n, found.k, &found.dropped)
         .table(conditions(&found.desc, None))
         .table(ranked)

@@ -1,7 +1,6 @@
 //! What people make of a drive, learned from how aggressive they called it.
 
-use crate::error::StudyError;
-use maveric_analysis::StudyData;
+use crate::{StudyData, error::AnalysisError};
 use maveric_domain::{ConditionId, MeasureValues, ParticipantId, design::ScoreName, spread};
 use maveric_stats::{PersonRows, hierarchical};
 use serde::{Deserialize, Serialize};
@@ -39,7 +38,10 @@ pub struct Dial {
 impl Percept {
     /// Learns the weights: perceived aggressiveness on the differences in all measures, shrunk, with a habit a person. What people call
     /// aggressive is also what they notice: the distance weighs squares by the sizes of the same weights.
-    pub(crate) fn learn(data: &StudyData, people: &[ParticipantId]) -> Result<Self, StudyError> {
+    ///
+    /// # Errors
+    /// [`AnalysisError::Stats`] where nobody rated anything.
+    pub fn learn(data: &StudyData, people: &[ParticipantId]) -> Result<Self, AnalysisError> {
         let own: Vec<&MeasureValues> = people
             .iter()
             .filter_map(|p| data.drive(p, data.design.baseline_id()?))
@@ -83,7 +85,7 @@ impl Percept {
     }
 
     /// Perceived shift and distance of a drive from the own one.
-    pub(crate) fn of(&self, own: &MeasureValues, drive: &MeasureValues) -> (f64, f64) {
+    pub fn of(&self, own: &MeasureValues, drive: &MeasureValues) -> (f64, f64) {
         let (mut shift, mut squares, mut compared) = (0.0, 0.0, 0.0);
         for (name, difference) in between(own, drive, &self.spread) {
             let weight = self.distance.get(&name).copied().unwrap_or(0.0);
@@ -111,7 +113,7 @@ impl Percept {
     }
 
     /// Where the dial is on average.
-    pub(crate) fn dial(&self, data: &StudyData, people: &[ParticipantId]) -> Option<Dial> {
+    pub fn dial(&self, data: &StudyData, people: &[ParticipantId]) -> Option<Dial> {
         let mut dial = Dial {
             points: 0.0,
             shift: [0.0; 3],
@@ -152,7 +154,7 @@ fn ends(data: &StudyData) -> Option<[ConditionId; 3]> {
 
 impl Dial {
     /// ADB points at which the car is perceived to be shifted by `shift`, on a straight line to either end and beyond.
-    pub(crate) fn points_at(&self, shift: f64) -> f64 {
+    pub fn points_at(&self, shift: f64) -> f64 {
         let [low, middle, high] = self.shift;
         let step = if shift >= middle {
             high - middle
@@ -163,7 +165,7 @@ impl Dial {
     }
 
     /// Perceived shift and distance that a setting in points is expected to have.
-    pub(crate) fn expected(&self, points: f64) -> (f64, f64) {
+    pub fn expected(&self, points: f64) -> (f64, f64) {
         let part = points / self.points;
         let end = if part >= 0.0 { 2 } else { 0 };
         let shift = self.shift[1] + part.abs() * (self.shift[end] - self.shift[1]);

@@ -1,56 +1,17 @@
 //! Does it work? The recommendation on made-up people whose preference is known, and how many trials it takes to learn.
 
-use super::{
-    SETTINGS,
-    model::{FURTHEST_POINTS, Learned},
-    next, page,
-    percept::{Dial, Percept},
-};
 use crate::{
-    atomic_write::write_json,
-    design::DesignFile,
-    error::StudyError,
-    outcome::{Outcome, Watch, for_each_on},
-    stages::{
-        rehearse::{
-            population::Asked,
-            study::{Rehearsed, World},
-        },
-        report::write_page,
-    },
+    error::RehearsalError,
+    population::CarSetting,
+    world::{Rehearsed, World},
 };
+use maveric_analysis::{Dial, FURTHEST_POINTS, Learned, Percept, SETTINGS};
 use maveric_domain::{
     MeasureValues, ParticipantId, Score as Scored, design::ScoreName, stream_seed,
 };
 use maveric_participants::{Effects, Participant, preferred_shift, rate_trial};
 use maveric_stats::{Belief, Proportion, proportion};
 use serde::Serialize;
-use std::path::PathBuf;
-
-/// What to rehearse.
-#[derive(Debug, Clone)]
-pub struct RehearseDialOptions {
-    /// What drives look like (TOML).
-    pub population: PathBuf,
-    /// Sizes of the effects.
-    pub effects: PathBuf,
-    /// Folder of questionnaire definitions.
-    pub scales: PathBuf,
-    /// Sizes of the studies to learn from.
-    pub participants: Vec<usize>,
-    /// Studies of each size.
-    pub studies: usize,
-    /// Further trials of a person.
-    pub trials: usize,
-    /// Folder to write into.
-    pub out: PathBuf,
-    /// Root of every random choice.
-    pub seed: u64,
-    /// Threads.
-    pub jobs: usize,
-    /// The command that makes the same again, for the page.
-    pub command: String,
-}
 
 /// A way to set the dial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -127,98 +88,10 @@ pub struct TrialError {
     pub within_5: (f64, f64),
 }
 
-/// What was found.
-#[derive(Debug, Clone, Serialize)]
-pub struct DialRehearsal {
-    /// The people are made up.
-    pub synthetic: bool,
-    /// Size by size.
-    pub learned_from: Vec<LearnedFrom>,
-    /// Trial by trial, learned from studies of the largest size.
-    pub search: Vec<TrialError>,
-    /// Where the dial truly is in the unit of perceived shift.
-    pub dial: Dial,
-}
-
 /// New people on whom each study's model is tried.
 const NEW_PEOPLE: usize = 24;
 /// People from whom the ceiling has learned.
 const MANY: usize = 1000;
-
-/// Learns from made-up studies, recommends to new people, and holds it against the preference that they were made with.
-///
-/// # Errors
-/// [`StudyError`] if an input cannot be read, a size or count makes no study, or a file cannot be written.
-pub fn rehearse_dial(
-    options: &RehearseDialOptions,
-    watch: Watch<'_>,
-) -> Result<Outcome<DialRehearsal>, StudyError> {
-    let ascend = options.participants.is_sorted_by(|a, b| a < b);
-    let sizes = options.participants.iter().all(|n| (6..=500).contains(n));
-    if options.participants.is_empty() || !ascend || !sizes || options.studies == 0 {
-        return Err(StudyError::NotPossible {
-            problem: "studies to learn from must have 6 to 500 participants, ascending, and there must be one at least".to_owned(),
-            help: Some("such as --participants 24,48,96 --studies 20".to_owned()),
-        });
-    }
-    let given = [&options.population, &options.effects, &options.scales];
-    let world = World::of(
-        &DesignFile::paper()?,
-        given.map(|path| Some(path.as_path())),
-    )?;
-    let many = world.study(MANY, stream_seed(options.seed, &["many"]))?;
-    let truth = Truth::of(&world, &many)?;
-    let ceiling = Learned::from(
-        &many.data,
-        &many.data.participants,
-        Some(truth.percept.clone()),
-    )?;
-    let bench = Bench {
-        world: &world,
-        truth: &truth,
-        ceiling: &ceiling,
-    };
-    let mut items = Vec::new();
-    for &n in &options.participants {
-        items.extend((0..options.studies).map(|index| (n, index)));
-    }
-    let tried = for_each_on(options.jobs, &items, watch, "studies", |&(n, index)| {
-        bench.one(
-            n,
-            stream_seed(options.seed, &["dial", &n.to_string(), &index.to_string()]),
-        )
-    })?;
-    let learned_from: Vec<LearnedFrom> = options
-        .participants
-        .iter()
-        .zip(tried.chunks(options.studies))
-        .map(|(n, studies)| learned_from(*n, studies))
-        .collect();
-    let largest = options.participants[options.participants.len() - 1];
-    let indices: Vec<usize> = (0..options.studies).collect();
-    let searched = for_each_on(options.jobs, &indices, watch, "searches", |index| {
-        bench.search(
-            largest,
-            options.trials,
-            stream_seed(options.seed, &["search", &index.to_string()]),
-        )
-    })?;
-    let value = DialRehearsal {
-        synthetic: true,
-        learned_from,
-        search: search_errors(&searched.concat(), options.trials),
-        dial: truth.dial,
-    };
-    write_json(&options.out.join("dial.json"), &value)?;
-    let page = write_page(&options.out, &page::page(&value, options)?)?;
-    let mut summary = page::summary(&value);
-    summary.push(format!("synthetic participants: {}", page.display()));
-    Ok(Outcome {
-        value,
-        summary,
-        warnings: Vec::new(),
-    })
-}
 
 /// What the generator knows.
 struct Truth {
@@ -227,7 +100,7 @@ struct Truth {
 }
 
 impl Truth {
-    fn of(world: &World, many: &Rehearsed) -> Result<Self, StudyError> {
+    fn of(world: &World, many: &Rehearsed) -> Result<Self, RehearsalError> {
         let Effects { perception, .. } = &world.effects;
         let people = &many.data.participants;
         let own: Vec<&MeasureValues> = people
@@ -239,10 +112,9 @@ impl Truth {
             distance: perception.distance.clone(),
             spread: maveric_domain::spread(&own),
         };
-        let dial = percept.dial(&many.data, people).ok_or_else(|| StudyError::NotPossible {
-            problem: "with these effects nobody perceives the high end of the dial as more aggressive than its middle, and the low end as less".to_owned(),
-            help: None,
-        })?;
+        let dial = percept
+            .dial(&many.data, people)
+            .ok_or(RehearsalError::NoDirection)?;
         Ok(Self { percept, dial })
     }
 
@@ -255,14 +127,16 @@ impl Truth {
     }
 }
 
-struct Bench<'a> {
+/// New people of a world, whom every method is to serve.
+pub struct DialTrials<'a> {
     world: &'a World,
-    truth: &'a Truth,
-    ceiling: &'a Learned,
+    truth: Truth,
+    ceiling: Learned,
 }
 
 /// Truth, and each method's setting with its interval; one person.
-struct Tried {
+#[derive(Debug, Clone)]
+pub struct Tried {
     truth: f64,
     settings: [Option<Setting>; 4],
 }
@@ -270,9 +144,37 @@ struct Tried {
 /// A shift in points, with its interval where the method has one.
 type Setting = (f64, Option<(f64, f64)>);
 
-impl Bench<'_> {
+impl<'a> DialTrials<'a> {
+    /// Trials in a world; the ceiling has learned from 1,000 of its people.
+    ///
+    /// # Errors
+    /// [`RehearsalError`] where nothing can be learned, or the dial has no direction.
+    pub fn new(world: &'a World, seed: u64) -> Result<Self, RehearsalError> {
+        Self::with(world, MANY, stream_seed(seed, &["many"]))
+    }
+
+    fn with(world: &'a World, many: usize, seed: u64) -> Result<Self, RehearsalError> {
+        let many = world.study(many, seed)?;
+        let truth = Truth::of(world, &many)?;
+        let percept = Some(truth.percept.clone());
+        let ceiling = Learned::from(&many.data, &many.data.participants, percept)?;
+        Ok(Self {
+            world,
+            truth,
+            ceiling,
+        })
+    }
+
+    /// Where the dial truly is in the unit of perceived shift.
+    pub fn dial(&self) -> Dial {
+        self.truth.dial
+    }
+
     /// Learns from one study of `n` and recommends to new people.
-    fn one(&self, n: usize, seed: u64) -> Result<Vec<Tried>, StudyError> {
+    ///
+    /// # Errors
+    /// [`RehearsalError`] where nothing can be learned from that study.
+    pub fn one(&self, n: usize, seed: u64) -> Result<Vec<Tried>, RehearsalError> {
         let old = self.world.study(n, seed)?;
         let learned = Learned::from(&old.data, &old.data.participants, None)?;
         let new_seed = stream_seed(seed, &["new people"]);
@@ -288,14 +190,22 @@ impl Bench<'_> {
                 Method::OwnForAll => Some((0.0, None)),
                 Method::BeforeRiding => setting(&learned, &person.id, false),
                 Method::AfterFourConditions => setting(&learned, &person.id, true),
-                Method::Ceiling => setting(self.ceiling, &person.id, true),
+                Method::Ceiling => setting(&self.ceiling, &person.id, true),
             }),
         });
         Ok(tried.collect())
     }
 
-    /// Errors of new people after 0, 1, … trials: active, then grid.
-    fn search(&self, n: usize, trials: usize, seed: u64) -> Result<Vec<[Vec<f64>; 2]>, StudyError> {
+    /// |Error| of new people after 0, 1, … trials, in ADB points: each setting chosen by expected information, then a grid.
+    ///
+    /// # Errors
+    /// As [`DialTrials::one`].
+    pub fn search(
+        &self,
+        n: usize,
+        trials: usize,
+        seed: u64,
+    ) -> Result<Vec<[Vec<f64>; 2]>, RehearsalError> {
         let old = self.world.study(n, seed)?;
         let learned = Learned::from(&old.data, &old.data.participants, None)?;
         let new_seed = stream_seed(seed, &["new people"]);
@@ -303,7 +213,7 @@ impl Bench<'_> {
         let mut found = Vec::new();
         for person in &new.people {
             let rider = Rider {
-                bench: self,
+                trials: self,
                 learned: &learned,
                 person,
                 new: &new,
@@ -311,7 +221,7 @@ impl Bench<'_> {
             };
             let order = shuffled(stream_seed(new_seed, &[person.id.as_str(), "grid"]));
             found.push([
-                rider.ride(trials, |belief, traits, _| next(&learned, belief, traits).0)?,
+                rider.ride(trials, |belief, traits, _| learned.next(belief, traits).0)?,
                 rider.ride(trials, |_, _, trial| SETTINGS[order[trial % order.len()]])?,
             ]);
         }
@@ -321,7 +231,7 @@ impl Bench<'_> {
 
 /// One new person, shown one setting after another.
 struct Rider<'a> {
-    bench: &'a Bench<'a>,
+    trials: &'a DialTrials<'a>,
     learned: &'a Learned,
     person: &'a Participant,
     new: &'a Rehearsed,
@@ -333,16 +243,16 @@ impl Rider<'_> {
         &self,
         trials: usize,
         choose: impl Fn(&Belief, &[f64], usize) -> f64,
-    ) -> Result<Vec<f64>, StudyError> {
+    ) -> Result<Vec<f64>, RehearsalError> {
         let Self {
-            bench,
+            trials: dial,
             learned,
             person,
             new,
             seed,
         } = self;
-        let world = bench.world;
-        let truth = bench.truth.points(world, person, *seed);
+        let world = dial.world;
+        let truth = dial.truth.points(world, person, *seed);
         let traits = learned.traits(&new.data, &person.id);
         let mut belief = learned.belief(&new.data, &person.id, false);
         let error = |belief: &Belief| {
@@ -350,13 +260,16 @@ impl Rider<'_> {
             (setting - truth).abs()
         };
         let mut errors = vec![error(&belief)];
-        let unit = bench.truth.percept.spread.clone();
+        let unit = dial.truth.percept.spread.clone();
         let shown = world.design.conditions()[0].id;
         for trial in 0..trials {
             let points = choose(&belief, &traits, trial);
             let label = format!("trial {trial}");
-            let asked = [(label.as_str(), Asked::Shift(points / learned.dial.points))];
-            let drives = world.population.drives(person, &asked, *seed);
+            let settings = [(
+                label.as_str(),
+                CarSetting::Shift(points / learned.dial.points),
+            )];
+            let drives = world.population.drives(person, &settings, *seed);
             let rated = rate_trial(
                 person,
                 &drives.own,
@@ -371,11 +284,11 @@ impl Rider<'_> {
                 let is = |s: &&Scored| s.scale == name.scale && s.subscale == name.subscale;
                 scores.iter().find(is).and_then(|s| s.value)
             };
-            if let Some(regard) = learned.regard(score) {
+            if let Some(rating) = learned.rating(score) {
                 let perceived = learned.percept.of(&drives.own, &drives.trials[0]);
                 let setting = SETTINGS.iter().position(|s| (s - points).abs() < 0.5);
                 let row = Learned::row(&traits, perceived, setting);
-                learned.observe(&mut belief, &row, regard);
+                learned.observe(&mut belief, &row, rating);
             }
             errors.push(error(&belief));
         }
@@ -398,93 +311,80 @@ fn mean_and_half(values: &[f64]) -> (f64, f64) {
     (mean, 1.96 * (variance / n).sqrt())
 }
 
-fn learned_from(participants: usize, studies: &[Vec<Tried>]) -> LearnedFrom {
-    let people: Vec<&Tried> = studies.iter().flatten().collect();
-    let scores = Method::ALL.iter().enumerate().map(|(m, method)| {
-        // Where the model recommends nothing the car stays with the own style.
-        let errors: Vec<f64> = people
-            .iter()
-            .map(|t| (t.settings[m].map_or(0.0, |s| s.0) - t.truth).abs())
-            .collect();
-        let near = errors.iter().filter(|e| **e <= 5.0).count();
-        let intervals: Vec<bool> = people
-            .iter()
-            .filter_map(|t| {
-                let (low, high) = t.settings[m]?.1?;
-                Some((low..=high).contains(&t.truth))
-            })
-            .collect();
-        let held = intervals.iter().filter(|h| **h).count();
-        let (mean_error, mean_error_half) = mean_and_half(&errors);
-        Score {
-            method: *method,
-            people: errors.len(),
-            within_5: proportion(near, errors.len(), 0.95).ok(),
-            mean_error,
-            mean_error_half,
-            covered: proportion(held, intervals.len(), 0.95).ok(),
+impl LearnedFrom {
+    /// Scores every method over studies of one size.
+    pub fn of(participants: usize, studies: &[Vec<Tried>]) -> Self {
+        let people: Vec<&Tried> = studies.iter().flatten().collect();
+        let scores = Method::ALL.iter().enumerate().map(|(m, method)| {
+            // Where the model recommends nothing the car stays with the own style.
+            let errors: Vec<f64> = people
+                .iter()
+                .map(|t| (t.settings[m].map_or(0.0, |s| s.0) - t.truth).abs())
+                .collect();
+            let near = errors.iter().filter(|e| **e <= 5.0).count();
+            let intervals: Vec<bool> = people
+                .iter()
+                .filter_map(|t| {
+                    let (low, high) = t.settings[m]?.1?;
+                    Some((low..=high).contains(&t.truth))
+                })
+                .collect();
+            let held = intervals.iter().filter(|h| **h).count();
+            let (mean_error, mean_error_half) = mean_and_half(&errors);
+            Score {
+                method: *method,
+                people: errors.len(),
+                within_5: proportion(near, errors.len(), 0.95).ok(),
+                mean_error,
+                mean_error_half,
+                covered: proportion(held, intervals.len(), 0.95).ok(),
+            }
+        });
+        let shown = studies.first().into_iter().flatten().filter_map(|t| {
+            let (points, interval) = t.settings[2]?;
+            let (low, high) = interval?;
+            Some([t.truth, points, low, high])
+        });
+        Self {
+            participants,
+            scores: scores.collect(),
+            shown: shown.collect(),
         }
-    });
-    let shown = studies.first().into_iter().flatten().filter_map(|t| {
-        let (points, interval) = t.settings[2]?;
-        let (low, high) = interval?;
-        Some([t.truth, points, low, high])
-    });
-    LearnedFrom {
-        participants,
-        scores: scores.collect(),
-        shown: shown.collect(),
     }
 }
 
-fn search_errors(people: &[[Vec<f64>; 2]], trials: usize) -> Vec<TrialError> {
-    (0..=trials)
-        .map(|trial| {
-            let of = |m: usize| people.iter().map(|p| p[m][trial]).collect::<Vec<f64>>();
-            let near = |m: usize| {
-                let errors = of(m);
-                errors.iter().filter(|e| **e <= 5.0).count() as f64 / errors.len() as f64
-            };
-            TrialError {
-                trials: trial,
-                active: mean_and_half(&of(0)),
-                grid: mean_and_half(&of(1)),
-                within_5: (near(0), near(1)),
-            }
-        })
-        .collect()
+impl TrialError {
+    /// Errors after each number of trials, over people as [`DialTrials::search`] gives them.
+    pub fn of(people: &[[Vec<f64>; 2]], trials: usize) -> Vec<Self> {
+        (0..=trials)
+            .map(|trial| {
+                let of = |m: usize| people.iter().map(|p| p[m][trial]).collect::<Vec<f64>>();
+                let near = |m: usize| {
+                    let errors = of(m);
+                    errors.iter().filter(|e| **e <= 5.0).count() as f64 / errors.len() as f64
+                };
+                Self {
+                    trials: trial,
+                    active: mean_and_half(&of(0)),
+                    grid: mean_and_half(&of(1)),
+                    within_5: (near(0), near(1)),
+                }
+            })
+            .collect()
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn world() -> World {
-        let scales =
-            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/scales");
-        World::of(&DesignFile::paper().unwrap(), [None, None, Some(&scales)]).unwrap()
-    }
+    use crate::testing::world;
 
     #[test]
     fn who_is_known_is_served_better_than_by_the_own_style_for_all() {
         let world = world();
-        let many = world.study(150, 3).unwrap();
-        let truth = Truth::of(&world, &many).unwrap();
-        let ceiling = Learned::from(
-            &many.data,
-            &many.data.participants,
-            Some(truth.percept.clone()),
-        )
-        .unwrap();
-        let bench = Bench {
-            world: &world,
-            truth: &truth,
-            ceiling: &ceiling,
-        };
-        let found = learned_from(
-            48,
-            &[bench.one(48, 11).unwrap(), bench.one(48, 12).unwrap()],
-        );
+        let trials = DialTrials::with(&world, 150, 3).unwrap();
+        let studies = [trials.one(48, 11).unwrap(), trials.one(48, 12).unwrap()];
+        let found = LearnedFrom::of(48, &studies);
         let error = |m: usize| found.scores[m].mean_error;
         assert!(error(2) < 0.8 * error(0), "{} {}", error(2), error(0));
         assert!(error(3) < 0.8 * error(0));

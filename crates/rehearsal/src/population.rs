@@ -1,6 +1,6 @@
 //! What drives look like, measure by measure: the generator of studies that are not driven.
 
-use crate::{atomic_write::read_text, error::StudyError};
+use crate::error::RehearsalError;
 use maveric_domain::{
     MeasureValues,
     design::{Car, Condition},
@@ -11,7 +11,7 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_distr::{Distribution as _, StandardNormal};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
-use std::{collections::BTreeMap, path::Path};
+use std::collections::BTreeMap;
 
 /// `study_data/population.toml`: see there for what each number is and where it comes from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -117,23 +117,26 @@ pub struct DerivedMeasure {
 }
 
 /// The measures of a person's own drive and of drives of the car.
-pub(crate) struct Drives {
-    pub(crate) own: MeasureValues,
-    pub(crate) trials: Vec<MeasureValues>,
+#[derive(Debug, Clone)]
+pub struct Drives {
+    /// By hand.
+    pub own: MeasureValues,
+    /// By the car, in the order asked for.
+    pub trials: Vec<MeasureValues>,
 }
 
-/// What the car is asked to do in a trial.
+/// What the car is set to do in a trial.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Asked {
+pub enum CarSetting {
     /// A shift of the dial, in units of the population's step; 0 is the person's own style.
     Shift(f64),
     /// A move to this angle round the ellipse.
     Round(f64),
 }
 
-impl Asked {
+impl CarSetting {
     /// A study's condition; the angle is used by a move across the dial alone.
-    pub(crate) fn of(condition: &Condition, angle: f64, step: f64) -> Self {
+    pub fn of(condition: &Condition, angle: f64, step: f64) -> Self {
         match condition.car {
             Some(Car::Across) => Self::Round(angle),
             _ => Self::Shift(condition.dial().unwrap_or(0.0) / step),
@@ -150,29 +153,14 @@ fn normal(rng: &mut Pcg64) -> f64 {
 }
 
 impl PopulationModel {
-    /// Reads and checks a population.
+    /// Parses and checks a population.
     ///
     /// # Errors
-    /// [`StudyError`] naming the file and what is wrong with it.
-    pub fn read(path: &Path) -> Result<Self, StudyError> {
-        Self::parse(path, &read_text(path)?)
-    }
-
-    /// The population that is shipped.
-    ///
-    /// # Errors
-    /// None: a test reads the file that is built in.
-    pub fn shipped() -> Result<Self, StudyError> {
-        let text = include_str!("../../../../../study_data/population.toml");
-        Self::parse(Path::new("population.toml"), text)
-    }
-
-    fn parse(path: &Path, text: &str) -> Result<Self, StudyError> {
-        let model: Self = toml::from_str(text)
-            .map_err(|e| StudyError::file(path, format!("not a population of drives: {e}")))?;
-        model
-            .check()
-            .map_err(|problem| StudyError::file(path, problem))?;
+    /// [`RehearsalError::Population`] naming the key and what is wrong with it.
+    pub fn from_toml(text: &str) -> Result<Self, RehearsalError> {
+        let bad = |problem: String| RehearsalError::Population(problem);
+        let model: Self = toml::from_str(text).map_err(|e| bad(e.to_string()))?;
+        model.check().map_err(bad)?;
         Ok(model)
     }
 
@@ -246,7 +234,7 @@ impl PopulationModel {
 
     /// The same people and errors with every effect times `factor`; 0 is a world in which all conditions are alike.
     #[must_use]
-    pub(crate) fn scaled(&self, factor: f64) -> Self {
+    pub fn scaled(&self, factor: f64) -> Self {
         let mut scaled = self.clone();
         let squares: f64 = scaled.line.loadings.values().map(|l| l * l).sum();
         // A loading cannot explain more than there is.
@@ -276,12 +264,7 @@ impl PopulationModel {
     }
 
     /// Own drive and trials of a person. Each value depends on the seed, the person, the measure and the trial's `label` alone.
-    pub(crate) fn drives(
-        &self,
-        person: &Participant,
-        trials: &[(&str, Asked)],
-        seed: u64,
-    ) -> Drives {
+    pub fn drives(&self, person: &Participant, trials: &[(&str, CarSetting)], seed: u64) -> Drives {
         let id = person.id.as_str();
         let mut drives = Drives {
             own: MeasureValues::new(),
@@ -297,11 +280,11 @@ impl PopulationModel {
             let differs = [normal(&mut rng), normal(&mut rng)];
             let shown = m.shown(own, &mut rng);
             drives.own.insert(name.clone(), shown);
-            for ((label, asked), values) in trials.iter().zip(&mut drives.trials) {
+            for ((label, setting), values) in trials.iter().zip(&mut drives.trials) {
                 let mut rng = stream(seed, &[id, "trial", name, label]);
                 let error =
                     self.shared.sqrt() * common + (1.0 - self.shared).sqrt() * normal(&mut rng);
-                let moved = m.moved(*asked, differs, &mut rng);
+                let moved = m.moved(*setting, differs, &mut rng);
                 let value = m.shown(own + m.bias + moved + m.error_sd * error, &mut rng);
                 values.insert(name.clone(), value);
             }
@@ -326,7 +309,7 @@ impl PopulationModel {
     }
 
     /// Positions on the line of people with these standardised ADB scores: without and with the score in the fit.
-    pub(crate) fn positions(&self, person: &Participant, adb: f64, seed: u64) -> (f64, f64) {
+    pub fn positions(&self, person: &Participant, adb: f64, seed: u64) -> (f64, f64) {
         let mut rng = stream(seed, &[person.id.as_str(), "line"]);
         let position = explained(&self.line.loadings, person, &mut rng);
         let w = self.line.adb_weight;
@@ -334,7 +317,7 @@ impl PopulationModel {
     }
 
     /// The angle of a person's Perpendicular condition, evenly over the circle.
-    pub(crate) fn angle(person: &Participant, seed: u64) -> f64 {
+    pub fn angle(person: &Participant, seed: u64) -> f64 {
         let mut rng = stream(seed, &[person.id.as_str(), "angle"]);
         rng.random_range(-std::f64::consts::PI..std::f64::consts::PI)
     }
@@ -351,12 +334,14 @@ fn explained(loadings: &BTreeMap<Trait, f64>, person: &Participant, rng: &mut Pc
 }
 
 impl DrawnMeasure {
-    /// Change by what is asked; a person's dial is steeper or flatter by `differs`.
-    fn moved(&self, asked: Asked, differs: [f64; 2], rng: &mut Pcg64) -> f64 {
-        match asked {
-            Asked::Shift(shift) if shift >= 0.0 => shift * (self.up.step + self.up.sd * differs[0]),
-            Asked::Shift(shift) => -shift * (self.down.step + self.down.sd * differs[1]),
-            Asked::Round(angle) => {
+    /// Change at this setting; a person's dial is steeper or flatter by `differs`.
+    fn moved(&self, setting: CarSetting, differs: [f64; 2], rng: &mut Pcg64) -> f64 {
+        match setting {
+            CarSetting::Shift(shift) if shift >= 0.0 => {
+                shift * (self.up.step + self.up.sd * differs[0])
+            }
+            CarSetting::Shift(shift) => -shift * (self.down.step + self.down.sd * differs[1]),
+            CarSetting::Round(angle) => {
                 let Round { cosine, sine, sd } = self.across;
                 cosine * angle.cos() + sine * angle.sin() + sd * normal(rng)
             }
@@ -380,31 +365,22 @@ impl DrawnMeasure {
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
+    use crate::testing::{design, population};
     use maveric_participants::{Cohort, CohortSettings};
 
-    pub(crate) fn shipped() -> PopulationModel {
-        let text = include_str!("../../../../../study_data/population.toml");
-        let model: PopulationModel = toml::from_str(text).unwrap();
-        model.check().unwrap();
-        model
-    }
-
     fn mean_change(model: &PopulationModel, measure: &str, shift: f64) -> f64 {
-        let people = Cohort::draw(
-            0,
-            400,
-            5,
-            &CohortSettings::default(),
-            &crate::DesignFile::paper().unwrap().design,
-        )
-        .unwrap()
-        .participants;
+        let people = Cohort::draw(0, 400, 5, &CohortSettings::default(), &design())
+            .unwrap()
+            .participants;
         let changes = people.iter().filter_map(|p| {
             let d = model.drives(
                 p,
-                &[("mimic", Asked::Shift(0.0)), ("x", Asked::Shift(shift))],
+                &[
+                    ("mimic", CarSetting::Shift(0.0)),
+                    ("x", CarSetting::Shift(shift)),
+                ],
                 5,
             );
             Some(d.trials[1][measure]? - d.trials[0][measure]?)
@@ -415,7 +391,7 @@ pub(crate) mod tests {
 
     #[test]
     fn the_dial_moves_velocity_as_stated_and_not_at_all_without_effects() {
-        let model = shipped();
+        let model = population();
         let up = mean_change(&model, "mean_velocity_mps", 1.0);
         assert!((up - 0.98 * 2.4).abs() < 0.2, "{up}");
         assert!(mean_change(&model.scaled(0.0), "mean_velocity_mps", 1.0).abs() < 0.1);
@@ -423,16 +399,10 @@ pub(crate) mod tests {
 
     #[test]
     fn a_drive_that_never_merges_back_has_neither_gap() {
-        let model = shipped();
-        let people = Cohort::draw(
-            0,
-            400,
-            6,
-            &CohortSettings::default(),
-            &crate::DesignFile::paper().unwrap().design,
-        )
-        .unwrap()
-        .participants;
+        let model = population();
+        let people = Cohort::draw(0, 400, 6, &CohortSettings::default(), &design())
+            .unwrap()
+            .participants;
         let mut missing = 0;
         for p in &people {
             let own = model.drives(p, &[], 6).own;
@@ -447,7 +417,7 @@ pub(crate) mod tests {
 
     #[test]
     fn a_derived_measure_of_nothing_is_refused() {
-        let mut model = shipped();
+        let mut model = population();
         model.measures.remove("mean_velocity_mps");
         let error = model.check().unwrap_err();
         assert!(error.contains("needs `mean_velocity_mps`"), "{error}");

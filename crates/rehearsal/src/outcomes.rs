@@ -1,6 +1,6 @@
 //! Every test that a report prints, by name.
 
-use maveric_analysis::{Analysis, Correlation, HomophilyRow, Panel};
+use maveric_analysis::{Analysis, Correlation, Panel};
 use serde::Serialize;
 
 /// Which part of the report a test belongs to.
@@ -59,27 +59,23 @@ impl Part {
 
 /// One test of one study.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Found {
-    pub(crate) part: Part,
+pub struct Found {
+    /// Part of the report.
+    pub part: Part,
     /// Such as `nearer.lane_changes.calm`; of a homophily test the claims ledger's key, before `.r`.
-    pub(crate) key: String,
+    pub key: String,
     /// Tests corrected together; none of a test that stands alone.
-    pub(crate) family: Option<String>,
-    pub(crate) estimate: Option<f64>,
-    pub(crate) p: Option<f64>,
-    pub(crate) p_holm: Option<f64>,
-}
-
-/// The name of a homophily test here and, before `.r`, in a ledger of claims.
-pub(crate) fn homophily_key(row: &HomophilyRow) -> String {
-    format!(
-        "homophily.{}.{}-{}.{}",
-        row.factor, row.own, row.versus, row.rating
-    )
+    pub family: Option<String>,
+    /// r, share less ½, difference or coefficient; none for an omnibus test.
+    pub estimate: Option<f64>,
+    /// p, where the test has one.
+    pub p: Option<f64>,
+    /// After Holm within the family.
+    pub p_holm: Option<f64>,
 }
 
 /// Every test of a study, always in the same order.
-pub(crate) fn outcomes(a: &Analysis) -> Vec<Found> {
+pub fn found_in(a: &Analysis) -> Vec<Found> {
     let mut found = Vec::new();
     let mut add = |part, key: String, estimate, p| {
         found.push(Found {
@@ -184,7 +180,7 @@ pub(crate) fn outcomes(a: &Analysis) -> Vec<Found> {
         );
     }
     for row in &a.homophily {
-        let key = homophily_key(row);
+        let key = row.key();
         let (r, p) = of(&row.correlation);
         corrected(
             Part::Homophily,

@@ -1,11 +1,9 @@
 //! The aggression line against the questionnaire and against what the generator drew.
 
-use super::{
-    linear::{least_squares, predicted},
-    people::Values,
-};
-use crate::error::StudyError;
+use super::Values;
+use crate::error::RehearsalError;
 use maveric_stats::{CorrelationMethod, StatsError, correlate};
+use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 /// A reading of aggressiveness, and how it goes with the truth.
@@ -26,18 +24,18 @@ pub struct Agreement {
 /// How `reading` goes with the drivers' scores and latents.
 ///
 /// # Errors
-/// [`StudyError::Stats`] if a number is not finite.
-pub(super) fn agreement(
+/// [`RehearsalError::Stats`] if a number is not finite.
+pub fn agreement(
     reading: &'static str,
     values: &[Option<f64>],
     adb: &[Option<f64>],
     latent: &[Option<f64>],
-) -> Result<Agreement, StudyError> {
+) -> Result<Agreement, RehearsalError> {
     let r = |truth: &[Option<f64>]| match correlate(values, truth, CorrelationMethod::Pearson, None)
     {
         Ok(found) => Ok(found.pearson),
         Err(StatsError::TooFew { .. }) => Ok(None),
-        Err(error) => Err(StudyError::from(error)),
+        Err(error) => Err(RehearsalError::from(error)),
     };
     let score = r(adb)?;
     Ok(Agreement {
@@ -55,7 +53,7 @@ pub(super) fn agreement(
 
 /// ADB of the test drivers as a regression on the seven measures, fitted to the training drives, says it; a missing
 /// measure is taken at the training mean. `None` for everybody if the training drives do not determine it.
-pub(super) fn regression(
+pub fn regression(
     training: &[(Values, Option<f64>)],
     test: &[Values],
     standardise: impl Fn(&Values) -> Vec<f64>,
@@ -64,12 +62,22 @@ pub(super) fn regression(
         .iter()
         .filter_map(|(values, adb)| Some((standardise(values), (*adb)?)))
         .collect();
-    let (x, y): (Vec<Vec<f64>>, Vec<f64>) = scored.into_iter().unzip();
-    let Some(coefficients) = least_squares(&x, &y) else {
+    let d = scored.first().map_or(1, |(row, _)| 1 + row.len());
+    let x = DMatrix::from_fn(scored.len(), d, |i, j| match j {
+        0 => 1.0,
+        j => scored[i].0[j - 1],
+    });
+    let y = DVector::from_iterator(scored.len(), scored.iter().map(|(_, adb)| *adb));
+    let normal = x.tr_mul(&x);
+    let Some(inverse) = normal.cholesky() else {
         return vec![None; test.len()];
     };
+    let coefficients = inverse.solve(&x.tr_mul(&y));
     test.iter()
-        .map(|values| Some(predicted(&coefficients, &standardise(values))))
+        .map(|values| {
+            let slopes = coefficients.iter().skip(1).zip(standardise(values));
+            Some(coefficients[0] + slopes.map(|(b, x)| b * x).sum::<f64>())
+        })
         .collect()
 }
 

@@ -1,16 +1,10 @@
 //! Does turning the dial up make the car drive more aggressively, for each driver and all the way?
 
-use super::people::{MEASURES, Values};
-use crate::error::StudyError;
+use super::{MEASURES, Values, mean};
+use crate::error::RehearsalError;
 use maveric_measures::objective;
 use maveric_stats::{CorrelationMethod, StatsError, correlate};
 use serde::Serialize;
-
-/// Which way each of the first five measures goes as aggression rises.
-///
-/// # Source
-/// Paper, "Results": signs of the correlations with the aggression line.
-const RISES: [f64; 5] = [1.0, -1.0, -1.0, 1.0, -1.0];
 
 /// Lane changes of twelve possible from which a driver hardly has room for more.
 pub const FULL: f64 = 10.0;
@@ -83,20 +77,20 @@ fn right(drivers: &[Vec<Values>], k: usize, at: usize, zero: usize, sign: f64) -
         with_room: changes.iter().filter(|c| c.1).count(),
         right_with_room: changes.iter().filter(|c| c.1).filter(is_right).count(),
         share: (n > 0).then(|| right as f64 / n as f64),
-        mean_change: super::mean(&moved),
+        mean_change: mean(&moved),
     }
 }
 
-/// The first five measures over the dial; `drivers` has shape `(drivers, settings)`, and `steps` (in points, rising)
+/// The measures that aggression moves, over the dial; `drivers` has shape `(drivers, settings)`, and `steps` (in points, rising)
 /// holds 0 and ± `points`.
 ///
 /// # Errors
-/// [`StudyError::Stats`] if a measure is not finite.
-pub(super) fn dial(
+/// [`RehearsalError::Stats`] if a measure is not finite.
+pub fn dial(
     steps: &[f64],
     points: f64,
     drivers: &[Vec<Values>],
-) -> Result<Vec<Dial>, StudyError> {
+) -> Result<Vec<Dial>, RehearsalError> {
     let index = |wanted: f64| {
         let distance = |i: &usize| (steps[*i] - wanted).abs();
         (0..steps.len())
@@ -129,7 +123,7 @@ pub(super) fn dial(
             .collect();
         let at = |i: usize| {
             let values: Vec<f64> = complete.iter().filter_map(|d| d[i][k]).collect();
-            super::mean(&values)
+            mean(&values)
         };
         let curve: Vec<Option<f64>> = (0..steps.len()).map(at).collect();
         let moves: Option<Vec<f64>> = curve
@@ -143,8 +137,8 @@ pub(super) fn dial(
             unit: measure.map_or("", |m| m.unit),
             aggressive: right(drivers, k, up, zero, sign),
             cautious: right(drivers, k, down, zero, -sign),
-            mean_tau: super::mean(&taus),
-            rising: super::mean(&rising),
+            mean_tau: mean(&taus),
+            rising: mean(&rising),
             n: taus.len(),
             curve,
             monotone: moves.map(|m| m.iter().all(|m| *m >= 0.0)),
@@ -154,7 +148,13 @@ pub(super) fn dial(
                 .collect(),
         })
     };
-    RISES.into_iter().enumerate().map(one).collect()
+    let signed = |(k, name): (usize, &&str)| Some((k, objective::find(name)?.aggression?.factor()));
+    MEASURES
+        .iter()
+        .enumerate()
+        .filter_map(signed)
+        .map(one)
+        .collect()
 }
 
 #[cfg(test)]

@@ -1,101 +1,79 @@
 //! One synthetic study at the level of measures and ratings.
 
-use super::population::{Asked, PopulationModel};
 use crate::{
-    design::DesignFile,
-    error::StudyError,
-    stages::{
-        rate::{effects_of, read_effects},
-        score::read_scales,
-    },
-    style_scale::StyleScale,
-    tables::{conditions::ConditionRow, embeddings::EmbeddingRow, measurements::MeasuredDrive},
+    error::RehearsalError,
+    population::{CarSetting, PopulationModel},
 };
 use maveric_analysis::{StudyData, Tables};
 use maveric_domain::{
-    ConditionId, Design, DriveId, DriveMeta, DrivenBy, Embedding, MeasureValues, Moment, Scale,
-    Score,
+    ConditionId, ConditionRow, Design, DriveId, DriveMeta, DrivenBy, Embedding, EmbeddingRow,
+    MeasureValues, MeasuredDrive, Moment, Scale, Score,
     design::{Car, Condition},
     spread,
 };
 use maveric_participants::{Cohort, CohortSettings, Effects, Participant, answer_before, rate};
-use std::path::Path;
 
 /// Points of the ADB score in one step of the population model.
 const POINTS: f64 = 15.0;
 
 /// Everything that a synthetic study is drawn from.
 #[derive(Debug, Clone)]
-pub(crate) struct World {
+pub struct World {
     /// Who is tested in which conditions.
-    pub(crate) design: Design,
-    pub(crate) population: PopulationModel,
-    pub(crate) effects: Effects,
-    pub(crate) scales: Vec<Scale>,
+    pub design: Design,
+    /// What drives look like.
+    pub population: PopulationModel,
+    /// Sizes of the effects in answers and ratings.
+    pub effects: Effects,
+    /// The questionnaires.
+    pub scales: Vec<Scale>,
     /// Points of the design's dial in one step of the population.
-    pub(crate) points: f64,
+    pub points: f64,
 }
 
-/// Sizes of the effects, as shipped.
-const EFFECTS: &str = include_str!("../../../../../study_data/effects.toml");
-
 /// A study that was never driven.
-pub(crate) struct Rehearsed {
-    pub(crate) people: Vec<Participant>,
-    pub(crate) data: StudyData,
+pub struct Rehearsed {
+    /// Who they are.
+    pub people: Vec<Participant>,
+    /// What a run would have left.
+    pub data: StudyData,
 }
 
 impl World {
-    /// The world of a design; population, effects and questionnaires are those given, else the design's, else as shipped.
+    /// The world of a design. `points_a_point` is how many ADB points one point of the design's dial is worth.
     ///
     /// # Errors
-    /// [`StudyError`] if a file cannot be read, or the design has a condition whose drives cannot be made up: of a car that was recorded
-    /// elsewhere, that the person turns, or whose style stands in a file, nobody knows what it will do.
-    pub(crate) fn of(
-        study: &DesignFile,
-        [population, effects, scales]: [Option<&Path>; 3],
-    ) -> Result<Self, StudyError> {
+    /// [`RehearsalError::UnknownCar`] for a condition whose drives cannot be made up: of a car that was recorded elsewhere, that the
+    /// person turns, or whose style stands in a file, nobody knows what it will do.
+    pub fn new(
+        design: Design,
+        population: PopulationModel,
+        mut effects: Effects,
+        scales: Vec<Scale>,
+        points_a_point: f64,
+    ) -> Result<Self, RehearsalError> {
         let unknown = |c: &&Condition| !matches!(c.car, Some(Car::Dial(_) | Car::Across));
-        if let Some(condition) = study.design.conditions().iter().find(unknown) {
-            return Err(study.wrong(
-                format!(
-                    "`condition.{}.car`: what this car will do cannot be made up, expected {{ dial = POINTS }} or {{ across = true }} to rehearse",
-                    condition.id
-                ),
-                Some("maveric stats power gives the power of a test for an effect that you assume".to_owned()),
-            ));
+        if let Some(condition) = design.conditions().iter().find(unknown) {
+            return Err(RehearsalError::UnknownCar {
+                condition: condition.id,
+            });
         }
-        let files = study.design.files();
-        let own = || files.effects.as_ref().map(|path| study.resolve(path));
-        let effects = match effects
-            .map(Path::to_owned)
-            .or_else(own)
-            .filter(|p| p.is_file())
-        {
-            Some(path) => read_effects(&path)?,
-            None => effects_of(Path::new("effects.toml"), EFFECTS)?,
-        };
-        let own = study.resolve(&files.scales);
-        let scales = read_scales(scales.unwrap_or(&own))?;
-        let mut world = Self {
-            population: match population {
-                Some(path) => PopulationModel::read(path)?,
-                None => PopulationModel::shipped()?,
-            },
-            points: POINTS / StyleScale::of(study)?.stretch(),
-            design: study.design.clone(),
+        // What is not asked is not answered.
+        let is_asked = |id: &String| scales.iter().any(|s| s.id == *id);
+        effects.ratings.retain(|id, _| is_asked(id));
+        effects.answers.retain(|id, _| is_asked(id));
+        Ok(Self {
+            design,
+            population,
             effects,
             scales,
-        };
-        // What is not asked is not answered.
-        let asked = |id: &String| world.scales.iter().any(|s| s.id == *id);
-        world.effects.ratings.retain(|id, _| asked(id));
-        world.effects.answers.retain(|id, _| asked(id));
-        Ok(world)
+            points: POINTS / points_a_point,
+        })
     }
 
     /// The same world with every effect times `factor`; 0 has none at all, order and halo included.
-    pub(crate) fn scaled(&self, factor: f64) -> Self {
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
         Self {
             design: self.design.clone(),
             population: self.population.scaled(factor),
@@ -110,28 +88,28 @@ impl World {
     }
 
     /// Draws a study of `n` people, their drives, answers and ratings.
-    pub(crate) fn study(&self, n: usize, seed: u64) -> Result<Rehearsed, StudyError> {
+    ///
+    /// # Errors
+    /// [`RehearsalError`] where effects and questionnaires do not fit, or the design has no baseline.
+    pub fn study(&self, n: usize, seed: u64) -> Result<Rehearsed, RehearsalError> {
         let cohort = Cohort::draw(0, n, seed, &CohortSettings::default(), &self.design)?;
         let answers = answer_before(&cohort, &self.scales, &self.effects, seed)?;
         let pre = maveric_measures::score(&self.scales, &answers, None)?.scores;
         let people = cohort.participants;
         let conditions = self.design.conditions();
         let Some(baseline) = self.design.baseline_id() else {
-            return Err(StudyError::NotPossible {
-                problem: "a rehearsal needs a design with a baseline".to_owned(),
-                help: None,
-            });
+            return Err(RehearsalError::NoBaseline);
         };
         let mut own = Vec::with_capacity(n);
         let mut trials = Vec::with_capacity(n);
         let mut angles = Vec::with_capacity(n);
         for person in &people {
             let angle = PopulationModel::angle(person, seed);
-            let asked: Vec<(&str, Asked)> = conditions
+            let settings: Vec<(&str, CarSetting)> = conditions
                 .iter()
-                .map(|c| (c.id.as_str(), Asked::of(c, angle, self.points)))
+                .map(|c| (c.id.as_str(), CarSetting::of(c, angle, self.points)))
                 .collect();
-            let drives = self.population.drives(person, &asked, seed);
+            let drives = self.population.drives(person, &settings, seed);
             own.push(drives.own);
             let by_condition = conditions.iter().map(|c| c.id).zip(drives.trials);
             trials.push(by_condition.collect::<Vec<(ConditionId, MeasureValues)>>());
@@ -203,7 +181,7 @@ fn meta(
     person: &Participant,
     condition: ConditionId,
     by_hand: bool,
-) -> Result<DriveMeta, StudyError> {
+) -> Result<DriveMeta, RehearsalError> {
     Ok(DriveMeta {
         drive: DriveId::new(format!("{}-{condition}", person.id))?,
         participant: person.id.clone(),
@@ -221,7 +199,7 @@ fn embedding(
     adb_used: bool,
     adb: Option<f64>,
     position: f64,
-) -> Result<EmbeddingRow, StudyError> {
+) -> Result<EmbeddingRow, RehearsalError> {
     Ok(EmbeddingRow {
         drive: DriveId::new(format!("{}-{baseline}", person.id))?,
         participant: person.id.clone(),
@@ -241,7 +219,7 @@ fn condition_row(
     person: &Participant,
     condition: &Condition,
     angle: f64,
-) -> Result<ConditionRow, StudyError> {
+) -> Result<ConditionRow, RehearsalError> {
     Ok(ConditionRow {
         participant: person.id.clone(),
         condition: condition.id,

@@ -1,7 +1,7 @@
 //! Who is it? Points of drivers on one day, points on another, nearest neighbours.
 
-use super::linear::Cholesky;
-use crate::error::StudyError;
+use crate::error::RehearsalError;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::Serialize;
 
 /// By which distance drivers were told apart.
@@ -37,6 +37,32 @@ pub struct Identification {
     pub mean_rank: f64,
 }
 
+/// The covariance of one person's days, factored.
+#[derive(Debug, Clone)]
+pub struct WithinPerson(Cholesky<f64, Dyn>);
+
+impl WithinPerson {
+    /// `covariance` has shape `(d, d)`; `None` if it is not positive definite.
+    fn of(covariance: DMatrix<f64>) -> Option<Self> {
+        // A matrix that is singular but for rounding tells no distance either.
+        let diagonal = covariance.diagonal();
+        let factor = covariance.cholesky()?;
+        let pivots = factor.l_dirty().diagonal();
+        let singular = |(pivot, own): (&f64, &f64)| pivot * pivot <= SINGULAR * own.abs();
+        (!pivots.iter().zip(&diagonal).any(singular)).then_some(Self(factor))
+    }
+
+    /// L⁻¹ b: in these coordinates the covariance L Lᵀ is the identity.
+    fn whiten(&self, b: &[f64]) -> Vec<f64> {
+        let mut x = DVector::from_column_slice(b);
+        self.0.l_dirty().solve_lower_triangular_mut(&mut x);
+        x.data.into()
+    }
+}
+
+/// A pivot below this share of its diagonal counts as zero.
+const SINGULAR: f64 = 1e-10;
+
 /// Place of each driver's own point among all, from 1; another at the same distance counts as nearer.
 fn ranks(known: &[Vec<f64>], seen: &[Vec<f64>]) -> Vec<usize> {
     let distance =
@@ -53,14 +79,14 @@ fn ranks(known: &[Vec<f64>], seen: &[Vec<f64>]) -> Vec<usize> {
 /// once by straight-line distance and, where `within` is given, once by that covariance.
 ///
 /// # Errors
-/// [`StudyError::Stats`] without a driver.
-pub(super) fn identify(
+/// [`RehearsalError::Stats`] without a driver.
+pub fn identify(
     what: &'static str,
     known: &[Vec<f64>],
     seen: &[Vec<f64>],
-    within: Option<&Cholesky>,
-) -> Result<Vec<Identification>, StudyError> {
-    let whiten = |points: &[Vec<f64>], by: &Cholesky| -> Vec<Vec<f64>> {
+    within: Option<&WithinPerson>,
+) -> Result<Vec<Identification>, RehearsalError> {
+    let whiten = |points: &[Vec<f64>], by: &WithinPerson| -> Vec<Vec<f64>> {
         points.iter().map(|p| by.whiten(p)).collect()
     };
     let mut found = vec![(Metric::Euclidean, ranks(known, seen))];
@@ -78,7 +104,7 @@ fn identification(
     what: &'static str,
     metric: Metric,
     ranks: &[usize],
-) -> Result<Identification, StudyError> {
+) -> Result<Identification, RehearsalError> {
     let n = ranks.len();
     let hits = ranks.iter().filter(|&&r| r == 1).count();
     let share = maveric_stats::proportion(hits, n, 0.95)?;
@@ -95,27 +121,25 @@ fn identification(
 }
 
 /// A style as far as it is known: mean and covariance, shape `(d, d)`.
-pub(super) type Known = (Vec<f64>, Vec<Vec<f64>>);
+pub type Known = (Vec<f64>, Vec<Vec<f64>>);
 
 /// Looks for the driver of each style of `seen` among `known` by what both posteriors leave open; `None` where a covariance
 /// cannot be inverted.
 ///
 /// # Errors
-/// [`StudyError::Stats`] without a driver.
-pub(super) fn identify_posteriors(
+/// [`RehearsalError::Stats`] without a driver.
+pub fn identify_posteriors(
     what: &'static str,
     known: &[Known],
     seen: &[Known],
-) -> Result<Option<Identification>, StudyError> {
+) -> Result<Option<Identification>, RehearsalError> {
     let distance = |a: &Known, b: &Known| {
-        let sum = a.1.iter().zip(&b.1);
-        let both: Vec<Vec<f64>> = sum
-            .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a + b).collect())
-            .collect();
+        let d = a.0.len();
+        let both = DMatrix::from_fn(d, d, |i, j| a.1[i][j] + b.1[i][j]);
         let difference: Vec<f64> = a.0.iter().zip(&b.0).map(|(a, b)| a - b).collect();
-        let factor = Cholesky::of(&both)?;
+        let factor = WithinPerson::of(both)?;
         let square: f64 = factor.whiten(&difference).iter().map(|x| x * x).sum();
-        Some(square + factor.ln_determinant())
+        Some(square + factor.0.ln_determinant())
     };
     let mut places = Vec::with_capacity(seen.len());
     for (i, point) in seen.iter().enumerate() {
@@ -131,7 +155,7 @@ pub(super) fn identify_posteriors(
 
 /// The covariance of one person's days: half the mean product of the differences of two, shape `(d, d)`, factored;
 /// `None` where too few people drove twice for one that can be inverted.
-pub(super) fn within_person(first: &[Vec<f64>], again: &[Vec<f64>]) -> Option<Cholesky> {
+pub fn within_person(first: &[Vec<f64>], again: &[Vec<f64>]) -> Option<WithinPerson> {
     let d = first.first()?.len();
     let differences: Vec<Vec<f64>> = first
         .iter()
@@ -141,10 +165,7 @@ pub(super) fn within_person(first: &[Vec<f64>], again: &[Vec<f64>]) -> Option<Ch
     let n = differences.len() as f64;
     let entry =
         |i: usize, j: usize| differences.iter().map(|x| x[i] * x[j]).sum::<f64>() / (2.0 * n);
-    let covariance: Vec<Vec<f64>> = (0..d)
-        .map(|i| (0..d).map(|j| entry(i, j)).collect())
-        .collect();
-    Cholesky::of(&covariance)
+    WithinPerson::of(DMatrix::from_fn(d, d, entry))
 }
 
 #[cfg(test)]

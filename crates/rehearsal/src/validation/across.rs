@@ -1,10 +1,7 @@
 //! Across the dial: other habits change, aggressiveness does not.
 
-use super::{
-    examine::title,
-    people::{MEASURES, Values},
-};
-use crate::error::StudyError;
+use super::{MEASURES, Values, mean, title};
+use crate::error::RehearsalError;
 use maveric_stats::{StatsError, circular_linear};
 use serde::Serialize;
 
@@ -30,13 +27,13 @@ pub struct Across {
 /// The two habits that do not follow aggression, and velocity; all slices in the same order of drivers.
 ///
 /// # Errors
-/// [`StudyError::Stats`] if a number is not finite.
-pub(super) fn across(
+/// [`RehearsalError::Stats`] if a number is not finite.
+pub fn across(
     angles: &[f64],
     mimic: &[Values],
     sideways: &[Values],
     elsewhere: &[Values],
-) -> Result<Vec<Across>, StudyError> {
+) -> Result<Vec<Across>, RehearsalError> {
     let mut rows = Vec::new();
     for k in [5, 6, 0] {
         let change = |to: &[Values]| -> Vec<Option<f64>> {
@@ -47,7 +44,7 @@ pub(super) fn across(
         };
         let size = |changes: &[Option<f64>]| {
             let known: Vec<f64> = changes.iter().flatten().map(|c| c.abs()).collect();
-            super::mean(&known)
+            mean(&known)
         };
         let changes = change(sideways);
         let angles: Vec<Option<f64>> = angles.iter().copied().map(Some).collect();

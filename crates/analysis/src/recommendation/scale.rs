@@ -1,7 +1,7 @@
 //! Where a recommendation lies on the scale of the score, with what one drive leaves open of the own style.
 
-use super::Preferred;
-use maveric_analysis::StudyData;
+use super::learned::Preferred;
+use crate::StudyData;
 use maveric_domain::{EmbeddingRow, ParticipantId};
 use serde::Serialize;
 

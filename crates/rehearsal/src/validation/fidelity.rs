@@ -1,6 +1,6 @@
 //! How near the car comes to its driver, beside how near the driver comes to themselves.
 
-use super::people::{MEASURES, Values};
+use super::{MEASURES, Values, mean};
 use maveric_measures::{mean_accuracy, objective};
 use serde::Serialize;
 
@@ -54,11 +54,11 @@ fn bias(found: &[Values], own: &[Values], measure: usize) -> Option<f64> {
         .filter_map(|(f, o)| Some((f[measure]? - o[measure]?) / o[measure]?))
         .filter(|e| e.is_finite())
         .collect();
-    super::mean(&errors)
+    mean(&errors)
 }
 
 /// Every measure; all slices but `training` in the same order of drivers.
-pub(super) fn fidelity(
+pub fn fidelity(
     own: &[Values],
     again: &[Values],
     mimic: &[Values],
@@ -71,7 +71,7 @@ pub(super) fn fidelity(
         let known: Vec<f64> = training.iter().filter_map(|v| v[k]).collect();
         let mut guess = own.to_vec();
         for values in &mut guess {
-            values[k] = super::mean(&known);
+            values[k] = mean(&known);
         }
         Fidelity {
             measure,

@@ -1,6 +1,7 @@
 //! Is the car's driving like its owner's as a distribution, and more like it than other people's is?
 
-use crate::error::StudyError;
+use super::mean;
+use crate::error::RehearsalError;
 use maveric_measures::likeness::{Discrepancy, Spread, Window, discrepancy};
 use maveric_stats::proportion;
 use serde::Serialize;
@@ -32,22 +33,22 @@ pub struct Likeness {
 }
 
 /// The windows of what is compared, each in the same order of people.
-pub(super) struct Driven {
+pub struct Driven {
     /// Own first drives.
-    pub(super) own: Vec<Vec<Window>>,
+    pub own: Vec<Vec<Window>>,
     /// Own second drives: no likeness can be expected to be better.
-    pub(super) again: Vec<Vec<Window>>,
+    pub again: Vec<Vec<Window>>,
     /// The car in the own style.
-    pub(super) mimic: Vec<Vec<Window>>,
+    pub mimic: Vec<Vec<Window>>,
     /// The car with the mean style, on each person's road: what knowing nobody gives.
-    pub(super) average: Vec<Vec<Window>>,
+    pub average: Vec<Vec<Window>>,
 }
 
 /// Holds each kind against the owners' first drives.
 ///
 /// # Errors
-/// [`StudyError::Stats`] without people.
-pub(super) fn likeness(driven: &Driven, seed: u64) -> Result<Vec<Likeness>, StudyError> {
+/// [`RehearsalError::Stats`] without people.
+pub fn likeness(driven: &Driven, seed: u64) -> Result<Vec<Likeness>, RehearsalError> {
     let all = [&driven.own, &driven.again];
     let spread = Spread::of(all.into_iter().flatten().map(Vec::as_slice));
     let kinds = [
@@ -87,10 +88,14 @@ pub(super) fn likeness(driven: &Driven, seed: u64) -> Result<Vec<Likeness>, Stud
     Ok(rows)
 }
 
-fn row(what: &'static str, found: &[Discrepancy], ranks: &[usize]) -> Result<Likeness, StudyError> {
-    let mean = |of: &dyn Fn(&Discrepancy) -> Option<f64>| {
+fn row(
+    what: &'static str,
+    found: &[Discrepancy],
+    ranks: &[usize],
+) -> Result<Likeness, RehearsalError> {
+    let mean_of = |of: &dyn Fn(&Discrepancy) -> Option<f64>| {
         let values: Vec<f64> = found.iter().filter_map(of).collect();
-        super::mean(&values)
+        mean(&values)
     };
     let hits = ranks.iter().filter(|&&r| r == 1).count();
     let share = match ranks.len() {
@@ -101,12 +106,12 @@ fn row(what: &'static str, found: &[Discrepancy], ranks: &[usize]) -> Result<Lik
     Ok(Likeness {
         what,
         n: found.len(),
-        mmd2: mean(&|d| Some(d.mmd2)),
-        divergence: mean(&|d| Some(d.divergence)),
-        different: mean(&|d| d.p.map(|p| f64::from(u8::from(p < DIFFERENT)))),
+        mmd2: mean_of(&|d| Some(d.mmd2)),
+        divergence: mean_of(&|d| Some(d.divergence)),
+        different: mean_of(&|d| d.p.map(|p| f64::from(u8::from(p < DIFFERENT)))),
         owner_nearest: share.as_ref().map(|s| s.estimate),
         owner_nearest_interval: share.map(|s| (s.low, s.high)),
-        mean_rank: super::mean(&places),
+        mean_rank: mean(&places),
     })
 }
 

@@ -1,12 +1,12 @@
 //! How often each test says yes, over many studies.
 
-use super::outcomes::{Found, Part};
+use crate::outcomes::{Found, Part};
 use maveric_stats::{Proportion, proportion};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// Level of every test.
-pub(crate) const ALPHA: f64 = 0.05;
+pub const ALPHA: f64 = 0.05;
 
 /// One test over the studies of a cell.
 #[derive(Debug, Clone, Serialize)]
@@ -63,46 +63,48 @@ fn share(part: usize, whole: usize) -> Option<Proportion> {
     proportion(part, whole, 0.95).ok()
 }
 
-/// Counts over studies, each with the same tests in the same order.
-pub(crate) fn cell(participants: usize, effect_scale: f64, studies: &[Vec<Found>]) -> Cell {
-    let count = studies.first().map_or(0, Vec::len);
-    let tests = (0..count).map(|i| {
-        let found: Vec<&Found> = studies.iter().map(|s| &s[i]).collect();
-        let first = found[0];
-        let p: Vec<f64> = found.iter().filter_map(|f| f.p).collect();
-        let rejected = p.iter().filter(|p| **p < ALPHA).count();
-        let holm: Vec<f64> = found.iter().filter_map(|f| f.p_holm).collect();
-        let estimates: Vec<f64> = found.iter().filter_map(|f| f.estimate).collect();
-        TestRate {
-            part: first.part,
-            key: first.key.clone(),
-            studies: p.len(),
-            rejected,
-            rate: share(rejected, p.len()),
-            holm: share(holm.iter().filter(|p| **p < ALPHA).count(), holm.len()),
-            mean_estimate: (!estimates.is_empty())
-                .then(|| estimates.iter().sum::<f64>() / estimates.len() as f64),
-            mean_when_significant: {
-                let yes = |f: &&&Found| f.p.is_some_and(|p| p < ALPHA);
-                let seen: Vec<f64> = found
-                    .iter()
-                    .filter(yes)
-                    .filter_map(|f| f.estimate)
-                    .collect();
-                (!seen.is_empty()).then(|| seen.iter().sum::<f64>() / seen.len() as f64)
-            },
-            above_zero: share(
-                estimates.iter().filter(|e| **e > 0.0).count(),
-                estimates.len(),
-            ),
+impl Cell {
+    /// Counts over studies, each with the same tests in the same order.
+    pub fn of(participants: usize, effect_scale: f64, studies: &[Vec<Found>]) -> Self {
+        let count = studies.first().map_or(0, Vec::len);
+        let tests = (0..count).map(|i| {
+            let found: Vec<&Found> = studies.iter().map(|s| &s[i]).collect();
+            let first = found[0];
+            let p: Vec<f64> = found.iter().filter_map(|f| f.p).collect();
+            let rejected = p.iter().filter(|p| **p < ALPHA).count();
+            let holm: Vec<f64> = found.iter().filter_map(|f| f.p_holm).collect();
+            let estimates: Vec<f64> = found.iter().filter_map(|f| f.estimate).collect();
+            TestRate {
+                part: first.part,
+                key: first.key.clone(),
+                studies: p.len(),
+                rejected,
+                rate: share(rejected, p.len()),
+                holm: share(holm.iter().filter(|p| **p < ALPHA).count(), holm.len()),
+                mean_estimate: (!estimates.is_empty())
+                    .then(|| estimates.iter().sum::<f64>() / estimates.len() as f64),
+                mean_when_significant: {
+                    let yes = |f: &&&Found| f.p.is_some_and(|p| p < ALPHA);
+                    let seen: Vec<f64> = found
+                        .iter()
+                        .filter(yes)
+                        .filter_map(|f| f.estimate)
+                        .collect();
+                    (!seen.is_empty()).then(|| seen.iter().sum::<f64>() / seen.len() as f64)
+                },
+                above_zero: share(
+                    estimates.iter().filter(|e| **e > 0.0).count(),
+                    estimates.len(),
+                ),
+            }
+        });
+        Self {
+            participants,
+            effect_scale,
+            studies: studies.len(),
+            tests: tests.collect(),
+            families: families(studies),
         }
-    });
-    Cell {
-        participants,
-        effect_scale,
-        studies: studies.len(),
-        tests: tests.collect(),
-        families: families(studies),
     }
 }
 
@@ -139,7 +141,7 @@ fn families(studies: &[Vec<Found>]) -> Vec<FamilyRate> {
 /// The smallest n at which a rate reaches `wanted`, by straight lines between the sizes tried (ascending); `None` beyond them.
 ///
 /// The first size tried, if the rate is reached there: it may need fewer.
-pub(crate) fn n_for(curve: &[(usize, f64)], wanted: f64) -> Option<f64> {
+pub fn n_for(curve: &[(usize, f64)], wanted: f64) -> Option<f64> {
     let at = curve.iter().position(|(_, rate)| *rate >= wanted)?;
     let (n, rate) = curve[at];
     if at == 0 {
@@ -153,6 +155,8 @@ pub(crate) fn n_for(curve: &[(usize, f64)], wanted: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{World, found_in, testing::world};
+    use maveric_analysis::Friedman;
 
     fn found(p: f64, p_holm: f64, estimate: f64) -> Found {
         Found {
@@ -180,7 +184,7 @@ mod tests {
             ],
             vec![found(0.3, 0.6, -0.1), found(0.06, 0.12, 0.3)],
         ];
-        let cell = cell(24, 1.0, &studies);
+        let cell = Cell::of(24, 1.0, &studies);
         let first = &cell.tests[0];
         assert_eq!((first.studies, first.rejected), (3, 2));
         assert!((first.holm.unwrap().estimate - 1.0 / 3.0).abs() < 1e-12);
@@ -198,5 +202,53 @@ mod tests {
         assert!((n_for(&curve, 0.8).unwrap() - 40.0).abs() < 1e-9);
         assert_eq!(n_for(&curve, 0.95), None);
         assert_eq!(n_for(&curve, 0.1), Some(12.0));
+    }
+
+    fn run(world: &World, n: usize, studies: u64) -> Cell {
+        let found: Vec<_> = (0..studies)
+            .map(|seed| {
+                let study = world.study(n, 1000 + seed).unwrap();
+                let a = maveric_analysis::analyse(&study.data, Friedman::Approximate);
+                found_in(&a.unwrap())
+            })
+            .collect();
+        Cell::of(n, 1.0, &found)
+    }
+
+    #[test]
+    fn without_effects_tests_say_yes_about_one_time_in_twenty() {
+        let cell = run(&world().scaled(0.0), 12, 40);
+        let (yes, all) = cell
+            .tests
+            .iter()
+            .fold((0, 0), |(yes, all), t| (yes + t.rejected, all + t.studies));
+        let rate = yes as f64 / all as f64;
+        assert!((0.03..0.07).contains(&rate), "{rate} of {all}");
+    }
+
+    #[test]
+    fn planted_effects_are_found() {
+        let cell = run(&world(), 24, 6);
+        let of = |key: &str| cell.tests.iter().find(|t| t.key == key).unwrap();
+        assert_eq!(of("panel.mean_velocity_mps.omnibus").rejected, 6);
+        let r = of("homophily.mini_ipip.conscientiousness.mimic-cautious.rosas.competence")
+            .mean_estimate
+            .unwrap();
+        assert!(r < -0.2, "{r}");
+    }
+
+    #[test]
+    fn a_study_depends_on_its_seed_alone() {
+        let world = world();
+        let scores = |seed| {
+            let study = world.study(5, seed).unwrap();
+            let p = study.data.participants[2].clone();
+            let name = "rosas.competence".parse().unwrap();
+            study.data.rated(&p, study.data.own_style().unwrap(), &name)
+        };
+        assert_eq!(scores(3), scores(3));
+        let all: std::collections::BTreeSet<String> =
+            (0..8).map(|seed| format!("{:?}", scores(seed))).collect();
+        assert!(all.len() > 2);
     }
 }

@@ -4,8 +4,7 @@ use super::{
     SETTINGS,
     percept::{Dial, Percept},
 };
-use crate::error::StudyError;
-use maveric_analysis::StudyData;
+use crate::{StudyData, error::AnalysisError};
 use maveric_domain::{
     ParticipantId,
     design::{Condition, ScoreName},
@@ -26,7 +25,7 @@ pub struct Standard {
 
 /// Everything learned from the people of a study.
 ///
-/// regard = α + A (b + Σ θₖ xₖ + u) + g A² + D (d + Σ φₖ xₖ + v) + ε: A the perceived shift, D the perceived distance from the own drive, x the
+/// rating = α + A (b + Σ θₖ xₖ + u) + g A² + D (d + Σ φₖ xₖ + v) + ε: A the perceived shift, D the perceived distance from the own drive, x the
 /// person's standardised traits; α, u, v differ between people. θ and φ are shrunk, each group by a variance of its own.
 /// The preferred shift is where b A + g A² is highest; D, the dislike of a car unlike oneself, is kept apart from it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -39,8 +38,8 @@ pub struct Learned {
     pub dial: Dial,
     /// The traits.
     pub traits: Vec<Standard>,
-    /// The ratings of regard, each with 1, or -1 where less is better; they are averaged in SDs.
-    pub regard: Vec<(ScoreName, f64, Standard)>,
+    /// The ratings, each with 1, or -1 where less is better; they are averaged in SDs.
+    pub ratings: Vec<(ScoreName, f64, Standard)>,
     /// The fit.
     pub fit: Hierarchical,
 }
@@ -61,7 +60,7 @@ pub struct Preferred {
 /// Columns before the traits: 1, A, A², D.
 const PLAIN: usize = 4;
 /// Settings further from the own style than this are not recommended, in ADB points: nobody has driven them.
-pub(crate) const FURTHEST_POINTS: f64 = 30.0;
+pub const FURTHEST_POINTS: f64 = 30.0;
 
 /// Names and values of what is known of a person before any ride.
 fn traits_of(data: &StudyData, p: &ParticipantId) -> Vec<(String, Option<f64>)> {
@@ -105,17 +104,15 @@ fn setting_of(condition: &Condition, moved_points: Option<f64>) -> Option<usize>
 
 impl Learned {
     /// Learns from some of a study's people; how they perceive a drive is learned too, unless it is given.
-    pub(crate) fn from(
+    ///
+    /// # Errors
+    /// [`AnalysisError::NothingToLearn`] for fewer than five people, or a dial that nobody perceives to turn.
+    pub fn from(
         data: &StudyData,
         people: &[ParticipantId],
         percept: Option<Percept>,
-    ) -> Result<Self, StudyError> {
-        let not_possible = |problem: String| {
-            StudyError::NotPossible {
-            problem,
-            help: Some("a recommendation needs a study with at least 6 people, own drives, all conditions and ratings".to_owned()),
-        }
-        };
+    ) -> Result<Self, AnalysisError> {
+        let not_possible = |problem: String| AnalysisError::NothingToLearn { problem };
         if people.len() < 5 {
             return Err(not_possible(format!(
                 "{} people to learn from, expected at least 5",
@@ -141,8 +138,8 @@ impl Learned {
             .collect();
         let conditions = data.design.conditions();
         let better = |name: &ScoreName| data.better(name).factor();
-        let ratings = data.design.homophily().map_or(&[][..], |f| &f.ratings);
-        let regard = ratings
+        let declared = data.design.homophily().map_or(&[][..], |f| &f.ratings);
+        let ratings = declared
             .iter()
             .filter_map(|name| {
                 let all = people
@@ -157,7 +154,7 @@ impl Learned {
             percept,
             dial,
             traits,
-            regard,
+            ratings,
             fit: Hierarchical {
                 coefficients: Belief::new(Vec::new(), Vec::new())?,
                 shrunken_sd: Vec::new(),
@@ -179,7 +176,7 @@ impl Learned {
     }
 
     /// A person's standardised traits; 0, the mean, where one is missing.
-    pub(crate) fn traits(&self, data: &StudyData, p: &ParticipantId) -> Vec<f64> {
+    pub fn traits(&self, data: &StudyData, p: &ParticipantId) -> Vec<f64> {
         let known = traits_of(data, p);
         let of = |s: &Standard| {
             let value = known
@@ -191,12 +188,12 @@ impl Learned {
         self.traits.iter().map(of).collect()
     }
 
-    /// The regard behind scores, in SDs.
-    pub(crate) fn regard(&self, score: impl Fn(&ScoreName) -> Option<f64>) -> Option<f64> {
+    /// The mean rating behind scores, in SDs.
+    pub fn rating(&self, score: impl Fn(&ScoreName) -> Option<f64>) -> Option<f64> {
         let of = |(name, sign, s): &(ScoreName, f64, Standard)| {
             Some(sign * (score(name)? - s.mean) / s.sd)
         };
-        let values: Vec<f64> = self.regard.iter().filter_map(of).collect();
+        let values: Vec<f64> = self.ratings.iter().filter_map(of).collect();
         (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
     }
 
@@ -209,7 +206,7 @@ impl Learned {
     }
 
     /// The whole row of a drive for a belief about somebody: x, z, and which of [`SETTINGS`] it showed, if one.
-    pub(crate) fn row(traits: &[f64], perceived: (f64, f64), setting: Option<usize>) -> Vec<f64> {
+    pub fn row(traits: &[f64], perceived: (f64, f64), setting: Option<usize>) -> Vec<f64> {
         let mut row = Self::columns(traits, perceived);
         row.extend([1.0, perceived.0, perceived.1]);
         row.extend((0..SETTINGS.len()).map(|i| if setting == Some(i) { 1.0 } else { 0.0 }));
@@ -220,8 +217,8 @@ impl Learned {
         let traits = self.traits(data, p);
         let mut rows = PersonRows::default();
         for c in data.design.conditions() {
-            let regard = self.regard(|name| data.rated(p, c.id, name));
-            if let (Some(y), Some(perceived)) = (regard, self.percept.of_condition(data, p, c.id)) {
+            let rating = self.rating(|name| data.rated(p, c.id, name));
+            if let (Some(y), Some(perceived)) = (rating, self.percept.of_condition(data, p, c.id)) {
                 rows.y.push(y);
                 rows.x.push(Self::columns(&traits, perceived));
                 rows.z.push(vec![1.0, perceived.0, perceived.1]);
@@ -234,7 +231,7 @@ impl Learned {
     ///
     /// Behind β and u stands an error of each setting that its repetitions share, as large as that of a single rating: what the model gets
     /// wrong about a setting it gets wrong each time, so that showing it again tells less than showing another.
-    pub(crate) fn belief(&self, data: &StudyData, p: &ParticipantId, with_ratings: bool) -> Belief {
+    pub fn belief(&self, data: &StudyData, p: &ParticipantId, with_ratings: bool) -> Belief {
         let mut belief = self
             .fit
             .somebody()
@@ -242,9 +239,9 @@ impl Learned {
         if with_ratings {
             let traits = self.traits(data, p);
             for c in data.design.conditions() {
-                let regard = self.regard(|name| data.rated(p, c.id, name));
+                let rating = self.rating(|name| data.rated(p, c.id, name));
                 if let (Some(y), Some(perceived)) =
-                    (regard, self.percept.of_condition(data, p, c.id))
+                    (rating, self.percept.of_condition(data, p, c.id))
                 {
                     let moved = data.condition(p, c.id).and_then(|row| row.moved_points);
                     let row = Self::row(&traits, perceived, setting_of(c, moved));
@@ -256,12 +253,12 @@ impl Learned {
     }
 
     /// Takes in one rating.
-    pub(crate) fn observe(&self, belief: &mut Belief, row: &[f64], regard: f64) {
-        belief.observe(row, regard, self.fit.residual_sd.powi(2));
+    pub fn observe(&self, belief: &mut Belief, row: &[f64], rating: f64) {
+        belief.observe(row, rating, self.fit.residual_sd.powi(2));
     }
 
     /// Where the person would like the dial; `None` if the ratings do not fall to both sides of anything.
-    pub(crate) fn preferred(&self, belief: &Belief, traits: &[f64]) -> Option<Preferred> {
+    pub fn preferred(&self, belief: &Belief, traits: &[f64]) -> Option<Preferred> {
         let (linear, square) = parabola(traits);
         let tops = belief.top_of_parabola(&linear, &square)?;
         let points: Vec<f64> = tops
@@ -284,7 +281,7 @@ impl Learned {
     }
 
     /// What rating the setting `points` is expected to tell of the preferred shift, in nats.
-    pub(crate) fn information(&self, belief: &Belief, traits: &[f64], points: f64) -> f64 {
+    pub fn information(&self, belief: &Belief, traits: &[f64], points: f64) -> f64 {
         let (linear, square) = parabola(traits);
         let (b, g) = (belief.mean_of(&linear), belief.mean_of(&square).min(-0.05));
         // −b / 2g, straightened where it is believed to be.

@@ -1,35 +1,17 @@
 //! `recommend`: how far to turn the dial for this person, how sure that is, why, and which shift to show next.
 
-mod model;
-mod page;
-mod percept;
-mod scale;
-mod trial;
-
-pub use model::{Learned, Preferred, Standard};
-pub use percept::{Dial, Percept};
-pub use scale::OnTheScale;
-pub use trial::{
-    DialRehearsal, LearnedFrom, Method, RehearseDialOptions, Score as RecoveryScore, TrialError,
-    rehearse_dial,
-};
-
 use crate::{
     atomic_write::write_json,
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
-    stages::analyse::read_study,
+    run_folder::read_study,
 };
-use maveric_analysis::StudyData;
+use maveric_analysis::{Learned, Preferred, Recommendation, StudyData};
 use maveric_domain::ParticipantId;
-use maveric_stats::Belief;
 use serde::Serialize;
 use std::path::PathBuf;
-
-/// Settings that a further trial may show, in ADB points from the own style.
-pub(crate) const SETTINGS: [f64; 7] = [-15.0, -10.0, -5.0, 0.0, 5.0, 10.0, 15.0];
 
 /// For whom to recommend.
 #[derive(Debug, Clone)]
@@ -42,34 +24,6 @@ pub struct RecommendOptions {
     pub participant: Option<String>,
     /// Recommendations to write (JSON).
     pub out: Option<PathBuf>,
-}
-
-/// A reason: by how many points it moves the recommendation.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Reason {
-    /// `everybody`, a trait, or `own ratings`.
-    pub because: String,
-    /// The person's value in SDs from the mean of those learned from; none for `everybody` and `own ratings`.
-    pub standardised: Option<f64>,
-    /// Effect on the recommended shift, in ADB points.
-    pub points: f64,
-}
-
-/// What to recommend to one person.
-#[derive(Debug, Clone, Serialize)]
-pub struct Recommendation {
-    /// Who.
-    pub participant: ParticipantId,
-    /// By their own ratings of the conditions and by who they are; none if the ratings have no top.
-    pub preferred: Option<Preferred>,
-    /// The same on the scale of the score, with what the drive leaves open of the own style.
-    pub on_the_scale: Option<OnTheScale>,
-    /// By who they are alone, as for somebody who has not ridden yet.
-    pub before_riding: Option<Preferred>,
-    /// The reasons, the largest first.
-    pub reasons: Vec<Reason>,
-    /// The setting whose rating would tell most, in ADB points, and how much, in nats.
-    pub next: (f64, f64),
 }
 
 /// What was recommended.
@@ -109,7 +63,7 @@ pub fn recommend(
             .cloned()
             .collect();
         let learned = Learned::from(&data, &others, None)?;
-        recommendations.push(recommendation(&learned, &data, p));
+        recommendations.push(learned.recommendation(&data, p));
     }
     let value = Recommended {
         participants: data.participants.len(),
@@ -121,7 +75,7 @@ pub fn recommend(
     let mut summary: Vec<String> = value
         .recommendations
         .iter()
-        .flat_map(|r| said(r, options.participant.is_some()))
+        .flat_map(|r| lines(r, options.participant.is_some()))
         .collect();
     if data.is_synthetic() {
         summary.push("synthetic participants".to_owned());
@@ -156,79 +110,10 @@ fn unknown(name: &str, data: &StudyData) -> StudyError {
     }
 }
 
-fn recommendation(learned: &Learned, data: &StudyData, p: &ParticipantId) -> Recommendation {
-    let traits = learned.traits(data, p);
-    let before = learned.belief(data, p, false);
-    let after = learned.belief(data, p, true);
-    let preferred = learned.preferred(&after, &traits);
-    let on_the_scale = preferred.as_ref();
-    Recommendation {
-        participant: p.clone(),
-        on_the_scale: on_the_scale.and_then(|preferred| scale::on_the_scale(data, p, preferred)),
-        preferred,
-        before_riding: learned.preferred(&before, &traits),
-        reasons: reasons(learned, &before, &after, &traits),
-        next: next(learned, &after, &traits),
-    }
-}
-
-/// The setting that is expected to tell most.
-pub(crate) fn next(learned: &Learned, belief: &Belief, traits: &[f64]) -> (f64, f64) {
-    let mut best = (0.0, f64::NEG_INFINITY);
-    for points in SETTINGS {
-        let nats = learned.information(belief, traits, points);
-        if nats > best.1 + 1e-12 {
-            best = (points, nats);
-        }
-    }
-    best
-}
-
-/// What each part adds to the recommended shift, at the curvature that is believed.
-fn reasons(learned: &Learned, before: &Belief, after: &Belief, traits: &[f64]) -> Vec<Reason> {
-    let (linear, square) = model::parabola(traits);
-    let g = before.mean_of(&square).min(-0.05);
-    // One unit of b in points, on the person's side of the dial.
-    let side = -before.mean_of(&linear) / (2.0 * g);
-    let unit = {
-        let step = if side >= learned.dial.shift[1] {
-            0.01
-        } else {
-            -0.01
-        };
-        (learned.dial.points_at(side + step) - learned.dial.points_at(side)) / step / (-2.0 * g)
-    };
-    let mean = before.mean();
-    let mut reasons = vec![Reason {
-        because: "everybody".to_owned(),
-        standardised: None,
-        points: learned.dial.points_at(-mean[1] / (2.0 * g)),
-    }];
-    for (k, (standard, z)) in learned.traits.iter().zip(traits).enumerate() {
-        reasons.push(Reason {
-            because: standard.name.clone(),
-            standardised: Some(*z),
-            points: unit * mean[4 + k] * z,
-        });
-    }
-    if let (Some(with), Some(without)) = (
-        learned.preferred(after, traits),
-        learned.preferred(before, traits),
-    ) {
-        reasons.push(Reason {
-            because: "own ratings".to_owned(),
-            standardised: None,
-            points: with.points - without.points,
-        });
-    }
-    reasons.sort_by(|a, b| b.points.abs().total_cmp(&a.points.abs()));
-    reasons
-}
-
 /// Reasons that a line names.
 const SHOWN: usize = 5;
 
-fn said(r: &Recommendation, at_length: bool) -> Vec<String> {
+fn lines(r: &Recommendation, at_length: bool) -> Vec<String> {
     let line = |p: &Preferred| {
         format!(
             "{:+.1} ADB points (95% {:+.1} to {:+.1}; within 5 points with probability {:.2})",

@@ -1,0 +1,119 @@
+//! How far to turn the dial for a person: learned from others' ratings of their conditions.
+
+mod learned;
+mod percept;
+mod scale;
+
+pub use learned::{FURTHEST_POINTS, Learned, Preferred, Standard};
+pub use percept::{Dial, Percept};
+pub use scale::OnTheScale;
+
+use crate::StudyData;
+use maveric_domain::ParticipantId;
+use maveric_stats::Belief;
+use scale::on_the_scale;
+use serde::Serialize;
+
+/// Settings that a further trial may show, in ADB points from the own style.
+pub const SETTINGS: [f64; 7] = [-15.0, -10.0, -5.0, 0.0, 5.0, 10.0, 15.0];
+
+/// A reason: by how many points it moves the recommendation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Reason {
+    /// `everybody`, a trait, or `own ratings`.
+    pub because: String,
+    /// The person's value in SDs from the mean of those learned from; none for `everybody` and `own ratings`.
+    pub standardised: Option<f64>,
+    /// Effect on the recommended shift, in ADB points.
+    pub points: f64,
+}
+
+/// What to recommend to one person.
+#[derive(Debug, Clone, Serialize)]
+pub struct Recommendation {
+    /// Who.
+    pub participant: ParticipantId,
+    /// By their own ratings of the conditions and by who they are; none if the ratings have no top.
+    pub preferred: Option<Preferred>,
+    /// The same on the scale of the score, with what the drive leaves open of the own style.
+    pub on_the_scale: Option<OnTheScale>,
+    /// By who they are alone, as for somebody who has not ridden yet.
+    pub before_riding: Option<Preferred>,
+    /// The reasons, the largest first.
+    pub reasons: Vec<Reason>,
+    /// The setting whose rating would tell most, in ADB points, and how much, in nats.
+    pub next: (f64, f64),
+}
+
+impl Learned {
+    /// What to recommend to one person.
+    pub fn recommendation(&self, data: &StudyData, p: &ParticipantId) -> Recommendation {
+        let traits = self.traits(data, p);
+        let before = self.belief(data, p, false);
+        let after = self.belief(data, p, true);
+        let preferred = self.preferred(&after, &traits);
+        Recommendation {
+            participant: p.clone(),
+            on_the_scale: preferred
+                .as_ref()
+                .and_then(|preferred| on_the_scale(data, p, preferred)),
+            preferred,
+            before_riding: self.preferred(&before, &traits),
+            reasons: reasons(self, &before, &after, &traits),
+            next: self.next(&after, &traits),
+        }
+    }
+
+    /// The setting that is expected to tell most.
+    pub fn next(&self, belief: &Belief, traits: &[f64]) -> (f64, f64) {
+        let mut best = (0.0, f64::NEG_INFINITY);
+        for points in SETTINGS {
+            let nats = self.information(belief, traits, points);
+            if nats > best.1 + 1e-12 {
+                best = (points, nats);
+            }
+        }
+        best
+    }
+}
+
+/// What each part adds to the recommended shift, at the curvature that is believed.
+fn reasons(learned: &Learned, before: &Belief, after: &Belief, traits: &[f64]) -> Vec<Reason> {
+    let (linear, square) = learned::parabola(traits);
+    let g = before.mean_of(&square).min(-0.05);
+    // One unit of b in points, on the person's side of the dial.
+    let side = -before.mean_of(&linear) / (2.0 * g);
+    let unit = {
+        let step = if side >= learned.dial.shift[1] {
+            0.01
+        } else {
+            -0.01
+        };
+        (learned.dial.points_at(side + step) - learned.dial.points_at(side)) / step / (-2.0 * g)
+    };
+    let mean = before.mean();
+    let mut reasons = vec![Reason {
+        because: "everybody".to_owned(),
+        standardised: None,
+        points: learned.dial.points_at(-mean[1] / (2.0 * g)),
+    }];
+    for (k, (standard, z)) in learned.traits.iter().zip(traits).enumerate() {
+        reasons.push(Reason {
+            because: standard.name.clone(),
+            standardised: Some(*z),
+            points: unit * mean[4 + k] * z,
+        });
+    }
+    if let (Some(with), Some(without)) = (
+        learned.preferred(after, traits),
+        learned.preferred(before, traits),
+    ) {
+        reasons.push(Reason {
+            because: "own ratings".to_owned(),
+            standardised: None,
+            points: with.points - without.points,
+        });
+    }
+    reasons.sort_by(|a, b| b.points.abs().total_cmp(&a.points.abs()));
+    reasons
+}

@@ -1,0 +1,41 @@
+//! Which subscales a file of effects speaks of, and whether they cover a scale.
+
+use crate::error::ParticipantError;
+use maveric_domain::{Scale, Subscale};
+use std::collections::BTreeSet;
+
+/// Whether each item belongs to exactly one of the subscales named.
+pub(crate) fn covered_once<'a>(
+    scale: &Scale,
+    subscales: impl Iterator<Item = &'a String>,
+) -> Result<(), ParticipantError> {
+    let mut seen = BTreeSet::new();
+    for id in subscales {
+        for &item in &subscale_of(scale, id)?.items {
+            if !seen.insert(item) {
+                return Err(ParticipantError::ItemTwice {
+                    scale: scale.id.clone(),
+                    item,
+                });
+            }
+        }
+    }
+    match (1..=scale.items).find(|i| !seen.contains(i)) {
+        Some(item) => Err(ParticipantError::ItemWithoutModel {
+            scale: scale.id.clone(),
+            item,
+        }),
+        None => Ok(()),
+    }
+}
+
+pub(crate) fn subscale_of<'a>(
+    scale: &'a Scale,
+    id: &str,
+) -> Result<&'a Subscale, ParticipantError> {
+    let found = scale.subscales.iter().find(|s| s.id == id);
+    found.ok_or_else(|| ParticipantError::UnknownSubscale {
+        scale: scale.id.clone(),
+        subscale: id.to_owned(),
+    })
+}

@@ -1,0 +1,21 @@
+#![doc = include_str!("../README.md")]
+
+mod dial_trial;
+mod error;
+mod outcomes;
+mod population;
+mod rates;
+#[cfg(test)]
+mod testing;
+pub mod validation;
+mod world;
+
+pub use dial_trial::{DialTrials, LearnedFrom, Method, Score, TrialError, Tried};
+pub use error::RehearsalError;
+pub use outcomes::{Found, Part, found_in};
+pub use population::{
+    CarSetting, DerivedMeasure, DrawnMeasure, Drives, LineModel, MeasureModel, PopulationModel,
+    Round, Step,
+};
+pub use rates::{ALPHA, Cell, FamilyRate, TestRate, n_for};
+pub use world::{Rehearsed, World};

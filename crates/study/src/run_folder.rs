@@ -1,0 +1,284 @@
+//! A run's folder and what a study brings along: every file name and every reader once.
+
+use crate::{
+    atomic_write::read_text,
+    design::DesignFile,
+    error::StudyError,
+    tables::{
+        Table,
+        conditions::read_conditions,
+        drives::kept_out,
+        embeddings::read_embeddings,
+        measurements::{one_drive_a_condition, read_measurements},
+        surveys::{read_answers, read_scores},
+    },
+};
+use maveric_analysis::{Driven, Person, StudyData, Tables};
+use maveric_domain::{
+    AdbScore, Answer, ConditionId, Drive, DriveId, Moment, Scale, Score, Seconds, design::Software,
+};
+use maveric_measures::parse_scale;
+use maveric_model::{Model, model_file};
+use maveric_participants::Effects;
+use maveric_simulator::Scenario;
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
+
+/// Name of the model among a run's results.
+pub const MODEL_FILE: &str = "model.maveric";
+
+/// File beside the model that holds the training's report.
+pub fn training_path(model: &Path) -> PathBuf {
+    beside(model, "_training.json")
+}
+
+/// File beside the model that holds the training embeddings.
+pub fn embeddings_path(model: &Path) -> PathBuf {
+    beside(model, "_embeddings.csv")
+}
+
+/// The file beside `out` that holds the reliabilities.
+pub fn reliabilities_path(out: &Path) -> PathBuf {
+    beside(out, "_reliabilities.csv")
+}
+
+/// The file beside `out` that holds each item's part in its subscale.
+pub fn items_path(out: &Path) -> PathBuf {
+    beside(out, "_items.csv")
+}
+
+/// The file beside `out` that lists what was left out: who, what, why.
+pub fn exclusions_path(out: &Path) -> PathBuf {
+    beside(out, "_exclusions.csv")
+}
+
+fn beside(out: &Path, suffix: &str) -> PathBuf {
+    let stem = out.file_stem().unwrap_or_default().to_string_lossy();
+    out.with_file_name(format!("{stem}{suffix}"))
+}
+
+/// Reads a trained model.
+///
+/// # Errors
+/// [`StudyError`] naming the file, if it is no model, damaged, or of another version.
+pub fn read_model(path: &Path) -> Result<Model, StudyError> {
+    if path.is_dir() {
+        return Err(StudyError::file(path, "is a folder, expected a model file"));
+    }
+    let bytes = std::fs::read(path).map_err(StudyError::read(path))?;
+    model_file::from_bytes(&bytes).map_err(|e| StudyError::BadFile {
+        path: path.to_owned(),
+        problem: e.to_string(),
+        help: e
+            .suggestion()
+            .map(str::to_owned)
+            .or_else(|| Some("train a model with `maveric train`".to_owned())),
+    })
+}
+
+/// Reads every scale definition of a folder, ordered by file name.
+///
+/// # Errors
+/// [`StudyError`] if there is none, or naming the file that does not define a scale.
+pub fn read_scales(folder: &Path) -> Result<Vec<Scale>, StudyError> {
+    let entries = std::fs::read_dir(folder).map_err(StudyError::read(folder))?;
+    let mut paths = Vec::new();
+    for entry in entries {
+        let path = entry.map_err(StudyError::read(folder))?.path();
+        if path.extension().is_some_and(|e| e == "toml") {
+            paths.push(path);
+        }
+    }
+    paths.sort();
+    if paths.is_empty() {
+        return Err(StudyError::file(
+            folder,
+            "holds no questionnaire definitions (*.toml)",
+        ));
+    }
+    let read = |path: &PathBuf| {
+        parse_scale(&read_text(path)?).map_err(|e| StudyError::file(path, e.to_string()))
+    };
+    paths.iter().map(read).collect()
+}
+
+/// Reads the sizes of the effects.
+///
+/// # Errors
+/// [`StudyError`] naming the file and the key.
+pub fn read_effects(path: &Path) -> Result<Effects, StudyError> {
+    effects_of(path, &read_text(path)?)
+}
+
+/// The sizes of the effects in a file's text.
+///
+/// # Errors
+/// As [`read_effects`].
+pub(crate) fn effects_of(path: &Path, text: &str) -> Result<Effects, StudyError> {
+    let effects: Effects = toml::from_str(text)
+        .map_err(|e| StudyError::file(path, format!("not a file of effects: {e}")))?;
+    effects
+        .check()
+        .map_err(|e| StudyError::file(path, e.to_string()))?;
+    Ok(effects)
+}
+
+/// Reads a scenario, or takes the paper's, at the length asked for.
+///
+/// # Errors
+/// [`StudyError`] naming the file and the key.
+pub fn read_scenario(path: Option<&Path>, duration_s: Option<f64>) -> Result<Scenario, StudyError> {
+    let scenario = match path {
+        None => Scenario::paper(),
+        Some(path) => toml::from_str(&read_text(path)?)
+            .map_err(|e| StudyError::file(path, format!("not a scenario: {e}")))?,
+    };
+    match duration_s {
+        None => Ok(scenario),
+        Some(seconds) => Ok(scenario.with_duration(Seconds(seconds))?),
+    }
+}
+
+/// The ADB score that belongs to a drive: the one answered before the drives to the baseline, another to a professional's role.
+pub(crate) fn adb_of(
+    drive: &Drive,
+    scores: &[Score],
+    baseline: Option<ConditionId>,
+) -> Result<Option<AdbScore>, StudyError> {
+    let meta = drive.meta();
+    let moment = if Some(meta.condition) == baseline {
+        Moment::Pre
+    } else {
+        Moment::After(meta.condition)
+    };
+    let points = scores
+        .iter()
+        .find(|s| {
+            s.participant == meta.participant
+                && s.moment == moment
+                && s.scale == "adb"
+                && s.subscale == "total"
+        })
+        .and_then(|s| s.value);
+    Ok(points.map(AdbScore::new).transpose()?)
+}
+
+/// Reads the tables that a pipeline left in a folder; `participants` names who took part, else as [`DesignFile::people_of`].
+///
+/// # Errors
+/// [`StudyError`] if one cannot be read, or as [`StudyData::new`].
+pub(crate) fn read_study(
+    folder: &Path,
+    study: &DesignFile,
+    participants: Option<&Path>,
+) -> Result<StudyData, StudyError> {
+    let people = study.people_of(folder, participants)?.enrolled;
+    let design = &study.design;
+    let steered = design.conditions().iter().any(|c| c.car.is_some());
+    let embedded = design.style().is_some() || design.needs_a_model();
+    let in_folder = |name: &str| folder.join(name);
+    // What no stage of this design makes need not be there; what one makes has to be.
+    let made = |name: &str, is_made: bool| is_made || in_folder(name).is_file();
+    let measurements = in_folder("measurements.parquet");
+    let measured = read_measurements(&measurements)?;
+    let of_design = measured.iter().filter(|d| design.knows(d.meta.condition));
+    one_drive_a_condition(&measurements, of_design)?;
+    let tables = Tables {
+        people: people
+            .into_iter()
+            .map(|p| Person {
+                id: p.id,
+                learned: p.learned_from,
+                tested: p.tested,
+                columns: p.cells,
+            })
+            .collect(),
+        measurements: measured,
+        embeddings: if made("embeddings.csv", embedded) {
+            read_embeddings(&in_folder("embeddings.csv"))?
+        } else {
+            Vec::new()
+        },
+        conditions: if made("conditions.csv", steered) {
+            read_conditions(&in_folder("conditions.csv"))?
+        } else {
+            Vec::new()
+        },
+        pre: if made("scores.csv", design.style().is_some()) {
+            read_scores(&in_folder("scores.csv"))?
+        } else {
+            Vec::new()
+        },
+        post: if made("rating_scores.csv", false) {
+            read_scores(&in_folder("rating_scores.csv"))?
+        } else {
+            Vec::new()
+        },
+        scales: read_scales(&study.resolve(&design.files().scales))?,
+        answers: answers(folder, study)?,
+        durations_s: durations(folder)?,
+        kept_out: drives_kept_out(folder)?,
+    };
+    Ok(StudyData::new(design, tables)?)
+}
+
+/// Answers by which the design's rules judge sheets: those among the results, and the design's own table of them.
+fn answers(folder: &Path, study: &DesignFile) -> Result<Vec<Answer>, StudyError> {
+    let mut found = Vec::new();
+    if !study.design.exclude().straight_lined {
+        return Ok(found);
+    }
+    let files = study.design.files();
+    let own = study.resolve(&files.answers);
+    if files.software == Software::Table && own.is_file() {
+        found.extend(read_answers(&own)?);
+    }
+    for name in ["surveys.csv", "answers.csv", "ratings.csv"] {
+        let path = folder.join(name);
+        if path.is_file() {
+            found.extend(read_answers(&path)?);
+        }
+    }
+    Ok(found)
+}
+
+/// What the design keeps out, from beside every list of drives among the results.
+fn drives_kept_out(folder: &Path) -> Result<Vec<Driven>, StudyError> {
+    let mut found = Vec::new();
+    for list in lists(folder) {
+        let drives = kept_out(list.parent().unwrap_or(folder))?;
+        found.extend(drives.into_iter().map(|(_, driven)| driven));
+    }
+    Ok(found)
+}
+
+/// How long each drive took, from the lists of drives among the results.
+pub(crate) fn durations(folder: &Path) -> Result<BTreeMap<DriveId, f64>, StudyError> {
+    let mut found = BTreeMap::new();
+    for path in lists(folder) {
+        let table = Table::read(&path)?;
+        let drives: Vec<DriveId> = table.ids("drive")?;
+        found.extend(drives.into_iter().zip(table.all_numbers("duration_s")?));
+    }
+    Ok(found)
+}
+
+/// Every list of drives among the results, in order.
+pub(crate) fn lists(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut folders = vec![folder.join("drives"), folder.join("av")];
+    while let Some(folder) = folders.pop() {
+        let entries = std::fs::read_dir(&folder).into_iter().flatten().flatten();
+        for path in entries.map(|e| e.path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.file_name().is_some_and(|n| n == "drives.csv") {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    found
+}

@@ -1,0 +1,57 @@
+//! The files that made-up studies are drawn from.
+
+use crate::{
+    atomic_write::read_text,
+    design::DesignFile,
+    error::StudyError,
+    run_folder::{effects_of, read_effects, read_scales},
+    style_scale::StyleScale,
+};
+use maveric_rehearsal::{PopulationModel, RehearsalError, World};
+use std::path::Path;
+
+/// Sizes of the effects, as shipped.
+const EFFECTS: &str = include_str!("../../../../../study_data/effects.toml");
+/// What drives look like, as shipped.
+const POPULATION: &str = include_str!("../../../../../study_data/population.toml");
+
+/// The world of a design; population, effects and questionnaires are those given, else the design's, else as shipped.
+///
+/// # Errors
+/// [`StudyError`] if a file cannot be read, or as [`World::new`].
+pub(crate) fn read_world(
+    study: &DesignFile,
+    [population, effects, scales]: [Option<&Path>; 3],
+) -> Result<World, StudyError> {
+    let files = study.design.files();
+    let own = || files.effects.as_ref().map(|path| study.resolve(path));
+    let effects = match effects
+        .map(Path::to_owned)
+        .or_else(own)
+        .filter(|p| p.is_file())
+    {
+        Some(path) => read_effects(&path)?,
+        None => effects_of(Path::new("effects.toml"), EFFECTS)?,
+    };
+    let own = study.resolve(&files.scales);
+    let scales = read_scales(scales.unwrap_or(&own))?;
+    let (path, text) = match population {
+        Some(path) => (path, read_text(path)?),
+        None => (Path::new("population.toml"), POPULATION.to_owned()),
+    };
+    let population = PopulationModel::from_toml(&text)
+        .map_err(|error| StudyError::file(path, error.to_string()))?;
+    let stretch = StyleScale::of(study)?.stretch();
+    World::new(study.design.clone(), population, effects, scales, stretch).map_err(|error| {
+        match error {
+            RehearsalError::UnknownCar { .. } => study.wrong(
+                error.to_string(),
+                Some(
+                    "maveric stats power gives the power of a test for an effect that you assume"
+                        .to_owned(),
+                ),
+            ),
+            other => other.into(),
+        }
+    })
+}
