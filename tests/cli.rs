@@ -40,6 +40,9 @@ fn wrong_usage_is_status_2_and_help_has_an_example() {
         "stats",
         "report",
         "export",
+        "completions",
+        "man",
+        "cite",
     ] {
         let help = study.maveric(&[command, "--help"]).ok().stdout;
         assert!(help.contains("Example"), "{command}: {help}");
@@ -321,4 +324,98 @@ fn a_scene_of_nobody_is_refused_by_name() {
     let args: Vec<&str> = generate.split(' ').collect();
     study.maveric(&args).failed(1, &["P99", "S1P01"]);
     assert!(!study.path("g").exists());
+}
+
+#[test]
+fn outside_a_study_run_says_what_to_do_and_the_papers_study_runs_from_the_program_alone() {
+    let study = TempStudy::new();
+    let empty = study.path("elsewhere");
+    std::fs::create_dir(&empty).unwrap();
+    for command in ["run", "status", "graph"] {
+        study.maveric_in("elsewhere", &[command]).failed(
+            1,
+            &["there is no study here", "maveric init my_study", "--paper"],
+        );
+    }
+    let told = study.maveric_in("elsewhere", &["init", "--paper"]).ok();
+    assert!(told.stdout.contains("pipelines/smoke.toml"));
+    let plan = study.maveric_in("elsewhere", &["run", "-n"]).ok().stdout;
+    assert!(plan.contains("report: stale"), "{plan}");
+    let first = [
+        "run",
+        "pipelines/smoke.toml",
+        "score",
+        "--set",
+        "duration=20",
+    ];
+    study.maveric_in("elsewhere", &first).ok();
+    assert!(
+        empty
+            .join("study_data/generated/smoke/scores.csv")
+            .is_file()
+    );
+    study
+        .maveric_in("elsewhere", &["init", "--paper"])
+        .failed(1, &["is not empty"]);
+    study
+        .maveric_in("elsewhere", &["init", "x", "--paper", "--synthetic"])
+        .failed(2, &["--synthetic"]);
+}
+
+#[test]
+fn an_installed_program_has_completions_a_manual_and_its_version() {
+    let study = TempStudy::new();
+    for (shell, words) in [
+        ("bash", "complete -F _maveric"),
+        ("zsh", "#compdef maveric"),
+        ("fish", "complete -c maveric"),
+        ("powershell", "Register-ArgumentCompleter"),
+        ("elvish", "edit:completion"),
+    ] {
+        let text = study.maveric(&["completions", shell]).ok().stdout;
+        assert!(
+            text.contains(words) && text.contains("personalize"),
+            "{shell}"
+        );
+    }
+    study.maveric(&["completions", "tcsh"]).failed(2, &["bash"]);
+    study.maveric(&["man", "man"]).ok();
+    let page = std::fs::read_to_string(study.path("man/maveric-stats-within.1")).unwrap();
+    assert!(page.contains(".SH OPTIONS") && page.contains("\\-\\-subject"));
+    assert!(study.path("man/maveric.1").is_file() && !study.path("man/maveric-man.1").exists());
+    let version = study.maveric(&["--version"]).ok().stdout;
+    assert!(
+        version.starts_with(concat!("maveric ", env!("CARGO_PKG_VERSION"))),
+        "{version}"
+    );
+}
+
+#[test]
+fn what_cite_prints_is_what_the_citation_file_says() {
+    let file = std::fs::read_to_string(support::root().join("CITATION.cff")).unwrap();
+    let study = TempStudy::new();
+    let printed = study.maveric(&["cite", "--format", "json"]).ok().stdout;
+    let printed: serde_json::Value = serde_json::from_str(&printed).unwrap();
+    let field = |entry: usize, name: &str| {
+        let fields = printed["entries"][entry]["fields"].as_array().unwrap();
+        let pair = fields.iter().find(|f| f[0] == name).unwrap();
+        pair[1].as_str().unwrap().replace(['{', '}'], "")
+    };
+    for entry in [0, 1] {
+        let title = format!("title: \"{}\"", field(entry, "title"));
+        assert!(file.contains(&title), "{title}");
+    }
+    assert!(file.contains(&format!("name: {}", field(0, "author"))));
+    assert!(file.contains(&format!("\nversion: {}\n", env!("CARGO_PKG_VERSION"))));
+    let authors = field(1, "author");
+    let in_file = file.matches("family-names:").count();
+    assert_eq!(authors.split(" and ").count(), in_file);
+    for author in authors.split(" and ") {
+        let (family, given) = author.split_once(", ").unwrap();
+        let both = format!("family-names: {family}\n        given-names: {given}\n");
+        assert!(file.contains(&both), "{author}");
+    }
+    assert!(file.contains(&format!("arXiv:{}", field(1, "eprint"))));
+    let bibtex = study.maveric(&["cite"]).ok().stdout;
+    assert!(bibtex.starts_with("@software{") && bibtex.contains("@misc{schrum2023maveric,"));
 }

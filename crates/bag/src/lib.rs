@@ -1,8 +1,4 @@
-//! MCAP recordings: read over damage, any field of any topic as a column, and written.
-//!
-//! [`to_columns`] is what most want: names of topics and fields in, numbers out, for ROS 1, ROS 2, JSON and protobuf.
-//! [`walk`] gives every record to a [`Visitor`], [`Codec`] decodes chosen fields of a channel's messages, and [`Writer`] writes.
-//! No length that a file claims is allocated, and with [`Walk::recover`] what is damaged is stepped over and told.
+#![doc = include_str!("../README.md")]
 
 mod ahead;
 mod chunk;

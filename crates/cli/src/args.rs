@@ -1,5 +1,6 @@
 //! Flags that several commands share.
 
+use crate::invocation::this_command;
 use clap::ValueEnum;
 
 /// What a page says is to be repeated.
@@ -25,21 +26,4 @@ pub(crate) enum Format {
     Text,
     /// One JSON object
     Json,
-}
-
-/// The command that is running, as it can be typed again.
-fn this_command() -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
-    let quoted = |word: String| {
-        if !word.is_empty() && word.chars().all(plain) {
-            word
-        } else {
-            format!("'{}'", word.replace('\'', "'\\''"))
-        }
-    };
-    let words = std::env::args().skip(1).map(quoted);
-    std::iter::once("maveric".to_owned())
-        .chain(words)
-        .collect::<Vec<_>>()
-        .join(" ")
 }

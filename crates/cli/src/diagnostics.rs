@@ -2,13 +2,12 @@
 
 use crate::interrupt::INTERRUPTED;
 use maveric_pipeline::PipelineError;
-use maveric_study::StudyError;
+use maveric_study::{StudyError, design::DESIGN_FILE};
 use std::{
     borrow::Cow,
     error::Error,
     fmt,
     io::{IsTerminal as _, Write as _},
-    process::ExitCode,
 };
 
 /// Says something on stderr. Where that cannot be written (`2>&1 | head -1`), nobody is told and
@@ -146,6 +145,19 @@ impl Failure {
         }
     }
 
+    /// There is nothing to run in the folder one stands in.
+    pub(crate) fn no_study() -> Self {
+        Self::Failed(Failed {
+            doing: "there is no study here".to_owned(),
+            cause: format!("neither {DESIGN_FILE} nor pipelines/paper.toml is in this folder").into(),
+            help: Some(
+                "name a pipeline file, go to a study's folder, or make one: `maveric init my_study` for recordings of your own, \
+                 `maveric init --paper` in an empty folder for the paper's study with made-up people"
+                    .to_owned(),
+            ),
+        })
+    }
+
     /// Turns what the system said into a failure of `doing`.
     pub(crate) fn io(doing: &str, cause: std::io::Error) -> Self {
         Self::Failed(Failed {
@@ -160,24 +172,36 @@ impl Failure {
         Self::io("could not write the result", cause)
     }
 
+    /// The failure in words, as [`Failure::report`] prints it without colours.
+    pub(crate) fn text(&self) -> String {
+        match self {
+            Self::Interrupted => "interrupted".to_owned(),
+            Self::Told => "failed".to_owned(),
+            Self::Usage(message) => message.clone(),
+            Self::Failed(failed) => render(&failed.printable(), true),
+        }
+    }
+
     /// Prints the failure on stderr and says how the program ends: 1, 2 or 130.
-    pub(crate) fn report(self) -> ExitCode {
+    pub(crate) fn report(self) -> u8 {
         match self {
             Self::Interrupted => {
                 tell!("interrupted; nothing was left half-written");
-                ExitCode::from(INTERRUPTED)
+                INTERRUPTED
             }
-            Self::Told => ExitCode::FAILURE,
+            Self::Told => 1,
             Self::Usage(message) => {
                 tell!("error: {message}");
-                ExitCode::from(2)
+                2
             }
             // A reader that closed the pipe early (`maveric … | head`) wanted no more.
-            Self::Failed(failed) if is_broken_pipe(&failed) => ExitCode::SUCCESS,
+            Self::Failed(failed) if is_broken_pipe(&failed) => 0,
             Self::Failed(failed) => {
+                let plain =
+                    !std::io::stderr().is_terminal() || std::env::var_os("NO_COLOR").is_some();
                 // With colours there are escape sequences of ours in it: its texts are made printable first.
-                let _ = writeln!(std::io::stderr(), "{}", render(&failed.printable()));
-                ExitCode::FAILURE
+                let _ = writeln!(std::io::stderr(), "{}", render(&failed.printable(), plain));
+                1
             }
         }
     }
@@ -190,8 +214,8 @@ fn is_broken_pipe(failed: &Failed) -> bool {
         .is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
 }
 
-fn render(failed: &Failed) -> String {
-    let plain = !std::io::stderr().is_terminal() || std::env::var_os("NO_COLOR").is_some();
+/// `plain`: without colours and line breaks, for where no person reads.
+fn render(failed: &Failed, plain: bool) -> String {
     let theme = if plain {
         miette::GraphicalTheme::unicode_nocolor()
     } else {

@@ -1,22 +1,11 @@
-//! The `maveric` program: parse, dispatch, exit status; nothing else.
+//! The `maveric` program: its words in, its exit status out.
 
-#![warn(clippy::print_stderr)] // it panics where stderr is closed: `diagnostics::tell` does not
-
-mod args;
-mod commands;
-mod diagnostics;
-mod interrupt;
-mod place;
-mod progress;
-
-use clap::Parser as _;
+use maveric_cli::Invocation;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let args = commands::Args::parse();
-    interrupt::listen();
-    match commands::run(args.command) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(),
+    match Invocation::of_this_program() {
+        Ok(invocation) => ExitCode::from(maveric_cli::run(invocation)),
+        Err(status) => ExitCode::from(status),
     }
 }

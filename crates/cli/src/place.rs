@@ -1,6 +1,6 @@
 //! Where a pipeline stands, and what its stages may call.
 
-use crate::diagnostics::Failure;
+use crate::{diagnostics::Failure, invocation};
 use maveric_pipeline::{Pipeline, Place, Program, Settings, command_line, parse_override};
 use maveric_study::design::DESIGN_FILE;
 use std::path::{Path, PathBuf};
@@ -32,6 +32,9 @@ fn named(file: &Path) -> Result<PathBuf, Failure> {
         return Ok(file.to_owned());
     }
     let own = folders_own(Path::new("")).to_owned();
+    if own == Path::new(PAPER_PIPELINE) && !own.is_file() {
+        return Err(Failure::no_study());
+    }
     if own != Path::new(DESIGNED_PIPELINE) {
         return Ok(own);
     }
@@ -48,7 +51,7 @@ fn named(file: &Path) -> Result<PathBuf, Failure> {
 }
 
 /// What every command about a pipeline takes.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Default, clap::Args)]
 pub(crate) struct PipelineArgs {
     /// Change a parameter for this run; may be given more than once
     #[arg(long, value_name = "KEY=VALUE")]
@@ -130,17 +133,16 @@ fn root(file: &Path) -> Result<PathBuf, Failure> {
 /// under its own name.
 pub(crate) fn place(file: &Path) -> Result<Place, Failure> {
     let file = &named(file)?;
-    let doing = "could not find this program's own file";
-    let program = std::env::current_exe().map_err(|e| Failure::io(doing, e))?;
     let folder = file.parent().unwrap_or(Path::new(""));
     let stem = file.file_stem().unwrap_or_default();
     Ok(Place {
         root: root(file)?,
         ledger: file.with_extension("lock"),
         log_dir: folder.join(".logs").join(stem),
-        program: Some(Program {
+        program: invocation::current().map(|call| Program {
             name: "maveric".to_owned(),
-            path: program,
+            path: call.program.clone(),
+            leading: call.leading.clone(),
             versions: maveric_study::stages::versions(),
         }),
     })

@@ -1,6 +1,6 @@
 //! Which condition a drive belongs to.
 
-use crate::error::DomainError;
+use crate::{error::DomainError, ids::is_file_name};
 use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
 
@@ -24,16 +24,12 @@ const LONGEST: usize = 32;
 pub struct ConditionId([u8; LONGEST]);
 
 impl ConditionId {
-    /// Takes 1 to 32 letters, digits, `_` or `-`: what is safe in a file name everywhere.
+    /// Takes 1 to 32 letters, digits, `_` or `-`, and no name of a device of Windows: what is safe in a file name everywhere.
     ///
     /// # Errors
     /// [`DomainError::BadCondition`] for anything else.
     pub fn new(text: &str) -> Result<Self, DomainError> {
-        let fits = (1..=LONGEST).contains(&text.len())
-            && text
-                .bytes()
-                .all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
-        if fits {
+        if is_file_name(text, LONGEST) {
             let mut id = [0; LONGEST];
             id[..text.len()].copy_from_slice(text.as_bytes());
             Ok(Self(id))

@@ -5,7 +5,9 @@
 #[non_exhaustive]
 pub enum DomainError {
     /// An identifier with characters that do not belong in a file name.
-    #[error("{kind} `{found}` must be 1 to 64 letters, digits, `_` or `-`")]
+    #[error(
+        "{kind} `{found}` must be 1 to 64 letters, digits, `_` or `-`, and no device of Windows (con, nul, com1, …)"
+    )]
     BadId {
         /// Which identifier.
         kind: &'static str,
@@ -13,7 +15,9 @@ pub enum DomainError {
         found: String,
     },
     /// A condition's id with characters that do not belong in a file name.
-    #[error("condition `{found}` must be 1 to 32 letters, digits, `_` or `-`")]
+    #[error(
+        "condition `{found}` must be 1 to 32 letters, digits, `_` or `-`, and no device of Windows (con, nul, com1, …)"
+    )]
     BadCondition {
         /// What was given.
         found: String,

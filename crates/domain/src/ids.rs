@@ -4,12 +4,19 @@ use crate::error::DomainError;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
+/// Whether a text of up to `longest` letters, digits, `_` or `-` can be a file's name everywhere: Windows keeps some for devices.
+pub(crate) fn is_file_name(text: &str, longest: usize) -> bool {
+    let plain = |b: u8| b.is_ascii_alphanumeric() || b == b'_' || b == b'-';
+    let lower = text.to_ascii_lowercase();
+    let device = match lower.as_bytes() {
+        [b'c', b'o', b'm', number] | [b'l', b'p', b't', number] => number.is_ascii_digit(),
+        _ => ["con", "prn", "aux", "nul"].contains(&lower.as_str()),
+    };
+    (1..=longest).contains(&text.len()) && text.bytes().all(plain) && !device
+}
+
 fn checked(kind: &'static str, text: String) -> Result<String, DomainError> {
-    let fits = (1..=64).contains(&text.len())
-        && text
-            .bytes()
-            .all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
-    if fits {
+    if is_file_name(&text, 64) {
         Ok(text)
     } else {
         Err(DomainError::BadId { kind, found: text })
@@ -24,7 +31,7 @@ macro_rules! id {
         pub struct $name(String);
 
         impl $name {
-            /// Takes 1 to 64 letters, digits, `_` or `-`: what is safe in a file name everywhere.
+            /// Takes 1 to 64 letters, digits, `_` or `-`, and no name of a device of Windows: what is safe in a file name everywhere.
             ///
             /// # Errors
             /// [`DomainError::BadId`] for anything else.
@@ -77,6 +84,11 @@ mod tests {
     fn an_id_cannot_leave_its_folder() {
         assert!(ParticipantId::new("../etc").is_err());
         assert!(DriveId::new("").is_err());
+        for device in ["con", "NUL", "Com1", "lpt9"] {
+            assert!(DriveId::new(device).is_err(), "{device}");
+            assert!(crate::ConditionId::new(device).is_err(), "{device}");
+        }
+        assert!(DriveId::new("con1").is_ok() && DriveId::new("com10").is_ok());
         assert_eq!(DriveId::new("S1P01-own").unwrap().as_str(), "S1P01-own");
     }
 }

@@ -1,7 +1,4 @@
-//! The nouns of a driving-style study, their units, and the one way to make each.
-//!
-//! A [`Recording`] says who was where; [`Drive::from_recording`] turns it into the signals of
-//! the method (section 2), whoever drove. Everything else in the project takes and gives these.
+#![doc = include_str!("../README.md")]
 
 pub mod condition;
 pub mod design;

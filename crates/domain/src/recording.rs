@@ -78,6 +78,18 @@ fn positive(name: &'static str, found: f64) -> Result<(), DomainError> {
     }
 }
 
+fn not_negative(name: &'static str, found: f64) -> Result<(), DomainError> {
+    if found.is_finite() && found >= 0.0 {
+        Ok(())
+    } else {
+        Err(DomainError::OutOfRange {
+            name,
+            found,
+            expected: "a finite number of 0 or more",
+        })
+    }
+}
+
 impl Recording {
     /// Takes tracks sampled every 1/`rate_hz` seconds within a segment.
     ///
@@ -107,6 +119,7 @@ impl Recording {
         positive("lane_width_m", road.lane_width_m)?;
         positive("posted_speed_mps", road.posted_speed_mps)?;
         positive("lanes", f64::from(road.lanes))?;
+        not_negative("ego.length_m", ego.length_m)?;
         check_column("time_s", &time_s, rows)?;
         check_column("ego.x_m", &ego.x_m, rows)?;
         check_column("ego.y_m", &ego.y_m, rows)?;
@@ -129,6 +142,7 @@ impl Recording {
         }
         for track in &others {
             let m = track.x_m.len();
+            not_negative("object.length_m", track.length_m)?;
             check_column("object.x_m", &track.x_m, m)?;
             check_column("object.y_m", &track.y_m, m)?;
             check_column("object.speed_mps", &track.speed_mps, m)?;
@@ -225,5 +239,42 @@ impl Recording {
             ego,
             vehicles: vehicles.collect(),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn two_rows(ego_m: f64, other_m: f64) -> Result<Recording, DomainError> {
+        let ego = EgoTrack {
+            length_m: ego_m,
+            x_m: vec![0.0, 1.0],
+            y_m: vec![0.0; 2],
+            speed_mps: vec![20.0; 2],
+        };
+        let other = ObjectTrack {
+            id: VehicleId(1),
+            length_m: other_m,
+            first_row: 0,
+            x_m: vec![50.0, 51.0],
+            y_m: vec![0.0; 2],
+            speed_mps: vec![20.0; 2],
+        };
+        let (time_s, segment) = (vec![0.0, 0.05], vec![0; 2]);
+        Recording::new(Road::PAPER, 20.0, time_s, segment, ego, vec![other])
+    }
+
+    #[test]
+    fn a_length_that_no_vehicle_has_is_refused_by_name() {
+        assert!(two_rows(4.7, 4.7).is_ok());
+        for (ego_m, other_m, name) in [
+            (-4.7, 4.7, "ego.length_m"),
+            (f64::NAN, 4.7, "ego.length_m"),
+            (4.7, -1.0, "object.length_m"),
+        ] {
+            let error = two_rows(ego_m, other_m).unwrap_err().to_string();
+            assert!(error.contains(name), "{error}");
+        }
     }
 }

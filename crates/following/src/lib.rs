@@ -1,9 +1,4 @@
-//! Recorded people in closed loop: runs behind a recorded leader, and what drives in each driver's place.
-//!
-//! A [`FollowingRun`] is one driver behind one leader. [`simulate`] lets any acceleration law drive in that
-//! driver's place; [`SimulationErrors`] says how far it came from the recording. [`evaluate`] puts laws of a few
-//! parameters, a network trained through its own simulated following ([`ClosedLoopNetwork`]) and a model's following distance
-//! beside each other; [`Shrinkage`] is how much of what was fitted to a person to believe.
+#![doc = include_str!("../README.md")]
 
 pub mod calibrate;
 pub mod closed_loop;

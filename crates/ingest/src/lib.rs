@@ -1,9 +1,4 @@
-//! Raw driving logs to evenly sampled recordings.
-//!
-//! [`read_log`] takes an MCAP recording of a ROS 2 rig or a table with its [`Mapping`] and gives the drives in
-//! it, on one time base and in road coordinates; [`inspect`] says what is in a log and what would become of it;
-//! [`write_mcap`] writes a recording as a CARLA rig would have, [`write_mcap_with`] what an automated car decided and
-//! a scene for Foxglove and Lichtblick beside it.
+#![doc = include_str!("../README.md")]
 
 mod assemble;
 mod centre_line;

@@ -46,6 +46,13 @@ pub(crate) enum Format {
 /// [`IngestError::Refused`] and [`IngestError::BadSetting`].
 pub fn read_log(path: &Path, settings: &IngestSettings) -> Result<Vec<Ingested>, IngestError> {
     let mapping = settings.mapping.as_ref();
+    if let Some(mapping) = mapping {
+        // One that was built in code has not been looked at yet.
+        mapping.check().map_err(|reason| IngestError::BadMapping {
+            path: path.to_owned(),
+            reason,
+        })?;
+    }
     let (rate_hz, max_gap_s) = (settings.rate_hz()?, settings.max_gap_s()?);
     if mapping.is_some_and(Mapping::takes_folders) && path.is_dir() {
         return read_table(path, mapping, rate_hz, max_gap_s);

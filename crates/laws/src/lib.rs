@@ -1,6 +1,4 @@
-//! Laws of car-following and lane changing as pure functions of plain numbers.
-//!
-//! Gaps are bumper to bumper, in m; an infinite gap is a free road. A law knows nothing of who asks it.
+#![doc = include_str!("../README.md")]
 
 mod gipps;
 mod helly;

@@ -1,7 +1,4 @@
-//! The yardsticks: functions of a [`Drive`](maveric_domain::Drive), or of questionnaire answers.
-//!
-//! [`objective`] measures drives, [`accuracy`] compares a drive with the participant's own one, [`likeness`] as distributions,
-//! [`survey`] scores questionnaires. Nothing here knows what drove or what answered.
+#![doc = include_str!("../README.md")]
 
 pub mod accuracy;
 pub mod error;

@@ -1,9 +1,4 @@
-//! A driver's style as a small embedding: networks, training, personalising, style space.
-//!
-//! [`train()`] learns heads and an embedding per drive from [`maveric_domain::Drive`]s: linear ones ([`heads`]) or the paper's five
-//! networks ([`paper`]); [`personalize()`] solves for the embedding of a new drive; [`style_space`] moves an embedding along or across
-//! the direction of aggression; [`Habits`] and [`Predictor`] turn an embedding into what a planner asks for. No files, no clock, no
-//! controllers.
+#![doc = include_str!("../README.md")]
 
 pub mod ablation;
 mod adam;

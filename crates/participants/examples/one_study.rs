@@ -7,15 +7,15 @@ use std::collections::BTreeMap;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let seed = 1;
-    let mut effects: Effects = toml::from_str(include_str!("../../../study_data/effects.toml"))?;
-    let adb: Scale = toml::from_str(include_str!("../../../study_data/scales/adb.toml"))?;
-    let trust: Scale = toml::from_str(include_str!("../../../study_data/scales/jian_trust.toml"))?;
+    let mut effects: Effects = toml::from_str(maveric_data::EFFECTS)?;
+    let adb: Scale = toml::from_str(maveric_data::SCALES_ADB)?;
+    let trust: Scale = toml::from_str(maveric_data::SCALES_JIAN_TRUST)?;
     // Two scales are enough to see; the others would be asked as well.
     effects.answers.clear();
     effects.ratings.retain(|scale, _| *scale == trust.id);
     let scales = [adb, trust];
 
-    let design = Design::from_toml(include_str!("../../../study_data/designs/paper.toml"))?;
+    let design = Design::from_toml(maveric_data::DESIGNS_PAPER)?;
     let cohort = Cohort::draw(4, 4, seed, &CohortSettings::default(), &design)?;
     let before = answer_before(&cohort, &scales, &effects, seed)?;
     let drive = |mps: f64| MeasureValues::from([("mean_velocity_mps".to_owned(), Some(mps))]);

@@ -297,7 +297,7 @@ mod tests {
     use super::*;
     use crate::testing::effects;
 
-    const FILE: &str = include_str!("../../../study_data/effects.toml");
+    const FILE: &str = maveric_data::EFFECTS;
 
     #[test]
     fn the_shipped_file_is_valid_and_so_is_its_null() {

@@ -1,7 +1,4 @@
-//! Synthetic participants: traits, questionnaire answers and ratings.
-//!
-//! [`Cohort::draw`] makes people, [`answer_before`] their answers before the drives, [`rate`] their
-//! ratings of the AV conditions. Sizes come from [`Effects`], which is one file.
+#![doc = include_str!("../README.md")]
 
 pub mod answers;
 pub mod cohort;

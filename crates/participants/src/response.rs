@@ -72,7 +72,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn scale() -> Scale {
-        toml::from_str(include_str!("../../../study_data/scales/adb.toml")).unwrap()
+        toml::from_str(maveric_data::SCALES_ADB).unwrap()
     }
 
     proptest! {

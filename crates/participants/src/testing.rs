@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 
 /// The paper's.
 pub(crate) fn design() -> Design {
-    Design::from_toml(include_str!("../../../study_data/designs/paper.toml")).unwrap()
+    Design::from_toml(maveric_data::DESIGNS_PAPER).unwrap()
 }
 
 /// The id of a condition of the paper's.
@@ -29,19 +29,19 @@ pub(crate) fn conditions() -> Vec<ConditionId> {
 }
 
 pub(crate) fn effects() -> Effects {
-    toml::from_str(include_str!("../../../study_data/effects.toml")).unwrap()
+    toml::from_str(maveric_data::EFFECTS).unwrap()
 }
 
 pub(crate) fn scales() -> Vec<Scale> {
     [
-        include_str!("../../../study_data/scales/adb.toml"),
-        include_str!("../../../study_data/scales/mdsi.toml"),
-        include_str!("../../../study_data/scales/mini_ipip.toml"),
-        include_str!("../../../study_data/scales/jian_trust.toml"),
-        include_str!("../../../study_data/scales/rosas.toml"),
-        include_str!("../../../study_data/scales/godspeed_intelligence.toml"),
-        include_str!("../../../study_data/scales/similarity.toml"),
-        include_str!("../../../study_data/scales/aggressiveness.toml"),
+        maveric_data::SCALES_ADB,
+        maveric_data::SCALES_MDSI,
+        maveric_data::SCALES_MINI_IPIP,
+        maveric_data::SCALES_JIAN_TRUST,
+        maveric_data::SCALES_ROSAS,
+        maveric_data::SCALES_GODSPEED_INTELLIGENCE,
+        maveric_data::SCALES_SIMILARITY,
+        maveric_data::SCALES_AGGRESSIVENESS,
     ]
     .into_iter()
     .map(|text| toml::from_str(text).unwrap())

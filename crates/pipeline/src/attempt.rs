@@ -494,7 +494,7 @@ impl Workshop<'_> {
         let program = self.place.program_of(stage);
         let job = Job {
             program: &program,
-            arguments: &stage.arguments(files),
+            arguments: &self.place.arguments_of(stage, files),
             root: &self.place.root,
             stdin: self.lock.as_stdin()?,
             limit: stage
@@ -509,7 +509,7 @@ impl Workshop<'_> {
     /// The command that repeats the stage alone, from anywhere.
     fn command_line(&self, stage: &Stage, files: &[String]) -> String {
         let program = self.place.program_of(stage).to_string_lossy().into_owned();
-        let arguments = stage.arguments(files);
+        let arguments = self.place.arguments_of(stage, files);
         let words = std::iter::once(&program).chain(&arguments);
         let root = fs::canonicalize(&self.place.root).unwrap_or_else(|_| self.place.root.clone());
         let root = crate::shell::quoted([root.to_string_lossy()]);

@@ -32,6 +32,8 @@ pub struct Program {
     pub name: String,
     /// The executable that is run instead; absolute.
     pub path: PathBuf,
+    /// Arguments before those of the stage, where the program is one of an interpreter (`python -m name`).
+    pub leading: Vec<String>,
     /// Version of each command's numbers, by the command's name (the second word).
     pub versions: BTreeMap<String, String>,
 }
@@ -66,6 +68,17 @@ impl Place {
         match &self.program {
             Some(program) if program.name == stage.command[0] => program.path.clone(),
             _ => PathBuf::from(&stage.command[0]),
+        }
+    }
+
+    /// What that executable is given for a stage, of whose directories `files` are its own.
+    pub(crate) fn arguments_of(&self, stage: &Stage, files: &[String]) -> Vec<String> {
+        let own = stage.arguments(files);
+        match &self.program {
+            Some(program) if program.name == stage.command[0] => {
+                program.leading.iter().cloned().chain(own).collect()
+            }
+            _ => own,
         }
     }
 

@@ -301,7 +301,10 @@ fn short(content: &str) -> String {
 pub fn below_root(path: &Path, root: &Path) -> String {
     let absolute = |path: &Path| {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        let text = path.to_string_lossy().into_owned();
+        let mut text = path.to_string_lossy().into_owned();
+        if cfg!(windows) {
+            text = text.replace('\\', "/");
+        }
         normalise(&text).unwrap_or(text)
     };
     let (path, root) = (absolute(path), absolute(root));

@@ -423,6 +423,7 @@ fn our_program_counts_by_the_version_of_its_command_and_not_by_its_path() {
         let program = Program {
             name: "tool".to_owned(),
             path: path.into(),
+            leading: Vec::new(),
             versions,
         };
         let place = Place {
@@ -445,12 +446,31 @@ fn our_program_counts_by_the_version_of_its_command_and_not_by_its_path() {
 }
 
 #[test]
+fn a_program_of_an_interpreter_gets_its_leading_arguments_before_the_stages() {
+    let project = Project::new(
+        "name = 'test'\n[[stage]]\nname = 'a'\ncmd = ['tool', 'a.txt']\noutputs = ['a.txt']\n",
+    );
+    let place = Place {
+        program: Some(Program {
+            name: "tool".to_owned(),
+            path: "/bin/sh".into(),
+            leading: ["-c", "echo $1 > $1", "-"].map(str::to_owned).into(),
+            versions: [("a.txt".to_owned(), "1".to_owned())].into(),
+        }),
+        ..project.place()
+    };
+    let report = run(&project.pipeline(), &place, &project.options, &mut |_| {}).unwrap();
+    assert_eq!(in_state(&report, State::Done), ["a"]);
+}
+
+#[test]
 fn a_command_that_our_program_does_not_have_is_refused_with_the_one_that_was_meant() {
     let project = Project::new("name = 'test'\n[[stage]]\nname = 'a'\ncmd = ['tool', 'trian']\n");
     let place = Place {
         program: Some(Program {
             name: "tool".to_owned(),
             path: "/bin/true".into(),
+            leading: Vec::new(),
             versions: [("train".to_owned(), "1".to_owned())].into(),
         }),
         ..project.place()

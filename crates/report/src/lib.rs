@@ -1,8 +1,4 @@
-//! Figures, tables and the page: numbers in; SVG, PNG, HTML, CSV, Markdown and LaTeX out.
-//!
-//! Each figure is a function from exactly the plain numbers that it draws to a
-//! [`figures::Figure`]; [`html::render`] turns a [`html::Report`] into files, as bytes. Nothing
-//! here reads or writes a file, or computes a test: a test's result comes in as a sentence of [`apa`].
+#![doc = include_str!("../README.md")]
 
 pub mod claims;
 pub mod error;

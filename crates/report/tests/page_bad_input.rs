@@ -208,7 +208,7 @@ fn what_has_nothing_to_show_or_no_figure_is_refused() {
 #[test]
 fn the_ledger_links_to_what_the_page_has_and_to_nothing_else() {
     let mut report = report();
-    let claims = load(include_str!("../../../study_data/claims.toml")).unwrap();
+    let claims = load(maveric_data::CLAIMS).unwrap();
     let results = BTreeMap::from([
         ("scenario.lanes".to_owned(), 2.0),
         ("line.adb.r".to_owned(), 0.9),

@@ -16,9 +16,9 @@ const CARS: [(VehicleModel, Integrator); 3] = [
 
 fn scenario(curved: bool, (model, integrator): (VehicleModel, Integrator)) -> Scenario {
     let text = if curved {
-        include_str!("../../../study_data/scenarios/curved.toml")
+        maveric_data::SCENARIOS_CURVED
     } else {
-        include_str!("../../../study_data/scenarios/paper.toml")
+        maveric_data::SCENARIOS_PAPER
     };
     let read: Scenario = toml::from_str(text).expect("a scenario of the study data");
     let mut settings = read.settings().clone();

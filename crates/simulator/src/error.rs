@@ -31,4 +31,7 @@ pub enum SimulatorError {
     /// The drive cannot be recorded.
     #[error("the drive cannot be recorded")]
     Recording(#[from] DomainError),
+    /// Vehicles told to a session that moves its own.
+    #[error("this session moves its own traffic, so nobody can be put on its road")]
+    OwnTraffic,
 }

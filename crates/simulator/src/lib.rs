@@ -1,11 +1,9 @@
-//! A highway, a car, its controllers, and drivers that are not people.
-//!
-//! A [`Scenario`] and a [`Driver`] go in, [`rollout`] gives a recording. The driver is a synthetic person
-//! ([`DriverParams`]) or a [`Planner`] whose set-points the controllers carry out.
+#![doc = include_str!("../README.md")]
 
 mod collision;
 mod control;
 mod drivers;
+mod elsewhere;
 pub mod error;
 pub mod flow;
 mod neighbours;

@@ -18,7 +18,9 @@ use crate::{
     watch::Watch,
     world::World,
 };
-use maveric_domain::{EgoTrack, MetresPerSecond, Recording, Road, Scene, TraceRow};
+use maveric_domain::{
+    EgoState, EgoTrack, MetresPerSecond, Recording, Road, Scene, TraceRow, VehicleState,
+};
 
 /// Who drives.
 pub enum Driver<'a> {
@@ -198,6 +200,36 @@ impl<'a> Session<'a> {
         })
     }
 
+    /// As [`Session::new`], in traffic that the caller moves. Of the scenario count road, car, start, controllers and duration; nobody
+    /// is on the road but who [`Session::meet`] tells of.
+    ///
+    /// # Errors
+    /// As [`Session::new`].
+    pub fn among_others(
+        scenario: &'a Scenario,
+        driver: Driver<'a>,
+    ) -> Result<Self, SimulatorError> {
+        let mut session = Self::new(scenario, driver, 0)?;
+        session.world = World::elsewhere(scenario)?;
+        Ok(session)
+    }
+
+    /// Says who is around at the row that the next step records. A vehicle keeps its id for as long as it is there.
+    ///
+    /// # Errors
+    /// [`SimulatorError::Recording`] for a vehicle that is there twice, or whose place, speed or length is no number that a vehicle
+    /// can have; [`SimulatorError::OwnTraffic`] in a session that moves its own traffic.
+    pub fn meet(&mut self, vehicles: &[VehicleState]) -> Result<(), SimulatorError> {
+        let row = self.time_s.len();
+        let told = self.world.told().ok_or(SimulatorError::OwnTraffic)?;
+        Ok(told.tell(vehicles, row)?)
+    }
+
+    /// Where the car is at the row that the next step records.
+    pub fn ego(&self) -> EgoState {
+        ego_state(self.car.as_ref(), self.settings.vehicle.length_m)
+    }
+
     /// Everything visible at the row recorded last; ego alone before the first.
     pub fn scene(&self) -> &Scene {
         &self.scene
@@ -324,7 +356,7 @@ impl<'a> Session<'a> {
         self.ego.x_m.push(scene.ego.x_m);
         self.ego.y_m.push(scene.ego.y_m);
         self.ego.speed_mps.push(scene.ego.speed_mps);
-        self.world.record();
+        self.world.record(row);
         let width_m = self.settings.vehicle.width_m;
         self.watch
             .look(row, &self.scene, &self.road, &self.rule, width_m);

@@ -1,6 +1,7 @@
 //! The road and everybody on it but ego.
 
 use crate::{
+    elsewhere::Elsewhere,
     error::SimulatorError,
     flow::AroundEgo,
     planner::PLANNING_STEP_S,
@@ -48,6 +49,8 @@ pub(crate) struct World<'a> {
     blockade: Option<Blockade>,
     blockades: u32,
     background: Option<AroundEgo>,
+    /// Whoever moves everybody in the place of all the above.
+    elsewhere: Option<Elsewhere>,
 }
 
 impl<'a> World<'a> {
@@ -71,6 +74,7 @@ impl<'a> World<'a> {
             blockade: None,
             blockades: 0,
             background: None,
+            elsewhere: None,
         };
         for (index, placed) in settings.vehicles.iter().enumerate() {
             let arrival = Arrival {
@@ -96,11 +100,27 @@ impl<'a> World<'a> {
         Ok(world)
     }
 
+    /// The road alone: who is on it is told from outside.
+    pub(crate) fn elsewhere(scenario: &'a Scenario) -> Result<Self, SimulatorError> {
+        let mut world = Self::new(scenario, 0)?;
+        world.cars.clear();
+        world.tracks.clear();
+        world.background = None;
+        world.elsewhere = Some(Elsewhere::default());
+        Ok(world)
+    }
+
+    /// What is told from outside; none where the traffic is our own.
+    pub(crate) fn told(&mut self) -> Option<&mut Elsewhere> {
+        self.elsewhere.as_mut()
+    }
+
     /// Everybody's state, into `vehicles`.
     pub(crate) fn states(&self, vehicles: &mut Vec<VehicleState>) {
         vehicles.clear();
         vehicles.extend(self.cars.iter().map(|car| car.state));
         vehicles.extend(self.background.iter().flat_map(AroundEgo::states));
+        vehicles.extend(self.elsewhere.iter().flat_map(|e| &e.states));
     }
 
     /// v_e, in m/s.
@@ -147,8 +167,11 @@ impl<'a> World<'a> {
         id
     }
 
-    /// Writes everybody's state down as the next row of the recording.
-    pub(crate) fn record(&mut self) {
+    /// Writes everybody's state down as the next row of the recording, which is `row`.
+    pub(crate) fn record(&mut self, row: usize) {
+        if let Some(elsewhere) = &mut self.elsewhere {
+            elsewhere.record(row, &mut self.tracks);
+        }
         for car in &self.cars {
             let track = &mut self.tracks[car.track];
             track.x_m.push(car.state.x_m);
@@ -164,6 +187,9 @@ impl<'a> World<'a> {
     ///
     /// `row` is the present row of the recording; arrivals are in the next.
     pub(crate) fn decide(&mut self, ego: &EgoView, row: usize, time_s: f64) {
+        if self.elsewhere.is_some() {
+            return;
+        }
         self.note_target_speed(ego, time_s);
         if let Some(background) = &mut self.background {
             background.place_ego(ego, row);

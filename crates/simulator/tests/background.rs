@@ -3,8 +3,8 @@
 use maveric_domain::{LaneWish, LatentTraits, Seconds, Setpoints, When};
 use maveric_simulator::{Driver, DriverParams, Rollout, Scenario, ScenarioSettings, View, rollout};
 
-const DENSE: &str = include_str!("../../../study_data/scenarios/dense.toml");
-const STOP_AND_GO: &str = include_str!("../../../study_data/scenarios/stop_and_go.toml");
+const DENSE: &str = maveric_data::SCENARIOS_DENSE;
+const STOP_AND_GO: &str = maveric_data::SCENARIOS_STOP_AND_GO;
 
 fn scenario(text: &str, duration_s: f64) -> Scenario {
     let read: Scenario = toml::from_str(text).expect("a scenario of ours");

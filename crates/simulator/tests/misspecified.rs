@@ -96,7 +96,7 @@ fn the_same_seed_gives_the_same_drive() {
 
 #[test]
 fn a_population_with_a_misspelt_key_or_of_no_known_kind_is_refused_by_name() {
-    let text = include_str!("../../../study_data/population_misspecified.toml");
+    let text = maveric_data::POPULATION_MISSPECIFIED;
     let wrong = text.replace("lateness", "lateiness");
     let error = toml::from_str::<People>(&wrong).unwrap_err().to_string();
     assert!(error.contains("lateiness"), "{error}");

@@ -5,33 +5,18 @@ use maveric_simulator::{
     Collision, CollisionCause, Driver, DriverParams, Scenario, SimulatorError, View, rollout,
 };
 
-const PAPER: &str = include_str!("../../../study_data/scenarios/paper.toml");
+const PAPER: &str = maveric_data::SCENARIOS_PAPER;
 const ALL: [(&str, &str); 7] = [
     ("paper", PAPER),
-    (
-        "curved",
-        include_str!("../../../study_data/scenarios/curved.toml"),
-    ),
-    (
-        "four_lane",
-        include_str!("../../../study_data/scenarios/four_lane.toml"),
-    ),
-    (
-        "cut_in",
-        include_str!("../../../study_data/scenarios/cut_in.toml"),
-    ),
+    ("curved", maveric_data::SCENARIOS_CURVED),
+    ("four_lane", maveric_data::SCENARIOS_FOUR_LANE),
+    ("cut_in", maveric_data::SCENARIOS_CUT_IN),
     (
         "hard_braking_lead",
-        include_str!("../../../study_data/scenarios/hard_braking_lead.toml"),
+        maveric_data::SCENARIOS_HARD_BRAKING_LEAD,
     ),
-    (
-        "dense",
-        include_str!("../../../study_data/scenarios/dense.toml"),
-    ),
-    (
-        "stop_and_go",
-        include_str!("../../../study_data/scenarios/stop_and_go.toml"),
-    ),
+    ("dense", maveric_data::SCENARIOS_DENSE),
+    ("stop_and_go", maveric_data::SCENARIOS_STOP_AND_GO),
 ];
 
 /// Passes what is near ahead, merges back 1.4 s past it.

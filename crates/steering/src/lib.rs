@@ -1,6 +1,4 @@
-//! A personal model as the planner of a car.
-//!
-//! [`ModelPlanner`] asks a model what its driver would do and says so to the simulator's controllers, as a speed, a gap and a wish.
+#![doc = include_str!("../README.md")]
 
 mod habits;
 mod model_planner;

@@ -21,7 +21,7 @@ pub const DESIGN_FILE: &str = "study.toml";
 /// Where the paper's design stands, from which its paths are seen.
 const PAPERS_FOLDER: &str = "study_data/designs";
 /// The paper's design, as it is shipped.
-const PAPER: &str = include_str!("../../../study_data/designs/paper.toml");
+const PAPER: &str = maveric_data::DESIGNS_PAPER;
 
 /// A design, and where it was read.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,4 @@
-//! The library behind every command: stages, tables and files.
-//!
-//! Each function of [`stages`] is one command of the `maveric` program; the program parses, calls it and prints.
+#![doc = include_str!("../README.md")]
 
 mod aside;
 pub mod atomic_write;

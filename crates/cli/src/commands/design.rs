@@ -1,6 +1,6 @@
 //! `maveric design`.
 
-use super::print_outcome;
+use super::{print_outcome, today};
 use crate::{args::Format, diagnostics::Failure};
 use maveric_study::stages::declare;
 use std::path::PathBuf;
@@ -51,11 +51,7 @@ impl Design {
                 })
             }
             What::Freeze(a) => {
-                let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
-                let seconds = now.map_or(0, |d| d.as_secs());
-                let seconds = i64::try_from(seconds).unwrap_or_default();
-                let today = chrono::DateTime::from_timestamp(seconds, 0).unwrap_or_default();
-                let today = today.date_naive().to_string();
+                let today = today();
                 print_outcome(a.format, "could not freeze the design", |_| {
                     declare::freeze(a.design.as_deref(), &today)
                 })

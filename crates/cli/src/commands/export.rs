@@ -1,8 +1,14 @@
 //! `maveric export`.
 
-use super::print_outcome;
-use crate::{args::Format, diagnostics::Failure};
-use maveric_study::stages::export::{self, ExportOptions};
+use super::{print_outcome, today};
+use crate::{
+    args::Format,
+    diagnostics::Failure,
+    place::{PipelineArgs, place},
+};
+use maveric_pipeline::{FactKind, Ledger};
+use maveric_study::stages::export::{self, About, ExportOptions, PipelineRun, Step};
+use std::path::Path;
 
 /// Write a study under pseudonyms, without dates, places and free text, to give away
 #[derive(Debug, clap::Args)]
@@ -31,12 +37,21 @@ pub(crate) struct Export {
     /// File with the secret that pseudonyms are made with, at least 16 characters; keep it apart
     #[arg(long)]
     key: std::path::PathBuf,
-    /// Folder to write into: logs/, participants.csv, surveys.csv, surveys_wide.csv
+    /// Folder to write into: logs/, participants.csv, surveys.csv, surveys_wide.csv, ro-crate-metadata.json
     #[arg(long)]
     out: std::path::PathBuf,
     /// Samples a second of the logs
     #[arg(long)]
     rate: Option<f64>,
+    /// Licence under which it is given away, as the address of its text, such as https://creativecommons.org/licenses/by/4.0/
+    #[arg(long, value_name = "URL")]
+    license: Option<String>,
+    /// Pipeline whose run is told of: its text, its stages, and hashes of what they read and made; none when not given
+    #[arg(long, value_name = "FILE")]
+    pipeline: Option<std::path::PathBuf>,
+    /// Day on which it is given away; today when not given
+    #[arg(long, value_name = "YYYY-MM-DD", value_parser = day)]
+    date: Option<String>,
     /// Threads
     #[arg(short, long, default_value_t = super::all_cores())]
     jobs: usize,
@@ -47,7 +62,14 @@ pub(crate) struct Export {
 
 impl Export {
     pub(crate) fn run(self) -> Result<(), Failure> {
+        let about = About {
+            date: self.date.unwrap_or_else(today),
+            licence: self.license,
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            run: self.pipeline.as_deref().map(run_of).transpose()?,
+        };
         let options = ExportOptions {
+            about,
             design: self.design,
             logs: self.logs,
             mapping: self.mapping,
@@ -62,4 +84,32 @@ impl Export {
             export::export(&options, watch)
         })
     }
+}
+
+/// A pipeline and what its ledger says was run.
+fn run_of(file: &Path) -> Result<PipelineRun, Failure> {
+    let pipeline = PipelineArgs::default().read(file)?;
+    let ledger = Ledger::read_any(&place(file)?.ledger)
+        .map_err(Failure::pipeline("could not read what was run"))?;
+    let owned = |(name, value): (&str, &str)| (name.to_owned(), value.to_owned());
+    let steps = ledger.run.values().map(|record| {
+        let commands = record.made_from.facts(FactKind::Command);
+        Step {
+            name: record.stage.clone(),
+            command: commands.map(|(_, line)| line).collect(),
+            inputs: record.made_from.facts(FactKind::Input).map(owned).collect(),
+            outputs: record.outputs.clone(),
+        }
+    });
+    Ok(PipelineRun {
+        name: ledger.pipeline.clone(),
+        text: pipeline.text().to_owned(),
+        steps: steps.collect(),
+    })
+}
+
+fn day(text: &str) -> Result<String, String> {
+    let read = chrono::NaiveDate::parse_from_str(text, "%Y-%m-%d");
+    let read = read.map_err(|e| format!("expected a day as in 2026-01-31: {e}"))?;
+    Ok(read.format("%Y-%m-%d").to_string())
 }

@@ -7,12 +7,14 @@ use maveric_study::stages::init::{self, InitOptions};
 /// Make the folder of a study of your own: its design, scales, a mapping, and what goes where
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Examples: maveric init my_study                                                     the paper's study
+Examples: maveric init my_study                                                     the paper's study, for recordings of your own
+          maveric init --paper                                                      here, the paper's study as shipped: made-up people, ready to run
           maveric init my_study --conditions calm,normal,sporty --style none        cars of your own, only their logs are read
           maveric init my_study --conditions calm,sporty --style mdsi.risky         a dial of another score
           maveric init my_study --conditions calm,sporty --synthetic                to rehearse with made-up people")]
 pub(crate) struct Init {
-    /// The folder; not there yet, or empty
+    /// The folder; not there yet, or empty; the one you stand in when not given
+    #[arg(default_value = ".")]
     folder: std::path::PathBuf,
     /// The conditions, in the order of the page; the paper's study when not given
     #[arg(long, value_delimiter = ',', value_name = "IDS")]
@@ -23,8 +25,8 @@ pub(crate) struct Init {
     /// The people will be made up
     #[arg(long)]
     synthetic: bool,
-    /// The paper's study
-    #[arg(long, conflicts_with = "conditions")]
+    /// The paper's study as this program ships it, with made-up people: pipelines, design, scales, scenarios
+    #[arg(long, conflicts_with_all = ["conditions", "style", "synthetic"])]
     paper: bool,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
@@ -35,11 +37,8 @@ impl Init {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let options = InitOptions {
             folder: self.folder,
-            conditions: if self.paper {
-                Vec::new()
-            } else {
-                self.conditions
-            },
+            paper: self.paper,
+            conditions: self.conditions,
             style: self.style,
             synthetic: self.synthetic,
         };

@@ -1,8 +1,10 @@
 //! One file per command: it parses, calls its library function, prints.
 
 pub(crate) mod ablate;
+pub(crate) mod cite;
 pub(crate) mod clean;
 pub(crate) mod codebook;
+pub(crate) mod completions;
 pub(crate) mod design;
 pub(crate) mod diff;
 pub(crate) mod evaluate;
@@ -13,6 +15,7 @@ pub(crate) mod import;
 pub(crate) mod ingest;
 pub(crate) mod init;
 pub(crate) mod inspect;
+pub(crate) mod man;
 pub(crate) mod measure;
 pub(crate) mod personalize;
 pub(crate) mod rate;
@@ -45,7 +48,7 @@ use std::io::Write as _;
 #[derive(Debug, Parser)]
 #[command(
     name = "maveric",
-    version,
+    version = env!("MAVERIC_VERSION"),
     arg_required_else_help = true,
     after_help = "\
 Example: maveric run                      the whole synthetic study, into reports/paper
@@ -89,6 +92,10 @@ pub(crate) enum Command {
     RehearseDial(rehearse_dial::RehearseDial),
     Report(report::Report),
     Export(export::Export),
+    Completions(completions::Completions),
+    #[command(hide = true)]
+    Man(man::Man),
+    Cite(cite::Cite),
 }
 
 /// Runs the command that was asked for.
@@ -124,6 +131,9 @@ pub(crate) fn run(command: Command) -> Result<(), Failure> {
         Command::RehearseDial(c) => c.run(),
         Command::Report(c) => c.run(),
         Command::Export(c) => c.run(),
+        Command::Completions(c) => c.run(),
+        Command::Man(c) => c.run(),
+        Command::Cite(c) => c.run(),
     }
 }
 
@@ -165,6 +175,14 @@ pub(crate) fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     serde_json::to_writer_pretty(&mut out, value).map_err(|e| Failure::output(e.into()))?;
     writeln!(out).map_err(Failure::output)
+}
+
+/// The day that it is, in UTC.
+pub(crate) fn today() -> String {
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    let seconds = i64::try_from(now.map_or(0, |d| d.as_secs())).unwrap_or_default();
+    let now = chrono::DateTime::from_timestamp(seconds, 0).unwrap_or_default();
+    now.date_naive().to_string()
 }
 
 /// Threads to use when none are asked for: all cores.

@@ -7,11 +7,16 @@ mod table;
 use super::print_outcome;
 use crate::{args::Format, diagnostics::Failure};
 use choices::{AdjustArg, CorrelationArg, PosthocArg, StatisticArg};
-use clap::{Args, Subcommand};
-use maveric_study::stages::{
-    analyse::{self, AnalyseOptions},
-    stats::{self, Resampled, Test, WithinColumns},
+use clap::{Args, Parser as _, Subcommand};
+use maveric_study::{
+    Outcome,
+    stages::{
+        analyse::{self, AnalyseOptions},
+        stats::{self, Request, Resampled, Test, WithinColumns},
+    },
+    tables::TableBuilder,
 };
+use serde_json::Value;
 use std::path::PathBuf;
 use table::{Conditions, Input, Within, needs};
 
@@ -219,9 +224,54 @@ Example: maveric stats recheck printed.csv")]
     },
 }
 
+/// What was asked for.
+enum Asked {
+    Test(Format, Request),
+    Study(Format, AnalyseOptions),
+}
+
+const DOING: &str = "could not run the test";
+
 impl Stats {
     pub(crate) fn run(self) -> Result<(), Failure> {
-        let (input, test) = match self.test {
+        match self.test.asked()? {
+            Asked::Test(format, request) => {
+                print_outcome(format, DOING, |_| stats::stats(&request))
+            }
+            Asked::Study(format, options) => {
+                print_outcome(format, "could not analyse the study", |watch| {
+                    analyse::analyse(&options, watch)
+                })
+            }
+        }
+    }
+}
+
+/// A call of `maveric stats` without its table.
+#[derive(Debug, clap::Parser)]
+#[command(name = "maveric stats", no_binary_name = true)]
+struct Call {
+    #[command(subcommand)]
+    test: TestArgs,
+}
+
+/// One call of `maveric stats` over a table in memory: `words` are those of the command after `stats`, the table's name among them.
+///
+/// # Errors
+/// The text that the command would print.
+pub fn stats_of_table(words: &[String], table: TableBuilder) -> Result<Outcome<Value>, String> {
+    let call = Call::try_parse_from(words).map_err(|e| e.to_string())?;
+    let asked = call.test.asked().map_err(|e| e.text())?;
+    let Asked::Test(_, request) = asked else {
+        return Err("`stats study` reads a run's folder: run it as a command".to_owned());
+    };
+    let name = request.data.display().to_string();
+    stats::stats_of(|| table.table(&name), &request).map_err(|e| Failure::study(DOING)(e).text())
+}
+
+impl TestArgs {
+    fn asked(self) -> Result<Asked, Failure> {
+        let (input, test) = match self {
             TestArgs::Study {
                 results,
                 design,
@@ -235,9 +285,7 @@ impl Stats {
                     participants,
                     out,
                 };
-                return print_outcome(format, "could not analyse the study", |watch| {
-                    analyse::analyse(&options, watch)
-                });
+                return Ok(Asked::Study(format, options));
             }
             TestArgs::Within(w) => with(w, Test::Within),
             TestArgs::RmAnova(w) => with(w, Test::RmAnova),
@@ -318,8 +366,7 @@ impl Stats {
             TestArgs::Recheck { input } => (input, Test::Recheck),
             TestArgs::Design(design) => design.split()?,
         };
-        let (format, request) = (input.format, input.request(test));
-        print_outcome(format, "could not run the test", |_| stats::stats(&request))
+        Ok(Asked::Test(input.format, input.request(test)))
     }
 }
 

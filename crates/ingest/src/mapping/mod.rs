@@ -129,7 +129,8 @@ impl Mapping {
             .any(|pattern| names::matches(pattern, &name))
     }
 
-    fn check(&self) -> Result<(), String> {
+    /// What is wrong with it; one that is read from a file has nothing.
+    pub(crate) fn check(&self) -> Result<(), String> {
         let positive = |name: &str, value: f64| {
             if value.is_finite() && value > 0.0 {
                 Ok(())
@@ -186,6 +187,32 @@ fn with_suggestion(error: &toml::de::Error) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_mapping_built_in_code_is_checked_as_one_of_a_file_is() {
+        type Change = fn(&mut Mapping);
+        let changes: [(Change, &str); 3] = [
+            (
+                |m| m.table.as_mut().unwrap().columns.speed = Some("speed".to_owned()),
+                "with `{n}`",
+            ),
+            (
+                |m| m.table.as_mut().unwrap().gap_kind = None,
+                "`table.gap_kind`",
+            ),
+            (|m| m.rate_hz = Some(f64::NAN), "`rate_hz`"),
+        ];
+        for (change, words) in changes {
+            let mut mapping = shipped("openacc_platoon.toml");
+            change(&mut mapping);
+            let settings = crate::IngestSettings {
+                mapping: Some(mapping),
+                ..crate::IngestSettings::default()
+            };
+            let error = crate::read_log(Path::new("any.csv"), &settings).unwrap_err();
+            assert!(error.to_string().contains(words), "{error}");
+        }
+    }
 
     fn shipped(name: &str) -> Mapping {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");

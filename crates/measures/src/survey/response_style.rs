@@ -134,9 +134,9 @@ mod tests {
 
     fn scales() -> Vec<Scale> {
         [
-            include_str!("../../../../study_data/scales/adb.toml"),
-            include_str!("../../../../study_data/scales/mini_ipip.toml"),
-            include_str!("../../../../study_data/scales/similarity.toml"),
+            maveric_data::SCALES_ADB,
+            maveric_data::SCALES_MINI_IPIP,
+            maveric_data::SCALES_SIMILARITY,
         ]
         .map(|text| parse_scale(text).unwrap())
         .into()

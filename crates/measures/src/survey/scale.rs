@@ -90,38 +90,17 @@ mod tests {
     use super::*;
 
     const FILES: [(&str, &str); 8] = [
-        (
-            "adb",
-            include_str!("../../../../study_data/scales/adb.toml"),
-        ),
-        (
-            "mdsi",
-            include_str!("../../../../study_data/scales/mdsi.toml"),
-        ),
-        (
-            "mini_ipip",
-            include_str!("../../../../study_data/scales/mini_ipip.toml"),
-        ),
-        (
-            "jian_trust",
-            include_str!("../../../../study_data/scales/jian_trust.toml"),
-        ),
-        (
-            "rosas",
-            include_str!("../../../../study_data/scales/rosas.toml"),
-        ),
+        ("adb", maveric_data::SCALES_ADB),
+        ("mdsi", maveric_data::SCALES_MDSI),
+        ("mini_ipip", maveric_data::SCALES_MINI_IPIP),
+        ("jian_trust", maveric_data::SCALES_JIAN_TRUST),
+        ("rosas", maveric_data::SCALES_ROSAS),
         (
             "godspeed_intelligence",
-            include_str!("../../../../study_data/scales/godspeed_intelligence.toml"),
+            maveric_data::SCALES_GODSPEED_INTELLIGENCE,
         ),
-        (
-            "similarity",
-            include_str!("../../../../study_data/scales/similarity.toml"),
-        ),
-        (
-            "aggressiveness",
-            include_str!("../../../../study_data/scales/aggressiveness.toml"),
-        ),
+        ("similarity", maveric_data::SCALES_SIMILARITY),
+        ("aggressiveness", maveric_data::SCALES_AGGRESSIVENESS),
     ];
 
     #[test]

@@ -84,7 +84,7 @@ pub(super) fn text(
         program
     };
     let program = program.to_string_lossy().into_owned();
-    let arguments = stage.arguments(files);
+    let arguments = place.arguments_of(stage, files);
     let command = quoted(std::iter::once(&program).chain(&arguments));
     let made = outputs
         .iter()

@@ -81,7 +81,7 @@ fn style_space() -> StyleSpace {
 }
 
 pub(crate) fn report(context: &Context) -> Result<Report, ReportError> {
-    let claims = load(include_str!("../../../../study_data/claims.toml"))?;
+    let claims = load(maveric_data::CLAIMS)?;
     let results = BTreeMap::from([
         ("line.mean_velocity.r".to_owned(), 0.3),
         ("line.mean_velocity.p".to_owned(), 0.154),

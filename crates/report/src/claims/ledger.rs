@@ -204,7 +204,7 @@ mod tests {
 
     #[test]
     fn the_papers_own_claims_make_a_complete_table() {
-        let claims = load(include_str!("../../../../study_data/claims.toml")).unwrap();
+        let claims = load(maveric_data::CLAIMS).unwrap();
         let results = BTreeMap::from([
             ("line.mean_velocity.r".to_owned(), 0.52),
             ("line.mean_velocity.p".to_owned(), 0.0093),

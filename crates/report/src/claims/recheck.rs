@@ -57,7 +57,7 @@ mod tests {
     use super::super::load::load;
     use super::*;
 
-    const CLAIMS: &str = include_str!("../../../../study_data/claims.toml");
+    const CLAIMS: &str = maveric_data::CLAIMS;
 
     #[test]
     fn four_rows_of_the_papers_table_do_not_follow_from_their_own_figures() {

@@ -71,7 +71,7 @@ mod tests {
     use super::super::load::load;
     use super::*;
 
-    const CLAIMS: &str = include_str!("../../../../study_data/claims.toml");
+    const CLAIMS: &str = maveric_data::CLAIMS;
 
     fn one(id: &str) -> SelfCheck {
         let claims = load(CLAIMS).unwrap();

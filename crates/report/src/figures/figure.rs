@@ -94,6 +94,7 @@ impl Figure {
     ///
     /// # Errors
     /// [`ReportError::Png`] if the SVG cannot be read or rendered.
+    #[cfg(feature = "png")]
     pub fn png(&self) -> Result<Vec<u8>, ReportError> {
         self.png_at(PRINT_DPI)
     }
@@ -110,12 +111,14 @@ impl Figure {
     /// assert_eq!(&small[1..4], b"PNG");
     /// # Ok::<(), maveric_report::ReportError>(())
     /// ```
+    #[cfg(feature = "png")]
     pub fn png_at(&self, dots_per_inch: f64) -> Result<Vec<u8>, ReportError> {
         super::png::render(&self.name, &self.svg, &self.alt, dots_per_inch)
     }
 }
 
 /// What journals ask for.
+#[cfg(feature = "png")]
 const PRINT_DPI: f64 = 300.0;
 
 /// Whether a figure shows what participants did, or explains a thing.

@@ -12,6 +12,7 @@ mod following_spread;
 mod font;
 mod legend;
 mod page;
+#[cfg(feature = "png")]
 mod png;
 mod projection;
 mod raincloud;

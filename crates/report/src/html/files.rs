@@ -6,7 +6,8 @@ use crate::claims::ledger_table;
 use crate::error::ReportError;
 use crate::figures::Figure;
 use crate::tables::{Table, exclusions};
-use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+#[cfg(feature = "parallel")]
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 /// A file to be written.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -17,7 +18,7 @@ pub struct RenderedFile {
     pub bytes: Vec<u8>,
 }
 
-/// Renders `index.html`, `figures/*.{svg,png}` and `tables/*.{csv,md,tex,html}`.
+/// Renders `index.html`, `figures/*.{svg,png}` (PNG with the feature `png`) and `tables/*.{csv,md,tex,html}`.
 ///
 /// The same report gives the same bytes.
 ///
@@ -38,7 +39,11 @@ pub fn render(report: &Report) -> Result<Vec<RenderedFile>, ReportError> {
         .flat_map(|section| &section.figures)
         .collect();
     // Rendering pictures takes most of the time; the order of the files stays that of the figures.
-    let drawn = figures.par_iter().map(|figure| figure_files(figure));
+    #[cfg(feature = "parallel")]
+    let figures = figures.into_par_iter();
+    #[cfg(not(feature = "parallel"))]
+    let figures = figures.into_iter();
+    let drawn = figures.map(figure_files);
     files.extend(drawn.collect::<Result<Vec<_>, _>>()?.into_iter().flatten());
     let tables = report.sections.iter().flat_map(|section| &section.tables);
     for table in tables.chain([&left_out]).chain(ledger.as_ref()) {
@@ -47,13 +52,14 @@ pub fn render(report: &Report) -> Result<Vec<RenderedFile>, ReportError> {
     Ok(files)
 }
 
-fn figure_files(figure: &Figure) -> Result<[RenderedFile; 2], ReportError> {
+fn figure_files(figure: &Figure) -> Result<Vec<RenderedFile>, ReportError> {
     let path = |ending: &str| format!("figures/{}.{ending}", figure.name);
-    Ok([
+    Ok(vec![
         RenderedFile {
             path: path("svg"),
             bytes: figure.standalone_svg().into_bytes(),
         },
+        #[cfg(feature = "png")]
         RenderedFile {
             path: path("png"),
             bytes: figure.png()?,

@@ -9,6 +9,7 @@ pub(crate) fn fill(template: &str, values: Value) -> Result<String, ReportError>
         reason: format!("{error:#}"),
     };
     let mut environment = Environment::new();
+    environment.add_global("has_png", cfg!(feature = "png"));
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     for (name, source) in [
         ("page.html", include_str!("templates/page.html")),

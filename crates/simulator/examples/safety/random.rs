@@ -21,8 +21,8 @@ pub(crate) const KINDS: [&str; 7] = [
     "stop-and-go",
 ];
 
-const DENSE: &str = include_str!("../../../../study_data/scenarios/dense.toml");
-const STOP_AND_GO: &str = include_str!("../../../../study_data/scenarios/stop_and_go.toml");
+const DENSE: &str = maveric_data::SCENARIOS_DENSE;
+const STOP_AND_GO: &str = maveric_data::SCENARIOS_STOP_AND_GO;
 
 fn between(rng: &mut Pcg64Mcg, low: f64, high: f64) -> f64 {
     low + (high - low) * rng.random::<f64>()

@@ -188,7 +188,7 @@ mod tests {
 
     #[test]
     fn every_quantity_has_an_entry_in_the_list_of_sources() {
-        let text = include_str!("../../../../study_data/population_sources.toml");
+        let text = maveric_data::POPULATION_SOURCES;
         let sources: toml::Table = text.parse().unwrap();
         let listed: Vec<&str> = sources["source"]
             .as_array()

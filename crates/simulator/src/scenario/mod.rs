@@ -185,7 +185,7 @@ pub(crate) use check::{Range as SettingRange, check as check_setting};
 mod tests {
     use super::*;
 
-    const PAPER: &str = include_str!("../../../../study_data/scenarios/paper.toml");
+    const PAPER: &str = maveric_data::SCENARIOS_PAPER;
 
     #[test]
     fn the_file_of_the_paper_says_what_the_code_says() {

@@ -4,6 +4,7 @@ mod statistic;
 
 use rand::Rng;
 use rand_pcg::Pcg64;
+#[cfg(feature = "parallel")]
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -239,8 +240,10 @@ fn stream(seed: u64, chunk: u64) -> Pcg64 {
 fn draw(sample: &Sample, settings: &BootstrapSettings) -> Vec<f64> {
     let n = sample.rows();
     let chunks = settings.resamples.div_ceil(CHUNK);
-    let parts: Vec<Vec<f64>> = (0..chunks)
-        .into_par_iter()
+    let numbers = 0..chunks;
+    #[cfg(feature = "parallel")]
+    let numbers = numbers.into_par_iter();
+    let parts: Vec<Vec<f64>> = numbers
         .map(|chunk| {
             let mut generator = stream(settings.seed, chunk as u64);
             let size = CHUNK.min(settings.resamples - chunk * CHUNK);

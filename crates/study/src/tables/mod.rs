@@ -449,6 +449,25 @@ impl TableBuilder {
         self
     }
 
+    /// The table, under a name for messages.
+    ///
+    /// # Errors
+    /// [`StudyError::BadTable`] if the columns differ in length or two have one name.
+    pub fn table(self, name: &str) -> Result<Table, StudyError> {
+        let path = PathBuf::from(name);
+        let height = self.columns.first().map_or(0, Column::len);
+        let frame = DataFrame::new(height, self.columns).map_err(|e| StudyError::BadTable {
+            path: path.clone(),
+            format: "data frame",
+            problem: e.to_string(),
+        })?;
+        Ok(Table {
+            path,
+            frame,
+            origin: None,
+        })
+    }
+
     /// Writes CSV, TSV or Parquet by the file's name, whole or not at all. In CSV and TSV a text that a spreadsheet would run as
     /// a formula begins with `'`, which reading takes off again.
     ///

@@ -267,7 +267,7 @@ mod tests {
     use super::*;
 
     fn paper() -> Design {
-        let text = include_str!("../../../../study_data/designs/paper.toml");
+        let text = maveric_data::DESIGNS_PAPER;
         Design::from_toml(text).unwrap()
     }
 

@@ -5,22 +5,16 @@ use crate::mapping::{Mapping, McapMapping, Topics};
 use maveric_bag::plain_name;
 use std::{path::Path, sync::LazyLock};
 
-macro_rules! shipped {
-    ($($name:literal => $file:literal),+ $(,)?) => {
-        [$((
-            $name,
-            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../study_data/mappings/", $file)),
-        )),+]
-    };
-}
-
 /// Names and texts of the rigs, the more particular first.
-const SHIPPED: [(&str, &str); 4] = shipped! {
-    "maveric" => "rig_maveric.toml",
-    "carla-ros-bridge" => "rig_carla_ros_bridge.toml",
-    "autoware" => "rig_autoware.toml",
-    "generic-ros2" => "rig_generic_ros2.toml",
-};
+const SHIPPED: [(&str, &str); 4] = [
+    ("maveric", maveric_data::MAPPINGS_RIG_MAVERIC),
+    (
+        "carla-ros-bridge",
+        maveric_data::MAPPINGS_RIG_CARLA_ROS_BRIDGE,
+    ),
+    ("autoware", maveric_data::MAPPINGS_RIG_AUTOWARE),
+    ("generic-ros2", maveric_data::MAPPINGS_RIG_GENERIC_ROS2),
+];
 
 static RIGS: LazyLock<Vec<(&'static str, McapMapping)>> = LazyLock::new(|| {
     let read = |(name, text): (&'static str, &str)| {

@@ -37,7 +37,7 @@ pub(crate) mod training_curves;
 
 /// The paper's design: its conditions are those of these figures.
 fn design() -> Design {
-    let text = include_str!("../../../../../study_data/designs/paper.toml");
+    let text = maveric_data::DESIGNS_PAPER;
     Design::from_toml(text).expect("a test reads the design that is shipped")
 }
 

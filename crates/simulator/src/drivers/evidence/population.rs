@@ -307,7 +307,7 @@ mod tests {
     use crate::drivers::People;
 
     fn population() -> Box<EvidencePopulation> {
-        let text = include_str!("../../../../../study_data/population_misspecified.toml");
+        let text = maveric_data::POPULATION_MISSPECIFIED;
         match toml::from_str(text).unwrap() {
             People::Evidence(population) => population,
             People::Drivers(_) => panic!("the file has people of the usual kind"),

@@ -2,10 +2,13 @@
 
 mod place;
 mod pseudonym;
+mod ro_crate;
 mod wide;
 
+pub use ro_crate::{About, PipelineRun, Step};
+
 use crate::{
-    atomic_write::atomic_write,
+    atomic_write::{atomic_write, atomic_write_bytes, write_json},
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
@@ -44,6 +47,8 @@ pub struct ExportOptions {
     pub out: PathBuf,
     /// Samples a second of the logs; 20 without it.
     pub rate_hz: Option<f64>,
+    /// What is said of it for repositories.
+    pub about: About,
     /// Threads.
     pub jobs: usize,
 }
@@ -72,6 +77,8 @@ const FEWEST_ALIKE: usize = 3;
 /// - Of a log only the recording is kept: who was where on the road, from time 0 and position 0 on. Dates, positions on a map, other
 ///   channels and file names are gone.
 /// - The folder is new, or holds nothing but an earlier export, which goes: who has withdrawn since is in none of its files.
+/// - `ro-crate-metadata.json` says what it is as a Workflow Run RO-Crate: files with hashes, licence, the pipeline and its stages; no
+///   path that names somebody.
 /// - Of `participants.csv` only who is learned from and who is tested, population, age in bands of ten years, gender, professional and order; of answers only
 ///   what is scored. Free text and any other column is left out.
 ///
@@ -184,6 +191,27 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
             .collect();
         wide::write(&out.join("surveys_wide.csv"), &answers, &orders)?;
     }
+    let mut about = options.about.clone();
+    if let Some(run) = about.run.take() {
+        let originals: Vec<String> = names.originals().map(ToString::to_string).collect();
+        if ro_crate::names(&run.text, &originals) {
+            warnings.push(
+                "the pipeline names somebody, so it and its run are not in the export".to_owned(),
+            );
+        } else {
+            let (run, left_out) = run.without(&originals);
+            if left_out > 0 {
+                warnings.push(format!(
+                    "{left_out} paths and commands of the run name somebody and are not in {}",
+                    ro_crate::METADATA
+                ));
+            }
+            atomic_write_bytes(&out.join(ro_crate::PIPELINE), run.text.as_bytes())?;
+            about.run = Some(run);
+        }
+    }
+    let metadata = ro_crate::metadata(design.title(), &about, &place.given()?);
+    write_json(&out.join(ro_crate::METADATA), &metadata)?;
     place.take()?;
     let value = Exported {
         participants: names.len(),

@@ -1,5 +1,6 @@
 //! The folder that is given away: new, or wholly an earlier export.
 
+use super::ro_crate::Given;
 use crate::{
     aside::Aside,
     error::StudyError,
@@ -42,23 +43,32 @@ impl Place {
         self.aside.path().join("export")
     }
 
+    /// The files that are there so far: path, size, BLAKE3.
+    ///
+    /// # Errors
+    /// [`StudyError::Io`].
+    pub(super) fn given(&self) -> Result<Vec<Given>, StudyError> {
+        let fresh = self.fresh();
+        let mut given = Vec::new();
+        for name in files(&fresh)? {
+            let path = fresh.join(&name);
+            let bytes = fs::read(&path).map_err(StudyError::read(&path))?;
+            given.push((name, bytes.len(), blake3::hash(&bytes).to_hex().to_string()));
+        }
+        Ok(given)
+    }
+
     /// Lists the files and puts the folder in its place; an earlier export goes.
     ///
     /// # Errors
     /// [`StudyError::Io`]; an earlier export stays as it was.
     pub(super) fn take(self) -> Result<(), StudyError> {
         let fresh = self.fresh();
-        let names = files(&fresh)?;
-        let mut rows = Vec::new();
-        for name in &names {
-            let path = fresh.join(name);
-            let bytes = fs::read(&path).map_err(StudyError::read(&path))?;
-            rows.push((bytes.len(), blake3::hash(&bytes).to_hex().to_string()));
-        }
+        let given = self.given()?;
         TableBuilder::default()
-            .text("file", &names)
-            .integers("bytes", rows.iter().map(|r| i64::try_from(r.0).ok()))
-            .text("blake3", rows.iter().map(|r| &r.1))
+            .text("file", given.iter().map(|g| &g.0))
+            .integers("bytes", given.iter().map(|g| i64::try_from(g.1).ok()))
+            .text("blake3", given.iter().map(|g| &g.2))
             .write(&fresh.join(LIST))?;
         let former = self.aside.path().join("former");
         let used = self.out.exists();

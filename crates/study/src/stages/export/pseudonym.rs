@@ -72,6 +72,11 @@ impl Pseudonyms {
         self.names.get(id).expect("everybody was added").clone()
     }
 
+    /// Everybody who was added, under their own names.
+    pub(super) fn originals(&self) -> impl Iterator<Item = &ParticipantId> {
+        self.names.keys()
+    }
+
     pub(super) fn len(&self) -> usize {
         self.names.len()
     }

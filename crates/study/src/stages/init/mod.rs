@@ -20,41 +20,34 @@ use study_text::{Wanted, study_text};
 /// Folders that start empty.
 const FOLDERS: [&str; 2] = ["logs", "surveys"];
 
-/// A file of this project, below a new study's folder.
-macro_rules! shipped {
-    ($name:literal, $path:literal) => {
-        (
-            $name,
-            include_str!(concat!("../../../../../study_data/", $path)),
-        )
-    };
-    ($path:literal) => {
-        shipped!($path, $path)
-    };
-}
-
 /// Name and text of the files of every study.
 const FILES: [(&str, &str); 12] = [
     ("README.md", include_str!("README.md")),
     ("mapping.toml", include_str!("mapping.toml")),
     ("surveys/columns.toml", include_str!("columns.toml")),
-    shipped!("scenario.toml", "scenarios/paper.toml"),
-    shipped!("scales/adb.toml"),
-    shipped!("scales/mdsi.toml"),
-    shipped!("scales/mini_ipip.toml"),
-    shipped!("scales/jian_trust.toml"),
-    shipped!("scales/rosas.toml"),
-    shipped!("scales/godspeed_intelligence.toml"),
-    shipped!("scales/similarity.toml"),
-    shipped!("scales/aggressiveness.toml"),
+    ("scenario.toml", maveric_data::SCENARIOS_PAPER),
+    ("scales/adb.toml", maveric_data::SCALES_ADB),
+    ("scales/mdsi.toml", maveric_data::SCALES_MDSI),
+    ("scales/mini_ipip.toml", maveric_data::SCALES_MINI_IPIP),
+    ("scales/jian_trust.toml", maveric_data::SCALES_JIAN_TRUST),
+    ("scales/rosas.toml", maveric_data::SCALES_ROSAS),
+    (
+        "scales/godspeed_intelligence.toml",
+        maveric_data::SCALES_GODSPEED_INTELLIGENCE,
+    ),
+    ("scales/similarity.toml", maveric_data::SCALES_SIMILARITY),
+    (
+        "scales/aggressiveness.toml",
+        maveric_data::SCALES_AGGRESSIVENESS,
+    ),
 ];
 
 /// Those of made-up people.
-const EFFECTS: (&str, &str) = shipped!("effects.toml");
+const EFFECTS: (&str, &str) = ("effects.toml", maveric_data::EFFECTS);
 /// Those of the paper's study.
-const CLAIMS: (&str, &str) = shipped!("claims.toml");
+const CLAIMS: (&str, &str) = ("claims.toml", maveric_data::CLAIMS);
 /// The paper's design.
-const PAPER: &str = include_str!("../../../../../study_data/designs/paper.toml");
+const PAPER: &str = maveric_data::DESIGNS_PAPER;
 
 /// What to make.
 #[derive(Debug, Clone, Default)]
@@ -67,6 +60,8 @@ pub struct InitOptions {
     pub style: Option<String>,
     /// Whether the people will be made up.
     pub synthetic: bool,
+    /// The paper's study as it is shipped, with its pipelines and made-up people; the rest then says nothing.
+    pub paper: bool,
 }
 
 /// What was made.
@@ -77,14 +72,20 @@ pub struct Initialised {
 }
 
 /// Makes the folder of a study: its design to fill in, the scales, a mapping, and a README that says what goes where. Without
-/// conditions it is the paper's study.
+/// conditions it is the paper's study, for recordings of one's own; as `paper`, what is shipped, in which the pipelines run.
 ///
 /// # Errors
 /// [`StudyError::BadFile`] for a folder with something in it: nothing is overwritten; [`StudyError::NotPossible`] for a condition
 /// that is no id or a style that no shipped scale has; [`StudyError::Io`].
 pub fn init(options: &InitOptions, watch: Watch<'_>) -> Result<Outcome<Initialised>, StudyError> {
     let folder = &options.folder;
-    let (design, people) = texts(options)?;
+    let (design, people);
+    let (files, folders) = if options.paper {
+        (maveric_data::FILES.to_vec(), &[][..])
+    } else {
+        (design, people) = texts(options)?;
+        (own_files(options, &design, people), &FOLDERS[..])
+    };
     std::fs::create_dir_all(folder).map_err(StudyError::write(folder))?;
     // What a killed call left of a folder goes here.
     let aside = Aside::new(folder)?;
@@ -98,16 +99,7 @@ pub fn init(options: &InitOptions, watch: Watch<'_>) -> Result<Outcome<Initialis
         }
     }
     let fresh = aside.path().join("study");
-    let mut files = FILES.to_vec();
-    files.push((DESIGN_FILE, &design));
-    files.push(("participants.csv", people));
-    if options.synthetic || options.conditions.is_empty() {
-        files.push(EFFECTS);
-    }
-    if options.conditions.is_empty() {
-        files.push(CLAIMS);
-    }
-    for name in FOLDERS {
+    for name in folders {
         let path = fresh.join(name);
         std::fs::create_dir_all(&path).map_err(StudyError::write(&path))?;
     }
@@ -120,13 +112,16 @@ pub fn init(options: &InitOptions, watch: Watch<'_>) -> Result<Outcome<Initialis
         let place = folder.join(entry.file_name());
         std::fs::rename(entry.path(), &place).map_err(StudyError::write(&place))?;
     }
-    let summary = vec![
-        format!("a study's folder: {}", folder.display()),
+    let next = if options.paper {
+        "there: maveric run, or small and quick maveric run pipelines/smoke.toml".to_owned()
+    } else {
+        let readme = folder.join("README.md");
         format!(
             "read {}, fill in {DESIGN_FILE} and the folder, then there: maveric run",
-            folder.join("README.md").display(),
-        ),
-    ];
+            readme.display(),
+        )
+    };
+    let summary = vec![format!("a study's folder: {}", folder.display()), next];
     Ok(Outcome {
         value: Initialised {
             files: files.iter().map(|(name, _)| (*name).to_owned()).collect(),
@@ -134,6 +129,24 @@ pub fn init(options: &InitOptions, watch: Watch<'_>) -> Result<Outcome<Initialis
         summary,
         warnings: Vec::new(),
     })
+}
+
+/// The files of a study of one's own.
+fn own_files<'a>(
+    options: &InitOptions,
+    design: &'a str,
+    people: &'a str,
+) -> Vec<(&'a str, &'a str)> {
+    let mut files = FILES.to_vec();
+    files.push((DESIGN_FILE, design));
+    files.push(("participants.csv", people));
+    if options.synthetic || options.conditions.is_empty() {
+        files.push(EFFECTS);
+    }
+    if options.conditions.is_empty() {
+        files.push(CLAIMS);
+    }
+    files
 }
 
 /// The design, and the header of the table of people.

@@ -11,9 +11,9 @@ use maveric_rehearsal::{PopulationModel, RehearsalError, World};
 use std::path::Path;
 
 /// Sizes of the effects, as shipped.
-const EFFECTS: &str = include_str!("../../../../../study_data/effects.toml");
+const EFFECTS: &str = maveric_data::EFFECTS;
 /// What drives look like, as shipped.
-const POPULATION: &str = include_str!("../../../../../study_data/population.toml");
+const POPULATION: &str = maveric_data::POPULATION;
 
 /// The world of a design; population, effects and questionnaires are those given, else the design's, else as shipped.
 ///

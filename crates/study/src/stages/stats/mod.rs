@@ -58,6 +58,17 @@ pub struct Request {
 /// the figure is neither SVG nor PNG, or the test has nothing to draw.
 pub fn stats(request: &Request) -> Result<Outcome<Value>, StudyError> {
     spare_inputs([&*request.data], request.figure.as_deref())?;
+    stats_of(|| Table::read(&request.data), request)
+}
+
+/// As [`stats`], of a table that is not in a file; `request.data` is its name in messages.
+///
+/// # Errors
+/// As [`stats`], and what `table` gives.
+pub fn stats_of(
+    table: impl FnOnce() -> Result<Table, StudyError>,
+    request: &Request,
+) -> Result<Outcome<Value>, StudyError> {
     if let Some(path) = &request.figure {
         pictures::svg(path)?;
         if !request.test.has_figure() {
@@ -67,7 +78,7 @@ pub fn stats(request: &Request) -> Result<Outcome<Value>, StudyError> {
             });
         }
     }
-    let whole = Table::read(&request.data)?;
+    let whole = table()?;
     if whole.rows() == 0 {
         return Err(StudyError::file(&request.data, "has a header but no rows"));
     }

@@ -1,0 +1,23 @@
+//! `maveric cite`.
+
+use super::{print_json, print_lines};
+use crate::{args::Format, citation, diagnostics::Failure};
+
+/// Print how to cite this program and the paper whose method it implements
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: maveric cite >> references.bib")]
+pub(crate) struct Cite {
+    /// BibTeX, or one JSON object with the entries' fields
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Cite {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        let entries = citation::entries();
+        match self.format {
+            Format::Text => print_lines(&entries.map(|entry| entry.bibtex())),
+            Format::Json => print_json(&serde_json::json!({ "entries": entries })),
+        }
+    }
+}

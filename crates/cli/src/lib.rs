@@ -1,0 +1,38 @@
+#![doc = include_str!("../README.md")]
+#![warn(clippy::print_stderr)] // it panics where stderr is closed: `diagnostics::tell` does not
+
+mod args;
+mod citation;
+mod commands;
+mod diagnostics;
+mod interrupt;
+mod invocation;
+mod place;
+mod progress;
+
+pub use commands::stats::stats_of_table;
+pub use invocation::Invocation;
+
+use clap::Parser as _;
+
+/// Runs the program as if it had been started with these words (the first is not its name), and says how it ends: 0 done, 1 the work
+/// failed, 2 wrong usage, 130 interrupted.
+///
+/// It prints to the process's own streams, takes over Ctrl-C and may end the process when interrupted, so it is for a `main`; other
+/// programs call `maveric-study`.
+pub fn run(invocation: Invocation) -> u8 {
+    let words = std::iter::once("maveric".to_owned()).chain(invocation.words.iter().cloned());
+    let parsed = commands::Args::try_parse_from(words);
+    invocation::begin(invocation);
+    match parsed {
+        Ok(args) => {
+            interrupt::listen();
+            commands::run(args.command).map_or_else(diagnostics::Failure::report, |()| 0)
+        }
+        Err(error) => {
+            // Help and version are asked for; a stream that is closed wanted no more.
+            drop(error.print());
+            u8::try_from(error.exit_code()).unwrap_or(2)
+        }
+    }
+}

@@ -1,0 +1,316 @@
+//! What an export is, for repositories: `ro-crate-metadata.json`, a Workflow Run RO-Crate.
+//!
+//! # Source
+//! RO-Crate 1.1 (Soiland-Reyes et al. 2022) and Workflow Run RO-Crate 0.5 (Leo et al. 2024), profile Workflow Run Crate; without a run
+//! of a pipeline, Process Run Crate.
+
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+/// Name of the file, which the standard gives.
+pub(super) const METADATA: &str = "ro-crate-metadata.json";
+/// Name of the pipeline in an export.
+pub(super) const PIPELINE: &str = "pipeline.toml";
+
+/// What is said of an export beside its files.
+#[derive(Debug, Clone, Default)]
+pub struct About {
+    /// The day on which it is given away, as YYYY-MM-DD.
+    pub date: String,
+    /// The licence under which, as the address of its text.
+    pub licence: Option<String>,
+    /// The version of the program.
+    pub version: String,
+    /// The run that the study's results came from.
+    pub run: Option<PipelineRun>,
+}
+
+/// A pipeline and what was run of it.
+#[derive(Debug, Clone, Default)]
+pub struct PipelineRun {
+    /// Its name.
+    pub name: String,
+    /// Its text.
+    pub text: String,
+    /// What was run.
+    pub steps: Vec<Step>,
+}
+
+/// One stage of a run.
+#[derive(Debug, Clone, Default)]
+pub struct Step {
+    /// The stage.
+    pub name: String,
+    /// Its command line.
+    pub command: String,
+    /// Hash of each input, by its path in the study.
+    pub inputs: BTreeMap<String, String>,
+    /// Hash of each output, by its path in the study.
+    pub outputs: BTreeMap<String, String>,
+}
+
+/// A file of the export: its path, size in bytes and BLAKE3.
+pub(super) type Given = (String, usize, String);
+
+/// Whether a text has an id in it as a word: then it names somebody.
+pub(super) fn names(text: &str, ids: &[String]) -> bool {
+    let inside = |c: Option<char>| c.is_some_and(char::is_alphanumeric);
+    ids.iter().any(|id| {
+        text.match_indices(id.as_str()).any(|(at, _)| {
+            let (before, after) = (&text[..at], &text[at + id.len()..]);
+            !inside(before.chars().next_back()) && !inside(after.chars().next())
+        })
+    })
+}
+
+impl PipelineRun {
+    /// The run without what names somebody of `ids`, and how many paths and command lines that are.
+    #[must_use]
+    pub(super) fn without(mut self, ids: &[String]) -> (Self, usize) {
+        let mut left_out = 0;
+        for step in &mut self.steps {
+            for paths in [&mut step.inputs, &mut step.outputs] {
+                let all = paths.len();
+                paths.retain(|path, _| !names(path, ids));
+                left_out += all - paths.len();
+            }
+            if names(&step.command, ids) {
+                step.command.clear();
+                left_out += 1;
+            }
+        }
+        let all = self.steps.len();
+        self.steps.retain(|step| !names(&step.name, ids));
+        left_out += all - self.steps.len();
+        (self, left_out)
+    }
+}
+
+fn reference(id: &str) -> Value {
+    json!({ "@id": id })
+}
+
+fn references<'a>(ids: impl IntoIterator<Item = &'a str>) -> Value {
+    ids.into_iter().map(reference).collect()
+}
+
+/// The metadata of an export with these files.
+pub(super) fn metadata(title: &str, about: &About, files: &[Given]) -> Value {
+    const PROFILES: [(&str, &str, &str); 3] = [
+        (
+            "https://w3id.org/ro/wfrun/process/0.5",
+            "Process Run Crate",
+            "0.5",
+        ),
+        (
+            "https://w3id.org/ro/wfrun/workflow/0.5",
+            "Workflow Run Crate",
+            "0.5",
+        ),
+        (
+            "https://w3id.org/workflowhub/workflow-ro-crate/1.0",
+            "Workflow RO-Crate",
+            "1.0",
+        ),
+    ];
+    let profiles = if about.run.is_some() {
+        &PROFILES[..]
+    } else {
+        &PROFILES[..1]
+    };
+    let licence = about.licence.as_deref().unwrap_or("#no-licence");
+    let mut steps: Vec<Value> = Vec::new();
+    let mut mentioned = vec!["#export".to_owned()];
+    let mut root = json!({
+        "@id": "./",
+        "@type": "Dataset",
+        "name": title,
+        "description": format!(
+            "{title}: logs, people and answers of a driving study under pseudonyms, without dates, places and free text. \
+             Written by maveric {}.",
+            about.version
+        ),
+        "datePublished": about.date,
+        "license": reference(licence),
+        "conformsTo": references(profiles.iter().map(|p| p.0)),
+        "hasPart": references(files.iter().map(|f| f.0.as_str())),
+    });
+    if let Some(run) = &about.run {
+        root["mainEntity"] = reference(PIPELINE);
+        steps = actions(run, &mut mentioned);
+    }
+    root["mentions"] = references(mentioned.iter().map(String::as_str));
+    let mut graph = vec![
+        json!({
+            "@id": METADATA,
+            "@type": "CreativeWork",
+            "about": reference("./"),
+            "conformsTo": [
+                reference("https://w3id.org/ro/crate/1.1"),
+                reference("https://w3id.org/workflowhub/workflow-ro-crate/1.0"),
+            ],
+        }),
+        root,
+        licence_of(about),
+        json!({
+            "@id": "#maveric",
+            "@type": "SoftwareApplication",
+            "name": "maveric",
+            "softwareVersion": about.version,
+            "version": about.version,
+            "url": "https://arxiv.org/abs/2301.08595",
+        }),
+        json!({
+            "@id": "#export",
+            "@type": "CreateAction",
+            "name": "maveric export",
+            "description": "The study's files under pseudonyms.",
+            "instrument": reference("#maveric"),
+            "endTime": about.date,
+            "result": references(files.iter().map(|f| f.0.as_str()).filter(|f| *f != PIPELINE)),
+        }),
+    ];
+    graph.extend(profiles.iter().map(|(id, name, version)| {
+        json!({ "@id": id, "@type": "CreativeWork", "name": name, "version": version })
+    }));
+    graph.extend(files.iter().map(|file| entity(file, about, licence)));
+    graph.extend(steps);
+    if about.run.is_none() {
+        graph[0]["conformsTo"] = reference("https://w3id.org/ro/crate/1.1");
+    }
+    json!({ "@context": "https://w3id.org/ro/crate/1.1/context", "@graph": graph })
+}
+
+fn licence_of(about: &About) -> Value {
+    match &about.licence {
+        Some(url) => {
+            json!({ "@id": url, "@type": "CreativeWork", "name": url, "description": url })
+        }
+        None => json!({
+            "@id": "#no-licence",
+            "@type": "CreativeWork",
+            "name": "no licence given",
+            "description": "Those who give this away have not said under which licence: ask them.",
+        }),
+    }
+}
+
+fn entity((path, bytes, hash): &Given, about: &About, licence: &str) -> Value {
+    let ending = path.rsplit('.').next().unwrap_or_default();
+    let format = match ending {
+        "csv" => "text/csv",
+        "toml" => "application/toml",
+        "mcap" => "application/octet-stream",
+        _ => "text/plain",
+    };
+    let mut file = json!({
+        "@id": path,
+        "@type": "File",
+        "name": path,
+        "contentSize": bytes.to_string(),
+        "encodingFormat": format,
+        "identifier": format!("blake3:{hash}"),
+    });
+    if let (true, Some(run)) = (path == PIPELINE, &about.run) {
+        file["@type"] = json!(["File", "SoftwareSourceCode", "ComputationalWorkflow"]);
+        file["name"] = json!(format!("Pipeline {}", run.name));
+        file["description"] = json!("What brings the study's results up to date, stage by stage.");
+        file["programmingLanguage"] = reference("#pipeline-language");
+        file["license"] = reference(licence);
+        file["version"] = json!(about.version);
+        file["url"] = json!("https://arxiv.org/abs/2301.08595");
+    }
+    file
+}
+
+/// The run as a whole, each stage of it, and what they read and made.
+fn actions(run: &PipelineRun, mentioned: &mut Vec<String>) -> Vec<Value> {
+    let mut found = vec![json!({
+        "@id": "#pipeline-language",
+        "@type": "ComputerLanguage",
+        "name": "maveric pipeline",
+        "url": "https://toml.io",
+        "identifier": "https://toml.io",
+    })];
+    let mut files: BTreeMap<&str, &str> = BTreeMap::new();
+    let mut made = Vec::new();
+    for step in &run.steps {
+        let id = format!("#stage-{}", step.name);
+        for (path, hash) in step.inputs.iter().chain(&step.outputs) {
+            files.insert(path, hash);
+        }
+        made.extend(step.outputs.keys().map(|path| format!("#{path}")));
+        found.push(json!({
+            "@id": id,
+            "@type": "CreateAction",
+            "name": format!("Stage {}", step.name),
+            "description": step.command,
+            "instrument": reference("#maveric"),
+            "actionStatus": "http://schema.org/CompletedActionStatus",
+            "object": step.inputs.keys().map(|p| reference(&format!("#{p}"))).collect::<Value>(),
+            "result": step.outputs.keys().map(|p| reference(&format!("#{p}"))).collect::<Value>(),
+        }));
+        mentioned.push(id);
+    }
+    found.push(json!({
+        "@id": "#run",
+        "@type": "CreateAction",
+        "name": format!("Run of pipeline {}", run.name),
+        "instrument": reference(PIPELINE),
+        "actionStatus": "http://schema.org/CompletedActionStatus",
+        "result": references(made.iter().map(String::as_str)),
+    }));
+    mentioned.push("#run".to_owned());
+    // They are not given away: who has the study can hold them against these hashes.
+    found.extend(files.iter().map(|(path, hash)| {
+        json!({
+            "@id": format!("#{path}"),
+            "@type": "CreativeWork",
+            "name": path,
+            "identifier": format!("blake3:{hash}"),
+            "description": "In the study's own folder; not given away.",
+        })
+    }));
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_that_name_somebody_are_left_out_and_counted() {
+        let ids = ["P1".to_owned(), "anna".to_owned()];
+        assert!(names("logs/P1-own.mcap", &ids) && names("anna", &ids));
+        assert!(!names("logs/P12.mcap", &ids) && !names("results/annals.csv", &ids));
+        let step = Step {
+            name: "ingest".to_owned(),
+            command: "maveric ingest logs/anna.mcap".to_owned(),
+            inputs: [
+                ("logs/anna.mcap".to_owned(), "1".to_owned()),
+                ("study.toml".to_owned(), "2".to_owned()),
+            ]
+            .into(),
+            outputs: [("results/drives".to_owned(), "3".to_owned())].into(),
+        };
+        let run = PipelineRun {
+            steps: vec![step],
+            ..PipelineRun::default()
+        };
+        let (run, left_out) = run.without(&ids);
+        assert_eq!(left_out, 2);
+        let text = metadata(
+            "A study",
+            &About {
+                run: Some(run),
+                ..About::default()
+            },
+            &[],
+        );
+        let text = text.to_string();
+        assert!(
+            !text.contains("anna") && text.contains("blake3:3"),
+            "{text}"
+        );
+    }
+}

@@ -1,0 +1,109 @@
+//! The files of `study_data` and `pipelines` that travel inside the program and the crates: questionnaires, scenarios, mappings, designs,
+//! the claims of the paper and what a run consists of. They stand at the top of the project, where a researcher sees and changes them;
+//! this package has no code but the list of them.
+//!
+//! ```
+//! assert!(maveric_data::SCALES_ADB.contains("id = \"adb\""));
+//! let paths: Vec<&str> = maveric_data::FILES.iter().map(|(path, _)| *path).collect();
+//! assert!(paths.contains(&"pipelines/paper.toml"));
+//! ```
+
+macro_rules! files {
+    ($($name:ident = $path:literal;)+) => {
+        $(
+            #[doc = concat!("`", $path, "`")]
+            pub const $name: &str = include_str!(concat!("../", $path));
+        )+
+        /// Path in the project and text of every file.
+        pub const FILES: &[(&str, &str)] = &[$(($path, $name)),+];
+    };
+}
+
+files! {
+    README = "study_data/README.md";
+    CLAIMS = "study_data/claims.toml";
+    EFFECTS = "study_data/effects.toml";
+    POPULATION = "study_data/population.toml";
+    POPULATION_MISSPECIFIED = "study_data/population_misspecified.toml";
+    POPULATION_SOURCES = "study_data/population_sources.toml";
+    DESIGNS_PAPER = "study_data/designs/paper.toml";
+    DESIGNS_SCHEMA = "study_data/designs/schema.json";
+    MAPPINGS_COMMA2K19 = "study_data/mappings/comma2k19.toml";
+    MAPPINGS_EXID = "study_data/mappings/exid.toml";
+    MAPPINGS_HIGHD = "study_data/mappings/highd.toml";
+    MAPPINGS_NGSIM = "study_data/mappings/ngsim.toml";
+    MAPPINGS_NGSIM_FEET = "study_data/mappings/ngsim_feet.toml";
+    MAPPINGS_NGSIM_PAIRS = "study_data/mappings/ngsim_pairs.toml";
+    MAPPINGS_OPENACC = "study_data/mappings/openacc.toml";
+    MAPPINGS_OPENACC_PLATOON = "study_data/mappings/openacc_platoon.toml";
+    MAPPINGS_OURS = "study_data/mappings/ours.toml";
+    MAPPINGS_RIG_AUTOWARE = "study_data/mappings/rig_autoware.toml";
+    MAPPINGS_RIG_CARLA_ROS_BRIDGE = "study_data/mappings/rig_carla_ros_bridge.toml";
+    MAPPINGS_RIG_GENERIC_ROS2 = "study_data/mappings/rig_generic_ros2.toml";
+    MAPPINGS_RIG_MAVERIC = "study_data/mappings/rig_maveric.toml";
+    MAPPINGS_SUMO_FCD = "study_data/mappings/sumo_fcd.toml";
+    SCALES_ADB = "study_data/scales/adb.toml";
+    SCALES_AGGRESSIVENESS = "study_data/scales/aggressiveness.toml";
+    SCALES_GODSPEED_INTELLIGENCE = "study_data/scales/godspeed_intelligence.toml";
+    SCALES_JIAN_TRUST = "study_data/scales/jian_trust.toml";
+    SCALES_MDSI = "study_data/scales/mdsi.toml";
+    SCALES_MINI_IPIP = "study_data/scales/mini_ipip.toml";
+    SCALES_ROSAS = "study_data/scales/rosas.toml";
+    SCALES_SIMILARITY = "study_data/scales/similarity.toml";
+    SCENARIOS_CURVED = "study_data/scenarios/curved.toml";
+    SCENARIOS_CUT_IN = "study_data/scenarios/cut_in.toml";
+    SCENARIOS_DENSE = "study_data/scenarios/dense.toml";
+    SCENARIOS_FOUR_LANE = "study_data/scenarios/four_lane.toml";
+    SCENARIOS_HARD_BRAKING_LEAD = "study_data/scenarios/hard_braking_lead.toml";
+    SCENARIOS_PAPER = "study_data/scenarios/paper.toml";
+    SCENARIOS_STOP_AND_GO = "study_data/scenarios/stop_and_go.toml";
+    PIPELINES_ABLATION = "pipelines/ablation.toml";
+    PIPELINES_DIAL = "pipelines/dial.toml";
+    PIPELINES_NGSIM = "pipelines/ngsim.toml";
+    PIPELINES_NULL = "pipelines/null.toml";
+    PIPELINES_OPENACC = "pipelines/openacc.toml";
+    PIPELINES_PAPER = "pipelines/paper.toml";
+    PIPELINES_POWER = "pipelines/power.toml";
+    PIPELINES_SCHEMA = "pipelines/schema.json";
+    PIPELINES_SMOKE = "pipelines/smoke.toml";
+    PIPELINES_VALIDATE = "pipelines/validate.toml";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::FILES;
+    use std::{collections::BTreeSet, fs, path::Path};
+
+    fn list(folder: &Path, found: &mut BTreeSet<String>) {
+        for entry in fs::read_dir(folder).expect("a folder of the project") {
+            let path = entry.expect("an entry").path();
+            let name = path.file_name().expect("a name").to_string_lossy();
+            if path.is_dir() {
+                if !name.starts_with('.') && name != "sample" && name != "generated" {
+                    list(&path, found);
+                }
+            } else if path
+                .extension()
+                .is_some_and(|e| e == "toml" || e == "json" || e == "md")
+            {
+                let below = path
+                    .strip_prefix(env!("CARGO_MANIFEST_DIR"))
+                    .expect("below the project");
+                found.insert(below.to_string_lossy().replace('\\', "/"));
+            }
+        }
+    }
+
+    #[test]
+    fn every_file_of_the_two_folders_but_the_sample_is_shipped() {
+        let mut there = BTreeSet::new();
+        for folder in ["study_data", "pipelines"] {
+            list(
+                &Path::new(env!("CARGO_MANIFEST_DIR")).join(folder),
+                &mut there,
+            );
+        }
+        let shipped: BTreeSet<String> = FILES.iter().map(|(path, _)| (*path).to_owned()).collect();
+        assert_eq!(shipped, there);
+    }
+}
