@@ -1,4 +1,4 @@
-//! Chunks unpacked ahead, on a thread of their own, while those before them are being read.
+//! A file read once from start to end on a thread of its own: hashed, and its chunks unpacked while those before them are read.
 
 use crate::{
     chunk::{Head, MOST_ROOM},
@@ -6,7 +6,7 @@ use crate::{
 };
 use std::{
     fs::File,
-    io::{BufReader, Read},
+    io::{self, BufReader, Read},
     path::Path,
     sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel},
     thread::JoinHandle,
@@ -17,29 +17,32 @@ use zstd::bulk::Decompressor;
 const WORTH_WHILE: u64 = 128 << 10;
 /// Chunks that wait unpacked: with the one that is being read and the one that is being unpacked, all the memory there is.
 const WAITING: usize = 2;
-/// Longest packed chunk that is unpacked ahead, in bytes.
+/// Longest packed chunk that is read ahead, in bytes.
 const MOST_PACKED: u64 = 16 << 20;
 
-/// A chunk that was unpacked before it was asked for.
-struct Unpacked {
+/// A chunk that was read before it was asked for.
+#[derive(Debug, Default)]
+pub(crate) struct Fetched {
     /// Where its content begins in the file.
     body: u64,
-    /// Length of its content.
-    length: u64,
-    bytes: Vec<u8>,
+    /// Its content.
+    pub(crate) packed: Vec<u8>,
+    /// What it unpacks to, where that was found out.
+    pub(crate) unpacked: Vec<u8>,
+    pub(crate) is_unpacked: bool,
 }
 
 /// The chunks of a file in their order, as far as they are as their headers say.
 pub(crate) struct Ahead {
-    chunks: Option<Receiver<Unpacked>>,
-    used: Sender<Vec<u8>>,
-    next: Option<Unpacked>,
-    thread: Option<JoinHandle<()>>,
+    chunks: Option<Receiver<Fetched>>,
+    used: Sender<Fetched>,
+    next: Option<Fetched>,
+    thread: Option<JoinHandle<io::Result<Option<blake3::Hash>>>>,
 }
 
 impl Ahead {
-    /// Starts to unpack a file of `length` bytes; none where that is not worth while or not possible.
-    pub(crate) fn start(path: &Path, length: u64) -> Option<Self> {
+    /// Starts to read a file of `length` bytes; none where that is not worth while or not possible.
+    pub(crate) fn start(path: &Path, length: u64, hash: bool) -> Option<Self> {
         if length < WORTH_WHILE {
             return None;
         }
@@ -47,7 +50,14 @@ impl Ahead {
         let (send, chunks) = sync_channel(WAITING);
         let (used, again) = channel();
         let run = move || {
-            unpack(file, length, &send, &again);
+            let mut source = Source {
+                file: BufReader::with_capacity(1 << 17, file),
+                hasher: hash.then(blake3::Hasher::new),
+            };
+            // What is not as it should be, the reader finds out.
+            let _ = unpack(&mut source, length, &send, &again);
+            drop(send);
+            source.finish()
         };
         let thread = std::thread::Builder::new().spawn(run).ok()?;
         Some(Self {
@@ -58,29 +68,41 @@ impl Ahead {
         })
     }
 
-    /// What the chunk whose content begins at `body` unpacks to, if it was unpacked ahead.
-    pub(crate) fn take(&mut self, body: u64, length: u64) -> Option<Vec<u8>> {
+    /// The chunk whose content begins at `body` and is `length` bytes, if it was read ahead.
+    pub(crate) fn take(&mut self, body: u64, length: u64) -> Option<Fetched> {
         let chunks = self.chunks.as_ref()?;
         loop {
             let next = match self.next.take() {
                 Some(next) => next,
                 None => chunks.recv().ok()?,
             };
-            if next.body == body && next.length == length {
-                return Some(next.bytes);
+            if next.body == body && next.packed.len() as u64 == length {
+                return Some(next);
             }
             if next.body > body {
                 self.next = Some(next);
                 return None;
             }
-            self.give_back(next.bytes);
+            self.give_back(next);
         }
     }
 
     /// Gives memory back for another chunk.
-    pub(crate) fn give_back(&self, bytes: Vec<u8>) {
-        // Once all is unpacked nobody needs it.
-        let _ = self.used.send(bytes);
+    pub(crate) fn give_back(&self, chunk: Fetched) {
+        // Once all is read nobody needs it.
+        let _ = self.used.send(chunk);
+    }
+
+    /// The hash of the whole file, if it was asked for.
+    ///
+    /// # Errors
+    /// If the file cannot be read to its end.
+    pub(crate) fn finish(mut self) -> io::Result<Option<blake3::Hash>> {
+        self.chunks = None;
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(hash)) => hash,
+            _ => Err(io::Error::other("the thread that reads ahead has ended")),
+        }
     }
 }
 
@@ -94,22 +116,53 @@ impl Drop for Ahead {
     }
 }
 
-/// Unpacks chunk after chunk, up to the first thing that is not as it should be: what that is, the reader finds out.
+/// A file that is hashed while it is read, if that is wanted.
+struct Source {
+    file: BufReader<File>,
+    hasher: Option<blake3::Hasher>,
+}
+
+impl Source {
+    fn read(&mut self, into: &mut [u8]) -> Option<()> {
+        self.file.read_exact(into).ok()?;
+        if let Some(hasher) = &mut self.hasher {
+            hasher.update(into);
+        }
+        Some(())
+    }
+
+    fn pass_over(&mut self, length: u64) -> Option<()> {
+        let Some(hasher) = &mut self.hasher else {
+            return self.file.seek_relative(i64::try_from(length).ok()?).ok();
+        };
+        let mut part = Read::by_ref(&mut self.file).take(length);
+        hasher.update_reader(&mut part).ok()?;
+        (part.limit() == 0).then_some(())
+    }
+
+    fn finish(mut self) -> io::Result<Option<blake3::Hash>> {
+        let Some(mut hasher) = self.hasher.take() else {
+            return Ok(None);
+        };
+        hasher.update_reader(&mut self.file)?;
+        Ok(Some(hasher.finalize()))
+    }
+}
+
+/// Reads chunk after chunk, up to the first thing that is not as it should be.
 fn unpack(
-    file: File,
+    source: &mut Source,
     length: u64,
-    send: &SyncSender<Unpacked>,
-    again: &Receiver<Vec<u8>>,
+    send: &SyncSender<Fetched>,
+    again: &Receiver<Fetched>,
 ) -> Option<()> {
-    let mut file = BufReader::with_capacity(1 << 16, file);
     let mut unpacker = Decompressor::new().ok()?;
-    let mut packed = Vec::new();
     let mut magic = [0; mcap::MAGIC.len()];
-    file.read_exact(&mut magic).ok()?;
+    source.read(&mut magic)?;
     let mut at = magic.len() as u64;
     loop {
         let mut head = [0; HEAD];
-        file.read_exact(&mut head).ok()?;
+        source.read(&mut head)?;
         let [opcode, rest @ ..] = head;
         let record = u64::from_le_bytes(rest);
         let body = at + HEAD as u64;
@@ -118,26 +171,20 @@ fn unpack(
             return None;
         }
         if opcode == op::CHUNK && record <= MOST_PACKED {
-            packed.resize(record as usize, 0);
-            file.read_exact(&mut packed).ok()?;
-            let of_chunk = Head::read(&packed)?;
-            if let Some(data) = of_chunk.whole_zstd(&packed) {
-                let mut bytes = again.try_recv().unwrap_or_default();
+            let mut chunk = again.try_recv().unwrap_or_default();
+            (chunk.body, chunk.is_unpacked) = (body, false);
+            chunk.packed.resize(record as usize, 0);
+            source.read(&mut chunk.packed)?;
+            let of_chunk = Head::read(&chunk.packed)?;
+            if let Some(data) = of_chunk.whole_zstd(&chunk.packed) {
                 let size = of_chunk.uncompressed_size.min(MOST_ROOM) as usize;
-                bytes.resize(size, 0);
-                let unpacked = unpacker.decompress_to_buffer(data, &mut bytes[..]).ok()?;
-                if unpacked != size {
-                    return None;
-                }
-                let chunk = Unpacked {
-                    body,
-                    length: record,
-                    bytes,
-                };
-                send.send(chunk).ok()?;
+                chunk.unpacked.resize(size, 0);
+                let unpacked = unpacker.decompress_to_buffer(data, &mut chunk.unpacked[..]);
+                chunk.is_unpacked = unpacked.ok()? == size;
             }
+            send.send(chunk).ok()?;
         } else {
-            file.seek_relative(i64::try_from(record).ok()?).ok()?;
+            source.pass_over(record)?;
         }
         at = next;
     }

@@ -2,12 +2,12 @@
 
 use crate::{
     codec::{Codec, OwnedSchema},
-    container::{Damage, Visitor, Walk, walk, walk_from},
+    container::{Damage, Walk, walk_from},
     error::BagError,
-    record::{Channel, Message, Record},
+    record::{Channel, Message},
+    streams::{Streams, Take, read_streams, streams_of},
 };
 use std::{
-    collections::BTreeMap,
     io::{Cursor, Read},
     path::Path,
 };
@@ -56,14 +56,10 @@ pub struct Columns {
 /// # }
 /// ```
 pub fn to_columns(path: &Path, wanted: &[&str], how: Walk<'_>) -> Result<Columns, BagError> {
-    let mut reading = Reading::of(wanted);
-    let mut damage = walk(path, how, &mut reading)?;
-    if reading.undeclared > 0 {
-        // A lost chunk may have declared a channel that the summary repeats: go again, knowing it.
-        reading = reading.again();
-        damage = walk(path, how, &mut reading)?;
-    }
-    reading.finish(path, damage)
+    let taker =
+        |channel: &Channel, schema: Option<&OwnedSchema>| Fields::of(wanted, channel, schema);
+    let parts = [path.to_owned()];
+    finish(path, wanted, read_streams(&parts, how, taker)?)
 }
 
 /// Reads fields as [`to_columns`] does, from anything that can be read: it is kept in memory.
@@ -83,176 +79,147 @@ pub fn columns_from(
             path: name.to_owned(),
             source,
         })?;
-    let mut reading = Reading::of(wanted);
-    let mut damage = walk_from(name, Cursor::new(&bytes), how, &mut reading)?;
-    if reading.undeclared > 0 {
-        reading = reading.again();
-        damage = walk_from(name, Cursor::new(&bytes), how, &mut reading)?;
-    }
-    reading.finish(name, damage)
+    let taker =
+        |channel: &Channel, schema: Option<&OwnedSchema>| Fields::of(wanted, channel, schema);
+    let streams = streams_of(1, taker, |_, visitor| {
+        walk_from(name, Cursor::new(&bytes), how, visitor)
+    })?;
+    finish(name, wanted, streams)
 }
 
-/// Columns under way.
-struct Reading<'a> {
-    wanted: &'a [&'a str],
-    columns: Vec<Column>,
-    schemas: BTreeMap<u16, OwnedSchema>,
-    channels: BTreeMap<u16, Channel>,
-    /// By channel: how it is decoded, and which columns its numbers go to.
-    plans: BTreeMap<u16, (Codec, Vec<usize>)>,
-    refused: BTreeMap<String, String>,
-    undeclared: usize,
-    bad_messages: usize,
+/// The wanted fields of one stream.
+struct Fields {
+    /// How its messages are decoded; none where nothing of it is wanted.
+    codec: Option<Result<Codec, String>>,
+    /// Which of the wanted columns the numbers of a row are for, and whether elements of an array give the rows.
+    places: Vec<usize>,
+    each: bool,
+    /// Number of the message, its time of receipt, and the values of every row.
+    nth: Vec<u32>,
+    time_ns: Vec<u64>,
+    values: Vec<f64>,
+    bad: usize,
     row: Vec<f64>,
-    /// Lengths of the columns, and counts, when the chunk began.
-    mark: (Vec<usize>, usize, usize),
+    /// Rows and bad messages when the chunk began.
+    mark: (usize, usize),
 }
 
-impl<'a> Reading<'a> {
-    fn of(wanted: &'a [&'a str]) -> Self {
-        let column = |name: &&str| Column {
-            name: (*name).to_owned(),
+impl Fields {
+    fn of(wanted: &[&str], channel: &Channel, schema: Option<&OwnedSchema>) -> Self {
+        let paths = wanted.iter().enumerate();
+        let paths = paths.filter_map(|(i, w)| Some((i, within(w, &channel.topic)?)));
+        let (places, paths): (Vec<usize>, Vec<&str>) = paths.unzip();
+        Self {
+            codec: (!paths.is_empty()).then(|| Codec::compile(channel, schema, &paths)),
+            each: paths.iter().any(|p| p.contains("[]")),
+            places,
+            nth: Vec::new(),
             time_ns: Vec::new(),
             values: Vec::new(),
-        };
-        Self {
-            wanted,
-            columns: wanted.iter().map(column).collect(),
-            schemas: BTreeMap::new(),
-            channels: BTreeMap::new(),
-            plans: BTreeMap::new(),
-            refused: BTreeMap::new(),
-            undeclared: 0,
-            bad_messages: 0,
+            bad: 0,
             row: Vec::new(),
-            mark: Default::default(),
+            mark: (0, 0),
         }
     }
 
-    /// The same from the start, with the declarations that were met.
-    fn again(self) -> Self {
-        let mut fresh = Self::of(self.wanted);
-        fresh.schemas = self.schemas;
-        self.channels.into_values().for_each(|c| fresh.declare(c));
-        fresh
+    fn keep(&mut self, rows: usize) {
+        self.nth.truncate(rows);
+        self.time_ns.truncate(rows);
+        self.values.truncate(rows * self.places.len());
     }
+}
 
-    /// The path within messages of a topic, of a wanted column that is of this topic.
-    fn within<'b>(wanted: &'b str, topic: &str) -> Option<&'b str> {
-        wanted.strip_prefix(topic)?.strip_prefix('.')
-    }
-
-    fn declare(&mut self, channel: Channel) {
-        if self.channels.contains_key(&channel.id) {
-            return;
-        }
-        let paths = self.wanted.iter().enumerate();
-        let paths = paths.filter_map(|(i, w)| Some((i, Self::within(w, &channel.topic)?)));
-        let (columns, paths): (Vec<usize>, Vec<&str>) = paths.unzip();
-        if !paths.is_empty() {
-            let schema = self.schemas.get(&channel.schema_id);
-            match Codec::compile(&channel, schema, &paths) {
-                Ok(codec) => drop(self.plans.insert(channel.id, (codec, columns))),
-                Err(why) => drop(self.refused.insert(channel.topic.clone(), why)),
-            }
-        }
-        self.channels.insert(channel.id, channel);
-    }
-
-    fn take(&mut self, message: Message<'_>) {
-        let Some((codec, columns)) = self.plans.get(&message.channel) else {
-            self.undeclared += usize::from(!self.channels.contains_key(&message.channel));
+impl Take for Fields {
+    fn take(&mut self, message: Message<'_>, nth: u32) {
+        let Some(Ok(codec)) = &self.codec else {
             return;
         };
-        let before: Vec<usize> = columns
-            .iter()
-            .map(|&c| self.columns[c].values.len())
-            .collect();
-        let rows = columns.iter().any(|&c| self.wanted[c].contains("[]"));
-        let all = &mut self.columns;
+        let before = self.nth.len();
+        let (numbers, times, values) = (&mut self.nth, &mut self.time_ns, &mut self.values);
         let mut put = |row: &[f64]| {
-            for (&column, &value) in columns.iter().zip(row) {
-                all[column].time_ns.push(message.log_ns);
-                all[column].values.push((!value.is_nan()).then_some(value));
-            }
+            numbers.push(nth);
+            times.push(message.log_ns);
+            values.extend_from_slice(row);
         };
-        let read = codec.run(message.data, &mut self.row, &mut |row| put(row));
-        match read {
-            Ok(()) if !rows => put(&self.row),
+        match codec.run(message.data, &mut self.row, &mut |row| put(row)) {
+            Ok(()) if !self.each => put(&self.row),
             Ok(()) => {}
             Err(_) => {
                 // Half a message is none.
-                for (&column, n) in columns.iter().zip(before) {
-                    self.columns[column].time_ns.truncate(n);
-                    self.columns[column].values.truncate(n);
-                }
-                self.bad_messages += 1;
+                self.keep(before);
+                self.bad += 1;
             }
         }
-    }
-
-    fn finish(self, path: &Path, damage: Vec<Damage>) -> Result<Columns, BagError> {
-        let planned = |i: &usize| self.plans.values().any(|(_, columns)| columns.contains(i));
-        let missing = (0..self.wanted.len()).find(|i| !planned(i));
-        if let Some(wanted) = missing.map(|i| self.wanted[i]) {
-            let of_topic = |(topic, _): &(&String, &String)| Self::within(wanted, topic).is_some();
-            if let Some((topic, why)) = self.refused.iter().find(of_topic) {
-                return Err(BagError::Refused {
-                    path: path.to_owned(),
-                    topic: topic.clone(),
-                    why: why.clone(),
-                });
-            }
-            let mut found: Vec<String> = self.channels.into_values().map(|c| c.topic).collect();
-            found.sort();
-            found.dedup();
-            let like = |topic: &String| strsim::jaro_winkler(topic, wanted);
-            let nearest = found.iter().max_by(|a, b| like(a).total_cmp(&like(b)));
-            return Err(BagError::UnknownTopic {
-                path: path.to_owned(),
-                wanted: wanted.to_owned(),
-                nearest: nearest.cloned(),
-                found,
-            });
-        }
-        Ok(Columns {
-            columns: self.columns,
-            damage,
-            bad_messages: self.bad_messages,
-        })
-    }
-}
-
-impl Visitor for Reading<'_> {
-    fn record(&mut self, record: Record<'_>) {
-        match record {
-            Record::Schema(schema) => {
-                self.schemas
-                    .entry(schema.id)
-                    .or_insert_with(|| schema.into());
-            }
-            Record::Channel(channel) => self.declare(channel),
-            Record::Message(message) => self.take(message),
-            Record::Header(..) | Record::Metadata(_) | Record::Other => {}
-        }
-    }
-
-    fn passed_over(&mut self) {
-        self.bad_messages += 1;
     }
 
     fn mark(&mut self) {
-        let lengths = self.columns.iter().map(|c| c.values.len()).collect();
-        self.mark = (lengths, self.undeclared, self.bad_messages);
+        self.mark = (self.nth.len(), self.bad);
     }
 
     fn roll_back(&mut self) {
-        for (column, &n) in self.columns.iter_mut().zip(&self.mark.0) {
-            column.time_ns.truncate(n);
-            column.values.truncate(n);
-        }
-        (self.undeclared, self.bad_messages) = (self.mark.1, self.mark.2);
+        self.keep(self.mark.0);
+        self.bad = self.mark.1;
     }
+}
+
+/// The path within messages of a topic, of a wanted column that is of this topic.
+fn within<'b>(wanted: &'b str, topic: &str) -> Option<&'b str> {
+    wanted.strip_prefix(topic)?.strip_prefix('.')
+}
+
+/// The columns of all streams; where two have a wanted one, their messages stay in the order of the file.
+fn finish(path: &Path, wanted: &[&str], read: Streams<Fields>) -> Result<Columns, BagError> {
+    let (path, streams) = (path.to_owned(), read.streams);
+    let mut columns = Vec::with_capacity(wanted.len());
+    for (i, name) in wanted.iter().enumerate() {
+        let mut rows: Vec<(u32, u64, Option<f64>)> = Vec::new();
+        let (mut there, mut refused) = (false, None);
+        for stream in &streams {
+            let fields = &stream.taken;
+            let Some(place) = fields.places.iter().position(|&p| p == i) else {
+                continue;
+            };
+            match &fields.codec {
+                Some(Err(why)) => refused = Some((stream.channel.topic.clone(), why.clone())),
+                _ => there = true,
+            }
+            let values = fields.values.chunks_exact(fields.places.len());
+            rows.extend(
+                values
+                    .zip(&fields.nth)
+                    .zip(&fields.time_ns)
+                    .map(|((row, nth), ns)| (*nth, *ns, Some(row[place]).filter(|v| !v.is_nan()))),
+            );
+        }
+        match refused {
+            _ if there => {}
+            Some((topic, why)) => return Err(BagError::Refused { path, topic, why }),
+            None => {
+                let mut found: Vec<String> = streams.into_iter().map(|s| s.channel.topic).collect();
+                found.sort();
+                found.dedup();
+                let like = |topic: &String| strsim::jaro_winkler(topic, name);
+                let nearest = found.iter().max_by(|a, b| like(a).total_cmp(&like(b)));
+                return Err(BagError::UnknownTopic {
+                    path,
+                    wanted: (*name).to_owned(),
+                    nearest: nearest.cloned(),
+                    found,
+                });
+            }
+        }
+        rows.sort_by_key(|row| row.0);
+        columns.push(Column {
+            name: (*name).to_owned(),
+            time_ns: rows.iter().map(|row| row.1).collect(),
+            values: rows.iter().map(|row| row.2).collect(),
+        });
+    }
+    Ok(Columns {
+        columns,
+        damage: read.walked.into_iter().flat_map(|w| w.damage).collect(),
+        bad_messages: read.too_long + streams.iter().map(|s| s.taken.bad).sum::<usize>(),
+    })
 }
 
 #[cfg(test)]

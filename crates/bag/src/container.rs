@@ -1,11 +1,14 @@
 //! The container: record after record, over damage where that is wanted.
 
+mod resynchronise;
+
 use crate::{
     ahead::Ahead,
     chunk::{self, Unpacker, Verdict},
     error::BagError,
     record::{self, HEAD, Record, op},
 };
+use resynchronise::{head_of, is_chunk, senseless};
 use std::{
     fs::File,
     io::{BufReader, Read, Seek, SeekFrom},
@@ -41,8 +44,19 @@ pub trait Visitor {
 pub struct Walk<'a> {
     /// Whether damage is stepped over and returned.
     pub recover: bool,
+    /// Whether the file is hashed on the way.
+    pub hash: bool,
     /// Ends the walk with an error soon after it became true.
     pub cancel: Option<&'a AtomicBool>,
+}
+
+/// What a walk found besides the records.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Walked {
+    /// What is damaged; empty without [`Walk::recover`].
+    pub damage: Vec<Damage>,
+    /// BLAKE3 of all the file's bytes in hexadecimal digits, with [`Walk::hash`].
+    pub blake3: Option<String>,
 }
 
 /// Walks a file from start to end and gives its records to `visitor`.
@@ -54,21 +68,33 @@ pub struct Walk<'a> {
 ///
 /// # Errors
 /// [`BagError::Damaged`] at the first damage without `recover`; [`BagError::Io`]; [`BagError::Cancelled`].
-pub fn walk(
-    path: &Path,
-    how: Walk<'_>,
-    visitor: &mut impl Visitor,
-) -> Result<Vec<Damage>, BagError> {
+pub fn walk(path: &Path, how: Walk<'_>, visitor: &mut impl Visitor) -> Result<Walked, BagError> {
     let wrong = |source| BagError::Io {
         path: path.to_owned(),
         source,
     };
-    let file = File::open(path).map_err(wrong)?;
+    let mut file = File::open(path).map_err(wrong)?;
     let length = file.metadata().map_err(wrong)?.len();
-    walk_with(path, file, length, Ahead::start(path, length), how, visitor)
+    if let Some(mut ahead) = Ahead::start(path, length, how.hash) {
+        let damage = walk_with(path, file, length, Some(&mut ahead), how, visitor)?;
+        let hash = ahead.finish().map_err(wrong)?;
+        return Ok(Walked {
+            damage,
+            blake3: hash.map(|hash| hash.to_hex().to_string()),
+        });
+    }
+    let mut blake3 = None;
+    if how.hash {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update_reader(&mut file).map_err(wrong)?;
+        file.rewind().map_err(wrong)?;
+        blake3 = Some(hasher.finalize().to_hex().to_string());
+    }
+    let damage = walk_with(path, file, length, None, how, visitor)?;
+    Ok(Walked { damage, blake3 })
 }
 
-/// Walks anything that can be read and sought in; `path` is what errors call it.
+/// Walks anything that can be read and sought in; `path` is what errors call it. It is not hashed.
 ///
 /// # Errors
 /// As [`walk`].
@@ -77,27 +103,31 @@ pub fn walk_from(
     mut source: impl Read + Seek,
     how: Walk<'_>,
     visitor: &mut impl Visitor,
-) -> Result<Vec<Damage>, BagError> {
+) -> Result<Walked, BagError> {
     let length = source.seek(SeekFrom::End(0));
     let length = length.and_then(|length| source.rewind().map(|()| length));
     let length = length.map_err(|source| BagError::Io {
         path: path.to_owned(),
         source,
     })?;
-    walk_with(path, source, length, None, how, visitor)
+    let damage = walk_with(path, source, length, None, how, visitor)?;
+    Ok(Walked {
+        damage,
+        blake3: None,
+    })
 }
 
 fn walk_with(
     path: &Path,
     source: impl Read + Seek,
     length: u64,
-    ahead: Option<Ahead>,
+    ahead: Option<&mut Ahead>,
     how: Walk<'_>,
     visitor: &mut impl Visitor,
 ) -> Result<Vec<Damage>, BagError> {
     let mut walker = Walker {
         path,
-        file: BufReader::with_capacity(1 << 16, source),
+        file: BufReader::with_capacity(1 << 14, source),
         length,
         how,
         buffer: Vec::new(),
@@ -122,7 +152,7 @@ struct Walker<'a, R> {
     how: Walk<'a>,
     buffer: Vec<u8>,
     unpacker: Unpacker,
-    ahead: Option<Ahead>,
+    ahead: Option<&'a mut Ahead>,
     damage: Vec<Damage>,
     last_ns: Option<u64>,
     messages: u64,
@@ -410,18 +440,22 @@ impl<R: Read + Seek> Walker<'_, R> {
             return Ok(false);
         }
         self.hash(at, at + HEAD as u64)?;
-        self.load(at + HEAD as u64, length)?;
+        let ahead = self.ahead.as_mut();
+        let mut fetched = ahead.and_then(|a| a.take(at + HEAD as u64, length));
+        match &mut fetched {
+            Some(fetched) => std::mem::swap(&mut self.buffer, &mut fetched.packed),
+            None => self.load(at + HEAD as u64, length)?,
+        }
         self.hash_buffer();
         let buffer = std::mem::take(&mut self.buffer);
         let mut unpacker = std::mem::take(&mut self.unpacker);
-        let ahead = self.ahead.as_mut();
-        let unpacked = ahead.and_then(|a| a.take(at + HEAD as u64, length));
+        let unpacked = fetched.as_ref().filter(|f| f.is_unpacked);
         let before = (self.last_ns, self.messages, self.damage.len());
         visitor.mark();
         let mut unreadable = 0;
         let verdict = unpacker.records(
             &buffer,
-            unpacked.as_deref(),
+            unpacked.map(|f| &f.unpacked[..]),
             |opcode, content| match content.map(|content| record::parse(opcode, content)) {
                 Some(Some(record)) => self.give(record, visitor),
                 Some(None) => unreadable += 1,
@@ -429,10 +463,11 @@ impl<R: Read + Seek> Walker<'_, R> {
                 None => {}
             },
         );
-        if let (Some(ahead), Some(unpacked)) = (&self.ahead, unpacked) {
-            ahead.give_back(unpacked);
-        }
         self.buffer = buffer;
+        if let (Some(ahead), Some(mut fetched)) = (&self.ahead, fetched) {
+            std::mem::swap(&mut self.buffer, &mut fetched.packed);
+            ahead.give_back(fetched);
+        }
         self.unpacker = unpacker;
         let verdict = match verdict {
             Verdict::Whole if unreadable > 0 => {
@@ -503,90 +538,5 @@ impl<R: Read + Seek> Walker<'_, R> {
             between_ns: (self.last_ns, None),
         });
         Ok(())
-    }
-
-    /// The next place from `at` on, other than `not`, where records fit together; none up to the end of the file.
-    fn resynchronise(&mut self, mut at: u64, not: u64) -> Result<Option<u64>, BagError> {
-        const WINDOW: u64 = 1 << 18;
-        while at + (HEAD as u64) <= self.length {
-            let n = WINDOW.min(self.length - at);
-            self.load(at, n)?;
-            let window = std::mem::take(&mut self.buffer);
-            let mut found = None;
-            for (i, head) in window.windows(HEAD).enumerate() {
-                // The cheap test first: a known opcode and a length below 1 TiB.
-                let likely = (1..=op::LAST_KNOWN).contains(&head[0]) && head[6..] == [0; 3];
-                let place = at + i as u64;
-                if likely && place != not && self.records_fit(place)? {
-                    found = Some(place);
-                    break;
-                }
-            }
-            self.buffer = window;
-            if found.is_some() || at + n == self.length {
-                return Ok(found);
-            }
-            at += n - (HEAD as u64 - 1);
-        }
-        Ok(None)
-    }
-
-    /// Whether three records in a row, or all up to the file's end, have known opcodes and lengths that fit.
-    fn records_fit(&mut self, mut at: u64) -> Result<bool, BagError> {
-        for hop in 0..3 {
-            let left = self.length.saturating_sub(at);
-            if left < HEAD as u64 {
-                return Ok(hop > 0 && left == 0);
-            }
-            let mut head = [0; HEAD];
-            self.seek(at)?;
-            let read = self.file.read_exact(&mut head);
-            read.map_err(|e| self.io(e))?;
-            let (opcode, length) = head_of(head);
-            let least = match opcode {
-                op::FOOTER => 20,
-                op::CHUNK => 40,
-                op::MESSAGE => 22,
-                op::HEADER | op::SCHEMA | op::CHANNEL | op::METADATA => 8,
-                1..=op::LAST_KNOWN => 4,
-                _ => return Ok(false),
-            };
-            let fits = length >= least && length <= left - HEAD as u64;
-            if !fits {
-                // A chunk that the end of the file cuts may be the last of its kind.
-                return Ok(hop > 1 && opcode == op::CHUNK);
-            }
-            if opcode == op::FOOTER {
-                return Ok(length == 20);
-            }
-            at += HEAD as u64 + length;
-        }
-        Ok(true)
-    }
-}
-
-/// Whether a record is a chunk: by its opcode, or by its content where one byte has changed the opcode.
-fn is_chunk(opcode: u8, length: u64, left: u64, start: &[u8]) -> bool {
-    opcode == op::CHUNK
-        || chunk::Head::read(start).is_some_and(|head| {
-            let inner = head.content_length().unwrap_or(u64::MAX);
-            head.is_telling() && inner == length && inner <= left
-        })
-}
-
-fn head_of([opcode, length @ ..]: [u8; HEAD]) -> (u8, u64) {
-    (opcode, u64::from_le_bytes(length))
-}
-
-/// Says what is wrong with a record that cannot be one.
-fn senseless(opcode: u8, length: u64, left: u64, file: u64) -> String {
-    if opcode == 0 {
-        "no record starts here".to_owned()
-    } else if length <= left {
-        format!("record {opcode:#04x} contradicts itself")
-    } else if length < file {
-        format!("record {opcode:#04x} is cut off: {length} bytes claimed, {left} left")
-    } else {
-        format!("record {opcode:#04x} claims {length} bytes, {left} left")
     }
 }

@@ -57,7 +57,7 @@ impl<W: Write + Seek> Writer<W> {
     }
 
     /// Declares a channel and gives its number: the encoding of its messages (`cdr`, `json`, …), and name, encoding
-    /// (`ros2msg`, `jsonschema`, …) and text of its schema.
+    /// (`ros2msg`, `protobuf`, …) and text, or descriptors, of its schema.
     ///
     /// # Errors
     /// [`BagError::Write`].
@@ -65,9 +65,9 @@ impl<W: Write + Seek> Writer<W> {
         &mut self,
         topic: &str,
         encoding: &str,
-        (name, schema_encoding, text): (&str, &str, &str),
+        (name, schema_encoding, data): (&str, &str, impl AsRef<[u8]>),
     ) -> Result<u16, BagError> {
-        let schema = self.out.add_schema(name, schema_encoding, text.as_bytes());
+        let schema = self.out.add_schema(name, schema_encoding, data.as_ref());
         let schema = schema.map_err(failed)?;
         let channel = self
             .out

@@ -15,8 +15,9 @@ use std::{
 macro_rules! tell {
     ($($text:tt)*) => {{
         use std::io::Write as _;
-        let text = format!($($text)*);
-        let _ = writeln!(std::io::stderr(), "{}", crate::diagnostics::printable(&text));
+        // One write a line: lines of programs that run side by side stay whole.
+        let text = format!($($text)*) + "\n";
+        let _ = std::io::stderr().write_all(crate::diagnostics::printable(&text).as_bytes());
     }};
 }
 pub(crate) use tell;

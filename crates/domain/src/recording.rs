@@ -215,16 +215,33 @@ impl Recording {
         &self.others
     }
 
-    /// What was around ego at `row`; `None` past the end.
+    /// What was around ego at `row`; `None` past the end. For every row in turn, [`Recording::scenes`] does not search.
     pub fn scene(&self, row: usize) -> Option<Scene> {
-        let time_s = *self.time_s.get(row)?;
-        let ego = EgoState {
-            x_m: self.ego.x_m[row],
-            y_m: self.ego.y_m[row],
-            speed_mps: self.ego.speed_mps[row],
-            length_m: self.ego.length_m,
-        };
-        let vehicles = self.others.iter().filter_map(|track| {
+        (row < self.rows()).then(|| self.scene_of(row, self.others.iter()))
+    }
+
+    /// The scenes of all rows, in their order; the work follows the number of samples, however many tracks there are.
+    pub fn scenes(&self) -> impl Iterator<Item = Scene> + '_ {
+        let mut coming: Vec<usize> = (0..self.others.len()).collect();
+        coming.sort_by_key(|&i| std::cmp::Reverse((self.others[i].first_row, i)));
+        // In the order of the tracks, as `scene` gives them.
+        let mut present: Vec<usize> = Vec::new();
+        (0..self.rows()).map(move |row| {
+            present.retain(|&i| {
+                let track = &self.others[i];
+                row - track.first_row < track.x_m.len()
+            });
+            while let Some(i) = coming.pop_if(|&mut i| self.others[i].first_row <= row) {
+                let place = present.partition_point(|&j| j < i);
+                present.insert(place, i);
+            }
+            self.scene_of(row, present.iter().map(|&i| &self.others[i]))
+        })
+    }
+
+    /// The scene of a row that there is, with those of some tracks that are there then.
+    fn scene_of<'a>(&self, row: usize, tracks: impl Iterator<Item = &'a ObjectTrack>) -> Scene {
+        let vehicles = tracks.filter_map(|track| {
             let at = row.checked_sub(track.first_row)?;
             Some(VehicleState {
                 id: track.id,
@@ -234,11 +251,16 @@ impl Recording {
                 length_m: track.length_m,
             })
         });
-        Some(Scene {
-            time_s,
-            ego,
+        Scene {
+            time_s: self.time_s[row],
+            ego: EgoState {
+                x_m: self.ego.x_m[row],
+                y_m: self.ego.y_m[row],
+                speed_mps: self.ego.speed_mps[row],
+                length_m: self.ego.length_m,
+            },
             vehicles: vehicles.collect(),
-        })
+        }
     }
 }
 

@@ -305,6 +305,37 @@ fn a_recording_gives_back_what_it_took() {
 }
 
 #[test]
+fn scenes_in_turn_are_those_of_their_rows_whatever_the_order_of_the_tracks() {
+    let (road, ..) = parts();
+    let rows = 40;
+    let ego = EgoTrack {
+        length_m: 5.0,
+        x_m: (0..rows).map(f64::from).collect(),
+        y_m: vec![0.0; rows as usize],
+        speed_mps: vec![1.0; rows as usize],
+    };
+    // Tracks that begin late first, one that is over at once, one that fills the last row, and one that is empty.
+    let others = [(30, 10), (0, 1), (7, 20), (39, 1), (7, 3), (20, 0), (0, 40)];
+    let others = (0..).zip(others).map(|(id, (first_row, m))| ObjectTrack {
+        id: VehicleId(id),
+        length_m: 4.0,
+        first_row,
+        x_m: vec![f64::from(id); m],
+        y_m: vec![0.0; m],
+        speed_mps: vec![2.0; m],
+    });
+    let time_s = (0..rows).map(f64::from).collect();
+    let segment = vec![0; rows as usize];
+    let recording = Recording::new(road, 1.0, time_s, segment, ego, others.collect()).unwrap();
+    let found: Vec<_> = recording.scenes().collect();
+    let expected: Vec<_> = (0..).map_while(|row| recording.scene(row)).collect();
+    assert_eq!(found, expected);
+    assert_eq!(found.len(), 40);
+    let ids: Vec<u32> = found[8].vehicles.iter().map(|v| v.id.0).collect();
+    assert_eq!(ids, [2, 4, 6]);
+}
+
+#[test]
 fn a_recording_that_cannot_be_is_refused_by_name() {
     type Change = fn(&mut Parts);
     let cases: [(Change, &str); 12] = [

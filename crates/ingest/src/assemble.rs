@@ -1,11 +1,13 @@
 //! From samples as recorded to a recording: one clock, road frame, even rows.
 
 use crate::{
+    centre_line::CentreLine,
     differentiate::fill_speeds,
     error::IngestError,
     join_speeds::join_speeds,
+    lane_centres::{LaneShape, into_lanes},
     lanes::{EgoPath, place},
-    mapping::{FrameKind, RoadMapping},
+    mapping::{FrameKind, Mapping, RoadMapping},
     plausible::{doubts, on_the_road},
     quality::{Warning, WarningKind},
     raw::{EgoSample, ObjectSample, RawDrive},
@@ -27,11 +29,15 @@ const EGO_ITSELF_M: f64 = 1.0;
 
 /// How the samples of a drive become a recording.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Target {
+pub(crate) struct Target<'a> {
     /// The road.
     pub(crate) road: Road,
     /// How the log's frame lies to it.
     pub(crate) frame: FrameKind,
+    /// Points along the right lane in the log's frame, by which the road is straightened; none where it is straight.
+    pub(crate) centre_line: &'a [[f64; 2]],
+    /// How lanes lie across the road.
+    pub(crate) lane_shape: LaneShape<'a>,
     /// Lateral position of lane 0's centre in the log's frame, in m.
     pub(crate) right_lane_centre_y_m: f64,
     /// Whether vehicles beside ego's lane are left out, because the only lane known is ego's.
@@ -44,12 +50,20 @@ pub(crate) struct Target {
     pub(crate) max_gap_s: f64,
 }
 
-impl Target {
+impl<'a> Target<'a> {
     /// The target for a log that does not describe its own road.
-    pub(crate) fn mapped(road: &RoadMapping, rate_hz: f64, max_gap_s: f64) -> Self {
+    pub(crate) fn mapped(mapping: Option<&'a Mapping>, rate_hz: f64, max_gap_s: f64) -> Self {
+        let road = mapping.and_then(|m| m.road).unwrap_or(RoadMapping::UNKNOWN);
+        let centre_line = mapping.map_or(&[][..], |m| &m.centre_line);
         Self {
             road: road.road(),
-            frame: road.frame,
+            frame: if centre_line.is_empty() {
+                road.frame
+            } else {
+                FrameKind::Map
+            },
+            centre_line,
+            lane_shape: mapping.map_or(LaneShape::Even, Mapping::lane_shape),
             right_lane_centre_y_m: road.right_lane_centre_y_m,
             own_lane_only: road.lanes == 1,
             lane_steps: false,
@@ -66,8 +80,11 @@ impl Target {
 pub(crate) fn assemble(
     path: &Path,
     mut drive: RawDrive,
-    target: &Target,
+    target: &Target<'_>,
 ) -> Result<(Recording, Vec<Warning>), IngestError> {
+    if !target.centre_line.is_empty() {
+        CentreLine::new(target.centre_line).straighten(&mut drive);
+    }
     let mut warnings = synchronise(path, &mut drive, target.max_gap_s);
     warnings.extend(join_speeds(path, &mut drive));
     warnings.extend(doubts(path, &drive)?);
@@ -83,6 +100,7 @@ pub(crate) fn assemble(
     }
     let lane_y_m = target.right_lane_centre_y_m;
     place(&mut drive, target.frame, lane_y_m, target.max_gap_s);
+    into_lanes(path, &mut drive, &target.road, target.lane_shape)?;
     if target.frame == FrameKind::Map && !target.own_lane_only {
         warnings.extend(on_the_road(path, &drive.ego, &target.road)?);
     }
@@ -161,7 +179,7 @@ fn ego_track(
     time_s: &[f64],
     grid: &Grid,
     length_m: f64,
-    target: &Target,
+    target: &Target<'_>,
 ) -> EgoTrack {
     let column = |value: fn(&EgoSample) -> f64| -> Vec<f64> {
         grid.rows.iter().map(|r| r.of(samples, value)).collect()
@@ -186,7 +204,7 @@ fn tracks(
     path: &Path,
     objects: &[ObjectSample],
     ego: &Grid,
-    target: &Target,
+    target: &Target<'_>,
     warnings: &mut Vec<Warning>,
 ) -> Vec<ObjectTrack> {
     let mut by_id: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
@@ -342,7 +360,7 @@ mod tests {
     }
 
     fn assembled(objects: Vec<ObjectSample>) -> (Recording, Vec<Warning>) {
-        let target = Target::mapped(&RoadMapping::UNKNOWN, 20.0, 0.5);
+        let target = Target::mapped(None, 20.0, 0.5);
         assemble(Path::new("log"), drive(objects), &target).unwrap()
     }
 

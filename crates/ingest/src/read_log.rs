@@ -2,15 +2,19 @@
 
 use crate::{
     assemble::{Target, assemble},
-    centre_line::CentreLine,
     error::IngestError,
     foreign::{self, foreign},
-    mapping::{FrameKind, Mapping, RoadMapping, names::meta_of},
+    lane_centres::LaneShape,
+    mapping::{FrameKind, Mapping, names::meta_of},
     parquet::is_parquet,
     quality::{Warning, WarningKind},
-    raw,
+    raw::{
+        self,
+        mcap::read::{Collected, collect},
+    },
     read_table::read_table,
     settings::{IngestSettings, Ingested},
+    source::Source,
 };
 use maveric_bag::{Parts, is_split, parts_of};
 use std::{
@@ -64,9 +68,6 @@ pub fn read_log(path: &Path, settings: &IngestSettings) -> Result<Vec<Ingested>,
     if format == Format::Table {
         return read_table(path, mapping, rate_hz, max_gap_s);
     }
-    let road = mapping.and_then(|m| m.road).unwrap_or(RoadMapping::UNKNOWN);
-    let mapped = Target::mapped(&road, rate_hz, max_gap_s);
-    let topics = mapping.and_then(|m| m.mcap.as_ref());
     let parts = parts_of(path)?;
     if let Some(part) = parts
         .missing
@@ -78,38 +79,54 @@ pub fn read_log(path: &Path, settings: &IngestSettings) -> Result<Vec<Ingested>,
             part: part.clone(),
         });
     }
+    let topics = mapping.and_then(|m| m.mcap.as_ref());
+    let collected = collect(path, &parts.files, topics, settings.recover)?;
+    Ok(vec![read_recording(path, &parts, collected, settings)?])
+}
+
+/// The drive of a recording of which everything was collected.
+///
+/// # Errors
+/// As [`read_log`].
+pub(crate) fn read_recording(
+    path: &Path,
+    parts: &Parts,
+    collected: Collected,
+    settings: &IngestSettings,
+) -> Result<Ingested, IngestError> {
+    let mapping = settings.mapping.as_ref();
+    let mapped = Target::mapped(mapping, settings.rate_hz()?, settings.max_gap_s()?);
+    let topics = mapping.and_then(|m| m.mcap.as_ref());
+    let hashes = collected.walked.iter().filter_map(|w| w.blake3.clone());
+    let sources = parts.files.iter().zip(hashes);
+    let sources = sources
+        .map(|(file, blake3)| Source::new(file, blake3))
+        .collect();
     let (drive, record, mut warnings) =
-        raw::mcap::read::read(path, &parts.files, topics, settings.recover)?;
-    warnings.extend(without_parts(path, &parts));
+        raw::mcap::read::drive(path, &parts.files, collected, topics, settings.recover)?;
+    warnings.extend(without_parts(path, parts));
     let (meta, target) = match record {
         Some(record) => {
             let target = Target {
                 road: record.road,
                 frame: FrameKind::Map,
+                lane_shape: LaneShape::Even,
                 right_lane_centre_y_m: 0.0,
                 own_lane_only: false,
                 ..mapped
             };
-            (Some(record.meta), target)
+            (record.meta, target)
         }
-        None => (None, mapped),
+        None => (named(path, mapping, &mut warnings)?, mapped),
     };
-    let meta = match meta {
-        Some(meta) => meta,
-        None => named(path, mapping, &mut warnings)?,
-    };
-    let (mut drive, mut target) = (drive, target);
-    if let Some(points) = mapping.map(|m| &m.centre_line).filter(|p| !p.is_empty()) {
-        CentreLine::new(points).straighten(&mut drive);
-        target.frame = FrameKind::Map;
-    }
     let (recording, more) = assemble(path, drive, &target)?;
     warnings.extend(more);
-    Ok(vec![Ingested {
+    Ok(Ingested {
         meta,
         recording,
         warnings,
-    }])
+        sources,
+    })
 }
 
 /// A word on each part of a recording that is not there.

@@ -31,8 +31,13 @@ pub(crate) fn read_table(
     let mapping = mapping.ok_or_else(no_mapping)?;
     let columns = mapping.table.as_ref().ok_or_else(no_mapping)?;
     let mapped = mapping.road.unwrap_or(RoadMapping::UNKNOWN);
-    let drives = table::read(path, columns, &mapped, max_gap_s)?;
-    let told = told_by_columns(path, mapping, columns)?;
+    let mut sources = Vec::new();
+    let bytes = match columns.layout {
+        Layout::Signals => Vec::new(),
+        _ => table::take(path, &mut sources)?,
+    };
+    let told = told_by_columns(path, &bytes, mapping, columns)?;
+    let drives = table::read(path, bytes, columns, &mapped, max_gap_s, &mut sources)?;
     let several = columns.layout == Layout::Long;
     let headed = several && columns.columns.heading.is_some();
     let mut found = Vec::new();
@@ -49,13 +54,16 @@ pub(crate) fn read_table(
             ..
         } = drive;
         let road = road.unwrap_or(mapped);
+        let world = Target::mapped(Some(mapping), rate_hz, max_gap_s);
         let target = Target {
+            road: road.road(),
+            right_lane_centre_y_m: road.right_lane_centre_y_m,
             // Only positions in the world need to be laid along the road.
-            frame: if headed { road.frame } else { FrameKind::Map },
+            frame: if headed { world.frame } else { FrameKind::Map },
             lane_steps,
             // What is in ego's lane is known by name there.
             own_lane_only: road.lanes == 1 && !headed,
-            ..Target::mapped(&road, rate_hz, max_gap_s)
+            ..world
         };
         captures.extend(told.iter().cloned());
         let (meta, told) = meta_within(path, mapping.names.as_ref(), &captures)?;
@@ -70,6 +78,7 @@ pub(crate) fn read_table(
                     meta,
                     recording,
                     warnings,
+                    sources: sources.clone(),
                 });
             }
             Err(error @ IngestError::TooSparse { .. }) if several => {
@@ -112,19 +121,19 @@ pub(crate) fn read_table(
 /// What columns of the table say throughout, for the names of drives.
 fn told_by_columns(
     path: &Path,
+    bytes: &[u8],
     mapping: &Mapping,
     table: &TableMapping,
 ) -> Result<Vec<(String, String)>, IngestError> {
     let Some(names) = mapping.names.as_ref().filter(|n| !n.columns.is_empty()) else {
         return Ok(Vec::new());
     };
-    let bytes = std::fs::read(path).map_err(|e| IngestError::io(path, e))?;
     let wanted: Vec<(&str, Kind)> = names
         .columns
         .values()
         .map(|column| (column.as_str(), Kind::Word))
         .collect();
-    let read = Table::open(path, bytes, table.into(), &wanted)?;
+    let read = Table::open(path, bytes.to_vec(), table.into(), &wanted)?;
     let mut told = Vec::new();
     for (name, column) in &names.columns {
         let mut words: Vec<String> = read.words(column)?.into_iter().flatten().collect();

@@ -1,6 +1,6 @@
 //! How to ingest, and what comes of it.
 
-use crate::{error::IngestError, mapping::Mapping, quality::Warning};
+use crate::{error::IngestError, mapping::Mapping, quality::Warning, source::Source};
 use maveric_domain::{DriveMeta, Recording};
 
 /// How to ingest a log.
@@ -75,4 +75,6 @@ pub struct Ingested {
     pub recording: Recording,
     /// What was left out, filled in or doubted.
     pub warnings: Vec<Warning>,
+    /// The files that were read for it.
+    pub sources: Vec<Source>,
 }

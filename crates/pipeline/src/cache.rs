@@ -1,4 +1,4 @@
-//! Outputs by what they were made from, in a directory that several people may share.
+//! Outputs by what they were made from, in a directory or a bucket that several people may share.
 //!
 //! `made/` holds a small file for each run of a stage, named by the hash of what it was made
 //! from; `content/` holds files, each named by its own hash. Everything appears whole by a
@@ -7,17 +7,17 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use crate::atomic_write::{self, Durability};
 use crate::content::Hasher;
+use crate::store::{Store, is_executable, set_mode};
 use crate::{PipelineError, Stage};
 
 /// The format of the directory.
 const FORMAT: &str = "v1";
 
 pub(crate) struct Cache {
-    folder: PathBuf,
+    store: Store,
 }
 
 /// What a run of a stage made.
@@ -86,9 +86,14 @@ pub(crate) struct Ran<'a> {
 }
 
 impl Cache {
-    pub(crate) fn new(folder: &Path) -> Self {
-        let folder = folder.join(FORMAT);
-        Self { folder }
+    /// Opens a cache in a folder, or on object storage by its URL.
+    ///
+    /// # Errors
+    /// As [`Store::open`].
+    pub(crate) fn open(place: &Path) -> Result<Self, PipelineError> {
+        Ok(Self {
+            store: Store::open(place)?,
+        })
     }
 
     /// The name of a run of `stage` that was made from what has `digest`.
@@ -101,17 +106,13 @@ impl Cache {
         hasher.finalize().to_hex().to_string()
     }
 
-    fn made_of(&self, stage: &Stage, digest: &str) -> PathBuf {
+    fn made_of(stage: &Stage, digest: &str) -> String {
         let key = Self::key(stage, digest);
-        self.folder
-            .join("made")
-            .join(&key[..2])
-            .join(format!("{key}.json"))
+        format!("{FORMAT}/made/{}/{key}.json", &key[..2])
     }
 
-    fn content_of(&self, hash: &str) -> PathBuf {
-        let start = hash.get(..2).unwrap_or("");
-        self.folder.join("content").join(start).join(hash)
+    fn content_of(hash: &str) -> String {
+        format!("{FORMAT}/content/{}/{hash}", hash.get(..2).unwrap_or(""))
     }
 
     /// What a run made before; nothing if it is not known or not readable.
@@ -122,7 +123,7 @@ impl Cache {
         if stage.outputs.is_empty() {
             return Ok(None); // it is run for what it does
         }
-        let Ok(bytes) = fs::read(self.made_of(stage, digest)) else {
+        let Some(bytes) = self.store.read(&Self::made_of(stage, digest)) else {
             return Ok(None);
         };
         let made: Made = serde_json::from_slice(&bytes).map_err(|_| Damaged)?;
@@ -166,11 +167,8 @@ impl Cache {
         if let Some(folder) = target.parent() {
             fs::create_dir_all(folder).map_err(PipelineError::io("create", folder))?;
         }
-        if let Err(error) = fs::copy(self.content_of(&file.content), target) {
-            return match error.kind() {
-                std::io::ErrorKind::NotFound => Ok(false),
-                _ => Err(PipelineError::io("write", target)(error)),
-            };
+        if !self.store.fetch(&Self::content_of(&file.content), target)? {
+            return Ok(false);
         }
         let hash = fs::read(target).map(|bytes| blake3::hash(&bytes).to_hex().to_string());
         if hash.map_err(PipelineError::io("read", target))? != file.content {
@@ -182,12 +180,13 @@ impl Cache {
 
     /// Removes a damaged entry and those of its files that are not what their names say.
     fn throw_out(&self, stage: &Stage, digest: &str, made: &Made) {
-        let _ = fs::remove_file(self.made_of(stage, digest));
+        self.store.remove(&Self::made_of(stage, digest));
         for file in &made.files {
-            let path = self.content_of(&file.content);
-            let hash = fs::read(&path).map(|bytes| blake3::hash(&bytes).to_hex().to_string());
-            if hash.is_ok_and(|hash| hash != file.content) {
-                let _ = fs::remove_file(path);
+            let name = Self::content_of(&file.content);
+            let bytes = self.store.read(&name);
+            let hash = bytes.map(|bytes| blake3::hash(&bytes).to_hex().to_string());
+            if hash.is_some_and(|hash| hash != file.content) {
+                self.store.remove(&name);
             }
         }
     }
@@ -213,7 +212,8 @@ impl Cache {
             for (within, content) in found {
                 let path = root.join(format!("{output}{within}"));
                 let executable = is_executable(&path);
-                self.keep_file(&path, &content, executable)?;
+                self.store
+                    .send(&path, &Self::content_of(&content), executable)?;
                 files.push(CachedFile {
                     output: output.clone(),
                     within,
@@ -230,51 +230,10 @@ impl Cache {
             peak_memory: ran.peak_memory,
             summary: ran.summary.map(str::to_owned),
         };
-        let path = self.made_of(stage, digest);
+        let name = Self::made_of(stage, digest);
         let json = serde_json::to_vec(&made);
-        let json = json.map_err(|e| PipelineError::io("write", &path)(e.into()))?;
-        atomic_write::write(&path, &json, Durability::Written)
+        let json =
+            json.map_err(|e| PipelineError::io("write", &self.store.path(&name))(e.into()))?;
+        self.store.write(&name, &json)
     }
-
-    fn keep_file(&self, from: &Path, hash: &str, executable: bool) -> Result<(), PipelineError> {
-        let target = self.content_of(hash);
-        if target.exists() {
-            return Ok(());
-        }
-        let failed = || PipelineError::io("write into the cache", &target);
-        let folder = target.parent().unwrap_or(&self.folder);
-        fs::create_dir_all(folder).map_err(failed())?;
-        let beside = tempfile::Builder::new()
-            .prefix(".writing-")
-            .tempfile_in(folder)
-            .map_err(failed())?
-            .into_temp_path();
-        fs::copy(from, &beside).map_err(failed())?;
-        set_mode(&beside, executable).map_err(failed())?;
-        beside.persist(&target).map_err(|e| failed()(e.error))
-    }
-}
-
-#[cfg(unix)]
-fn is_executable(path: &Path) -> bool {
-    use std::os::unix::fs::PermissionsExt;
-    fs::metadata(path).is_ok_and(|metadata| metadata.permissions().mode() & 0o100 != 0)
-}
-
-#[cfg(not(unix))]
-fn is_executable(_path: &Path) -> bool {
-    false
-}
-
-/// Copies take over the mode of what is copied: a cache for all must be readable for all.
-#[cfg(unix)]
-fn set_mode(path: &Path, executable: bool) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    let mode = if executable { 0o755 } else { 0o644 };
-    fs::set_permissions(path, fs::Permissions::from_mode(mode))
-}
-
-#[cfg(not(unix))]
-fn set_mode(_path: &Path, _executable: bool) -> std::io::Result<()> {
-    Ok(())
 }

@@ -42,8 +42,11 @@ pub use schema::schema;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use crate::fetch::Places;
 use crate::{PipelineError, Stage};
-use layers::{Layer, check_added, merged_params, merged_stages, move_roots, with_layers};
+use layers::{
+    Layer, check_added, merged_fetch, merged_params, merged_stages, move_roots, with_layers,
+};
 use tables::read_stages;
 use value::{check_name, required, string};
 
@@ -71,6 +74,7 @@ pub struct Pipeline {
     variant: Option<String>,
     text: String,
     stages: Vec<Stage>,
+    fetch: Places,
 }
 
 impl Pipeline {
@@ -151,6 +155,7 @@ impl Pipeline {
             variant: settings.variant.clone(),
             text: top.text.to_owned(),
             stages,
+            fetch: merged_fetch(layers)?,
         })
     }
 
@@ -167,6 +172,11 @@ impl Pipeline {
     /// Its stages, in the order of the file.
     pub fn stages(&self) -> &[Stage] {
         &self.stages
+    }
+
+    /// Paths below the root and the URLs on object storage from which they are fetched before a run.
+    pub fn fetch(&self) -> &BTreeMap<String, String> {
+        &self.fetch
     }
 
     /// The text of its own file, without what that extends.

@@ -167,6 +167,12 @@ fn line_hash(json: &str) -> String {
     hash
 }
 
+pub(crate) fn journal_of(ledger: &Path) -> PathBuf {
+    let mut name = ledger.as_os_str().to_owned();
+    name.push(".journal");
+    PathBuf::from(name)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

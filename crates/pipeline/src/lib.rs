@@ -2,6 +2,8 @@
 
 mod atomic_write;
 mod attempt;
+#[cfg(feature = "object-store")]
+mod bucket;
 mod cache;
 mod check;
 mod clean;
@@ -11,6 +13,7 @@ mod diff;
 mod draw;
 mod error;
 mod executor;
+mod fetch;
 mod file;
 mod graph;
 mod journal;
@@ -30,6 +33,7 @@ mod shares;
 mod shell;
 mod stage;
 mod status;
+mod store;
 mod surroundings;
 mod table;
 #[cfg(test)]

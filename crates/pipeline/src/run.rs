@@ -185,6 +185,7 @@ pub fn run(
     graph.check_commands(place.program.as_ref())?;
     place.check(pipeline)?;
     let wanted = graph.wanted(&options.targets)?;
+    crate::fetch::fetch(pipeline, place)?;
     graph.check_sources(&wanted, place)?;
     let forced = crate::status::forced(&graph, &options.targets, options.force)?;
     let lock = RunLock::acquire(place.lock())?;
@@ -198,7 +199,7 @@ pub fn run(
         place,
         hasher: Hasher::new(&place.root, place.hash_cache(), &stop),
         ledger: Mutex::new(ledger),
-        cache: options.cache.as_deref().map(Cache::new),
+        cache: options.cache.as_deref().map(Cache::open).transpose()?,
         surroundings: OnceLock::new(),
         times: Mutex::default(),
         move_aside: options.move_aside,

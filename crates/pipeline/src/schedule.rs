@@ -186,12 +186,13 @@ impl<'g> Schedule<'g> {
         let wanted: Vec<usize> = order.copied().filter(|i| self.wanted.contains(i)).collect();
         let printed = |&index: &usize| {
             let stage = self.graph.stage(index);
-            let good = is_settled(self.results[index].state);
-            let text = std::fs::read_to_string(place.stdout_of(&stage.name, &stage.key())).ok();
-            let stage_name = stage.name.clone();
-            text.filter(|_| good && stage.summary).map(|text| Summary {
-                stage: stage_name,
-                text,
+            if !stage.summary || !is_settled(self.results[index].state) {
+                return None;
+            }
+            let text = std::fs::read_to_string(place.stdout_of(&stage.name, &stage.key()));
+            Some(Summary {
+                stage: stage.name.clone(),
+                text: text.ok()?,
             })
         };
         let settled = |&i: &usize| is_settled(self.results[i].state);

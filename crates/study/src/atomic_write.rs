@@ -4,6 +4,8 @@ use crate::{
     error::StudyError,
     outputs::{refuse_other_kind, refuse_unusual},
 };
+use maveric_domain::{DriveMeta, Recording};
+use maveric_ingest::{Beside, IngestError, write_mcap_with};
 use std::{
     collections::BTreeSet,
     fs,
@@ -87,6 +89,24 @@ fn remove_left_behind(folder: &Path) {
 pub fn atomic_write_bytes(path: &Path, bytes: &[u8]) -> Result<(), StudyError> {
     atomic_write(path, |file| {
         file.write_all(bytes).map_err(StudyError::write(path))
+    })
+}
+
+/// Writes a recording as [`atomic_write`] does, with what stands beside it.
+///
+/// # Errors
+/// [`StudyError::Io`] that names the file.
+pub(crate) fn write_recording(
+    path: &Path,
+    recording: &Recording,
+    meta: &DriveMeta,
+    beside: &Beside<'_>,
+) -> Result<(), StudyError> {
+    atomic_write(path, |file| {
+        write_mcap_with(recording, meta, beside, file).map_err(|error| match error {
+            IngestError::Write { source } => StudyError::write(path)(std::io::Error::other(source)),
+            other => other.into(),
+        })
     })
 }
 

@@ -48,9 +48,8 @@ impl Layout {
     pub(crate) fn declared(head: [u8; 4]) -> Result<Self, CdrError> {
         let (xcdr2, delimited) = match head[..2] {
             [0, 0 | 1] => (false, false),
-            // As registered for RTPS, and as XTypes first numbered them.
-            [0, 6 | 7 | 0x10 | 0x11] => (true, false),
-            [0, 8 | 9 | 0x14 | 0x15] => (true, true),
+            [0, 6 | 7] => (true, false),
+            [0, 8 | 9] => (true, true),
             _ => return Err(CdrError::Encapsulation(head[0], head[1])),
         };
         Ok(Self {

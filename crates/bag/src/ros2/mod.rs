@@ -3,4 +3,5 @@
 pub(crate) mod cdr;
 pub(crate) mod definition;
 pub(crate) mod plan;
+mod step;
 mod walk;

@@ -3,6 +3,7 @@
 use super::{
     cdr::{CdrError, Layout, Reader},
     definition::{Base, Count, Definitions, Dialect, Field, Primitive},
+    step::{Block, Step},
     walk::walk,
 };
 use crate::wanted;
@@ -13,102 +14,6 @@ const MOST_DEPTH: usize = 32;
 const MOST_STEPS: usize = 1 << 16;
 /// Bytes that a message may have behind its last field: padding to the next multiple of eight.
 pub(crate) const MOST_PADDING: usize = 7;
-
-/// One step along a message.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Step {
-    /// Numbers one after another, of known places.
-    Block(Block),
-    /// Put some numbers of an array or a sequence into slots: `(index, slot)`.
-    TakeSome {
-        primitive: Primitive,
-        fixed: Option<u64>,
-        wanted: Vec<(u64, usize)>,
-    },
-    /// Pass over a string.
-    SkipString,
-    /// Put a name into a slot, as [`wanted::name_number`].
-    TakeName { slot: usize },
-    /// Pass over a string of wide characters.
-    SkipWide,
-    /// Pass over a sequence of numbers of `size` bytes.
-    SkipSequence { size: u8 },
-    /// Pass over an array (`fixed`) or a sequence of what `body` describes; with `first`, the first element's numbers
-    /// are taken.
-    Repeat {
-        fixed: Option<u64>,
-        body: Vec<Self>,
-        first: Option<Vec<Self>>,
-    },
-    /// A sequence each of whose elements gives a row; `slots` are emptied before each.
-    Rows { body: Vec<Self>, slots: Vec<usize> },
-    /// A structure that may start with its size.
-    Structure(Vec<Self>),
-}
-
-/// Numbers one after another: where each wanted one lies depends on where the block starts alone.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(super) struct Block {
-    /// Size and count of each run of numbers, and the slot of a wanted one.
-    runs: Vec<(Primitive, u64, Option<usize>)>,
-    /// By start modulo 8, for XCDR1.
-    by_eight: Vec<Places>,
-    /// By start modulo 4, for XCDR2.
-    by_four: Vec<Places>,
-    /// Without alignment, for ROS 1.
-    packed: Vec<Places>,
-}
-
-/// Where the wanted numbers of a block lie.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Places {
-    pub(super) length: u64,
-    /// Offset from the block's start, what it is, and its slot.
-    pub(super) takes: Vec<(u32, Primitive, u32)>,
-}
-
-impl Block {
-    /// The places for a block that starts at `at`.
-    pub(super) fn places(&self, at: usize, most_align: usize) -> Option<&Places> {
-        match most_align {
-            8 => self.by_eight.get(at % 8),
-            4 => self.by_four.get(at % 4),
-            _ => self.packed.first(),
-        }
-    }
-
-    fn settle(&mut self) -> Result<(), String> {
-        let all = |most_align: usize| -> Result<Vec<Places>, String> {
-            (0..most_align)
-                .map(|start| self.lay_out(start, most_align))
-                .collect()
-        };
-        (self.by_eight, self.by_four, self.packed) = (all(8)?, all(4)?, all(1)?);
-        self.runs = Vec::new();
-        Ok(())
-    }
-
-    fn lay_out(&self, start: usize, most_align: usize) -> Result<Places, String> {
-        let start = start as u64;
-        let mut at = start;
-        let mut takes = Vec::new();
-        for &(primitive, count, slot) in &self.runs {
-            let size = u64::from(primitive.size());
-            at = at.next_multiple_of(size.min(most_align as u64));
-            if let Some(slot) = slot {
-                takes.push(((at - start) as u32, primitive, slot as u32));
-            }
-            at = at.saturating_add(size.saturating_mul(count));
-            if at > u64::from(u32::MAX) {
-                return Err("an array in its schema is too large".to_owned());
-            }
-        }
-        Ok(Places {
-            length: at - start,
-            takes,
-        })
-    }
-}
 
 /// Which bytes of a channel's messages are wanted.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -205,8 +110,8 @@ impl Plan {
                 (bytes, Layout::declared(*head)?)
             }
         };
-        let layout = if self.wide || layout.delimited_collections {
-            self.fitting(bytes, layout, row)
+        let layout = if self.wide {
+            self.as_wide_as_fits(bytes, layout, row)
         } else {
             layout
         };
@@ -232,30 +137,17 @@ impl Plan {
         Ok(reader.remaining())
     }
 
-    /// The layout under which a message fits, among those that its encapsulation leaves open: the width of wide
-    /// characters, and whether collections carry their size (some writers of XCDR2 leave it out).
-    fn fitting(&self, bytes: &[u8], declared: Layout, row: &mut Vec<f64>) -> Layout {
-        let mut candidates = vec![declared];
-        if declared.delimited_collections && !declared.delimited_structures {
-            candidates.push(Layout {
-                delimited_collections: false,
-                ..declared
-            });
-        }
-        if self.wide {
-            let narrow: Vec<Layout> = candidates
-                .iter()
-                .map(|&layout| Layout { wide: 2, ..layout })
-                .collect();
-            candidates.extend(narrow);
-        }
-        let mut fits = |layout: Layout, most_left: usize| {
-            let left = self.run_as(bytes, layout, row, &mut |_| {});
-            left.is_ok_and(|left| left <= most_left)
-        };
-        let whole = candidates.iter().find(|&&c| fits(c, MOST_PADDING)).copied();
-        let whole = whole.or_else(|| candidates.iter().find(|&&c| fits(c, usize::MAX)).copied());
-        whole.unwrap_or(declared)
+    /// Recorders differ in the width of a wide character, and none says it: of the two the one under which a message fits whole,
+    /// else fits at all.
+    fn as_wide_as_fits(&self, bytes: &[u8], layout: Layout, row: &mut Vec<f64>) -> Layout {
+        let both = [layout, Layout { wide: 2, ..layout }];
+        let left = both.map(|layout| self.run_as(bytes, layout, row, &mut |_| {}).ok());
+        let whole = left
+            .iter()
+            .position(|left| left.is_some_and(|n| n <= MOST_PADDING));
+        both[whole
+            .or_else(|| left.iter().position(Option::is_some))
+            .unwrap_or(0)]
     }
 }
 
@@ -463,10 +355,7 @@ fn push(steps: &mut Vec<Step>, primitive: Primitive, count: u64, slot: Option<us
             }
             _ => block.runs.push(run),
         },
-        _ => steps.push(Step::Block(Block {
-            runs: vec![run],
-            ..Block::default()
-        })),
+        _ => steps.push(Step::Block(Block::of(run))),
     }
 }
 

@@ -3,7 +3,7 @@
 use super::{
     cdr::{CdrError, Reader, number},
     definition::Primitive,
-    plan::{Block, Step},
+    step::{Block, Step},
 };
 use crate::wanted::{MOST_ROWS, name_number};
 

@@ -8,7 +8,7 @@ use crate::{
     place::{PipelineArgs, place},
 };
 use maveric_pipeline::{Event, Outcome, RunOptions, RunReport, StageStatus, State, plan, run, why};
-use std::{num::NonZeroUsize, path::PathBuf};
+use std::{fmt::Write as _, num::NonZeroUsize, path::PathBuf};
 
 /// Bring a pipeline up to date: run what is stale, in order, and say where the report is
 #[derive(Debug, clap::Args)]
@@ -52,7 +52,8 @@ pub(crate) struct Run {
     /// After a failure go on with what does not need the failed stage
     #[arg(long)]
     keep_going: bool,
-    /// Folder of outputs by what they were made from: take from it, add to it
+    /// Folder of outputs by what they were made from, or a URL such as s3://bucket/cache where the program was built for it: take
+    /// from it, add to it
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
     /// Where the stages run
@@ -115,9 +116,43 @@ impl Run {
             ..RunOptions::default()
         };
         interrupt::be_patient();
-        let report = run(&pipeline, &place, &options, &mut |event| say(&event))
-            .map_err(Failure::pipeline("could not run the pipeline"))?;
+        let mut idle = UpToDate::default();
+        let report = run(&pipeline, &place, &options, &mut |event| idle.say(&event));
+        idle.tell();
+        let report = report.map_err(Failure::pipeline("could not run the pipeline"))?;
         print_report(self.format, &report)
+    }
+}
+
+/// Lines about stages that are up to date: of many in a row there are some thousands a second, which are told together.
+#[derive(Default)]
+struct UpToDate(String);
+
+impl UpToDate {
+    /// Most bytes that wait.
+    const MOST: usize = 1 << 16;
+
+    fn say(&mut self, event: &Event<'_>) {
+        let Event::UpToDate {
+            stage,
+            settled,
+            wanted,
+        } = event
+        else {
+            self.tell();
+            return say(event);
+        };
+        let _ = writeln!(self.0, "[{settled}/{wanted}] {stage}: up to date");
+        if self.0.len() > Self::MOST {
+            self.tell();
+        }
+    }
+
+    fn tell(&mut self) {
+        if !self.0.is_empty() {
+            tell!("{}", self.0.trim_end());
+            self.0.clear();
+        }
     }
 }
 
@@ -133,11 +168,6 @@ fn say(event: &Event<'_>) {
             tell!("{stage}: running ({}{more})", why.join("; "));
         }
         Event::Line { stage, line } => tell!("{stage}: {line}"),
-        Event::UpToDate {
-            stage,
-            settled,
-            wanted,
-        } => tell!("[{settled}/{wanted}] {stage}: up to date"),
         Event::Finished {
             stage,
             seconds,

@@ -17,6 +17,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 type Checked<T> = Result<T, DesignError>;
 
+/// Most conditions: a study compares them in pairs, of which these are 1,225 for every outcome.
+const MOST_CONDITIONS: usize = 50;
+
 impl Design {
     /// Reads a design and checks its shape.
     ///
@@ -157,6 +160,13 @@ fn conditions(
             "condition",
             "none",
             "at least one [[condition]]",
+        ));
+    }
+    if raw.len() > MOST_CONDITIONS {
+        return Err(DesignError::key(
+            "condition",
+            raw.len().to_string(),
+            format!("at most {MOST_CONDITIONS}"),
         ));
     }
     once("condition.id", raw.iter().map(|c| c.id.to_string()))?;

@@ -1,5 +1,7 @@
 //! What can be wrong with a study's file.
 
+use crate::nearest::nearest;
+
 /// A design that is refused: which key, what stands there, what would be possible.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -92,15 +94,4 @@ impl DesignError {
             nearest,
         }
     }
-}
-
-/// The most alike of some words, where one is alike.
-fn nearest<'a>(found: &str, possible: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    const ALIKE: f64 = 0.8;
-    possible
-        .into_iter()
-        .map(|word| (strsim::jaro_winkler(found, word), word))
-        .filter(|(alike, _)| *alike >= ALIKE)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, word)| word)
 }

@@ -151,7 +151,6 @@ impl Drive {
     /// Method section 2; the tracker's remedies are from calibration section 4.
     pub fn from_recording(meta: DriveMeta, recording: &Recording) -> Result<Self, DomainError> {
         let road = *recording.road();
-        let n = recording.rows();
         let ego = recording.ego();
         let mut rows = Rows {
             time_s: recording.time_s().to_vec(),
@@ -163,10 +162,7 @@ impl Drive {
             ..Rows::default()
         };
         let mut tracker = ReferenceTracker::new(road);
-        for row in 0..n {
-            let Some(scene) = recording.scene(row) else {
-                break;
-            };
+        for (row, scene) in recording.scenes().enumerate() {
             if row > 0 && rows.segment[row] != rows.segment[row - 1] {
                 tracker = ReferenceTracker::new(road);
             }

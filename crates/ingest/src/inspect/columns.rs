@@ -3,7 +3,10 @@
 use crate::{
     error::IngestError,
     parquet::is_parquet,
-    raw::table::open::{Kind, SEPARATORS, Style, Table, header},
+    raw::table::{
+        open::{Kind, Table},
+        text::{SEPARATORS, Style, header},
+    },
 };
 use std::path::Path;
 

@@ -13,18 +13,19 @@ use crate::{
     mapping::{Mapping, Signals},
     quality::{Warning, WarningKind},
     raw::mcap::{
-        choice::{Choice, Found, choose},
-        read::damage_warnings,
-        roles::Role,
+        choice::{Choice, choose},
+        metadata,
+        read::{Collected, collect_all, damage_warnings, found as found_of},
+        slots::Role,
     },
-    read_log::{Format, format_of, read_log, without_parts},
-    settings::{IngestSettings, Ingested},
+    read_log::{Format, format_of, read_recording, without_parts},
+    settings::IngestSettings,
 };
 use maveric_bag::parts_of;
 use serde::Serialize;
 use std::{collections::BTreeMap, path::Path};
 pub use suggest::suggest_mapping;
-use survey::{Survey, Surveyed};
+use survey::{gaps, summary};
 
 /// What kind of file a log is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -172,68 +173,79 @@ fn inspect_folder(path: &Path, settings: &IngestSettings) -> Result<LogSummary, 
 
 fn inspect_mcap(path: &Path, given: &IngestSettings) -> Result<LogSummary, IngestError> {
     let parts = parts_of(path)?;
-    let (survey, damage) = Survey::of(&parts.files)?;
-    let all = || {
-        survey
-            .channels
+    let topics = given.mapping.as_ref().and_then(|m| m.mcap.as_ref());
+    let collected = collect_all(&parts.files, topics)?;
+    let streams = &collected.streams;
+    let with_times = || {
+        streams
             .iter()
-            .flat_map(|c| c.log_ns.iter().copied())
+            .filter_map(|s| Some((s, s.taken.times.as_ref()?)))
     };
+    let all = || with_times().flat_map(|(_, times)| times.log_ns.iter().copied());
     let (first, last) = (all().min(), all().max());
-    let mut damage: Vec<Warning> = parts
-        .files
-        .iter()
-        .zip(&damage)
-        .flat_map(|(part, damage)| damage_warnings(part, damage, first))
-        .collect();
-    damage.extend(without_parts(path, &parts));
-    let found: Vec<Found<'_>> = survey.channels.iter().map(Surveyed::found).collect();
-    // The only sure way to know what reading makes of it is to read it.
+    let mut channels: Vec<ChannelSummary> = with_times().map(|(s, t)| summary(s, t)).collect();
+    channels.sort_by(|a, b| a.topic.cmp(&b.topic));
+    let start = first.unwrap_or(0);
+    let mut found = LogSummary {
+        format: LogFormat::Mcap,
+        writer: collected.writer.clone(),
+        drive: collected.metadata.get(metadata::NAME).cloned(),
+        channels,
+        columns: Vec::new(),
+        rows: all().count(),
+        duration_s: first.zip(last).map(|(a, b)| (b - a) as f64 / 1e9),
+        gaps: with_times()
+            .flat_map(|(s, t)| gaps(&s.channel.topic, &t.log_ns, start))
+            .collect(),
+        damage: Vec::new(),
+        warnings: Vec::new(),
+        would_ingest: String::new(),
+    };
+    let damaged =
+        !parts.missing.is_empty() || collected.walked.iter().any(|w| !w.damage.is_empty());
     let settings = IngestSettings {
         recover: true,
         ..given.clone()
     };
-    let topics = given.mapping.as_ref().and_then(|m| m.mcap.as_ref());
-    let mut warnings = Vec::new();
-    let would_ingest = match (choose(path, topics, &found), read_log(path, &settings)) {
-        (Ok(choice), Ok(drives)) => {
-            let what = describe(&found, &choice, &drives, !damage.is_empty());
-            let said = drives.into_iter().flat_map(|d| d.warnings);
-            warnings.extend(said.filter(|w| w.kind != WarningKind::Damage));
-            what
-        }
-        (Err(error), _) | (_, Err(error)) => format!("nothing: {error}"),
+    let what = match choose(
+        path,
+        topics,
+        &streams.iter().map(found_of).collect::<Vec<_>>(),
+    ) {
+        Ok(choice) => describe(&collected, &choice, damaged),
+        Err(_) => String::new(),
     };
-    let start = first.unwrap_or(0);
-    let gaps = survey.channels.iter().flat_map(|c| c.gaps(start)).collect();
-    let rows = all().count();
-    let mut channels: Vec<ChannelSummary> =
-        survey.channels.into_iter().map(Surveyed::summary).collect();
-    channels.sort_by(|a, b| a.topic.cmp(&b.topic));
-    Ok(LogSummary {
-        format: LogFormat::Mcap,
-        writer: survey.writer,
-        drive: survey.drive,
-        channels,
-        columns: Vec::new(),
-        rows,
-        duration_s: first.zip(last).map(|(a, b)| (b - a) as f64 / 1e9),
-        gaps,
-        damage,
-        warnings,
-        would_ingest,
-    })
+    let damage = parts.files.iter().zip(&collected.walked);
+    found.damage = damage
+        .flat_map(|(part, walked)| damage_warnings(part, &walked.damage, first))
+        .chain(without_parts(path, &parts))
+        .collect();
+    // The only sure way to know what reading makes of it is to do it, with what was read.
+    found.would_ingest = match read_recording(path, &parts, collected, &settings) {
+        Ok(drive) => {
+            let rows = drive.recording.rows();
+            let said = drive.warnings.into_iter();
+            found
+                .warnings
+                .extend(said.filter(|w| w.kind != WarningKind::Damage));
+            format!("one drive of {rows} rows {what}")
+        }
+        Err(error) => format!("nothing: {error}"),
+    };
+    Ok(found)
 }
 
-fn describe(found: &[Found<'_>], choice: &Choice, drives: &[Ingested], damaged: bool) -> String {
-    let ego = &found[choice.ego];
+/// From which channels a drive would be, and on which terms.
+fn describe(collected: &Collected, choice: &Choice, damaged: bool) -> String {
+    let found = |i: usize| found_of(&collected.streams[i]);
+    let ego = found(choice.ego);
     let speed = match ego.role {
         Ok(Some(Role::Pose | Role::Frames)) if choice.speed.is_none() => {
             ", its speed differentiated"
         }
         _ => "",
     };
-    let others = match choice.objects.map(|i| &found[i]) {
+    let others = match choice.objects.map(found) {
         Some(objects) => format!("the others from `{}`", objects.topic),
         None => "no other vehicles, so no lead vehicle".to_owned(),
     };
@@ -242,9 +254,8 @@ fn describe(found: &[Found<'_>], choice: &Choice, drives: &[Ingested], damaged: 
     } else {
         ""
     };
-    let rows: usize = drives.iter().map(|d| d.recording.rows()).sum();
     format!(
-        "one drive of {rows} rows at {} Hz: ego from `{}` ({}){speed}; {others}{caution}",
+        "at {} Hz: ego from `{}` ({}){speed}; {others}{caution}",
         IngestSettings::RATE_HZ,
         ego.topic,
         ego.type_name

@@ -5,7 +5,8 @@ use serde::Deserialize;
 /// Names of the columns; which of them a table needs depends on its layout.
 ///
 /// A name that ends in `?` is used where the table has such a column and passed over where it has not. In a platoon
-/// `{n}` stands for the number of the vehicle.
+/// `{n}` stands for the number of the vehicle. Where a row of a long table is one time of all vehicles, `{id}` stands for each
+/// vehicle's name in the columns of its own: `x = "{id}_pos_x"`.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Columns {
@@ -31,7 +32,7 @@ pub struct Columns {
     pub lead_dy: Option<String>,
     /// The leader's number; none where it is empty, 0 or -1 (long), or empty (pair).
     pub lead_id: Option<String>,
-    /// The vehicle's number or name (long).
+    /// The vehicle's number or name (long, unless `{id}` stands in the names of columns).
     pub id: Option<String>,
     /// What else a vehicle's number needs to be its own, such as the place (long).
     #[serde(default)]
@@ -54,6 +55,8 @@ pub struct Columns {
     pub length: Option<String>,
     /// The vehicle's width, where `point` is a corner of its box (long).
     pub width: Option<String>,
+    /// How far the vehicle's centre is ahead of its position, where `point` is a `reference` (long).
+    pub centre_ahead: Option<String>,
 }
 
 impl Columns {
@@ -81,6 +84,7 @@ impl Columns {
             ("heading", &self.heading),
             ("length", &self.length),
             ("width", &self.width),
+            ("centre_ahead", &self.centre_ahead),
         ];
         let given = keys
             .into_iter()
@@ -89,6 +93,62 @@ impl Columns {
             .chain(self.groups.iter().map(|g| ("groups", g.as_str())))
             .collect()
     }
+
+    /// What stands before and behind a vehicle's name in the column of its position, where vehicles have columns of their own.
+    pub(crate) fn around_id(&self) -> Option<(&str, &str)> {
+        self.x.as_ref()?.split_once(Self::ID)
+    }
+
+    /// The columns of one vehicle.
+    pub(crate) fn of_vehicle(&self, id: &str) -> Self {
+        let mut columns = self.clone();
+        let of_vehicles = [
+            &mut columns.x,
+            &mut columns.y,
+            &mut columns.lane,
+            &mut columns.speed,
+            &mut columns.speed_x,
+            &mut columns.speed_y,
+            &mut columns.heading,
+            &mut columns.length,
+            &mut columns.width,
+            &mut columns.centre_ahead,
+            &mut columns.gap,
+            &mut columns.lead_id,
+            &mut columns.lead_x,
+            &mut columns.lead_speed,
+            &mut columns.lead_length,
+        ];
+        for name in of_vehicles.into_iter().flatten() {
+            *name = name.replace(Self::ID, id);
+        }
+        columns
+    }
+
+    /// Whether `{id}` stands in the columns of vehicles and in no other, or in none at all.
+    ///
+    /// # Errors
+    /// A sentence that names the column.
+    pub(super) fn check_id(&self) -> Result<(), String> {
+        let wide = self.around_id().is_some();
+        let odd = self.given().into_iter().find(|(key, name)| {
+            let shared = ["time", "groups"].contains(key);
+            name.contains(Self::ID) != (wide && !shared)
+        });
+        match odd {
+            None => Ok(()),
+            Some((key, name)) if name.contains(Self::ID) => Err(format!(
+                "`table.columns.{key}` has `{{id}}`, which stands for vehicles' names in the columns of vehicles, `x` among them"
+            )),
+            Some(("id", _)) => Err("`table.columns.id` does nothing where `{id}` in the names of columns tells vehicles apart: leave it out".to_owned()),
+            Some((key, name)) => Err(format!(
+                "`table.columns.{key}` is `{name}` for all vehicles, expected a name with `{{id}}` as in `x`"
+            )),
+        }
+    }
+
+    /// What stands for a vehicle's name.
+    const ID: &str = "{id}";
 }
 
 /// The files of a folder in which every signal has its own (layout `signals`).

@@ -1,7 +1,7 @@
 //! What the channels of a recording mean.
 
-use super::names::matches;
-use crate::raw::mcap::{rigs, roles::Role};
+use super::{names::matches, shipped_rigs};
+use crate::raw::mcap::slots::Role;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -137,9 +137,9 @@ impl McapMapping {
     /// Whether every message mapping names what it must, and nothing else.
     pub(super) fn check(&self) -> Result<(), String> {
         if let Some(rig) = &self.rig
-            && !rigs::names().any(|name| name == rig)
+            && !shipped_rigs::names().any(|name| name == rig)
         {
-            let known: Vec<&str> = rigs::names().collect();
+            let known: Vec<&str> = shipped_rigs::names().collect();
             return Err(format!(
                 "`mcap.rig` is `{rig}`, expected one of {}",
                 known.join(", ")

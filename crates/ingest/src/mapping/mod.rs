@@ -3,17 +3,21 @@
 mod columns;
 mod mcap;
 pub(crate) mod names;
+mod shipped_rigs;
 mod table;
+mod time_pattern;
 mod units;
 
-use crate::error::{IngestError, nearest};
+use crate::{error::IngestError, lane_centres::LaneShape};
 pub use columns::{Columns, RecordingMeta, Signals, SpeedSignal, TracksSignal, VelocitySignal};
-use maveric_domain::Road;
+use maveric_domain::{Road, nearest};
 pub use mcap::{McapMapping, MessageMapping, RigSigns, Tells, Topics, TwistFrame};
 pub use names::Names;
 use serde::Deserialize;
+pub(crate) use shipped_rigs::SHIPPED_RIGS;
 use std::path::Path;
 pub use table::{Directions, Forward, GapKind, Layout, Point, Side, TableMapping};
+pub(crate) use time_pattern::patterned;
 pub use units::{AngleUnit, LengthUnit, SpeedUnit, TimeUnit, Units};
 
 /// What a log means where it does not say so itself; read from TOML, where a misspelt key is an error.
@@ -31,6 +35,13 @@ pub struct Mapping {
     /// along them, instead of by [`RoadMapping::frame`].
     #[serde(default)]
     pub centre_line: Vec<[f64; 2]>,
+    /// Edges of the lanes across the road in that frame, from the right one to the left one, in m: lanes of any width become
+    /// those of the road.
+    #[serde(default)]
+    pub lane_edges_m: Vec<f64>,
+    /// Whether lanes lie where vehicles drove: as many as the road has, about as wide as it says.
+    #[serde(default)]
+    pub lanes_driven: bool,
     /// Ids from file names.
     pub names: Option<Names>,
     /// Columns of a table.
@@ -158,7 +169,11 @@ impl Mapping {
             if self.centre_line.len() < 2 || !finite || !apart {
                 return Err("`centre_line` is expected to have two or more finite points, no two alike in a row".to_owned());
             }
+            if self.table.as_ref().is_some_and(|t| !t.is_of_the_world()) {
+                return Err("`centre_line` needs positions in the world: layout `long`, `directions = \"along\"`, and a `heading` unless positions are of vehicles' centres".to_owned());
+            }
         }
+        self.check_lanes()?;
         if let Some(mcap) = &self.mcap {
             mcap.check()?;
         }
@@ -166,6 +181,45 @@ impl Mapping {
             table.check()?;
         }
         Ok(())
+    }
+
+    /// Whether edges rise and are those of the road's lanes, and nothing else says where lanes are.
+    fn check_lanes(&self) -> Result<(), String> {
+        let edges = &self.lane_edges_m;
+        if edges.is_empty() && !self.lanes_driven {
+            return Ok(());
+        }
+        let Some(road) = self.road else {
+            return Err("`lane_edges_m` and `lanes_driven` need a `[road]`".to_owned());
+        };
+        if !edges.is_empty() && (self.lanes_driven || road.right_lane_centre_y_m != 0.0) {
+            return Err("only one of `lane_edges_m`, `lanes_driven` and `road.right_lane_centre_y_m` says where lanes are".to_owned());
+        }
+        let rising = edges.windows(2).all(|e| e[0] < e[1]) && edges.iter().all(|e| e.is_finite());
+        if !edges.is_empty() && (!rising || edges.len() != usize::from(road.lanes) + 1) {
+            return Err(format!(
+                "`lane_edges_m` has {} numbers, expected {}, rising: one more than `road.lanes`",
+                edges.len(),
+                usize::from(road.lanes) + 1
+            ));
+        }
+        let numbered = self
+            .table
+            .as_ref()
+            .is_some_and(|t| t.columns.lane.is_some() || t.recording_meta.is_some());
+        if numbered || road.frame == FrameKind::Path {
+            return Err("`lane_edges_m` and `lanes_driven` do nothing beside numbers or markings of lanes, or in the frame `path`: leave them out".to_owned());
+        }
+        Ok(())
+    }
+
+    /// How lanes lie across the road.
+    pub(crate) fn lane_shape(&self) -> LaneShape<'_> {
+        match self.lane_edges_m.as_slice() {
+            [] if self.lanes_driven => LaneShape::Driven,
+            [] => LaneShape::Even,
+            edges => LaneShape::Edges(edges),
+        }
     }
 }
 

@@ -2,9 +2,9 @@
 
 use super::{
     columns::{Columns, RecordingMeta, Signals},
+    time_pattern::is_pattern,
     units::{TimeUnit, Units},
 };
-use crate::raw::table::time::is_pattern;
 use serde::Deserialize;
 
 /// Columns of a table, their units and what its gap is measured between.
@@ -42,6 +42,10 @@ pub struct TableMapping {
     pub directions: Directions,
     /// Frames a second, where times are numbers of frames.
     pub frames_per_s: Option<f64>,
+    /// The one vehicle that is ego, where the others only surround it; without it every vehicle is ego of a drive.
+    pub ego: Option<String>,
+    /// How far vehicles' centres are ahead of their positions, in m, where `point` is a `reference` and no column says it.
+    pub centre_ahead_m: Option<f64>,
     /// A hole longer than this, in s, makes the number of a vehicle that of another one.
     pub new_vehicle_after_s: Option<f64>,
     /// Ego's length where no column says it, in m.
@@ -110,6 +114,8 @@ pub enum Point {
     Rear,
     /// The corner of its box with the smallest x and y; needs the width.
     Corner,
+    /// A point such as the middle of the rear axle, behind the centre as `centre_ahead` says.
+    Reference,
 }
 
 /// A side of the road, seen along x.
@@ -222,8 +228,18 @@ impl TableMapping {
                 )?;
             }
             Layout::Long => {
-                need(columns.id.is_some(), "`table.columns.id`")?;
                 need(columns.x.is_some(), "`table.columns.x`")?;
+                columns.check_id()?;
+                need(
+                    columns.id.is_some() || columns.around_id().is_some(),
+                    "`table.columns.id`, or `{id}` in the columns of each vehicle",
+                )?;
+                if self.point == Some(Point::Reference) {
+                    need(
+                        columns.centre_ahead.is_some() || self.centre_ahead_m.is_some(),
+                        "`table.columns.centre_ahead` or `table.centre_ahead_m`, as its point is a reference",
+                    )?;
+                }
                 need(self.point.is_some(), POINT)?;
                 if self.point == Some(Point::Corner) {
                     let sized = columns.length.is_some() && columns.width.is_some();
@@ -261,6 +277,14 @@ impl TableMapping {
 }
 
 impl TableMapping {
+    /// Whether positions are places in the world, so that a line through it can straighten the road.
+    pub(super) fn is_of_the_world(&self) -> bool {
+        let centre = matches!(self.point, Some(Point::Centre));
+        self.layout == Layout::Long
+            && self.directions == Directions::Along
+            && (centre || self.columns.heading.is_some())
+    }
+
     /// Refuses keys that do nothing: somebody thinks that they do.
     fn check_keys(&self) -> Result<(), String> {
         let c = &self.columns;
@@ -284,6 +308,12 @@ impl TableMapping {
             long,
         )?;
         of_layout(self.recording_meta.is_some(), "recording_meta", long)?;
+        of_layout(self.ego.is_some(), "ego", long)?;
+        of_layout(
+            self.point == Some(Point::Reference),
+            "point = \"reference\"",
+            long,
+        )?;
         of_layout(
             self.signals.is_some(),
             "signals",
@@ -326,6 +356,13 @@ impl TableMapping {
             c.y.is_some(),
             "`table.columns.y`",
         )?;
+        let reference = self.point == Some(Point::Reference);
+        without(
+            self.centre_ahead_m.is_some() || c.centre_ahead.is_some(),
+            "centre_ahead",
+            reference,
+            "`point = \"reference\"`",
+        )?;
         let lane = c.lane.is_some();
         without(
             self.lanes_from.is_some(),
@@ -363,8 +400,7 @@ impl TableMapping {
     }
 }
 
-const POINT: &str =
-    "`table.point`: are positions of a vehicle's `front`, `centre`, `rear` or `corner`?";
+const POINT: &str = "`table.point`: are positions of a vehicle's `front`, `centre`, `rear`, `corner`, or of another `reference`?";
 
 impl Layout {
     /// The word in a mapping.
@@ -406,6 +442,7 @@ impl Layout {
                 "heading",
                 "length",
                 "width",
+                "centre_ahead",
                 "gap",
                 "lead_id",
                 "lead_x",

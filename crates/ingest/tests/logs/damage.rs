@@ -374,6 +374,7 @@ fn a_long_log_is_read_alike_whether_or_not_its_chunks_are_unpacked_ahead() {
         whole,
         Ingested {
             warnings: whole.warnings.clone(),
+            sources: whole.sources.clone(),
             ..read(&plain, false).unwrap()
         }
     );

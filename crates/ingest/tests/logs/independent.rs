@@ -262,9 +262,9 @@ fn a_drive_comes_back_from_its_file_bit_by_bit_with_its_provenance() {
     };
     let path = folder.join("vehicles_with_leader.csv");
     let settings = settings("ngsim.toml");
-    let provenance = Provenance::of(&path, None, &settings).unwrap();
     let out = tempfile::tempdir().unwrap();
     for found in read_log(&path, &settings).unwrap() {
+        let provenance = Provenance::of(&found.sources, None, &settings).unwrap();
         let drive = drive_of(&found);
         let file = out.path().join("d.parquet");
         write_drive_to(std::fs::File::create(&file).unwrap(), &drive, &provenance).unwrap();

@@ -15,6 +15,7 @@ mod rigs;
 mod round_trip;
 mod samples;
 mod scene;
+mod simulators;
 mod tables;
 
 use maveric_domain::{

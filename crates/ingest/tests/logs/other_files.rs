@@ -194,3 +194,130 @@ fn an_intact_log_with_one_very_large_message_is_read_and_the_message_counted() {
         }
     }
 }
+
+#[test]
+fn what_was_read_is_known_by_its_hash_whatever_its_length_and_however_it_ends() {
+    let folder = tempfile::tempdir().unwrap();
+    let settings = IngestSettings {
+        recover: true,
+        ..IngestSettings::default()
+    };
+    let whole = bytes_of(&recording(false));
+    let plain = WriteOptions::new().compression(None).use_chunks(false);
+    let plain = rewritten(&whole, plain, Some);
+    assert!(
+        whole.len() > 128 << 10 || plain.len() > 128 << 10,
+        "one is read on a thread of its own"
+    );
+    let mut damaged = plain.clone();
+    let middle = damaged.len() / 2;
+    damaged[middle..middle + 64].fill(0xff);
+    let cases = [
+        whole.clone(),
+        whole[..whole.len() / 2].to_vec(),
+        plain.clone(),
+        plain[..plain.len() - 1000].to_vec(),
+        damaged,
+    ];
+    for (i, bytes) in cases.iter().enumerate() {
+        let path = folder.path().join(format!("{i}.mcap"));
+        std::fs::write(&path, bytes).unwrap();
+        let found = read_log(&path, &settings).unwrap();
+        let [source] = &found[0].sources[..] else {
+            panic!("{:?}", found[0].sources);
+        };
+        assert_eq!(source.name, format!("{i}.mcap"));
+        assert_eq!(
+            source.blake3,
+            blake3::hash(bytes).to_hex().to_string(),
+            "case {i}"
+        );
+    }
+}
+
+/// A log whose second, lesser odometry nobody can decode, and which lies about it in its summary if `lies`.
+fn with_a_rival(lies: bool) -> Vec<u8> {
+    let log = bytes_of(&recording(false));
+    let options = WriteOptions::new()
+        .compression(None)
+        .calculate_summary_section_crc(false);
+    let mut out = options.create(std::io::Cursor::new(Vec::new())).unwrap();
+    let none = std::collections::BTreeMap::new();
+    let mut channel = |topic: &str, like: &mcap::Channel<'_>| {
+        let schema = like.schema.as_ref().unwrap();
+        let schema = out
+            .add_schema(&schema.name, &schema.encoding, &schema.data)
+            .unwrap();
+        out.add_channel(schema, topic, "cdr", &none).unwrap()
+    };
+    let first = mcap::MessageStream::new(&log).unwrap().map(Result::unwrap);
+    let mut channels: Vec<_> = first.take(2).map(|m| m.channel).collect();
+    channels.sort_by_key(|c| c.topic.ends_with("objects"));
+    let ours = channel("/a/odometry", &channels[0]);
+    let objects = channel("/a/objects", &channels[1]);
+    let rival = channel("/b/odometry", &channels[0]);
+    for message in mcap::MessageStream::new(&log).unwrap() {
+        let message = message.unwrap();
+        let head = |channel_id| mcap::records::MessageHeader {
+            channel_id,
+            sequence: 0,
+            log_time: message.log_time,
+            publish_time: message.log_time,
+        };
+        if message.channel.topic.ends_with("objects") {
+            out.write_to_known_channel(&head(objects), &message.data)
+                .unwrap();
+            continue;
+        }
+        out.write_to_known_channel(&head(ours), &message.data)
+            .unwrap();
+        if message.log_time % 200_000_000 == 0 {
+            out.write_to_known_channel(&head(rival), &[0, 1, 0, 0, 7])
+                .unwrap();
+        }
+    }
+    out.finish().unwrap();
+    let mut bytes = out.into_inner().into_inner();
+    if lies {
+        let count = (1200 / 4_u64).to_le_bytes();
+        let at = bytes.windows(8).rposition(|w| w == count).unwrap();
+        bytes[at..at + 8].copy_from_slice(&1_000_000_u64.to_le_bytes());
+    }
+    bytes
+}
+
+#[test]
+fn only_chosen_channels_are_decoded_and_a_summary_that_lies_is_not_believed() {
+    let folder = tempfile::tempdir().unwrap();
+    let read = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        (
+            read_log(&path, &IngestSettings::default())
+                .unwrap()
+                .remove(0),
+            path,
+        )
+    };
+    let misfits = |warnings: &[maveric_ingest::Warning]| {
+        let bad = warnings
+            .iter()
+            .filter(|w| w.kind == WarningKind::BadMessage);
+        bad.map(|w| w.count).sum::<usize>()
+    };
+    let (honest, path) = read("rival.mcap", &with_a_rival(false));
+    assert!(honest.recording.rows() > 1000);
+    assert_eq!(
+        misfits(&honest.warnings),
+        0,
+        "what is not chosen is not decoded"
+    );
+    assert_eq!(
+        misfits(&inspect(&path).unwrap().warnings),
+        300,
+        "inspect tells of it"
+    );
+    let (lie, _) = read("lie.mcap", &with_a_rival(true));
+    assert_eq!(lie.recording, honest.recording);
+    assert_eq!(misfits(&lie.warnings), 300, "everything was read");
+}

@@ -83,7 +83,8 @@ fn a_scene_changes_nothing_that_is_ingested() {
     let read = |bytes: &[u8]| {
         std::fs::write(file.path(), bytes).unwrap();
         let mut found = read_log(file.path(), &IngestSettings::default()).unwrap();
-        (found.remove(0), found.len())
+        let first = found.remove(0);
+        (first.meta, first.recording, first.warnings, found.len())
     };
     let plain = read(&bytes_of(&recording));
     let full = read(&written(&recording, &trace(), true));

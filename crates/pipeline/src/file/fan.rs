@@ -4,8 +4,7 @@ use std::path::Path;
 
 use toml::de::{DeTable, DeValue};
 
-use super::tables::read_param;
-use super::value::{Located, check_name, required, string, wrong_type};
+use super::value::{Located, check_name, read_param, required, string, wrong_type};
 use crate::error::{FileProblem, MOST_STAGES};
 use crate::params::{Param, ParamKind, is_name};
 use crate::paths::normalise;

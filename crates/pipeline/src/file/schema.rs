@@ -49,6 +49,10 @@ fn of_kind(kind: Kind) -> Value {
             "propertyNames": {"pattern": NAME},
             "additionalProperties": single,
         }),
+        Kind::Places => json!({
+            "type": "object",
+            "additionalProperties": {"type": "string", "pattern": "://"},
+        }),
         Kind::Lists => json!({
             "type": "object",
             "propertyNames": {"pattern": NAME},

@@ -1,4 +1,4 @@
-//! The tables of a pipeline file: `[params]` and each `[[stage]]`.
+//! The tables of a pipeline file: each `[[stage]]`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -19,41 +19,6 @@ use crate::paths::normalise;
 use crate::stage::{FILES, Resources, Stage};
 
 const STAGE: &str = "[[stage]]";
-
-pub(super) fn read_params(table: &DeTable<'_>) -> Result<Params, Located> {
-    let Some(value) = table.get("params") else {
-        return Ok(Params::default());
-    };
-    let DeValue::Table(entries) = value.get_ref() else {
-        return Err(wrong_type("params", value, "a table"));
-    };
-    let mut params = Params::default();
-    for (key, value) in entries {
-        let name = key.get_ref().to_string();
-        check_name(&name, key.span().start)?;
-        params.0.insert(name.clone(), read_param(&name, value)?);
-    }
-    Ok(params)
-}
-
-pub(super) fn read_param(name: &str, value: &Value<'_>) -> Result<Param, Located> {
-    let (kind, text) = match value.get_ref() {
-        DeValue::String(text) => (ParamKind::Text, text.to_string()),
-        DeValue::Integer(number) if number.radix() == 10 => {
-            (ParamKind::Integer, number.as_str().to_owned())
-        }
-        DeValue::Float(number) => (ParamKind::Float, number.as_str().to_owned()),
-        DeValue::Boolean(truth) => (ParamKind::Boolean, truth.to_string()),
-        _ => {
-            return Err(wrong_type(
-                name,
-                value,
-                "a string, a decimal number or a boolean",
-            ));
-        }
-    };
-    Ok(Param { kind, text })
-}
 
 pub(super) fn read_stages(
     entries: &[Entry<'_>],

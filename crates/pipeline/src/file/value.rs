@@ -9,7 +9,7 @@ use toml::de::{DeTable, DeValue};
 use super::keys::Key;
 use crate::PipelineError;
 use crate::error::{FileProblem, nearest};
-use crate::params::{Params, is_name};
+use crate::params::{Param, ParamKind, Params, is_name};
 use crate::shell::is_script;
 
 pub(super) type Value<'a> = Spanned<DeValue<'a>>;
@@ -154,4 +154,41 @@ pub(super) fn wrong_type(key: &str, value: &Value<'_>, expected: &'static str) -
             expected,
         },
     }
+}
+
+/// The parameters of a file.
+pub(super) fn read_params(table: &DeTable<'_>) -> Result<Params, Located> {
+    let Some(value) = table.get("params") else {
+        return Ok(Params::default());
+    };
+    let DeValue::Table(entries) = value.get_ref() else {
+        return Err(wrong_type("params", value, "a table"));
+    };
+    let mut params = Params::default();
+    for (key, value) in entries {
+        let name = key.get_ref().to_string();
+        check_name(&name, key.span().start)?;
+        params.0.insert(name.clone(), read_param(&name, value)?);
+    }
+    Ok(params)
+}
+
+/// One value that a parameter may have.
+pub(super) fn read_param(name: &str, value: &Value<'_>) -> Result<Param, Located> {
+    let (kind, text) = match value.get_ref() {
+        DeValue::String(text) => (ParamKind::Text, text.to_string()),
+        DeValue::Integer(number) if number.radix() == 10 => {
+            (ParamKind::Integer, number.as_str().to_owned())
+        }
+        DeValue::Float(number) => (ParamKind::Float, number.as_str().to_owned()),
+        DeValue::Boolean(truth) => (ParamKind::Boolean, truth.to_string()),
+        _ => {
+            return Err(wrong_type(
+                name,
+                value,
+                "a string, a decimal number or a boolean",
+            ));
+        }
+    };
+    Ok(Param { kind, text })
 }

@@ -1,19 +1,13 @@
 //! A ledger in the hands of one run.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::{Ledger, Loaded, Record};
 use crate::atomic_write;
-use crate::journal::{Entry, Journal};
+use crate::journal::{Entry, Journal, journal_of};
 use crate::paths::{below, with_ancestors};
 use crate::{PipelineError, Place, Stage};
-
-pub(super) fn journal_of(ledger: &Path) -> PathBuf {
-    let mut name = ledger.as_os_str().to_owned();
-    name.push(".journal");
-    PathBuf::from(name)
-}
 
 /// A ledger held by one run: what happens goes to the journal at once and to the ledger's
 /// own file at the end.

@@ -29,7 +29,7 @@ pub(crate) fn load(path: &Path, pipeline: Option<&str>) -> Result<Loaded, Pipeli
             _ => return Err(PipelineError::io("read the ledger", path)(error)),
         },
     };
-    let replayed = journal::replay(&super::open::journal_of(path), hash.as_ref(), &mut ledger)?;
+    let replayed = journal::replay(&journal::journal_of(path), hash.as_ref(), &mut ledger)?;
     Ok(Loaded {
         ledger,
         hash,

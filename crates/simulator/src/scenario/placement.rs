@@ -4,6 +4,9 @@ use super::{Range, RoadSettings, StartSettings, check};
 use crate::error::SimulatorError;
 use serde::{Deserialize, Serialize};
 
+/// Most vehicles that a scenario may place; more of them are a `[background]`.
+const MOST_PLACED: f64 = 1000.0;
+
 /// A vehicle that is there from the start; it keeps its speed and lane but for what its script says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -109,6 +112,12 @@ pub(super) fn check_all(
     start: &StartSettings,
     length_m: f64,
 ) -> Result<(), SimulatorError> {
+    let most = Range::Within(
+        0.0,
+        MOST_PLACED,
+        "at most 1000: every one is moved at every step",
+    );
+    check("", "vehicles", vehicles.len() as f64, most)?;
     for (index, vehicle) in vehicles.iter().enumerate() {
         vehicle.check(index, road)?;
         let before = vehicles[..index].iter().map(|v| (v.lane, v.ahead_m));

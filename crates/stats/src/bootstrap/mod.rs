@@ -16,6 +16,9 @@ use crate::{
     numerics::distributions::{normal_quantile, normal_upper},
 };
 
+/// Most resamples: an interval moves by less than a thousandth of its width beyond, and takes minutes.
+const MOST_RESAMPLES: usize = 1_000_000;
+
 /// What is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -63,7 +66,7 @@ pub enum BootstrapData<'a> {
 /// How the interval is simulated.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BootstrapSettings {
-    /// Number of resamples, at least 100.
+    /// Number of resamples, 100 to a million.
     pub resamples: usize,
     /// Seed; the same seed gives the same interval on any number of threads.
     pub seed: u64,
@@ -210,8 +213,9 @@ fn check(settings: &BootstrapSettings) -> Result<(), StatsError> {
             found,
         })
     };
-    if settings.resamples < 100 {
-        return bad("resamples", "at least 100", settings.resamples as f64);
+    if !(100..=MOST_RESAMPLES).contains(&settings.resamples) {
+        let expected = format!("100 to {MOST_RESAMPLES}");
+        return bad("resamples", &expected, settings.resamples as f64);
     }
     if !(settings.confidence > 0.0 && settings.confidence < 1.0) {
         return bad("confidence", "between 0 and 1", settings.confidence);

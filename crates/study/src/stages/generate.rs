@@ -1,7 +1,7 @@
 //! `generate`: a whole study of people who do not exist.
 
 use crate::{
-    atomic_write::{atomic_write, read_text},
+    atomic_write::{read_text, write_recording},
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
@@ -13,7 +13,7 @@ use crate::{
     },
 };
 use maveric_domain::{DriveId, DriveMeta, DrivenBy, ParticipantId, stream_seed};
-use maveric_ingest::{Beside, write_mcap_with};
+use maveric_ingest::Beside;
 use maveric_participants::{Cohort, CohortSettings, PlannedDrive, answer_before};
 use maveric_simulator::{Driver, People, Scenario, rollout};
 use serde::Serialize;
@@ -311,8 +311,6 @@ fn drive(
         scene: options.scenes.cover(&planned.participant),
         ..Beside::default()
     };
-    atomic_write(&path, |file| {
-        Ok(write_mcap_with(&driven.recording, &meta, &beside, file)?)
-    })?;
+    write_recording(&path, &driven.recording, &meta, &beside)?;
     Ok(driven.report.collisions as usize)
 }

@@ -1,7 +1,7 @@
 //! `simulate`: the learned model drives each condition.
 
 use crate::{
-    atomic_write::atomic_write,
+    atomic_write::write_recording,
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
@@ -17,7 +17,7 @@ use crate::{
 use maveric_domain::{
     Drive, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording, design::Condition, stream_seed,
 };
-use maveric_ingest::{Beside, IngestSettings, write_mcap_with};
+use maveric_ingest::{Beside, IngestSettings};
 use maveric_model::Model;
 use maveric_report::html::CentreLine;
 use maveric_simulator::{Driver, RolloutReport, Scenario, SimulatorError, rollout};
@@ -357,9 +357,7 @@ fn drive(
         trace: &driven.trace,
         scene: options.scenes.cover(&meta.participant),
     };
-    atomic_write(&log, |file| {
-        Ok(write_mcap_with(&driven.recording, &meta, &beside, file)?)
-    })?;
+    write_recording(&log, &driven.recording, &meta, &beside)?;
     let made = Drive::from_recording(meta.clone(), &driven.recording)?;
     write_drive(&options.out.join("drives"), &made)?;
     let duration = made.rows().time_s.last().copied().unwrap_or(0.0);

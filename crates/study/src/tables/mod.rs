@@ -7,10 +7,8 @@ pub mod measurements;
 pub mod participants;
 pub mod surveys;
 
-use crate::{
-    atomic_write::{atomic_write, atomic_write_bytes},
-    error::StudyError,
-};
+use crate::{atomic_write::atomic_write_bytes, error::StudyError};
+use maveric_domain::nearest;
 use polars::prelude::*;
 use std::{
     collections::BTreeMap,
@@ -248,17 +246,7 @@ impl Table {
     fn column(&self, wanted: &str) -> Result<&Column, StudyError> {
         self.frame.column(wanted).map_err(|_| {
             let found = self.columns();
-            let nearest = found
-                .iter()
-                .map(|name| {
-                    (
-                        strsim::jaro_winkler(&name.to_lowercase(), &wanted.to_lowercase()),
-                        name,
-                    )
-                })
-                .filter(|(likeness, _)| *likeness > 0.7)
-                .max_by(|a, b| a.0.total_cmp(&b.0))
-                .map(|(_, name)| name.clone());
+            let nearest = nearest(wanted, found.iter().map(String::as_str)).map(str::to_owned);
             StudyError::NoColumn {
                 path: self.path.clone(),
                 wanted: wanted.to_owned(),
@@ -514,12 +502,13 @@ impl TableBuilder {
             let plain = Column::new(name, plain);
             frame.with_column(plain).map_err(|e| bad(e.to_string()))?;
         }
-        atomic_write(path, |file| {
-            CsvWriter::new(file)
-                .with_separator(separator(path))
-                .finish(&mut frame)
-                .map_err(|e| bad(e.to_string()))
-        })
+        // In memory first: what is wrong with a disk is told by whoever writes to it.
+        let mut bytes = Vec::new();
+        CsvWriter::new(&mut bytes)
+            .with_separator(separator(path))
+            .finish(&mut frame)
+            .map_err(|e| bad(e.to_string()))?;
+        atomic_write_bytes(path, &bytes)
     }
 }
 

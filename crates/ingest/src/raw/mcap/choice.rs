@@ -1,20 +1,12 @@
 //! Which channels make the drive.
 
-use super::{rigs, roles::Role};
+use super::{found::Found, rigs, slots::Role};
 use crate::{
-    error::{IngestError, nearest},
+    error::IngestError,
     mapping::{McapMapping, Topics, names::matches},
 };
+use maveric_domain::nearest;
 use std::path::Path;
-
-/// What is known of a channel when choosing.
-#[derive(Debug, Clone)]
-pub(crate) struct Found<'a> {
-    pub(crate) topic: &'a str,
-    pub(crate) type_name: &'a str,
-    pub(crate) messages: usize,
-    pub(crate) role: Result<Option<Role>, &'a str>,
-}
 
 /// Which channels make the drive: indices into what was found.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -147,7 +139,8 @@ impl Chooser<'_> {
             Some(topic) => Err(IngestError::UnknownTopic {
                 path: self.path.to_owned(),
                 topic: topic.clone(),
-                nearest: nearest(topic, candidates().map(|i| self.found[i].topic)),
+                nearest: nearest(topic, candidates().map(|i| self.found[i].topic))
+                    .map(str::to_owned),
             }),
         }
     }

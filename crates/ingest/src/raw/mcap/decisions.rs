@@ -1,7 +1,7 @@
 //! What the automated car decided, as log messages: written beside the recording, read back for whoever shows a drive.
 
 use crate::error::IngestError;
-use maveric_bag::{Record, Visitor, Walk, walk};
+use maveric_bag::{Message, Take, Walk, read_streams};
 use maveric_domain::{LaneActivity, TraceRow, drive::Direction};
 use std::path::Path;
 
@@ -126,15 +126,25 @@ fn change(row: &TraceRow) -> DecisionKind {
 /// [`IngestError::Io`] if the file cannot be read; [`IngestError::BadMetadata`] naming a message that no automated car
 /// of ours writes.
 pub fn read_decisions(path: &Path) -> Result<Option<Vec<Decision>>, IngestError> {
-    let mut reading = Reading::default();
     let how = Walk {
         recover: true,
         ..Walk::default()
     };
-    walk(path, how, &mut reading)?;
-    let Some(messages) = reading.messages else {
+    let read = read_streams(&[path.to_owned()], how, |channel, _| Texts {
+        wanted: channel.topic == TOPIC,
+        ..Texts::default()
+    })?;
+    // A quiet drive has the channel, and no message on it.
+    let mut of_topic = read
+        .streams
+        .into_iter()
+        .filter(|s| s.taken.wanted)
+        .peekable();
+    if of_topic.peek().is_none() {
         return Ok(None);
-    };
+    }
+    let mut messages: Vec<(u64, String)> = of_topic.flat_map(|s| s.taken.messages).collect();
+    messages.sort_by_key(|message| message.0);
     let mut found = Vec::new();
     for (time_ns, text) in messages {
         let kind = DecisionKind::ALL.into_iter().find(|k| k.as_str() == text);
@@ -152,46 +162,32 @@ pub fn read_decisions(path: &Path) -> Result<Option<Vec<Decision>>, IngestError>
     Ok(Some(found))
 }
 
-/// The messages of the decisions' channel.
+/// The texts of a stream of logs, if they are wanted.
 #[derive(Debug, Default)]
-struct Reading {
-    channels: Vec<u16>,
-    /// None without such a channel: a quiet drive has it, and no message on it.
-    messages: Option<Vec<(u64, String)>>,
+struct Texts {
+    wanted: bool,
+    messages: Vec<(u64, String)>,
     mark: usize,
 }
 
-impl Visitor for Reading {
-    fn record(&mut self, record: Record<'_>) {
+impl Take for Texts {
+    fn take(&mut self, message: Message<'_>, _: u32) {
         #[derive(serde::Deserialize)]
         struct Log {
             message: String,
         }
-        match record {
-            Record::Channel(channel) if channel.topic == TOPIC => {
-                self.channels.push(channel.id);
-                self.messages.get_or_insert_default();
-            }
-            Record::Message(message) if self.channels.contains(&message.channel) => {
-                let text = serde_json::from_slice::<Log>(message.data).map(|log| log.message);
-                let text =
-                    text.unwrap_or_else(|_| String::from_utf8_lossy(message.data).into_owned());
-                let messages = self.messages.get_or_insert_default();
-                messages.push((message.log_ns, text));
-            }
-            _ => {}
+        if self.wanted {
+            let text = serde_json::from_slice::<Log>(message.data).map(|log| log.message);
+            let text = text.unwrap_or_else(|_| String::from_utf8_lossy(message.data).into_owned());
+            self.messages.push((message.log_ns, text));
         }
     }
 
-    fn passed_over(&mut self) {}
-
     fn mark(&mut self) {
-        self.mark = self.messages.as_ref().map_or(0, Vec::len);
+        self.mark = self.messages.len();
     }
 
     fn roll_back(&mut self) {
-        if let Some(messages) = &mut self.messages {
-            messages.truncate(self.mark);
-        }
+        self.messages.truncate(self.mark);
     }
 }

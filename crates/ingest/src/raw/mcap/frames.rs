@@ -1,6 +1,6 @@
 //! Which transform is ego's pose.
 
-use super::roles::EGO_SLOTS;
+use super::slots::EGO_SLOTS;
 use maveric_bag::name_number;
 use std::sync::LazyLock;
 

@@ -3,12 +3,14 @@
 pub(crate) mod channels;
 pub(crate) mod choice;
 pub(crate) mod decisions;
+pub(crate) mod found;
 mod frames;
 pub(crate) mod metadata;
 pub(crate) mod read;
-pub(crate) mod rigs;
-pub(crate) mod roles;
+mod rigs;
+mod roles;
 mod scene;
 mod schemas;
 pub(crate) mod signals;
+pub(crate) mod slots;
 pub(crate) mod write;

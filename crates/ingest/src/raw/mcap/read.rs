@@ -1,12 +1,14 @@
 //! Reads the drive of an MCAP recording, in one file or split over several.
 
 use super::{
-    channels::{Decoder, decoder},
-    choice::{Choice, Found, choose, parent},
+    channels::{Decoder, Decoders, Times},
+    choice::{Choice, choose, parent},
+    found::Found,
     frames::Frames,
     metadata::{self, DriveRecord},
-    roles::{Convention, Role},
+    roles::Convention,
     signals::{EgoRow, Objects, Receipt, ego_row, flatten, settle_speeds, turn},
+    slots::Role,
 };
 use crate::{
     clock::one_clock,
@@ -16,15 +18,135 @@ use crate::{
     raw::{EgoSample, ObjectSample, RawDrive, SpeedSample},
 };
 use maveric_bag::{
-    Channel, Damage, MOST_RECORD, Message, OwnedSchema, Record, Visitor, Walk, same_type, walk,
+    Damage, MOST_RECORD, Message, Stream, Streams, Take, Walk, announced, read_streams,
 };
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
     sync::Arc,
 };
 
-/// Reads the samples of ego and the others, and whose drive it is where the recording says so.
+/// What was collected of a recording: its streams with the samples that they hold.
+pub(crate) type Collected = Streams<Samples>;
+
+/// Reads the samples of the channels that make the drive, in one pass over `parts`.
+///
+/// Which they are is chosen by what the files say of themselves at their ends, and only those are decoded; where they say nothing,
+/// or what is found is not as they said, every channel that tells something of a drive is.
+///
+/// # Errors
+/// [`IngestError::Io`]; [`IngestError::Damaged`] without `recover`.
+pub(crate) fn collect(
+    path: &Path,
+    parts: &[PathBuf],
+    mapping: Option<&McapMapping>,
+    recover: bool,
+) -> Result<Collected, IngestError> {
+    if let Some(topics) = chosen(path, parts, mapping) {
+        let collected = collect_from(parts, mapping, recover, false, Some(&topics))?;
+        let found: Vec<Found<'_>> = collected.streams.iter().map(found).collect();
+        let choice = choose(path, mapping, &found);
+        let same = choice.is_ok_and(|c| topics_of(&c, &found) == topics);
+        let whole = collected.walked.iter().all(|w| w.damage.is_empty());
+        if same && whole && collected.undeclared == 0 {
+            return Ok(collected);
+        }
+    }
+    collect_from(parts, mapping, recover, false, None)
+}
+
+/// Reads the samples of every channel that tells something of a drive, when its messages came and whether they fit.
+///
+/// # Errors
+/// [`IngestError::Io`].
+pub(crate) fn collect_all(
+    parts: &[PathBuf],
+    mapping: Option<&McapMapping>,
+) -> Result<Collected, IngestError> {
+    collect_from(parts, mapping, true, true, None)
+}
+
+/// Role and number of messages by topic and type.
+type Roles = BTreeMap<(String, String), (Result<Option<Role>, String>, u64)>;
+
+/// The topics of the channels that make the drive, by what every part says of itself.
+fn chosen(
+    path: &Path,
+    parts: &[PathBuf],
+    mapping: Option<&McapMapping>,
+) -> Option<BTreeSet<String>> {
+    let mut streams = Roles::new();
+    let mut decoders = Decoders::new(mapping.map_or(&[][..], |m| &m.messages));
+    for part in parts {
+        for (channel, schema, count) in announced(part)? {
+            let decoder = decoders.of(&channel, schema.as_ref());
+            let role = decoder.map(|d| d.reading.as_ref().map(|r| r.role));
+            let name = schema.map_or_else(String::new, |s| s.name);
+            let stream = streams.entry((channel.topic, name)).or_insert((role, 0));
+            stream.1 += count;
+        }
+    }
+    let found = streams
+        .iter()
+        .map(|((topic, type_name), (role, count))| Found {
+            topic,
+            type_name,
+            messages: *count as usize,
+            role: role.as_ref().copied().map_err(String::as_str),
+        });
+    let found: Vec<Found<'_>> = found.collect();
+    let choice = choose(path, mapping, &found).ok()?;
+    Some(topics_of(&choice, &found))
+}
+
+/// The topics of a choice.
+fn topics_of(choice: &Choice, found: &[Found<'_>]) -> BTreeSet<String> {
+    let places = [
+        Some(choice.ego),
+        choice.objects,
+        choice.speed,
+        choice.identity,
+    ];
+    let topics = places
+        .into_iter()
+        .flatten()
+        .map(|i| found[i].topic.to_owned());
+    topics.collect()
+}
+
+fn collect_from(
+    parts: &[PathBuf],
+    mapping: Option<&McapMapping>,
+    recover: bool,
+    times: bool,
+    only: Option<&BTreeSet<String>>,
+) -> Result<Collected, IngestError> {
+    let how = Walk {
+        recover,
+        hash: true,
+        cancel: None,
+    };
+    let mut decoders = Decoders::new(mapping.map_or(&[][..], |m| &m.messages));
+    let streams = read_streams(parts, how, |channel, schema| Samples {
+        decoder: decoders.of(channel, schema),
+        messages: 0,
+        bad: 0,
+        bad_why: None,
+        ego: Vec::new(),
+        objects: Vec::new(),
+        making: Objects::default(),
+        identity: None,
+        frames: None,
+        twist: mapping.and_then(|m| m.objects_twist),
+        row: Vec::new(),
+        wanted: only.is_none_or(|only| only.contains(&channel.topic)),
+        times: times.then(|| Times::new(channel, schema)),
+        mark: [0; 4],
+    })?;
+    Ok(streams)
+}
+
+/// The samples of ego and the others, and whose drive it is where the recording says so.
 ///
 /// Ego is the `Odometry` channel (one whose topic names ego, else the one with most messages), without one a pose or a
 /// fix with the speed of another channel, or the object that is known to be ego; the others come from the objects'
@@ -33,24 +155,19 @@ use std::{
 ///
 /// # Errors
 /// As [`crate::read_log`].
-pub(crate) fn read(
+pub(crate) fn drive(
     path: &Path,
     parts: &[PathBuf],
+    collected: Collected,
     mapping: Option<&McapMapping>,
     recover: bool,
 ) -> Result<(RawDrive, Option<DriveRecord>, Vec<Warning>), IngestError> {
-    let mut collector = Collector::new(mapping);
-    let mut damage = collector.walk_all(parts, recover)?;
-    if collector.undeclared > 0 && collector.knows_more() {
-        // The chunk that declared a channel is lost, but the summary repeats declarations: go again, knowing them.
-        collector = collector.knowing();
-        damage = collector.walk_all(parts, recover)?;
-    }
     let mut warnings = Vec::new();
-    for (part, damage) in parts.iter().zip(&damage) {
-        warnings.extend(damage_warnings(part, damage, collector.first_ns));
+    for (part, walked) in parts.iter().zip(&collected.walked) {
+        warnings.extend(damage_warnings(part, &walked.damage, collected.first_ns));
     }
-    let record = match collector.drive.as_ref().map(|v| metadata::parse(path, v)) {
+    let record = collected.metadata.get(metadata::NAME);
+    let record = match record.map(|v| metadata::parse(path, v)) {
         None => None,
         Some(Ok(record)) => Some(record),
         Some(Err(e)) if recover => {
@@ -60,30 +177,29 @@ pub(crate) fn read(
         }
         Some(Err(e)) => return Err(e),
     };
-    let undeclared = collector.undeclared;
     let mut warn = |kind, count: usize, what: String| {
         if count > 0 {
             warnings.push(Warning::new(path, kind, count, what));
         }
     };
     let what = "messages belong to no channel that the file declares".to_owned();
-    warn(WarningKind::BadMessage, undeclared, what);
+    warn(WarningKind::BadMessage, collected.undeclared, what);
     let most = MOST_RECORD >> 20;
     let what = format!("messages of more than {most} MiB are passed over");
-    warn(WarningKind::BadMessage, collector.too_long, what);
-    let streams = collector.streams;
-    let found: Vec<Found<'_>> = streams.iter().map(Stream::found).collect();
+    warn(WarningKind::BadMessage, collected.too_long, what);
+    let streams = collected.streams;
+    let found: Vec<Found<'_>> = streams.iter().map(found).collect();
     let choice = choose(path, mapping, &found)?;
     for stream in &streams {
-        let topic = &stream.channel.topic;
-        if let Err(why) = &stream.decoder {
+        let (topic, samples) = (&stream.channel.topic, &stream.taken);
+        if let Err(why) = &samples.decoder {
             let what = format!("channel `{topic}` is refused: {why}");
             // A channel without a message is refused as well.
-            warn(WarningKind::RefusedChannel, stream.messages.max(1), what);
+            warn(WarningKind::RefusedChannel, samples.messages.max(1), what);
         }
-        let why = stream.bad_why.as_deref().unwrap_or_default();
+        let why = samples.bad_why.as_deref().unwrap_or_default();
         let what = format!("messages of `{topic}` do not fit their definition: {why}");
-        warn(WarningKind::BadMessage, stream.bad, what);
+        warn(WarningKind::BadMessage, samples.bad, what);
     }
     if let Some(what) = &choice.others {
         warn(WarningKind::Choice, 1, what.clone());
@@ -92,10 +208,30 @@ pub(crate) fn read(
     Ok((drive, record, warnings))
 }
 
+/// What is known of a stream when choosing.
+pub(crate) fn found(stream: &Stream<Samples>) -> Found<'_> {
+    let samples = &stream.taken;
+    let role = samples.role();
+    Found {
+        topic: &stream.channel.topic,
+        type_name: stream.schema.as_ref().map_or("", |s| s.name.as_str()),
+        // Most transforms are of no use: those of joints and sensors.
+        messages: if role == Some(Role::Frames) {
+            samples.ego.len()
+        } else {
+            samples.messages
+        },
+        role: match &samples.decoder {
+            Ok(_) => Ok(role),
+            Err(why) => Err(why),
+        },
+    }
+}
+
 /// The drive that chosen channels make.
 fn drive_of(
     path: &Path,
-    streams: Vec<Stream>,
+    streams: Vec<Stream<Samples>>,
     choice: &Choice,
     record: Option<&DriveRecord>,
     warnings: &mut Vec<Warning>,
@@ -105,12 +241,12 @@ fn drive_of(
     let ego_among_objects = choice
         .objects
         .is_some_and(|i| parent(topic(i)) != parent(topic(choice.ego)));
-    let told_from_objects = streams[choice.ego].role() == Some(Role::Objects);
-    let frames = streams[choice.ego].frames;
-    let is_fix = streams[choice.ego].role() == Some(Role::Fix);
-    let identity = choice.identity.and_then(|i| streams[i].identity);
+    let told_from_objects = streams[choice.ego].taken.role() == Some(Role::Objects);
+    let frames = streams[choice.ego].taken.frames;
+    let is_fix = streams[choice.ego].taken.role() == Some(Role::Fix);
+    let identity = choice.identity.and_then(|i| streams[i].taken.identity);
     let ego_id = choice.mapping.ego_object.or(identity);
-    let mut streams: Vec<Option<Stream>> = streams.into_iter().map(Some).collect();
+    let mut streams: Vec<Option<Samples>> = streams.into_iter().map(|s| Some(s.taken)).collect();
     let mut take = |i: Option<usize>| i.and_then(|i| streams.get_mut(i)?.take());
     let mut warn = |kind, count: usize, what: &str| {
         warnings.push(Warning::new(path, kind, count, what));
@@ -186,6 +322,7 @@ fn drive_of(
     }
     drive
 }
+
 /// Damage as warnings, with times since the first message.
 pub(crate) fn damage_warnings(
     path: &Path,
@@ -222,10 +359,9 @@ impl EgoRow {
     }
 }
 
+/// The samples of one stream, and what was wrong with its messages.
 #[derive(Debug)]
-struct Stream {
-    channel: Channel,
-    schema: Option<OwnedSchema>,
+pub(crate) struct Samples {
     decoder: Result<Arc<Decoder>, String>,
     messages: usize,
     bad: usize,
@@ -238,70 +374,32 @@ struct Stream {
     /// Of transforms: the frames that ego's samples are between.
     frames: Option<Frames>,
     twist: Option<TwistFrame>,
-    /// Lengths of the four counters above when the chunk began.
+    row: Vec<f64>,
+    /// Whether its messages are decoded.
+    wanted: bool,
+    /// When messages came, where that is wanted.
+    pub(crate) times: Option<Times>,
+    /// Messages, bad ones, and samples of both kinds when the chunk began.
     mark: [usize; 4],
 }
 
-impl Stream {
-    fn new(
-        channel: Channel,
-        schema: Option<&OwnedSchema>,
-        decoder: Result<Arc<Decoder>, String>,
-        mapping: Option<&McapMapping>,
-    ) -> Self {
-        Self {
-            decoder,
-            schema: schema.cloned(),
-            channel,
-            messages: 0,
-            bad: 0,
-            bad_why: None,
-            ego: Vec::new(),
-            objects: Vec::new(),
-            making: Objects::default(),
-            identity: None,
-            frames: None,
-            twist: mapping.and_then(|m| m.objects_twist),
-            mark: [0; 4],
-        }
-    }
-
-    /// Whether this is the channel of another file of the same recording.
-    fn goes_on_as(&self, channel: &Channel, schema: Option<&OwnedSchema>) -> bool {
-        self.channel.topic == channel.topic
-            && self.channel.encoding == channel.encoding
-            && match (&self.schema, schema) {
-                (Some(a), Some(b)) => a == b || same_type(&a.name, &b.name) && a.has_data(b),
-                (None, None) => true,
-                _ => false,
-            }
-    }
-
+impl Samples {
     fn role(&self) -> Option<Role> {
         let decoder = self.decoder.as_ref().ok()?;
         decoder.reading.as_ref().map(|r| r.role)
     }
+}
 
-    fn found(&self) -> Found<'_> {
-        Found {
-            topic: &self.channel.topic,
-            type_name: self.schema.as_ref().map_or("", |s| s.name.as_str()),
-            // Most transforms are of no use: those of joints and sensors.
-            messages: if self.role() == Some(Role::Frames) {
-                self.ego.len()
-            } else {
-                self.messages
-            },
-            role: match &self.decoder {
-                Ok(_) => Ok(self.role()),
-                Err(why) => Err(why),
-            },
-        }
-    }
-
-    fn take(&mut self, message: Message<'_>, nth: u32, row: &mut Vec<f64>) {
+impl Take for Samples {
+    fn take(&mut self, message: Message<'_>, nth: u32) {
         self.messages += 1;
+        if let Some(times) = &mut self.times {
+            times.take(message);
+        }
         let Ok(decoder) = &self.decoder else { return };
+        if !self.wanted {
+            return;
+        }
         let Some(reading) = &decoder.reading else {
             return;
         };
@@ -314,6 +412,7 @@ impl Stream {
         let before_ego = self.ego.len();
         let (ego, frames, mark) = (&mut self.ego, &mut self.frames, &mut self.mark);
         let (role, convention): (Role, Convention) = (reading.role, reading.convention);
+        let row = &mut self.row;
         let walked = decoder.codec.run(message.data, row, &mut |row| {
             if role == Role::Objects
                 && let Some(object) = making.sample(row, receipt, convention, twist)
@@ -352,206 +451,20 @@ impl Stream {
             }
         }
     }
-}
-
-#[derive(Debug, Default)]
-struct Collector<'a> {
-    mapping: Option<&'a McapMapping>,
-    /// Declarations of the file that is being read.
-    schemas: BTreeMap<u16, OwnedSchema>,
-    ids: BTreeMap<u16, usize>,
-    /// Decoders of the file's schemas, by their numbers and the encoding of messages.
-    decoders: BTreeMap<(u16, String), Result<Arc<Decoder>, String>>,
-    /// Declarations of each file that its messages may need before they come.
-    known: Vec<Declarations>,
-    part: usize,
-    streams: Vec<Stream>,
-    drive: Option<BTreeMap<String, String>>,
-    first_ns: Option<u64>,
-    /// Messages so far, with those that were rolled back.
-    nth: u32,
-    /// Messages whose channel was not known when they came.
-    undeclared: usize,
-    /// Messages that are too long to be read, and how many there were when the chunk began.
-    too_long: usize,
-    mark_too_long: usize,
-    row: Vec<f64>,
-    /// Declarations of the chunk that is being read.
-    fresh: (Vec<u16>, Vec<u16>),
-    mark: (Option<u64>, usize, usize),
-}
-
-/// What a file declares; declarations of damaged chunks are kept apart.
-#[derive(Debug, Clone, Default)]
-struct Declarations {
-    schemas: BTreeMap<u16, OwnedSchema>,
-    channels: BTreeMap<u16, Channel>,
-    doubtful_schemas: BTreeMap<u16, OwnedSchema>,
-    doubtful_channels: BTreeMap<u16, Channel>,
-}
-
-impl<'a> Collector<'a> {
-    fn new(mapping: Option<&'a McapMapping>) -> Self {
-        Self {
-            mapping,
-            ..Self::default()
-        }
-    }
-
-    fn walk_all(
-        &mut self,
-        parts: &[PathBuf],
-        recover: bool,
-    ) -> Result<Vec<Vec<Damage>>, IngestError> {
-        let mut damage = Vec::with_capacity(parts.len());
-        for (i, part) in parts.iter().enumerate() {
-            self.begin(i);
-            let how = Walk {
-                recover,
-                ..Walk::default()
-            };
-            damage.push(walk(part, how, self)?);
-        }
-        Ok(damage)
-    }
-
-    /// Starts a file: its channel numbers are its own.
-    fn begin(&mut self, part: usize) {
-        self.part = part;
-        self.schemas.clear();
-        self.ids.clear();
-        self.decoders.clear();
-        if self.known.len() <= part {
-            self.known.resize(part + 1, Declarations::default());
-            return;
-        }
-        let mut known = self.known[part].clone();
-        for (id, schema) in std::mem::take(&mut known.doubtful_schemas) {
-            known.schemas.entry(id).or_insert(schema);
-        }
-        for (id, channel) in std::mem::take(&mut known.doubtful_channels) {
-            known.channels.entry(id).or_insert(channel);
-        }
-        self.schemas = known.schemas;
-        for channel in known.channels.into_values() {
-            self.declare(channel);
-        }
-    }
-
-    fn declare(&mut self, channel: Channel) {
-        let schema = self.schemas.get(&channel.schema_id);
-        let id = channel.id;
-        let same = self
-            .streams
-            .iter()
-            .position(|s| s.goes_on_as(&channel, schema));
-        // Within one file two channels of one topic stay two.
-        let same = same.filter(|i| !self.ids.values().any(|j| j == i));
-        let index = same.unwrap_or_else(|| {
-            // Channels of one schema and encoding are decoded alike.
-            let key = (channel.schema_id, channel.encoding.clone());
-            let compile = || {
-                let mapped = self.mapping.map_or(&[][..], |m| &m.messages);
-                decoder(&channel, schema, mapped).map(Arc::new)
-            };
-            let decoder = self.decoders.entry(key).or_insert_with(compile).clone();
-            let stream = Stream::new(channel, schema, decoder, self.mapping);
-            self.streams.push(stream);
-            self.streams.len() - 1
-        });
-        self.ids.insert(id, index);
-    }
-
-    fn knows_more(&self) -> bool {
-        let any = |d: &Declarations| !d.channels.is_empty() || !d.doubtful_channels.is_empty();
-        self.known.iter().any(any)
-    }
-
-    /// A new collector that knows the declarations that this one met.
-    fn knowing(self) -> Self {
-        Self {
-            known: self.known,
-            ..Self::new(self.mapping)
-        }
-    }
-}
-
-impl Visitor for Collector<'_> {
-    fn record(&mut self, record: Record<'_>) {
-        match record {
-            Record::Header(..) | Record::Other => {}
-            Record::Schema(schema) => {
-                if !self.schemas.contains_key(&schema.id) {
-                    let (id, schema) = (schema.id, OwnedSchema::from(schema));
-                    self.known[self.part].schemas.insert(id, schema.clone());
-                    self.schemas.insert(id, schema);
-                    self.fresh.0.push(id);
-                }
-            }
-            Record::Channel(channel) => {
-                if !self.ids.contains_key(&channel.id) {
-                    self.fresh.1.push(channel.id);
-                    self.known[self.part]
-                        .channels
-                        .insert(channel.id, channel.clone());
-                    self.declare(channel);
-                }
-            }
-            Record::Message(message) => {
-                self.first_ns = Some(self.first_ns.unwrap_or(message.log_ns).min(message.log_ns));
-                self.nth = self.nth.saturating_add(1);
-                let index = self.ids.get(&message.channel);
-                match index.and_then(|&i| self.streams.get_mut(i)) {
-                    Some(stream) => stream.take(message, self.nth, &mut self.row),
-                    None => self.undeclared += 1,
-                }
-            }
-            Record::Metadata(metadata) => {
-                if metadata.name == metadata::NAME {
-                    self.drive.get_or_insert(metadata.values);
-                }
-            }
-        }
-    }
-
-    fn passed_over(&mut self) {
-        self.too_long += 1;
-    }
 
     fn mark(&mut self) {
-        self.fresh = Default::default();
-        self.mark = (self.first_ns, self.undeclared, self.streams.len());
-        self.mark_too_long = self.too_long;
-        for s in &mut self.streams {
-            s.mark = [s.messages, s.bad, s.ego.len(), s.objects.len()];
+        self.mark = [self.messages, self.bad, self.ego.len(), self.objects.len()];
+        if let Some(times) = &mut self.times {
+            times.mark = times.log_ns.len();
         }
     }
 
     fn roll_back(&mut self) {
-        let (first_ns, undeclared, streams) = self.mark;
-        (self.first_ns, self.undeclared) = (first_ns, undeclared);
-        self.too_long = self.mark_too_long;
-        self.streams.truncate(streams);
-        for s in &mut self.streams {
-            [s.messages, s.bad, ..] = s.mark;
-            s.ego.truncate(s.mark[2]);
-            s.objects.truncate(s.mark[3]);
-        }
-        // What a damaged chunk declares is believed only if nothing else does.
-        let known = &mut self.known[self.part];
-        let (schemas, channels) = std::mem::take(&mut self.fresh);
-        for id in channels {
-            self.ids.remove(&id);
-            known
-                .doubtful_channels
-                .extend(known.channels.remove_entry(&id));
-        }
-        for id in schemas {
-            self.schemas.remove(&id);
-            self.decoders.retain(|(schema, _), _| *schema != id);
-            known
-                .doubtful_schemas
-                .extend(known.schemas.remove_entry(&id));
+        [self.messages, self.bad, ..] = self.mark;
+        self.ego.truncate(self.mark[2]);
+        self.objects.truncate(self.mark[3]);
+        if let Some(times) = &mut self.times {
+            times.log_ns.truncate(times.mark);
         }
     }
 }

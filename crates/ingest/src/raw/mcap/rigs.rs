@@ -1,33 +1,17 @@
 //! Rigs out of the box: what their channels mean, chosen by looking at them.
 
-use super::choice::Found;
-use crate::mapping::{Mapping, McapMapping, Topics};
+use super::found::Found;
+use crate::mapping::{Mapping, McapMapping, SHIPPED_RIGS, Topics};
 use maveric_bag::plain_name;
 use std::{path::Path, sync::LazyLock};
-
-/// Names and texts of the rigs, the more particular first.
-const SHIPPED: [(&str, &str); 4] = [
-    ("maveric", maveric_data::MAPPINGS_RIG_MAVERIC),
-    (
-        "carla-ros-bridge",
-        maveric_data::MAPPINGS_RIG_CARLA_ROS_BRIDGE,
-    ),
-    ("autoware", maveric_data::MAPPINGS_RIG_AUTOWARE),
-    ("generic-ros2", maveric_data::MAPPINGS_RIG_GENERIC_ROS2),
-];
 
 static RIGS: LazyLock<Vec<(&'static str, McapMapping)>> = LazyLock::new(|| {
     let read = |(name, text): (&'static str, &str)| {
         let mapping = Mapping::from_toml(text, Path::new(name)).ok()?;
         Some((name, mapping.mcap?))
     };
-    SHIPPED.into_iter().filter_map(read).collect()
+    SHIPPED_RIGS.into_iter().filter_map(read).collect()
 });
-
-/// Names of the rigs that are known.
-pub(crate) fn names() -> impl Iterator<Item = &'static str> {
-    SHIPPED.into_iter().map(|r| r.0)
-}
 
 /// The mapping that applies to some channels, and the name of the rig behind it.
 ///
@@ -88,7 +72,7 @@ mod tests {
 
     #[test]
     fn rigs_are_known_by_their_channels_and_a_mapping_comes_first() {
-        assert_eq!(RIGS.len(), SHIPPED.len());
+        assert_eq!(RIGS.len(), SHIPPED_RIGS.len());
         let rig = |found: &[Found<'_>]| applied(None, found).1;
         let odometry = "nav_msgs/msg/Odometry";
         let own = [

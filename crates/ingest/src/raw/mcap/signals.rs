@@ -1,6 +1,6 @@
 //! From the numbers that a plan took to samples.
 
-use super::roles::{Convention, OBJECT_SLOTS};
+use super::{roles::Convention, slots::OBJECT_SLOTS};
 use crate::{
     mapping::TwistFrame,
     raw::{EgoSample, ObjectSample},

@@ -124,11 +124,7 @@ fn write(
     };
     let ego_yaw_rad = headings(recording);
     let mut bytes = CdrWriter::new();
-    for (row, yaw) in ego_yaw_rad.into_iter().enumerate() {
-        // Every row has a scene.
-        let Some(scene) = recording.scene(row) else {
-            break;
-        };
+    for ((row, yaw), scene) in ego_yaw_rad.into_iter().enumerate().zip(recording.scenes()) {
         let time_ns = (scene.time_s * 1e9).round() as i64;
         (file.row, file.time_ns) = (row, time_ns.max(0) as u64);
         bytes.restart();

@@ -7,6 +7,7 @@ mod pair;
 mod platoon;
 mod recording_meta;
 mod signals;
+pub(crate) mod text;
 pub(crate) mod time;
 
 use crate::{
@@ -15,6 +16,7 @@ use crate::{
     plausible::refuse_many,
     quality::{Warning, WarningKind},
     raw::RawDrive,
+    source::Source,
 };
 use std::path::Path;
 use time::Clock;
@@ -72,25 +74,33 @@ fn refuse_overlaps(path: &Path, drives: &mut [TableDrive]) -> Result<(), IngestE
     Ok(())
 }
 
-/// Reads the drives of a table, ordered by group and vehicle; of a folder if the layout is `signals`.
+/// Reads the drives of a table, ordered by group and vehicle; of a folder if the layout is `signals`. Files that it reads besides go to `sources`.
 ///
 /// # Errors
 /// As [`crate::read_log`].
 pub(crate) fn read(
     path: &Path,
+    bytes: Vec<u8>,
     mapping: &TableMapping,
     road: &RoadMapping,
     max_gap_s: f64,
+    sources: &mut Vec<Source>,
 ) -> Result<Vec<TableDrive>, IngestError> {
-    let bytes = || std::fs::read(path).map_err(|e| IngestError::io(path, e));
     let mut drives = match mapping.layout {
-        Layout::Pair => vec![pair::read(path, bytes()?, mapping, max_gap_s)?],
-        Layout::Platoon => platoon::read(path, bytes()?, mapping, max_gap_s)?,
-        Layout::Long => long::read(path, bytes()?, mapping, road, max_gap_s)?,
-        Layout::Signals => vec![signals::read(path, mapping, max_gap_s)?],
+        Layout::Pair => vec![pair::read(path, bytes, mapping, max_gap_s)?],
+        Layout::Platoon => platoon::read(path, bytes, mapping, max_gap_s)?,
+        Layout::Long => long::read(path, bytes, mapping, road, max_gap_s, sources)?,
+        Layout::Signals => vec![signals::read(path, mapping, max_gap_s, sources)?],
     };
     refuse_overlaps(path, &mut drives)?;
     Ok(drives)
+}
+
+/// Reads a file and adds it to `sources`.
+pub(crate) fn take(path: &Path, sources: &mut Vec<Source>) -> Result<Vec<u8>, IngestError> {
+    let (bytes, source) = Source::read(path)?;
+    sources.push(source);
+    Ok(bytes)
 }
 
 /// The times of a table, where frames need no file beside it.

@@ -1,10 +1,8 @@
 //! Opens a table, CSV or Parquet, and gives its columns as numbers and words.
 
-use crate::{
-    error::{IngestError, nearest},
-    mapping::TableMapping,
-    parquet,
-};
+use super::text::{Flaw, Header, MOST_COLUMNS, Style, flaw, header, same_name};
+use crate::{error::IngestError, parquet};
+use maveric_domain::nearest;
 use polars::prelude::{
     Column, CsvParseOptions, CsvReadOptions, DataFrame, DataType, Field, PlSmallStr, PolarsError,
     Schema, SerReader,
@@ -18,158 +16,14 @@ use std::{
 
 /// Words that stand for an empty cell.
 const EMPTY: [&str; 6] = ["", "nan", "na", "null", "none", "-"];
-/// Lines that may stand above the header.
-const MOST_PREAMBLE: usize = 64;
-/// Columns that a table may have: a header of commas must not cost more memory than its file.
-const MOST_COLUMNS: usize = 4096;
+/// What some programs begin a text in UTF-8 with.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// What a column is read as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Number,
     Word,
-}
-
-/// How the text of a table is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct Style {
-    /// Character between cells; none to find it out.
-    pub(crate) separator: Option<u8>,
-    /// Whether a comma stands before the decimals.
-    pub(crate) decimal_comma: bool,
-}
-
-impl From<&TableMapping> for Style {
-    fn from(mapping: &TableMapping) -> Self {
-        Self {
-            separator: mapping.separator.map(|c| c as u8),
-            decimal_comma: mapping.decimal_comma,
-        }
-    }
-}
-
-/// Where the header of a text stands and what it holds.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Header {
-    /// Lines above it.
-    pub(crate) preamble: usize,
-    /// Character between cells.
-    pub(crate) separator: u8,
-    /// Names of the columns.
-    pub(crate) names: Vec<String>,
-}
-
-/// Finds the header of a text: the first line with a cell `anchor`, else the first line.
-pub(crate) fn header(text: &[u8], style: Style, anchor: Option<&str>) -> Header {
-    let read = |(preamble, line): (usize, &[u8])| {
-        let separator = style.separator.unwrap_or_else(|| separator_of(line));
-        let names = cells(line, separator);
-        Header {
-            preamble,
-            separator,
-            names,
-        }
-    };
-    let lines = || text.split(|&b| b == b'\n').take(MOST_PREAMBLE).enumerate();
-    let anchored = anchor.and_then(|anchor| {
-        let holds = |h: &Header| h.names.iter().any(|n| same_name(n, anchor));
-        lines().map(read).find(holds)
-    });
-    let first = || {
-        let filled = lines().find(|(_, line)| !line.trim_ascii().is_empty());
-        read(filled.unwrap_or_default())
-    };
-    anchored.unwrap_or_else(first)
-}
-
-/// Characters that may stand between cells; of two that are as frequent the last counts, so the comma stands there.
-pub(crate) const SEPARATORS: &[u8] = b"#|\t;,";
-
-/// The most frequent of the separators.
-fn separator_of(line: &[u8]) -> u8 {
-    let count = |c: u8| line.split(|&b| b == c).count();
-    let likely = SEPARATORS.iter().copied().max_by_key(|&c| count(c));
-    likely.unwrap_or(b',')
-}
-
-fn cells(line: &[u8], separator: u8) -> Vec<String> {
-    let line = line.strip_suffix(b"\r").unwrap_or(line);
-    let mut quoted = false;
-    let cells = line.split(|&b| {
-        quoted ^= b == b'"';
-        b == separator && !quoted
-    });
-    // One more than are allowed tells that there are too many.
-    let cells = cells.take(MOST_COLUMNS + 1);
-    cells
-        .map(|c| {
-            String::from_utf8_lossy(c)
-                .trim()
-                .trim_matches('"')
-                .to_owned()
-        })
-        .collect()
-}
-
-/// What is wrong with the rows of a text: polars would read on.
-enum Flaw {
-    /// A cell's quote is never closed: what stands behind it would be one cell, its last character lost.
-    OpenQuote { row: usize },
-    /// More cells than the header has, and something in the last of them.
-    TooWide { row: usize, found: usize },
-}
-
-/// The first flaw of a text; rows are counted from 1 below the header.
-fn flaw(text: &[u8], header: &Header) -> Option<Flaw> {
-    let mut lines = text.split_inclusive(|&b| b == b'\n');
-    let above: usize = lines.by_ref().take(header.preamble).map(<[u8]>::len).sum();
-    let width = header.names.len();
-    // A single cell too many that is empty is a separator at the end of the line.
-    let too_wide = |found: usize, last: &[u8]| {
-        found > width + 1 || found > width && !last.trim_ascii().is_empty()
-    };
-    if !text.contains(&b'"') {
-        return text[above..]
-            .split(|&b| b == b'\n')
-            .enumerate()
-            .skip(1)
-            .find_map(|(row, line)| {
-                let found = line.split(|&b| b == header.separator).count();
-                let last = line
-                    .rsplit(|&b| b == header.separator)
-                    .next()
-                    .unwrap_or_default();
-                too_wide(found, last).then_some(Flaw::TooWide { row, found })
-            });
-    }
-    let (mut begins, mut quoted, mut inside) = (true, false, false);
-    // The row that is being read, and the one in which the last quoted cell began; 0 is the header.
-    let (mut row, mut opened) = (0, 0);
-    let (mut found, mut cell) = (1, above);
-    for (at, &b) in text.iter().enumerate().skip(above) {
-        if begins && b == b'"' {
-            (quoted, inside, opened) = (true, true, row);
-        } else if begins {
-            quoted = false;
-        } else if quoted && b == b'"' {
-            inside = !inside;
-        }
-        begins = !inside && (b == header.separator || b == b'\n');
-        if begins && b == b'\n' {
-            if row > 0 && too_wide(found, &text[cell..at]) {
-                return Some(Flaw::TooWide { row, found });
-            }
-            (found, cell) = (1, at + 1);
-        } else if begins {
-            (found, cell) = (found + 1, at + 1);
-        }
-        row += usize::from(b == b'\n');
-    }
-    inside.then_some(Flaw::OpenQuote { row: opened })
-}
-
-fn same_name(a: &str, b: &str) -> bool {
-    a.trim().eq_ignore_ascii_case(b.trim())
 }
 
 /// A table of which some columns were read.
@@ -247,6 +101,23 @@ impl Table {
         wanted: &[(&str, Kind)],
     ) -> Result<Self, IngestError> {
         Self::open_with(path, bytes, style, wanted, true)
+    }
+
+    /// Names of the columns below the header with `anchor`.
+    ///
+    /// # Errors
+    /// [`IngestError::BadTable`].
+    pub(crate) fn names(
+        path: &Path,
+        bytes: &[u8],
+        style: Style,
+        anchor: &str,
+    ) -> Result<Vec<String>, IngestError> {
+        if parquet::is_parquet(bytes) {
+            return Self::parquet_names(path, bytes);
+        }
+        let text = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
+        Ok(header(text, style, Some(anchor)).names)
     }
 
     /// Names of the columns of Parquet.
@@ -389,7 +260,7 @@ impl Table {
         IngestError::UnknownColumn {
             path: self.path.clone(),
             column: name.to_owned(),
-            nearest: nearest(name, self.names.iter().map(String::as_str)),
+            nearest: nearest(name, self.names.iter().map(String::as_str)).map(str::to_owned),
             found: shown.join(", ") + &more,
         }
     }
@@ -511,8 +382,8 @@ fn first_line(error: &PolarsError) -> String {
 }
 
 fn without_mark(mut text: Vec<u8>) -> Vec<u8> {
-    if text.starts_with(b"\xef\xbb\xbf") {
-        text.drain(..3);
+    if text.starts_with(BYTE_ORDER_MARK) {
+        text.drain(..BYTE_ORDER_MARK.len());
     }
     text
 }

@@ -1,9 +1,14 @@
 //! The file beside a table that says how it was recorded: frame rate, posted speed, lane markings.
 
-use super::open::{Kind, Style, Table};
+use super::{
+    open::{Kind, Table},
+    take,
+    text::Style,
+};
 use crate::{
     error::IngestError,
     mapping::{RecordingMeta, RoadMapping, TableMapping},
+    source::Source,
 };
 use std::path::{Path, PathBuf};
 
@@ -24,9 +29,10 @@ pub(super) fn read(
     table: &Path,
     columns: &RecordingMeta,
     mapping: &TableMapping,
+    sources: &mut Vec<Source>,
 ) -> Result<Meta, IngestError> {
     let path = beside(table, &columns.replace);
-    let bytes = std::fs::read(&path).map_err(|e| IngestError::io(&path, e))?;
+    let bytes = take(&path, sources)?;
     let mut wanted = Vec::new();
     let numbers = [&columns.frames_per_s, &columns.posted_speed];
     wanted.extend(

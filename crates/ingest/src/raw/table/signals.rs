@@ -6,7 +6,7 @@ mod tracks;
 use super::{
     TableDrive, clock,
     open::{Kind, Table},
-    report,
+    report, take,
     time::{Clock, stamps},
 };
 use crate::{
@@ -14,6 +14,7 @@ use crate::{
     mapping::{SpeedSignal, TableMapping, VelocitySignal},
     quality::WarningKind,
     raw::{EgoSample, RawDrive},
+    source::Source,
 };
 use path::{DrivenPath, Heading};
 use std::path::Path;
@@ -29,6 +30,7 @@ pub(super) fn read(
     folder: &Path,
     mapping: &TableMapping,
     max_gap_s: f64,
+    sources: &mut Vec<Source>,
 ) -> Result<TableDrive, IngestError> {
     let Some(signals) = &mapping.signals else {
         return Err(IngestError::BadMapping {
@@ -39,12 +41,12 @@ pub(super) fn read(
     let clock = clock(mapping);
     let to_mps = mapping.units.speed.metres_per_second();
     let mut warnings = Vec::new();
-    let (speed, left_out) = speed_samples(folder, &signals.speed, clock, to_mps)?;
+    let (speed, left_out) = speed_samples(folder, &signals.speed, clock, to_mps, sources)?;
     let missing = WarningKind::MissingValue;
     let what = "rows without time or speed of ego are left out";
     report(&mut warnings, folder, missing, left_out, what);
     let heading = if let Some(signal) = &signals.velocity {
-        headings(folder, signal, clock)?
+        headings(folder, signal, clock, sources)?
     } else {
         let what = "no velocity is mapped: the road is taken to be straight";
         report(&mut warnings, folder, WarningKind::Default, 1, what);
@@ -52,7 +54,18 @@ pub(super) fn read(
     };
     let driven = DrivenPath::new(&speed, heading, max_gap_s);
     let objects = match &signals.tracks {
-        Some(signal) => tracks::read(folder, signal, mapping, clock, &driven, &mut warnings)?,
+        Some(signal) => {
+            let table = tracks::open_tracks(folder, signal, clock, sources)?;
+            tracks::read(
+                folder,
+                &table,
+                signal,
+                mapping,
+                clock,
+                &driven,
+                &mut warnings,
+            )?
+        }
         None => Vec::new(),
     };
     let ego = driven
@@ -82,10 +95,15 @@ pub(super) fn read(
 ///
 /// # Errors
 /// As [`Table::open`], and where there is no such file.
-fn open(folder: &Path, file: &str, wanted: &[(&str, Kind)]) -> Result<Table, IngestError> {
+fn open(
+    folder: &Path,
+    file: &str,
+    wanted: &[(&str, Kind)],
+    sources: &mut Vec<Source>,
+) -> Result<Table, IngestError> {
     let path = folder.join(file);
-    let bytes = std::fs::read(&path).map_err(|e| IngestError::io(&path, e))?;
-    Table::open(&path, bytes, super::open::Style::default(), wanted)
+    let bytes = take(&path, sources)?;
+    Table::open(&path, bytes, super::text::Style::default(), wanted)
 }
 
 /// Time and speed in m/s, in the order of the file, and the number of rows that lack one.
@@ -94,12 +112,13 @@ fn speed_samples(
     signal: &SpeedSignal,
     clock: Clock<'_>,
     to_mps: f64,
+    sources: &mut Vec<Source>,
 ) -> Result<(Vec<(i64, f64)>, usize), IngestError> {
     let wanted = [
         (signal.time.as_str(), clock.kind()),
         (signal.value.as_str(), Kind::Number),
     ];
-    let table = open(folder, &signal.file, &wanted)?;
+    let table = open(folder, &signal.file, &wanted, sources)?;
     let times = stamps(&table, &signal.time, clock)?;
     let values = table.numbers(&signal.value)?;
     let rows = times.into_iter().zip(values);
@@ -114,11 +133,12 @@ fn headings(
     folder: &Path,
     signal: &VelocitySignal,
     clock: Clock<'_>,
+    sources: &mut Vec<Source>,
 ) -> Result<Vec<Heading>, IngestError> {
     let mut wanted = vec![(signal.time.as_str(), clock.kind())];
     let vectors = signal.position.iter().chain(&signal.velocity);
     wanted.extend(vectors.map(|name| (name.as_str(), Kind::Number)));
-    let table = open(folder, &signal.file, &wanted)?;
+    let table = open(folder, &signal.file, &wanted, sources)?;
     let times = stamps(&table, &signal.time, clock)?;
     let vector = |names: &[String; 3]| -> Result<[Vec<f64>; 3], IngestError> {
         Ok([

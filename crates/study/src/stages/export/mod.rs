@@ -8,7 +8,7 @@ mod wide;
 pub use ro_crate::{About, PipelineRun, Step};
 
 use crate::{
-    atomic_write::{atomic_write, atomic_write_bytes, write_json},
+    atomic_write::{atomic_write_bytes, write_json, write_recording},
     design::DesignFile,
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
@@ -19,7 +19,7 @@ use crate::{
     },
 };
 use maveric_domain::{Answer, ConditionId, Design, DriveId, DriveMeta, ParticipantId, Recording};
-use maveric_ingest::{IngestSettings, Mapping, log_files, read_log, write_mcap};
+use maveric_ingest::{Beside, IngestSettings, Mapping, log_files, read_log};
 use place::Place;
 use pseudonym::Pseudonyms;
 use serde::Serialize;
@@ -163,7 +163,7 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
         |(meta, recording)| {
             let path = out.join("logs").join(format!("{}.mcap", meta.drive));
             let moved = from_zero(recording)?;
-            atomic_write(&path, |file| Ok(write_mcap(&moved, meta, file)?))
+            write_recording(&path, &moved, meta, &Beside::default())
         },
     )?;
     let mut warnings = Vec::new();

@@ -278,9 +278,9 @@ fn sorted_out(
 
 /// Writes the drives of one log into a folder of its own in `aside`, so that equal names do not meet there.
 fn write_log((number, log): (usize, &logs::Log), aside: &Path) -> Result<Vec<Written>, StudyError> {
-    let provenance = Provenance::of(&log.path, log.mapping.as_deref(), &log.settings)?;
     let mut written = Vec::new();
     for (vehicle, found) in read_log(&log.path, &log.settings)?.into_iter().enumerate() {
+        let provenance = Provenance::of(&found.sources, log.mapping.as_deref(), &log.settings)?;
         let drive = Drive::from_recording(found.meta, &found.recording)?;
         let folder = aside.join(format!("{number}-{vehicle}"));
         let rows = drive.rows();

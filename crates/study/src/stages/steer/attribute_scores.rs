@@ -10,7 +10,7 @@ use crate::{
         surveys::read_scores,
     },
 };
-use maveric_domain::{ConditionId, DriveId, Moment, ParticipantId};
+use maveric_domain::{ConditionId, DriveId, Moment, ParticipantId, nearest};
 use maveric_model::{
     Model,
     style_space::{AggressionAxis, AttributeHead, LinearHead},
@@ -192,12 +192,7 @@ fn questionnaire(
     let full = |scale: &str, subscale: &str| format!("{scale}.{subscale}");
     let names: BTreeSet<String> = scores.iter().map(|s| full(&s.scale, &s.subscale)).collect();
     if !names.contains(name) {
-        let likeness = |other: &String| strsim::jaro_winkler(other, name);
-        let nearest = names
-            .iter()
-            .filter(|other| likeness(other) > 0.7)
-            .max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
-            .cloned();
+        let nearest = nearest(name, names.iter().map(String::as_str)).map(str::to_owned);
         return Err(StudyError::NoColumn {
             path: path.to_owned(),
             wanted: name.to_owned(),

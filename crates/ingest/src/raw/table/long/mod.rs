@@ -10,6 +10,7 @@ use crate::{
     mapping::{RoadMapping, Side, TableMapping},
     quality::{Warning, WarningKind},
     raw::RawDrive,
+    source::Source,
 };
 use columns::{LongColumns, read_columns};
 use std::path::Path;
@@ -29,9 +30,10 @@ pub(super) fn read(
     mapping: &TableMapping,
     road: &RoadMapping,
     max_gap_s: f64,
+    sources: &mut Vec<Source>,
 ) -> Result<Vec<TableDrive>, IngestError> {
     let meta = match &mapping.recording_meta {
-        Some(columns) => Some(recording_meta::read(path, columns, mapping)?),
+        Some(columns) => Some(recording_meta::read(path, columns, mapping, sources)?),
         None => None,
     };
     let mut clock = clock(mapping);
@@ -43,6 +45,7 @@ pub(super) fn read(
         ids,
         groups,
         left_out,
+        ..
     } = read_columns(path, bytes, mapping, clock)?;
     let frame = Frame {
         y_left: match mapping.y_grows {
@@ -58,11 +61,27 @@ pub(super) fn read(
         (true, false) if c.y.is_none() && c.lane.is_none() => View::Leader,
         _ => View::All,
     };
+    let ego = match &mapping.ego {
+        None => None,
+        Some(name) => Some(ids.iter().position(|id| id == name).ok_or_else(|| {
+            let shown: Vec<&str> = ids.iter().take(20).map(String::as_str).collect();
+            IngestError::BadTable {
+                path: path.to_owned(),
+                reason: format!(
+                    "no vehicle is called `{name}` as in `table.ego`; its vehicles are {}",
+                    shown.join(", ")
+                ),
+            }
+        })?),
+    };
     let surroundings = Surroundings::new(&fleet.vehicles);
     let numbers = numbers(&ids);
     let mut drives = Vec::new();
     let mut alone = 0;
     for (index, vehicle) in fleet.vehicles.iter().enumerate() {
+        if ego.is_some_and(|ego| ego != vehicle.id as usize) {
+            continue;
+        }
         if vehicle.samples.len() < 2 {
             alone += 1;
             continue;

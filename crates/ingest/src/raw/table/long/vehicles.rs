@@ -122,6 +122,11 @@ fn vehicle(
                 x = turn * (row.x_m + 0.5 * length_m);
                 y = turn * frame.y_left * (row.y_m + 0.5 * width_m);
             }
+            Some(Point::Reference) => {
+                let ahead = Some(row.centre_ahead_m).filter(|a| a.is_finite());
+                let ahead = ahead.or(mapping.centre_ahead_m).unwrap_or(0.0);
+                (x, y) = (x + ahead * cos, y + ahead * sin);
+            }
             Some(Point::Centre) | None => {}
         }
         let speed = row.speed_mps.is_finite().then_some(row.speed_mps.abs());
@@ -203,6 +208,7 @@ fn lead(
             Some(Point::Front) => x - 0.5 * length_m,
             Some(Point::Rear) => x + 0.5 * length_m,
             Some(Point::Corner) => x + 0.5 * sign * length_m,
+            Some(Point::Reference) => x + mapping.centre_ahead_m.unwrap_or(0.0),
             Some(Point::Centre) | None => x,
         }
     } else {

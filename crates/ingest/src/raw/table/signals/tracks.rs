@@ -2,7 +2,7 @@
 
 use super::{
     super::{
-        open::Kind,
+        open::{Kind, Table},
         pair::bumper_gap_m,
         report,
         time::{Clock, stamps},
@@ -15,6 +15,7 @@ use crate::{
     mapping::{TableMapping, TracksSignal},
     quality::{Warning, WarningKind},
     raw::ObjectSample,
+    source::Source,
 };
 use std::{collections::BTreeMap, path::Path};
 
@@ -27,18 +28,16 @@ const SHORTEST_S: f64 = 0.5;
 /// What never drives forward faster than this is a sign, a bridge or oncoming, in m/s.
 const MOVING_MPS: f64 = 2.0;
 
-/// Reads the vehicles ahead, in the frame of ego's way.
+/// Opens the file of the tracks.
 ///
 /// # Errors
 /// As [`crate::read_log`].
-pub(super) fn read(
+pub(super) fn open_tracks(
     folder: &Path,
     signal: &TracksSignal,
-    mapping: &TableMapping,
     clock: Clock<'_>,
-    driven: &DrivenPath,
-    warnings: &mut Vec<Warning>,
-) -> Result<Vec<ObjectSample>, IngestError> {
+    sources: &mut Vec<Source>,
+) -> Result<Table, IngestError> {
     let mut wanted = vec![
         (signal.time.as_str(), clock.kind()),
         (signal.track.as_str(), Kind::Word),
@@ -46,8 +45,23 @@ pub(super) fn read(
     let numbers = [&signal.forward, &signal.left, &signal.relative_speed];
     wanted.extend(numbers.map(|name| (name.as_str(), Kind::Number)));
     wanted.extend(signal.new_track.iter().map(|n| (n.as_str(), Kind::Number)));
-    let table = open(folder, &signal.file, &wanted)?;
-    let times = stamps(&table, &signal.time, clock)?;
+    open(folder, &signal.file, &wanted, sources)
+}
+
+/// Reads the vehicles ahead, in the frame of ego's way.
+///
+/// # Errors
+/// As [`crate::read_log`].
+pub(super) fn read(
+    folder: &Path,
+    table: &Table,
+    signal: &TracksSignal,
+    mapping: &TableMapping,
+    clock: Clock<'_>,
+    driven: &DrivenPath,
+    warnings: &mut Vec<Warning>,
+) -> Result<Vec<ObjectSample>, IngestError> {
+    let times = stamps(table, &signal.time, clock)?;
     let (tracks, _) = table.codes(&signal.track)?;
     let length = mapping.units.length.metres();
     let speed = mapping.units.speed.metres_per_second();

@@ -1,0 +1,42 @@
+//! What channels can tell about a drive, and which numbers each role has room for.
+
+/// What a channel can tell about a drive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Role {
+    /// Ego's pose and speed: `nav_msgs/Odometry`.
+    Odometry,
+    /// Ego's pose alone: `geometry_msgs/PoseStamped`.
+    Pose,
+    /// Transforms, ego's pose among them: `tf2_msgs/TFMessage`.
+    Frames,
+    /// Ego's place on Earth: `sensor_msgs/NavSatFix`.
+    Fix,
+    /// The other vehicles: `derived_object_msgs/ObjectArray`.
+    Objects,
+    /// Ego's speed alone: `geometry_msgs/TwistStamped`.
+    Speed,
+    /// Which of the objects is ego: `carla_msgs/CarlaEgoVehicleInfo`.
+    Identity,
+}
+
+/// Slots of ego's pose, speed or fix (`x`, `y` are longitude and latitude there).
+pub(crate) const EGO_SLOTS: [&str; 12] = [
+    "sec", "nanosec", "x", "y", "qx", "qy", "qz", "qw", "vx", "vy", "yaw", "speed",
+];
+
+/// Slots of an object; behind them stand the 16 bytes of its UUID where it has one.
+pub(crate) const OBJECT_SLOTS: [&str; 18] = [
+    "sec", "nanosec", "x", "y", "qx", "qy", "qz", "qw", "vx", "vy", "yaw", "speed", "id", "length",
+    "shape", "size0", "size1", "class",
+];
+
+impl Role {
+    /// Names of the slots that a mapping may fill.
+    pub(crate) fn slots(self) -> &'static [&'static str] {
+        match self {
+            Self::Objects => &OBJECT_SLOTS,
+            Self::Identity => &["id"],
+            _ => &EGO_SLOTS,
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! The text of a table: where its header stands, how its cells are separated, and what is wrong with its rows.
+
+use crate::mapping::TableMapping;
+
+/// Lines that may stand above the header.
+const MOST_PREAMBLE: usize = 64;
+/// Columns that a table may have: a header of commas must not cost more memory than its file.
+pub(super) const MOST_COLUMNS: usize = 4096;
+
+/// How the text of a table is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Style {
+    /// Character between cells; none to find it out.
+    pub(crate) separator: Option<u8>,
+    /// Whether a comma stands before the decimals.
+    pub(crate) decimal_comma: bool,
+}
+
+impl From<&TableMapping> for Style {
+    fn from(mapping: &TableMapping) -> Self {
+        Self {
+            separator: mapping.separator.map(|c| c as u8),
+            decimal_comma: mapping.decimal_comma,
+        }
+    }
+}
+
+/// Where the header of a text stands and what it holds.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Header {
+    /// Lines above it.
+    pub(crate) preamble: usize,
+    /// Character between cells.
+    pub(crate) separator: u8,
+    /// Names of the columns.
+    pub(crate) names: Vec<String>,
+}
+
+/// Finds the header of a text: the first line with a cell `anchor`, else the first line.
+pub(crate) fn header(text: &[u8], style: Style, anchor: Option<&str>) -> Header {
+    let read = |(preamble, line): (usize, &[u8])| {
+        let separator = style.separator.unwrap_or_else(|| separator_of(line));
+        let names = cells(line, separator);
+        Header {
+            preamble,
+            separator,
+            names,
+        }
+    };
+    let lines = || text.split(|&b| b == b'\n').take(MOST_PREAMBLE).enumerate();
+    let anchored = anchor.and_then(|anchor| {
+        let holds = |h: &Header| h.names.iter().any(|n| same_name(n, anchor));
+        lines().map(read).find(holds)
+    });
+    let first = || {
+        let filled = lines().find(|(_, line)| !line.trim_ascii().is_empty());
+        read(filled.unwrap_or_default())
+    };
+    anchored.unwrap_or_else(first)
+}
+
+/// Characters that may stand between cells; of two that are as frequent the last counts, so the comma stands there.
+pub(crate) const SEPARATORS: &[u8] = b"#|\t;,";
+
+/// The most frequent of the separators.
+fn separator_of(line: &[u8]) -> u8 {
+    let count = |c: u8| line.split(|&b| b == c).count();
+    let likely = SEPARATORS.iter().copied().max_by_key(|&c| count(c));
+    likely.unwrap_or(b',')
+}
+
+fn cells(line: &[u8], separator: u8) -> Vec<String> {
+    let line = line.strip_suffix(b"\r").unwrap_or(line);
+    let mut quoted = false;
+    let cells = line.split(|&b| {
+        quoted ^= b == b'"';
+        b == separator && !quoted
+    });
+    // One more than are allowed tells that there are too many.
+    let cells = cells.take(MOST_COLUMNS + 1);
+    cells
+        .map(|c| {
+            String::from_utf8_lossy(c)
+                .trim()
+                .trim_matches('"')
+                .to_owned()
+        })
+        .collect()
+}
+
+/// What is wrong with the rows of a text: polars would read on.
+pub(super) enum Flaw {
+    /// A cell's quote is never closed: what stands behind it would be one cell, its last character lost.
+    OpenQuote { row: usize },
+    /// More cells than the header has, and something in the last of them.
+    TooWide { row: usize, found: usize },
+}
+
+/// The first flaw of a text; rows are counted from 1 below the header.
+pub(super) fn flaw(text: &[u8], header: &Header) -> Option<Flaw> {
+    let mut lines = text.split_inclusive(|&b| b == b'\n');
+    let above: usize = lines.by_ref().take(header.preamble).map(<[u8]>::len).sum();
+    let text = &text[above..];
+    let width = header.names.len();
+    // Where the cell begins, whether it began with a quote, and whether that is still open.
+    let (mut cell, mut quoted, mut inside) = (0, false, false);
+    // The row that is being read, its cells so far, and the row in which the last quoted cell began; 0 is the header.
+    let (mut row, mut found, mut opened) = (0, 1, 0);
+    for at in memchr::memchr3_iter(header.separator, b'\n', b'"', text) {
+        match text[at] {
+            b'"' if at == cell => (quoted, inside, opened) = (true, true, row),
+            b'"' => inside ^= quoted,
+            _ if inside => row += usize::from(text[at] == b'\n'),
+            b'\n' => {
+                // A single cell too many that is empty is a separator at the end of the line.
+                if row > 0
+                    && found > width
+                    && (found > width + 1 || !text[cell..at].trim_ascii().is_empty())
+                {
+                    return Some(Flaw::TooWide { row, found });
+                }
+                (row, found, cell, quoted) = (row + 1, 1, at + 1, false);
+            }
+            _ => (found, cell, quoted) = (found + 1, at + 1, false),
+        }
+    }
+    let last = found > width && (found > width + 1 || !text[cell..].trim_ascii().is_empty());
+    if inside {
+        return Some(Flaw::OpenQuote { row: opened });
+    }
+    (row > 0 && last).then_some(Flaw::TooWide { row, found })
+}
+
+pub(super) fn same_name(a: &str, b: &str) -> bool {
+    a.trim().eq_ignore_ascii_case(b.trim())
+}

@@ -1,0 +1,33 @@
+//! The files that were read for a drive.
+
+use crate::error::IngestError;
+use std::{fs, path::Path};
+
+/// A file that was read for a drive.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Source {
+    /// Its name, without its folder.
+    pub name: String,
+    /// BLAKE3 of its bytes, in hexadecimal digits.
+    pub blake3: String,
+}
+
+impl Source {
+    pub(crate) fn new(path: &Path, blake3: String) -> Self {
+        let name = path.file_name().unwrap_or_default();
+        Self {
+            name: name.to_string_lossy().into_owned(),
+            blake3,
+        }
+    }
+
+    /// Reads a file once: its bytes, and what it is remembered by.
+    ///
+    /// # Errors
+    /// [`IngestError::NotFound`] and the like.
+    pub(crate) fn read(path: &Path) -> Result<(Vec<u8>, Self), IngestError> {
+        let bytes = fs::read(path).map_err(|e| IngestError::io(path, e))?;
+        let blake3 = blake3::hash(&bytes).to_hex().to_string();
+        Ok((bytes, Self::new(path, blake3)))
+    }
+}

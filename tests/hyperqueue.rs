@@ -1,0 +1,150 @@
+//! A real HyperQueue, where `hq` is on the PATH: the small study on two workers, one of which is killed while it works.
+
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+#![cfg(target_os = "linux")]
+
+mod support;
+
+use std::{
+    collections::BTreeMap,
+    path::Path,
+    process::{Child, Command, Stdio},
+    time::{Duration, Instant},
+};
+use support::{Ran, TempStudy};
+
+/// A server and its workers, which end with it.
+struct Cluster {
+    folder: tempfile::TempDir,
+    server: Child,
+    workers: Vec<Child>,
+}
+
+impl Cluster {
+    /// None where there is no `hq`.
+    fn start(workers: usize) -> Option<Self> {
+        let folder = tempfile::tempdir().unwrap();
+        let there = Command::new("hq")
+            .arg("--version")
+            .stdout(Stdio::null())
+            .status();
+        if !there.is_ok_and(|s| s.success()) {
+            eprintln!("skipped: `hq` is not on the PATH");
+            return None;
+        }
+        let server = started(folder.path(), &["server", "start", "--host", "localhost"]);
+        let until = Instant::now() + Duration::from_secs(30);
+        while !folder.path().join("hq-current/access.json").exists() {
+            assert!(Instant::now() < until, "the server does not start");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        let worker = ["worker", "start", "--cpus", "1", "--heartbeat", "1s"];
+        let workers = (0..workers).map(|_| started(folder.path(), &worker));
+        Some(Self {
+            workers: workers.collect(),
+            server,
+            folder,
+        })
+    }
+
+    fn maveric(&self, study: &TempStudy, args: &[&str]) -> Command {
+        let mut command = study.command(args);
+        command.env("HQ_SERVER_DIR", self.folder.path());
+        command
+    }
+}
+
+impl Drop for Cluster {
+    fn drop(&mut self) {
+        for child in self.workers.iter_mut().chain([&mut self.server]) {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}
+
+fn started(folder: &Path, args: &[&str]) -> Child {
+    Command::new("hq")
+        .args(args)
+        .env("HQ_SERVER_DIR", folder)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+/// Whether a process has started others that still run.
+fn works(pid: u32) -> bool {
+    let children = std::fs::read_to_string(format!("/proc/{pid}/task/{pid}/children"));
+    if let Ok(children) = children {
+        return !children.trim().is_empty();
+    }
+    let parent = |entry: std::fs::DirEntry| {
+        let stat = std::fs::read_to_string(entry.path().join("stat")).ok()?;
+        let behind = stat.rsplit_once(')')?.1;
+        behind.split_whitespace().nth(1)?.parse::<u32>().ok()
+    };
+    let processes = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+    processes.filter_map(parent).any(|p| p == pid)
+}
+
+/// Every file below a folder with its bytes, but for logs and what a run notes of itself.
+fn files(folder: &Path, root: &Path, found: &mut BTreeMap<String, Vec<u8>>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files(&path, root, found);
+        } else {
+            let name = path.strip_prefix(root).unwrap().display().to_string();
+            found.insert(name, std::fs::read(&path).unwrap());
+        }
+    }
+}
+
+fn made(study: &TempStudy) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for folder in ["study_data/generated/smoke", "reports/smoke"] {
+        let path = study.path(folder);
+        files(&path, &path, &mut found);
+    }
+    found.retain(|name, _| !name.contains(".logs/"));
+    found
+}
+
+#[test]
+fn the_small_study_comes_out_the_same_when_a_worker_is_killed_at_work() {
+    let Some(mut cluster) = Cluster::start(2) else {
+        return;
+    };
+    let study = TempStudy::new();
+    let run = ["run", "pipelines/smoke.toml", "--executor", "hq"];
+    let running = cluster
+        .maveric(&study, &run)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let until = Instant::now() + Duration::from_mins(2);
+    while !works(cluster.workers[0].id()) {
+        assert!(Instant::now() < until, "the worker never worked");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    // What the worker had started may go on beside its second copy, as on a node that was given up.
+    cluster.workers[0].kill().unwrap();
+    Ran::from(running.wait_with_output().unwrap()).ok();
+    let local = TempStudy::new();
+    local.maveric(&["run", "pipelines/smoke.toml"]).ok();
+    let (here, there) = (made(&local), made(&study));
+    assert!(here.len() > 50, "{} files", here.len());
+    assert_eq!(
+        here.keys().collect::<Vec<_>>(),
+        there.keys().collect::<Vec<_>>()
+    );
+    let differ: Vec<&String> = here
+        .iter()
+        .filter(|(name, bytes)| there[*name] != **bytes)
+        .map(|f| f.0)
+        .collect();
+    assert!(differ.is_empty(), "{differ:?} differ");
+}

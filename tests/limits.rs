@@ -1,0 +1,199 @@
+//! What is too much is refused by its number, and a full disk leaves nothing half-written.
+
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+mod support;
+
+use std::{fmt::Write as _, path::Path, process::Command};
+use support::TempStudy;
+
+const DESIGN: &str = "[study]\ntitle = \"Many\"\n";
+
+fn conditions(count: usize) -> String {
+    (0..count).fold(DESIGN.to_owned(), |mut text, i| {
+        let _ = write!(text, "\n[[condition]]\nid = \"c{i}\"\n");
+        text
+    })
+}
+
+fn placed(study: &TempStudy, count: usize) -> String {
+    let scenario = std::fs::read_to_string(study.path("study_data/scenarios/cut_in.toml")).unwrap();
+    (0..count).fold(scenario, |mut text, i| {
+        let ahead_m = 100 + 10 * i;
+        let _ = write!(
+            text,
+            "\n[[vehicles]]\nahead_m = {ahead_m}.0\nlane = 0\nspeed_mps = 20.0\n"
+        );
+        text
+    })
+}
+
+#[test]
+fn every_limit_is_told_by_what_was_asked_and_what_is_possible() {
+    let study = TempStudy::new();
+    study.write("t.csv", "v\n1\n2\n3\n4\n");
+    study.write("many.toml", conditions(700));
+    study.write("crowd.toml", placed(&study, 20_000));
+    let table = "t,x_follower,v_follower,x_leader,v_leader,leader_length,spacing\n";
+    let rows = (0..20).fold(String::new(), |mut rows, i| {
+        let _ = writeln!(rows, "{},{i},1,9,1,0,9", 100 * i);
+        rows
+    });
+    study.write("oa_pair_r_f2_c.csv", format!("{table}{rows}"));
+    let pipeline = |shards: u64| {
+        format!(
+            "name = \"p\"\n[[stage]]\nname = \"s\"\ncommand = [\"true\"]\nshards = {shards}\noutputs = [\"o\"]\n"
+        )
+    };
+    study.write("wide.toml", pipeline(4_000_000_000));
+    let calls: [(&str, &[&str]); 8] = [
+        (
+            "10000 threads, expected at most 1024",
+            &[
+                "ingest",
+                "oa_pair_r_f2_c.csv",
+                "--mapping",
+                "study_data/mappings/openacc.toml",
+                "--out",
+                "o",
+                "-j",
+                "10000",
+            ],
+        ),
+        (
+            "200024 people, expected at most 100000",
+            &["generate", "--out", "o", "--learn", "200000"],
+        ),
+        (
+            "at most 1000",
+            &["generate", "--out", "o", "--scenario", "crowd.toml"],
+        ),
+        (
+            "100 to 1000000",
+            &[
+                "stats",
+                "bootstrap",
+                "t.csv",
+                "--statistic",
+                "mean",
+                "--value",
+                "v",
+                "--resamples",
+                "1000000000000",
+            ],
+        ),
+        (
+            "at most 50",
+            &["design", "describe", "--design", "many.toml"],
+        ),
+        (
+            "above 0, at most 1000",
+            &[
+                "ingest",
+                "oa_pair_r_f2_c.csv",
+                "--mapping",
+                "study_data/mappings/openacc.toml",
+                "--out",
+                "o",
+                "--rate",
+                "1e9",
+            ],
+        ),
+        (
+            "rows",
+            &[
+                "ingest",
+                "oa_pair_r_f2_c.csv",
+                "--mapping",
+                "study_data/mappings/openacc.toml",
+                "--out",
+                "o",
+                "--rate",
+                "1000",
+            ],
+        ),
+        ("4000000000", &["run", "wide.toml", "-n"]),
+    ];
+    for (words, call) in calls {
+        let ran = study.maveric(call);
+        assert!(
+            matches!(ran.status, Some(1 | 2)) && ran.stderr.contains(words),
+            "{call:?}: {:?}: {}",
+            ran.status,
+            ran.stderr
+        );
+        assert!(!study.path("o").exists(), "{call:?} wrote something");
+    }
+}
+
+/// What is in a folder, hidden files and those below included.
+fn listed(folder: &Path) -> Vec<String> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).into_iter().flatten() {
+        let path = entry.unwrap().path();
+        found.push(path.display().to_string());
+        found.extend(listed(&path));
+    }
+    found.sort();
+    found
+}
+
+/// Runs a command line in a file system of `size` at `disk`, and lists what it left; none where no such disk may be made.
+#[cfg(target_os = "linux")]
+fn on_small_disk(study: &TempStudy, size: &str, command: &str) -> Option<(String, String)> {
+    let script = format!(
+        "mount -t tmpfs -o size={size} tmpfs disk || exit 77; mkdir disk/out; echo before > disk/out/kept.txt; \
+         {command} 2>err.txt; echo status $?; find disk -type f | sort"
+    );
+    std::fs::create_dir_all(study.path("disk")).unwrap();
+    let unshared = Command::new("unshare")
+        .args(["-rm", "sh", "-c", &script])
+        .current_dir(study.path("."))
+        .output();
+    let output = unshared.ok().filter(|o| o.status.code() == Some(0))?;
+    let said = std::fs::read_to_string(study.path("err.txt")).unwrap();
+    Some((String::from_utf8_lossy(&output.stdout).into_owned(), said))
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_is_an_error_that_says_so_and_leaves_nothing_half_written() {
+    let study = TempStudy::new();
+    let maveric = env!("CARGO_BIN_EXE_maveric");
+    let rows = (0..600).fold(String::new(), |mut rows, i| {
+        let t = f64::from(i) / 10.0;
+        let _ = writeln!(rows, "{t},{},20,{},20,0,30", 20.0 * t, 20.0 * t + 34.7);
+        rows
+    });
+    let table = "t,x_follower,v_follower,x_leader,v_leader,leader_length,spacing\n";
+    study.write("oa_pair_r_f2_c.csv", format!("{table}{rows}"));
+    let calls = [
+        (
+            "64k",
+            "generate --learn 2 --test 1 --duration 60 --out disk/out/logs",
+        ),
+        (
+            "16k",
+            "ingest oa_pair_r_f2_c.csv --mapping study_data/mappings/openacc.toml --out disk/out/drives",
+        ),
+        ("20k", "init disk/out/mine --conditions a,b"),
+    ];
+    for (size, call) in calls {
+        let Some((left, said)) = on_small_disk(&study, size, &format!("{maveric} {call}")) else {
+            eprintln!("skipped: no file system of its own may be mounted here");
+            return;
+        };
+        assert!(said.contains("No space left on device"), "{call}: {said}");
+        assert!(said.contains("disk/"), "{call} names no file: {said}");
+        // What stands there is whole: what was begun is gone.
+        assert!(
+            left.starts_with("status 1\n") && left.contains("disk/out/kept.txt"),
+            "{left}"
+        );
+        assert!(
+            !left.contains(".maveric") && !left.contains(".tmp"),
+            "{left}"
+        );
+    }
+    assert!(listed(&study.path("disk")).is_empty(), "mounted over");
+}
