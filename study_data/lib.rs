@@ -29,6 +29,7 @@ files! {
     DESIGNS_PAPER = "study_data/designs/paper.toml";
     DESIGNS_SCHEMA = "study_data/designs/schema.json";
     MAPPINGS_COMMA2K19 = "study_data/mappings/comma2k19.toml";
+    MAPPINGS_ESMINI_CSV = "study_data/mappings/esmini_csv.toml";
     MAPPINGS_EXID = "study_data/mappings/exid.toml";
     MAPPINGS_HIGHD = "study_data/mappings/highd.toml";
     MAPPINGS_NGSIM = "study_data/mappings/ngsim.toml";
@@ -36,6 +37,7 @@ files! {
     MAPPINGS_NGSIM_PAIRS = "study_data/mappings/ngsim_pairs.toml";
     MAPPINGS_OPENACC = "study_data/mappings/openacc.toml";
     MAPPINGS_OPENACC_PLATOON = "study_data/mappings/openacc_platoon.toml";
+    MAPPINGS_OPENPASS_CYCLICS = "study_data/mappings/openpass_cyclics.toml";
     MAPPINGS_OURS = "study_data/mappings/ours.toml";
     MAPPINGS_RIG_AUTOWARE = "study_data/mappings/rig_autoware.toml";
     MAPPINGS_RIG_CARLA_ROS_BRIDGE = "study_data/mappings/rig_carla_ros_bridge.toml";
