@@ -180,8 +180,8 @@ pub(crate) fn own_time_gap_s(
 mod tests {
     use super::*;
     use crate::{
-        made_up::{self, DRIVER, driven_by_idm},
         simulate,
+        testing::{self, DRIVER, driven_by_idm},
     };
 
     #[test]
@@ -214,7 +214,7 @@ mod tests {
             delay_s: 1.3,
             distance_m: 5.0,
         });
-        let run = made_up::driven(|stretch| simulate(stretch, "newell", newell.driving(stretch)));
+        let run = testing::driven(|stretch| simulate(stretch, "newell", newell.driving(stretch)));
         let found = Family::Newell
             .calibrate(&[run.fit()], &SearchSettings::default(), 1)
             .unwrap();
@@ -232,7 +232,7 @@ mod tests {
             ego_braking_mps2: 2.5,
             lead_braking_mps2: 2.8,
         };
-        let run = made_up::driven_by("P01", |g, v, l| gipps.accel_mps2(g, v, l));
+        let run = testing::driven_by("P01", |g, v, l| gipps.accel_mps2(g, v, l));
         let found = Family::Gipps
             .calibrate(&[run.fit()], &SearchSettings::default(), 1)
             .unwrap();

@@ -147,11 +147,11 @@ fn move_ego(speed_mps: f64, command_mps2: f64, step_s: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made_up;
+    use crate::testing;
 
     #[test]
     fn constant_speeds_keep_the_gap() {
-        let run = made_up::behind("P01", 300, 20.0, 10.0, |_| 10.0);
+        let run = testing::behind("P01", 300, 20.0, 10.0, |_| 10.0);
         let driven = simulate(&run.test(), "none", |_, _, _| 0.0).unwrap();
         assert_eq!(driven.gap_m.len(), 100);
         assert!(driven.gap_m.iter().all(|gap| (gap - 20.0).abs() < 1e-9));
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn a_gap_that_reaches_zero_is_reported_and_the_run_goes_on() {
-        let run = made_up::behind("P01", 300, 5.0, 10.0, |_| 0.0);
+        let run = testing::behind("P01", 300, 5.0, 10.0, |_| 0.0);
         let driven = simulate(&run.test(), "blind", |_, _, _| 0.0).unwrap();
         assert!(driven.reached_zero);
         assert_eq!(driven.gap_m.len(), 100);
@@ -188,7 +188,7 @@ mod tests {
 
     #[test]
     fn a_law_without_a_number_is_an_error() {
-        let run = made_up::behind("P01", 30, 5.0, 10.0, |_| 10.0);
+        let run = testing::behind("P01", 30, 5.0, 10.0, |_| 10.0);
         let error = simulate(&run.test(), "broken", |_, _, _| f64::NAN).unwrap_err();
         assert!(matches!(
             error,
@@ -198,7 +198,7 @@ mod tests {
 
     #[test]
     fn a_run_is_given_up_only_above_the_limit() {
-        let run = made_up::behind("P01", 300, 20.0, 10.0, |_| 11.0);
+        let run = testing::behind("P01", 300, 20.0, 10.0, |_| 11.0);
         let rmse = gap_rmse_within(&run.test(), |_, _, _| 0.0, f64::INFINITY).unwrap();
         assert!(gap_rmse_within(&run.test(), |_, _, _| 0.0, 1.001 * rmse).is_some());
         assert!(gap_rmse_within(&run.test(), |_, _, _| 0.0, 0.999 * rmse).is_none());

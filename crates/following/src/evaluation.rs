@@ -258,7 +258,7 @@ fn each_second(run: &FollowingRun, column: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ClosedLoopSettings, SearchSettings, made_up};
+    use crate::{ClosedLoopSettings, SearchSettings, testing};
 
     fn quick(closed_loop_seeds: usize) -> FollowingSettings {
         FollowingSettings {
@@ -278,7 +278,7 @@ mod tests {
 
     fn runs(time_gaps_s: &[f64]) -> Vec<FollowingRun> {
         let run =
-            |t: &f64| made_up::driven_by_idm(&format!("T{t}"), made_up::DRIVER.with_time_gap_s(*t));
+            |t: &f64| testing::driven_by_idm(&format!("T{t}"), testing::DRIVER.with_time_gap_s(*t));
         time_gaps_s.iter().map(run).collect()
     }
 

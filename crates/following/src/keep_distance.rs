@@ -33,7 +33,7 @@ impl<F: Fn(f64) -> f64> KeepDistance<F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FollowingError, made_up, settings::SAFETY, simulate};
+    use crate::{FollowingError, settings::SAFETY, simulate, testing};
 
     fn keeping<F: Fn(f64) -> f64>(distance_m: F) -> KeepDistance<F> {
         KeepDistance {
@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn the_predicted_distance_is_kept_where_it_is_safe() {
-        let run = made_up::behind("P01", 6000, 20.0, 10.0, |_| 10.0);
+        let run = testing::behind("P01", 6000, 20.0, 10.0, |_| 10.0);
         let law = keeping(|lead| 5.0 + 2.0 * lead);
         let driven = simulate(&run.test(), "F", |g, v, l| law.accel_mps2(g, v, l)).unwrap();
         assert!((driven.gap_m.last().unwrap() - 25.0).abs() < 0.05);
@@ -58,7 +58,7 @@ mod tests {
     fn a_distance_below_zero_at_standstill_does_not_reach_the_leader() {
         // The leader brakes to a stop at 8 m/s² within the test rows; the line asks for -25 m there.
         let stop = |t: f64| (20.0 - 8.0 * (t - 30.0).max(0.0)).max(0.0);
-        let run = made_up::behind("P01", 600, 40.0, 20.0, stop);
+        let run = testing::behind("P01", 600, 40.0, 20.0, stop);
         let law = keeping(|lead| 3.4 * lead - 25.0);
         let driven = simulate(&run.fit(), "F", |g, v, l| law.accel_mps2(g, v, l)).unwrap();
         assert!(driven.gap_m.iter().all(|&gap| gap > 1.0));
@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn a_prediction_that_is_no_number_is_not_hidden_by_the_bound() {
-        let run = made_up::behind("P01", 30, 40.0, 20.0, |_| 20.0);
+        let run = testing::behind("P01", 30, 40.0, 20.0, |_| 20.0);
         let law = keeping(|_| f64::NAN);
         let driven = simulate(&run.test(), "F", |g, v, l| law.accel_mps2(g, v, l));
         assert!(matches!(driven, Err(FollowingError::LawNotFinite { .. })));

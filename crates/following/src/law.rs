@@ -89,12 +89,12 @@ impl Newell {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{made_up, simulate};
+    use crate::{simulate, testing};
 
     #[test]
     fn by_newell_ego_ends_where_the_leader_was() {
         let lead = |t: f64| 12.0 + 3.0 * (t / 9.0).sin();
-        let run = made_up::behind("P01", 1200, 25.0, 12.0, lead);
+        let run = testing::behind("P01", 1200, 25.0, 12.0, lead);
         let newell = Law::Newell(Newell {
             delay_s: 1.25,
             distance_m: 6.0,
@@ -111,7 +111,7 @@ mod tests {
     #[test]
     fn a_constant_time_gap_is_kept_at_every_speed() {
         for speed in [8.0, 20.0] {
-            let run = made_up::behind("P01", 3000, 20.0, speed, |_| speed);
+            let run = testing::behind("P01", 3000, 20.0, speed, |_| speed);
             let test = run.test();
             let law = Law::constant_time_gap(1.5);
             let driven = simulate(&test, "time gap", law.driving(&test)).unwrap();

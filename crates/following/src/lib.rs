@@ -7,8 +7,6 @@ pub mod error;
 pub mod evaluation;
 pub mod keep_distance;
 pub mod law;
-#[cfg(test)]
-mod made_up;
 pub mod method;
 pub mod peers;
 pub mod results;
@@ -17,6 +15,8 @@ mod search;
 pub mod settings;
 pub mod shrinkage;
 pub mod simulation_errors;
+#[cfg(test)]
+mod testing;
 
 pub use calibrate::{Calibrated, Family, SearchSettings};
 pub use closed_loop::{ClosedLoop, simulate};

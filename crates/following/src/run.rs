@@ -265,14 +265,14 @@ impl Stretch<'_> {
 #[cfg(test)]
 mod tests {
     use super::{FollowingError as E, *};
-    use crate::made_up;
+    use crate::testing;
     use maveric_domain::{
         DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording, Road,
         VehicleId,
     };
 
     fn columns() -> FollowingColumns {
-        made_up::behind("P01", 10, 20.0, 10.0, |_| 10.0)
+        testing::behind("P01", 10, 20.0, 10.0, |_| 10.0)
             .columns()
             .clone()
     }

@@ -50,12 +50,12 @@ impl SimulationErrors {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made_up;
+    use crate::testing;
 
     #[test]
     fn errors_are_those_worked_out_by_hand() {
         // Test rows 4 and 5: only the second counts, gap 20 m for 17 m and 10 m/s for 11 m/s.
-        let run = made_up::behind("P01", 6, 20.0, 10.0, |_| 10.0);
+        let run = testing::behind("P01", 6, 20.0, 10.0, |_| 10.0);
         let simulated = ClosedLoop {
             gap_m: vec![99.0, 17.0],
             speed_mps: vec![99.0, 11.0],

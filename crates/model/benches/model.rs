@@ -4,7 +4,7 @@
 mod drives;
 
 use divan::{Bencher, counter::ItemsCount};
-use maveric_model::{Model, Predictor, TrainParams, TrainSettings, TrainingDrive, train};
+use maveric_model::{Model, Predictor, TrainSettings, TrainingDrive, train};
 use std::ops::ControlFlow;
 
 fn main() {
@@ -19,16 +19,15 @@ fn trained(drives: &[drives::Scored], epochs: usize, batch_size: usize) -> (Mode
             adb: Some(*adb),
         })
         .collect();
-    let params = TrainParams::new(TrainSettings {
+    let settings = TrainSettings {
         heads: maveric_model::HeadsKind::Paper,
         epochs,
         batch_size,
         validation_fraction: 0.0,
         ..TrainSettings::default()
-    })
-    .expect("settings in range");
-    let trained =
-        train(&given, &params, 1, &mut |_| ControlFlow::Continue(())).expect("drives long enough");
+    };
+    let trained = train(&given, &settings, 1, &mut |_| ControlFlow::Continue(()))
+        .expect("drives long enough");
     (trained.model, trained.report.networks.map_or(0, |n| n.rows))
 }
 

@@ -6,8 +6,8 @@ mod drives;
 use divan::Bencher;
 use maveric_domain::Drive;
 use maveric_model::{
-    CurveParams, HeadsKind, Model, PersonalizeParams, Personalizer, TrainParams, TrainSettings,
-    TrainingDrive, learning_curve, train,
+    CurveSettings, HeadsKind, Model, Personalizer, TrainSettings, TrainingDrive, learning_curve,
+    train,
 };
 use std::ops::ControlFlow;
 
@@ -24,13 +24,12 @@ fn model(heads: HeadsKind) -> Model {
             adb: Some(*adb),
         })
         .collect();
-    let params = TrainParams::new(TrainSettings {
+    let settings = TrainSettings {
         heads,
         epochs: 10,
         ..TrainSettings::default()
-    })
-    .expect("settings in range");
-    train(&given, &params, 1, &mut |_| ControlFlow::Continue(()))
+    };
+    train(&given, &settings, 1, &mut |_| ControlFlow::Continue(()))
         .expect("drives long enough")
         .model
 }
@@ -49,7 +48,7 @@ fn new_drive() -> Drive {
 #[divan::bench(args = [HeadsKind::Linear, HeadsKind::Paper], sample_count = 20, sample_size = 1)]
 fn twelve_thousand_samples(bencher: Bencher<'_, '_>, heads: HeadsKind) {
     let (model, drive) = (model(heads), new_drive());
-    let personalizer = Personalizer::new(&model, PersonalizeParams::default());
+    let personalizer = Personalizer::new(&model);
     bencher.bench_local(|| personalizer.fit(&drive, None));
 }
 
@@ -57,7 +56,7 @@ fn twelve_thousand_samples(bencher: Bencher<'_, '_>, heads: HeadsKind) {
 #[divan::bench(sample_count = 5, sample_size = 1)]
 fn learning_curve_of_ten_minutes(bencher: Bencher<'_, '_>) {
     let (model, drive) = (model(HeadsKind::Linear), new_drive());
-    let personalizer = Personalizer::new(&model, PersonalizeParams::default());
-    let params = CurveParams::default();
+    let personalizer = Personalizer::new(&model);
+    let params = CurveSettings::default();
     bencher.bench_local(|| learning_curve(&personalizer, &drive, &params));
 }

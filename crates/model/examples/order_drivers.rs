@@ -5,10 +5,8 @@
 mod drives;
 
 use maveric_model::{
-    Habits, HeadsKind, ModelError, PersonalizeParams, TrainParams, TrainSettings, TrainingDrive,
-    personalize,
-    style_space::{AggressionAxis, shift},
-    train,
+    Habits, HeadsKind, ModelError, TrainSettings, TrainingDrive, personalize,
+    style_space::LinearHead, train,
 };
 use std::ops::ControlFlow;
 
@@ -21,14 +19,14 @@ fn main() -> Result<(), ModelError> {
             adb: Some(*adb),
         })
         .collect();
-    let params = TrainParams::new(TrainSettings {
+    let params = TrainSettings {
         heads: HeadsKind::Linear,
         ..TrainSettings::default()
-    })?;
+    };
     let trained = train(&given, &params, 1, &mut |_| ControlFlow::Continue(()))?;
-    let axis = AggressionAxis::of(&trained.model)?;
+    let axis = LinearHead::aggression(&trained.model)?;
     for ((drive, embedding), (_, adb)) in trained.embeddings.iter().zip(&recorded) {
-        let (said, read) = (adb.points(), axis.aggression_hat(embedding)?);
+        let (said, read) = (adb.points(), axis.read(embedding)?);
         println!("{drive}: {said:.0} points said, {read:.0} read");
     }
 
@@ -38,11 +36,11 @@ fn main() -> Result<(), ModelError> {
         passes: true,
     };
     let new = drives::drive_apart("new", &habits, 300.0);
-    let fit = personalize(&trained.model, &new, None, &PersonalizeParams::default())?;
+    let fit = personalize(&trained.model, &new, None)?;
     let sd = fit.sd_along(axis.gradient()).unwrap_or_default();
     println!("new driver: known to {sd:.2} SD of drivers along aggression");
     for points in [-15.0, 0.0, 15.0] {
-        let moved = shift(&axis, &fit.embedding, points)?;
+        let moved = axis.shift(&fit.embedding, points)?;
         let own = Habits::new(&trained.model, &moved.embedding)?;
         println!(
             "{points:+3} points: S reads {:.0}, {:.1} m/s, merges back {:.2} s ahead",

@@ -7,10 +7,7 @@
 #[path = "../tests/support/drives.rs"]
 mod drives;
 
-use maveric_model::{
-    HeadsKind, ModelError, PersonalizeParams, Personalizer, TrainParams, TrainSettings,
-    TrainingDrive, train,
-};
+use maveric_model::{HeadsKind, ModelError, Personalizer, TrainSettings, TrainingDrive, train};
 use rayon::prelude::*;
 use std::{ops::ControlFlow, time::Instant};
 
@@ -28,12 +25,12 @@ fn main() -> Result<(), ModelError> {
             adb: Some(*adb),
         })
         .collect();
-    let params = TrainParams::new(TrainSettings {
+    let params = TrainSettings {
         heads: HeadsKind::Linear,
         ..TrainSettings::default()
-    })?;
+    };
     let model = train(&given, &params, 1, &mut |_| ControlFlow::Continue(()))?.model;
-    let personalizer = Personalizer::new(&model, PersonalizeParams::default());
+    let personalizer = Personalizer::new(&model::default());
 
     let begun = Instant::now();
     let fit = |driver: u32| -> Result<f64, ModelError> {

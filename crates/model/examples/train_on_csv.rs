@@ -8,7 +8,7 @@ use maveric_domain::{
     Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording, Road,
     VehicleId,
 };
-use maveric_model::{TrainParams, TrainSettings, TrainingDrive, train};
+use maveric_model::{TrainSettings, TrainingDrive, train};
 use std::{collections::BTreeMap, error::Error, ops::ControlFlow};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -31,12 +31,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         .iter()
         .map(|drive| TrainingDrive { drive, adb: None })
         .collect();
-    let params = TrainParams::new(TrainSettings {
+    let params = TrainSettings {
         heads: maveric_model::HeadsKind::Paper,
         epochs: 30,
         batch_size: 128,
         ..TrainSettings::default()
-    })?;
+    };
     let trained = train(&given, &params, 1, &mut |_| ControlFlow::Continue(()))?;
     for (drive, embedding) in &trained.embeddings {
         println!("{drive}: {:.2?}", embedding.coordinates());

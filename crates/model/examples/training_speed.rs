@@ -8,7 +8,7 @@
 #[path = "../tests/support/drives.rs"]
 mod drives;
 
-use maveric_model::{HeadsKind, TrainParams, TrainSettings, TrainingDrive, train};
+use maveric_model::{HeadsKind, TrainSettings, TrainingDrive, train};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use std::{ops::ControlFlow, sync::OnceLock, time::Instant};
@@ -69,18 +69,17 @@ fn peak(wall: bool) -> f64 {
 
 /// Best epoch of a training with that batch size, in rows a second.
 fn rate(wall: bool, given: &[TrainingDrive<'_>], batch_size: usize) -> f64 {
-    let params = TrainParams::new(TrainSettings {
+    let settings = TrainSettings {
         heads: HeadsKind::Paper,
         epochs: 12,
         batch_size,
         validation_fraction: 0.0,
         ..TrainSettings::default()
-    })
-    .expect("settings in range");
+    };
     let mut last = spent(wall);
     let mut best = f64::INFINITY;
     let mut seen = 0;
-    let trained = train(given, &params, 1, &mut |_| {
+    let trained = train(given, &settings, 1, &mut |_| {
         seen += 1;
         if seen > 1 {
             best = best.min(spent(wall) - last);

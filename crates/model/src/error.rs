@@ -204,12 +204,6 @@ pub enum ModelError {
         /// The word.
         found: String,
     },
-    /// A drive that shows none of the habits that a model reads.
-    #[error("drive {drive} shows no habit: no free road, nobody followed or passed")]
-    NoHabits {
-        /// The drive.
-        drive: DriveId,
-    },
     /// A value that the domain refuses.
     #[error(transparent)]
     Domain(#[from] DomainError),
@@ -237,7 +231,6 @@ impl ModelError {
                 ..
             } => Some("train with `--heads paper`"),
             Self::OtherHeads { .. } => Some("train with `--heads linear`"),
-            Self::NoHabits { .. } => Some("record longer drives"),
             Self::NotAModelFile
             | Self::OtherVersion { .. }
             | Self::WrongLength { .. }

@@ -1,46 +1,45 @@
-//! Small symmetric matrices: eigenvectors, roots, mean and covariance. Matrices are row by row.
+//! What style space needs beside nalgebra: eigenvectors in a stated order and sense, and moments of points.
 
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// Eigenvalues, largest first, and eigenvectors (one a row) of a symmetric `(n, n)` matrix. Each vector's largest component is
-/// positive.
-pub(crate) fn symmetric_eigen(matrix: &[f64], n: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
-    let found = SymmetricEigen::new(DMatrix::from_row_slice(n, n, matrix));
-    let mut order: Vec<usize> = (0..n).collect();
+/// Eigenvalues of a symmetric matrix, largest first, and their vectors, one a column, each with its largest component positive.
+pub(crate) fn symmetric_eigen(matrix: &DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
+    if matrix.is_empty() {
+        return (Vec::new(), matrix.clone());
+    }
+    let found = SymmetricEigen::new(matrix.clone());
+    let mut order: Vec<usize> = (0..matrix.nrows()).collect();
     order.sort_by(|&i, &j| found.eigenvalues[j].total_cmp(&found.eigenvalues[i]));
-    let vector = |&i: &usize| {
-        let vector = found.eigenvectors.column(i);
-        let sign = vector[vector.iamax()].signum();
-        vector.iter().map(|x| x * sign).collect()
-    };
+    let columns: Vec<DVector<f64>> = order
+        .iter()
+        .map(|&i| {
+            let vector = found.eigenvectors.column(i);
+            vector * vector[vector.iamax()].signum()
+        })
+        .collect();
     let values = order.iter().map(|&i| found.eigenvalues[i]).collect();
-    (values, order.iter().map(vector).collect())
+    (values, DMatrix::from_columns(&columns))
 }
 
 /// Σ f(λ) v vᵀ: a function of a symmetric matrix.
-pub(crate) fn of_symmetric(
-    values: &[f64],
-    vectors: &[Vec<f64>],
-    f: impl Fn(f64) -> f64,
-) -> Vec<f64> {
-    let n = values.len();
-    let mut result = vec![0.0; n * n];
-    for (&value, vector) in values.iter().zip(vectors) {
-        for i in 0..n {
-            for j in 0..n {
-                result[i * n + j] += f(value) * vector[i] * vector[j];
-            }
-        }
-    }
-    result
+pub(crate) fn of_symmetric(matrix: &DMatrix<f64>, f: impl Fn(f64) -> f64) -> DMatrix<f64> {
+    let (values, vectors) = symmetric_eigen(matrix);
+    let scaled = DMatrix::from_diagonal(&DVector::from_iterator(
+        values.len(),
+        values.iter().map(|&v| f(v)),
+    ));
+    &vectors * scaled * vectors.transpose()
 }
 
-/// Matrix `(n, n)` times vector.
-pub(crate) fn times(matrix: &[f64], vector: &[f64]) -> Vec<f64> {
-    matrix
-        .chunks_exact(vector.len())
-        .map(|row| dot(row, vector))
-        .collect()
+/// Mean `(d,)` and covariance `(d, d)` of points, divided by their number.
+pub(crate) fn moments(points: &[DVector<f64>], d: usize) -> (DVector<f64>, DMatrix<f64>) {
+    let n = points.len().max(1) as f64;
+    let mean = points.iter().fold(DVector::zeros(d), |sum, p| sum + p / n);
+    let covariance = points.iter().fold(DMatrix::zeros(d, d), |sum, p| {
+        let away = p - &mean;
+        sum + &away * away.transpose() / n
+    });
+    (mean, covariance)
 }
 
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -51,24 +50,13 @@ pub(crate) fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// Mean `(d,)` and covariance `(d, d)` of points, divided by their number.
-pub(crate) fn mean_and_covariance(points: &[&[f64]], d: usize) -> (Vec<f64>, Vec<f64>) {
-    let n = points.len().max(1) as f64;
-    let mut mean = vec![0.0; d];
-    for point in points {
-        for (m, x) in mean.iter_mut().zip(*point) {
-            *m += x / n;
-        }
-    }
-    let mut covariance = vec![0.0; d * d];
-    for point in points {
-        for i in 0..d {
-            for j in 0..d {
-                covariance[i * d + j] += (point[i] - mean[i]) * (point[j] - mean[j]) / n;
-            }
-        }
-    }
-    (mean, covariance)
+/// aᵀ C a, C row by row.
+pub(crate) fn spread(a: &[f64], covariance: &[f64]) -> f64 {
+    let lines = covariance.chunks_exact(a.len().max(1)).zip(a);
+    lines
+        .map(|(line, x)| dot(line, a) * x)
+        .sum::<f64>()
+        .max(0.0)
 }
 
 #[cfg(test)]
@@ -76,18 +64,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn eigenvectors_rebuild_their_matrix() {
-        let a = [4.0, 1.0, -2.0, 1.0, 3.0, 0.5, -2.0, 0.5, 5.0];
-        let (values, vectors) = symmetric_eigen(&a, 3);
+    fn eigenvectors_rebuild_their_matrix_and_roots_square_to_it() {
+        let a = DMatrix::from_row_slice(3, 3, &[4.0, 1.0, -2.0, 1.0, 3.0, 0.5, -2.0, 0.5, 5.0]);
+        let (values, _) = symmetric_eigen(&a);
         assert!(values[0] >= values[1] && values[1] >= values[2]);
-        let rebuilt = of_symmetric(&values, &vectors, |x| x);
-        for (x, y) in rebuilt.iter().zip(a) {
-            assert!((x - y).abs() < 1e-12);
-        }
-        let root = of_symmetric(&values, &vectors, f64::sqrt);
-        let image = times(&root, &times(&root, &[1.0, 2.0, 3.0]));
-        for (x, y) in image.iter().zip(times(&a, &[1.0, 2.0, 3.0])) {
-            assert!((x - y).abs() < 1e-12);
-        }
+        assert!((of_symmetric(&a, |x| x) - &a).norm() < 1e-12);
+        let root = of_symmetric(&a, f64::sqrt);
+        assert!((&root * &root - &a).norm() < 1e-12);
     }
 }

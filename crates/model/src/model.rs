@@ -2,11 +2,11 @@
 
 use crate::{
     error::ModelError,
-    heads::{FittedHead, HEADS, OwnHead, StyleHead, at, check, held_up},
-    linear_algebra::norm,
+    heads::{FittedHead, OwnHead, StyleHead, at, check, held_up},
     paper::PaperNetworks,
 };
 use maveric_domain::{DriveId, Embedding};
+use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
 
@@ -14,7 +14,7 @@ use std::{fmt, str::FromStr};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HeadsKind {
-    /// Habits as events, linear in the style: [`HEADS`].
+    /// Habits as events, linear in the style: [`crate::HEADS`].
     Linear,
     /// The paper's five networks.
     Paper,
@@ -56,7 +56,7 @@ pub enum Heads {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LinearHeads {
-    /// One for each of [`HEADS`], in that order.
+    /// One for each of [`crate::HEADS`], in that order.
     pub heads: Vec<FittedHead>,
     /// S; none where no two people differ in their score.
     pub style: Option<StyleHead>,
@@ -72,6 +72,13 @@ pub struct TrainingEmbedding {
     pub embedding: Embedding,
     /// Mean ego speed over the drive, in m/s.
     pub mean_speed_mps: f64,
+}
+
+impl TrainingEmbedding {
+    /// Where training put it.
+    pub(crate) fn point(&self) -> DVector<f64> {
+        DVector::from_column_slice(self.embedding.coordinates())
+    }
 }
 
 /// What a model file holds.
@@ -96,30 +103,23 @@ impl TryFrom<ModelParts> for Model {
 
     /// Puts the parts together, if they belong together.
     fn try_from(parts: ModelParts) -> Result<Self, ModelError> {
-        let bad = |problem: &str| ModelError::BadModelFile {
-            problem: problem.to_owned(),
-        };
         let d = parts.embedding_size;
         if d == 0 || parts.training.iter().any(|t| t.embedding.size() != d) {
-            return Err(bad("a training embedding is of another size"));
+            return Err(ModelError::BadModelFile {
+                problem: "a training embedding is of another size".to_owned(),
+            });
         }
         match &parts.heads {
             Heads::Linear(linear) => {
                 check(&linear.heads, d)?;
                 linear.style.as_ref().map_or(Ok(()), |s| s.check(d))?;
             }
-            Heads::Paper(paper) => {
-                if paper.architecture().embedding_size != d {
-                    return Err(bad("its networks read another embedding size"));
-                }
-            }
+            Heads::Paper(paper) => paper.check(d)?,
         }
         let n = parts.training.len().max(1) as f64;
-        let mean = (0..d).map(|i| {
-            let at = parts.training.iter();
-            at.map(|t| t.embedding.coordinates()[i]).sum::<f64>() / n
-        });
-        let mean_embedding = Embedding::new(mean.collect())?;
+        let points = parts.training.iter().map(TrainingEmbedding::point);
+        let mean = points.fold(DVector::zeros(d), |sum, p| sum + p) / n;
+        let mean_embedding = Embedding::new(mean.iter().copied().collect())?;
         Ok(Self {
             parts,
             mean_embedding,
@@ -191,7 +191,7 @@ impl Model {
                 let style = linear.style.as_ref().map_or(0, |s| s.gradient.len() + 2);
                 linear.heads.iter().map(of).sum::<usize>() + style
             }
-            Heads::Paper(paper) => paper.parts.parameters.len(),
+            Heads::Paper(paper) => paper.parameters.len(),
         }
     }
 
@@ -210,14 +210,21 @@ impl Model {
         &self.mean_embedding
     }
 
-    /// The largest distance of a training embedding from their mean.
-    pub fn training_radius(&self) -> f64 {
-        let mean = self.mean_embedding();
-        let distance = |t: &TrainingEmbedding| {
-            let difference = t.embedding.coordinates().iter().zip(mean.coordinates());
-            norm(&difference.map(|(x, m)| x - m).collect::<Vec<_>>())
-        };
-        self.parts.training.iter().map(distance).fold(0.0, f64::max)
+    /// The training embeddings as points.
+    pub(crate) fn points(&self) -> Vec<DVector<f64>> {
+        self.training()
+            .iter()
+            .map(TrainingEmbedding::point)
+            .collect()
+    }
+
+    /// Distance from the mean of the training embeddings.
+    pub(crate) fn distance_from_mean(&self, embedding: &Embedding) -> f64 {
+        let pairs = embedding
+            .coordinates()
+            .iter()
+            .zip(self.mean_embedding().coordinates());
+        pairs.map(|(x, m)| (x - m).powi(2)).sum::<f64>().sqrt()
     }
 
     /// Takes coordinates of the model's size.
@@ -235,7 +242,7 @@ impl Model {
 /// kind was learned.
 #[derive(Debug, Clone)]
 pub struct Habits {
-    /// In the order of [`HEADS`].
+    /// In the order of [`crate::HEADS`].
     own: Vec<Option<OwnHead>>,
 }
 
@@ -248,12 +255,8 @@ impl Habits {
         let linear = model.linear()?;
         model.check(embedding)?;
         let w = embedding.coordinates();
-        let own = linear.heads.iter().zip(&HEADS);
-        Ok(Self {
-            own: own
-                .map(|(fitted, head)| OwnHead::new(head, fitted, w))
-                .collect(),
-        })
+        let own = linear.heads.iter().map(|fitted| OwnHead::new(fitted, w));
+        Ok(Self { own: own.collect() })
     }
 
     fn say(&self, which: usize, reads: &[f64]) -> Option<f64> {

@@ -6,7 +6,7 @@
 use crate::{error::ModelError, model::Model};
 
 /// Version of the format; a file of another one is refused.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 
 const MAGIC: &str = "maveric-model";
 /// The header is shorter than this.
@@ -83,7 +83,7 @@ mod tests {
     use super::*;
     use crate::{
         model::HeadsKind,
-        params::{TrainParams, TrainSettings},
+        params::TrainSettings,
         test_drives::drivers,
         train::{TrainingDrive, train},
     };
@@ -98,15 +98,15 @@ mod tests {
                 adb: Some(*adb),
             })
             .collect();
-        let params = TrainParams::new(TrainSettings {
+        let settings = TrainSettings {
             epochs: 1,
             heads: HeadsKind::Paper,
             hidden_units: 6,
             encoder_units: 5,
             ..TrainSettings::default()
-        });
+        };
         let go_on = &mut |_: &_| ControlFlow::Continue(());
-        train(&given, &params.unwrap(), 1, go_on).unwrap().model
+        train(&given, &settings, 1, go_on).unwrap().model
     }
 
     #[test]
@@ -128,7 +128,7 @@ mod tests {
             assert!(from_bytes(&bytes[..at]).is_err(), "cut at {at}");
         }
         let text = String::from_utf8(bytes.clone()).unwrap();
-        let other = text.replacen("maveric-model 3 ", "maveric-model 1 ", 1);
+        let other = text.replacen("maveric-model 4 ", "maveric-model 1 ", 1);
         assert!(matches!(
             from_bytes(other.as_bytes()),
             Err(ModelError::OtherVersion { found: 1, .. })

@@ -2,6 +2,7 @@
 
 use crate::{
     error::ModelError,
+    linear_algebra::dot,
     losses::LossWeights,
     network::{Architecture, Networks},
     rows::{RowSettings, RowWeights},
@@ -9,6 +10,7 @@ use crate::{
     whitening::Whitening,
     windows::{WindowBuffer, WindowSettings},
 };
+use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
 /// Which networks had anything to learn from.
@@ -23,13 +25,17 @@ pub struct Learned {
     pub aggression: bool,
 }
 
-/// What a file holds of them.
+/// F, C, V, S and M with their parameters.
+///
+/// # Source
+/// Paper, "Network"; method section 3.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct PaperParts {
+pub struct PaperNetworks {
     pub(crate) architecture: Architecture,
     pub(crate) windows: WindowSettings,
     pub(crate) row_rate_hz: f64,
+    /// 0 where a loss had no data.
     pub(crate) loss_weights: LossWeights,
     pub(crate) scaling: Scaling,
     pub(crate) row_weights: RowWeights,
@@ -40,119 +46,78 @@ pub(crate) struct PaperParts {
     pub(crate) parameters: Vec<f32>,
 }
 
-/// F, C, V, S and M with their parameters.
-///
-/// # Source
-/// Paper, "Network"; method section 3.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "PaperParts", into = "PaperParts")]
-pub struct PaperNetworks {
-    pub(crate) parts: PaperParts,
-    pub(crate) networks: Networks,
-}
-
-impl TryFrom<PaperParts> for PaperNetworks {
-    type Error = ModelError;
-
-    /// Puts the parts together, if they belong together.
-    fn try_from(parts: PaperParts) -> Result<Self, ModelError> {
-        let bad = |problem: &str| ModelError::BadModelFile {
-            problem: problem.to_owned(),
-        };
-        if parts.windows.steps() != parts.architecture.window_steps {
-            return Err(bad("its windows are not those of its networks"));
-        }
-        let networks = Networks::new(parts.architecture);
-        if parts.parameters.len() != networks.parameters {
-            return Err(bad("its number of parameters is not that of its sizes"));
-        }
-        if parts.parameters.iter().any(|p| !p.is_finite()) {
-            return Err(bad("a parameter is not a finite number"));
-        }
-        let d = parts.architecture.embedding_size;
-        let w = &parts.whitening;
-        if w.mean.len() != d || w.root.len() != d * d || w.inverse_root.len() != d * d {
-            return Err(bad("its whitening is of another embedding size"));
-        }
+impl PaperNetworks {
+    /// Whether its parts belong together, and to embeddings of that size.
+    pub(crate) fn check(&self, d: usize) -> Result<(), ModelError> {
         let Scaling {
             signals: [ego, lead, dx, dy],
             following_distance,
             aggression,
-        } = parts.scaling;
+        } = self.scaling;
         let usable = |s: &Standardization| s.mean.is_finite() && s.sd.is_normal() && s.sd > 0.0;
         let scales = [ego, lead, dx, dy, following_distance, aggression];
-        if !scales.iter().all(usable) {
-            return Err(bad("a mean or SD is not usable"));
-        }
-        let [low, high] = parts.speed_range_mps;
-        if !(low.is_finite() && high.is_finite() && low <= high) {
-            return Err(bad("its speed range is not a range"));
-        }
-        Ok(Self { parts, networks })
+        let [low, high] = self.speed_range_mps;
+        let problem = if self.architecture.embedding_size != d || !self.whitening.is_of(d) {
+            "its networks read another embedding size"
+        } else if self.windows.steps() != self.architecture.window_steps {
+            "its windows are not those of its networks"
+        } else if self.parameters.len() != self.networks().parameters {
+            "its number of parameters is not that of its sizes"
+        } else if self.parameters.iter().any(|p| !p.is_finite()) {
+            "a parameter is not a finite number"
+        } else if !scales.iter().all(usable) {
+            "a mean or SD is not usable"
+        } else if !(low.is_finite() && high.is_finite() && low <= high) {
+            "its speed range is not a range"
+        } else {
+            return Ok(());
+        };
+        Err(ModelError::BadModelFile {
+            problem: problem.to_owned(),
+        })
     }
-}
 
-impl From<PaperNetworks> for PaperParts {
-    fn from(networks: PaperNetworks) -> Self {
-        networks.parts
+    pub(crate) fn networks(&self) -> Networks {
+        Networks::new(self.architecture)
     }
-}
 
-impl PaperNetworks {
     pub(crate) fn row_settings(&self) -> RowSettings {
         RowSettings {
-            row_rate_hz: self.parts.row_rate_hz,
-            windows: self.parts.windows,
+            row_rate_hz: self.row_rate_hz,
+            windows: self.windows,
         }
     }
 
-    /// Loss weights as trained, 0 where a loss had no data.
-    pub(crate) fn active_weights(&self) -> LossWeights {
-        active_weights(&self.parts.loss_weights, self.parts.learned)
+    /// S as slopes and level in points of the score, of whitened embeddings.
+    pub(crate) fn style_points(&self) -> (Vec<f64>, f64) {
+        let layer = self.networks().style[0];
+        let raw: Vec<f64> = layer
+            .weights(&self.parameters)
+            .iter()
+            .map(|&w| f64::from(w))
+            .collect();
+        let level = f64::from(layer.biases(&self.parameters)[0]);
+        let zero = self.whitening.undo(&vec![0.0; raw.len()]);
+        let offset = self
+            .scaling
+            .aggression
+            .undo(level + dot(&raw, zero.as_slice()));
+        let gradient = self.whitening.root() * DVector::from_vec(raw) * self.scaling.aggression.sd;
+        (gradient.iter().copied().collect(), offset)
     }
 
     /// Sizes of the networks.
     pub fn architecture(&self) -> &Architecture {
-        &self.parts.architecture
-    }
-
-    /// The windows that they read.
-    pub fn windows(&self) -> WindowSettings {
-        self.parts.windows
+        &self.architecture
     }
 
     /// An empty buffer for the windows that they read.
     pub fn window_buffer(&self) -> WindowBuffer {
-        WindowBuffer::new(self.windows())
-    }
-
-    /// Means and SDs of the training set.
-    pub fn scaling(&self) -> &Scaling {
-        &self.parts.scaling
+        WindowBuffer::new(self.windows)
     }
 
     /// Which of them had anything to learn from.
     pub fn learned(&self) -> Learned {
-        self.parts.learned
-    }
-
-    /// Lowest and highest ego speed learned from, in m/s.
-    pub fn speed_range_mps(&self) -> [f64; 2] {
-        self.parts.speed_range_mps
-    }
-
-    /// How embeddings were whitened.
-    pub fn whitening(&self) -> &Whitening {
-        &self.parts.whitening
-    }
-}
-
-pub(crate) fn active_weights(weights: &LossWeights, learned: Learned) -> LossWeights {
-    let keep = |weight: f64, learned: bool| if learned { weight } else { 0.0 };
-    LossWeights {
-        following_distance: keep(weights.following_distance, learned.following_distance),
-        lane_change: keep(weights.lane_change, learned.lane_change),
-        aggression: keep(weights.aggression, learned.aggression),
-        ..*weights
+        self.learned
     }
 }

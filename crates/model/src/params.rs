@@ -1,15 +1,16 @@
-//! Settings of training and personalising, checked once.
+//! Settings of training.
 
 use crate::{
     error::ModelError,
     losses::{LossWeights, MutualInformationLoss},
     model::HeadsKind,
     network::Architecture,
+    rows::RowSettings,
     windows::WindowSettings,
 };
 use serde::{Deserialize, Serialize};
 
-/// What can be set about training, as in a file; [`TrainParams`] is the checked form.
+/// What can be set about training, as in a file; [`crate::train()`] checks it.
 ///
 /// # Source
 /// Calibration section 3; sizes from method section 3.
@@ -57,16 +58,11 @@ pub struct TrainSettings {
     pub loss_weights: LossWeights,
     /// How L5 compares M's normal with `w`.
     pub mutual_information_loss: MutualInformationLoss,
-    /// Whether embeddings are whitened over the training drives afterwards.
-    pub whiten: bool,
-    /// This last share of every drive's rows is kept back by a run of its own that measures how good the losses,
-    /// C's probabilities and the predictions are on rows not learned from; 0: no such run.
+    /// This share of the people is kept back by a run of its own, and the epoch that is best for them counts: the networks are then
+    /// trained on everybody for as many. 0, or fewer than three people: no such run.
     pub validation_fraction: f64,
-    /// That run stops when its validation loss has not improved for this many epochs, and its best epoch counts;
-    /// 0: it goes to the last one.
+    /// That run stops when its loss on people kept back has not improved for this many epochs; 0: it goes to the last one.
     pub patience: usize,
-    /// Whether the model is then trained on all rows, for the epochs that counted; else it is that run's.
-    pub refit: bool,
 }
 
 impl Default for TrainSettings {
@@ -93,28 +89,13 @@ impl Default for TrainSettings {
             window_noise: 0.1,
             loss_weights: LossWeights::default(),
             mutual_information_loss: MutualInformationLoss::default(),
-            whiten: true,
             validation_fraction: 0.15,
             patience: 0,
-            refit: true,
         }
     }
 }
 
 impl TrainSettings {
-    /// What the paper states, literally, where it states anything: the plain sum of the losses, signals as they
-    /// are, no noise, no whitening. Everything else is as by default.
-    pub fn paper() -> Self {
-        Self {
-            heads: HeadsKind::Paper,
-            gap_scale_m: 0.0,
-            window_noise: 0.0,
-            loss_weights: LossWeights::PAPER,
-            whiten: false,
-            ..Self::default()
-        }
-    }
-
     /// The sizes of the networks.
     pub fn architecture(&self) -> Architecture {
         Architecture {
@@ -124,6 +105,13 @@ impl TrainSettings {
             encoder_units: self.encoder_units,
             encoding_size: self.encoding_size,
             window_steps: self.windows().steps(),
+        }
+    }
+
+    pub(crate) fn row_settings(&self) -> RowSettings {
+        RowSettings {
+            row_rate_hz: self.row_rate_hz,
+            windows: self.windows(),
         }
     }
 
@@ -137,7 +125,67 @@ impl TrainSettings {
     }
 }
 
-fn check(
+impl TrainSettings {
+    /// Whether every setting is within its range.
+    ///
+    /// # Errors
+    /// [`ModelError::BadSetting`] naming the first that is not.
+    pub fn check(&self) -> Result<(), ModelError> {
+        let s = self;
+        for (name, found, most, expected) in [
+            ("embedding_size", s.embedding_size, 64, "1 to 64"),
+            ("hidden_units", s.hidden_units, 4096, "1 to 4096"),
+            ("hidden_layers", s.hidden_layers, 8, "1 to 8"),
+            ("encoder_units", s.encoder_units, 4096, "1 to 4096"),
+            ("encoding_size", s.encoding_size, 4096, "1 to 4096"),
+            ("epochs", s.epochs, 1_000_000, "1 to 1000000"),
+            ("batch_size", s.batch_size, 1_000_000, "1 to 1000000"),
+            (
+                "window_s",
+                s.windows().steps(),
+                1000,
+                "a length of 1 to 1000 samples",
+            ),
+        ] {
+            check(name, found as f64, (1..=most).contains(&found), expected)?;
+        }
+        for (name, found) in [
+            ("window_s", s.window_s),
+            ("window_rate_hz", s.window_rate_hz),
+            ("row_rate_hz", s.row_rate_hz),
+            ("learning_rate", s.learning_rate),
+            ("gradient_clip", s.gradient_clip),
+        ] {
+            check(name, found, found > 0.0, "a finite number above 0")?;
+        }
+        let others = [
+            ("gap_scale_m", s.gap_scale_m),
+            ("embedding_learning_rate", s.embedding_learning_rate),
+            ("weight_decay", s.weight_decay),
+            ("window_noise", s.window_noise),
+        ];
+        for (name, found) in others.into_iter().chain(s.loss_weights.named()) {
+            check(name, found, found >= 0.0, "a finite number, 0 or above")?;
+        }
+        share("fit_fraction", s.fit_fraction)?;
+        let kept_back = s.validation_fraction;
+        check(
+            "validation_fraction",
+            kept_back,
+            (0.0..=0.5).contains(&kept_back),
+            "0 to 0.5",
+        )?;
+        check(
+            "patience",
+            s.patience as f64,
+            s.patience == 0 || kept_back > 0.0,
+            "0 where `validation_fraction` is 0: there is no loss to stop by",
+        )
+    }
+}
+
+/// Whether a setting is a number that fits.
+pub(crate) fn check(
     name: &'static str,
     found: f64,
     fits: bool,
@@ -154,152 +202,9 @@ fn check(
     }
 }
 
-fn between(name: &'static str, found: usize, low: usize, high: usize) -> Result<(), ModelError> {
-    let expected = match (low, high) {
-        (1, 64) => "1 to 64",
-        (1, 4096) => "1 to 4096",
-        (1, 8) => "1 to 8",
-        _ => "1 to 1000000",
-    };
-    check(name, found as f64, (low..=high).contains(&found), expected)
-}
-
-fn above_zero(name: &'static str, found: f64) -> Result<(), ModelError> {
-    check(name, found, found > 0.0, "a finite number above 0")
-}
-
-fn not_below_zero(name: &'static str, found: f64) -> Result<(), ModelError> {
-    check(name, found, found >= 0.0, "a finite number, 0 or above")
-}
-
-fn share(name: &'static str, found: f64) -> Result<(), ModelError> {
+/// Whether a share of a drive is one.
+pub(crate) fn share(name: &'static str, found: f64) -> Result<(), ModelError> {
     check(name, found, found > 0.0 && found <= 1.0, "above 0, up to 1")
-}
-
-/// Checked [`TrainSettings`].
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(try_from = "TrainSettings", into = "TrainSettings")]
-pub struct TrainParams(TrainSettings);
-
-impl TrainParams {
-    /// Checks the settings.
-    ///
-    /// # Errors
-    /// [`ModelError::BadSetting`] naming the first setting outside its range.
-    pub fn new(settings: TrainSettings) -> Result<Self, ModelError> {
-        let s = &settings;
-        between("embedding_size", s.embedding_size, 1, 64)?;
-        between("hidden_units", s.hidden_units, 1, 4096)?;
-        between("hidden_layers", s.hidden_layers, 1, 8)?;
-        between("encoder_units", s.encoder_units, 1, 4096)?;
-        between("encoding_size", s.encoding_size, 1, 4096)?;
-        between("epochs", s.epochs, 1, 1_000_000)?;
-        between("batch_size", s.batch_size, 1, 1_000_000)?;
-        above_zero("window_s", s.window_s)?;
-        above_zero("window_rate_hz", s.window_rate_hz)?;
-        let steps = s.windows().steps();
-        check(
-            "window_s",
-            s.window_s,
-            (1..=1000).contains(&steps),
-            "a length of 1 to 1000 samples",
-        )?;
-        not_below_zero("gap_scale_m", s.gap_scale_m)?;
-        above_zero("row_rate_hz", s.row_rate_hz)?;
-        share("fit_fraction", s.fit_fraction)?;
-        above_zero("learning_rate", s.learning_rate)?;
-        not_below_zero("embedding_learning_rate", s.embedding_learning_rate)?;
-        not_below_zero("weight_decay", s.weight_decay)?;
-        above_zero("gradient_clip", s.gradient_clip)?;
-        not_below_zero("window_noise", s.window_noise)?;
-        check(
-            "validation_fraction",
-            s.validation_fraction,
-            (0.0..=0.5).contains(&s.validation_fraction),
-            "0 to 0.5",
-        )?;
-        check(
-            "patience",
-            s.patience as f64,
-            s.patience == 0 || s.validation_fraction > 0.0,
-            "0 where `validation_fraction` is 0: there is no loss to stop by",
-        )?;
-        for (name, weight) in s.loss_weights.named() {
-            not_below_zero(name, weight)?;
-        }
-        Ok(Self(settings))
-    }
-
-    /// The settings.
-    pub fn settings(&self) -> &TrainSettings {
-        &self.0
-    }
-}
-
-impl TryFrom<TrainSettings> for TrainParams {
-    type Error = ModelError;
-    fn try_from(settings: TrainSettings) -> Result<Self, ModelError> {
-        Self::new(settings)
-    }
-}
-
-impl From<TrainParams> for TrainSettings {
-    fn from(params: TrainParams) -> Self {
-        params.0
-    }
-}
-
-/// What can be set about personalising, as in a file; [`PersonalizeParams`] is the checked form.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct PersonalizeSettings {
-    /// Whether an ADB score, where there is one, is fitted too (L4).
-    pub use_adb: bool,
-    /// Only this first share of the drive's rows is used.
-    pub fit_fraction: f64,
-}
-
-impl Default for PersonalizeSettings {
-    fn default() -> Self {
-        Self {
-            use_adb: true,
-            fit_fraction: 1.0,
-        }
-    }
-}
-
-/// Checked [`PersonalizeSettings`].
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(try_from = "PersonalizeSettings", into = "PersonalizeSettings")]
-pub struct PersonalizeParams(PersonalizeSettings);
-
-impl PersonalizeParams {
-    /// Checks the settings.
-    ///
-    /// # Errors
-    /// [`ModelError::BadSetting`] naming the first setting outside its range.
-    pub fn new(settings: PersonalizeSettings) -> Result<Self, ModelError> {
-        share("fit_fraction", settings.fit_fraction)?;
-        Ok(Self(settings))
-    }
-
-    /// The settings.
-    pub fn settings(&self) -> &PersonalizeSettings {
-        &self.0
-    }
-}
-
-impl TryFrom<PersonalizeSettings> for PersonalizeParams {
-    type Error = ModelError;
-    fn try_from(settings: PersonalizeSettings) -> Result<Self, ModelError> {
-        Self::new(settings)
-    }
-}
-
-impl From<PersonalizeParams> for PersonalizeSettings {
-    fn from(params: PersonalizeParams) -> Self {
-        params.0
-    }
 }
 
 #[cfg(test)]
@@ -308,20 +213,23 @@ mod tests {
 
     #[test]
     fn a_misspelt_setting_is_an_error() {
-        assert!(serde_json::from_str::<TrainParams>(r#"{"epoch": 3}"#).is_err());
-        let params: TrainParams = serde_json::from_str(r#"{"epochs": 3}"#).unwrap();
-        assert_eq!(params.settings().epochs, 3);
-        assert_eq!(params.settings().batch_size, 512);
+        assert!(serde_json::from_str::<TrainSettings>(r#"{"epoch": 3}"#).is_err());
+        let settings: TrainSettings = serde_json::from_str(r#"{"epochs": 3}"#).unwrap();
+        assert_eq!((settings.epochs, settings.batch_size), (3, 512));
+        assert_eq!(settings.check(), Ok(()));
     }
 
     #[test]
     fn a_setting_outside_its_range_is_named() {
-        let error = serde_json::from_str::<TrainParams>(r#"{"learning_rate": 0}"#).unwrap_err();
+        let refused = |text: &str| {
+            let settings: TrainSettings = serde_json::from_str(text).unwrap();
+            settings.check().unwrap_err().to_string()
+        };
+        assert!(refused(r#"{"learning_rate": 0}"#).contains("`learning_rate` is 0"));
+        assert!(refused(r#"{"window_s": 1e9}"#).contains("`window_s`"));
+        assert!(refused(r#"{"fit_fraction": 1.5}"#).contains("`fit_fraction` is 1.5"));
         assert!(
-            error.to_string().contains("`learning_rate` is 0"),
-            "{error}"
+            refused(r#"{"patience": 3, "validation_fraction": 0}"#).contains("`patience` is 3")
         );
-        assert!(serde_json::from_str::<TrainParams>(r#"{"window_s": 1e9}"#).is_err());
-        assert!(serde_json::from_str::<PersonalizeParams>(r#"{"fit_fraction": 1.5}"#).is_err());
     }
 }

@@ -3,110 +3,40 @@
 use crate::{
     error::ModelError,
     model::Model,
-    network::{Networks, mlp::Mlp},
-    scaling::{Scaling, Standardization},
+    network::Mlp,
+    paper::Learned,
+    scaling::Scaling,
     windows::{SIGNALS, WindowBuffer},
 };
 use maveric_domain::Embedding;
-use pulp::Arch;
+use nalgebra::{DMatrix, DVector};
 
-/// A multi-layer perceptron for one row: weights input by input, so that the sums run along the outputs.
+/// A multi-layer perceptron for one row: weights `(outputs, inputs)` and biases of each layer.
 #[derive(Debug, Clone)]
-struct Network {
-    layers: Vec<Layer>,
-}
-
-#[derive(Debug, Clone)]
-struct Layer {
-    /// Shape `(inputs, outputs)`.
-    columns: Vec<f32>,
-    biases: Vec<f32>,
-}
+struct Network(Vec<(DMatrix<f32>, DVector<f32>)>);
 
 impl Network {
-    /// The layers of `mlp`, with the first inputs, `fixed`, folded into the first biases.
-    fn new(mlp: &Mlp, parameters: &[f32], fixed: &[f64]) -> Self {
-        let layers = mlp.layers().iter().enumerate().map(|(index, layer)| {
-            let weights = layer.weights(parameters);
-            let fixed = if index == 0 { fixed } else { &[] };
-            let line = |output: usize| &weights[output * layer.inputs..(output + 1) * layer.inputs];
-            let free = fixed.len()..layer.inputs;
-            let columns = free.flat_map(|k| (0..layer.outputs).map(move |o| line(o)[k]));
-            let biases = layer.biases(parameters).iter().enumerate().map(|(o, &b)| {
-                let shift: f64 = fixed
-                    .iter()
-                    .zip(line(o))
-                    .map(|(x, &w)| x * f64::from(w))
-                    .sum();
-                (f64::from(b) + shift) as f32
-            });
-            Layer {
-                columns: columns.collect(),
-                biases: biases.collect(),
-            }
+    fn new(mlp: &Mlp, parameters: &[f32]) -> Self {
+        let layers = mlp.iter().map(|l| {
+            let weights = DMatrix::from_row_slice(l.outputs, l.inputs, l.weights(parameters));
+            (weights, DVector::from_column_slice(l.biases(parameters)))
         });
-        Self {
-            layers: layers.collect(),
-        }
+        Self(layers.collect())
     }
 
-    fn run(&self, input: &[f32]) -> Vec<f32> {
-        let mut x = input.to_vec();
-        for (index, layer) in self.layers.iter().enumerate() {
-            let mut y = layer.biases.clone();
-            Arch::new().dispatch(|| {
-                for (&x, column) in x.iter().zip(layer.columns.chunks_exact(y.len())) {
-                    for (y, &w) in y.iter_mut().zip(column) {
-                        *y += x * w;
-                    }
-                }
-            });
-            if index + 1 < self.layers.len() {
-                for y in &mut y {
-                    *y = y.max(0.0);
-                }
+    /// Of `first` and then `then`.
+    fn run(&self, first: &[f32], then: &[f32]) -> DVector<f32> {
+        let both = first.iter().chain(then).copied();
+        let mut x = DVector::from_iterator(first.len() + then.len(), both);
+        for (index, (weights, biases)) in self.0.iter().enumerate() {
+            let mut y = biases.clone();
+            y.gemv(1.0, weights, &x, 1.0);
+            if index + 1 < self.0.len() {
+                y.apply(|y| *y = y.max(0.0));
             }
             x = y;
         }
         x
-    }
-}
-
-/// F for one embedding.
-#[derive(Debug, Clone)]
-pub(crate) struct FollowingHead {
-    network: Network,
-    lead_speed: Standardization,
-    distance: Standardization,
-    learned: bool,
-}
-
-impl FollowingHead {
-    pub(crate) fn new(model: &Model, embedding: &Embedding) -> Result<Self, ModelError> {
-        model.check(embedding)?;
-        let paper = model.paper()?;
-        let head = &paper.networks.following_distance.head;
-        Ok(Self {
-            network: Network::new(head, &paper.parts.parameters, embedding.coordinates()),
-            lead_speed: paper.scaling().signals[1],
-            distance: paper.scaling().following_distance,
-            learned: paper.learned().following_distance,
-        })
-    }
-
-    /// f̂ in m, at least 0; 0 for a speed that is not a number, and from a model without F.
-    pub(crate) fn distance_m(&self, lead_speed_mps: f64) -> f64 {
-        if !(self.learned && lead_speed_mps.is_finite()) {
-            return 0.0;
-        }
-        let input = self.lead_speed.apply(lead_speed_mps) as f32;
-        let out = f64::from(self.network.run(&[input])[0]);
-        let distance = self.distance.undo(out);
-        if distance.is_finite() {
-            distance.max(0.0)
-        } else {
-            0.0
-        }
     }
 }
 
@@ -127,15 +57,17 @@ pub struct Prediction {
 /// Paper, "Low Level Controllers": the networks give parameters for controllers, never throttle or steering.
 #[derive(Debug, Clone)]
 pub struct Predictor {
-    following: FollowingHead,
+    /// In the coordinates of training.
+    w: Vec<f32>,
+    following: Network,
     lane_encoder: Network,
     lane_head: Network,
     speed_encoder: Network,
     speed_head: Network,
     scaling: Scaling,
+    learned: Learned,
     speed_range_mps: [f64; 2],
     log_odds_raised: f64,
-    learned_lane_change: bool,
     steps: usize,
 }
 
@@ -146,23 +78,23 @@ impl Predictor {
     /// [`ModelError::OtherHeads`] if the model has no such networks, [`ModelError::EmbeddingSize`] if the embedding is not of the
     /// model's size.
     pub fn new(model: &Model, embedding: &Embedding) -> Result<Self, ModelError> {
-        let following = FollowingHead::new(model, embedding)?;
+        model.check(embedding)?;
         let paper = model.paper()?;
-        let part = |which: fn(&Networks) -> &Mlp, fixed: &[f64]| {
-            Network::new(which(&paper.networks), &paper.parts.parameters, fixed)
-        };
-        let w = embedding.coordinates();
+        let networks = paper.networks();
+        let part = |mlp: &Mlp| Network::new(mlp, &paper.parameters);
+        let w = paper.whitening.undo(embedding.coordinates());
         Ok(Self {
-            following,
-            lane_encoder: part(|n| &n.lane_change.encoded.encoder, &[]),
-            lane_head: part(|n| &n.lane_change.encoded.head, w),
-            speed_encoder: part(|n| &n.velocity.encoded.encoder, &[]),
-            speed_head: part(|n| &n.velocity.encoded.head, w),
-            scaling: *paper.scaling(),
-            speed_range_mps: paper.speed_range_mps(),
-            log_odds_raised: paper.parts.row_weights.log_odds_raised,
-            learned_lane_change: paper.learned().lane_change,
-            steps: paper.architecture().window_steps,
+            w: w.iter().map(|&x| x as f32).collect(),
+            following: part(&networks.following_distance),
+            lane_encoder: part(&networks.lane_encoder),
+            lane_head: part(&networks.lane_head),
+            speed_encoder: part(&networks.speed_encoder),
+            speed_head: part(&networks.speed_head),
+            scaling: paper.scaling,
+            learned: paper.learned,
+            speed_range_mps: paper.speed_range_mps,
+            log_odds_raised: paper.row_weights.log_odds_raised,
+            steps: paper.architecture.window_steps,
         })
     }
 
@@ -179,27 +111,26 @@ impl Predictor {
         if found != expected {
             return Err(ModelError::WindowLength { found, expected });
         }
-        let signals = window
-            .values()
-            .chunks_exact(found)
-            .zip(&self.scaling.signals);
+        let signals = window.values().chunks_exact(found);
+        let signals = signals.zip(&self.scaling.signals);
         let input: Vec<f32> = signals
             .flat_map(|(values, s)| values.iter().map(|&v| s.apply(v) as f32))
             .collect();
         let read = (SIGNALS - 1) * found;
-        let logits = self.lane_head.run(&self.lane_encoder.run(&input[..read]));
+        let code = self.lane_encoder.run(&input[..read], &[]);
+        let logits = self.lane_head.run(&self.w, code.as_slice());
         let log_odds = f64::from(logits[1]) - f64::from(logits[0]) - self.log_odds_raised;
-        let change_probability = if self.learned_lane_change {
+        let change_probability = if self.learned.lane_change {
             1.0 / (1.0 + (-log_odds).exp())
         } else {
             0.0
         };
-        let code = self.speed_encoder.run(&input[input.len() - read..]);
-        let speed = f64::from(self.speed_head.run(&code)[0]);
+        let code = self.speed_encoder.run(&input[input.len() - read..], &[]);
+        let speed = f64::from(self.speed_head.run(&self.w, code.as_slice())[0]);
         let [low, high] = self.speed_range_mps;
         Ok(Prediction {
             speed_mps: self.scaling.signals[0].undo(speed).clamp(low, high),
-            following_distance_m: self.following.distance_m(window.lead_speed_mps()),
+            following_distance_m: self.following_distance(window.lead_speed_mps()),
             change_probability,
         })
     }
@@ -207,7 +138,17 @@ impl Predictor {
     /// f̂ behind a lead at `lead_speed_mps` (m/s), in m, 0 or more; a model that saw no following rows answers 0, which leaves
     /// the gap to the safety rule.
     pub fn following_distance(&self, lead_speed_mps: f64) -> f64 {
-        self.following.distance_m(lead_speed_mps)
+        if !(self.learned.following_distance && lead_speed_mps.is_finite()) {
+            return 0.0;
+        }
+        let lead = self.scaling.signals[1].apply(lead_speed_mps) as f32;
+        let out = f64::from(self.following.run(&self.w, &[lead])[0]);
+        let distance = self.scaling.following_distance.undo(out);
+        if distance.is_finite() {
+            distance.max(0.0)
+        } else {
+            0.0
+        }
     }
 }
 
@@ -215,7 +156,7 @@ impl Predictor {
 mod tests {
     use super::*;
     use crate::{
-        params::{TrainParams, TrainSettings},
+        params::TrainSettings,
         test_drives::drivers,
         train::{TrainingDrive, train},
         windows::WindowSettings,
@@ -237,22 +178,21 @@ mod tests {
             batch_size: 128,
             ..TrainSettings::default()
         };
-        let params = TrainParams::new(settings).unwrap();
         let go_on = &mut |_: &_| ControlFlow::Continue(());
-        train(&given, &params, 1, go_on).unwrap().model
+        train(&given, &settings, 1, go_on).unwrap().model
     }
 
     #[test]
     fn predictions_fit_the_drives_they_were_learned_from() {
         let drives = drivers(4, 200.0);
         let model = trained(&drives, 25);
-        let [low, high] = model.paper().unwrap().speed_range_mps();
+        let [low, high] = model.paper().unwrap().speed_range_mps;
         let (mut expected_changes, mut true_changes) = (0.0, 0.0);
         let mut speed_error = 0.0;
         let mut n = 0.0;
         for ((drive, _), training) in drives.iter().zip(model.training()) {
             let predictor = Predictor::new(&model, &training.embedding).unwrap();
-            let mut window = WindowBuffer::new(model.paper().unwrap().windows());
+            let mut window = model.paper().unwrap().window_buffer();
             for row in 0..drive.len() {
                 window.push(&drive.situation(row).unwrap()).unwrap();
                 let out = predictor.predict(&window).unwrap();
@@ -291,7 +231,7 @@ mod tests {
             Err(ModelError::EmbeddingSize { .. })
         ));
         let predictor = Predictor::new(&model, model.mean_embedding()).unwrap();
-        let window = WindowBuffer::new(model.paper().unwrap().windows());
+        let window = model.paper().unwrap().window_buffer();
         assert_eq!(predictor.predict(&window), Err(ModelError::EmptyWindow));
         let mut window = WindowBuffer::new(WindowSettings {
             window_s: 2.0,

@@ -1,6 +1,9 @@
-//! How good a trained model's predictions are: is C's probability one, and how far are F and V off?
+//! How good predictions are over some rows: is C's probability one, and how far are F and V off?
 
-use crate::{dataset::RowSet, fused::tile::Predicted, rows::RowWeights, scaling::Scaling};
+use crate::{
+    held_out::Said,
+    rows::{Row, RowWeights},
+};
 use serde::{Deserialize, Serialize};
 
 /// Bins of a [`Calibration`], each with about the same time.
@@ -9,22 +12,10 @@ const BINS: usize = 10;
 /// Shares at which [`Residuals`] are given.
 const SHARES: [f64; 9] = [0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99];
 
-/// Which rows a [`Quality`] was taken over.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum RowsOf {
-    /// The last part of every drive, not learned from.
-    Validation,
-    /// The rows learned from.
-    Training,
-}
-
 /// How good the predictions are over some rows, without noise on their windows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
-    /// Which rows.
-    pub on: RowsOf,
-    /// How many.
+    /// Rows.
     pub rows: usize,
     /// Of P(change); `None` without rows, or where no change was learned from.
     pub lane_change: Option<Calibration>,
@@ -46,25 +37,15 @@ pub struct Calibration {
     pub expected_calibration_error: f64,
     /// Share of time at which a change is being started.
     pub observed: f64,
-    /// Mean predicted probability.
-    pub predicted: f64,
 }
 
 /// Rows with similar probabilities.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct CalibrationBin {
-    /// Lowest probability.
-    pub low: f64,
-    /// Highest probability.
-    pub high: f64,
     /// Mean probability.
     pub predicted: f64,
     /// Share of the time at which a change is being started.
     pub observed: f64,
-    /// Rows.
-    pub rows: usize,
-    /// Rows among them at which a change is being started.
-    pub changes: usize,
     /// Time they stand for, in s.
     pub seconds: f64,
 }
@@ -78,57 +59,31 @@ pub struct Residuals {
     pub mean: f64,
     /// Root of the mean square.
     pub rmse: f64,
-    /// Quantiles, lowest first.
-    pub quantiles: Vec<Quantile>,
-}
-
-/// One quantile.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Quantile {
-    /// Share of the residuals below.
-    pub share: f64,
-    /// The residual.
-    pub value: f64,
+    /// Share of the residuals below, and the residual, lowest first.
+    pub quantiles: Vec<(f64, f64)>,
 }
 
 impl Quality {
-    pub(crate) fn of(
-        on: RowsOf,
-        rows: &RowSet,
-        predicted: &[Predicted],
-        scaling: &Scaling,
-        weights: &RowWeights,
-    ) -> Self {
-        let all = || predicted.iter().zip(&rows.values).zip(&rows.weights);
-        let far = |sd: f64, a: f32, b: f32| sd * (f64::from(a) - f64::from(b));
-        let distance = all().filter(|(_, w)| w[0] > 0.0).map(|((p, known), _)| {
-            let sd = scaling.following_distance.sd;
-            far(sd, p.following_distance, known[1])
-        });
-        let speed = all().filter(|(_, w)| w[2] > 0.0);
-        let speed = speed.map(|((p, known), _)| far(scaling.signals[0].sd, p.speed, known[3]));
-        let learned = weights.changing > 0.0;
-        let times = predicted.iter().zip(&rows.values).zip(&rows.seconds);
-        let chances = times.filter(|(_, s)| learned && **s > 0.0);
-        let chances = chances.map(|((p, known), &seconds)| Chance {
-            probability: calibrated(p.probability, weights.log_odds_raised),
-            change: known[2] > 0.5,
-            seconds: f64::from(seconds),
-        });
+    /// Of what was said of rows, C having learned with these weights.
+    pub(crate) fn of(said: &[(Said, &Row)], weights: &RowWeights) -> Self {
+        let gap = |(s, r): &(Said, &Row)| Some(s.following_distance_m? - r.following_distance_m?);
+        let speed = |(s, r): &(Said, &Row)| Some(s.speed_mps? - r.ego_speed_mps);
+        let chance = |(s, r): &(Said, &Row)| {
+            let odds = s.log_odds.filter(|_| weights.changing > 0.0)? - weights.log_odds_raised;
+            Some(Chance {
+                probability: 1.0 / (1.0 + (-odds).exp()),
+                change: r.lane_change?,
+                seconds: r.stands_for_s,
+            })
+        };
+        let on_grid = said.iter().filter(|(_, r)| r.on_grid);
         Self {
-            on,
-            rows: rows.len(),
-            lane_change: Calibration::of(chances.collect()),
-            following_distance_m: Residuals::of(distance.collect()),
-            speed_mps: Residuals::of(speed.collect()),
+            rows: said.len(),
+            lane_change: Calibration::of(said.iter().filter_map(chance).collect()),
+            following_distance_m: Residuals::of(said.iter().filter_map(gap).collect()),
+            speed_mps: Residuals::of(on_grid.filter_map(speed).collect()),
         }
     }
-}
-
-/// The probability in the true proportion of classes.
-fn calibrated(probability: f32, log_odds_raised: f64) -> f64 {
-    let p = f64::from(probability).clamp(1e-12, 1.0 - 1e-12);
-    1.0 / (1.0 + ((1.0 - p) / p) * log_odds_raised.exp())
 }
 
 /// A row as a chance to change lane.
@@ -143,41 +98,28 @@ impl Calibration {
     fn of(mut chances: Vec<Chance>) -> Option<Self> {
         chances.sort_by(|a, b| a.probability.total_cmp(&b.probability));
         let total: f64 = chances.iter().map(|c| c.seconds).sum();
-        let mut bins: Vec<Vec<Chance>> = Vec::new();
+        let mut bins = [CalibrationBin::default(); BINS];
         let mut before = 0.0;
         for chance in chances {
-            let bin = ((before / total * BINS as f64) as usize).min(BINS - 1);
+            let bin = &mut bins[((before / total * BINS as f64) as usize).min(BINS - 1)];
             before += chance.seconds;
-            while bins.len() <= bin {
-                bins.push(Vec::new());
-            }
-            bins[bin].push(chance);
+            bin.seconds += chance.seconds;
+            bin.predicted += chance.seconds * chance.probability;
+            bin.observed += chance.seconds * f64::from(u8::from(chance.change));
         }
-        let of_bin = |bin: &Vec<Chance>| {
-            let (first, last) = (bin.first()?, bin.last()?);
-            let seconds: f64 = bin.iter().map(|c| c.seconds).sum();
-            let weighted = |of: &dyn Fn(&Chance) -> f64| -> f64 {
-                bin.iter().map(|c| of(c) * c.seconds).sum::<f64>() / seconds
-            };
-            Some(CalibrationBin {
-                low: first.probability,
-                high: last.probability,
-                predicted: weighted(&|c| c.probability),
-                observed: weighted(&|c| f64::from(u8::from(c.change))),
-                rows: bin.len(),
-                changes: bin.iter().filter(|c| c.change).count(),
-                seconds,
-            })
-        };
-        let bins: Vec<CalibrationBin> = bins.iter().filter_map(of_bin).collect();
-        let mean = |of: &dyn Fn(&CalibrationBin) -> f64| -> f64 {
-            bins.iter().map(|b| of(b) * b.seconds).sum::<f64>() / total
-        };
-        (total > 0.0).then(|| Self {
-            expected_calibration_error: mean(&|b| (b.predicted - b.observed).abs()),
-            observed: mean(&|b| b.observed),
-            predicted: mean(&|b| b.predicted),
-            bins: bins.clone(),
+        let mut bins = bins.to_vec();
+        bins.retain(|b| b.seconds > 0.0);
+        let (mut error, mut observed) = (0.0, 0.0);
+        for bin in &mut bins {
+            error += (bin.predicted - bin.observed).abs() / total;
+            observed += bin.observed / total;
+            bin.predicted /= bin.seconds;
+            bin.observed /= bin.seconds;
+        }
+        (total > 0.0).then_some(Self {
+            expected_calibration_error: error,
+            observed,
+            bins,
         })
     }
 }
@@ -193,10 +135,7 @@ impl Residuals {
             let low = at.floor() as usize;
             let high = (low + 1).min(last);
             let between = at - low as f64;
-            Quantile {
-                share,
-                value: values[low] + between * (values[high] - values[low]),
-            }
+            (share, values[low] + between * (values[high] - values[low]))
         });
         Some(Self {
             rows: values.len(),
@@ -244,7 +183,12 @@ mod tests {
         chances.extend(vec![chance(false, 1.0); 9]);
         let found = Calibration::of(chances).unwrap();
         assert!((found.observed - 0.1).abs() < 1e-12);
-        assert!((found.predicted - 0.1).abs() < 1e-12);
+        let predicted = found
+            .bins
+            .iter()
+            .map(|b| b.predicted * b.seconds)
+            .sum::<f64>();
+        assert!((predicted - 1.0).abs() < 1e-12);
     }
 
     #[test]
@@ -252,16 +196,36 @@ mod tests {
         let found = Residuals::of((-50..=50).map(f64::from).collect()).unwrap();
         assert!(found.mean.abs() < 1e-12);
         assert!((found.rmse - 850.0_f64.sqrt()).abs() < 1e-12);
-        assert!((found.quantiles[0].value + 49.0).abs() < 1e-12);
-        assert!((found.quantiles[4].value).abs() < 1e-12);
+        assert!((found.quantiles[0].1 + 49.0).abs() < 1e-12);
+        assert!((found.quantiles[4].1).abs() < 1e-12);
         assert_eq!(Residuals::of(Vec::new()), None);
     }
 
     #[test]
     fn raised_odds_are_lowered_again() {
-        let p = 0.02_f64;
-        let raised = (p / (1.0 - p)).ln() + 3.0;
-        let shown = 1.0 / (1.0 + (-raised).exp());
-        assert!((calibrated(shown as f32, 3.0) - p).abs() < 1e-6);
+        let row = Row {
+            window: Vec::new(),
+            lead_speed_mps: 25.0,
+            ego_speed_mps: 30.0,
+            on_grid: true,
+            following_distance_m: Some(40.0),
+            lane_change: Some(false),
+            stands_for_s: 1.0,
+        };
+        let weights = RowWeights {
+            following: 1.0,
+            changing: 1.0,
+            keeping: 1.0,
+            log_odds_raised: 3.0,
+        };
+        let said = Said {
+            following_distance_m: Some(43.0),
+            log_odds: Some((0.02_f64 / 0.98).ln() + 3.0),
+            speed_mps: Some(29.0),
+        };
+        let found = Quality::of(&[(said, &row)], &weights);
+        assert!((found.lane_change.unwrap().bins[0].predicted - 0.02).abs() < 1e-9);
+        assert!((found.following_distance_m.unwrap().mean - 3.0).abs() < 1e-12);
+        assert!((found.speed_mps.unwrap().mean + 1.0).abs() < 1e-12);
     }
 }

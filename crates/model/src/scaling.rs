@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 /// Mean and standard deviation of one quantity, in its own unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Standardization {
+pub(crate) struct Standardization {
     /// Mean.
-    pub mean: f64,
+    pub(crate) mean: f64,
     /// Standard deviation; 1 where the quantity did not vary.
-    pub sd: f64,
+    pub(crate) sd: f64,
 }
 
 impl Standardization {
@@ -33,12 +33,12 @@ impl Standardization {
     }
 
     /// In standard deviations from the mean.
-    pub fn apply(&self, value: f64) -> f64 {
+    pub(crate) fn apply(&self, value: f64) -> f64 {
         (value - self.mean) / self.sd
     }
 
     /// Back in the quantity's unit.
-    pub fn undo(&self, standardized: f64) -> f64 {
+    pub(crate) fn undo(&self, standardized: f64) -> f64 {
         self.mean + self.sd * standardized
     }
 }
@@ -46,13 +46,13 @@ impl Standardization {
 /// Every quantity the networks read or predict.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Scaling {
+pub(crate) struct Scaling {
     /// The signals of a window; the first also scales V's target, ego speed.
-    pub signals: [Standardization; SIGNALS],
+    pub(crate) signals: [Standardization; SIGNALS],
     /// The gap in following rows, in m.
-    pub following_distance: Standardization,
+    pub(crate) following_distance: Standardization,
     /// ADB, in points.
-    pub aggression: Standardization,
+    pub(crate) aggression: Standardization,
 }
 
 #[cfg(test)]

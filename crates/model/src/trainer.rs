@@ -6,11 +6,10 @@ use crate::{
     fused::{
         batch::{At, Batches},
         matrix::Aligned,
-        tile::{Known, Predicted, Tile},
+        tile::Tile,
     },
-    losses::{LossTerms, LossWeights, MutualInformationLoss, Reading, Sums},
-    network::{Networks, style::aggression},
-    paper::active_weights,
+    losses::{LossWeights, MutualInformationLoss, Reading, Sums, aggression},
+    network::Networks,
     params::TrainSettings,
     train::EpochReport,
     windows::SIGNALS,
@@ -22,16 +21,10 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use std::ops::Range;
 
-/// Weights and embeddings as they stood after an epoch.
-pub(crate) struct Weights {
-    packed: Vec<f32>,
-    embeddings: Vec<f32>,
-}
-
 /// Brings rows into a tile, with noise on their windows.
 fn gather(data: &RowSet, rows: &[u32], (noise, d): (f32, usize), seed: u64, tile: &mut Tile) {
     // All rows first: they lie anywhere in memory, and the waits for them overlap if nothing else comes between.
-    copy(data, rows.iter().map(|&row| row as usize), tile);
+    data.fill(rows.iter().map(|&row| row as usize), tile);
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let numbers = data.window_numbers();
     let steps = numbers / SIGNALS;
@@ -53,19 +46,6 @@ fn gather(data: &RowSet, rows: &[u32], (noise, d): (f32, usize), seed: u64, tile
     }
 }
 
-/// Brings rows into a tile as they are.
-fn copy(data: &RowSet, rows: impl Iterator<Item = usize>, tile: &mut Tile) {
-    let numbers = data.window_numbers();
-    for (at, row) in rows.enumerate() {
-        let window = &data.windows[row * numbers..][..numbers];
-        tile.windows.row_mut(at)[..numbers].copy_from_slice(window);
-        tile.known[at] = Known {
-            values: data.values[row],
-            weights: data.weights[row],
-        };
-    }
-}
-
 /// Moves weights and embeddings, batch by batch.
 pub(crate) struct Trainer<'a> {
     data: &'a Data,
@@ -82,7 +62,7 @@ pub(crate) struct Trainer<'a> {
     kernel: Batches,
     order: Vec<u32>,
     batches: usize,
-    epochs: usize,
+    pub(crate) epochs: usize,
 }
 
 impl<'a> Trainer<'a> {
@@ -90,11 +70,11 @@ impl<'a> Trainer<'a> {
     pub(crate) fn new(
         data: &'a Data,
         settings: &'a TrainSettings,
-        networks: &Networks,
         seed: u64,
         epochs: usize,
     ) -> Self {
         let d = settings.embedding_size;
+        let networks = Networks::new(settings.architecture());
         let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(seed, &["train", "weights"]));
         let parameters: Vec<f32> = networks.initialise(&mut rng);
         // One stream a drive: another drive more changes nobody's start.
@@ -110,13 +90,13 @@ impl<'a> Trainer<'a> {
                 if moves { draw } else { vec![0.0; d] }
             })
             .collect();
-        let rows = data.training.len();
+        let rows = data.rows.len();
         let batches = ((rows as f64 / settings.batch_size as f64).round() as usize).max(1);
         let most = rows.div_ceil(batches);
-        let kernel = Batches::new(Arch::new(), networks, data.drives.len(), most);
+        let kernel = Batches::new(Arch::new(), &networks, data.drives.len(), most);
         let packed = kernel.layout.pack(&parameters);
         Self {
-            weights: active_weights(&settings.loss_weights, data.learned),
+            weights: data.active_weights(&settings.loss_weights),
             adam: Adam::new(packed.len()),
             embedding_adam: Adam::new(embeddings.len()),
             is_weight: kernel.layout.is_weight(),
@@ -132,10 +112,6 @@ impl<'a> Trainer<'a> {
         }
     }
 
-    pub(crate) fn epochs(&self) -> usize {
-        self.epochs
-    }
-
     /// The networks' parameters.
     pub(crate) fn parameters(&self) -> Vec<f32> {
         self.kernel.layout.unpack(&self.packed)
@@ -144,25 +120,22 @@ impl<'a> Trainer<'a> {
     pub(crate) fn epoch(&mut self, epoch: usize) -> EpochReport {
         let label = epoch.to_string();
         let shuffle = stream_seed(self.seed, &["train", "order", &label]);
-        let rows = self.data.training.len();
+        let rows = self.data.rows.len();
         // From the rows' own order each time, so that an epoch knows nothing of those before.
         self.order.clear();
         self.order.extend(0..rows as u32);
         self.order.shuffle(&mut Pcg64Mcg::seed_from_u64(shuffle));
         let mut sums = Sums::default();
-        let (mut aggression, mut norms) = (0.0, 0.0);
-        let mut rate = 0.0;
+        let mut aggression = 0.0;
         for batch in 0..self.batches {
             let step = (epoch - 1) * self.batches + batch;
-            rate = cosine(step, self.epochs * self.batches);
             let range = batch * rows / self.batches..(batch + 1) * rows / self.batches;
-            let (batch_sums, l4, norm) = self.step(range, step, rate);
+            let (batch_sums, l4) = self.step(range, step);
             sums.merge(&batch_sums);
             aggression += l4.unwrap_or(0.0) / self.batches as f64;
-            norms += norm / self.batches as f64;
         }
         let l4 = self.data.learned.aggression.then_some(aggression);
-        let losses = self.terms(&sums, l4);
+        let losses = sums.terms(l4, self.settings.embedding_size);
         EpochReport {
             epoch,
             epochs: self.epochs,
@@ -171,57 +144,13 @@ impl<'a> Trainer<'a> {
             losses,
             validation: None,
             validation_total: None,
-            learning_rate: self.settings.learning_rate * rate,
-            gradient_norm: norms,
         }
     }
 
-    fn terms(&self, sums: &Sums, l4: Option<f64>) -> LossTerms {
-        let d = self.settings.embedding_size;
-        LossTerms {
-            mutual_information_bound: sums.bound(d),
-            ..sums.terms(l4, d)
-        }
-    }
-
-    /// The losses over rows as they are, their weighted sum, and the predictions.
-    ///
-    /// L5 of a sample is taken in expectation; L4 has nothing to do with rows and is left out.
-    pub(crate) fn predict(&mut self, rows: &RowSet) -> (LossTerms, f64, Vec<Predicted>) {
-        let at = At {
-            packed: &self.packed,
-            embeddings: &self.embeddings,
-            weights: self.weights,
-            reading: match self.settings.mutual_information_loss {
-                MutualInformationLoss::MeanSquared => Reading::Expected,
-                MutualInformationLoss::GaussianLikelihood => Reading::Likelihood,
-            },
-        };
-        let (sums, predicted) = self.kernel.predict(
-            &at,
-            rows.len(),
-            |row| rows.drive_of[row],
-            |tile, range| copy(rows, range, tile),
-        );
-        let losses = self.terms(&sums, None);
-        (losses, losses.total(&self.weights), predicted)
-    }
-
-    pub(crate) fn weights(&self) -> Weights {
-        Weights {
-            packed: self.packed.to_vec(),
-            embeddings: self.embeddings.clone(),
-        }
-    }
-
-    pub(crate) fn set_weights(&mut self, weights: &Weights) {
-        self.packed.copy_from_slice(&weights.packed);
-        self.embeddings.copy_from_slice(&weights.embeddings);
-    }
-
-    /// One batch: losses, L4 before the step, and the gradient's norm.
-    fn step(&mut self, range: Range<usize>, step: usize, rate: f64) -> (Sums, Option<f64>, f64) {
+    /// One batch: losses, and L4 before the step.
+    fn step(&mut self, range: Range<usize>, step: usize) -> (Sums, Option<f64>) {
         let settings = self.settings;
+        let rate = cosine(step, self.epochs * self.batches);
         let rows = &self.order[range];
         let at = At {
             packed: &self.packed,
@@ -233,7 +162,7 @@ impl<'a> Trainer<'a> {
             },
         };
         let noise_seed = stream_seed(self.seed, &["train", "noise", &step.to_string()]);
-        let data = &self.data.training;
+        let data = &self.data.rows;
         let noise = (settings.window_noise as f32, settings.embedding_size);
         let sums = self.kernel.evaluate(
             &at,
@@ -257,7 +186,7 @@ impl<'a> Trainer<'a> {
         self.adam.step(&mut self.packed, gradient, clip, by_weight);
         self.embedding_adam
             .step(&mut self.embeddings, by_embedding, clip, by_w);
-        (sums, l4, norm)
+        (sums, l4)
     }
 
     /// L4, whose gradients are added to those of the batch.

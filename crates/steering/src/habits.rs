@@ -137,7 +137,7 @@ mod tests {
                 "pass" => vec![-20.0, 10.0],
                 _ => vec![4.0, 0.0],
             };
-            json!({"name": head.name, "common": common, "slopes": [0.0], "between_sd": 1.0, "within_sd": 0.0, "events": 1, "drives": 1})
+            json!({"name": head.name, "family": head.family, "common": common, "slopes": [0.0], "between_sd": 1.0, "within_sd": 0.0, "events": 1, "drives": 1})
         });
         let heads: Vec<_> = heads.collect();
         let model: Model = serde_json::from_value(json!({

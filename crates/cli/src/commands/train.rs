@@ -38,10 +38,10 @@ pub(crate) struct Train {
     /// Share of each drive, from its start, that may be learned from
     #[arg(long, default_value_t = 1.0)]
     fit_fraction: f64,
-    /// Share of each drive, at its end, that a run of its own keeps back to measure the losses on (0: no such run)
+    /// Share of the people whom a run of its own keeps back, to choose the number of passes by (0: no such run)
     #[arg(long, default_value_t = 0.15)]
     validation_fraction: f64,
-    /// Epochs without a lower validation loss after which that run stops, and the model's too (0: never)
+    /// Passes without a lower loss on those people after which that run stops (0: never)
     #[arg(long, default_value_t = 0)]
     patience: usize,
     /// Root of every random choice

@@ -5,7 +5,6 @@
 //! the simulated gap goes back through half a minute of driving to the weights and embeddings: unlike a network
 //! fitted one step ahead it learns from what its own errors lead to.
 
-mod bfgs;
 mod controller;
 mod layout;
 mod settings;
@@ -126,7 +125,7 @@ impl ClosedLoopNetwork {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FollowingRun, SAFETY, SimulationErrors, made_up, simulate};
+    use crate::{FollowingRun, SAFETY, SimulationErrors, simulate, testing};
 
     const QUICK: ClosedLoopSettings = ClosedLoopSettings {
         iterations: 120,
@@ -135,7 +134,7 @@ mod tests {
 
     fn drivers() -> Vec<FollowingRun> {
         [1.0, 1.5, 2.2]
-            .map(|t| made_up::driven_by_idm(&format!("T{t}"), made_up::DRIVER.with_time_gap_s(t)))
+            .map(|t| testing::driven_by_idm(&format!("T{t}"), testing::DRIVER.with_time_gap_s(t)))
             .to_vec()
     }
 
@@ -183,10 +182,10 @@ mod tests {
     #[test]
     fn the_safety_bound_holds_whatever_was_learned() {
         // Trained on drivers who keep next to nothing; then the leader stops as hard as it can.
-        let tight = made_up::behind("P01", 600, 0.4, 10.0, |_| 10.0);
+        let tight = testing::behind("P01", 600, 0.4, 10.0, |_| 10.0);
         let network = train(&[tight], 1).network;
         let stop = |t: f64| (20.0 - 8.0 * (t - 30.0).max(0.0)).max(0.0);
-        let run = made_up::behind("P02", 600, 40.0, 20.0, stop);
+        let run = testing::behind("P02", 600, 40.0, 20.0, stop);
         let w = network.mean_embedding();
         let law = |g, v, lead| network.accel_mps2(w, g, v, lead);
         let driven = simulate(&run.fit(), "network", law).unwrap();

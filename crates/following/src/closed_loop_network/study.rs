@@ -170,11 +170,11 @@ fn errors_of<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made_up;
+    use crate::testing;
 
     fn runs() -> Vec<FollowingRun> {
         [0.9, 1.3, 1.8, 2.4]
-            .map(|t| made_up::driven_by_idm(&format!("T{t}"), made_up::DRIVER.with_time_gap_s(t)))
+            .map(|t| testing::driven_by_idm(&format!("T{t}"), testing::DRIVER.with_time_gap_s(t)))
             .to_vec()
     }
 

@@ -2,14 +2,16 @@
 
 use super::{
     ClosedLoopNetwork, ClosedLoopSettings, TrainedClosedLoop,
-    bfgs::{Evaluated, minimise},
     controller::Scaling,
     layout::Layout,
     unrolled::{Batch, Gradient, LANES, World, gradient},
 };
 use crate::{FollowingError, Stretch};
 use maveric_laws::Rss;
-use maveric_model::cosine;
+use maveric_model::{
+    bfgs::{Evaluated, minimise},
+    cosine,
+};
 use nalgebra::DVector;
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;

@@ -3,20 +3,20 @@
 //! Cross-validation by driver: networks learn from all other drivers; an unseen driver's embedding is fitted to the
 //! first part of the drive and judged on the rest, in the units of the signals.
 
-mod baselines;
 mod linear;
 
 use crate::{
     error::ModelError,
+    held_out::{HeldOut, Said, cut},
     model::{Habits, HeadsKind, Model},
-    params::{PersonalizeParams, TrainParams, TrainSettings},
-    personalize::{NetworkRows, Personalizer, Shown},
-    rows::{Row, RowSettings, rows_of},
+    own_means::OwnMeans,
+    params::TrainSettings,
+    personalize::{NetworkRows, Personalizer},
+    rows::{Row, RowWeights, rows_of},
     train::{TrainingDrive, train},
 };
-use baselines::{ConstantTimeGap, DriverMeans};
-use linear::LinearModel;
-use maveric_domain::{DriveId, ParticipantId, stream_seed};
+use linear::LinearWindows;
+use maveric_domain::{Drive, DriveId, ParticipantId, stream_seed};
 use rand::{SeedableRng, seq::SliceRandom};
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
@@ -34,18 +34,16 @@ pub struct Variant {
 /// What predicts.
 #[derive(Debug, Clone, PartialEq)]
 pub enum VariantKind {
-    /// The linear heads, trained with these settings: a driver's own free speed and following gap. They say when somebody changes
+    /// Heads trained with these settings: the paper's networks, without `w` where the `embedding_learning_rate` is 0 and every
+    /// embedding stays at zero; or linear ones, which say a driver's own free speed and following gap, and when somebody changes
     /// lane by a gap, not by a probability a second.
-    Heads(Box<TrainSettings>),
-    /// The networks, trained with these settings. With an `embedding_learning_rate` of 0 every embedding stays at
-    /// zero: the same networks without `w`.
-    Networks(Box<TrainSettings>),
+    Learned(Box<TrainSettings>),
     /// The driver's own mean speed, mean gap and rate of lane changes.
-    DriverMeans,
+    OwnMeans,
     /// The driver's own time gap, times the lead vehicle's speed; nothing else is predicted.
-    ConstantTimeGap,
+    OwnTimeGap,
     /// Linear (and logistic) in the windows and in three numbers a driver, one for each output.
-    Linear,
+    LinearWindows,
 }
 
 /// The comparison that the paper and the method ask for: embedding sizes, without M, without S, the Gaussian
@@ -54,17 +52,19 @@ pub enum VariantKind {
 /// # Source
 /// Paper, "Embedding size"; method section 3. Losses cannot choose the size alone: calibration section 3.
 pub fn variants(base: &TrainSettings, sizes: &[usize], windows_s: &[f64]) -> Vec<Variant> {
-    let networks = |name: String, change: &dyn Fn(&mut TrainSettings)| {
+    let learned = |name: String, heads: HeadsKind, change: &dyn Fn(&mut TrainSettings)| {
         let mut settings = TrainSettings {
-            heads: HeadsKind::Paper,
+            heads,
             ..base.clone()
         };
         change(&mut settings);
         Variant {
             name,
-            kind: VariantKind::Networks(Box::new(settings)),
+            kind: VariantKind::Learned(Box::new(settings)),
         }
     };
+    let networks =
+        |name: String, change: &dyn Fn(&mut TrainSettings)| learned(name, HeadsKind::Paper, change);
     let mut all = vec![networks(format!("size {}", base.embedding_size), &|_| {})];
     for &size in sizes.iter().filter(|&&s| s != base.embedding_size) {
         all.push(networks(format!("size {size}"), &|s| {
@@ -88,21 +88,20 @@ pub fn variants(base: &TrainSettings, sizes: &[usize], windows_s: &[f64]) -> Vec
     all.push(networks("without w".to_owned(), &|s| {
         s.embedding_learning_rate = 0.0;
     }));
-    let baseline = |name: &str, kind| Variant {
+    all.push(learned(
+        "linear heads".to_owned(),
+        HeadsKind::Linear,
+        &|_| {},
+    ));
+    let baselines = [
+        ("linear with w", VariantKind::LinearWindows),
+        ("own means", VariantKind::OwnMeans),
+        ("own time gap", VariantKind::OwnTimeGap),
+    ];
+    all.extend(baselines.map(|(name, kind)| Variant {
         name: name.to_owned(),
         kind,
-    };
-    let linear = TrainSettings {
-        heads: HeadsKind::Linear,
-        ..base.clone()
-    };
-    all.push(baseline(
-        "linear heads",
-        VariantKind::Heads(Box::new(linear)),
-    ));
-    all.push(baseline("linear with w", VariantKind::Linear));
-    all.push(baseline("own means", VariantKind::DriverMeans));
-    all.push(baseline("own time gap", VariantKind::ConstantTimeGap));
+    }));
     all
 }
 
@@ -123,18 +122,6 @@ impl Default for AblationSettings {
             known_fraction: 2.0 / 3.0,
         }
     }
-}
-
-/// What a variant gets wrong on the unseen part of one drive; `None` where it predicts nothing of the kind or the
-/// drive has no such row.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct HeldOut {
-    /// Root-mean-square error of the following distance, in m, over following rows.
-    pub following_distance_m: Option<f64>,
-    /// Cross-entropy of starting a lane change, in nats, both classes weighted to one half over the other drivers.
-    pub lane_change: Option<f64>,
-    /// Root-mean-square error of ego's speed, in m/s.
-    pub speed_mps: Option<f64>,
 }
 
 /// One variant on every drive.
@@ -169,7 +156,6 @@ pub fn ablate(
     drives: &[TrainingDrive<'_>],
     variants: &[Variant],
     settings: &AblationSettings,
-    personalizing: &PersonalizeParams,
     seed: u64,
     observe: &mut dyn FnMut(usize, usize) -> ControlFlow<()>,
 ) -> Result<Ablated, ModelError> {
@@ -193,10 +179,10 @@ pub fn ablate(
             let with_folds = || drives.iter().zip(&fold_of);
             let seen = with_folds().filter(|(_, f)| **f != fold);
             let seen: Vec<TrainingDrive<'_>> = seen.map(|(d, _)| *d).collect();
-            let judge = Judge::of(&variant.kind, &seen, personalizing, seed)?;
+            let judge = Judge::of(&variant.kind, &seen, seed)?;
             for ((drive, of_fold), found) in with_folds().zip(&mut of_each) {
                 if *of_fold == fold {
-                    *found = judge.held_out(drive, known)?;
+                    *found = judge.held_out(drive.drive, known)?;
                 }
             }
         }
@@ -237,171 +223,86 @@ fn folds(drives: &[TrainingDrive<'_>], folds: usize, seed: u64) -> Result<Vec<us
     Ok(drives.iter().map(|d| place(d) % folds).collect())
 }
 
-/// What a baseline says of one row: following distance in m, log-odds of a change with the classes balanced, speed in
-/// m/s.
-#[derive(Debug, Clone, Copy, Default)]
-struct Said {
-    following_distance_m: Option<f64>,
-    log_odds: Option<f64>,
-    speed_mps: Option<f64>,
+/// What has learned from the drivers of the other folds.
+struct Judge {
+    settings: TrainSettings,
+    weights: RowWeights,
+    learned: Knows,
 }
 
-/// A baseline that has learned from other drivers.
-trait Baseline {
-    /// What it says of `unseen` rows of a driver whose `known` rows it has met.
-    fn say(&self, known: &[Row], unseen: &[Row]) -> Vec<Said>;
+enum Knows {
+    Model(Box<Model>),
+    Linear(LinearWindows),
+    Means(OwnMeans),
+    TimeGap(OwnMeans),
 }
 
-/// A variant that has learned from the drivers of the other folds.
-enum Judge<'a> {
-    Heads {
-        model: Box<Model>,
-        personalizing: &'a PersonalizeParams,
-        rows: RowSettings,
-        weights: crate::rows::RowWeights,
-    },
-    Networks {
-        model: Box<Model>,
-        personalizing: &'a PersonalizeParams,
-        with_embedding: bool,
-    },
-    Baseline {
-        baseline: Box<dyn Baseline>,
-        rows: RowSettings,
-        weights: crate::rows::RowWeights,
-    },
-}
-
-impl<'a> Judge<'a> {
-    fn of(
-        kind: &VariantKind,
-        seen: &[TrainingDrive<'_>],
-        personalizing: &'a PersonalizeParams,
-        seed: u64,
-    ) -> Result<Self, ModelError> {
-        if let VariantKind::Networks(settings) = kind {
-            let mut settings = (**settings).clone();
-            // A run that only measures would change nothing here.
-            if settings.patience == 0 && settings.refit {
-                settings.validation_fraction = 0.0;
-            }
-            let with_embedding = settings.embedding_learning_rate > 0.0;
-            let params = TrainParams::new(settings)?;
-            let trained = train(seen, &params, seed, &mut |_| ControlFlow::Continue(()))?;
-            return Ok(Self::Networks {
-                model: Box::new(trained.model),
-                personalizing,
-                with_embedding,
-            });
-        }
-        let settings = TrainSettings::default();
-        let rows = RowSettings {
-            row_rate_hz: settings.row_rate_hz,
-            windows: settings.windows(),
+impl Judge {
+    fn of(kind: &VariantKind, seen: &[TrainingDrive<'_>], seed: u64) -> Result<Self, ModelError> {
+        let settings = match kind {
+            VariantKind::Learned(settings) => (**settings).clone(),
+            _ => TrainSettings::default(),
         };
         let mut of_each: Vec<Vec<Row>> = Vec::new();
         for drive in seen {
-            match rows_of(drive.drive, &rows, 1.0) {
-                Ok(rows) => of_each.push(rows),
-                Err(ModelError::DriveTooShort { .. }) => {}
-                Err(other) => return Err(other),
-            }
+            of_each.extend(long_enough(drive.drive, &settings)?);
         }
-        let weights = crate::rows::RowWeights::of(of_each.iter().flatten());
-        if let VariantKind::Heads(settings) = kind {
-            let params = TrainParams::new((**settings).clone())?;
-            let trained = train(seen, &params, seed, &mut |_| ControlFlow::Continue(()))?;
-            return Ok(Self::Heads {
-                model: Box::new(trained.model),
-                personalizing,
-                rows,
-                weights,
-            });
-        }
-        let baseline: Box<dyn Baseline> = match kind {
-            VariantKind::ConstantTimeGap => Box::new(ConstantTimeGap::of(&of_each)),
-            VariantKind::Linear => Box::new(LinearModel::of(&of_each, weights)),
-            VariantKind::DriverMeans | VariantKind::Networks(_) | VariantKind::Heads(_) => {
-                Box::new(DriverMeans::of(&of_each, weights))
+        let weights = RowWeights::of(of_each.iter().flatten());
+        let own = || OwnMeans::of(&of_each, &weights);
+        let learned = match kind {
+            VariantKind::Learned(settings) => {
+                let go_on = &mut |_: &_| ControlFlow::Continue(());
+                Knows::Model(Box::new(train(seen, settings, seed, go_on)?.model))
             }
+            VariantKind::LinearWindows => Knows::Linear(LinearWindows::of(&of_each, &weights)),
+            VariantKind::OwnMeans => Knows::Means(own()),
+            VariantKind::OwnTimeGap => Knows::TimeGap(own()),
         };
-        Ok(Self::Baseline {
-            baseline,
-            rows,
+        Ok(Self {
+            settings,
             weights,
+            learned,
         })
     }
 
     /// The errors on the part of the drive after the known share; `None` if there is nothing to know or to judge by.
-    fn held_out(
-        &self,
-        drive: &TrainingDrive<'_>,
-        known: f64,
-    ) -> Result<Option<HeldOut>, ModelError> {
-        let drive = drive.drive;
-        let settings = match self {
-            Self::Networks { model, .. } => model.paper()?.row_settings(),
-            Self::Heads { rows, .. } | Self::Baseline { rows, .. } => *rows,
-        };
-        let rows = match rows_of(drive, &settings, 1.0) {
-            Err(ModelError::DriveTooShort { .. }) => return Ok(None),
-            other => other?,
-        };
-        let grid: Vec<usize> = (0..rows.len()).filter(|&i| rows[i].on_grid).collect();
-        let first = (known * grid.len() as f64).floor() as usize;
-        if first == 0 || first >= grid.len() {
+    fn held_out(&self, drive: &Drive, known_share: f64) -> Result<Option<HeldOut>, ModelError> {
+        let rows = long_enough(drive, &self.settings)?.unwrap_or_default();
+        let Some((known, unseen)) = cut(&rows, known_share) else {
             return Ok(None);
-        }
-        let known_share = known;
-        let (known, unseen) = rows.split_at(grid[first]);
-        Ok(Some(match self {
-            Self::Heads {
-                model,
-                personalizing,
-                weights,
-                ..
-            } => {
-                let personalizer = Personalizer::new(model, (*personalizing).clone());
-                let shown = personalizer.shown(drive, known_share)?;
-                let id = &drive.meta().drive;
-                let embedding = match personalizer.fit_shown(id, &shown, None) {
-                    Ok(fit) => fit.embedding,
-                    Err(ModelError::NoHabits { .. }) => model.mean_embedding().clone(),
-                    Err(other) => return Err(other),
-                };
-                judged(
-                    &said(&Habits::new(model, &embedding)?, unseen),
-                    unseen,
-                    weights,
-                )
-            }
-            Self::Networks {
-                model,
-                personalizing,
-                with_embedding,
-            } => {
-                let paper = model.paper()?;
-                let embedding = if *with_embedding {
-                    Personalizer::new(model, (*personalizing).clone())
-                        .fit_shown(&drive.meta().drive, &Shown::Rows(known.to_vec()), None)?
-                        .embedding
-                } else {
-                    model.mean_embedding().clone()
-                };
-                let unseen = NetworkRows::new(paper, unseen, None);
-                let [distance, change, speed] = unseen.losses(embedding.coordinates());
-                let root = |loss: Option<f64>, sd: f64| loss.map(|l| l.sqrt() * sd);
-                let scaling = paper.scaling();
-                HeldOut {
-                    following_distance_m: root(distance, scaling.following_distance.sd),
-                    lane_change: change,
-                    speed_mps: root(speed, scaling.signals[0].sd),
+        };
+        let said = match &self.learned {
+            Knows::Model(model) => match model.kind() {
+                HeadsKind::Linear => {
+                    let fit = Personalizer::of_first(model, known_share)?.fit(drive, None)?;
+                    said(&Habits::new(model, &fit.embedding)?, unseen)
                 }
-            }
-            Self::Baseline {
-                baseline, weights, ..
-            } => judged(&baseline.say(known, unseen), unseen, weights),
-        }))
+                HeadsKind::Paper => {
+                    let (paper, mean) = (model.paper()?, model.mean_embedding().coordinates());
+                    let w = if self.settings.embedding_learning_rate > 0.0 {
+                        NetworkRows::new(paper, known, None).minimum(mean)
+                    } else {
+                        nalgebra::DVector::from_column_slice(mean)
+                    };
+                    NetworkRows::new(paper, unseen, None).say(w.as_slice()).1
+                }
+            },
+            Knows::Linear(linear) => linear.say(known, unseen),
+            Knows::Means(own) => vec![own.say(known); unseen.len()],
+            Knows::TimeGap(own) => unseen.iter().map(|r| own.by_time_gap(known, r)).collect(),
+        };
+        Ok(Some(HeldOut::of(
+            said.into_iter().zip(unseen),
+            &self.weights,
+        )))
+    }
+}
+
+/// The rows of a drive; `None` of one that is shorter than a window.
+fn long_enough(drive: &Drive, settings: &TrainSettings) -> Result<Option<Vec<Row>>, ModelError> {
+    match rows_of(drive, &settings.row_settings(), 1.0) {
+        Err(ModelError::DriveTooShort { .. }) => Ok(None),
+        rows => rows.map(Some),
     }
 }
 
@@ -419,40 +320,6 @@ fn said(habits: &Habits, rows: &[Row]) -> Vec<Said> {
         }),
     };
     rows.iter().map(of).collect()
-}
-
-/// The errors of what was said of `rows`.
-fn judged(said: &[Said], rows: &[Row], weights: &crate::rows::RowWeights) -> HeldOut {
-    let mut sums = [(0.0, 0.0); 3];
-    for (said, row) in said.iter().zip(rows) {
-        let [following, change, grid, _] = weights.of_row(row);
-        let squared = |a: Option<f64>, b: Option<f64>| Some((a? - b?).powi(2));
-        let surprise = said.log_odds.zip(row.lane_change).map(|(odds, change)| {
-            let against = if change { -odds } else { odds };
-            against.max(0.0) + (-against.abs()).exp().ln_1p()
-        });
-        let losses = [
-            (
-                squared(said.following_distance_m, row.following_distance_m),
-                following,
-            ),
-            (surprise, change),
-            (squared(said.speed_mps, Some(row.ego_speed_mps)), grid),
-        ];
-        for (sum, (loss, weight)) in sums.iter_mut().zip(losses) {
-            if let Some(loss) = loss.filter(|_| weight > 0.0) {
-                sum.0 += weight * loss;
-                sum.1 += weight;
-            }
-        }
-    }
-    let [following, change, speed] =
-        sums.map(|(loss, weight)| (weight > 0.0).then(|| loss / weight));
-    HeldOut {
-        following_distance_m: following.map(f64::sqrt),
-        lane_change: change,
-        speed_mps: speed.map(f64::sqrt),
-    }
 }
 
 #[cfg(test)]
@@ -499,8 +366,7 @@ mod tests {
             steps.push((done, all));
             ControlFlow::Continue(())
         };
-        let params = PersonalizeParams::default();
-        let found = ablate(&given, &chosen, &settings, &params, 1, &mut observe).unwrap();
+        let found = ablate(&given, &chosen, &settings, 1, &mut observe).unwrap();
         assert_eq!(steps, (0..18).map(|k| (k, 18)).collect::<Vec<_>>());
         let mean = |variant: usize, of: fn(&HeldOut) -> Option<f64>| {
             let values: Vec<f64> = found.variants[variant]
@@ -518,13 +384,13 @@ mod tests {
             assert!(held_out.speed_mps.is_none() && held_out.lane_change.is_none());
         }
         let mut none = |_, _| ControlFlow::Break(());
-        let stopped = ablate(&given, &chosen, &settings, &params, 1, &mut none);
+        let stopped = ablate(&given, &chosen, &settings, 1, &mut none);
         assert!(matches!(stopped, Err(ModelError::Cancelled { .. })));
         let settings = AblationSettings {
             folds: 7,
             ..settings
         };
-        let refused = ablate(&given, &chosen, &settings, &params, 1, &mut none);
+        let refused = ablate(&given, &chosen, &settings, 1, &mut none);
         assert!(matches!(refused, Err(ModelError::TooFewDrivers { .. })));
     }
 }

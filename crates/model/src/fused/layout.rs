@@ -4,10 +4,7 @@
 //! more line. Going back needs them output by output as well: those copies are [`Layout::derive`]d each step.
 
 use super::matrix::{Aligned, padded};
-use crate::network::{
-    Networks,
-    mlp::{Dense, Mlp},
-};
+use crate::network::{Dense, Mlp, Networks};
 
 /// One dense layer as the products read it.
 #[derive(Debug, Clone)]
@@ -123,7 +120,7 @@ impl Room {
         to_input: bool,
     ) -> Vec<Layer> {
         let mut lines = Some(lines);
-        let layers = mlp.layers().iter().enumerate().map(|(index, &native)| {
+        let layers = mlp.iter().enumerate().map(|(index, &native)| {
             let all = || (0..native.inputs).map(Some).collect();
             let lines = lines.take().unwrap_or_else(all);
             let embedding = if index == 0 { embedding } else { 0 };
@@ -175,22 +172,21 @@ impl Layout {
             .chain([Some(0)])
             .chain((outputs..outputs + 4).map(Some));
         let n = networks;
-        let windows = |mlp: &Mlp| (0..mlp.first().inputs).map(Some).collect();
+        let windows = |mlp: &Mlp| (0..mlp[0].inputs).map(Some).collect();
         let mut room = Room::default();
-        let (lane, speed) = (&n.lane_change.encoded, &n.velocity.encoded);
-        let m = &n.mutual_information.head;
+        let m = &n.mutual_information;
         Self {
             following_distance: room.stack(
-                &n.following_distance.head,
+                &n.following_distance,
                 (0..=d).map(Some).collect(),
                 d,
                 false,
             ),
-            lane_encoder: room.stack(&lane.encoder, windows(&lane.encoder), 0, false),
-            lane_head: room.stack(&lane.head, head(), d, true),
-            speed_encoder: room.stack(&speed.encoder, windows(&speed.encoder), 0, false),
-            speed_head: room.stack(&speed.head, head(), d, true),
-            style: room.stack(&n.style.layer, (0..d).map(Some).collect(), d, false),
+            lane_encoder: room.stack(&n.lane_encoder, windows(&n.lane_encoder), 0, false),
+            lane_head: room.stack(&n.lane_head, head(), d, true),
+            speed_encoder: room.stack(&n.speed_encoder, windows(&n.speed_encoder), 0, false),
+            speed_head: room.stack(&n.speed_head, head(), d, true),
+            style: room.stack(&n.style, (0..d).map(Some).collect(), d, false),
             mutual_information: room.stack(m, m_lines.collect(), 0, true),
             reads,
             packed: room.packed,

@@ -18,5 +18,3 @@ pub(crate) mod roster;
 mod tests;
 pub(crate) mod through;
 pub(crate) mod tile;
-#[cfg(test)]
-mod witness;

@@ -7,9 +7,7 @@ use super::{
     roster::Roster,
     through::{Gradients, Through, ZERO},
 };
-use crate::losses::{
-    LossWeights, Reading, Sums, cross_entropy, log_likelihood, normal, squared_error,
-};
+use crate::losses::{LossWeights, Reading, Sums, cross_entropy, normal, squared_error};
 use pulp::Arch;
 
 /// Most rows of a tile: few enough that what a layer reads and writes stays in the nearest cache.
@@ -378,9 +376,9 @@ impl Tile {
             for i in 0..d {
                 let (mean, log_sd) = (out[i], out[d + i]);
                 let at = [mean, log_sd, noise[i], w[i]];
-                let (one, slope) = normal(shared.reading, at, (c * share) as f32);
+                let (one, slope, log) = normal(shared.reading, at, c * share);
                 loss += one;
-                likelihood += log_likelihood(mean, log_sd, w[i]);
+                likelihood += log;
                 error += f64::from(mean - w[i]).powi(2);
                 by_out[i] = slope.mean;
                 by_out[d + i] = slope.log_sd;

@@ -8,17 +8,16 @@
 use super::{
     family::{Family, Outcome, tail_ratio},
     fitted::FittedHead,
-    head::{Event, HEADS, Head},
+    head::{Event, Shape},
     posterior::{LEAST_SD, Latent, solve},
 };
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use crate::linear_algebra::symmetric_eigen;
+use nalgebra::{DMatrix, DVector};
 
 /// Rounds at most.
 const ROUNDS: usize = 200;
 /// Largest change of a number, in its head's scatter between drives, at which the rounds end.
 const TOLERANCE: f64 = 1e-3;
-/// Ridge on a head's numbers, in events.
-const RIDGE: f64 = 1e-3;
 /// Scatter of an event that a single drive starts with, as a share of the scatter over all.
 const FIRST_WITHIN: f64 = 0.5;
 
@@ -34,14 +33,14 @@ pub(crate) struct Fitted {
     pub(crate) rounds: usize,
 }
 
-/// Learns all heads, with `d` numbers a style.
-pub(crate) fn fit(drives: &[DriveEvents], d: usize) -> Fitted {
-    let mut heads: Vec<FittedHead> = HEADS
+/// Learns heads of those shapes, with `d` numbers a style, or none: then there are own deviations alone.
+pub(crate) fn fit(shapes: &[Shape], drives: &[DriveEvents], d: usize) -> Fitted {
+    let mut heads: Vec<FittedHead> = shapes
         .iter()
         .enumerate()
         .map(|(k, head)| first(head, drives.iter().map(|e| e[k].as_slice()), d))
         .collect();
-    first_slopes(&mut heads, drives, d);
+    first_slopes(&mut heads, shapes, drives, d);
     let mut latents: Vec<Latent> = Vec::new();
     let mut rounds = 0;
     while rounds < ROUNDS {
@@ -50,10 +49,10 @@ pub(crate) fn fit(drives: &[DriveEvents], d: usize) -> Fitted {
         latents = posteriors(&heads, drives, &latents, d);
         for (k, head) in heads.iter_mut().enumerate() {
             if head.learned() {
-                refit(head, k, drives, &latents, d);
+                refit(head, &shapes[k], k, drives, &latents, d);
             }
         }
-        share_out(&mut heads);
+        share_out(&mut heads, shapes);
         standardise(&mut heads, &latents, d);
         if heads.iter().zip(&before).all(|(a, b)| same(a, b)) {
             break;
@@ -76,15 +75,14 @@ fn posteriors(
     d: usize,
 ) -> Vec<Latent> {
     let one = |(i, events): (usize, &DriveEvents)| {
-        let start = last.get(i).map(|l| l.mean.as_slice());
-        solve(heads, events, None, d, start)
+        solve(heads, events, None, d, last.get(i).map(|l| &l.mean))
     };
     drives.iter().enumerate().map(one).collect()
 }
 
 /// A head that knows no style: the mean over all drives.
 fn first<'a>(
-    head: &Head,
+    head: &Shape,
     drives: impl Iterator<Item = &'a [Event]> + Clone,
     d: usize,
 ) -> FittedHead {
@@ -96,13 +94,14 @@ fn first<'a>(
     let mean = events().map(value).sum::<f64>() / n.max(1) as f64;
     let square = events().map(|e| (value(e) - mean).powi(2)).sum::<f64>();
     let sd = (square / n.max(1) as f64).sqrt();
-    let mut common = vec![0.0; 1 + head.reads.len()];
+    let mut common = vec![0.0; 1 + head.reads];
     let normal = head.family != Family::Logistic;
     if normal {
         common[0] = mean;
     }
     FittedHead {
         name: head.name.to_owned(),
+        family: head.family,
         common,
         slopes: vec![0.0; d],
         between_sd: if normal { sd.max(LEAST_SD) } else { 1.0 },
@@ -117,29 +116,26 @@ fn first<'a>(
 }
 
 /// Starts the slopes along the principal components of the drives' own deviations.
-fn first_slopes(heads: &mut [FittedHead], drives: &[DriveEvents], d: usize) {
+fn first_slopes(heads: &mut [FittedHead], shapes: &[Shape], drives: &[DriveEvents], d: usize) {
     let (n, k) = (drives.len(), heads.len());
     for (which, head) in heads.iter_mut().enumerate() {
         // Two rounds without a style: levels, and weights of what is read.
         for _ in 0..2 {
             if head.learned() {
                 let alone = posteriors_of_one(head, which, drives, d, k);
-                refit(head, which, drives, &alone, d);
+                refit(head, &shapes[which], which, drives, &alone, d);
                 head.slopes.fill(0.0);
             }
         }
     }
     let latents = posteriors(heads, drives, &[], d);
     let own = DMatrix::from_fn(n, k, |i, j| latents[i].mean[d + j] / heads[j].between_sd);
-    let eigen = SymmetricEigen::new(own.transpose() * &own / n.max(1) as f64);
-    let mut order: Vec<usize> = (0..k).collect();
-    order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
-    for (number, &component) in order.iter().take(d).enumerate() {
-        let size = eigen.eigenvalues[component].max(0.0).sqrt();
-        let vector = eigen.eigenvectors.column(component);
+    let (values, vectors) = symmetric_eigen(&(own.tr_mul(&own) / n.max(1) as f64));
+    for (number, value) in values.iter().take(d).enumerate() {
+        let size = value.max(0.0).sqrt();
         for (j, head) in heads.iter_mut().enumerate() {
             if head.learned() {
-                head.slopes[number] = head.between_sd * size * vector[j];
+                head.slopes[number] = head.between_sd * size * vectors[(j, number)];
             }
         }
     }
@@ -166,39 +162,42 @@ fn posteriors_of_one(
     posteriors(&heads, drives, &[], d)
 }
 
-/// The numbers of one head, given what is known of every drive.
-fn refit(head: &mut FittedHead, k: usize, drives: &[DriveEvents], latents: &[Latent], d: usize) {
-    let family = HEADS[k].family;
+/// The numbers of one head, given what is known of every drive: a weighted regression on `[z, w]`.
+fn refit(
+    head: &mut FittedHead,
+    shape: &Shape,
+    k: usize,
+    drives: &[DriveEvents],
+    latents: &[Latent],
+    d: usize,
+) {
+    let family = head.family;
     let p = head.common.len();
     let size = p + d;
     let own = d + k;
     let mut normal = DMatrix::zeros(size, size);
     let mut right = DVector::zeros(size);
     for (events, latent) in drives.iter().zip(latents) {
-        let w = DVector::from_column_slice(&latent.mean[..d]);
-        let ww = &w * w.transpose() + latent.covariance.view((0, 0), (d, d));
-        let wu = &w * latent.mean[own] + latent.covariance.view((0, own), (d, 1));
+        let mut weights = 0.0;
         for event in &events[k] {
-            let eta = head.eta(&latent.mean[..d], event.z()) + latent.mean[own];
+            let eta = head.eta(latent.w(d), event.z()) + latent.mean[own];
             let loss = family.loss(event.outcome, eta, head.within_sd);
             let weight = loss.curvature.max(1e-6);
             let seen = eta - loss.slope / weight;
-            let z = DVector::from_iterator(p, event.z());
-            let mut block = normal.view_mut((0, 0), (p, p));
-            block += weight * &z * z.transpose();
-            let mut block = normal.view_mut((0, p), (p, d));
-            block += weight * &z * w.transpose();
-            let mut block = normal.view_mut((p, p), (d, d));
-            block += weight * &ww;
-            let mut part = right.rows_mut(0, p);
-            part += weight * (seen - latent.mean[own]) * &z;
-            let mut part = right.rows_mut(p, d);
-            part += weight * (seen * &w - &wu);
+            let x = DVector::from_iterator(size, event.z().chain(latent.w(d).iter().copied()));
+            normal.syger(weight, &x, &x, 1.0);
+            right.axpy(weight * (seen - latent.mean[own]), &x, 1.0);
+            weights += weight;
         }
+        // What is not known of w and of its own deviation.
+        let mut block = normal.view_mut((p, p), (d, d));
+        block += weights * latent.covariance.view((0, 0), (d, d));
+        let mut part = right.rows_mut(p, d);
+        part -= weights * latent.covariance.view((0, own), (d, 1));
     }
-    normal.fill_lower_triangle_with_upper_triangle();
-    let ridge = RIDGE * normal.trace() / size as f64 / head.events.max(1) as f64;
-    for i in 0..size {
+    normal.fill_upper_triangle_with_lower_triangle();
+    let ridge = shape.ridge * normal.trace() / size as f64 / head.events.max(1) as f64;
+    for i in 1..size {
         normal[(i, i)] += ridge.max(1e-12);
     }
     if let Some(solved) = normal.cholesky().map(|c| c.solve(&right)) {
@@ -231,9 +230,9 @@ fn expected_square(family: Family, outcome: Outcome, eta: f64, sd: f64) -> f64 {
     }
 }
 
-/// Leaves open what [`Head::left_open`] says: it is the style that has to explain the rest.
-fn share_out(heads: &mut [FittedHead]) {
-    for (head, known) in heads.iter_mut().zip(&HEADS).filter(|(h, _)| h.learned()) {
+/// Leaves open what [`Shape::left_open`] says: it is the style that has to explain the rest.
+fn share_out(heads: &mut [FittedHead], shapes: &[Shape]) {
+    for (head, known) in heads.iter_mut().zip(shapes).filter(|(h, _)| h.learned()) {
         let square = head.slopes.iter().map(|b| b * b).sum::<f64>();
         let all = head.between_sd * head.between_sd + square;
         head.between_sd = (known.left_open * all).sqrt().max(LEAST_SD);
@@ -246,7 +245,7 @@ fn standardise(heads: &mut [FittedHead], latents: &[Latent], d: usize) {
     let mut mean = DVector::zeros(d);
     let mut second = DMatrix::zeros(d, d);
     for latent in latents {
-        let w = DVector::from_column_slice(&latent.mean[..d]);
+        let w = latent.mean.rows(0, d).into_owned();
         second += (&w * w.transpose() + latent.covariance.view((0, 0), (d, d))) / n;
         mean += w / n;
     }
@@ -271,19 +270,17 @@ fn turn(heads: &mut [FittedHead], d: usize) {
         let all = rows[i].slopes.iter().map(|b| b * b).sum::<f64>() + own * own;
         rows[i].slopes[j] / all.sqrt()
     });
-    let eigen = SymmetricEigen::new(slopes.transpose() * &slopes);
-    let mut order: Vec<usize> = (0..d).collect();
-    order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
-    let columns: Vec<DVector<f64>> = order
-        .iter()
-        .map(|&c| {
-            let column = eigen.eigenvectors.column(c).into_owned();
-            let moved = &slopes * &column;
-            let largest = moved
-                .iter()
-                .copied()
-                .max_by(|a, b| a.abs().total_cmp(&b.abs()));
-            column * largest.unwrap_or(1.0).signum()
+    let (_, vectors) = symmetric_eigen(&slopes.tr_mul(&slopes));
+    let columns: Vec<DVector<f64>> = vectors
+        .column_iter()
+        .map(|column| {
+            let moved = &slopes * column;
+            column
+                * if moved.is_empty() {
+                    1.0
+                } else {
+                    moved[moved.iamax()].signum()
+                }
         })
         .collect();
     for head in heads.iter_mut() {

@@ -1,6 +1,9 @@
 //! A head with its numbers: what training finds, and what a style makes of it.
 
-use super::head::{Event, HEADS, Head};
+use super::{
+    family::Family,
+    head::{Event, HEADS},
+};
 use crate::error::ModelError;
 use serde::{Deserialize, Serialize};
 
@@ -12,6 +15,8 @@ use serde::{Deserialize, Serialize};
 pub struct FittedHead {
     /// Its code name.
     pub name: String,
+    /// What η means.
+    pub family: Family,
     /// a: weights of the constant and of what is read, shape `(1 + reads,)`.
     pub common: Vec<f64>,
     /// B: how far the style moves η, shape `(d,)`.
@@ -46,7 +51,7 @@ pub(crate) fn check(heads: &[FittedHead], d: usize) -> Result<(), ModelError> {
         return bad(format!("{} heads, expected {}", heads.len(), HEADS.len()));
     }
     for (head, known) in heads.iter().zip(&HEADS) {
-        if head.name != known.name {
+        if head.name != known.name || head.family != known.family {
             return bad(format!("head `{}`, expected `{}`", head.name, known.name));
         }
         let sizes = (head.common.len(), head.slopes.len());
@@ -65,20 +70,21 @@ pub(crate) fn check(heads: &[FittedHead], d: usize) -> Result<(), ModelError> {
 /// What a head says of one driver: `η = common·z` with the style folded in.
 #[derive(Debug, Clone)]
 pub(crate) struct OwnHead {
-    head: &'static Head,
+    family: Family,
     common: Vec<f64>,
     within_sd: f64,
 }
 
 impl OwnHead {
-    pub(crate) fn new(head: &'static Head, fitted: &FittedHead, w: &[f64]) -> Option<Self> {
+    /// `None` where nothing was learned.
+    pub(crate) fn new(fitted: &FittedHead, w: &[f64]) -> Option<Self> {
         if !fitted.learned() {
             return None;
         }
         let mut common = fitted.common.clone();
         common[0] = fitted.eta(w, std::iter::once(1.0));
         Some(Self {
-            head,
+            family: fitted.family,
             common,
             within_sd: fitted.within_sd,
         })
@@ -88,7 +94,7 @@ impl OwnHead {
     pub(crate) fn expected(&self, reads: &[f64]) -> f64 {
         let z = std::iter::once(&1.0).chain(reads);
         let eta = self.common.iter().zip(z).map(|(a, z)| a * z).sum();
-        self.head.family.mean(eta, self.within_sd)
+        self.family.mean(eta, self.within_sd)
     }
 
     /// The mean for the situation of an event.

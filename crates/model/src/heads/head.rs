@@ -28,6 +28,33 @@ pub struct Head {
     pub(super) events: fn(&Drive) -> Vec<Event>,
 }
 
+/// What fitting has to know of a head.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shape {
+    pub(crate) name: &'static str,
+    pub(crate) family: Family,
+    pub(crate) left_open: f64,
+    /// Numbers that it reads beside the constant.
+    pub(crate) reads: usize,
+    /// Ridge on its slopes, in events.
+    pub(crate) ridge: f64,
+}
+
+impl Head {
+    pub(super) fn shape(&self) -> Shape {
+        Shape {
+            name: self.name,
+            family: self.family,
+            left_open: self.left_open,
+            reads: self.reads.len(),
+            ridge: RIDGE,
+        }
+    }
+}
+
+/// Ridge of the habits: it decides only where the events do not.
+const RIDGE: f64 = 1e-3;
+
 /// [`Head::left_open`] of the habits that a style is there to carry: its numbers are drawn along them first.
 ///
 /// With three numbers for six habits the likelihood alone hardly determines which of them the numbers say exactly; it may as well

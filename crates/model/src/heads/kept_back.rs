@@ -49,7 +49,7 @@ pub(super) fn kept_back(
             let both = || drives.iter().zip(owners);
             let seen = both().filter(|(_, o)| fold(o) != left_out);
             let seen: Vec<DriveEvents> = seen.map(|(e, _)| e.clone()).collect();
-            let heads = fit(&seen, d).heads;
+            let heads = fit(&HEADS.map(|h| h.shape()), &seen, d).heads;
             for (events, _) in both().filter(|(_, o)| fold(o) == left_out) {
                 judge(&heads, events, d, &mut sums);
             }
@@ -78,14 +78,14 @@ fn judge(heads: &[FittedHead], events: &DriveEvents, d: usize, sums: &mut [Sums]
         .iter()
         .map(|e| e.iter().filter(|e| is_known(e)).cloned().collect())
         .collect();
-    let style = solve(heads, &known, None, d, None).mean;
-    for (k, (fitted, head)) in heads.iter().zip(&HEADS).enumerate() {
-        let own = OwnHead::new(head, fitted, &style[..d]);
-        let mean = OwnHead::new(head, fitted, &vec![0.0; d]);
+    let style = solve(heads, &known, None, d, None);
+    for (k, fitted) in heads.iter().enumerate() {
+        let own = OwnHead::new(fitted, style.w(d));
+        let mean = OwnHead::new(fitted, &vec![0.0; d]);
         let (Some(own), Some(mean)) = (own, mean) else {
             continue;
         };
-        let shown = own_mean(head.family, &known[k]);
+        let shown = own_mean(fitted.family, &known[k]);
         for event in events[k].iter().filter(|e| !is_known(e)) {
             let Outcome::Value(value) = event.outcome else {
                 continue;

@@ -1,17 +1,16 @@
 //! What a drive's events say of its driver: the posterior of the style, and of each habit's own deviation.
 //!
 //! The unknowns are `w`, with the prior N(0, I), and for each head the drive's own deviation `u`, with the prior N(0, τ²): a habit
-//! shown often says little more than one shown a few times, since the drive as a whole may deviate. Solved together by a damped
-//! Newton step; with nothing but normal, uncensored events one step is the answer.
+//! shown often says little more than one shown a few times, since the drive as a whole may deviate. Solved together by Newton's method,
+//! damped by halving: −ln posterior is convex, and with nothing but normal, uncensored events one step is the answer.
 
 use super::{
     family::{Family, Outcome},
     fitted::FittedHead,
-    head::{Event, HEADS},
+    head::Event,
     style::StyleHead,
 };
-use crate::damped_newton::{Evaluated, Minimum, minimise};
-use nalgebra::DMatrix;
+use nalgebra::{Cholesky, DMatrix, DVector};
 
 /// A style as far as it is known.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,17 +25,23 @@ pub struct Posterior {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Latent {
     /// Shape `(d + heads,)`.
-    pub(crate) mean: Vec<f64>,
+    pub(crate) mean: DVector<f64>,
     /// Shape `(d + heads, d + heads)`.
     pub(crate) covariance: DMatrix<f64>,
-    pub(crate) iterations: usize,
+    /// Newton steps that it took.
+    pub(crate) steps: usize,
 }
 
 impl Latent {
+    /// The mean of the style.
+    pub(crate) fn w(&self, d: usize) -> &[f64] {
+        &self.mean.as_slice()[..d]
+    }
+
     pub(crate) fn style(&self, d: usize) -> Posterior {
         let block = self.covariance.view((0, 0), (d, d));
         Posterior {
-            mean: self.mean[..d].to_vec(),
+            mean: self.w(d).to_vec(),
             // Symmetric, so by columns is by rows.
             covariance: block.iter().copied().collect(),
         }
@@ -46,7 +51,7 @@ impl Latent {
     pub(crate) fn eta(&self, head: &FittedHead, k: usize, event: &Event) -> (f64, f64) {
         let d = head.slopes.len();
         let own = d + k;
-        let mean = head.eta(&self.mean[..d], event.z()) + self.mean[own];
+        let mean = head.eta(self.w(d), event.z()) + self.mean[own];
         let mut variance = self.covariance[(own, own)];
         for (i, a) in head.slopes.iter().enumerate() {
             variance += 2.0 * a * self.covariance[(i, own)];
@@ -62,6 +67,17 @@ impl Latent {
 const STEPS: usize = 100;
 /// Promised gain, as a share of the value, at which they end.
 const TOLERANCE: f64 = 1e-10;
+/// Share of the promised gain that a step must bring, and the shortest one tried.
+const SUFFICIENT: f64 = 1e-4;
+const SHORTEST: f64 = 1e-6;
+
+/// −ln posterior at a point.
+#[derive(Debug, Clone)]
+pub(crate) struct Evaluated {
+    pub(crate) value: f64,
+    pub(crate) gradient: DVector<f64>,
+    pub(crate) curvature: DMatrix<f64>,
+}
 
 /// −ln posterior of the unknowns `at`, up to a constant, with its slope and curvature.
 pub(crate) fn evaluate(
@@ -69,19 +85,20 @@ pub(crate) fn evaluate(
     events: &[Vec<Event>],
     score: Option<(f64, &StyleHead)>,
     d: usize,
-    at: &[f64],
+    at: &DVector<f64>,
 ) -> Evaluated {
     let n = at.len();
+    let w = &at.as_slice()[..d];
     let mut there = Evaluated {
         value: 0.0,
-        gradient: vec![0.0; n],
-        curvature: vec![0.0; n * n],
+        gradient: DVector::zeros(n),
+        curvature: DMatrix::zeros(n, n),
     };
     let mut prior = |i: usize, sd: f64| {
         let precision = 1.0 / (sd * sd);
         there.value += 0.5 * precision * at[i] * at[i];
         there.gradient[i] += precision * at[i];
-        there.curvature[i * n + i] += precision;
+        there.curvature[(i, i)] += precision;
     };
     (0..d).for_each(|i| prior(i, 1.0));
     for (k, head) in heads.iter().enumerate() {
@@ -99,18 +116,18 @@ pub(crate) fn evaluate(
         for (i, a) in reads() {
             there.gradient[i] += slope * a;
             for (j, b) in reads() {
-                there.curvature[i * n + j] += curvature * a * b;
+                there.curvature[(i, j)] += curvature * a * b;
             }
         }
     };
-    for (k, ((head, events), known)) in heads.iter().zip(events).zip(&HEADS).enumerate() {
+    for (k, (head, events)) in heads.iter().zip(events).enumerate() {
         if !head.learned() {
             continue;
         }
         let (mut value, mut slope, mut curvature) = (0.0, 0.0, 0.0);
         for event in events {
-            let eta = head.eta(&at[..d], event.z()) + at[d + k];
-            let loss = known.family.loss(event.outcome, eta, head.within_sd);
+            let eta = head.eta(w, event.z()) + at[d + k];
+            let loss = head.family.loss(event.outcome, eta, head.within_sd);
             value += loss.value;
             slope += loss.slope;
             curvature += loss.curvature;
@@ -119,7 +136,7 @@ pub(crate) fn evaluate(
         add(value, slope, curvature, &head.slopes, Some(d + k));
     }
     if let Some((points, style)) = score {
-        let eta = style.points(&at[..d]);
+        let eta = style.points(w);
         let loss = Family::Gaussian.loss(Outcome::Value(points), eta, style.reading_sd);
         add(
             loss.value,
@@ -141,28 +158,41 @@ pub(crate) fn solve(
     events: &[Vec<Event>],
     score: Option<(f64, &StyleHead)>,
     d: usize,
-    start: Option<&[f64]>,
+    start: Option<&DVector<f64>>,
 ) -> Latent {
     let n = d + heads.len();
-    let from = start.map_or_else(|| vec![0.0; n], <[f64]>::to_vec);
-    let Minimum {
-        at,
-        there,
-        iterations,
-    } = minimise(
-        |x| evaluate(heads, events, score, d, x),
-        from,
-        TOLERANCE,
-        STEPS,
-    );
-    let curvature = DMatrix::from_row_slice(n, n, &there.curvature);
-    // The prior alone makes it positive definite.
-    let covariance = curvature
-        .cholesky()
-        .map_or_else(|| DMatrix::identity(n, n), |c| c.inverse());
+    let evaluate = |x: &DVector<f64>| evaluate(heads, events, score, d, x);
+    let mut mean = start.map_or_else(|| DVector::zeros(n), DVector::clone);
+    let mut here = evaluate(&mean);
+    let mut steps = 0;
+    // The prior alone makes the curvature positive definite.
+    while let Some(curvature) = Cholesky::new(here.curvature.clone()) {
+        let step = -curvature.solve(&here.gradient);
+        let promised = -step.dot(&here.gradient);
+        let mut share = 1.0;
+        let enough = promised > TOLERANCE * (1.0 + here.value.abs()) && steps < STEPS;
+        while enough && share > SHORTEST {
+            let candidate = &mean + share * &step;
+            let there = evaluate(&candidate);
+            if there.value <= here.value - SUFFICIENT * share * promised {
+                (mean, here) = (candidate, there);
+                break;
+            }
+            share *= 0.5;
+        }
+        if !enough || share <= SHORTEST {
+            return Latent {
+                mean,
+                covariance: curvature.inverse(),
+                steps,
+            };
+        }
+        steps += 1;
+    }
+    // Numbers that are none: nothing is known.
     Latent {
-        mean: at,
-        covariance,
-        iterations,
+        mean: DVector::zeros(n),
+        covariance: DMatrix::identity(n, n),
+        steps,
     }
 }

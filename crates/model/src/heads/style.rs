@@ -1,7 +1,10 @@
 //! S: the score that a style is read as, solved in closed form after training.
 
 use super::posterior::Posterior;
-use crate::{error::ModelError, linear_algebra::dot};
+use crate::{
+    error::ModelError,
+    linear_algebra::{dot, moments, spread},
+};
 use maveric_domain::{ParticipantId, stream_seed};
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
@@ -61,8 +64,8 @@ impl StyleHead {
         let whose = |p: &ParticipantId| people.iter().position(|q| *q == p).unwrap_or(0);
         let owner: Vec<usize> = scored.iter().map(|s| whose(&s.participant)).collect();
         let all = least_squares(scored, &vec![1.0; scored.len()], d)?;
-        let gradient = all[..d].to_vec();
-        let points = |line: &[f64], w: &[f64]| dot(&line[..d], w) + line[d];
+        let gradient = all.as_slice()[..d].to_vec();
+        let points = |line: &DVector<f64>, w: &[f64]| dot(&line.as_slice()[..d], w) + line[d];
 
         let mut left_out = Vec::new();
         for person in 0..people.len() {
@@ -130,15 +133,8 @@ impl StyleHead {
     }
 }
 
-/// aᵀ C a.
-pub(crate) fn spread(a: &[f64], covariance: &[f64]) -> f64 {
-    let d = a.len();
-    let entry = |i: usize| dot(&covariance[i * d..(i + 1) * d], a) * a[i];
-    (0..d).map(entry).sum::<f64>().max(0.0)
-}
-
 /// Slopes, then the offset.
-fn least_squares(scored: &[ScoredStyle], weights: &[f64], d: usize) -> Option<Vec<f64>> {
+fn least_squares(scored: &[ScoredStyle], weights: &[f64], d: usize) -> Option<DVector<f64>> {
     let total: f64 = weights.iter().sum();
     if total <= 0.0 {
         return None;
@@ -153,8 +149,7 @@ fn least_squares(scored: &[ScoredStyle], weights: &[f64], d: usize) -> Option<Ve
     for i in 0..d {
         normal[(i, i)] += PRIOR_DRIVES;
     }
-    let solved = normal.cholesky()?.solve(&right);
-    Some(solved.iter().copied().collect())
+    Some(normal.cholesky()?.solve(&right))
 }
 
 fn bootstrap(
@@ -174,21 +169,7 @@ fn bootstrap(
         let weights: Vec<f64> = owner.iter().map(|o| drawn[*o]).collect();
         lines.extend(least_squares(scored, &weights, d));
     }
-    let n = lines.len().max(1) as f64;
-    let size = d + 1;
-    let mean: Vec<f64> = (0..size)
-        .map(|i| lines.iter().map(|l| l[i]).sum::<f64>() / n)
-        .collect();
-    let entry = |i: usize, j: usize| {
-        lines
-            .iter()
-            .map(|l| (l[i] - mean[i]) * (l[j] - mean[j]))
-            .sum::<f64>()
-            / n
-    };
-    (0..size * size)
-        .map(|k| entry(k / size, k % size))
-        .collect()
+    moments(&lines, d + 1).1.iter().copied().collect()
 }
 
 fn pearson(pairs: &[(f64, f64)]) -> Option<f64> {

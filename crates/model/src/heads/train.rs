@@ -93,7 +93,7 @@ pub(crate) fn train_heads(
             participant: participant.clone(),
         });
     }
-    let fitted = fit(&events, d);
+    let fitted = fit(&HEADS.map(|h| h.shape()), &events, d);
     let scored: Vec<ScoredStyle> = used
         .iter()
         .zip(&fitted.latents)
@@ -117,7 +117,7 @@ pub(crate) fn train_heads(
         let speeds = &t.drive.rows().ego_speed_mps;
         training.push(TrainingEmbedding {
             drive: t.drive.meta().drive.clone(),
-            embedding: Embedding::new(latent.mean[..d].to_vec())?,
+            embedding: Embedding::new(latent.w(d).to_vec())?,
             mean_speed_mps: speeds.iter().sum::<f64>() / speeds.len() as f64,
         });
     }

@@ -1,13 +1,12 @@
 //! How much driving it takes: fits to the first minutes of a drive, judged on its last part.
 
 use super::Personalizer;
-use crate::{error::ModelError, model::Model};
+use crate::{error::ModelError, linear_algebra::moments, model::Model, params::check};
 use maveric_domain::{Drive, DriveId, Embedding};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-/// What can be set about a learning curve; [`CurveParams`] is the checked form.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+/// What can be set about a learning curve.
+#[derive(Debug, Clone, PartialEq)]
 pub struct CurveSettings {
     /// Minutes of driving to fit to, rising.
     pub minutes: Vec<f64>,
@@ -24,52 +23,25 @@ impl Default for CurveSettings {
     }
 }
 
-/// Checked [`CurveSettings`].
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(try_from = "CurveSettings", into = "CurveSettings")]
-pub struct CurveParams(CurveSettings);
-
-impl CurveParams {
-    /// Checks the settings.
-    ///
-    /// # Errors
-    /// [`ModelError::BadSetting`] for minutes that are not above 0 and rising, or a share outside 0 to 1.
-    pub fn new(settings: CurveSettings) -> Result<Self, ModelError> {
-        let bad = |name, found, expected| ModelError::BadSetting {
-            name,
-            found,
-            expected,
-        };
+impl CurveSettings {
+    fn check(&self) -> Result<(), ModelError> {
         let mut last = 0.0;
-        for &found in &settings.minutes {
-            if !(found.is_finite() && found > last) {
-                return Err(bad("minutes", found, "finite numbers above 0, rising"));
-            }
+        for &found in &self.minutes {
+            check(
+                "minutes",
+                found,
+                found > last,
+                "finite numbers above 0, rising",
+            )?;
             last = found;
         }
-        let found = settings.held_out;
-        if !(found > 0.0 && found < 1.0) {
-            return Err(bad("held_out", found, "above 0, below 1"));
-        }
-        Ok(Self(settings))
-    }
-
-    /// The settings.
-    pub fn settings(&self) -> &CurveSettings {
-        &self.0
-    }
-}
-
-impl TryFrom<CurveSettings> for CurveParams {
-    type Error = ModelError;
-    fn try_from(settings: CurveSettings) -> Result<Self, ModelError> {
-        Self::new(settings)
-    }
-}
-
-impl From<CurveParams> for CurveSettings {
-    fn from(params: CurveParams) -> Self {
-        params.0
+        let found = self.held_out;
+        check(
+            "held_out",
+            found,
+            found > 0.0 && found < 1.0,
+            "above 0, below 1",
+        )
     }
 }
 
@@ -110,16 +82,16 @@ pub struct LearningCurve {
 /// recording adds nothing.
 ///
 /// # Errors
-/// [`ModelError::DriveTooShort`] if there is nothing to fit to or to judge by, [`ModelError::NoHabits`].
+/// [`ModelError::BadSetting`], [`ModelError::DriveTooShort`] if there is nothing to fit to or to judge by.
 ///
 /// # Source
 /// Method section 3; the paper takes ten minutes and shows no curve (ours).
 pub fn learning_curve(
     personalizer: &Personalizer<'_>,
     drive: &Drive,
-    params: &CurveParams,
+    settings: &CurveSettings,
 ) -> Result<LearningCurve, ModelError> {
-    let settings = params.settings();
+    settings.check()?;
     let model = personalizer.model();
     let per_minute = 60.0 * drive.rate_hz();
     let all = drive.len();
@@ -151,14 +123,9 @@ pub fn learning_curve(
     let first = |rows: usize| -> Result<CurvePoint, ModelError> {
         let known = drive.slice(0, rows).map_err(short)?;
         let minutes = rows as f64 / per_minute;
-        match personalizer.fit(&known, None) {
-            Ok(fit) => Ok(point(minutes, fit.embedding.clone(), fit.standard_error())),
-            // A minute may show nothing yet.
-            Err(ModelError::NoHabits { .. }) => {
-                Ok(point(minutes, model.mean_embedding().clone(), None))
-            }
-            Err(other) => Err(other),
-        }
+        let fit = personalizer.fit(&known, None)?;
+        let standard_error = fit.standard_error();
+        Ok(point(minutes, fit.embedding, standard_error))
     };
     let mut points = vec![point(0.0, model.mean_embedding().clone(), None)];
     let mut beyond = Vec::new();
@@ -187,24 +154,17 @@ pub fn learning_curve(
 
 /// SD of the training embeddings along each coordinate; 1 where they do not differ.
 fn training_sd(model: &Model) -> Vec<f64> {
-    let mean = model.mean_embedding().coordinates();
-    let n = model.training().len() as f64;
-    let of = |(i, mean): (usize, &f64)| {
-        let at = model
-            .training()
-            .iter()
-            .map(|t| t.embedding.coordinates()[i] - mean);
-        let sd = (at.map(|x| x * x).sum::<f64>() / n).sqrt();
-        if sd > 1e-9 { sd } else { 1.0 }
-    };
-    mean.iter().enumerate().map(of).collect()
+    let (_, covariance) = moments(&model.points(), model.embedding_size());
+    let sds = covariance.diagonal().map(f64::sqrt);
+    sds.iter()
+        .map(|&sd| if sd > 1e-9 { sd } else { 1.0 })
+        .collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{
-        params::PersonalizeParams,
         personalize::tests::linear_model,
         test_drives::{Habits, drive_apart},
     };
@@ -219,8 +179,8 @@ mod tests {
     fn more_driving_comes_nearer_than_none() {
         let model = linear_model();
         let new = drive_apart("new", &HABITS, 400.0);
-        let personalizer = Personalizer::new(&model, PersonalizeParams::default());
-        let curve = learning_curve(&personalizer, &new, &CurveParams::default()).unwrap();
+        let personalizer = Personalizer::new(&model);
+        let curve = learning_curve(&personalizer, &new, &CurveSettings::default()).unwrap();
         let minutes: Vec<f64> = curve.points.iter().map(|p| p.minutes).collect();
         assert_eq!(minutes[..4], [0.0, 1.0, 2.0, 5.0]);
         assert_eq!(curve.beyond, [10.0]);
@@ -239,24 +199,24 @@ mod tests {
 
     #[test]
     fn minutes_have_to_rise_and_something_has_to_be_held_out() {
-        let falling = CurveSettings {
-            minutes: vec![2.0, 1.0],
-            ..CurveSettings::default()
-        };
-        assert!(CurveParams::new(falling).is_err());
-        let nothing = CurveSettings {
-            held_out: 0.0,
-            ..CurveSettings::default()
-        };
-        assert!(CurveParams::new(nothing).is_err());
         let model = linear_model();
-        let personalizer = Personalizer::new(&model, PersonalizeParams::default());
-        let short = CurveSettings {
-            held_out: 1e-6,
-            ..CurveSettings::default()
+        let personalizer = Personalizer::new(&model);
+        let drive = drive_apart("new", &HABITS, 60.0);
+        let refused = |minutes: Vec<f64>, held_out: f64| {
+            let settings = CurveSettings { minutes, held_out };
+            learning_curve(&personalizer, &drive, &settings).unwrap_err()
         };
-        let params = CurveParams::new(short).unwrap();
-        let found = learning_curve(&personalizer, &drive_apart("new", &HABITS, 60.0), &params);
-        assert!(matches!(found, Err(ModelError::DriveTooShort { .. })));
+        assert!(matches!(
+            refused(vec![2.0, 1.0], 0.2),
+            ModelError::BadSetting { .. }
+        ));
+        assert!(matches!(
+            refused(vec![1.0], 0.0),
+            ModelError::BadSetting { .. }
+        ));
+        assert!(matches!(
+            refused(vec![1.0], 1e-6),
+            ModelError::DriveTooShort { .. }
+        ));
     }
 }

@@ -1,23 +1,24 @@
 //! Personalising: the heads stay, a driver's style is solved for.
 //!
-//! One damped solve from the mean style, no random starts. Linear heads give the posterior of the style given a drive's events;
-//! the paper's networks the minimum of their losses over its rows, with a covariance from how blocks of time disagree.
+//! One solve from the mean style, no random starts. Linear heads give the posterior of the style given a drive's events; the
+//! paper's networks the minimum of their losses over its rows, with a covariance from how blocks of time disagree.
 
 mod learning_curve;
 mod network_rows;
 
-pub use learning_curve::{CurveParams, CurvePoint, CurveSettings, LearningCurve, learning_curve};
+pub use learning_curve::{CurvePoint, CurveSettings, LearningCurve, learning_curve};
 pub(crate) use network_rows::NetworkRows;
 
 use crate::{
     error::ModelError,
-    heads::{Event, HEADS, Posterior, events_of, length_s, solve},
-    model::{Heads, LinearHeads, Model},
-    params::PersonalizeParams,
+    heads::{Event, events_of, length_s, solve},
+    losses::LossTerms,
+    model::{Heads, Model},
+    params::share,
     rows::{Row, rows_of},
-    style_space::AggressionAxis,
+    style_space::LinearHead,
 };
-use maveric_domain::{AdbScore, Drive, DriveId, Embedding};
+use maveric_domain::{AdbScore, Drive, Embedding};
 
 /// A driver in style space.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -30,8 +31,6 @@ pub struct Personalized {
     pub aggression_hat: Option<f64>,
     /// Events, or rows for the paper's networks, that it was solved from.
     pub readings: usize,
-    /// Newton steps.
-    pub iterations: usize,
     /// Whether an ADB score was read too. With it, position on the aggression line and ADB agree in part by construction.
     pub used_adb: bool,
 }
@@ -51,7 +50,7 @@ impl Personalized {
     /// SD of the style's projection on `direction`, of any length but 0.
     pub fn sd_along(&self, direction: &[f64]) -> Option<f64> {
         let length = crate::linear_algebra::norm(direction);
-        let spread = crate::heads::spread(direction, self.covariance.as_ref()?);
+        let spread = crate::linear_algebra::spread(direction, self.covariance.as_ref()?);
         Some(spread.sqrt() / length)
     }
 }
@@ -71,10 +70,10 @@ pub(crate) enum Shown {
 #[derive(Debug)]
 pub struct Personalizer<'a> {
     model: &'a Model,
-    params: PersonalizeParams,
+    share: f64,
 }
 
-/// Solves for the style of one drive; see [`Personalizer::fit`].
+/// Solves for the style of one whole drive; see [`Personalizer::fit`].
 ///
 /// # Errors
 /// As [`Personalizer::fit`].
@@ -82,15 +81,26 @@ pub fn personalize(
     model: &Model,
     drive: &Drive,
     adb: Option<AdbScore>,
-    params: &PersonalizeParams,
 ) -> Result<Personalized, ModelError> {
-    Personalizer::new(model, params.clone()).fit(drive, adb)
+    Personalizer::new(model).fit(drive, adb)
 }
 
 impl<'a> Personalizer<'a> {
-    /// Takes a model.
-    pub fn new(model: &'a Model, params: PersonalizeParams) -> Self {
-        Self { model, params }
+    /// Takes a model, to read whole drives.
+    pub fn new(model: &'a Model) -> Self {
+        Self { model, share: 1.0 }
+    }
+
+    /// Takes a model, to read this first share of every drive.
+    ///
+    /// # Errors
+    /// [`ModelError::BadSetting`] for a share that is not above 0, up to 1.
+    pub fn of_first(model: &'a Model, share_of_drive: f64) -> Result<Self, ModelError> {
+        share("fit_fraction", share_of_drive)?;
+        Ok(Self {
+            model,
+            share: share_of_drive,
+        })
     }
 
     /// The model it solves with.
@@ -100,17 +110,44 @@ impl<'a> Personalizer<'a> {
 
     /// Solves for the style of `drive`.
     ///
-    /// The score is read where `adb` is given, the model knows a score, and [`crate::PersonalizeSettings::use_adb`] is set.
+    /// The score is read too where `adb` is given and the model knows a score.
     ///
     /// # Errors
-    /// [`ModelError::NoHabits`] if the drive shows nothing that linear heads read; [`ModelError::DriveTooShort`] if it lasts
-    /// less than one window of the networks.
+    /// [`ModelError::DriveTooShort`] if the drive lasts less than one window of the networks. One that shows nothing that linear
+    /// heads read says nothing: what is known is then what is known of everybody, from 0 readings.
     ///
     /// # Source
     /// Paper, "Personalizing": the weights frozen, `w` fitted. Posterior and damped solve are ours.
     pub fn fit(&self, drive: &Drive, adb: Option<AdbScore>) -> Result<Personalized, ModelError> {
-        let shown = self.shown(drive, self.params.settings().fit_fraction)?;
-        self.fit_shown(&drive.meta().drive, &shown, adb)
+        let shown = self.shown(drive, self.share)?;
+        let axis = LinearHead::aggression(self.model).ok();
+        let adb = adb.filter(|_| axis.is_some());
+        let points = adb.map(AdbScore::points);
+        let d = self.model.embedding_size();
+        let (posterior, readings) = match &shown {
+            Shown::Events(events) => {
+                let linear = self.model.linear()?;
+                let score = points.zip(linear.style.as_ref());
+                let latent = solve(&linear.heads, events, score, d, None);
+                (latent.style(d), events.iter().map(Vec::len).sum())
+            }
+            Shown::Rows(rows) => {
+                let mut rows = NetworkRows::new(self.model.paper()?, rows, points);
+                (
+                    rows.solve(self.model.mean_embedding().coordinates()),
+                    rows.len(),
+                )
+            }
+        };
+        let embedding = Embedding::new(posterior.mean)?;
+        let aggression_hat = axis.map(|a| a.read(&embedding)).transpose()?;
+        Ok(Personalized {
+            aggression_hat,
+            covariance: (!posterior.covariance.is_empty()).then_some(posterior.covariance),
+            readings,
+            used_adb: adb.is_some(),
+            embedding,
+        })
     }
 
     /// What the first share of a drive shows.
@@ -121,56 +158,18 @@ impl<'a> Personalizer<'a> {
         })
     }
 
-    pub(crate) fn fit_shown(
-        &self,
-        drive: &DriveId,
-        shown: &Shown,
-        adb: Option<AdbScore>,
-    ) -> Result<Personalized, ModelError> {
-        let axis = AggressionAxis::of(self.model).ok();
-        let adb = adb.filter(|_| self.params.settings().use_adb && axis.is_some());
-        let points = adb.map(AdbScore::points);
-        let (posterior, readings, iterations) = match (self.model.heads(), shown) {
-            (Heads::Linear(linear), Shown::Events(events)) => {
-                self.by_events(linear, drive, events, points)?
-            }
-            (Heads::Paper(paper), Shown::Rows(rows)) => {
-                let rows = NetworkRows::new(paper, rows, points);
-                let from = self.model.mean_embedding().coordinates();
-                let found = rows.solve(from);
-                (found.0, rows.len(), found.1)
-            }
-            // What another model read says nothing to this one.
-            _ => {
-                return Err(ModelError::NoHabits {
-                    drive: drive.clone(),
-                });
-            }
-        };
-        let embedding = Embedding::new(posterior.mean)?;
-        let aggression_hat = axis.map(|a| a.aggression_hat(&embedding)).transpose()?;
-        Ok(Personalized {
-            aggression_hat,
-            covariance: (!posterior.covariance.is_empty()).then_some(posterior.covariance),
-            readings,
-            iterations,
-            used_adb: adb.is_some(),
-            embedding,
-        })
-    }
-
     /// Mean loss of what is shown at a style; `None` where nothing is.
     pub(crate) fn loss(&self, shown: &Shown, w: &[f64]) -> Option<f64> {
         match (self.model.heads(), shown) {
             (Heads::Linear(linear), Shown::Events(events)) => {
-                let of_each = linear.heads.iter().zip(&HEADS).zip(events);
+                let of_each = linear.heads.iter().zip(events);
                 let losses: Vec<f64> = of_each
-                    .filter(|((fitted, _), _)| fitted.learned())
-                    .flat_map(|((fitted, head), events)| {
+                    .filter(|(fitted, _)| fitted.learned())
+                    .flat_map(|(fitted, events)| {
                         let sd = fitted.within_sd.hypot(fitted.between_sd);
                         events.iter().map(move |e| {
                             let eta = fitted.eta(w, e.z());
-                            head.family.loss(e.outcome, eta, sd).value
+                            fitted.family.loss(e.outcome, eta, sd).value
                         })
                     })
                     .collect();
@@ -178,37 +177,15 @@ impl<'a> Personalizer<'a> {
                 (n > 0.0).then(|| losses.iter().sum::<f64>() / n)
             }
             (Heads::Paper(paper), Shown::Rows(rows)) => {
-                let weights = paper.active_weights();
-                let by = [
-                    weights.following_distance,
-                    weights.lane_change,
-                    weights.velocity,
-                ];
-                let losses = NetworkRows::new(paper, rows, None).losses(w);
-                let known = losses.iter().zip(by).filter_map(|(l, by)| Some((*l)? * by));
-                losses.iter().any(Option::is_some).then(|| known.sum())
+                let (sums, _) = NetworkRows::new(paper, rows, None).say(w);
+                let predictions = LossTerms {
+                    mutual_information: None,
+                    ..sums.terms(None, w.len())
+                };
+                Some(predictions.total(&paper.loss_weights))
             }
             _ => None,
         }
-    }
-
-    fn by_events(
-        &self,
-        linear: &LinearHeads,
-        drive: &DriveId,
-        events: &[Vec<Event>],
-        points: Option<f64>,
-    ) -> Result<(Posterior, usize, usize), ModelError> {
-        let readings = events.iter().map(Vec::len).sum();
-        if readings == 0 {
-            return Err(ModelError::NoHabits {
-                drive: drive.clone(),
-            });
-        }
-        let d = self.model.embedding_size();
-        let score = points.zip(linear.style.as_ref());
-        let latent = solve(&linear.heads, events, score, d, None);
-        Ok((latent.style(d), readings, latent.iterations))
     }
 }
 

@@ -1,7 +1,7 @@
 use super::*;
 use crate::{
     model::HeadsKind,
-    params::{TrainParams, TrainSettings},
+    params::TrainSettings,
     test_drives::{Habits, drive_apart, drivers_apart},
     train::{TrainingDrive, train},
 };
@@ -21,9 +21,8 @@ pub(crate) fn linear_model() -> Model {
         heads: HeadsKind::Linear,
         ..TrainSettings::default()
     };
-    let params = TrainParams::new(settings).unwrap();
     let go_on = &mut |_: &_| ControlFlow::Continue(());
-    train(&given, &params, 1, go_on).unwrap().model
+    train(&given, &settings, 1, go_on).unwrap().model
 }
 
 const FAST: Habits = Habits {
@@ -35,7 +34,7 @@ const FAST: Habits = Habits {
 #[test]
 fn who_drives_faster_with_shorter_gaps_is_read_as_more_aggressive() {
     let model = linear_model();
-    let personalizer = Personalizer::new(&model, PersonalizeParams::default());
+    let personalizer = Personalizer::new(&model);
     let of = |habits: &Habits| {
         personalizer
             .fit(&drive_apart("new", habits, 300.0), None)
@@ -60,7 +59,7 @@ fn who_drives_faster_with_shorter_gaps_is_read_as_more_aggressive() {
 #[test]
 fn a_score_draws_the_style_its_way_and_makes_it_surer() {
     let model = linear_model();
-    let personalizer = Personalizer::new(&model, PersonalizeParams::default());
+    let personalizer = Personalizer::new(&model);
     let new = drive_apart("new", &FAST, 120.0);
     let plain = personalizer.fit(&new, None).unwrap();
     let scored = personalizer
@@ -68,18 +67,28 @@ fn a_score_draws_the_style_its_way_and_makes_it_surer() {
         .unwrap();
     assert!(scored.used_adb);
     assert!(scored.aggression_hat.unwrap() < plain.aggression_hat.unwrap());
-    let axis = AggressionAxis::of(&model).unwrap();
+    let axis = LinearHead::aggression(&model).unwrap();
     let along = |p: &Personalized| p.sd_along(axis.gradient()).unwrap();
     assert!(along(&scored) < along(&plain));
 }
 
 #[test]
-fn a_drive_that_shows_nothing_is_refused() {
+fn a_drive_that_shows_nothing_leaves_what_is_known_of_everybody_and_a_score_is_read_all_the_same() {
     let model = linear_model();
-    let personalizer = Personalizer::new(&model, PersonalizeParams::default());
-    let found = personalizer.fit(&drive_apart("new", &FAST, 6.0), None);
+    let personalizer = Personalizer::new(&model);
+    let blank = drive_apart("new", &FAST, 6.0);
+    let found = personalizer.fit(&blank, None).unwrap();
+    assert_eq!(found.readings, 0);
     assert!(
-        matches!(found, Err(ModelError::NoHabits { .. })),
-        "{found:?}"
+        found
+            .embedding
+            .coordinates()
+            .iter()
+            .all(|w| w.abs() < 1e-12)
     );
+    let sds = found.standard_error().unwrap();
+    assert!(sds.iter().all(|sd| (sd - 1.0).abs() < 1e-12), "{sds:?}");
+    let score = AdbScore::new(45.0).unwrap();
+    let scored = personalizer.fit(&blank, Some(score)).unwrap();
+    assert!(scored.aggression_hat.unwrap() > found.aggression_hat.unwrap());
 }

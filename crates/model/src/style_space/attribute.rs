@@ -1,79 +1,13 @@
 //! Attribute heads: any score a driver has, as a direction in style space.
 
-use super::AggressionAxis;
-use crate::{
-    error::ModelError,
-    linear_algebra::{dot, mean_and_covariance, norm, of_symmetric, symmetric_eigen, times},
-    model::Model,
-};
-use maveric_domain::{AdbScore, DriveId, Embedding};
+use super::LinearHead;
+use crate::{error::ModelError, linear_algebra::moments, model::Model};
+use maveric_domain::DriveId;
+use nalgebra::DVector;
 use std::collections::BTreeMap;
 
 /// Share of the largest variance below which the embeddings count as not differing in a direction.
 const LEAST_VARIANCE: f64 = 1e-8;
-
-/// A score as a linear function of the embedding: `g·w + c`, with the range in which it was seen.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct LinearHead {
-    name: String,
-    gradient: Vec<f64>,
-    offset: f64,
-    range: [f64; 2],
-}
-
-impl LinearHead {
-    /// S itself under the name `aggression`, within the ends of the ADB scale.
-    pub fn aggression(axis: &AggressionAxis) -> Self {
-        Self {
-            name: "aggression".to_owned(),
-            gradient: axis.gradient().to_vec(),
-            offset: axis.points(&vec![0.0; axis.gradient().len()]),
-            range: [AdbScore::MIN, AdbScore::MAX],
-        }
-    }
-
-    /// What the score is called.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// g, in points of the score per unit of the embedding, shape `(d,)`.
-    pub fn gradient(&self) -> &[f64] {
-        &self.gradient
-    }
-
-    /// Lowest and highest score seen, or the ends of the scale: moves stop there.
-    pub fn range(&self) -> [f64; 2] {
-        self.range
-    }
-
-    /// The score read from an embedding, in its own points; not limited to the range.
-    ///
-    /// # Errors
-    /// [`ModelError::EmbeddingSize`] if the embedding is not of the head's size.
-    pub fn read(&self, embedding: &Embedding) -> Result<f64, ModelError> {
-        let (found, expected) = (embedding.size(), self.gradient.len());
-        if found == expected {
-            Ok(self.points(embedding.coordinates()))
-        } else {
-            Err(ModelError::EmbeddingSize { found, expected })
-        }
-    }
-
-    pub(super) fn points(&self, w: &[f64]) -> f64 {
-        self.offset + dot(&self.gradient, w)
-    }
-
-    #[cfg(test)]
-    pub(super) fn for_tests(name: &str, gradient: &[f64], offset: f64, range: [f64; 2]) -> Self {
-        Self {
-            name: name.to_owned(),
-            gradient: gradient.to_vec(),
-            offset,
-            range,
-        }
-    }
-}
 
 /// A linear head fitted to a score of the training drivers, and what it is worth.
 ///
@@ -83,7 +17,7 @@ impl LinearHead {
 /// # Source
 /// Paper, "Modulating Aggression": "other characteristics could be modulated by following a similar
 /// procedure". Leave-one-out residuals from the leverages: Allen 1974 (PRESS).
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct AttributeHead {
     /// The head.
     pub head: LinearHead,
@@ -117,9 +51,9 @@ impl AttributeHead {
         scores: &BTreeMap<DriveId, f64>,
     ) -> Result<Self, ModelError> {
         let training = model.training();
-        let points: Vec<(&[f64], f64)> = training
+        let points: Vec<(DVector<f64>, f64)> = training
             .iter()
-            .filter_map(|t| Some((t.embedding.coordinates(), *scores.get(&t.drive)?)))
+            .filter_map(|t| Some((t.point(), *scores.get(&t.drive)?)))
             .collect();
         let unknown = scores
             .keys()
@@ -135,7 +69,7 @@ impl AttributeHead {
         })
     }
 
-    fn of_points(name: &str, points: &[(&[f64], f64)], d: usize) -> Result<Self, ModelError> {
+    fn of_points(name: &str, points: &[(DVector<f64>, f64)], d: usize) -> Result<Self, ModelError> {
         let n = points.len();
         if n < d + 2 {
             return Err(ModelError::TooFewScores {
@@ -159,29 +93,25 @@ impl AttributeHead {
                 found: mean_score,
             });
         }
-        let at: Vec<&[f64]> = points.iter().map(|(x, _)| *x).collect();
-        let (mean, covariance) = mean_and_covariance(&at, d);
-        let (values, vectors) = symmetric_eigen(&covariance, d);
-        if values[d - 1] <= LEAST_VARIANCE * values[0].max(f64::MIN_POSITIVE) {
+        let at: Vec<DVector<f64>> = points.iter().map(|(x, _)| x.clone()).collect();
+        let (mean, covariance) = moments(&at, d);
+        let variances = covariance.symmetric_eigenvalues();
+        let flat = variances.min() <= LEAST_VARIANCE * variances.max().max(f64::MIN_POSITIVE);
+        let Some(inverse) = covariance.try_inverse().filter(|_| !flat) else {
             return Err(ModelError::FlatEmbeddings {
                 score: name.to_owned(),
                 drives: n,
             });
-        }
-        let inverse = of_symmetric(&values, &vectors, |v| 1.0 / v);
-        let centred = |x: &[f64]| -> Vec<f64> { x.iter().zip(&mean).map(|(x, m)| x - m).collect() };
-        let mut slope = vec![0.0; d];
-        for (x, y) in points {
-            for (to, x) in slope.iter_mut().zip(centred(x)) {
-                *to += x * (y - mean_score) / count;
-            }
-        }
-        let gradient = times(&inverse, &slope);
+        };
+        let slope = points.iter().fold(DVector::zeros(d), |sum, (x, y)| {
+            sum + (x - &mean) * (y - mean_score) / count
+        });
+        let gradient = &inverse * slope;
         let (mut left, mut left_out, mut total_left_out) = (0.0, Some(0.0), 0.0);
         for (x, y) in points {
-            let x = centred(x);
-            let residual = y - mean_score - dot(&gradient, &x);
-            let leverage = (1.0 + dot(&x, &times(&inverse, &x))) / count;
+            let x = x - &mean;
+            let residual = y - mean_score - gradient.dot(&x);
+            let leverage = (1.0 + x.dot(&(&inverse * &x))) / count;
             left += residual * residual;
             total_left_out += ((y - mean_score) * count / (count - 1.0)).powi(2);
             left_out = left_out
@@ -189,17 +119,16 @@ impl AttributeHead {
                 .map(|sum: f64| sum + (residual / (1.0 - leverage)).powi(2));
         }
         let variance = left / (count - d as f64 - 1.0);
-        let covariance: Vec<f64> = inverse.iter().map(|v| v * variance / count).collect();
+        let covariance = inverse * (variance / count);
         // What of g's scatter lies across it turns it; in the units of its length that is an angle.
-        let length = norm(&gradient);
-        let trace: f64 = (0..d).map(|i| covariance[i * d + i]).sum();
+        let length = gradient.norm();
         let along = if length > 0.0 {
-            dot(&gradient, &times(&covariance, &gradient)) / (length * length)
+            gradient.dot(&(&covariance * &gradient)) / (length * length)
         } else {
             0.0
         };
         let across = if d > 1 {
-            (trace - along).max(0.0).sqrt()
+            covariance.trace() - along
         } else {
             0.0
         };
@@ -207,21 +136,22 @@ impl AttributeHead {
         Ok(Self {
             head: LinearHead {
                 name: name.to_owned(),
-                offset: mean_score - dot(&gradient, &mean),
+                offset: mean_score - gradient.dot(&mean),
                 range: [
                     scores.clone().fold(f64::INFINITY, f64::min),
                     scores.fold(f64::NEG_INFINITY, f64::max),
                 ],
-                gradient,
+                gradient: gradient.iter().copied().collect(),
+                covariance: Some(covariance.iter().copied().collect()),
             },
             drives: n,
             without_score: Vec::new(),
             unknown: Vec::new(),
             r_squared: 1.0 - left / total,
             r_squared_leave_one_out: left_out.map(|sum| 1.0 - sum / total_left_out),
-            gradient_se: (0..d).map(|i| covariance[i * d + i].sqrt()).collect(),
+            gradient_se: covariance.diagonal().iter().map(|v| v.sqrt()).collect(),
             // Atan: for a g lost in its scatter the angle is a right one, not endless.
-            direction_se_rad: across.atan2(length),
+            direction_se_rad: across.max(0.0).sqrt().atan2(length),
         })
     }
 }
@@ -229,6 +159,8 @@ impl AttributeHead {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linear_algebra::{dot, norm};
+    use maveric_domain::Embedding;
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
 
@@ -245,9 +177,9 @@ mod tests {
     }
 
     fn head(points: &[Vec<f64>], scores: &[f64]) -> Result<AttributeHead, ModelError> {
-        let points: Vec<(&[f64], f64)> = points
+        let points: Vec<(DVector<f64>, f64)> = points
             .iter()
-            .map(Vec::as_slice)
+            .map(|p| DVector::from_column_slice(p))
             .zip(scores.iter().copied())
             .collect();
         AttributeHead::of_points("made_up", &points, 3)

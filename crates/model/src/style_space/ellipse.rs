@@ -1,12 +1,13 @@
 //! Perpendicular: across the direction of aggression, where S does not change.
 
-use super::AggressionAxis;
+use super::LinearHead;
 use crate::{
     error::ModelError,
-    linear_algebra::{dot, mean_and_covariance, norm, symmetric_eigen, times},
+    linear_algebra::{moments, norm, symmetric_eigen},
     model::Model,
 };
 use maveric_domain::Embedding;
+use nalgebra::{DMatrix, DVector};
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::PI;
 
@@ -49,52 +50,40 @@ impl PerpendicularEllipse {
     /// # Errors
     /// [`ModelError::NoAggressionAxis`], or [`ModelError::NoPerpendicular`] for an embedding of one number.
     pub fn of(model: &Model) -> Result<Self, ModelError> {
-        let direction = AggressionAxis::of(model)?.direction();
+        let direction = DVector::from_vec(LinearHead::aggression(model)?.direction());
         let d = direction.len();
         if d < 2 {
             return Err(ModelError::NoPerpendicular { found: d });
         }
-        let training = model.training();
-        let points: Vec<&[f64]> = training.iter().map(|t| t.embedding.coordinates()).collect();
-        let speeds: Vec<f64> = training.iter().map(|t| t.mean_speed_mps).collect();
-        Ok(Self::around(&direction, &points, &speeds))
+        let speeds: Vec<f64> = model.training().iter().map(|t| t.mean_speed_mps).collect();
+        Ok(Self::around(&direction, &model.points(), &speeds))
     }
 
-    fn around(direction: &[f64], points: &[&[f64]], speeds: &[f64]) -> Self {
+    fn around(direction: &DVector<f64>, points: &[DVector<f64>], speeds: &[f64]) -> Self {
         let basis = complement(direction);
-        let n = basis.len();
-        let inside: Vec<Vec<f64>> = points
-            .iter()
-            .map(|p| basis.iter().map(|b| dot(b, p)).collect())
-            .collect();
-        let refs: Vec<&[f64]> = inside.iter().map(Vec::as_slice).collect();
-        let (mean, covariance) = mean_and_covariance(&refs, n);
-        let (values, mut vectors) = symmetric_eigen(&covariance, n);
-        let rise = speed_rise(&refs, &mean, speeds, &values, &vectors);
+        let inside: Vec<DVector<f64>> = points.iter().map(|p| basis.tr_mul(p)).collect();
+        let (mean, covariance) = moments(&inside, basis.ncols());
+        let (values, mut vectors) = symmetric_eigen(&covariance);
+        let rise = speed_rise(&inside, &mean, speeds, &values, &vectors);
         turn_round_parts(&values, &mut vectors, &rise);
-        let mut axes: Vec<Vec<f64>> = vectors
-            .iter()
-            .map(|v| {
-                let sign = if dot(v, &rise) < -1e-9 * norm(&rise) {
-                    -1.0
-                } else {
-                    1.0
-                };
-                let mut axis = vec![0.0; direction.len()];
-                for (x, b) in v.iter().zip(&basis) {
-                    for (to, b) in axis.iter_mut().zip(b) {
-                        *to += sign * x * b;
-                    }
-                }
-                axis
-            })
-            .collect();
-        let alike = |i: usize| (values[0] - values[i]).abs() <= ROUND * values[0];
-        if n == 2 && alike(1) {
-            orient(direction, &mut axes);
+        for mut vector in vectors.column_iter_mut() {
+            if vector.dot(&rise) < -1e-9 * rise.norm() {
+                vector.neg_mut();
+            }
+        }
+        let mut axes = basis * vectors;
+        if values.len() == 2 && (values[0] - values[1]).abs() <= ROUND * values[0] {
+            // Right-handed: direction, first and second axis.
+            let cross = direction.cross(&axes.column(0));
+            if cross.dot(&axes.column(1)) < 0.0 {
+                axes.column_mut(1).neg_mut();
+            }
         }
         Self {
-            axes,
+            axes: axes
+                .column_iter()
+                .map(|a| a.iter().copied().collect())
+                .collect(),
             half_axes: values.iter().map(|v| v.max(0.0).sqrt()).collect(),
         }
     }
@@ -184,103 +173,58 @@ impl PerpendicularEllipse {
     }
 }
 
-/// An orthonormal basis of what is perpendicular to a unit vector: coordinate axes, the one nearest to it left
-/// out, made perpendicular one after the other.
-fn complement(direction: &[f64]) -> Vec<Vec<f64>> {
+/// An orthonormal basis of what is perpendicular to a unit vector, one vector a column: the mirror that takes the nearest coordinate
+/// axis there takes the others to it.
+fn complement(direction: &DVector<f64>) -> DMatrix<f64> {
     let d = direction.len();
-    let nearest = (0..d).max_by(|&i, &j| direction[i].abs().total_cmp(&direction[j].abs()));
-    let mut basis = vec![direction.to_vec()];
-    for i in (0..d).filter(|&i| Some(i) != nearest) {
-        let mut v = vec![0.0; d];
-        v[i] = 1.0;
-        // Twice: once is exact enough only for vectors that are far from parallel.
-        for _ in 0..2 {
-            for b in &basis {
-                let along = dot(&v, b);
-                for (x, b) in v.iter_mut().zip(b) {
-                    *x -= along * b;
-                }
-            }
-        }
-        let length = norm(&v);
-        basis.push(v.into_iter().map(|x| x / length).collect());
-    }
-    basis.split_off(1)
+    let nearest = direction.iamax();
+    let mut between = direction.clone();
+    between[nearest] += direction[nearest].signum();
+    let square = between.norm_squared();
+    (DMatrix::identity(d, d) - &between * between.transpose() * (2.0 / square))
+        .remove_column(nearest)
 }
 
 /// Slope of mean speed by least squares on the points: C⁺ cov(x, speed).
 fn speed_rise(
-    points: &[&[f64]],
-    mean: &[f64],
+    points: &[DVector<f64>],
+    mean: &DVector<f64>,
     speeds: &[f64],
     values: &[f64],
-    vectors: &[Vec<f64>],
-) -> Vec<f64> {
+    vectors: &DMatrix<f64>,
+) -> DVector<f64> {
     let n = points.len().max(1) as f64;
     let mean_speed = speeds.iter().sum::<f64>() / n;
-    let mut covariance = vec![0.0; mean.len()];
-    for (point, speed) in points.iter().zip(speeds) {
-        for ((to, x), m) in covariance.iter_mut().zip(*point).zip(mean) {
-            *to += (x - m) * (speed - mean_speed) / n;
-        }
-    }
+    let pairs = points.iter().zip(speeds);
+    let covariance = pairs.fold(DVector::zeros(mean.len()), |sum, (x, speed)| {
+        sum + (x - mean) * (speed - mean_speed) / n
+    });
+    let along = vectors.tr_mul(&covariance);
     let least = 1e-9 * values[0].abs();
-    let inverse =
-        crate::linear_algebra::of_symmetric(
-            values,
-            vectors,
-            |v| {
-                if v > least { 1.0 / v } else { 0.0 }
-            },
-        );
-    times(&inverse, &covariance)
+    let slopes = along.iter().zip(values);
+    let slopes = slopes.map(|(a, v)| if *v > least { a / v } else { 0.0 });
+    vectors * DVector::from_iterator(values.len(), slopes)
 }
 
 /// Turns axes of one variance among themselves, so that the first takes all of `rise` that lies in their space.
-fn turn_round_parts(values: &[f64], vectors: &mut [Vec<f64>], rise: &[f64]) {
+fn turn_round_parts(values: &[f64], vectors: &mut DMatrix<f64>, rise: &DVector<f64>) {
+    let scale = values[0].abs().max(f64::MIN_POSITIVE);
     let mut start = 0;
     while start < values.len() {
-        let scale = values[0].abs().max(f64::MIN_POSITIVE);
-        let end = (start..values.len())
-            .take_while(|&i| (values[start] - values[i]).abs() <= ROUND * scale)
-            .last()
-            .map_or(start + 1, |i| i + 1);
-        let part = &mut vectors[start..end];
-        let shares: Vec<f64> = part.iter().map(|v| dot(v, rise)).collect();
-        let length = norm(&shares);
-        if part.len() > 1 && length > 0.0 {
-            let first: Vec<f64> = shares.iter().map(|s| s / length).collect();
-            let mut coordinates = vec![first.clone()];
-            coordinates.extend(complement(&first));
-            let turned = coordinates.iter().map(|c| {
-                let mut v = vec![0.0; rise.len()];
-                for (c, old) in c.iter().zip(part.iter()) {
-                    for (to, x) in v.iter_mut().zip(old) {
-                        *to += c * x;
-                    }
-                }
-                v
+        let alike = |v: &&f64| (values[start] - **v).abs() <= ROUND * scale;
+        let many = values[start..].iter().take_while(alike).count().max(1);
+        let part = vectors.columns(start, many).into_owned();
+        let shares = part.tr_mul(rise);
+        let length = shares.norm();
+        if many > 1 && length > 0.0 {
+            let first = shares / length;
+            let others = complement(&first);
+            let turn = DMatrix::from_fn(many, many, |i, j| {
+                if j == 0 { first[i] } else { others[(i, j - 1)] }
             });
-            let turned: Vec<Vec<f64>> = turned.collect();
-            part.clone_from_slice(&turned);
+            vectors.columns_mut(start, many).copy_from(&(part * turn));
         }
-        start = end;
-    }
-}
-
-/// Makes direction, first and second axis right-handed.
-fn orient(direction: &[f64], axes: &mut [Vec<f64>]) {
-    if let ([a, b, c], [first, second]) = (direction, &mut *axes) {
-        let cross = [
-            b * first[2] - c * first[1],
-            c * first[0] - a * first[2],
-            a * first[1] - b * first[0],
-        ];
-        if dot(&cross, second) < 0.0 {
-            for x in second {
-                *x = -*x;
-            }
-        }
+        start += many;
     }
 }
 
@@ -290,23 +234,19 @@ mod tests {
     use proptest::prelude::*;
     use rand::SeedableRng;
 
-    fn cloud(d: usize, scales: &[f64]) -> Vec<Vec<f64>> {
+    fn cloud(d: usize, scales: &[f64]) -> Vec<DVector<f64>> {
         let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(7);
-        let point = |_| {
-            scales[..d]
-                .iter()
-                .map(|s| {
-                    let z: f64 = StandardNormal.sample(&mut rng);
-                    s * z
-                })
-                .collect()
+        let mut point = || {
+            DVector::from_fn(d, |i, _| {
+                let z: f64 = StandardNormal.sample(&mut rng);
+                scales[i] * z
+            })
         };
-        (0..500).map(point).collect()
+        (0..500).map(|_| point()).collect()
     }
 
-    fn ellipse(direction: &[f64], points: &[Vec<f64>], speeds: &[f64]) -> PerpendicularEllipse {
-        let refs: Vec<&[f64]> = points.iter().map(Vec::as_slice).collect();
-        PerpendicularEllipse::around(direction, &refs, speeds)
+    fn ellipse(direction: &[f64], points: &[DVector<f64>], speeds: &[f64]) -> PerpendicularEllipse {
+        PerpendicularEllipse::around(&DVector::from_column_slice(direction), points, speeds)
     }
 
     proptest! {
@@ -321,12 +261,12 @@ mod tests {
             let points = cloud(d, &[1.0, 2.0, 0.5, 1.0, 1.0, 3.0]);
             let speeds: Vec<f64> = points.iter().map(|p| 20.0 + p[0]).collect();
             let ellipse = ellipse(&direction, &points, &speeds);
-            let axis = AggressionAxis::for_tests(g, 30.0);
+            let axis = LinearHead::for_tests("s", &g, 30.0, [11.0, 55.0]);
             let w = Embedding::new(vec![0.3; d]).unwrap();
             let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
             let moved = ellipse.sample(&w, &mut rng).unwrap();
-            let before = axis.aggression_hat(&w).unwrap();
-            prop_assert!((axis.aggression_hat(&moved.embedding).unwrap() - before).abs() < 1e-5);
+            let before = axis.read(&w).unwrap();
+            prop_assert!((axis.read(&moved.embedding).unwrap() - before).abs() < 1e-5);
             prop_assert!((norm(&moved.unit) - 1.0).abs() < 1e-9);
         }
     }
@@ -344,10 +284,10 @@ mod tests {
 
     #[test]
     fn on_a_circle_angle_zero_is_where_speed_rises_most() {
-        let points: Vec<Vec<f64>> = (0..200)
+        let points: Vec<DVector<f64>> = (0..200)
             .map(|i| {
                 let a = f64::from(i) * PI / 100.0;
-                vec![0.0, a.cos(), a.sin()]
+                DVector::from_vec(vec![0.0, a.cos(), a.sin()])
             })
             .collect();
         let speeds: Vec<f64> = points

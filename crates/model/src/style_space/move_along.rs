@@ -1,63 +1,45 @@
 //! Moving along one attribute while others stay as they are.
 
-use super::LinearHead;
+use super::{LinearHead, Moved};
 use crate::{
     error::ModelError,
-    linear_algebra::{dot, mean_and_covariance, norm, of_symmetric, symmetric_eigen, times},
+    linear_algebra::{moments, of_symmetric},
     model::Model,
 };
 use maveric_domain::Embedding;
+use nalgebra::{DMatrix, DVector};
 
 /// Heads whose normalised Gram matrix has an eigenvalue below this point the same way: one cannot move alone.
 const COLLINEAR: f64 = 1e-4;
-
-/// An embedding moved along an attribute.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Moved {
-    /// Where it is now.
-    pub embedding: Embedding,
-    /// The attribute before, in its points.
-    pub from_points: f64,
-    /// The attribute now.
-    pub to_points: f64,
-    /// By how much it really moved.
-    pub effective_points: f64,
-    /// Whether an end of its range cut the move short.
-    pub clamped: bool,
-    /// Length of the move, in SDs of the training embeddings.
-    pub length_sd: f64,
-}
 
 /// How far apart two embeddings are: in SDs of the training embeddings along every direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StyleMetric {
     /// Covariance of the training embeddings, 1 in directions in which they do not differ; shape `(d, d)`.
-    covariance: Vec<f64>,
-    d: usize,
+    covariance: DMatrix<f64>,
 }
 
 impl StyleMetric {
     /// The metric of a model's training embeddings; the plain Euclidean one where they are whitened.
     pub fn of(model: &Model) -> Self {
-        let training = model.training();
-        let points: Vec<&[f64]> = training.iter().map(|t| t.embedding.coordinates()).collect();
-        Self::of_points(&points, model.embedding_size())
+        Self::of_points(&model.points(), model.embedding_size())
     }
 
-    fn of_points(points: &[&[f64]], d: usize) -> Self {
-        let (_, covariance) = mean_and_covariance(points, d);
-        let (values, vectors) = symmetric_eigen(&covariance, d);
-        let least = 1e-8 * values[0].max(f64::MIN_POSITIVE);
-        let variance = |v: f64| if v > least { v } else { 1.0 };
+    fn of_points(points: &[DVector<f64>], d: usize) -> Self {
+        let (_, covariance) = moments(points, d);
+        let least = 1e-8
+            * covariance
+                .symmetric_eigenvalues()
+                .max()
+                .max(f64::MIN_POSITIVE);
         Self {
-            covariance: of_symmetric(&values, &vectors, variance),
-            d,
+            covariance: of_symmetric(&covariance, |v| if v > least { v } else { 1.0 }),
         }
     }
 
     /// Moves `embedding` so that `heads[0]` changes by `points` and every other head not at all: the shortest such
     /// move, `δ = C Aᵀ (A C Aᵀ)⁻¹ (points, 0, …)` with the heads' gradients as the rows of A and C the covariance of the training
-    /// embeddings. The target is kept within the first head's range, as in [`super::shift()`].
+    /// embeddings. The target is kept within the first head's range, as in [`LinearHead::shift`].
     ///
     /// # Errors
     /// [`ModelError::TooManyAttributes`] for more heads than the embedding has numbers,
@@ -73,98 +55,59 @@ impl StyleMetric {
         embedding: &Embedding,
         points: f64,
     ) -> Result<Moved, ModelError> {
-        if !points.is_finite() {
-            return Err(ModelError::NotFinite {
-                signal: "points",
-                found: points,
-            });
-        }
-        let step = self.unit_move(heads)?;
-        let first = heads[0];
-        let from_points = first.read(embedding)?;
-        let wanted = from_points + points;
-        let [low, high] = first.range();
-        let to_points = if points >= 0.0 {
-            wanted.min(high).max(from_points)
-        } else {
-            wanted.max(low).min(from_points)
-        };
-        let by = to_points - from_points;
-        let moved = embedding.coordinates().iter().zip(&step);
-        Ok(Moved {
-            embedding: Embedding::new(moved.map(|(w, s)| w + by * s).collect())?,
-            from_points,
-            to_points,
-            effective_points: by,
-            clamped: (to_points - wanted).abs() > 1e-9,
-            length_sd: by.abs() * self.length(&step),
-        })
+        let one = self.unit_move(heads)?;
+        heads[0].moved(embedding, one.as_slice(), points)
     }
 
     /// The move for one point of the first head.
-    fn unit_move(&self, heads: &[&LinearHead]) -> Result<Vec<f64>, ModelError> {
-        let (k, d) = (heads.len(), self.d);
+    fn unit_move(&self, heads: &[&LinearHead]) -> Result<DVector<f64>, ModelError> {
+        let (k, d) = (heads.len(), self.covariance.nrows());
         if k == 0 || k > d {
             return Err(ModelError::TooManyAttributes {
                 found: k,
                 expected: d,
             });
         }
-        for head in heads {
-            let found = head.gradient().len();
-            if found != d {
-                return Err(ModelError::EmbeddingSize { found, expected: d });
-            }
-        }
-        // C g of each, and its length in the metric, so that heads in points of any size compare.
-        let raised: Vec<Vec<f64>> = heads
+        let of_other_size = heads
             .iter()
-            .map(|h| times(&self.covariance, h.gradient()))
-            .collect();
-        let lengths: Vec<f64> = heads
-            .iter()
-            .zip(&raised)
-            .map(|(h, r)| dot(h.gradient(), r).max(0.0).sqrt())
-            .collect();
-        if let Some(at) = lengths.iter().position(|&l| l < 1e-9) {
-            return Err(ModelError::FlatHead {
-                head: heads[at].name().to_owned(),
-            });
+            .map(|h| h.gradient().len())
+            .find(|&size| size != d);
+        if let Some(found) = of_other_size {
+            return Err(ModelError::EmbeddingSize { found, expected: d });
         }
-        let mut gram = vec![0.0; k * k];
-        for i in 0..k {
-            for j in 0..k {
-                gram[i * k + j] = dot(heads[i].gradient(), &raised[j]) / (lengths[i] * lengths[j]);
+        // Gradients as columns, each by its length in the metric, so that heads in points of any size compare.
+        let mut gradients = DMatrix::from_fn(d, k, |i, j| heads[j].gradient()[i]);
+        let mut first = 0.0;
+        for (j, mut gradient) in gradients.column_iter_mut().enumerate() {
+            let length = gradient
+                .dot(&(&self.covariance * &gradient))
+                .max(0.0)
+                .sqrt();
+            if length < 1e-9 {
+                return Err(ModelError::FlatHead {
+                    head: heads[j].name().to_owned(),
+                });
             }
+            gradient /= length;
+            first = if j == 0 { length } else { first };
         }
-        let (values, vectors) = symmetric_eigen(&gram, k);
-        if values[k - 1] < COLLINEAR {
+        let raised = &self.covariance * &gradients;
+        let gram = gradients.tr_mul(&raised);
+        let alone = gram.symmetric_eigenvalues().min() >= COLLINEAR;
+        let Some(inverse) = gram.try_inverse().filter(|_| alone) else {
             return Err(ModelError::CollinearHeads {
                 heads: heads.iter().map(|h| h.name().to_owned()).collect(),
                 moved: heads[0].name().to_owned(),
             });
-        }
-        let inverse = of_symmetric(&values, &vectors, |v| 1.0 / v);
-        let mut step = vec![0.0; d];
-        for (j, raised) in raised.iter().enumerate() {
-            let share = inverse[j * k] / (lengths[0] * lengths[j]);
-            for (to, r) in step.iter_mut().zip(raised) {
-                *to += share * r;
-            }
-        }
-        Ok(step)
-    }
-
-    fn length(&self, step: &[f64]) -> f64 {
-        let (values, vectors) = symmetric_eigen(&self.covariance, self.d);
-        let whitened = times(&of_symmetric(&values, &vectors, |v| 1.0 / v.sqrt()), step);
-        norm(&whitened)
+        };
+        Ok(raised * inverse.column(0) / first)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linear_algebra::{dot, norm};
     use proptest::prelude::*;
 
     fn plain(d: usize) -> StyleMetric {
@@ -197,7 +140,6 @@ mod tests {
             prop_assert!(change(&heads[2]).abs() < 1e-6);
             // The move lies in the heads' span: nothing perpendicular to them all is in it.
             let delta: Vec<f64> = moved.embedding.coordinates().iter().zip(start.coordinates()).map(|(a, b)| a - b).collect();
-            prop_assert!((norm(&delta) - moved.length_sd).abs() < 1e-6 * (1.0 + moved.length_sd));
             let zero: Vec<f64> = {
                 // Remove from `other` everything the heads read.
                 let mut rest = other;
@@ -225,11 +167,10 @@ mod tests {
 
     #[test]
     fn one_head_moves_as_the_shift_of_the_aggression_axis() {
-        let axis = super::super::AggressionAxis::for_tests(vec![6.0, -3.0, 2.0], 30.0);
+        let s = LinearHead::for_tests("aggression", &[6.0, -3.0, 2.0], 30.0, [11.0, 55.0]);
         let start = Embedding::new(vec![0.3, 0.1, -0.4]).unwrap();
         for points in [-40.0, -15.0, 0.0, 15.0, 40.0] {
-            let shifted = super::super::shift(&axis, &start, points).unwrap();
-            let s = LinearHead::aggression(&axis);
+            let shifted = s.shift(&start, points).unwrap();
             let moved = plain(3).move_along(&[&s], &start, points).unwrap();
             for (a, b) in moved
                 .embedding
@@ -247,8 +188,7 @@ mod tests {
     fn the_shortest_move_counts_in_sds_of_the_drivers() {
         // Drivers differ ten times more along the second coordinate, so a move along it is the cheaper one.
         let points = [[1.0, 0.0], [-1.0, 0.0], [0.0, 10.0], [0.0, -10.0]];
-        let refs: Vec<&[f64]> = points.iter().map(<[f64; 2]>::as_slice).collect();
-        let metric = StyleMetric::of_points(&refs, 2);
+        let metric = StyleMetric::of_points(&points.map(|p| DVector::from_column_slice(&p)), 2);
         let start = Embedding::new(vec![0.0, 0.0]).unwrap();
         let moved = metric
             .move_along(&[&head("a", &[1.0, 1.0])], &start, 1.0)

@@ -1,6 +1,6 @@
 //! How far out is too far: embeddings beyond every training driver.
 
-use crate::{error::ModelError, linear_algebra::norm, model::Model};
+use crate::{error::ModelError, model::Model};
 use maveric_domain::Embedding;
 
 /// Share of `embeddings` that lie further from the mean of the training embeddings than any of those; `None` of
@@ -15,14 +15,15 @@ pub fn share_outside_training(
     model: &Model,
     embeddings: &[Embedding],
 ) -> Result<Option<f64>, ModelError> {
-    let mean = model.mean_embedding();
-    let radius = model.training_radius();
+    let radius = model
+        .training()
+        .iter()
+        .map(|t| model.distance_from_mean(&t.embedding));
+    let radius = radius.fold(0.0, f64::max);
     let mut outside = 0;
     for embedding in embeddings {
         model.check(embedding)?;
-        let difference = embedding.coordinates().iter().zip(mean.coordinates());
-        let distance = norm(&difference.map(|(x, m)| x - m).collect::<Vec<_>>());
-        outside += usize::from(distance > radius);
+        outside += usize::from(model.distance_from_mean(embedding) > radius);
     }
     let n = embeddings.len();
     Ok((n > 0).then(|| outside as f64 / n as f64))

@@ -2,10 +2,8 @@ use super::*;
 use crate::{
     losses::MutualInformationLoss,
     model_file,
-    params::PersonalizeParams,
-    personalize::{NetworkRows, personalize},
-    rows::rows_of,
-    style_space::{AggressionAxis, PerpendicularEllipse, share_outside_training},
+    personalize::personalize,
+    style_space::{LinearHead, PerpendicularEllipse, share_outside_training},
     test_drives::{Habits, drive, drivers},
 };
 
@@ -17,7 +15,7 @@ fn training(drives: &[(Drive, AdbScore)]) -> Vec<TrainingDrive<'_>> {
     drives.iter().map(|(d, a)| with_score((d, *a))).collect()
 }
 
-fn quick(change: impl Fn(&mut TrainSettings)) -> TrainParams {
+fn quick(change: impl Fn(&mut TrainSettings)) -> TrainSettings {
     let mut settings = TrainSettings {
         heads: HeadsKind::Paper,
         epochs: 25,
@@ -26,11 +24,11 @@ fn quick(change: impl Fn(&mut TrainSettings)) -> TrainParams {
         ..TrainSettings::default()
     };
     change(&mut settings);
-    TrainParams::new(settings).unwrap()
+    settings
 }
 
-fn run(drives: &[TrainingDrive<'_>], params: &TrainParams) -> Result<Trained, ModelError> {
-    train(drives, params, 1, &mut |_| ControlFlow::Continue(()))
+fn run(drives: &[TrainingDrive<'_>], settings: &TrainSettings) -> Result<Trained, ModelError> {
+    train(drives, settings, 1, &mut |_| ControlFlow::Continue(()))
 }
 
 fn networks(trained: &Trained) -> &NetworkReport {
@@ -53,7 +51,7 @@ fn losses_fall_and_drivers_are_ordered_by_their_style() {
     let [first, last] = [epochs[0], epochs[epochs.len() - 1]];
     assert!(last.total < 0.5 * first.total, "{first:?} {last:?}");
     assert!(networks(&trained).left_out.is_empty());
-    let axis = AggressionAxis::of(&trained.model).unwrap();
+    let axis = LinearHead::aggression(&trained.model).unwrap();
     let positions: Vec<f64> = trained
         .embeddings
         .iter()
@@ -71,8 +69,7 @@ fn losses_fall_and_drivers_are_ordered_by_their_style() {
                 passes: true,
             };
             let drive = drive(&format!("N{i}"), &habits, 200.0);
-            let params = PersonalizeParams::default();
-            let fit = personalize(&trained.model, &drive, None, &params).unwrap();
+            let fit = personalize(&trained.model, &drive, None).unwrap();
             assert!(!fit.used_adb && fit.standard_error().unwrap().iter().all(|e| *e > 0.0));
             axis.position(&fit.embedding).unwrap()
         })
@@ -84,7 +81,7 @@ fn losses_fall_and_drivers_are_ordered_by_their_style() {
     let w = &trained.embeddings[2].1;
     for step in 0..8 {
         let moved = ellipse.at_angle(w, f64::from(step)).unwrap();
-        let read = |w| axis.aggression_hat(w).unwrap();
+        let read = |w| axis.read(w).unwrap();
         assert!((read(&moved.embedding) - read(w)).abs() < 1e-5);
     }
     let far = Embedding::new(vec![50.0; 3]).unwrap();
@@ -101,12 +98,7 @@ fn one_seed_gives_the_same_bytes_for_one_and_two_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         pool.build().unwrap().install(|| {
             let trained = run(&training(&drives), &params).unwrap();
-            let fit = personalize(
-                &trained.model,
-                &drives[0].0,
-                Some(drives[0].1),
-                &PersonalizeParams::default(),
-            );
+            let fit = personalize(&trained.model, &drives[0].0, Some(drives[0].1));
             (model_file::to_bytes(&trained.model).unwrap(), fit.unwrap())
         })
     };
@@ -114,47 +106,14 @@ fn one_seed_gives_the_same_bytes_for_one_and_two_threads() {
 }
 
 #[test]
-fn whitening_leaves_every_loss_unchanged() {
+fn embeddings_are_whitened_over_the_training_drives() {
     let drives = drivers(4, 90.0);
-    let model = |whiten| {
-        run(
-            &training(&drives),
-            &quick(|s| {
-                s.epochs = 4;
-                s.whiten = whiten;
-            }),
-        )
+    let model = run(&training(&drives), &quick(|s| s.epochs = 4))
         .unwrap()
-        .model
-    };
-    let (raw, white) = (model(false), model(true));
-    for (index, (drive, adb)) in drives.iter().enumerate() {
-        let losses = |model: &Model| {
-            let paper = model.paper().unwrap();
-            let rows = rows_of(drive, &paper.row_settings(), 1.0).unwrap();
-            let w = model.training()[index].embedding.coordinates().to_vec();
-            let rows = NetworkRows::new(paper, &rows, Some(adb.points()));
-            let mut all = rows.losses(&w).map(|l| l.unwrap_or(0.0)).to_vec();
-            all.push(rows.objective(&w));
-            all
-        };
-        for (a, b) in losses(&raw).iter().zip(losses(&white)) {
-            assert!((a - b).abs() < 1e-4 * (1.0 + a.abs()), "{a} {b}");
-        }
-    }
-    let points: Vec<&[f64]> = white
-        .training()
-        .iter()
-        .map(|t| t.embedding.coordinates())
-        .collect();
-    let (mean, covariance) = crate::linear_algebra::mean_and_covariance(&points, 3);
-    assert!(mean.iter().all(|m| m.abs() < 1e-6));
-    for i in 0..3 {
-        for j in 0..3 {
-            let expected = f64::from(u8::from(i == j));
-            assert!((covariance[i * 3 + j] - expected).abs() < 1e-6);
-        }
-    }
+        .model;
+    let (mean, covariance) = crate::linear_algebra::moments(&model.points(), 3);
+    assert!(mean.norm() < 1e-6);
+    assert!((covariance - nalgebra::DMatrix::identity(3, 3)).norm() < 1e-6);
 }
 
 #[test]
@@ -178,7 +137,7 @@ fn a_loss_without_data_is_left_out_and_reported() {
     assert_eq!(left_out, [Loss::LaneChange, Loss::Aggression]);
     assert_eq!(trained.report.warnings.len(), 3);
     assert!(matches!(
-        AggressionAxis::of(&trained.model),
+        LinearHead::aggression(&trained.model),
         Err(ModelError::NoAggressionAxis)
     ));
 }
@@ -209,65 +168,71 @@ fn a_drive_that_never_meets_anyone_teaches_speed_alone() {
 }
 
 #[test]
-fn rows_kept_back_are_measured_and_then_learned_from() {
-    let drives = drivers(4, 120.0);
+fn people_are_kept_back_and_the_networks_that_drive_learn_from_them_too() {
+    let drives = drivers(6, 120.0);
     let with = |change: &dyn Fn(&mut TrainSettings)| {
-        run(
-            &training(&drives),
-            &quick(|s| {
-                s.epochs = 8;
-                s.validation_fraction = 0.2;
-                change(s);
-            }),
-        )
-        .unwrap()
+        let settings = quick(|s| {
+            s.epochs = 8;
+            s.validation_fraction = 0.2;
+            change(s);
+        });
+        run(&training(&drives), &settings).unwrap()
     };
-    let refitted = with(&|_| {});
-    let selection = networks(&refitted).selection.clone().unwrap();
-    assert_eq!(selection.kept_epoch, 8);
-    assert!(!selection.stopped_early);
-    let rows = selection.training_rows + selection.validation_rows;
-    assert_eq!(rows, networks(&refitted).rows);
-    let share = selection.validation_rows as f64 / rows as f64;
-    assert!((share - 0.2).abs() < 0.01, "{share}");
-    assert!(selection.epochs.iter().all(|e| e.validation.is_some()));
-    assert_eq!(selection.quality.on, RowsOf::Validation);
-    assert_eq!(selection.quality.rows, selection.validation_rows);
-    assert_eq!(networks(&refitted).quality.on, RowsOf::Training);
-    let calibration = networks(&refitted).quality.lane_change.as_ref().unwrap();
-    assert!((0.0..0.2).contains(&calibration.expected_calibration_error));
+    let found = with(&|_| {});
+    let selection = networks(&found).selection.clone().unwrap();
+    assert_eq!((selection.people, found.report.drives), (1, 6));
+    let totals: Vec<f64> = selection
+        .epochs
+        .iter()
+        .map(|e| e.validation_total.unwrap())
+        .collect();
+    let best = (0..8)
+        .min_by(|&a, &b| totals[a].total_cmp(&totals[b]))
+        .unwrap();
+    assert_eq!(selection.kept_epoch, best + 1);
+    assert_eq!(networks(&found).epochs.len(), best + 1);
+    // A third of one drive of two minutes.
+    assert!(
+        (40..60).contains(&selection.quality.rows),
+        "{}",
+        selection.quality.rows
+    );
+    assert!(networks(&found).quality.rows == networks(&found).rows);
+    let speed = [selection.networks, selection.own_means].map(|h| h.speed_mps.unwrap());
+    assert!(speed.iter().all(|e| (0.0..20.0).contains(e)), "{speed:?}");
+    let rmse = selection.quality.speed_mps.as_ref().unwrap().rmse;
+    assert!((rmse - speed[0]).abs() < 1e-9);
 
-    // Measuring does not change the model.
-    let plain = with(&|s| s.validation_fraction = 0.0);
-    let numbers = |t: &Trained| t.embeddings.clone();
-    assert_eq!(numbers(&plain), numbers(&refitted));
-    // The model of the run itself is another one; what is said of it is said of the one that drives.
-    let kept = with(&|s| s.refit = false);
-    assert_eq!(networks(&kept).quality.on, RowsOf::Training);
-    assert_eq!(networks(&kept).quality.rows, selection.training_rows);
-    assert_eq!(networks(&kept).rows, selection.training_rows);
-    assert_ne!(numbers(&kept), numbers(&refitted));
+    // The model is that of a run of as many epochs that keeps nobody back.
+    let plain = with(&|s| {
+        s.validation_fraction = 0.0;
+        s.epochs = best + 1;
+    });
+    assert_eq!(plain.embeddings, found.embeddings);
+    assert_eq!(networks(&plain).selection, None);
+    // Nobody can be kept back of two.
+    let two = run(
+        &training(&drives[..2]),
+        &quick(|s| s.validation_fraction = 0.5),
+    )
+    .unwrap();
+    assert_eq!(networks(&two).selection, None);
 }
 
 #[test]
-fn a_loss_that_rises_stops_the_run_and_the_best_epoch_counts() {
-    let drives = drivers(3, 90.0);
-    // A rate so high that the loss on new rows soon rises.
-    let params = quick(|s| {
+fn a_loss_that_does_not_fall_for_people_kept_back_stops_the_run() {
+    let drives = drivers(5, 90.0);
+    // A rate so high that the loss on new people soon rises.
+    let settings = quick(|s| {
         s.epochs = 60;
         s.validation_fraction = 0.3;
         s.patience = 2;
-        s.learning_rate = 0.02;
-        s.refit = false;
+        s.learning_rate = 0.03;
     });
-    let report = run(&training(&drives), &params).unwrap().report;
+    let report = run(&training(&drives), &settings).unwrap().report;
     let selection = report.networks.unwrap().selection.unwrap();
     assert!(selection.stopped_early);
-    let totals = selection.epochs.iter().map(|e| e.validation_total.unwrap());
-    let totals: Vec<f64> = totals.collect();
-    let best = (0..totals.len()).min_by(|&a, &b| totals[a].total_cmp(&totals[b]));
-    assert_eq!(best.unwrap() + 1, selection.kept_epoch);
-    assert_eq!(totals.len(), selection.kept_epoch + 2);
+    assert_eq!(selection.epochs.len(), selection.kept_epoch + 2);
 }
 
 #[test]
@@ -322,12 +287,7 @@ fn drives_that_cannot_be_used_are_refused_or_counted() {
         trained.report.warnings[0],
         ModelWarning::DriveLeftOut { .. }
     ));
-    let error = personalize(
-        &trained.model,
-        &short.0,
-        None,
-        &PersonalizeParams::default(),
-    );
+    let error = personalize(&trained.model, &short.0, None);
     assert!(matches!(error, Err(ModelError::DriveTooShort { .. })));
 }
 

@@ -12,8 +12,8 @@ use crate::{
 };
 use maveric_domain::DrivenBy;
 use maveric_model::{
-    Ablated, AblationSettings, HeldOut, ModelError, PersonalizeParams, TrainSettings,
-    TrainingDrive, VariantResult, ablate as compare, variants,
+    Ablated, AblationSettings, HeldOut, ModelError, TrainSettings, TrainingDrive, VariantResult,
+    ablate as compare, variants,
 };
 use maveric_report::{
     Context, Report,
@@ -87,7 +87,7 @@ pub fn ablate(options: &AblateOptions, watch: Watch<'_>) -> Result<Outcome<Ablat
             adb: adb_of(drive, &scores, baseline)?,
         });
     }
-    // The last part of an unseen drive judges; nothing is kept back of those learned from.
+    // Unseen drivers judge; nobody is kept back of those learned from.
     let base = TrainSettings {
         epochs: options.epochs,
         validation_fraction: 0.0,
@@ -103,17 +103,7 @@ pub fn ablate(options: &AblateOptions, watch: Watch<'_>) -> Result<Outcome<Ablat
         Err(_) => ControlFlow::Break(()),
     };
     let pool = threads(options.jobs)?;
-    let personalizing = PersonalizeParams::default();
-    let found = pool.install(|| {
-        compare(
-            &given,
-            &all,
-            &settings,
-            &personalizing,
-            options.seed,
-            &mut observe,
-        )
-    });
+    let found = pool.install(|| compare(&given, &all, &settings, options.seed, &mut observe));
     let found = match found {
         Err(ModelError::Cancelled { .. }) => return Err(StudyError::Interrupted),
         other => other?,

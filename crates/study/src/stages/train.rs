@@ -16,8 +16,8 @@ use crate::{
 use maveric_domain::{AdbScore, Drive, Score};
 pub use maveric_model::HeadsKind;
 use maveric_model::{
-    EpochReport, HeadReport, ModelError, Quality, Selection, StyleHead, TrainParams, TrainSettings,
-    TrainingDrive, model_file, style_space::AggressionAxis, train as learn,
+    EpochReport, HeadReport, ModelError, Quality, Selection, StyleHead, TrainSettings,
+    TrainingDrive, model_file, style_space::LinearHead, train as learn,
 };
 use maveric_participants::Part;
 use serde::{Deserialize, Serialize};
@@ -52,9 +52,9 @@ pub struct TrainOptions {
     pub seed: u64,
     /// Threads.
     pub jobs: usize,
-    /// Share of each drive, at its end, that a run of its own keeps back to measure the losses on; 0: no such run.
+    /// Share of the people whom a run of its own keeps back to choose the number of passes by; 0: no such run.
     pub validation_fraction: f64,
-    /// Epochs without a lower validation loss after which that run stops; 0: never.
+    /// Passes without a lower loss on them after which that run stops; 0: never.
     pub patience: usize,
 }
 
@@ -97,8 +97,8 @@ pub struct NetworkSummary {
     pub left_out: Vec<String>,
     /// Every epoch of the run that made the model.
     pub epochs: Vec<EpochReport>,
-    /// The run that kept the end of every drive back: its losses on both parts, what stopped it, and how good its
-    /// predictions are for rows it has not learned from.
+    /// The run that kept people back: its losses on both parts, what stopped it, and how good its predictions are for people it has
+    /// not learned from.
     pub selection: Option<Selection>,
     /// How good the predictions of the networks that drive are: calibration of P(change), residuals of F and V.
     pub quality: Quality,
@@ -140,7 +140,6 @@ pub fn train(
         patience: options.patience,
         ..TrainSettings::default()
     };
-    let params = TrainParams::new(settings.clone())?;
     let baseline = DesignFile::find(design)?.design.baseline_id();
     let mut unscored = Vec::new();
     let mut training = Vec::new();
@@ -162,7 +161,7 @@ pub fn train(
     let mut observe = |report: &EpochReport| progress.show(report);
     let pool = threads(options.jobs)?;
     let seed = options.seed;
-    let trained = match pool.install(|| learn(&training, &params, seed, &mut observe)) {
+    let trained = match pool.install(|| learn(&training, &settings, seed, &mut observe)) {
         Err(ModelError::Cancelled { .. }) => return Err(StudyError::Interrupted),
         other => other?,
     };
@@ -196,7 +195,7 @@ pub fn train(
         scores_without_drive,
     };
     write_json(&training_path(&options.out), &summary)?;
-    let axis = AggressionAxis::of(&trained.model).ok();
+    let axis = LinearHead::aggression(&trained.model).ok();
     let mut rows = Vec::new();
     for (id, embedding) in trained.embeddings {
         let Some(drive) = drives.iter().find(|d| d.meta().drive == id) else {
@@ -211,10 +210,7 @@ pub fn train(
             // Linear heads learn where drivers lie from their driving alone.
             adb_used: options.heads == HeadsKind::Paper && adb.is_some(),
             adb: adb.map(AdbScore::points),
-            adb_hat: axis
-                .as_ref()
-                .map(|a| a.aggression_hat(&embedding))
-                .transpose()?,
+            adb_hat: axis.as_ref().map(|a| a.read(&embedding)).transpose()?,
             line_position: axis.as_ref().map(|a| a.position(&embedding)).transpose()?,
             readings: None,
             covariance: None,
@@ -283,28 +279,40 @@ fn style_line(style: &StyleHead) -> String {
     )
 }
 
-/// What the run with validation found, in a line.
+/// What the run that kept people back found, in a line.
 fn validation_line(selection: &Selection) -> String {
-    let last = selection.epochs.get(selection.kept_epoch.wrapping_sub(1));
-    let numbers = |of: fn(&EpochReport) -> Option<f64>| {
-        last.and_then(of)
-            .map_or("none".to_owned(), |v| format!("{v:.3}"))
+    let (networks, own) = (&selection.networks, &selection.own_means);
+    let beside = |what: &str, unit: &str, found: Option<f64>, own: Option<f64>| {
+        let (found, own) = (found?, own?);
+        let worse = if found < own {
+            ""
+        } else {
+            " (no better than the own mean)"
+        };
+        Some(format!(
+            "{what} off by {found:.2} {unit}, the own mean by {own:.2}{worse}"
+        ))
     };
-    let line = format!(
-        "epoch {} of a run on the rest: loss {} on {} rows kept back, {} on the rows learned from",
-        selection.kept_epoch,
-        numbers(|e| e.validation_total),
-        selection.validation_rows,
-        // L4 has no rows, so the loss kept back has none of it.
-        numbers(|e| Some(e.total)),
+    let gap = beside(
+        "F",
+        "m",
+        networks.following_distance_m,
+        own.following_distance_m,
     );
-    match &selection.quality.lane_change {
-        Some(calibration) => format!(
-            "{line}; P(change) off by {:.4} where {:.4} is observed",
-            calibration.expected_calibration_error, calibration.observed
-        ),
-        None => line,
-    }
+    let speed = beside("V", "m/s", networks.speed_mps, own.speed_mps);
+    let calibration = selection.quality.lane_change.as_ref().map(|c| {
+        format!(
+            "P(change) off by {:.4} where {:.4} is observed",
+            c.expected_calibration_error, c.observed
+        )
+    });
+    let parts: Vec<String> = [gap, speed, calibration].into_iter().flatten().collect();
+    format!(
+        "{} passes are best for {} people kept back: {}",
+        selection.kept_epoch,
+        selection.people,
+        parts.join("; ")
+    )
 }
 
 /// ADB scores of participants without a drive here.
@@ -400,7 +408,7 @@ fn epoch_line(report: &EpochReport, rows_per_s: Option<f64>) -> String {
         losses.mutual_information,
     ];
     let rows = match report.validation {
-        Some(_) => "epochs, kept-back rows:",
+        Some(_) => "epochs, people kept back:",
         None => "epochs:",
     };
     let terms = (1..).zip(terms);
@@ -435,8 +443,6 @@ mod tests {
             total: 0.25,
             validation: None,
             validation_total: None,
-            learning_rate: 1e-3,
-            gradient_norm: 1.0,
         };
         assert_eq!(
             epoch_line(&report, Some(812_345.0)),

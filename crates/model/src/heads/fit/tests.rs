@@ -1,10 +1,17 @@
 use super::{
-    super::{head::at, posterior::evaluate},
+    super::{
+        head::{HEADS, at},
+        posterior::evaluate,
+    },
     *,
 };
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
+
+fn fit(drives: &[DriveEvents], d: usize) -> Fitted {
+    super::fit(&HEADS.map(|h| h.shape()), drives, d)
+}
 
 /// Levels of the habits, their slopes on two true styles, own scatter of a drive, and scatter of an event.
 const TRUTH: [(f64, [f64; 2], f64, f64); 6] = [
@@ -92,7 +99,7 @@ fn heads_learned_from_some_drivers_say_what_others_do() {
         assert!((head.within_sd / within - 1.0).abs() < 0.25, "{head:?}");
         let pairs = others.events.iter().zip(&others.eta).map(|(events, eta)| {
             let latent = solve(&fitted.heads, events, None, 2, None);
-            (head.eta(&latent.mean[..2], std::iter::once(1.0)), eta[k])
+            (head.eta(latent.w(2), std::iter::once(1.0)), eta[k])
         });
         let r = correlation(&pairs.collect::<Vec<_>>());
         assert!(r > 0.8, "{k}: {r}");
@@ -128,8 +135,8 @@ fn the_posterior_s_slope_and_curvature_are_those_of_its_value() {
     let heads = fit(&made.events, 3).heads;
     let mut rng = Pcg64Mcg::seed_from_u64(5);
     let n = 3 + heads.len();
-    let at: Vec<f64> = (0..n).map(|_| rng.random_range(-0.3..0.3)).collect();
-    let there = |x: &[f64]| evaluate(&heads, &made.events[0], None, 3, x);
+    let at = DVector::from_fn(n, |_, _| rng.random_range(-0.3..0.3));
+    let there = |x: &DVector<f64>| evaluate(&heads, &made.events[0], None, 3, x);
     let h = 1e-5;
     for i in 0..n {
         let moved = |by: f64| {
@@ -143,7 +150,7 @@ fn the_posterior_s_slope_and_curvature_are_those_of_its_value() {
         assert!((found.gradient[i] - slope).abs() < 1e-3 * (1.0 + slope.abs()));
         for j in 0..n {
             let bend = (up.gradient[j] - down.gradient[j]) / (2.0 * h);
-            let entry = found.curvature[i * n + j];
+            let entry = found.curvature[(i, j)];
             assert!((entry - bend).abs() < 1e-3 * (1.0 + bend.abs()), "{i} {j}");
         }
     }

@@ -9,7 +9,7 @@ use crate::{
 };
 use maveric_domain::{Drive, stream_seed};
 use maveric_model::{
-    CurveParams, CurvePoint, LearningCurve, ModelError, Personalizer, learning_curve,
+    CurvePoint, CurveSettings, LearningCurve, ModelError, Personalizer, learning_curve,
 };
 use maveric_stats::{BootstrapData, BootstrapSettings, Statistic, bootstrap};
 use serde::Serialize;
@@ -73,15 +73,15 @@ pub(super) fn of_drives(
             help: None,
         });
     };
-    let params = CurveParams::default();
+    let settings = CurveSettings::default();
     let found =
         for_each_on(
             options.jobs,
             drives,
             watch,
             "learning curves",
-            |drive| match learning_curve(personalizer, drive, &params) {
-                Err(ModelError::DriveTooShort { .. } | ModelError::NoHabits { .. }) => Ok(None),
+            |drive| match learning_curve(personalizer, drive, &settings) {
+                Err(ModelError::DriveTooShort { .. }) => Ok(None),
                 other => Ok(Some(other?)),
             },
         )?;
@@ -95,7 +95,7 @@ pub(super) fn of_drives(
         ));
     }
     let mut rows = Vec::new();
-    let minutes = params.settings().minutes.iter().copied();
+    let minutes = settings.minutes.iter().copied();
     for minutes in std::iter::once(0.0).chain(minutes).map(Some).chain([None]) {
         let points: Vec<&CurvePoint> = curves
             .iter()

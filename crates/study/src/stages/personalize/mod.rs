@@ -17,9 +17,7 @@ use crate::{
     },
 };
 use maveric_domain::{AdbScore, Drive, Score};
-use maveric_model::{
-    ModelError, PersonalizeParams, PersonalizeSettings, Personalizer, style_space::AggressionAxis,
-};
+use maveric_model::{ModelError, Personalizer, style_space::LinearHead};
 use maveric_participants::Part;
 use serde::Serialize;
 use std::{collections::BTreeSet, path::PathBuf};
@@ -54,8 +52,10 @@ pub struct PersonalizeOptions {
 pub struct PersonalizedDrives {
     /// Drives.
     pub drives: usize,
-    /// Drives left out: too short, or showing no habit.
+    /// Drives left out: too short.
     pub left_out: usize,
+    /// Drives that show no habit: nothing is known of their drivers but what is known of everybody.
+    pub without_habits: usize,
     /// Scored participants of whom no drive is here.
     pub scored_without_drive: usize,
     /// Median standard error over drives and coordinates; none where no drive is long enough to tell.
@@ -75,7 +75,7 @@ struct Task<'a> {
 
 /// Fits an embedding to every drive of a folder: with its ADB score where there is one, and always without.
 ///
-/// A drive that is too short or shows no habit is left out with a warning.
+/// A drive that is too short is left out with a warning; one that shows no habit says nothing, with a warning.
 ///
 /// # Errors
 /// [`StudyError`] if model, drives or scores cannot be read, no drive is as long as a window, or no score belongs to any
@@ -110,11 +110,7 @@ pub fn personalize(
         _ => 0,
     };
     let scores = scores.unwrap_or_default();
-    let settings = PersonalizeSettings {
-        fit_fraction: options.fit_fraction,
-        ..PersonalizeSettings::default()
-    };
-    let personalizer = Personalizer::new(&model, PersonalizeParams::new(settings)?);
+    let personalizer = Personalizer::of_first(&model, options.fit_fraction)?;
     let mut tasks = Vec::new();
     let mut warnings = Vec::new();
     for drive in &drives {
@@ -140,9 +136,7 @@ pub fn personalize(
         &personalizer,
         task,
     ) {
-        Err(StudyError::Model(
-            short @ (ModelError::DriveTooShort { .. } | ModelError::NoHabits { .. }),
-        )) => Ok(Err(short)),
+        Err(StudyError::Model(short @ ModelError::DriveTooShort { .. })) => Ok(Err(short)),
         other => other.map(Ok),
     })?;
     let mut rows = Vec::new();
@@ -167,6 +161,15 @@ pub fn personalize(
     }
     let left_out = short.len();
     warnings.extend(short);
+    let blank: BTreeSet<&str> = rows
+        .iter()
+        .filter(|row| row.readings == Some(0))
+        .map(|row| row.drive.as_str())
+        .collect();
+    let without_habits = blank.len();
+    warnings.extend(blank.into_iter().map(|drive| {
+        format!("drive {drive}: shows no habit (no free road, nobody followed or passed), so its driver is taken as anybody")
+    }));
     let mut summary = Vec::new();
     let learning_curve = match &options.learning_curve {
         Some(path) => {
@@ -198,6 +201,7 @@ pub fn personalize(
     let value = PersonalizedDrives {
         drives: drives.len() - left_out,
         left_out,
+        without_habits,
         scored_without_drive,
         median_standard_error,
         learning_curve,
@@ -257,7 +261,7 @@ fn median_standard_error(rows: &[EmbeddingRow]) -> Option<f64> {
 fn fit(personalizer: &Personalizer<'_>, task: &Task<'_>) -> Result<EmbeddingRow, StudyError> {
     let score = task.adb.filter(|_| task.use_adb);
     let found = personalizer.fit(task.drive, score)?;
-    let axis = AggressionAxis::of(personalizer.model()).ok();
+    let axis = LinearHead::aggression(personalizer.model()).ok();
     let meta = task.drive.meta();
     Ok(EmbeddingRow {
         drive: meta.drive.clone(),

@@ -13,7 +13,7 @@ use crate::{
 use maveric_domain::{ConditionId, DriveId, Moment, ParticipantId, nearest};
 use maveric_model::{
     Model,
-    style_space::{AggressionAxis, AttributeHead, LinearHead},
+    style_space::{AttributeHead, LinearHead},
 };
 use serde::Serialize;
 use std::{
@@ -71,7 +71,7 @@ impl Heads {
     pub(super) fn fit(
         model: &Model,
         model_path: &Path,
-        axis: &AggressionAxis,
+        axis: &LinearHead,
         options: &AttributeOptions,
         baseline: Option<ConditionId>,
     ) -> Result<Self, StudyError> {
@@ -83,7 +83,7 @@ impl Heads {
         };
         for name in std::iter::once(&options.name).chain(&options.hold) {
             if name == AGGRESSION {
-                heads.all.push(LinearHead::aggression(axis));
+                heads.all.push(axis.clone());
                 continue;
             }
             let found = scores_of(&options.scores, name, &training, baseline)?;

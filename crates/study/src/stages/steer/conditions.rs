@@ -18,7 +18,7 @@ use maveric_domain::{
 };
 use maveric_model::{
     Model, ModelError,
-    style_space::{AggressionAxis, PerpendicularEllipse, shift},
+    style_space::{LinearHead, PerpendicularEllipse},
 };
 use rand_pcg::{Pcg64Mcg, rand_core::SeedableRng};
 use std::path::Path;
@@ -29,7 +29,7 @@ type Place = (Embedding, Option<f64>, Option<f64>);
 struct Steering<'a> {
     model: &'a Model,
     /// None where the model has no style head.
-    axis: Option<&'a AggressionAxis>,
+    axis: Option<&'a LinearHead>,
     ellipse: Option<PerpendicularEllipse>,
     /// Points of the model for one of the design's: a `--points` that is not the design's own step.
     stretch: f64,
@@ -43,7 +43,7 @@ pub(super) fn conditions(
     options: &SteerOptions,
     study: &DesignFile,
     model: &Model,
-    axis: Option<&AggressionAxis>,
+    axis: Option<&LinearHead>,
     own: &[&EmbeddingRow],
     watch: Watch<'_>,
 ) -> Result<Outcome<Steered>, StudyError> {
@@ -171,8 +171,8 @@ impl Steering<'_> {
                 if points.abs() < f64::EPSILON {
                     return Ok(Some((own.clone(), Some(0.0), None)));
                 }
-                let axis = self.axis.ok_or(ModelError::NoAggressionAxis)?;
-                let moved = shift(axis, own, points)?;
+                let axis = self.axis.ok_or(ModelError::NoLinearHead)?;
+                let moved = axis.shift(own, points)?;
                 self.shifts += 1;
                 self.clamped += usize::from(moved.clamped);
                 Some((moved.embedding, Some(moved.effective_points), None))
@@ -204,7 +204,7 @@ impl Steering<'_> {
 
     /// Ŝ at an embedding; none where the model has no style head.
     fn hat(&self, style: &Embedding) -> Result<Option<f64>, ModelError> {
-        self.axis.map(|axis| axis.aggression_hat(style)).transpose()
+        self.axis.map(|axis| axis.read(style)).transpose()
     }
 }
 

@@ -20,7 +20,7 @@ use crate::{
 use maveric_domain::{ConditionId, Embedding, ParticipantId};
 use maveric_model::{
     Model, ModelError,
-    style_space::{AggressionAxis, share_outside_training},
+    style_space::{LinearHead, share_outside_training},
 };
 use serde::Serialize;
 use std::path::PathBuf;
@@ -90,8 +90,8 @@ pub fn steer(options: &SteerOptions, watch: Watch<'_>) -> Result<Outcome<Steered
     let rows = read_embeddings(&options.embeddings)?;
     let study = DesignFile::find(options.design.as_deref())?;
     let sweeps = !options.sweep.is_empty() || options.attribute.is_some();
-    let axis = match AggressionAxis::of(&model) {
-        Err(ModelError::NoAggressionAxis) if !sweeps && !study.design.has_a_dial() => None,
+    let axis = match LinearHead::aggression(&model) {
+        Err(ModelError::NoLinearHead) if !sweeps && !study.design.has_a_dial() => None,
         axis => Some(axis?),
     };
     let Some(baseline) = study.design.baseline_id() else {

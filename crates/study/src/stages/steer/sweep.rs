@@ -19,7 +19,7 @@ use maveric_domain::{
 };
 use maveric_model::{
     Model,
-    style_space::{AggressionAxis, LinearHead, StyleMetric, shift},
+    style_space::{LinearHead, StyleMetric},
 };
 
 /// A step of the dial, in points, where nothing says how far one is.
@@ -30,7 +30,7 @@ const UNMOVED: f64 = 1e-6;
 pub(super) fn sweep(
     options: &SteerOptions,
     design: &Design,
-    (model, axis): (&Model, &AggressionAxis),
+    (model, axis): (&Model, &LinearHead),
     own: &[&EmbeddingRow],
     watch: Watch<'_>,
 ) -> Result<Outcome<Steered>, StudyError> {
@@ -67,7 +67,7 @@ pub(super) fn sweep(
             let m = metric.move_along(&all, from, by)?;
             Ok((m.embedding, m.effective_points, m.clamped))
         } else {
-            let s = shift(axis, from, by)?;
+            let s = axis.shift(from, by)?;
             Ok((s.embedding, s.effective_points, s.clamped))
         }
     };
@@ -79,11 +79,11 @@ pub(super) fn sweep(
     let mut clamped = 0;
     for row in own {
         watch.check()?;
-        let own_hat = axis.aggression_hat(&row.embedding)?;
+        let own_hat = axis.read(&row.embedding)?;
         for &requested_points in &points {
             let (embedding, attribute_points, cut) = moved(&row.embedding, requested_points)?;
             clamped += usize::from(cut);
-            let adb_hat = axis.aggression_hat(&embedding)?;
+            let adb_hat = axis.read(&embedding)?;
             let moved_points = adb_hat - own_hat;
             let ends = embedding.coordinates().iter();
             let step: Vec<f64> = ends

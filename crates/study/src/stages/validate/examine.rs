@@ -8,8 +8,8 @@ use crate::{
 use maveric_domain::{AdbScore, Drive, DriveId, DriveMeta, DrivenBy, Embedding, stream_seed};
 use maveric_measures::likeness::{Window, windows};
 use maveric_model::{
-    Model, PersonalizeParams, PersonalizeSettings, Personalized, personalize,
-    style_space::{AggressionAxis, PerpendicularEllipse, share_outside_training, shift},
+    Model, Personalized, personalize,
+    style_space::{LinearHead, PerpendicularEllipse, share_outside_training},
 };
 use maveric_rehearsal::validation::{
     Across, Agreement, Dial, Driven, Fidelity, Identification, Known, Likeness, Values, across,
@@ -104,7 +104,7 @@ impl Examination<'_> {
             training,
             trained_on,
         } = self.people;
-        let axis = AggressionAxis::of(model)?;
+        let axis = LinearHead::aggression(model)?;
         let known = |people: &[Person], of: Day, with: bool| {
             for_each_on(self.jobs, people, watch, "embeddings", |p| {
                 known_style(model, of(p), p.adb.filter(|_| with))
@@ -131,7 +131,7 @@ impl Examination<'_> {
             let labels = [person.participant.as_str(), "perpendicular"];
             let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(self.seed, &labels));
             let point = ellipse.sample(w, &mut rng)?;
-            let change = axis.aggression_hat(&point.embedding)? - axis.aggression_hat(w)?;
+            let change = axis.read(&point.embedding)? - axis.read(w)?;
             moved.push((point.angle_rad, change.abs()));
             rides.push(Self::ride(person, &point.embedding, 0));
         }
@@ -286,13 +286,13 @@ impl Examination<'_> {
     /// Driver by driver, setting by setting, road by road.
     fn dial_rides(
         &self,
-        axis: &AggressionAxis,
+        axis: &LinearHead,
         scored: &[Embedding],
     ) -> Result<Vec<Ride<'_>>, StudyError> {
         let mut rides = Vec::new();
         for (person, w) in self.people.test.iter().zip(scored) {
             for points in STEPS {
-                let there = shift(axis, w, points)?.embedding;
+                let there = axis.shift(w, points)?.embedding;
                 rides.extend((0..self.worlds).map(|world| Self::ride(person, &there, world)));
             }
         }
@@ -358,12 +358,7 @@ fn known_style(
     drive: &Drive,
     adb: Option<AdbScore>,
 ) -> Result<Personalized, StudyError> {
-    let settings = PersonalizeSettings {
-        use_adb: adb.is_some(),
-        ..PersonalizeSettings::default()
-    };
-    let params = PersonalizeParams::new(settings)?;
-    Ok(personalize(model, drive, adb, &params)?)
+    Ok(personalize(model, drive, adb)?)
 }
 
 /// Styles with their covariances; `None` where one has none.

@@ -13,7 +13,7 @@ use crate::{
 use maveric_analysis::{AggressionLine as Line, LineRow};
 use maveric_domain::{ConditionId, DriveId, MetresPerSecond};
 use maveric_model::Model;
-use maveric_model::style_space::{AggressionAxis, PerpendicularEllipse};
+use maveric_model::style_space::{LinearHead, PerpendicularEllipse};
 use maveric_report::{
     claims::LedgerRow,
     figures::{
@@ -37,7 +37,7 @@ pub(super) fn section_embedding(
     let (Some(model), Some(line)) = (&run.model, &run.analysis.line) else {
         return Ok(None);
     };
-    let axis = AggressionAxis::of(model)?;
+    let axis = LinearHead::aggression(model)?;
     let mut points = Vec::new();
     for row in trained(folder)? {
         if let (Some(score_points), Some(mean_velocity_mps)) = (row.adb, speed_of(run, &row.drive))
@@ -145,7 +145,7 @@ pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError>
         return Ok(None);
     };
     let solid = |values: &[f64]| <[f64; 3]>::try_from(values).ok();
-    let axis = AggressionAxis::of(model)?;
+    let axis = LinearHead::aggression(model)?;
     let Some(gradient) = solid(axis.gradient()) else {
         return Ok(None);
     };

@@ -73,8 +73,8 @@ fn learning(training: &TrainingSummary) -> String {
         networks.rows,
         settings.batch_size,
         networks.selection.as_ref().map_or_else(String::new, |s| format!(
-            "their number was chosen on {} rows kept back, after which the model learned from all of them; ",
-            s.validation_rows
+            "their number was chosen on {} people kept back, after which the model learned from everybody; ",
+            s.people
         )),
         training.seed
     )

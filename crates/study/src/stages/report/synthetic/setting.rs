@@ -8,10 +8,10 @@ use crate::{
         report::{people::People, scene},
         train::{NetworkSummary, TrainingSummary},
     },
-    tables::Table as File,
+    tables::{Table as File, embeddings::read_embeddings},
 };
 use maveric_domain::design::By;
-use maveric_model::{Model, Quality, RowsOf};
+use maveric_model::{HeldOut, Model, Selection};
 use maveric_report::{
     Figure,
     figures::{
@@ -26,7 +26,7 @@ use maveric_report::{
     html::Section,
     tables::{self, Cell, Column, Exclusion, Reliability, Table},
 };
-use std::path::Path;
+use std::{collections::BTreeSet, path::Path};
 
 pub(super) fn section_study(
     folder: &Path,
@@ -176,37 +176,55 @@ pub(super) fn section_model(run: &Run) -> Result<Option<Section>, StudyError> {
         networks.rows,
         training.drives
     )];
-    let mut said = |of: &str, quality: &Quality| {
-        let speed = quality
+    let learned_from = &networks.quality;
+    let errors = [
+        learned_from
             .speed_mps
             .as_ref()
-            .map(|f| format!("ego speed {:.2} m/s", f.rmse));
-        let gap = quality.following_distance_m.as_ref();
-        let gap = gap.map(|f| format!("following distance {:.1} m", f.rmse));
-        let both: Vec<String> = speed.into_iter().chain(gap).collect();
-        if !both.is_empty() {
-            intro.push(format!(
-                "Root-mean-square errors {of}: {}.",
-                both.join(", ")
-            ));
-        }
-    };
-    said(
-        "of the networks that drive, on the rows they learned from",
-        &networks.quality,
-    );
-    if let Some(selection) = &networks.selection {
-        said(
-            "of networks that did not see the last part of each drive, there",
-            &selection.quality,
-        );
+            .map(|f| format!("ego speed {:.2} m/s", f.rmse)),
+        learned_from
+            .following_distance_m
+            .as_ref()
+            .map(|f| format!("following distance {:.1} m", f.rmse)),
+    ];
+    let errors: Vec<String> = errors.into_iter().flatten().collect();
+    if !errors.is_empty() {
+        intro.push(format!(
+            "Root-mean-square errors of the networks that drive, on the rows they learned from: {}.",
+            errors.join(", ")
+        ));
     }
+    intro.extend(networks.selection.as_ref().map(kept_back));
     Ok(Some(Section {
         title: "The model".to_owned(),
         intro,
         figures,
         tables: Vec::new(),
     }))
+}
+
+/// F and V for people kept back, beside those people's own means.
+fn kept_back(selection: &Selection) -> String {
+    type Of = fn(&HeldOut) -> Option<f64>;
+    let both: [(&str, &str, Of); 2] = [
+        ("ego speed", "m/s", |h| h.speed_mps),
+        ("following distance", "m", |h| h.following_distance_m),
+    ];
+    let beside = |(what, unit, of): (&str, &str, Of)| {
+        let (found, own) = (of(&selection.networks)?, of(&selection.own_means)?);
+        let than = if found < own { "better" } else { "no better" };
+        Some(format!(
+            "{what} {found:.2} {unit}, {than} than the driver’s own mean ({own:.2} {unit})"
+        ))
+    };
+    let said: Vec<String> = both.into_iter().filter_map(beside).collect();
+    format!(
+        "Networks trained without {} of the people, for as many passes ({}), on the last third of these people’s drives, known by the first \
+         two: {}.",
+        selection.people,
+        selection.kept_epoch,
+        said.join("; ")
+    )
 }
 
 /// What each linear head learned from and how it does on driving kept back.
@@ -325,6 +343,20 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
             });
         }
     }
+    let embeddings = folder.join("embeddings.csv");
+    if embeddings.is_file() {
+        let rows = read_embeddings(&embeddings)?;
+        let blank: BTreeSet<String> = rows
+            .iter()
+            .filter(|row| row.readings == Some(0))
+            .map(|row| row.drive.to_string())
+            .collect();
+        found.extend(blank.into_iter().map(|who| Exclusion {
+            who,
+            what: "personalize".to_owned(),
+            why: "shows no habit: its driver is taken as anybody".to_owned(),
+        }));
+    }
     for file in ["scores_exclusions.csv", "rating_scores_exclusions.csv"] {
         let path = folder.join(file);
         if !path.is_file() {
@@ -383,7 +415,7 @@ fn training_of(
         ("*L*_{4} style", |l| l.aggression),
         ("*L*_{5} mutual information", |l| l.mutual_information),
     ];
-    // The run that kept rows back shows both curves; the one that made the model has learned from all.
+    // The run that kept people back shows both curves; the one that made the model has learned from all.
     let epochs = networks
         .selection
         .as_ref()
@@ -402,9 +434,10 @@ fn training_of(
         drives: training.drives,
     };
     let mut figures = vec![training_curves(&curves, &run.context)?];
-    let kept = networks.selection.as_ref().map(|s| &s.quality);
-    let quality = kept.unwrap_or(&networks.quality);
-    let held_out = quality.on == RowsOf::Validation;
+    let (quality, drives, held_out) = match &networks.selection {
+        Some(kept) => (&kept.quality, kept.drives, true),
+        None => (&networks.quality, training.drives, false),
+    };
     if let Some(found) = &quality.lane_change {
         let bins = found.bins.iter().filter(|b| b.seconds >= 1.0);
         let input = Calibration {
@@ -416,7 +449,7 @@ fn training_of(
                 })
                 .collect(),
             expected_error: found.expected_calibration_error,
-            drives: training.drives,
+            drives,
             held_out,
         };
         if !input.bins.is_empty() {
@@ -435,7 +468,7 @@ fn training_of(
                 title: title.to_owned(),
                 axis: format!("Predicted − recorded ({unit})"),
                 unit: unit.to_owned(),
-                quantiles: found.quantiles.iter().map(|q| (q.share, q.value)).collect(),
+                quantiles: found.quantiles.clone(),
                 mean: found.mean,
                 rms: found.rmse,
                 rows: found.rows,
@@ -445,7 +478,7 @@ fn training_of(
     if !panels.is_empty() {
         let input = Residuals {
             panels,
-            drives: training.drives,
+            drives,
             held_out,
         };
         figures.push(residuals(&input, &run.context)?);

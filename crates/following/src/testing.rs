@@ -1,4 +1,4 @@
-//! Made-up runs for the tests of this folder.
+//! Made-up runs for the tests of this crate.
 
 use crate::{
     closed_loop::{ClosedLoop, simulate},

@@ -1,9 +1,9 @@
 //! The losses of one row in plain double-precision loops that share nothing with the kernel: its witness.
 
-use super::tile::Known;
+use crate::fused::tile::Known;
 use crate::{
     losses::{LossWeights, Reading},
-    network::{Networks, mlp::Mlp},
+    network::{Mlp, Networks},
 };
 
 /// What the losses of one row depend on beside `w` and the parameters.
@@ -17,17 +17,13 @@ pub(super) struct Row<'a> {
 
 fn run(mlp: &Mlp, parameters: &[f64], input: Vec<f64>) -> Vec<f64> {
     let mut x = input;
-    for (index, layer) in mlp.layers().iter().enumerate() {
+    for (index, layer) in mlp.iter().enumerate() {
         assert_eq!(x.len(), layer.inputs);
         let lines = layer.weights(parameters).chunks_exact(layer.inputs);
         let y = lines.zip(layer.biases(parameters)).map(|(line, bias)| {
             let sum: f64 = line.iter().zip(&x).map(|(w, x)| w * x).sum();
             let y = bias + sum;
-            if index + 1 < mlp.layers().len() {
-                y.max(0.0)
-            } else {
-                y
-            }
+            if index + 1 < mlp.len() { y.max(0.0) } else { y }
         });
         x = y.collect();
     }
@@ -50,18 +46,18 @@ pub(super) fn loss(
     let [lead, distance, change, speed] = row.known.values.map(f64::from);
     let [c1, c2, c3, c5] = row.known.weights.map(f64::from);
 
-    let z_l = run(&n.lane_change.encoded.encoder, window[..3 * steps].to_vec());
-    let z_v = run(&n.velocity.encoded.encoder, window[steps..].to_vec());
-    let f_hat = run(&n.following_distance.head, with(&[lead]))[0];
-    let logits = run(&n.lane_change.encoded.head, with(&z_l));
-    let v_hat = run(&n.velocity.encoded.head, with(&z_v))[0];
-    let s_hat = run(&n.style.layer, w.to_vec())[0];
+    let z_l = run(&n.lane_encoder, window[..3 * steps].to_vec());
+    let z_v = run(&n.speed_encoder, window[steps..].to_vec());
+    let f_hat = run(&n.following_distance, with(&[lead]))[0];
+    let logits = run(&n.lane_head, with(&z_l));
+    let v_hat = run(&n.speed_head, with(&z_v))[0];
+    let s_hat = run(&n.style, w.to_vec())[0];
     let p = logits[1].exp() / (logits[0].exp() + logits[1].exp());
     let right = if change > 0.5 { p } else { 1.0 - p };
 
     let outputs = [f_hat, p, v_hat, s_hat];
     let reads = std::iter::once(lead).chain(z_l).chain(z_v).chain(outputs);
-    let m = run(&n.mutual_information.head, reads.collect());
+    let m = run(&n.mutual_information, reads.collect());
     let d = w.len();
     let l5 = (0..d).map(|i| {
         let (mean, log_sd) = (m[i], m[d + i].clamp(-6.0, 3.0));

@@ -1,20 +1,22 @@
-//! The kernel against the central differences of [`super::witness`].
+//! The kernel against the central differences of [`witness`].
+
+mod witness;
 
 use super::{
     batch::{At, Batches},
     layout::Layout,
     tile::{Known, Tile},
-    witness::{self, Row},
 };
 use crate::{
     losses::{LossWeights, Reading},
-    network::{Architecture, Networks, mlp::Mlp},
+    network::{Architecture, Networks},
 };
 use pulp::Arch;
 use rand::{RngExt as _, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use std::ops::Range;
+use witness::Row;
 
 /// Sizes that leave remainders everywhere.
 const ODD: Architecture = Architecture {
@@ -156,7 +158,7 @@ impl Problem {
         let parameters = doubles(&self.parameters);
         let embeddings = doubles(&self.embeddings);
         let at = self.witnessed(&parameters, &embeddings, &weights, reading);
-        let layers = self.networks.all().into_iter().flat_map(Mlp::layers);
+        let layers = self.networks.all().into_iter().flatten();
         let places = layers.map(|layer| Some(layer.offset..layer.end()));
         let places = places
             .chain([None])
@@ -280,7 +282,7 @@ fn every_loss_alone_reaches_the_sub_networks_it_is_of_and_no_other() {
         let (_, gradient, by_embeddings) = problem.fused(Arch::new(), weights, Reading::Sample);
         assert!(by_embeddings.iter().any(|&g| g != 0.0));
         problem.networks.all().map(|mlp| {
-            let first = mlp.first();
+            let first = mlp[0];
             gradient[first.offset..first.end()]
                 .iter()
                 .any(|&g| g != 0.0)

@@ -17,10 +17,11 @@ const TRIES: usize = 12;
 
 /// A function at a point.
 #[derive(Debug, Clone)]
-pub(super) struct Evaluated {
-    pub(super) value: f64,
-    /// Shape `(d,)`.
-    pub(super) gradient: DVector<f64>,
+pub struct Evaluated {
+    /// The function.
+    pub value: f64,
+    /// Its gradient, shape `(d,)`.
+    pub gradient: DVector<f64>,
 }
 
 /// Minimises `f` from `start`, of which nothing is known beforehand: the first step goes down the gradient.
@@ -30,7 +31,7 @@ pub(super) struct Evaluated {
 ///
 /// # Source
 /// Lewis and Overton 2013, "Nonsmooth optimization via quasi-Newton methods": the line search is their algorithm 2.6.
-pub(super) fn minimise(
+pub fn minimise(
     mut f: impl FnMut(&DVector<f64>) -> Evaluated,
     start: DVector<f64>,
     most_iterations: usize,

@@ -1,7 +1,9 @@
 //! What a driver's own averages predict.
 
-use super::{Baseline, Said};
-use crate::rows::{Row, RowWeights};
+use crate::{
+    held_out::Said,
+    rows::{Row, RowWeights},
+};
 
 /// Mean of what there is.
 fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -22,7 +24,7 @@ fn time_gap(rows: &[Row]) -> Option<f64> {
 }
 
 /// Time with and without a change being started, in s.
-fn seconds(rows: &[Row]) -> [f64; 2] {
+fn seconds<'a>(rows: impl Iterator<Item = &'a Row>) -> [f64; 2] {
     let mut seconds = [0.0; 2];
     for row in rows {
         if let Some(change) = row.lane_change {
@@ -33,62 +35,45 @@ fn seconds(rows: &[Row]) -> [f64; 2] {
 }
 
 /// The driver's mean speed, mean gap and rate of changes; the others' where the driver shows none.
-pub(super) struct DriverMeans {
+pub(crate) struct OwnMeans {
     following_distance_m: Option<f64>,
+    time_gap_s: Option<f64>,
     rate: f64,
     raised: f64,
 }
 
-impl DriverMeans {
-    pub(super) fn of(of_each: &[Vec<Row>], weights: RowWeights) -> Self {
-        let [keeping, changing] = of_each
-            .iter()
-            .map(|rows| seconds(rows))
-            .fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+impl OwnMeans {
+    /// Learns what others do from the rows of each.
+    pub(crate) fn of(of_each: &[Vec<Row>], weights: &RowWeights) -> Self {
+        let [keeping, changing] = seconds(of_each.iter().flatten());
         Self {
             following_distance_m: mean(of_each.iter().flat_map(|rows| gaps(rows))),
+            time_gap_s: mean(of_each.iter().filter_map(|rows| time_gap(rows))),
             rate: changing / (keeping + changing).max(f64::MIN_POSITIVE),
             raised: weights.log_odds_raised,
         }
     }
-}
 
-impl Baseline for DriverMeans {
-    fn say(&self, known: &[Row], unseen: &[Row]) -> Vec<Said> {
-        let [keeping, changing] = seconds(known);
+    /// What the means of `known` rows say of any other.
+    pub(crate) fn say(&self, known: &[Row]) -> Said {
+        let [keeping, changing] = seconds(known.iter());
         // One change as the others make them is known beforehand, so that nobody has a rate of 0.
         let before = 1.0 / self.rate.max(1e-9);
         let change = changing + 1.0;
         let keep = keeping + before - 1.0;
-        let said = Said {
+        Said {
             following_distance_m: mean(gaps(known)).or(self.following_distance_m),
             log_odds: (self.rate > 0.0).then(|| (change / keep).ln() + self.raised),
             speed_mps: mean(known.iter().filter(|r| r.on_grid).map(|r| r.ego_speed_mps)),
-        };
-        vec![said; unseen.len()]
-    }
-}
-
-/// The driver's mean time gap times the lead's speed; the others' for who never follows.
-pub(super) struct ConstantTimeGap {
-    others_s: Option<f64>,
-}
-
-impl ConstantTimeGap {
-    pub(super) fn of(of_each: &[Vec<Row>]) -> Self {
-        Self {
-            others_s: mean(of_each.iter().filter_map(|rows| time_gap(rows))),
         }
     }
-}
 
-impl Baseline for ConstantTimeGap {
-    fn say(&self, known: &[Row], unseen: &[Row]) -> Vec<Said> {
-        let gap_s = time_gap(known).or(self.others_s);
-        let of_row = |row: &Row| Said {
+    /// What the mean time gap of `known` rows, times the lead's speed, says of a row.
+    pub(crate) fn by_time_gap(&self, known: &[Row], row: &Row) -> Said {
+        let gap_s = time_gap(known).or(self.time_gap_s);
+        Said {
             following_distance_m: gap_s.map(|s| s * row.lead_speed_mps),
             ..Said::default()
-        };
-        unseen.iter().map(of_row).collect()
+        }
     }
 }
