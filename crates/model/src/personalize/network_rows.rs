@@ -12,7 +12,7 @@ use crate::{
     },
     heads::Posterior,
     held_out::Said,
-    linear_algebra::dot,
+    linear_algebra::{dot, of_symmetric},
     losses::{Reading, Sums},
     paper::PaperNetworks,
     rows::Row,
@@ -26,7 +26,7 @@ const BLOCK_S: f64 = 30.0;
 const STEPS: usize = 60;
 /// Half the distance over which slopes are compared for the curvature, in SDs of drivers.
 const HALF: f64 = 0.1;
-/// Least curvature for a covariance, as a share of the largest: below it the drive says nothing of a direction.
+/// Least curvature in a direction, as a share of the largest: between kinks of ReLUs it may seem to be less.
 const FLAT: f64 = 1e-3;
 /// Log-odds of a probability that an `f32` cannot tell from 0 or 1.
 const SUREST: f64 = 30.0;
@@ -126,9 +126,11 @@ impl<'a> NetworkRows<'a> {
             curvature.set_column(i, &rise);
         }
         let curvature = 0.5 * (&curvature + curvature.transpose());
-        let values = curvature.symmetric_eigenvalues();
-        let determined = values.min() > FLAT * values.max() && self.blocks > d + 1;
-        let inverse = curvature.try_inverse().filter(|_| determined)?;
+        let least = FLAT * curvature.symmetric_eigenvalues().max();
+        if self.blocks <= d + 1 || least <= 0.0 {
+            return None;
+        }
+        let inverse = of_symmetric(&curvature, |v| 1.0 / v.max(least));
         let slopes = self.evaluate(at).1;
         Some(&inverse * &slopes * slopes.transpose() * &inverse)
     }
