@@ -2,7 +2,7 @@
 
 use crate::error::SeatPageError;
 use maveric_domain::{Drive, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording};
-use maveric_model::{Model, ModelError, PersonalizeParams, personalize};
+use maveric_model::{Model, personalize};
 use serde::{Deserialize, Serialize};
 
 /// A person's style, as far as one drive shows it.
@@ -37,19 +37,11 @@ pub fn fit(
         driven_by,
     };
     let drive = Drive::from_recording(meta, recording)?;
-    match personalize(model, &drive, None, &PersonalizeParams::default()) {
-        Ok(found) => Ok(Fit {
-            embedding: found.embedding.coordinates().to_vec(),
-            covariance: found.covariance,
-            score: found.aggression_hat,
-            readings: found.readings,
-        }),
-        Err(ModelError::NoHabits { .. }) => Ok(Fit {
-            embedding: model.mean_embedding().coordinates().to_vec(),
-            covariance: None,
-            score: None,
-            readings: 0,
-        }),
-        Err(error) => Err(error.into()),
-    }
+    let found = personalize(model, &drive, None)?;
+    Ok(Fit {
+        embedding: found.embedding.coordinates().to_vec(),
+        covariance: found.covariance,
+        score: found.aggression_hat,
+        readings: found.readings,
+    })
 }

@@ -2,10 +2,7 @@
 
 use crate::error::SeatPageError;
 use maveric_domain::{Embedding, Setpoints};
-use maveric_model::{
-    Model,
-    style_space::{AggressionAxis, shift},
-};
+use maveric_model::{Model, style_space::LinearHead};
 use maveric_simulator::{ControllerSettings, Planner, View};
 use maveric_steering::ModelPlanner;
 use std::{cell::Cell, rc::Rc};
@@ -59,7 +56,7 @@ fn at(model: &Model, own: &Embedding, points: f64) -> Result<Embedding, SeatPage
     if points.abs() <= 0.0 {
         return Ok(own.clone());
     }
-    Ok(shift(&AggressionAxis::of(model)?, own, points)?.embedding)
+    Ok(LinearHead::aggression(model)?.shift(own, points)?.embedding)
 }
 
 impl Planner for Rider {

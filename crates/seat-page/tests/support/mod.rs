@@ -14,7 +14,7 @@ pub(crate) fn model() -> Model {
             "pass" => (vec![-2.0, 1.0], 0.5),
             _ => (vec![4.0, 0.0], 0.5),
         };
-        json!({"name": head.name, "common": common, "slopes": [slope], "between_sd": 1.0, "within_sd": 1.0, "events": 9, "drives": 3})
+        json!({"name": head.name, "family": head.family, "common": common, "slopes": [slope], "between_sd": 1.0, "within_sd": 1.0, "events": 9, "drives": 3})
     });
     let heads: Vec<_> = heads.collect();
     serde_json::from_value(json!({
