@@ -5,30 +5,9 @@ use crate::{
     error::FollowingError,
     law::{Gains, Gipps, Helly, Idm, Law, Newell},
     run::Stretch,
-    search::search,
+    search::{SearchSettings, search},
 };
 use serde::{Deserialize, Serialize};
-
-/// How thoroughly to search.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct SearchSettings {
-    /// Members of the differential evolution for each parameter of the law.
-    pub members_per_parameter: usize,
-    /// Its generations at most.
-    pub generations: usize,
-    /// Moves of the simplex afterwards, at most.
-    pub simplex_steps: usize,
-}
-
-impl Default for SearchSettings {
-    fn default() -> Self {
-        Self {
-            members_per_parameter: 12,
-            generations: 200,
-            simplex_steps: 300,
-        }
-    }
-}
 
 /// A law and how well it fits what it was fitted to.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -18,7 +18,7 @@ pub mod simulation_errors;
 #[cfg(test)]
 mod testing;
 
-pub use calibrate::{Calibrated, Family, SearchSettings};
+pub use calibrate::{Calibrated, Family};
 pub use closed_loop::{ClosedLoop, simulate};
 pub use closed_loop_network::{
     ClosedLoopNetwork, ClosedLoopSeed, ClosedLoopSettings, ClosedLoopStudy, TrainedClosedLoop,
@@ -35,6 +35,7 @@ pub use results::{
     MethodSeries, TestSeries, median,
 };
 pub use run::{FollowingColumns, FollowingRun, Stretch};
+pub use search::SearchSettings;
 pub use settings::{FollowingSettings, SAFETY};
 pub use shrinkage::Shrinkage;
 pub use simulation_errors::SimulationErrors;

@@ -1,8 +1,29 @@
 //! Minimising a function of a few bounded numbers, without derivatives.
 
-use crate::calibrate::SearchSettings;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use serde::{Deserialize, Serialize};
+
+/// How thoroughly to search.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SearchSettings {
+    /// Members of the differential evolution for each parameter of the law.
+    pub members_per_parameter: usize,
+    /// Its generations at most.
+    pub generations: usize,
+    /// Moves of the simplex afterwards, at most.
+    pub simplex_steps: usize,
+}
+
+impl Default for SearchSettings {
+    fn default() -> Self {
+        Self {
+            members_per_parameter: 12,
+            generations: 200,
+            simplex_steps: 300,
+        }
+    }
+}
 
 /// A point and the cost there.
 #[derive(Debug, Clone, PartialEq)]

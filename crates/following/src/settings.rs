@@ -1,7 +1,9 @@
 //! How an evaluation is made.
 
 use crate::{
-    calibrate::SearchSettings, closed_loop_network::ClosedLoopSettings, error::FollowingError,
+    closed_loop_network::{ClosedLoopSettings, check},
+    error::FollowingError,
+    search::SearchSettings,
 };
 use maveric_laws::Rss;
 use serde::{Deserialize, Serialize};
@@ -58,23 +60,4 @@ impl FollowingSettings {
             ("standstill_gap_m", safety.standstill_gap_m, 0.0),
         ])
     }
-}
-
-/// Whether each setting (name, value, least value) is finite and not below its least value.
-pub(crate) fn check(settings: &[(&'static str, f64, f64)]) -> Result<(), FollowingError> {
-    for &(name, found, least) in settings {
-        if !(found.is_finite() && found >= least) {
-            let expected = match least {
-                1.0.. => "at least 1",
-                0.0 => "a finite number, 0 or above",
-                _ => "a finite number above 0",
-            };
-            return Err(FollowingError::BadSetting {
-                name,
-                found,
-                expected,
-            });
-        }
-    }
-    Ok(())
 }

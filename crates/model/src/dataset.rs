@@ -1,6 +1,7 @@
 //! The rows of all training drives, standardised and weighted.
 
 use crate::{
+    epochs::TrainingDrive,
     error::{ModelError, ModelWarning},
     fused::tile::{Known, Tile},
     losses::{Loss, LossWeights},
@@ -8,7 +9,6 @@ use crate::{
     params::TrainSettings,
     rows::{Row, RowWeights, left_out, now, rows_of},
     scaling::{Scaling, Standardization},
-    train::TrainingDrive,
     windows::SIGNALS,
 };
 use maveric_domain::{AdbScore, DriveId};

@@ -1,6 +1,6 @@
 //! What can go wrong with models.
 
-use crate::model::HeadsKind;
+use crate::heads_kind::HeadsKind;
 use maveric_domain::{DomainError, DriveId};
 
 /// A training, a personalising or a model file that this crate refuses.

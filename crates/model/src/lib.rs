@@ -4,9 +4,11 @@ pub mod ablation;
 mod adam;
 pub mod bfgs;
 mod dataset;
+mod epochs;
 pub mod error;
 mod fused;
 pub mod heads;
+mod heads_kind;
 mod held_out;
 mod linear_algebra;
 mod losses;
@@ -26,8 +28,9 @@ pub mod style_space;
 #[cfg(test)]
 #[path = "../tests/support/drives.rs"]
 mod test_drives;
-pub mod train;
+mod train;
 mod trainer;
+mod training_report;
 mod whitening;
 pub mod windows;
 
@@ -35,11 +38,13 @@ pub use ablation::{
     Ablated, AblationSettings, Variant, VariantKind, VariantResult, ablate, variants,
 };
 pub use adam::cosine;
+pub use epochs::{EpochReport, TrainingDrive};
 pub use error::{ModelError, ModelWarning};
 pub use heads::{FittedHead, HEADS, HeadReport, KeptBack, StyleHead};
+pub use heads_kind::HeadsKind;
 pub use held_out::HeldOut;
 pub use losses::{Loss, LossTerms, LossWeights, MutualInformationLoss};
-pub use model::{Habits, Heads, HeadsKind, LinearHeads, Model, TrainingEmbedding};
+pub use model::{Habits, Heads, LinearHeads, Model, TrainingEmbedding};
 pub use network::Architecture;
 pub use paper::{Learned, PaperNetworks};
 pub use params::TrainSettings;
@@ -50,5 +55,6 @@ pub use personalize::{
 pub use predict::{Prediction, Predictor};
 pub use quality::{Calibration, CalibrationBin, Quality, Residuals};
 pub use selection::Selection;
-pub use train::{EpochReport, NetworkReport, Trained, TrainingDrive, TrainingReport, train};
+pub use train::train;
+pub use training_report::{NetworkReport, Trained, TrainingReport};
 pub use windows::{Window, WindowBuffer, WindowSettings};

@@ -3,31 +3,13 @@
 use crate::{
     error::ModelError,
     heads::{FittedHead, OwnHead, StyleHead, at, check, held_up},
+    heads_kind::HeadsKind,
     paper::PaperNetworks,
 };
 use maveric_domain::{DriveId, Embedding};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
-use std::{fmt, str::FromStr};
-
-/// Which heads a model has.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum HeadsKind {
-    /// Habits as events, linear in the style: [`crate::HEADS`].
-    Linear,
-    /// The paper's five networks.
-    Paper,
-}
-
-impl fmt::Display for HeadsKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Linear => "linear",
-            Self::Paper => "paper",
-        })
-    }
-}
+use std::str::FromStr;
 
 impl FromStr for HeadsKind {
     type Err = ModelError;

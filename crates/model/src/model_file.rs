@@ -82,10 +82,8 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Model, ModelError> {
 mod tests {
     use super::*;
     use crate::{
-        model::HeadsKind,
-        params::TrainSettings,
-        test_drives::drivers,
-        train::{TrainingDrive, train},
+        epochs::TrainingDrive, heads_kind::HeadsKind, params::TrainSettings, test_drives::drivers,
+        train::train,
     };
     use std::ops::ControlFlow;
 

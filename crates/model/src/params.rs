@@ -2,8 +2,8 @@
 
 use crate::{
     error::ModelError,
+    heads_kind::HeadsKind,
     losses::{LossWeights, MutualInformationLoss},
-    model::HeadsKind,
     network::Architecture,
     rows::RowSettings,
     windows::WindowSettings,

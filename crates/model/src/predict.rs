@@ -156,9 +156,7 @@ impl Predictor {
 mod tests {
     use super::*;
     use crate::{
-        params::TrainSettings,
-        test_drives::drivers,
-        train::{TrainingDrive, train},
+        epochs::TrainingDrive, params::TrainSettings, test_drives::drivers, train::train,
         windows::WindowSettings,
     };
     use maveric_domain::{AdbScore, Drive};

@@ -2,6 +2,7 @@
 
 use crate::{
     dataset::Data,
+    epochs::{EpochReport, Observe, TrainingDrive, tell},
     error::ModelError,
     held_out::{HeldOut, Said, cut},
     losses::Sums,
@@ -11,7 +12,6 @@ use crate::{
     personalize::NetworkRows,
     quality::Quality,
     rows::{Row, rows_of},
-    train::{EpochReport, Observe, TrainingDrive, epoch, finish, tell},
     trainer::Trainer,
 };
 use maveric_domain::{ParticipantId, stream_seed};
@@ -86,8 +86,8 @@ pub(crate) fn select(
         if settings.patience > 0 && number > kept_epoch + settings.patience {
             break;
         }
-        let mut report = epoch(&mut trainer, number)?;
-        let (sums, said) = say(&finish(&data, settings, &trainer)?, &judged)?;
+        let mut report = trainer.epoch(number)?;
+        let (sums, said) = say(&trainer.model()?, &judged)?;
         let losses = sums.terms(None, settings.embedding_size);
         let total = losses.total(&data.active_weights(&settings.loss_weights));
         report.validation = Some(losses);

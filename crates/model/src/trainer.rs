@@ -3,18 +3,23 @@
 use crate::{
     adam::{Adam, cosine, decay_and_norm},
     dataset::{Data, RowSet},
+    epochs::EpochReport,
+    error::ModelError,
     fused::{
         batch::{At, Batches},
         matrix::Aligned,
         tile::Tile,
     },
     losses::{LossWeights, MutualInformationLoss, Reading, Sums, aggression},
+    model::{Heads, Model, ModelParts, TrainingEmbedding},
     network::Networks,
+    paper::PaperNetworks,
     params::TrainSettings,
-    train::EpochReport,
+    whitening::Whitening,
     windows::SIGNALS,
 };
-use maveric_domain::stream_seed;
+use maveric_domain::{Embedding, stream_seed};
+use nalgebra::DVector;
 use pulp::Arch;
 use rand::{SeedableRng, seq::SliceRandom};
 use rand_distr::{Distribution, StandardNormal};
@@ -56,13 +61,13 @@ pub(crate) struct Trainer<'a> {
     packed: Aligned,
     is_weight: Aligned,
     /// Shape `(drives, d)`.
-    pub(crate) embeddings: Vec<f32>,
+    embeddings: Vec<f32>,
     adam: Adam,
     embedding_adam: Adam,
     kernel: Batches,
     order: Vec<u32>,
     batches: usize,
-    pub(crate) epochs: usize,
+    epochs: usize,
 }
 
 impl<'a> Trainer<'a> {
@@ -112,12 +117,45 @@ impl<'a> Trainer<'a> {
         }
     }
 
-    /// The networks' parameters.
-    pub(crate) fn parameters(&self) -> Vec<f32> {
-        self.kernel.layout.unpack(&self.packed)
+    /// Whitens the embeddings and packs what was learned so far.
+    pub(crate) fn model(&self) -> Result<Model, ModelError> {
+        let (data, settings) = (self.data, self.settings);
+        let d = settings.embedding_size;
+        let raw = self.embeddings.chunks_exact(d);
+        let raw: Vec<DVector<f64>> = raw
+            .map(|w| DVector::from_iterator(d, w.iter().map(|&x| f64::from(x))))
+            .collect();
+        let (whitening, white) = Whitening::of(&raw, d);
+        let mut training = Vec::with_capacity(white.len());
+        for ((drive, w), &mean_speed_mps) in
+            data.drives.iter().zip(&white).zip(&data.mean_speed_mps)
+        {
+            training.push(TrainingEmbedding {
+                drive: drive.clone(),
+                embedding: Embedding::new(w.iter().copied().collect())?,
+                mean_speed_mps,
+            });
+        }
+        Model::try_from(ModelParts {
+            embedding_size: d,
+            training,
+            heads: Heads::Paper(Box::new(PaperNetworks {
+                architecture: settings.architecture(),
+                windows: settings.windows(),
+                row_rate_hz: settings.row_rate_hz,
+                loss_weights: self.weights,
+                scaling: data.scaling,
+                row_weights: data.row_weights,
+                learned: data.learned,
+                speed_range_mps: data.speed_range_mps,
+                whitening,
+                parameters: self.kernel.layout.unpack(&self.packed),
+            })),
+        })
     }
 
-    pub(crate) fn epoch(&mut self, epoch: usize) -> EpochReport {
+    /// One epoch, if it stays among numbers.
+    pub(crate) fn epoch(&mut self, epoch: usize) -> Result<EpochReport, ModelError> {
         let label = epoch.to_string();
         let shuffle = stream_seed(self.seed, &["train", "order", &label]);
         let rows = self.data.rows.len();
@@ -136,15 +174,19 @@ impl<'a> Trainer<'a> {
         }
         let l4 = self.data.learned.aggression.then_some(aggression);
         let losses = sums.terms(l4, self.settings.embedding_size);
-        EpochReport {
+        let total = losses.total(&self.weights);
+        if !total.is_finite() || self.packed.iter().any(|p| !p.is_finite()) {
+            return Err(ModelError::Diverged { epoch });
+        }
+        Ok(EpochReport {
             epoch,
             epochs: self.epochs,
             rows,
-            total: losses.total(&self.weights),
+            total,
             losses,
             validation: None,
             validation_total: None,
-        }
+        })
     }
 
     /// One batch: losses, and L4 before the step.

@@ -13,6 +13,7 @@ mod training;
 mod unrolled;
 
 pub use settings::ClosedLoopSettings;
+pub(crate) use settings::check;
 pub use study::{ClosedLoopSeed, ClosedLoopStudy, TrainedFor};
 pub(crate) use study::{study, train_all};
 

@@ -1,6 +1,6 @@
 //! How a network is made and trained in closed loop.
 
-use crate::{FollowingError, settings::check};
+use crate::FollowingError;
 use serde::{Deserialize, Serialize};
 
 /// How a network is made and trained in closed loop.
@@ -65,4 +65,23 @@ impl Default for ClosedLoopSettings {
     fn default() -> Self {
         Self::DEFAULT
     }
+}
+
+/// Whether each setting (name, value, least value) is finite and not below its least value.
+pub(crate) fn check(settings: &[(&'static str, f64, f64)]) -> Result<(), FollowingError> {
+    for &(name, found, least) in settings {
+        if !(found.is_finite() && found >= least) {
+            let expected = match least {
+                1.0.. => "at least 1",
+                0.0 => "a finite number, 0 or above",
+                _ => "a finite number above 0",
+            };
+            return Err(FollowingError::BadSetting {
+                name,
+                found,
+                expected,
+            });
+        }
+    }
+    Ok(())
 }

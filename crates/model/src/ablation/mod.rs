@@ -6,14 +6,16 @@
 mod linear;
 
 use crate::{
+    epochs::TrainingDrive,
     error::ModelError,
+    heads_kind::HeadsKind,
     held_out::{HeldOut, Said, cut},
-    model::{Habits, HeadsKind, Model},
+    model::{Habits, Model},
     own_means::OwnMeans,
     params::TrainSettings,
     personalize::{NetworkRows, Personalizer},
     rows::{Row, RowWeights, rows_of},
-    train::{TrainingDrive, train},
+    train::train,
 };
 use linear::LinearWindows;
 use maveric_domain::{Drive, DriveId, ParticipantId, stream_seed};

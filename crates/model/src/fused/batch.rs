@@ -5,8 +5,8 @@ use super::{
     matrix::{Aligned, Matrix},
     product::AddTo,
     roster::Roster,
-    through::{self, Gradients},
-    tile::{self, Predicted, Shared, Tile},
+    through::{self, Gradients, Shared},
+    tile::{self, Predicted, Tile},
 };
 use crate::{
     losses::{LossWeights, Reading, Sums},

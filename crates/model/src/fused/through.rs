@@ -4,8 +4,10 @@ use super::{
     layout::{Layer, Layout},
     matrix::{LANES, Matrix, View, ViewMut},
     product::{BackRelu, Finish, OuterSums, Plain, Relu, RowsTimes, ScatterRows, Start},
-    tile::Shared,
+    roster::Roster,
 };
+use crate::losses::{LossWeights, Reading};
+use pulp::Arch;
 
 const ONES: View<'static> = View {
     data: &[1.0],
@@ -15,6 +17,20 @@ const ONES: View<'static> = View {
 
 /// Sums that begin with nothing: as many zeros as the widest layer has outputs.
 pub(super) const ZERO: Start<'static> = Start::Bias(&[0.0; 8256]);
+
+/// What stays the same from tile to tile of a batch.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shared<'a> {
+    pub(crate) arch: Arch,
+    pub(crate) layout: &'a Layout,
+    pub(crate) packed: &'a [f32],
+    pub(crate) derived: &'a [f32],
+    pub(crate) roster: &'a Roster,
+    pub(crate) weights: LossWeights,
+    pub(crate) reading: Reading,
+    /// Of the gradients: one over the rows of the batch.
+    pub(crate) scale: f64,
+}
 
 /// Where the gradients of a lane gather.
 #[derive(Debug)]

@@ -4,28 +4,12 @@ use super::{
     layout::{Layer, Layout},
     matrix::Matrix,
     product::Start,
-    roster::Roster,
-    through::{Gradients, Through, ZERO},
+    through::{Gradients, Shared, Through, ZERO},
 };
-use crate::losses::{LossWeights, Reading, Sums, cross_entropy, normal, squared_error};
-use pulp::Arch;
+use crate::losses::{Sums, cross_entropy, normal, squared_error};
 
 /// Most rows of a tile: few enough that what a layer reads and writes stays in the nearest cache.
 pub(crate) const ROWS: usize = 64;
-
-/// What stays the same from tile to tile of a batch.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Shared<'a> {
-    pub(crate) arch: Arch,
-    pub(crate) layout: &'a Layout,
-    pub(crate) packed: &'a [f32],
-    pub(crate) derived: &'a [f32],
-    pub(crate) roster: &'a Roster,
-    pub(crate) weights: LossWeights,
-    pub(crate) reading: Reading,
-    /// Of the gradients: one over the rows of the batch.
-    pub(crate) scale: f64,
-}
 
 /// A row of data beside its window: what is known and what it counts for.
 #[derive(Debug, Clone, Copy, Default)]

@@ -1,9 +1,6 @@
 //! A head with its numbers: what training finds, and what a style makes of it.
 
-use super::{
-    family::Family,
-    head::{Event, HEADS},
-};
+use super::{family::Family, head::Event, list::HEADS};
 use crate::error::ModelError;
 use serde::{Deserialize, Serialize};
 

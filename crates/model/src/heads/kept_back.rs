@@ -4,7 +4,8 @@ use super::{
     family::{Family, Outcome},
     fit::{DriveEvents, fit},
     fitted::{FittedHead, OwnHead},
-    head::{Event, HEADS},
+    head::Event,
+    list::HEADS,
     posterior::solve,
 };
 use serde::{Deserialize, Serialize};

@@ -8,18 +8,9 @@ use super::{
     family::{Family, Outcome},
     fitted::FittedHead,
     head::Event,
-    style::StyleHead,
+    style::{Posterior, StyleHead},
 };
 use nalgebra::{Cholesky, DMatrix, DVector};
-
-/// A style as far as it is known.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Posterior {
-    /// Its mean, shape `(d,)`.
-    pub mean: Vec<f64>,
-    /// Its covariance, shape `(d, d)`, row by row.
-    pub covariance: Vec<f64>,
-}
 
 /// The unknowns of one drive: the style, then the own deviation of every head.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,5 @@
 //! S: the score that a style is read as, solved in closed form after training.
 
-use super::posterior::Posterior;
 use crate::{
     error::ModelError,
     linear_algebra::{dot, moments, spread},
@@ -10,6 +9,15 @@ use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
+
+/// A style as far as it is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Posterior {
+    /// Its mean, shape `(d,)`.
+    pub mean: Vec<f64>,
+    /// Its covariance, shape `(d, d)`, row by row.
+    pub covariance: Vec<f64>,
+}
 
 /// `S(w) = gradient·w + offset`, in points of the score, with how well the people learned from determine it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

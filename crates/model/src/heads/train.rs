@@ -2,55 +2,19 @@
 
 use super::{
     fit::{DriveEvents, fit},
-    fitted::FittedHead,
-    head::{HEADS, events_of},
-    kept_back::{KeptBack, kept_back},
+    kept_back::kept_back,
+    list::{HEADS, events_of},
+    report::HeadReport,
     style::{ScoredStyle, StyleHead},
 };
 use crate::{
+    epochs::TrainingDrive,
     error::{ModelError, ModelWarning},
     model::{Heads, LinearHeads, Model, ModelParts, TrainingEmbedding},
     params::TrainSettings,
-    train::{Trained, TrainingDrive, TrainingReport},
+    training_report::{Trained, TrainingReport},
 };
 use maveric_domain::{AdbScore, Drive, Embedding, ParticipantId};
-use serde::{Deserialize, Serialize};
-
-/// One head: what it learned from, and how it does on driving kept back.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct HeadReport {
-    /// Code name.
-    pub name: String,
-    /// Name for people.
-    pub title: String,
-    /// Unit of what it predicts.
-    pub unit: String,
-    /// Events learned from.
-    pub events: usize,
-    /// Drives among them.
-    pub drives: usize,
-    /// Share of how drives differ that the style explains; none where nothing was learned.
-    pub explained: Option<f64>,
-    /// On the last part of drives of people left out; none where too little is kept back.
-    pub kept_back: Option<KeptBack>,
-}
-
-impl HeadReport {
-    fn of(fitted: &FittedHead, which: usize, kept_back: Option<KeptBack>) -> Self {
-        let head = &HEADS[which];
-        let square = fitted.slopes.iter().map(|b| b * b).sum::<f64>();
-        let all = square + fitted.between_sd * fitted.between_sd;
-        Self {
-            name: head.name.to_owned(),
-            title: head.title.to_owned(),
-            unit: head.unit.to_owned(),
-            events: fitted.events,
-            drives: fitted.drives,
-            explained: fitted.learned().then(|| square / all),
-            kept_back,
-        }
-    }
-}
 
 /// Length of the first share of a drive's rows, in s.
 pub(crate) fn length_s(drive: &Drive, fraction: f64) -> f64 {

@@ -191,11 +191,8 @@ impl<'a> NetworkRows<'a> {
 mod tests {
     use super::*;
     use crate::{
-        model::HeadsKind,
-        params::TrainSettings,
-        rows::rows_of,
-        test_drives::drivers,
-        train::{TrainingDrive, train},
+        epochs::TrainingDrive, heads_kind::HeadsKind, params::TrainSettings, rows::rows_of,
+        test_drives::drivers, train::train,
     };
     use std::ops::ControlFlow;
 

@@ -1,9 +1,10 @@
 use super::*;
 use crate::{
-    model::HeadsKind,
+    epochs::TrainingDrive,
+    heads_kind::HeadsKind,
     params::TrainSettings,
     test_drives::{Habits, drive_apart, drivers_apart},
-    train::{TrainingDrive, train},
+    train::train,
 };
 use std::ops::ControlFlow;
 

@@ -1,4 +1,5 @@
 use super::*;
+use crate::{epochs::EpochReport, error::ModelWarning, losses::Loss};
 use crate::{
     losses::MutualInformationLoss,
     model_file,
@@ -6,6 +7,8 @@ use crate::{
     style_space::{LinearHead, PerpendicularEllipse, share_outside_training},
     test_drives::{Habits, drive, drivers},
 };
+use maveric_domain::{AdbScore, Drive, Embedding};
+use std::ops::ControlFlow;
 
 fn training(drives: &[(Drive, AdbScore)]) -> Vec<TrainingDrive<'_>> {
     let with_score = |(drive, adb)| TrainingDrive {

@@ -1,6 +1,6 @@
 use super::{
     super::{
-        head::{HEADS, at},
+        list::{HEADS, at},
         posterior::evaluate,
     },
     *,

@@ -1,0 +1,49 @@
+//! What is learned from, and how a pass over it went.
+
+use crate::{error::ModelError, losses::LossTerms};
+use maveric_domain::{AdbScore, Drive};
+use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
+
+/// A drive to learn from, and its driver's ADB score where there is one.
+#[derive(Debug, Clone, Copy)]
+pub struct TrainingDrive<'a> {
+    /// The drive.
+    pub drive: &'a Drive,
+    /// The score; L4 is taken over the drives that have one.
+    pub adb: Option<AdbScore>,
+}
+
+/// One pass over the rows.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct EpochReport {
+    /// Which, from 1.
+    pub epoch: usize,
+    /// Of how many.
+    pub epochs: usize,
+    /// Rows learned from.
+    pub rows: usize,
+    /// The losses while it ran, means over its batches.
+    pub losses: LossTerms,
+    /// Their weighted sum.
+    pub total: f64,
+    /// The losses on people kept back, at its end, L4 left out; only in the run that keeps some back.
+    #[serde(default)]
+    pub validation: Option<LossTerms>,
+    /// Their weighted sum.
+    #[serde(default)]
+    pub validation_total: Option<f64>,
+}
+
+/// Is told how an epoch went, and may stop the training.
+pub(crate) type Observe<'o> = dyn FnMut(&EpochReport) -> ControlFlow<()> + 'o;
+
+/// Tells how an epoch went.
+pub(crate) fn tell(observe: &mut Observe<'_>, report: &EpochReport) -> Result<(), ModelError> {
+    if observe(report).is_break() {
+        return Err(ModelError::Cancelled {
+            epoch: report.epoch,
+        });
+    }
+    Ok(())
+}
