@@ -30,7 +30,7 @@ fn main() -> Result<(), ModelError> {
         ..TrainSettings::default()
     };
     let model = train(&given, &params, 1, &mut |_| ControlFlow::Continue(()))?.model;
-    let personalizer = Personalizer::new(&model::default());
+    let personalizer = Personalizer::new(&model);
 
     let begun = Instant::now();
     let fit = |driver: u32| -> Result<f64, ModelError> {
