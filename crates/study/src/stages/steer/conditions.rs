@@ -171,7 +171,7 @@ impl Steering<'_> {
                 if points.abs() < f64::EPSILON {
                     return Ok(Some((own.clone(), Some(0.0), None)));
                 }
-                let axis = self.axis.ok_or(ModelError::NoLinearHead)?;
+                let axis = self.axis.ok_or(ModelError::NoAggressionAxis)?;
                 let moved = axis.shift(own, points)?;
                 self.shifts += 1;
                 self.clamped += usize::from(moved.clamped);

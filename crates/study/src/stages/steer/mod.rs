@@ -91,7 +91,7 @@ pub fn steer(options: &SteerOptions, watch: Watch<'_>) -> Result<Outcome<Steered
     let study = DesignFile::find(options.design.as_deref())?;
     let sweeps = !options.sweep.is_empty() || options.attribute.is_some();
     let axis = match LinearHead::aggression(&model) {
-        Err(ModelError::NoLinearHead) if !sweeps && !study.design.has_a_dial() => None,
+        Err(ModelError::NoAggressionAxis) if !sweeps && !study.design.has_a_dial() => None,
         axis => Some(axis?),
     };
     let Some(baseline) = study.design.baseline_id() else {
