@@ -10,11 +10,13 @@ import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 import * as checks from "./checks.mjs";
 import * as interactions from "./interactions.mjs";
+import { sheetsWith } from "./paper.mjs";
 
 const [file, folder] = process.argv.slice(2);
 const url = pathToFileURL(file).href;
 const axeSource = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const MOST_BYTES = 15e6;
+const MOST_SHEETS = 20;
 const WIDTHS = [400, 1000, 1600];
 
 let passed = 0;
@@ -32,9 +34,9 @@ function report(what, faults) {
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM, args: ["--no-sandbox", "--disable-gpu"] });
 
 /** A page in a context of its own; what it asks the network for and complains of is kept. */
-async function open(address, { width = 1000, scheme = "light", scripts = true } = {}) {
+async function open(address, { width = 1000, height = 900, scheme = "light", scripts = true } = {}) {
   const context = await browser.newContext({
-    viewport: { width, height: 900 }, colorScheme: scheme, reducedMotion: "reduce", offline: true, javaScriptEnabled: scripts,
+    viewport: { width, height }, colorScheme: scheme, reducedMotion: "reduce", offline: true, javaScriptEnabled: scripts,
   });
   const page = await context.newPage();
   const requests = [];
@@ -51,6 +53,7 @@ async function open(address, { width = 1000, scheme = "light", scripts = true } 
 async function withoutScripts(address) {
   const { page, close } = await open(address, { scripts: false });
   const faults = [];
+  await page.locator("details.supplement > summary").click();
   for (const id of ["#summary", "#methods", "#exclusions", "#provenance", "figure svg", "main table"]) {
     if (!(await page.locator(id).first().isVisible())) faults.push(`${id} cannot be seen`);
   }
@@ -61,13 +64,45 @@ async function withoutScripts(address) {
   return faults;
 }
 
+/** The supplement unfolded: what is in it is checked like the rest. */
+const unfold = (page) => page.evaluate(() => document.querySelectorAll("details.supplement").forEach((d) => { d.open = true; }));
+
+/** On a first screen of 1280 by 800: every card's question, verdict and answer. */
+async function firstScreen(address) {
+  const { page, close } = await open(address, { width: 1280, height: 800 });
+  const faults = await page.evaluate(() => {
+    const cards = [...document.querySelectorAll(".card")];
+    const below = cards.filter((c) => c.querySelector(".said p").getBoundingClientRect().bottom > innerHeight);
+    const said = below.map((c) => `“${c.querySelector("h3").textContent}” is answered below the first screen`);
+    return cards.length ? said : ["no card"];
+  });
+  await close();
+  return faults;
+}
+
+/** A table that goes on over sheets of paper has its head on each of them, however it is sorted. */
+async function headsOnPaper(address) {
+  const { page, close } = await open(address);
+  const sheets = await page.evaluate(() => {
+    const table = document.querySelector("table:has(thead button)");
+    table.tHead.rows[0].cells[0].firstChild.textContent = "Zebraquag";
+    const body = table.tBodies[0];
+    for (let i = 0; i < 160; i++) body.append(body.rows[0].cloneNode(true));
+    document.body.replaceChildren(table);
+    return 3;
+  });
+  const found = sheetsWith(await page.pdf(), "Zebraquag");
+  await close();
+  return found >= sheets ? [] : [`the head stands on ${found} sheets, expected at least ${sheets}`];
+}
+
 /** On paper: a PDF of several pages with headings, no control, every figure. */
 async function onPaper(address) {
   const { page, close } = await open(address, { scheme: "dark" });
   const faults = [];
   const pdf = await page.pdf({ tagged: true, outline: true });
   const pages = pdf.toString("latin1").match(/\/Type\s*\/Page\b/g)?.length ?? 0;
-  if (pages < 3) faults.push(`${pages} pages`);
+  if (pages < 3 || pages >= MOST_SHEETS) faults.push(`${pages} pages, at most ${MOST_SHEETS - 1}`);
   if (!pdf.includes("/Outlines")) faults.push("no outline");
   await page.emulateMedia({ media: "print", colorScheme: "dark" });
   for (const gone of ["nav", "[data-live]", "[data-filter]", ".files"]) {
@@ -90,6 +125,8 @@ for (const scheme of ["light", "dark"]) {
   for (const width of WIDTHS) {
     const { page, requests, errors, close } = await open(url, { width, scheme });
     const name = `${scheme} ${width}:`;
+    report(`${name} folded`, await checks.overflow(page));
+    await unfold(page);
     report(`${name} fonts`, await checks.fonts(page));
     report(`${name} overflow`, await checks.overflow(page));
     report(`${name} figures`, await checks.figures(page));
@@ -112,6 +149,8 @@ for (const scheme of ["light", "dark"]) {
   report("links", await checks.links(page));
   await close();
 }
+report("first screen", await firstScreen(url));
+report("heads on paper", await headsOnPaper(url));
 report("without scripts", await withoutScripts(url));
 const [paper, pdf_bytes] = await onPaper(url);
 report("on paper", paper);
@@ -130,6 +169,8 @@ await writeFile(
       <p style="color:#ccc;background:#fff">pale</p><a href="#nowhere">x</a>
       <figure id="figure-broken"><svg width="200" height="100" viewBox="0 0 200 100"><text x="150" y="50">cut off at the edge</text>
       <text x="10" y="20">one on</text><text x="12" y="22">another</text></svg></figure></main>`)
+    .replace('class="card"', 'class="card" style="margin-top:900px"')
+    .replace("thead button { display: none; }", "thead { display: table-row-group !important; }")
     .replace('data-live="space" hidden', 'data-live="dead"')
     .replace('data-filter="ledger" hidden', 'data-filter="dead"')
     .replace(/<script>[\s\S]*?<\/script>/g, "<script>nothing.at.all()</script>")
@@ -137,6 +178,7 @@ await writeFile(
 );
 {
   const { page, requests, errors, close } = await open(pathToFileURL(broken).href);
+  await unfold(page);
   const proof = (what, faults) => report(`the check of ${what} finds nothing on the broken page`, faults.length ? [] : ["no fault found"]);
   proof("fonts", await checks.fonts(page));
   proof("overflow", await checks.overflow(page));
@@ -153,6 +195,7 @@ await writeFile(
   proof("console", errors);
   await close();
   proof("what is left without scripts", await withoutScripts(pathToFileURL(broken).href));
+  proof("the first screen", await firstScreen(pathToFileURL(broken).href));
   proof("paper", (await onPaper(pathToFileURL(broken).href))[0]);
 }
 await browser.close();

@@ -27,7 +27,7 @@ impl Page {
             // Marks stand within words; everything else divides them.
             let (tag, rest) = part.split_once('>').unwrap_or(("", part));
             let name = tag.trim_start_matches('/');
-            let within = ["i", "b", "em", "sub", "sup", "span"]
+            let within = ["i", "b", "em", "sub", "sup", "span", "abbr"]
                 .iter()
                 .any(|t| name.split_whitespace().next() == Some(t));
             text.push_str(if within { "" } else { " " });

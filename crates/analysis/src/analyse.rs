@@ -1,8 +1,8 @@
 //! Every analysis of a study.
 
 use crate::{
-    Analysis, AnalysisError, Exclusion, Panel, Reproduction, StudyData, compare,
-    design_test::crossed, homophily, line, mixed, reproduction, verdict,
+    Analysis, AnalysisError, Exclusion, Panel, Reproduction, StudyData, compare, describe,
+    design_test::crossed, homophily, hypotheses, line, mixed, reproduction,
 };
 use maveric_domain::design::{Condition, Outcome, Quantity};
 use maveric_measures::objective;
@@ -29,18 +29,19 @@ pub fn analyse(data: &StudyData, friedman: Friedman) -> Result<Analysis, Analysi
             outcome: outcome.id(),
         });
     }
-    let reproduction = reproduction::reproduction(data);
+    let reproduction = reproduction::reproduction(data)?;
     let panels = compare::panels(data, friedman)?;
     let exclusions = exclusions(&panels, &reproduction);
     Ok(Analysis {
         synthetic: data.is_synthetic(),
         participants: data.participants.len(),
         flow: data.flow.clone(),
-        hypotheses: verdict::verdicts(data, &panels)?,
+        hypotheses: hypotheses::verdicts(data, &panels)?,
         line: line::line(data, true)?,
         line_without_adb: line::line(data, false)?,
         reproduction,
         panels,
+        descriptives: describe::describe(data),
         nearer: reproduction::nearer(data)?,
         kept: line::kept(data)?,
         homophily: homophily::homophily(data)?,

@@ -7,16 +7,14 @@ use crate::{
     design_test::{Tested, by_design},
     outcomes::{Asked, outcome, outcomes},
     result::{Contrast, Group, Panel},
+    verdict::ALPHA,
 };
 use maveric_domain::{ConditionId, ParticipantId, design::Column};
 use maveric_measures::difference_from_own;
 use maveric_stats::{
     Adjustment, ByDesign, ChosenTest, PosthocTest, WithinSubjects, adjust, posthoc,
 };
-use std::collections::BTreeMap;
-
-/// Level of the assumption checks and of `reject`.
-pub(crate) const ALPHA: f64 = 0.05;
+use std::{cmp::Ordering, collections::BTreeMap};
 
 /// A panel an outcome over everybody, and one a group of people where the design divides them; those that only a hypothesis asks for last.
 pub(crate) fn panels(data: &StudyData, friedman: Friedman) -> Result<Vec<Panel>, AnalysisError> {
@@ -99,6 +97,7 @@ fn panel(
         title: asked.title.clone(),
         unit: asked.unit.clone(),
         same: from.map(|_| 0.0).or(asked.same),
+        range: asked.range.filter(|_| from.is_none()),
         differences_from: from,
         group,
         participants: people.iter().map(ToString::to_string).collect(),
@@ -159,7 +158,38 @@ fn panel(
             None => Contrast::of(&pairs, pair, expected(pair)),
         });
     }
+    let people: Vec<[usize; 3]> = panel.contrasts.iter().map(|c| counted(&panel, c)).collect();
+    for (contrast, people) in panel.contrasts.iter_mut().zip(people) {
+        contrast.people = people;
+    }
     Ok(panel)
+}
+
+/// People whose first value lies above the second, at it, and below it.
+fn counted(panel: &Panel, contrast: &Contrast) -> [usize; 3] {
+    let mut found = [0; 3];
+    for [first, second] in values(panel, contrast.first, contrast.second) {
+        found[match first.total_cmp(&second) {
+            Ordering::Greater => 0,
+            Ordering::Equal => 1,
+            Ordering::Less => 2,
+        }] += 1;
+    }
+    found
+}
+
+/// Values of both conditions, of everybody who has them; the baseline of a panel of differences is 0.
+pub(crate) fn values(panel: &Panel, first: ConditionId, second: ConditionId) -> Vec<[f64; 2]> {
+    let column = |id| panel.conditions.iter().position(|c| *c == id);
+    let value = |row: &[Option<f64>], id| match column(id) {
+        Some(at) => row[at],
+        None => (panel.differences_from == Some(id)).then_some(0.0),
+    };
+    panel
+        .rows
+        .iter()
+        .filter_map(|row| Some([value(row, first)?, value(row, second)?]))
+        .collect()
 }
 
 /// Ranks where ranks were compared, or the order of the answers alone counts.

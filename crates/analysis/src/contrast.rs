@@ -1,6 +1,6 @@
 //! Two conditions held against each other.
 
-use crate::{AnalysisError, compare::ALPHA, result::Contrast};
+use crate::{AnalysisError, result::Contrast, verdict::ALPHA};
 use maveric_domain::{ConditionId, design::Sign};
 use maveric_stats::{Posthoc, PosthocTest, WithinSubjects, compare};
 
@@ -10,6 +10,7 @@ impl Contrast {
             first,
             second,
             expected,
+            people: [0; 3],
             mean_difference: None,
             statistic: None,
             df: None,
@@ -49,6 +50,7 @@ impl Contrast {
             first,
             second,
             expected,
+            people: [0; 3],
             mean_difference: Some(sign * found.mean_diff).filter(|d| d.is_finite()),
             statistic,
             df: found.df,

@@ -274,6 +274,16 @@ impl StudyData {
         self.measured(participant, self.design.baseline_id()?, measure)
     }
 
+    /// A measure of the baseline drive that a participant made after the first, of those who drove twice.
+    pub fn second_drive(&self, participant: &ParticipantId, measure: &str) -> Option<f64> {
+        let baseline = self.design.baseline_id()?;
+        let first = *self.drives.get(&baseline)?.get(participant)?;
+        let again =
+            |d: &&MeasuredDrive| d.meta.participant == *participant && d.meta.condition == baseline;
+        let again = self.measurements.get(first + 1..)?.iter().find(again)?;
+        again.values.get(measure).copied().flatten()
+    }
+
     /// Whether any tested person's drive has this measure.
     pub(crate) fn is_measured(&self, measure: &str) -> bool {
         self.drives.values().flat_map(BTreeMap::values).any(|&at| {

@@ -1,7 +1,7 @@
 //! The test of an outcome that the study's design calls for.
 
 use crate::{
-    AnalysisError, Friedman, compare::ALPHA, data::StudyData, outcomes::Asked, result::Panel,
+    AnalysisError, Friedman, data::StudyData, outcomes::Asked, result::Panel, verdict::ALPHA,
 };
 use maveric_domain::{
     ConditionId, ParticipantId,

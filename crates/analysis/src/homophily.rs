@@ -10,7 +10,7 @@ use maveric_domain::{
     ConditionId, ParticipantId,
     design::{Homophily, ScoreName, Sign},
 };
-use maveric_stats::{CorrelationMethod, adjust, proportion};
+use maveric_stats::{CorrelationMethod, adjust, proportion, simultaneous_interval};
 
 /// Scores of each member of the family, once each, in the order declared.
 fn factors(data: &StudyData, family: &Homophily) -> Result<Vec<ScoreName>, AnalysisError> {
@@ -88,6 +88,7 @@ pub(crate) fn homophily(data: &StudyData) -> Result<Vec<HomophilyRow>, AnalysisE
                 correlation: correlate(&x, y, CorrelationMethod::Auto)?,
                 p_holm: None,
                 p_bh: None,
+                simultaneous: None,
             });
         }
     }
@@ -103,6 +104,10 @@ pub(crate) fn homophily(data: &StudyData) -> Result<Vec<HomophilyRow>, AnalysisE
         for (k, &i) in tested.iter().enumerate() {
             rows[i].p_holm = adjusted.holm.get(k).copied();
             rows[i].p_bh = adjusted.bh.get(k).copied();
+            let c = &rows[i].correlation;
+            let ranks = c.method == "spearman";
+            rows[i].simultaneous =
+                c.r.and_then(|r| simultaneous_interval(r, c.n, p.len(), ranks));
         }
     }
     Ok(rows)

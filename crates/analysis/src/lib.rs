@@ -5,10 +5,12 @@ mod compare;
 mod contrast;
 mod correlations;
 mod data;
+mod describe;
 mod design_test;
 mod error;
 mod exclusions;
 mod homophily;
+mod hypotheses;
 mod line;
 mod mixed;
 mod outcomes;
@@ -18,7 +20,7 @@ mod reproduction;
 mod result;
 #[cfg(test)]
 mod six_people;
-mod verdict;
+pub mod verdict;
 
 pub use analyse::{Friedman, analyse};
 pub use data::{StudyData, Tables};
@@ -30,7 +32,8 @@ pub use recommendation::{
     SETTINGS, Standard,
 };
 pub use result::{
-    Above, AggressionLine, Analysis, Contrast, Correlation, Exclusion, Group, HomophilyRow, Kept,
-    LineRow, MixedRow, Nearer, Panel, Preference, Reproduction, SimilarityRow,
+    Above, AggressionLine, Analysis, Bias, Contrast, Correlation, Described, Exclusion, Group,
+    HomophilyRow, Judged, Kept, LineRow, MixedRow, Nearer, Panel, Preference, Reproduction,
+    SimilarityRow,
 };
-pub use verdict::{Judged, Verdict};
+pub use verdict::Verdict;

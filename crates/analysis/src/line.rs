@@ -9,7 +9,7 @@ use crate::{
 };
 use maveric_domain::{ConditionId, design::Car};
 use maveric_measures::objective;
-use maveric_stats::CorrelationMethod;
+use maveric_stats::{CorrelationMethod, adjust};
 
 fn position(data: &StudyData, adb_used: bool) -> Vec<Option<f64>> {
     data.participants
@@ -118,6 +118,7 @@ pub(crate) fn kept(data: &StudyData) -> Result<Vec<Kept>, AnalysisError> {
             angle: correlate(&angles, &changes, CorrelationMethod::Pearson)?,
             circular_r: round.0,
             circular_p: round.1,
+            circular_p_holm: None,
             points: pairs(&angles, &changes)
                 .into_iter()
                 .map(|(angle, change)| (angle, change * asked.factor))
@@ -125,5 +126,13 @@ pub(crate) fn kept(data: &StudyData) -> Result<Vec<Kept>, AnalysisError> {
         })
     };
     let habits = objective::all().iter().filter(|m| m.aggression.is_none());
-    habits.map(|m| one(m.name)).collect()
+    let mut found: Vec<Kept> = habits.map(|m| one(m.name)).collect::<Result<_, _>>()?;
+    let p: Vec<f64> = found.iter().filter_map(|k| k.circular_p).collect();
+    if !p.is_empty() {
+        let tested = found.iter_mut().filter(|k| k.circular_p.is_some());
+        for (kept, holm) in tested.zip(adjust(&p)?.holm) {
+            kept.circular_p_holm = Some(holm);
+        }
+    }
+    Ok(found)
 }

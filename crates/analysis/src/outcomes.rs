@@ -22,6 +22,10 @@ pub(crate) struct Asked {
     /// Which way a more aggressive drive moves it.
     pub(crate) aggression: Option<Sign>,
     pub(crate) quantity: Quantity,
+    /// Lowest and highest score that there can be; none for a measure.
+    pub(crate) range: Option<(f64, f64)>,
+    /// Differences of at most this much count as none, where the design says so.
+    pub(crate) same_within: Option<f64>,
 }
 
 impl Asked {
@@ -33,6 +37,7 @@ impl Asked {
         if let Some(label) = &outcome.label {
             asked.title.clone_from(label);
         }
+        asked.same_within = outcome.same_within;
         asked
     }
 
@@ -47,10 +52,12 @@ impl Asked {
             same: None,
             aggression: known.and_then(|m| m.aggression),
             quantity: Quantity::Measure(name.to_owned()),
+            range: None,
+            same_within: None,
         }
     }
 
-    fn score(data: &StudyData, name: &ScoreName) -> Self {
+    pub(crate) fn score(data: &StudyData, name: &ScoreName) -> Self {
         let subscale = data.subscale(name);
         let range = subscale.map(|(scale, subscale)| scale.score_range(subscale));
         Self {
@@ -63,6 +70,8 @@ impl Asked {
             same: subscale.and_then(|(_, subscale)| subscale.same),
             aggression: None,
             quantity: Quantity::Score(name.clone()),
+            range,
+            same_within: None,
         }
     }
 

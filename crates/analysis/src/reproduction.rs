@@ -4,10 +4,12 @@ use crate::{
     AnalysisError,
     data::StudyData,
     outcomes::{Asked, outcomes},
-    result::{Nearer, Reproduction},
+    result::{Bias, Nearer, Reproduction},
+    verdict::equivalent,
 };
 use maveric_measures::mean_accuracy;
-use maveric_stats::{Adjustment, PosthocTest, WithinSubjects, adjust, posthoc};
+use maveric_stats::{Adjustment, PosthocTest, WithinSubjects, adjust, normality, posthoc};
+use std::cmp::Ordering;
 
 /// The measures among the outcomes.
 fn measures(data: &StudyData) -> Vec<Asked> {
@@ -18,15 +20,14 @@ fn measures(data: &StudyData) -> Vec<Asked> {
 
 /// Accuracy of each measure, beside what the mean of the training drivers would have reached; nothing without a baseline and a condition
 /// that lies at 0 on the dial.
-pub(crate) fn reproduction(data: &StudyData) -> Vec<Reproduction> {
+pub(crate) fn reproduction(data: &StudyData) -> Result<Vec<Reproduction>, AnalysisError> {
     let (Some(condition), Some(baseline)) = (data.own_style(), data.design.baseline_id()) else {
-        return Vec::new();
+        return Ok(Vec::new());
     };
     let one = |asked: Asked| {
         let value = |p, c| asked.value(data, p, c);
-        let pairs: Vec<_> = data
-            .participants
-            .iter()
+        let people = || data.participants.iter();
+        let pairs: Vec<_> = people()
             .map(|p| (value(p, condition), value(p, baseline)))
             .collect();
         let found = mean_accuracy(&pairs);
@@ -34,18 +35,73 @@ pub(crate) fn reproduction(data: &StudyData) -> Vec<Reproduction> {
         let guess =
             (!trained.is_empty()).then(|| trained.iter().sum::<f64>() / trained.len() as f64);
         let guesses: Vec<_> = pairs.iter().map(|(_, own)| (guess, *own)).collect();
-        Reproduction {
+        let again: Vec<_> = people()
+            .map(|p| (data.second_drive(p, &asked.id), value(p, baseline)))
+            .filter(|(again, _)| again.is_some())
+            .collect();
+        Ok(Reproduction {
             condition,
-            measure: asked.id,
-            title: asked.title,
             mean: found.mean,
             sd: found.sd,
             n: found.n,
             dropped: found.dropped(),
             population_mean: mean_accuracy(&guesses).mean,
-        }
+            second_drive: mean_accuracy(&again).mean,
+            bias: bias(&asked, &pairs)?,
+            measure: asked.id,
+            title: asked.title,
+        })
     };
-    measures(data).into_iter().map(one).collect()
+    let mut rows: Vec<Reproduction> = measures(data)
+        .into_iter()
+        .map(one)
+        .collect::<Result<_, AnalysisError>>()?;
+    let mut tested: Vec<&mut Bias> = rows.iter_mut().filter_map(|r| r.bias.as_mut()).collect();
+    tested.retain(|b| b.p.is_some());
+    let p: Vec<f64> = tested.iter().filter_map(|b| b.p).collect();
+    if !p.is_empty() {
+        for (bias, holm) in tested.into_iter().zip(adjust(&p)?.holm) {
+            bias.p_holm = Some(holm);
+        }
+    }
+    Ok(rows)
+}
+
+/// Mean of AV minus driver with its ordinary interval, against what counts as none; nothing for fewer than two people with both
+/// values, or where people’s own drives do not differ and nobody declared what counts as none.
+///
+/// # Source
+/// Half a standard deviation: Norman, Sloan and Wyrwich (2003), Interpretation of changes in health-related quality of life: the remarkable
+/// universality of half a standard deviation, Medical Care 41.
+fn bias(
+    asked: &Asked,
+    pairs: &[(Option<f64>, Option<f64>)],
+) -> Result<Option<Bias>, AnalysisError> {
+    let both: Vec<(f64, f64)> = pairs
+        .iter()
+        .filter_map(|(car, own)| Some((asked.factor * (*car)?, asked.factor * (*own)?)))
+        .collect();
+    let own: Vec<Option<f64>> = both.iter().map(|(_, own)| Some(*own)).collect();
+    let half_sd = || Some(0.5 * normality(&own).ok()?.desc.sd?);
+    let Some(same_within) = asked.same_within.or_else(half_sd).filter(|w| *w > 0.0) else {
+        return Ok(None);
+    };
+    let differences: Vec<f64> = both.iter().map(|(car, own)| car - own).collect();
+    let (verdict, test) = equivalent((-same_within, same_within), &differences)?;
+    Ok(test.map(|test| Bias {
+        unit: asked.unit.clone(),
+        n: test.n,
+        df: test.df,
+        mean: test.estimate,
+        interval: test.ci_low.zip(test.ci_high),
+        t: test.t,
+        p: test.p_difference,
+        p_holm: None,
+        same_within,
+        declared: asked.same_within.is_some(),
+        p_equivalent: test.p,
+        verdict,
+    }))
 }
 
 /// |own style − baseline| against |other − baseline|, Holm over all rows.
@@ -69,7 +125,14 @@ pub(crate) fn nearer(data: &StudyData) -> Result<Vec<Nearer>, AnalysisError> {
                 }
             }
             let n = subjects.len();
-            let wins = distances.iter().filter(|d| d[0] < d[1]).count();
+            let count = |order| {
+                distances
+                    .iter()
+                    .filter(|d| d[0].total_cmp(&d[1]) == order)
+                    .count()
+            };
+            let [nearer, tied, farther] =
+                [Ordering::Less, Ordering::Equal, Ordering::Greater].map(count);
             let tested = WithinSubjects::from_rows(
                 &["near".to_owned(), "other".to_owned()],
                 &subjects,
@@ -78,14 +141,23 @@ pub(crate) fn nearer(data: &StudyData) -> Result<Vec<Nearer>, AnalysisError> {
             .ok();
             let compared = tested
                 .and_then(|t| posthoc(&t, PosthocTest::Wilcoxon, Adjustment::None, 0.05).ok());
-            let p = compared.and_then(|c| c.pairs.get("near|other").and_then(|w| w.p));
+            let compared = compared.and_then(|c| c.pairs.get("near|other").cloned());
+            let p = compared.as_ref().and_then(|w| w.p);
+            // Of |near| less |other|: a nearer car makes it negative.
+            let effect = compared.map(|w| w.effect);
             rows.push(Nearer {
                 condition: near,
                 measure: asked.id.clone(),
                 title: asked.title.clone(),
                 than,
                 n,
-                share: (n > 0).then(|| wins as f64 / n as f64),
+                nearer,
+                tied,
+                farther,
+                effect: effect.as_ref().and_then(|e| Some(-e.value?)),
+                interval: effect
+                    .as_ref()
+                    .and_then(|e| Some((-e.ci_high?, -e.ci_low?))),
                 p,
                 p_holm: None,
             });

@@ -1,6 +1,6 @@
 //! What the analyses of a study give: everything that a figure, a table or a claim is made from.
 
-use crate::{exclusions::Flow, verdict::Judged};
+use crate::{exclusions::Flow, verdict::Verdict};
 use maveric_domain::{
     ConditionId,
     design::{ScoreName, Sign},
@@ -25,6 +25,8 @@ pub struct Analysis {
     pub line_without_adb: Option<AggressionLine>,
     /// 9.2, a row a measure; empty without a condition at 0 on the dial, or without a baseline.
     pub reproduction: Vec<Reproduction>,
+    /// Every outcome and every rating as it was measured, by condition, the baseline first.
+    pub descriptives: Vec<Described>,
     /// 9.3, a panel an outcome, then one a group of people where the design divides them.
     pub panels: Vec<Panel>,
     /// 9.3, is the car at 0 on the dial nearer to the baseline than the others are?
@@ -111,6 +113,60 @@ pub struct Reproduction {
     pub dropped: usize,
     /// The same if the mean of the training drivers stood in for the AV: what no personalising gives.
     pub population_mean: Option<f64>,
+    /// The same of a second drive by hand, of those who drove twice: nothing can be asked to be nearer.
+    pub second_drive: Option<f64>,
+    /// How far the car lies from the person, on average, and whether that counts as none.
+    pub bias: Option<Bias>,
+}
+
+/// Mean of AV minus driver, in the unit that people read.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Bias {
+    /// Unit of all that follows; empty for counts and shares.
+    pub unit: String,
+    /// Drivers with both values.
+    pub n: usize,
+    /// Degrees of freedom of the t tests.
+    pub df: usize,
+    /// Mean difference.
+    pub mean: f64,
+    /// Ends of its ordinary 95 % interval.
+    pub interval: Option<(f64, f64)>,
+    /// t of the mean against 0.
+    pub t: Option<f64>,
+    /// Its two-sided p.
+    pub p: Option<f64>,
+    /// Adjusted after Holm over all measures.
+    pub p_holm: Option<f64>,
+    /// A mean difference of at most this much counts as none.
+    pub same_within: f64,
+    /// Whether the design says so; else it is half a standard deviation between people’s baseline drives.
+    pub declared: bool,
+    /// The larger p of two one-sided t tests against `same_within` on either side.
+    pub p_equivalent: Option<f64>,
+    /// Whether the car drives as the person does, by [`crate::verdict::equivalent`].
+    pub verdict: Verdict,
+}
+
+/// An outcome or a rating in one condition, or in the baseline drive.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Described {
+    /// Code name of the measure, or `SCALE.SUBSCALE`.
+    pub outcome: String,
+    /// Name for people.
+    pub title: String,
+    /// Unit of the values; empty for counts and shares.
+    pub unit: String,
+    /// The condition.
+    pub condition: ConditionId,
+    /// People with a value.
+    pub n: usize,
+    /// Arithmetic mean.
+    pub mean: Option<f64>,
+    /// Standard deviation over people, over n − 1.
+    pub sd: Option<f64>,
+    /// Median.
+    pub median: Option<f64>,
 }
 
 /// A group of people, as the design's factors divide them.
@@ -133,6 +189,8 @@ pub struct Panel {
     pub unit: String,
     /// Value that means "the same as my own", where there is one.
     pub same: Option<f64>,
+    /// Lowest and highest value that there can be, of a score.
+    pub range: Option<(f64, f64)>,
     /// The values are differences from this drive; none where they are what was measured or answered.
     pub differences_from: Option<ConditionId>,
     /// Whose they are; none where they are everybody's. Where the design divides people, a panel of each group follows that of everybody.
@@ -167,6 +225,8 @@ pub struct Contrast {
     pub second: ConditionId,
     /// Which way the difference is expected to lie.
     pub expected: Option<Sign>,
+    /// People whose first value lies above the second, at it, and below it.
+    pub people: [usize; 3],
     /// Mean difference.
     pub mean_difference: Option<f64>,
     /// t or W+ of the test.
@@ -194,8 +254,16 @@ pub struct Nearer {
     pub than: ConditionId,
     /// Participants with all values.
     pub n: usize,
-    /// Share of them for whom it is nearer.
-    pub share: Option<f64>,
+    /// For how many of them it is nearer.
+    pub nearer: usize,
+    /// As near: no rank of theirs counts.
+    pub tied: usize,
+    /// Farther.
+    pub farther: usize,
+    /// Rank-biserial correlation of the signed ranks, above 0 where it is nearer: 1 if for everybody who is not tied.
+    pub effect: Option<f64>,
+    /// Ends of its 95 % interval.
+    pub interval: Option<(f64, f64)>,
     /// Wilcoxon's p for |condition − baseline| against |other − baseline|, two-sided.
     pub p: Option<f64>,
     /// Adjusted after Holm over all rows.
@@ -223,6 +291,8 @@ pub struct Kept {
     pub circular_r: Option<f64>,
     /// Its p value.
     pub circular_p: Option<f64>,
+    /// Adjusted after Holm over the habits.
+    pub circular_p_holm: Option<f64>,
     /// A participant each: angle in rad, change.
     pub points: Vec<(f64, f64)>,
 }
@@ -248,6 +318,8 @@ pub struct HomophilyRow {
     pub p_holm: Option<f64>,
     /// p adjusted after Benjamini and Hochberg over the family.
     pub p_bh: Option<f64>,
+    /// Interval of the coefficient that holds with 95 % for the whole family at once (Šidák).
+    pub simultaneous: Option<(f64, f64)>,
 }
 
 impl HomophilyRow {
@@ -332,4 +404,31 @@ pub struct Exclusion {
     pub what: String,
     /// The reason.
     pub why: String,
+}
+
+/// A hypothesis of the design, judged.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Judged {
+    /// In words, as declared.
+    pub says: String,
+    /// Id of the outcome.
+    pub outcome: String,
+    /// First condition of the contrast.
+    pub first: ConditionId,
+    /// Second; the difference is first minus second.
+    pub second: ConditionId,
+    /// The rule, in words.
+    pub rule: String,
+    /// What became of it.
+    pub verdict: Verdict,
+    /// People with both values.
+    pub n: usize,
+    /// Mean of first minus second, in the unit of the panel.
+    pub mean_difference: Option<f64>,
+    /// Ends of the ordinary 95 % interval of that mean.
+    pub interval: Option<(f64, f64)>,
+    /// Bounds within which the two count as the same, of a claim that they are.
+    pub bounds: Option<(f64, f64)>,
+    /// The p that decides: Holm's within the outcome, or the larger of the two one-sided tests.
+    pub p: Option<f64>,
 }

@@ -1,7 +1,8 @@
 //! A study of six people, computed by hand.
 
 use crate::{
-    Analysis, AnalysisError, Friedman, Panel, Person, StudyData, Tables, Verdict, analyse,
+    Analysis, AnalysisError, Described, Friedman, Panel, Person, StudyData, Tables, Verdict,
+    analyse,
 };
 use maveric_domain::{
     ConditionId, Design, DriveId, DriveMeta, DrivenBy, Embedding, EmbeddingRow, MeasuredDrive,
@@ -192,10 +193,78 @@ fn six_of_six_nearer_has_the_smallest_exact_p() {
     let a = analysed(tables());
     assert_eq!(a.nearer.len(), 2);
     for row in &a.nearer {
-        near(row.share, 1.0);
+        assert_eq!((row.nearer, row.tied, row.farther), (6, 0, 0));
+        near(row.effect, 1.0);
         near(row.p, 2.0 / 64.0);
         near(row.p_holm, 4.0 / 64.0);
     }
+}
+
+#[test]
+fn ties_are_neither_nearer_nor_farther_and_the_direction_comes_from_the_signed_ranks() {
+    // The car at 0 is as far off as the faster one for three people, nearer for the other three, farther for nobody.
+    let mut tied = tables();
+    let fast = tied
+        .measurements
+        .iter()
+        .filter(|d| d.meta.condition == id("fast"));
+    let fast: Vec<Option<f64>> = fast.map(|d| d.values[SPEED]).collect();
+    let same = tied
+        .measurements
+        .iter_mut()
+        .filter(|d| d.meta.condition == id("same"));
+    for (drive, fast) in same.zip(fast).take(3) {
+        drive.values.insert(SPEED.to_owned(), fast);
+    }
+    let a = analysed(tied);
+    let row = a.nearer.iter().find(|r| r.than == id("fast")).unwrap();
+    assert_eq!((row.nearer, row.tied, row.farther), (3, 3, 0));
+    near(row.effect, 1.0);
+}
+
+#[test]
+fn the_bias_of_the_own_style_car_has_an_ordinary_interval_and_a_test_of_being_none() {
+    let a = analysed(tables());
+    let bias = a.reproduction[0].bias.as_ref().unwrap();
+    // Differences .5, -1, .9, -.7, 0, .3 m/s: mean 0, squares 2.64, t(5) of 95 % is 2.570582.
+    let mph = 3600.0 / 1609.344;
+    let half = 2.570_581_835_6 * (2.64_f64 / 5.0 / 6.0).sqrt() * mph;
+    near(Some(bias.mean + 1.0), 1.0);
+    let (low, high) = bias.interval.unwrap();
+    near(Some(high), half);
+    near(Some(low), -half);
+    // Own drives 25 to 30 m/s: half a standard deviation is √3.5 / 2.
+    near(Some(bias.same_within), 3.5_f64.sqrt() / 2.0 * mph);
+    assert!(!bias.declared && bias.p_equivalent.unwrap() < 0.05);
+    assert_eq!(bias.verdict, Verdict::Shown);
+    let outcome = format!("[[outcome]]\nmeasure = \"{SPEED}\"\nsame_within = 0.5\n");
+    let declared = analysed_by(&format!("{DESIGN}{outcome}"), tables());
+    let bias = declared.reproduction[0].bias.as_ref().unwrap();
+    assert!(bias.declared && bias.verdict == Verdict::NotShown);
+    near(Some(bias.same_within), 0.5);
+}
+
+#[test]
+fn what_was_measured_and_answered_is_described_condition_by_condition() {
+    let a = analysed(tables());
+    let of = |outcome: &str, condition: &str| {
+        let is = |d: &&Described| d.outcome == outcome && d.condition == id(condition);
+        a.descriptives.iter().find(is).unwrap()
+    };
+    let own = of(SPEED, "own");
+    let mph = 3600.0 / 1609.344;
+    near(own.mean, 27.5 * mph);
+    near(own.median, 27.5 * mph);
+    near(own.sd, 3.5_f64.sqrt() * mph);
+    let trust = of("jian_trust.overall", "same");
+    near(trust.mean, 5.0);
+    assert_eq!((trust.n, own.n), (6, 6));
+    // Nobody rates the own drive.
+    assert!(
+        a.descriptives
+            .iter()
+            .all(|d| d.condition != id("own") || d.outcome == SPEED)
+    );
 }
 
 #[test]

@@ -1,11 +1,8 @@
-//! What makes a hypothesis "shown": rules that stand before the result.
+//! What makes an answer "shown": rules that stand before the result.
 
-use crate::{AnalysisError, compare::ALPHA, data::StudyData, result::Panel};
-use maveric_domain::{
-    ConditionId,
-    design::{Claim, Hypothesis, Sign},
-};
-use maveric_stats::{Bounds, equivalence_one};
+use crate::AnalysisError;
+use maveric_domain::design::Sign;
+use maveric_stats::{Bounds, Tost, equivalence_one};
 use serde::{Deserialize, Serialize};
 
 /// What became of a hypothesis.
@@ -20,164 +17,173 @@ pub enum Verdict {
     Fails,
     /// Nobody answered, or nothing measured, what it is about.
     NotAsked,
-    /// Fewer than three people have both values.
+    /// Fewer than [`FEWEST`] have a value.
     TooFew,
 }
 
-/// Fewest people in whom a contrast can be judged.
-const FEWEST: usize = 3;
+/// Level of every test.
+pub(crate) const ALPHA: f64 = 0.05;
 
-/// A hypothesis of the design, judged.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Judged {
-    /// In words, as declared.
-    pub says: String,
-    /// Id of the outcome.
-    pub outcome: String,
-    /// First condition of the contrast.
-    pub first: ConditionId,
-    /// Second; the difference is first minus second.
-    pub second: ConditionId,
-    /// The rule, in words.
-    pub rule: String,
-    /// What became of it.
-    pub verdict: Verdict,
-    /// People with both values.
-    pub n: usize,
-    /// Mean of first minus second, in the unit of the panel.
-    pub mean_difference: Option<f64>,
-    /// The p that decides: Holm's within the outcome, or the larger of the two one-sided tests.
-    pub p: Option<f64>,
-}
+/// Fewest people, or drives, of whom anything is said.
+pub const FEWEST: usize = 6;
 
-/// Every hypothesis against the panel of its outcome over everybody.
-pub(crate) fn verdicts(data: &StudyData, panels: &[Panel]) -> Result<Vec<Judged>, AnalysisError> {
-    let mut found = Vec::new();
-    for hypothesis in data.design.hypotheses() {
-        let whole = |p: &&Panel| p.outcome == hypothesis.outcome && p.group.is_none();
-        for panel in panels.iter().filter(whole) {
-            found.push(judge(hypothesis, panel)?);
+impl Verdict {
+    /// In the words of the page.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Shown => "shown",
+            Self::NotShown => "not shown",
+            Self::Fails => "fails",
+            Self::NotAsked => "not asked",
+            Self::TooFew => "too few to say",
         }
     }
-    Ok(found)
-}
 
-fn judge(hypothesis: &Hypothesis, panel: &Panel) -> Result<Judged, AnalysisError> {
-    let [first, second] = hypothesis.contrast;
-    let pairs = values(panel, first, second);
-    let mut judged = Judged {
-        says: hypothesis.says.clone(),
-        outcome: hypothesis.outcome.clone(),
-        first,
-        second,
-        rule: rule(&hypothesis.claim, &panel.unit),
-        verdict: Verdict::NotAsked,
-        n: pairs.len(),
-        mean_difference: None,
-        p: None,
-    };
-    if panel.rows.iter().flatten().all(Option::is_none) {
-        return Ok(judged);
-    }
-    if pairs.len() < FEWEST {
-        judged.verdict = Verdict::TooFew;
-        return Ok(judged);
-    }
-    match hypothesis.claim {
-        Claim::Direction(sign) => {
-            let Some((difference, p)) = contrast(panel, first, second) else {
-                judged.verdict = Verdict::TooFew;
-                return Ok(judged);
-            };
-            judged.n = panel.n;
-            (judged.mean_difference, judged.p) = (Some(difference), Some(p));
-            judged.verdict = match Sign::of(difference) {
-                Some(way) if p < ALPHA && way == sign => Verdict::Shown,
-                Some(_) if p < ALPHA => Verdict::Fails,
-                _ => Verdict::NotShown,
-            };
-        }
-        Claim::Equivalent(bounds) => {
-            let n = pairs.len() as f64;
-            judged.mean_difference = Some(pairs.iter().map(|[a, b]| a - b).sum::<f64>() / n);
-            (judged.verdict, judged.p) = equivalent(bounds, &pairs)?;
-        }
-    }
-    Ok(judged)
-}
-
-fn rule(claim: &Claim, unit: &str) -> String {
-    let unit = if unit.is_empty() || unit.starts_with("rating") {
-        String::new()
-    } else {
-        format!(" {unit}")
-    };
-    match claim {
-        Claim::Direction(sign) => {
-            let way = if *sign == Sign::Plus {
-                "above"
-            } else {
-                "below"
-            };
-            format!(
-                "shown if the first lies {way} the second with p < .05 (two-sided, Holm over the contrasts of this outcome); fails if it lies on \
-                 the other side by the same rule"
-            )
-        }
-        Claim::Equivalent([low, high]) => format!(
-            "shown if two one-sided t tests place the difference between {low} and {high}{unit} (both p < .05); fails if one of them places it \
-             outside"
-        ),
-    }
-}
-
-/// Two one-sided t tests of the differences against the bounds; the larger p decides.
-fn equivalent(
-    [low, high]: [f64; 2],
-    pairs: &[[f64; 2]],
-) -> Result<(Verdict, Option<f64>), AnalysisError> {
-    let differences: Vec<Option<f64>> = pairs.iter().map(|[a, b]| Some(a - b)).collect();
-    let found = equivalence_one(&differences, 0.0, Bounds::Raw { low, high })?;
-    let Some(test) = found.tost.values().next() else {
-        return Ok((Verdict::TooFew, None));
-    };
-    let (Some(p), Some(above_low), Some(below_high)) = (test.p, test.p_lower, test.p_upper) else {
-        return Ok((Verdict::TooFew, None));
-    };
-    let verdict = if p < ALPHA {
-        Verdict::Shown
-    } else if 1.0 - above_low < ALPHA || 1.0 - below_high < ALPHA {
-        Verdict::Fails
-    } else {
-        Verdict::NotShown
-    };
-    Ok((verdict, Some(p)))
-}
-
-/// Values of both conditions, of everybody who has them; the baseline of a panel of differences is 0.
-fn values(panel: &Panel, first: ConditionId, second: ConditionId) -> Vec<[f64; 2]> {
-    let column = |id| panel.conditions.iter().position(|c| *c == id);
-    let value = |row: &[Option<f64>], id| match column(id) {
-        Some(at) => row[at],
-        None => (panel.differences_from == Some(id)).then_some(0.0),
-    };
-    panel
-        .rows
-        .iter()
-        .filter_map(|row| Some([value(row, first)?, value(row, second)?]))
-        .collect()
-}
-
-/// The contrast, first minus second, whichever way round it was declared: mean difference and Holm's p.
-fn contrast(panel: &Panel, first: ConditionId, second: ConditionId) -> Option<(f64, f64)> {
-    panel.contrasts.iter().find_map(|c| {
-        let sign = if (c.first, c.second) == (first, second) {
-            1.0
-        } else if (c.first, c.second) == (second, first) {
-            -1.0
+    /// Of several parts that all have to hold: fails where one does, shown where all are; too few where that is so of all that were asked.
+    pub fn all(parts: impl IntoIterator<Item = Self>) -> Self {
+        let parts: Vec<Self> = parts.into_iter().filter(|v| *v != Self::NotAsked).collect();
+        let every = |verdict| parts.iter().all(|v| *v == verdict);
+        if parts.is_empty() {
+            Self::NotAsked
+        } else if parts.contains(&Self::Fails) {
+            Self::Fails
+        } else if every(Self::Shown) {
+            Self::Shown
+        } else if every(Self::TooFew) {
+            Self::TooFew
         } else {
-            return None;
+            Self::NotShown
+        }
+    }
+
+    /// Of several parts one of which is enough.
+    pub fn any(parts: impl IntoIterator<Item = Self>) -> Self {
+        let parts: Vec<Self> = parts.into_iter().collect();
+        if parts.contains(&Self::Shown) {
+            return Self::Shown;
+        }
+        match Self::all(parts) {
+            Self::Fails => Self::NotShown,
+            other => other,
+        }
+    }
+}
+
+/// A difference of an expected sign: shown below .05 on that side, fails below .05 on the other.
+pub fn directed(n: usize, difference: Option<f64>, p: Option<f64>, expected: Sign) -> Verdict {
+    let (Some(difference), Some(p)) = (difference, p) else {
+        return if n == 0 {
+            Verdict::NotAsked
+        } else {
+            Verdict::TooFew
         };
-        Some((sign * c.mean_difference?, c.p_holm?))
-    })
+    };
+    match Sign::of(difference) {
+        _ if n < FEWEST => Verdict::TooFew,
+        Some(way) if p < ALPHA && way == expected => Verdict::Shown,
+        Some(_) if p < ALPHA => Verdict::Fails,
+        _ => Verdict::NotShown,
+    }
+}
+
+/// An interval of something estimated from `n` of them: shown where all of it lies within the bounds, fails where all lies outside.
+/// An end that is infinite asks for one side only: `(0.8, f64::INFINITY)`.
+pub fn within(n: usize, interval: Option<(f64, f64)>, bounds: (f64, f64)) -> Verdict {
+    match interval {
+        None if n == 0 => Verdict::NotAsked,
+        None => Verdict::TooFew,
+        Some(_) if n < FEWEST => Verdict::TooFew,
+        Some((low, high)) if low >= bounds.0 && high <= bounds.1 => Verdict::Shown,
+        Some((low, high)) if high < bounds.0 || low > bounds.1 => Verdict::Fails,
+        Some(_) => Verdict::NotShown,
+    }
+}
+
+/// Two one-sided t tests of the differences against the bounds: shown where both are below .05, fails where one places the mean
+/// outside with less than .05. The test is not there for fewer than two differences, or where they do not vary.
+///
+/// # Errors
+/// [`AnalysisError`] for bounds that are none, or a difference that is not finite.
+pub fn equivalent(
+    (low, high): (f64, f64),
+    differences: &[f64],
+) -> Result<(Verdict, Option<Tost>), AnalysisError> {
+    if differences.len() < 2 {
+        let few = if differences.is_empty() {
+            Verdict::NotAsked
+        } else {
+            Verdict::TooFew
+        };
+        return Ok((few, None));
+    }
+    let values: Vec<Option<f64>> = differences.iter().copied().map(Some).collect();
+    let found = equivalence_one(&values, 0.0, Bounds::Raw { low, high })?;
+    let test = found.tost.values().next().cloned();
+    let of = test
+        .as_ref()
+        .and_then(|t| Some((t.p?, t.p_lower?, t.p_upper?)));
+    let verdict = match of {
+        _ if differences.len() < FEWEST => Verdict::TooFew,
+        Some((p, ..)) if p < ALPHA => Verdict::Shown,
+        Some((_, lower, upper)) if 1.0 - lower < ALPHA || 1.0 - upper < ALPHA => Verdict::Fails,
+        _ => Verdict::NotShown,
+    };
+    Ok((verdict, test))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_direction_is_shown_not_shown_fails_is_not_asked_or_has_too_few() {
+        let judged = |n, difference, p| directed(n, difference, p, Sign::Minus);
+        assert_eq!(judged(24, Some(-1.0), Some(0.01)), Verdict::Shown);
+        assert_eq!(judged(24, Some(-1.0), Some(0.05)), Verdict::NotShown);
+        assert_eq!(judged(24, Some(1.0), Some(0.01)), Verdict::Fails);
+        assert_eq!(judged(24, Some(0.0), Some(0.01)), Verdict::NotShown);
+        assert_eq!(judged(0, None, None), Verdict::NotAsked);
+        // However small p is: of five people nothing is said.
+        assert_eq!(judged(5, Some(-1.0), Some(0.001)), Verdict::TooFew);
+    }
+
+    #[test]
+    fn an_interval_within_bounds_is_shown_and_one_outside_fails() {
+        let judged = |low, high| within(24, Some((low, high)), (0.8, f64::INFINITY));
+        assert_eq!(judged(0.81, 0.9), Verdict::Shown);
+        assert_eq!(judged(0.7, 0.9), Verdict::NotShown);
+        assert_eq!(judged(0.7, 0.79), Verdict::Fails);
+        assert_eq!(within(0, None, (0.0, 1.0)), Verdict::NotAsked);
+        assert_eq!(within(4, Some((0.2, 0.3)), (0.0, 1.0)), Verdict::TooFew);
+        // As a rate of false positives: above the level fails, below it too.
+        assert_eq!(within(9, Some((0.06, 0.08)), (0.0, 0.05)), Verdict::Fails);
+    }
+
+    #[test]
+    fn differences_within_bounds_are_the_same_and_a_shift_beyond_them_fails() {
+        let judged = |shift: f64, spread: f64, n: usize| {
+            let one = |i: usize| shift + if i.is_multiple_of(2) { spread } else { -spread };
+            let values: Vec<f64> = (0..n).map(one).collect();
+            equivalent((-1.0, 1.0), &values).unwrap().0
+        };
+        assert_eq!(judged(0.1, 0.5, 24), Verdict::Shown);
+        assert_eq!(judged(0.9, 0.5, 24), Verdict::NotShown);
+        assert_eq!(judged(2.0, 0.5, 24), Verdict::Fails);
+        assert_eq!(judged(0.1, 0.1, 4), Verdict::TooFew);
+        assert_eq!(judged(0.0, 0.0, 24), Verdict::NotShown);
+        assert_eq!(equivalent((-1.0, 1.0), &[]).unwrap().0, Verdict::NotAsked);
+    }
+
+    #[test]
+    fn several_parts_are_shown_when_all_are_and_fail_when_one_does() {
+        use Verdict::{Fails, NotAsked, NotShown, Shown, TooFew};
+        assert_eq!(Verdict::all([Shown, Shown, NotAsked]), Shown);
+        assert_eq!(Verdict::all([Shown, TooFew]), NotShown);
+        assert_eq!(Verdict::all([Shown, NotShown, Fails]), Fails);
+        assert_eq!(Verdict::all([TooFew, TooFew]), TooFew);
+        assert_eq!(Verdict::all([NotAsked]), NotAsked);
+        assert_eq!(Verdict::any([NotShown, Shown, Fails]), Shown);
+        assert_eq!(Verdict::any([NotShown, Fails]), NotShown);
+        assert_eq!(Verdict::any([]), NotAsked);
+    }
 }

@@ -27,7 +27,8 @@ pub fn run(invocation: Invocation) -> u8 {
     match parsed {
         Ok(args) => {
             interrupt::listen();
-            commands::run(args.command).map_or_else(diagnostics::Failure::report, |()| 0)
+            commands::styled(args.style.as_deref(), args.command)
+                .map_or_else(diagnostics::Failure::report, |()| 0)
         }
         Err(error) => {
             // Help and version are asked for; a stream that is closed wanted no more.

@@ -169,12 +169,11 @@ pub fn found_in(a: &Analysis) -> Vec<Found> {
     }
     for row in &a.nearer {
         let key = format!("nearer.{}.{}", row.measure, row.than);
-        let estimate = row.share.map(|s| s - 0.5);
         corrected(
             Part::Nearer,
             key,
             "nearer".to_owned(),
-            estimate,
+            row.effect,
             row.p,
             row.p_holm,
         );

@@ -58,6 +58,20 @@ pub enum ReportError {
         /// What it said.
         reason: String,
     },
+    /// A style file says what no figure can look like.
+    #[error("the style cannot be used: {reason}")]
+    Style {
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// An SVG could not be turned into a PDF.
+    #[error("could not render figure `{figure}` as PDF: {reason}")]
+    Pdf {
+        /// Name of the figure.
+        figure: String,
+        /// What the renderer said.
+        reason: String,
+    },
     /// An SVG could not be turned into a PNG.
     #[error("could not render figure `{figure}` as PNG: {reason}")]
     Png {

@@ -42,6 +42,46 @@ fn a_synthetic_page_says_so_before_anything_else() {
 }
 
 #[test]
+fn the_answers_stand_before_everything_else_and_the_supplement_is_folded_behind() {
+    let page = index(files());
+    let at = |what: &str| page.find(what).unwrap_or_else(|| panic!("{what}"));
+    assert!(at("id=\"card-made-up\"") < at("id=\"contents\""));
+    assert!(page.contains("They do not, &lt;b&gt;whatever&lt;/b&gt; is drawn."));
+    for said in [
+        "floor: 0",
+        "ceiling: 1",
+        "Why you might doubt this",
+        "href=\"#table-accuracy\"",
+        "<span class=\"verdict half\">not shown",
+    ] {
+        assert!(page.contains(said), "{said}");
+    }
+    let fold = at("<details class=\"supplement\"");
+    for behind in [
+        "id=\"methods\"",
+        "id=\"ledger\"",
+        "id=\"exclusions\"",
+        "id=\"provenance\"",
+    ] {
+        assert!(fold < at(behind), "{behind}");
+    }
+    assert!(at("id=\"section-1\"") < fold);
+    assert!(files().iter().any(|f| f.path == "figures/card-made-up.svg"));
+}
+
+#[test]
+fn a_card_links_to_nothing_that_the_page_has_not_and_two_of_one_name_are_refused() {
+    let mut report = short(&Context::synthetic(3));
+    report.cards[0].see = Some("table-nowhere".into());
+    assert!(!index(&render(&report).unwrap()).contains("table-nowhere"));
+    report.cards.push(report.cards[0].clone());
+    assert!(matches!(
+        render(&report),
+        Err(ReportError::DuplicateName { .. })
+    ));
+}
+
+#[test]
 fn the_page_needs_nothing_from_outside() {
     let page = index(files());
     assert!(page.contains("default-src &#x27;none&#x27;") || page.contains("default-src 'none'"));

@@ -8,9 +8,7 @@ use base64::{Engine as _, engine::general_purpose::STANDARD};
 use maveric_domain::ConditionId;
 use maveric_report::claims::{Made, join, load};
 use maveric_report::figures::domain;
-use maveric_report::html::{
-    Live, LiveContent, Methods, Provenance, Section, SpaceDrive, SpacePerson, StyleSpace,
-};
+use maveric_report::html::{Live, LiveContent, Section, SpaceDrive, SpacePerson, StyleSpace};
 use maveric_report::tables::{Cell, Column, Exclusion, Table};
 use maveric_report::{Context, Report, ReportError, render};
 use sha2::{Digest, Sha256};
@@ -23,21 +21,12 @@ const NASTY: &str =
 fn report() -> Report {
     let context = Context::synthetic(1);
     Report {
-        title: "T".into(),
-        subtitle: "S".into(),
-        summary: Vec::new(),
         sections: vec![Section {
             title: "One".into(),
             figures: vec![domain(&context).unwrap()],
             ..Section::default()
         }],
-        live: Vec::new(),
-        ledger: None,
-        methods: Methods::default(),
-        exclusions: Vec::new(),
-        warnings: Vec::new(),
-        provenance: Provenance::default(),
-        context,
+        ..Report::new("T", "S", &context)
     }
 }
 

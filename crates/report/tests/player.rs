@@ -388,3 +388,22 @@ fn what_cannot_be_shown_is_refused_by_name() {
     let error = refused(|w| w.drives[0].lane_width_m = f64::INFINITY);
     assert!(error.to_string().contains("lane_width_m"));
 }
+
+#[test]
+fn a_car_that_is_passed_in_the_other_lane_is_not_ahead() {
+    let shown = |aside_m: f64| {
+        let mut one = drive(300, 1);
+        one.gap_m = vec![Some(7.0); 300];
+        let ego = one.ego.y_m.clone();
+        for (y, own) in one.others[0].y_m.iter_mut().zip(&ego) {
+            *y = own + aside_m;
+        }
+        html(vec![one])
+    };
+    assert!(shown(0.0).contains("7 m to the car ahead"));
+    let passing = shown(3.66);
+    assert!(
+        passing.contains("7 m to the car in the other lane"),
+        "{passing}"
+    );
+}

@@ -65,6 +65,10 @@ pub struct Tost {
     pub ci90_low: Option<f64>,
     /// Upper end.
     pub ci90_high: Option<f64>,
+    /// Lower end of the 95 % interval of the estimate.
+    pub ci_low: Option<f64>,
+    /// Upper end.
+    pub ci_high: Option<f64>,
     /// estimate / se: against no difference.
     pub t: Option<f64>,
     /// Two-sided p against no difference.
@@ -219,6 +223,8 @@ fn tost(differences: &[f64], constant: bool, bounds: Bounds) -> (Tost, Reasons) 
             "p_holm",
             "ci90_low",
             "ci90_high",
+            "ci_low",
+            "ci_high",
             "t",
             "p_difference",
             "dz",
@@ -240,9 +246,10 @@ fn tost(differences: &[f64], constant: bool, bounds: Bounds) -> (Tost, Reasons) 
     let p_lower = t_lower.map(|t| distributions::t_upper(t, df));
     let p_upper = t_upper.map(|t| distributions::t_upper(-t, df));
     let p = p_lower.zip(p_upper).map(|(a, b)| a.max(b));
-    let half = se.and_then(|se| Some(se * t_quantile_two_sided(2.0 * LEVEL, df)?));
+    let half_of = |level| se.and_then(|se| Some(se * t_quantile_two_sided(level, df)?));
+    let (half, ordinary) = (half_of(2.0 * LEVEL), half_of(LEVEL));
     if half.is_none() {
-        let names = ["ci90_low", "ci90_high"];
+        let names = ["ci90_low", "ci90_high", "ci_low", "ci_high"];
         reasons.note_all(&names, "t has no quantile at these degrees of freedom");
     }
     let t = se.map(|se| estimate / se);
@@ -262,6 +269,8 @@ fn tost(differences: &[f64], constant: bool, bounds: Bounds) -> (Tost, Reasons) 
         p_holm: None,
         ci90_low: half.map(|h| estimate - h),
         ci90_high: half.map(|h| estimate + h),
+        ci_low: ordinary.map(|half| estimate - half),
+        ci_high: ordinary.map(|half| estimate + half),
         t,
         p_difference,
         dz: sd.map(|sd| estimate / sd),

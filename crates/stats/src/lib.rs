@@ -60,7 +60,7 @@ pub use compare::{
 };
 pub use correlation::{
     Correlation, CorrelationMethod, Kendall, Pearson, RmCorrelation, RmCorrelationAnalysis,
-    Spearman, SpearmanCompat, correlate, rm_correlation,
+    Spearman, SpearmanCompat, correlate, rm_correlation, simultaneous_interval,
 };
 pub use equivalence::{Bounds, Equivalence, Tost, equivalence, equivalence_one};
 pub use error::StatsError;

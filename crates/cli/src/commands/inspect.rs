@@ -18,7 +18,7 @@ pub(crate) struct Inspect {
     #[arg(long)]
     mapping: Option<std::path::PathBuf>,
     /// Propose a mapping for this table, with its doubts as comments
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["files", "mapping", "plot", "watch"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["files", "mapping", "plot", "watch", "csv"])]
     suggest_mapping: Option<std::path::PathBuf>,
     /// Draw speed, gap and lane of the first file over time
     #[arg(long, value_name = "OUT.png")]
@@ -26,6 +26,9 @@ pub(crate) struct Inspect {
     /// Write a page that plays the drives of all files side by side; logs only
     #[arg(long, value_name = "OUT.html")]
     watch: Option<std::path::PathBuf>,
+    /// Write the rows of the first file's drive, one a sample
+    #[arg(long, value_name = "OUT.csv")]
+    csv: Option<std::path::PathBuf>,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -43,6 +46,7 @@ impl Inspect {
             mapping: self.mapping,
             plot: self.plot,
             watch: self.watch,
+            csv: self.csv,
         };
         print_outcome(self.format, "could not inspect", |watch| {
             inspect::inspect(&options, watch)

@@ -55,6 +55,15 @@ Example: maveric run                      the whole synthetic study, into report
          maveric run pipelines/smoke.toml a small one, in a minute"
 )]
 pub(crate) struct Args {
+    /// How every figure is to look: palette, font, sizes, labels (TOML; docs/style.md)
+    #[arg(
+        long,
+        global = true,
+        env = "MAVERIC_STYLE",
+        value_name = "FILE",
+        help_heading = "Figures"
+    )]
+    pub(crate) style: Option<std::path::PathBuf>,
     #[command(subcommand)]
     pub(crate) command: Command,
 }
@@ -96,6 +105,14 @@ pub(crate) enum Command {
     #[command(hide = true)]
     Man(man::Man),
     Cite(cite::Cite),
+}
+
+/// Runs a command whose figures look as a file says.
+pub(crate) fn styled(style: Option<&std::path::Path>, command: Command) -> Result<(), Failure> {
+    if let Some(path) = style {
+        maveric_study::style_figures(path).map_err(Failure::study("could not use the style"))?;
+    }
+    run(command)
 }
 
 /// Runs the command that was asked for.

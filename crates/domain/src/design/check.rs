@@ -316,10 +316,19 @@ fn outcomes(raw: Vec<OutcomeToml>) -> Checked<Vec<Outcome>> {
             "one of them",
         )),
     };
-    let outcomes: Vec<Outcome> = raw
-        .into_iter()
-        .map(|o| outcome(o).map(|(quantity, label)| Outcome { quantity, label }))
-        .collect::<Checked<_>>()?;
+    let whole = |raw: OutcomeToml| {
+        let same_within = raw.same_within;
+        if let Some(within) = same_within.filter(|w| !w.is_finite() || *w <= 0.0) {
+            let expected = "a number above 0, in the unit of the page";
+            return Err(DesignError::key("outcome.same_within", within, expected));
+        }
+        outcome(raw).map(|(quantity, label)| Outcome {
+            quantity,
+            label,
+            same_within,
+        })
+    };
+    let outcomes: Vec<Outcome> = raw.into_iter().map(whole).collect::<Checked<_>>()?;
     once("outcome", outcomes.iter().map(Outcome::id))?;
     Ok(outcomes)
 }

@@ -62,12 +62,14 @@ pub enum Quantity {
 }
 
 /// Something that is tested.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
     /// What it is.
     pub quantity: Quantity,
     /// On the page, where it was given.
     pub label: Option<String>,
+    /// Differences of at most this much count as none, in the unit of the page; half a standard deviation between people without.
+    pub same_within: Option<f64>,
 }
 
 impl Outcome {

@@ -150,6 +150,7 @@ pub(super) struct OutcomeToml {
     pub(super) measure: Option<String>,
     pub(super) scale: Option<ScoreName>,
     pub(super) label: Option<String>,
+    pub(super) same_within: Option<f64>,
 }
 
 #[derive(Debug, Deserialize)]

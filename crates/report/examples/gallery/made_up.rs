@@ -12,7 +12,7 @@ use maveric_report::html::{
 use maveric_report::tables::{
     AccuracyRow, Coefficient, Correlation, CorrelationRow, Exclusion, Table, accuracy, correlations,
 };
-use maveric_report::{Context, Report, ReportError};
+use maveric_report::{Card, CardNumber, Context, Report, ReportError, Tone};
 use std::collections::BTreeMap;
 
 fn tables() -> Vec<Table> {
@@ -80,6 +80,26 @@ fn style_space() -> StyleSpace {
     }
 }
 
+fn card() -> Card {
+    Card {
+        name: "made-up".into(),
+        question: "Do sines say anything?".into(),
+        answer: "They do not, <b>whatever</b> is drawn.".into(),
+        tone: Tone::Open,
+        verdict: "not shown".into(),
+        rule: "Shown if *p* < .05.".into(),
+        number: Some(CardNumber {
+            value: "*r* = .30".into(),
+            floor: "0".into(),
+            ceiling: "1".into(),
+        }),
+        plot: Some(kinds::intervals::input()),
+        doubt: "Sines are no data.".into(),
+        see: Some("table-accuracy".into()),
+        tests: vec!["*r*(22) = .30, *p* = .154".into()],
+    }
+}
+
 pub(crate) fn report(context: &Context) -> Result<Report, ReportError> {
     let claims = load(maveric_data::CLAIMS)?;
     let results = BTreeMap::from([
@@ -91,10 +111,12 @@ pub(crate) fn report(context: &Context) -> Result<Report, ReportError> {
         ("nearer.mean_velocity.aggressive.direction".to_owned(), 1.0),
         ("correlation.openness.ma_discomfort.r".to_owned(), -0.1),
     ]);
+    let (title, subtitle) = (
+        "Gallery of made-up numbers",
+        "Every figure and table that a report can have, drawn from sines.",
+    );
     Ok(Report {
-        title: "Gallery of made-up numbers".into(),
-        subtitle: "Every figure and table that a report can have, drawn from sines.".into(),
-        context: context.clone(),
+        cards: vec![card()],
         summary: vec![
             "Made up: position on the aggression line with ADB, *r*(22) = .30, *p* = .154".into(),
             "Made up: mimic accuracy of mean velocity, 96.0%".into(),
@@ -143,5 +165,6 @@ pub(crate) fn report(context: &Context) -> Result<Report, ReportError> {
                 hash: "0f1e2d3c4b5a".into(),
             }],
         },
+        ..Report::new(title, subtitle, context)
     })
 }

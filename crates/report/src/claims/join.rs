@@ -1,8 +1,9 @@
 //! Ours beside theirs.
 
-use super::load::{Claim, Rule};
+use super::load::{Claim, Quantity, Rule};
 use super::self_check::{SelfCheck, self_check};
 use crate::error::ReportError;
+use maveric_stats::simultaneous_interval;
 use std::collections::BTreeMap;
 
 /// A claim with our result.
@@ -40,10 +41,30 @@ pub enum Verdict {
     SameDirection,
     /// Not even the direction.
     Differs,
+    /// Of fewer than six people: nothing goes with anything.
+    TooFew,
     /// We set it so.
     ByDesign,
+    /// Sizes were chosen so that ours comes near.
+    Tuned,
     /// Nothing was found under the key.
     NotComputed,
+}
+
+impl LedgerRow {
+    /// Whether a coefficient is clear (*p* < .05) in the paper and here; `None` without both p.
+    pub fn clear(&self) -> Option<&'static str> {
+        let printed = self.claim.printed_p.as_ref()?;
+        // "< .05" is below it.
+        let theirs = printed.value < SIGNIFICANT
+            || (printed.bound == Some('<') && printed.value <= SIGNIFICANT);
+        Some(match (theirs, self.ours_p? < SIGNIFICANT) {
+            (true, true) => "clear in both",
+            (true, false) => "clear in the paper only",
+            (false, true) => "clear here only",
+            (false, false) => "clear in neither",
+        })
+    }
 }
 
 impl Verdict {
@@ -57,11 +78,13 @@ impl Verdict {
     }
 
     /// Every verdict, the best first.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 7] = [
         Self::Agrees,
         Self::SameDirection,
         Self::Differs,
+        Self::TooFew,
         Self::ByDesign,
+        Self::Tuned,
         Self::NotComputed,
     ];
 
@@ -71,7 +94,9 @@ impl Verdict {
             Self::Agrees => "agrees",
             Self::SameDirection => "same direction",
             Self::Differs => "differs",
+            Self::TooFew => "too few to say",
             Self::ByDesign => "by design",
+            Self::Tuned => "tuned for",
             Self::NotComputed => "not computed here",
         }
     }
@@ -82,7 +107,8 @@ impl Verdict {
 /// `results` maps keys to numbers in the claim's unit (percent as 0..100, speeds in mph). A key
 /// that is not there gives [`Verdict::NotComputed`]. The p of a coefficient under `….r`, or of a
 /// difference under `….difference`, is looked up under `….p`. A p that is to be below a bound needs its direction beside it: `….p` is read
-/// together with `….direction`, above 0 if the difference goes the way that the claim says.
+/// together with `….direction`, above 0 if the difference goes the way that the claim says. Where `….n` says from how many pairs a coefficient
+/// comes, the printed one agrees if the 95 % interval of ours holds it. `n` is the number of people: below six nothing agrees or differs.
 ///
 /// # Errors
 /// [`ReportError::Claim`] if a result is not finite.
@@ -108,15 +134,23 @@ pub fn join(
                 Some(stem) => find(&format!("{stem}.p"))?,
                 None => None,
             };
+            let pairs = match stem {
+                Some(stem) => find(&format!("{stem}.n"))?,
+                None => None,
+            };
+            let few = find("n")?.into_iter().chain(pairs).any(|n| n < FEWEST);
             let verdict = match (ours, claim.rule) {
                 (None, _) => Verdict::NotComputed,
+                (Some(ours), Rule::ByDesign { .. }) => judge(claim, ours, None),
+                _ if claim.tuned => Verdict::Tuned,
+                _ if few => Verdict::TooFew,
                 // A small p says nothing of which way: without the direction there is no verdict.
                 (Some(p), Rule::PBelow { .. }) => match find(&direction_key(&claim.key))? {
                     None => Verdict::NotComputed,
-                    Some(direction) if direction > 0.0 => judge(claim, p),
+                    Some(direction) if direction > 0.0 => judge(claim, p, None),
                     Some(_) => Verdict::Differs,
                 },
-                (Some(ours), _) => judge(claim, ours),
+                (Some(ours), _) => judge(claim, ours, pairs),
             };
             Ok(LedgerRow {
                 claim: claim.clone(),
@@ -137,7 +171,10 @@ fn direction_key(key: &str) -> String {
 /// Without a bound of its own, a p below this still points the same way.
 const SIGNIFICANT: f64 = 0.05;
 
-fn judge(claim: &Claim, ours: f64) -> Verdict {
+/// Fewest people of whom anything is said.
+const FEWEST: f64 = 6.0;
+
+fn judge(claim: &Claim, ours: f64, pairs: Option<f64>) -> Verdict {
     let theirs = claim.printed.value;
     let distance = (ours - theirs).abs();
     let choose = |holds: bool, yes: Verdict, no: Verdict| if holds { yes } else { no };
@@ -146,7 +183,13 @@ fn judge(claim: &Claim, ours: f64) -> Verdict {
     match claim.rule {
         Rule::Direction { tolerance } => {
             let same = ours * theirs > 0.0;
-            match (same, within(tolerance)) {
+            let ranks = claim.quantity == Quantity::Rho;
+            let interval = pairs.and_then(|n| simultaneous_interval(ours, n as usize, 1, ranks));
+            let near = match interval {
+                Some((low, high)) => low <= theirs && theirs <= high,
+                None => within(tolerance),
+            };
+            match (same, near) {
                 (true, true) => Verdict::Agrees,
                 (true, false) => Verdict::SameDirection,
                 (false, _) => Verdict::Differs,
@@ -191,6 +234,29 @@ mod tests {
         assert_eq!(verdict("-.46", rule, -0.1), Verdict::SameDirection);
         assert_eq!(verdict("-.46", rule, 0.1), Verdict::Differs);
         assert_eq!(verdict(".05", rule, -0.01), Verdict::Differs);
+    }
+
+    #[test]
+    fn with_the_number_of_pairs_a_coefficient_agrees_where_its_interval_holds_the_printed_one() {
+        let claims = claim("-.46", "{ direction = { tolerance = 0.01 } }");
+        let judged = |r: f64, n: f64| {
+            let results = [("x.r", r), ("x.n", n), ("n", n)].map(|(k, v)| (k.to_owned(), v));
+            join(&claims, &BTreeMap::from(results)).unwrap()[0].verdict
+        };
+        // Fisher's interval of -.30 from 24 pairs is -.63 to .12.
+        assert_eq!(judged(-0.30, 24.0), Verdict::Agrees);
+        assert_eq!(judged(-0.95, 24.0), Verdict::SameDirection);
+        assert_eq!(judged(0.30, 24.0), Verdict::Differs);
+        // Of three people nothing agrees.
+        assert_eq!(judged(-0.46, 3.0), Verdict::TooFew);
+    }
+
+    #[test]
+    fn what_was_tuned_for_is_no_finding_however_near_it_comes() {
+        let mut claims = claim("-.46", "{ direction = { tolerance = 0.1 } }");
+        claims[0].tuned = true;
+        let results = BTreeMap::from([("x.r".to_owned(), -0.46)]);
+        assert_eq!(join(&claims, &results).unwrap()[0].verdict, Verdict::Tuned);
     }
 
     #[test]

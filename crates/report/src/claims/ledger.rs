@@ -33,6 +33,7 @@ pub fn ledger_table(rows: &[LedgerRow]) -> Table {
             Column::left("Here"),
             Column::left("Verdict"),
             Column::left("Rule"),
+            Column::left("*p* < .05?"),
             Column::left("Does the paper agree with itself?"),
             Column::left("Stage"),
             Column::left("Shown in"),
@@ -48,6 +49,7 @@ pub fn ledger_table(rows: &[LedgerRow]) -> Table {
                     ours(row).map_or(Cell::Missing, Cell::Marked),
                     Cell::text(row.verdict.text()),
                     Cell::text(rule(row.claim.rule)),
+                    row.clear().map_or(Cell::Missing, Cell::text),
                     own_figures(row).map_or(Cell::Missing, Cell::Marked),
                     row.made
                         .as_ref()
@@ -141,7 +143,9 @@ pub(crate) fn ours(row: &LedgerRow) -> Option<String> {
 
 pub(crate) fn rule(rule: Rule) -> String {
     match rule {
-        Rule::Direction { tolerance } => format!("same sign; size within {tolerance}"),
+        Rule::Direction { tolerance } => format!(
+            "same sign; the paper’s within our 95% interval (without one: within {tolerance})"
+        ),
         Rule::Near { tolerance } => format!("within {tolerance}"),
         Rule::PBelow { bound } => {
             let decimals = if bound < 0.01 { 3 } else { 2 };

@@ -3,9 +3,10 @@
 use super::axes::{Frame, Labels, Scale};
 use super::check::Check;
 use super::crowd;
+use super::grid::{Grid, draw_panels};
 use super::regression::{Regression, y_scale};
 use super::theme::{INK, Marker, TWO_COLUMNS_MM};
-use super::{Context, Figure, Plan, Shows, draw};
+use super::{Context, Figure, Plan, Shows};
 use crate::error::ReportError;
 use crate::markup;
 use serde::{Deserialize, Serialize};
@@ -94,9 +95,17 @@ pub fn aggression_line(input: &AggressionLine, context: &Context) -> Result<Figu
         alt: found.join(" "),
         shows: Shows::Participants,
     };
-    draw(plan, context, |canvas, whole| {
-        for (index, panel) in input.panels.iter().enumerate() {
-            let place = whole.cell((index % 3, index / 3), (columns, rows), (10.0, 9.0));
+    draw_panels(
+        plan,
+        context,
+        Grid {
+            count: input.panels.len(),
+            columns,
+            gap: (10.0, 9.0),
+        },
+        |_, whole| whole,
+        |canvas, index, place| {
+            let panel = &input.panels[index];
             let x = Scale::over(panel.points.iter().map(|point| point.0), 4);
             let line = Regression::of(&panel.points);
             let y = y_scale(&panel.points, line.as_ref(), 4);
@@ -112,8 +121,8 @@ pub fn aggression_line(input: &AggressionLine, context: &Context) -> Result<Figu
                 line.paint(canvas, &frame, INK);
             }
             crowd::paint(canvas, &frame, &panel.points, 1.6, (Marker::Circle, INK));
-        }
-    })
+        },
+    )
 }
 
 #[cfg(test)]

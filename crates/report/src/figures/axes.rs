@@ -229,13 +229,16 @@ impl Frame {
         y: Scale,
     ) -> Self {
         let mut top = outer.top;
-        if !labels.title.is_empty() {
+        let letter = canvas.letter.take();
+        if !labels.title.is_empty() || letter.is_some() {
             top += cap_height(size::TITLE);
-            canvas.text(
-                labels.title,
-                (outer.left, top),
-                Look::new(size::TITLE).semibold(),
-            );
+            let look = Look::new(size::TITLE).semibold();
+            let mut left = outer.left;
+            if let Some(letter) = letter {
+                canvas.text(&format!("{letter})"), (left, top), look);
+                left += look.width("m)");
+            }
+            canvas.text(labels.title, (left, top), look);
             top += TITLE_GAP;
         }
         for line in labels.subtitle.lines() {

@@ -1,7 +1,8 @@
 //! Drawing in points on a plotters area, with one check at the end and not one at each stroke.
 
 use super::font::{CAP_HEIGHT_EM, FAMILY, Face, LINE_EM};
-use super::page::{Head, Page, SCRIPT_SIZE, UNITS_PER_POINT, points_from_mm};
+use super::page::{Head, Page, UNITS_PER_POINT, points_from_mm, script_size};
+use super::style;
 use super::theme::{INK, Marker, PAPER, stroke};
 use crate::error::ReportError;
 use crate::markup::{self, Level};
@@ -46,6 +47,7 @@ pub(crate) fn sketch(
             height: points_from_mm(height_mm),
             fault: None,
             unknown_signs: false,
+            letter: None,
         };
         paint(&mut canvas);
         if let Some(reason) = canvas.fault {
@@ -75,6 +77,8 @@ pub(crate) struct Canvas<'a> {
     pub(crate) height: f64,
     fault: Option<String>,
     unknown_signs: bool,
+    /// The letter of the panel that is drawn next: whoever writes its title takes it.
+    pub(crate) letter: Option<char>,
 }
 
 /// How a line is drawn.
@@ -201,12 +205,12 @@ impl Look {
     pub(crate) fn width(self, text: &str) -> f64 {
         let run_width = |run: &markup::Run| {
             let face = if run.italic { Face::Italic } else { self.face };
-            let scale = if run.level == Level::Line {
-                1.0
+            let size = if run.level == Level::Line {
+                self.size
             } else {
-                SCRIPT_SIZE
+                script_size(self.size)
             };
-            face.width_em(&run.text) * self.size * scale
+            face.width_em(&run.text) * size
         };
         markup::runs(text).iter().map(run_width).sum()
     }
@@ -319,38 +323,16 @@ impl Canvas<'_> {
     pub(crate) fn marker(&mut self, centre: Point, radius: f64, shape: Marker, colour: RGBColor) {
         let rim = Pen::new(PAPER, stroke::THIN);
         let (x, y) = centre;
-        let corners: Vec<Point> = match shape {
-            Marker::Circle => {
-                self.disc(centre, radius, colour, 1.0);
-                self.ring(centre, radius, rim);
-                return;
-            }
-            Marker::Square => {
-                let r = 0.9 * radius;
-                vec![
-                    (x - r, y - r),
-                    (x + r, y - r),
-                    (x + r, y + r),
-                    (x - r, y + r),
-                ]
-            }
-            Marker::Diamond => {
-                let r = 1.25 * radius;
-                vec![(x, y - r), (x + r, y), (x, y + r), (x - r, y)]
-            }
-            Marker::TriangleUp | Marker::TriangleDown => {
-                let r = if shape == Marker::TriangleUp {
-                    1.3 * radius
-                } else {
-                    -1.3 * radius
-                };
-                vec![
-                    (x, y - r),
-                    (x + 0.866 * r, y + 0.5 * r),
-                    (x - 0.866 * r, y + 0.5 * r),
-                ]
-            }
+        if shape == Marker::Circle {
+            self.disc(centre, radius, colour, 1.0);
+            self.ring(centre, radius, rim);
+            return;
+        }
+        let corner = |(degrees, far): (f64, f64)| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            (x + radius * far * cos, y + radius * far * sin)
         };
+        let corners: Vec<Point> = shape.corners().into_iter().map(corner).collect();
         self.polygon(&corners, colour, 1.0);
         let mut outline = corners;
         outline.push(outline[0]);
@@ -375,6 +357,8 @@ impl Canvas<'_> {
 
     /// A text with marks (see [`crate::markup`]).
     pub(crate) fn text(&mut self, text: &str, at: Point, look: Look) {
+        let other = style::current().and_then(|style| style.label(text));
+        let text = other.unwrap_or(text);
         self.unknown_signs |= markup::runs(text).iter().any(|run| look.lacks(run));
         let at = self.at(at);
         let em = look.size * UNITS_PER_POINT * LINE_EM;
@@ -445,6 +429,7 @@ mod tests {
     fn a_coordinate_that_is_not_finite_is_an_error_and_not_a_picture() {
         let head = Head {
             name: "x".into(),
+            shown_mm: (10.0, 10.0),
             size_mm: (10.0, 10.0),
             title: String::new(),
             description: String::new(),

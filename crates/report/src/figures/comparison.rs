@@ -2,9 +2,10 @@
 
 use super::check::Check;
 use super::crowd::MOST_POINTS;
+use super::grid::{Grid, draw_panels};
 use super::rainclouds::{self, Panel, Slot};
 use super::theme::{TWO_COLUMNS_MM, nth_look};
-use super::{Context, Figure, Plan, Shows, draw};
+use super::{Context, Figure, Plan, Shows};
 use crate::apa;
 use crate::error::ReportError;
 use crate::markup;
@@ -124,13 +125,20 @@ pub fn comparison(input: &Comparison, context: &Context) -> Result<Figure, Repor
         alt: alternative(input),
         shows: Shows::Participants,
     };
-    draw(plan, context, |canvas, whole| {
-        for (index, panel) in input.panels.iter().enumerate() {
-            let at = (index % columns, index / columns);
-            let place = whole.cell(at, (columns, lines), (10.0, 11.0));
+    draw_panels(
+        plan,
+        context,
+        Grid {
+            count: input.panels.len(),
+            columns,
+            gap: (10.0, 11.0),
+        },
+        |_, whole| whole,
+        |canvas, index, place| {
+            let panel = &input.panels[index];
             rainclouds::paint(canvas, place, &drawn(panel));
-        }
-    })
+        },
+    )
 }
 
 fn drawn(panel: &ComparisonPanel) -> Panel<'_> {
@@ -150,6 +158,7 @@ fn drawn(panel: &ComparisonPanel) -> Panel<'_> {
         rows: &panel.rows,
         contrasts: contrasts.collect(),
         reference: None,
+        range: None,
     }
 }
 

@@ -1,5 +1,6 @@
 //! How the conditions of a study look: label, colour and marker come from its design.
 
+use super::style::{Looks, colour};
 use super::theme::{BLUE, GREEN, INK, MUTED, Marker, OCHRE, ORANGE, PURPLE, mixed};
 use maveric_domain::{ConditionId, Design, design::Condition};
 use plotters::style::RGBColor;
@@ -15,6 +16,19 @@ pub struct ConditionLook {
     /// Red, green and blue.
     pub colour: [u8; 3],
     marker: Marker,
+}
+
+impl ConditionLook {
+    /// The same as a style wants it.
+    pub(super) fn dressed(self, other: &Looks) -> Self {
+        let colour = other.color.as_deref().and_then(colour);
+        Self {
+            label: other.label.clone().unwrap_or(self.label),
+            colour: colour.unwrap_or(self.colour),
+            marker: other.marker.unwrap_or(self.marker),
+            ..self
+        }
+    }
 }
 
 /// Labels longer than this are shortened on an axis.
@@ -48,7 +62,12 @@ impl ConditionLook {
             Marker::TriangleUp,
             Marker::TriangleDown,
             Marker::Diamond,
-            Marker::Circle,
+            Marker::Star,
+            Marker::Plus,
+            Marker::TriangleLeft,
+            Marker::TriangleRight,
+            Marker::Cross,
+            Marker::Hexagon,
         ];
         for (condition, marker) in conditions.iter().zip(shapes.into_iter().cycle()) {
             let share = match condition.dial() {
@@ -160,6 +179,23 @@ mod tests {
             (found[1].short().as_str(), found[3].short().as_str()),
             ("calm", "Aver.")
         );
+    }
+
+    #[test]
+    fn ten_conditions_stay_apart_by_shape_and_by_colour() {
+        let one = |i: usize| format!("[[condition]]\nid = \"c{i}\"\n");
+        let conditions = (0..10).map(one).collect::<Vec<_>>().concat();
+        let found = looks(&format!("[study]\ntitle = \"t\"\n{conditions}"));
+        for (i, a) in found.iter().enumerate() {
+            for b in &found[..i] {
+                assert!(
+                    a.marker != b.marker && a.colour != b.colour,
+                    "{} {}",
+                    a.id,
+                    b.id
+                );
+            }
+        }
     }
 
     #[test]

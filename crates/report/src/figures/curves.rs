@@ -3,9 +3,10 @@
 use super::axes::{Frame, Labels, Scale};
 use super::canvas::{Pen, cap_height};
 use super::check::Check;
+use super::grid::{Grid, draw_panels};
 use super::legend::Key;
 use super::theme::{BLUE, GREEN, GREY, INK, MUTED, Marker, ORANGE, TWO_COLUMNS_MM, size, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
+use super::{Context, Figure, Plan, Shows};
 use crate::error::ReportError;
 use serde::{Deserialize, Serialize};
 
@@ -104,18 +105,25 @@ pub fn curves(input: &Curves, context: &Context) -> Result<Figure, ReportError> 
     };
     let points = || input.panels.iter().flat_map(|p| &p.curves).flatten();
     let x_ends = points().map(|p| p.x).collect::<Vec<_>>();
-    draw(plan, context, |canvas, mut whole| {
-        let keys: Vec<(Key, &str)> = input
-            .curves
-            .iter()
-            .enumerate()
-            .map(|(i, name)| (Key::Point(MARKERS[i], colours[i]), name.as_str()))
-            .collect();
-        canvas.legend_row((whole.left, whole.top + 4.0), &keys);
-        whole.top += cap_height(size::TICK) + 8.0;
-        for (index, panel) in input.panels.iter().enumerate() {
-            let cell = (index % columns, index / columns);
-            let place = whole.cell(cell, (columns, rows), (10.0, 9.0));
+    draw_panels(
+        plan,
+        context,
+        Grid {
+            count: input.panels.len(),
+            columns,
+            gap: (10.0, 9.0),
+        },
+        |canvas, mut whole| {
+            let names = input.curves.iter().enumerate();
+            let keys: Vec<(Key, &str)> = names
+                .map(|(i, name)| (Key::Point(MARKERS[i], colours[i]), name.as_str()))
+                .collect();
+            canvas.legend_row((whole.left, whole.top + 4.0), &keys);
+            whole.top += cap_height(size::TICK) + 8.0;
+            whole
+        },
+        |canvas, index, place| {
+            let panel = &input.panels[index];
             let values = panel.curves.iter().flatten().flat_map(|p| [p.low, p.high]);
             let y = match input.range {
                 Some((low, high)) => Scale::between(low, high, 5),
@@ -151,8 +159,8 @@ pub fn curves(input: &Curves, context: &Context) -> Result<Figure, ReportError> 
                     canvas.marker(frame.at(p.x, p.y), 1.7, MARKERS[i], colours[i]);
                 }
             }
-        }
-    })
+        },
+    )
 }
 
 #[cfg(test)]

@@ -4,8 +4,9 @@ use super::axes::{Frame, Labels, Scale};
 use super::canvas::Pen;
 use super::check::Check;
 use super::fit;
+use super::grid::{Grid, draw_panels};
 use super::theme::{BLUE, GREY, INK, Marker, ORANGE, PURPLE, TWO_COLUMNS_MM, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
+use super::{Context, Figure, Plan, Shows};
 use crate::apa::number;
 use crate::error::ReportError;
 use crate::markup;
@@ -108,10 +109,17 @@ pub fn dial_sweep(input: &DialSweep, context: &Context) -> Result<Figure, Report
         alt: found.join(" "),
         shows: Shows::Participants,
     };
-    draw(plan, context, |canvas, whole| {
-        for (index, panel) in input.panels.iter().enumerate() {
-            let cell = (index % columns, index / columns);
-            let place = whole.cell(cell, (columns, rows), (12.0, 9.0));
+    draw_panels(
+        plan,
+        context,
+        Grid {
+            count: input.panels.len(),
+            columns,
+            gap: (12.0, 9.0),
+        },
+        |_, whole| whole,
+        |canvas, index, place| {
+            let panel = &input.panels[index];
             let labels = Labels {
                 title: &panel.title,
                 subtitle: &panel.statistic,
@@ -166,8 +174,8 @@ pub fn dial_sweep(input: &DialSweep, context: &Context) -> Result<Figure, Report
                 };
                 canvas.marker(frame.at(*shift, *mean), 2.2, shape, ink);
             }
-        }
-    })
+        },
+    )
 }
 
 #[cfg(test)]

@@ -3,9 +3,10 @@
 use super::check::Check;
 use super::crowd::MOST_POINTS;
 use super::fit;
+use super::grid::{Grid, draw_panels};
 use super::rainclouds::{self, Panel, Slot};
 use super::theme::TWO_COLUMNS_MM;
-use super::{Context, Figure, Plan, Shows, draw};
+use super::{Context, Figure, Plan, Shows};
 use crate::apa;
 use crate::error::ReportError;
 use maveric_domain::ConditionId;
@@ -38,6 +39,8 @@ pub struct DifferencePanel {
     pub pairs: Vec<PairTest>,
     /// Value at which a line is drawn (0 for a difference, 4 for "as aggressive as I am").
     pub reference: Option<f64>,
+    /// Lowest and highest value that there can be, where the scale has ends.
+    pub range: Option<(f64, f64)>,
 }
 
 /// A post-hoc comparison.
@@ -49,6 +52,24 @@ pub struct PairTest {
     pub second: ConditionId,
     /// Its p value, adjusted after Holm.
     pub p_holm: f64,
+    /// Its effect size, if there is one.
+    pub effect: Option<f64>,
+}
+
+impl PairTest {
+    /// On its bracket: the effect size with the stars of the p; the p itself where there is none.
+    fn said(&self) -> String {
+        let stars = match self.p_holm {
+            p if p < 0.001 => "\\*\\*\\*",
+            p if p < 0.01 => "\\*\\*",
+            p if p < 0.05 => "\\*",
+            _ => "",
+        };
+        self.effect.map_or_else(
+            || apa::p(self.p_holm).markup().to_owned(),
+            |effect| format!("{}{stars}", apa::number(effect, 2)),
+        )
+    }
 }
 
 const NAME: &str = "difference-panels";
@@ -94,12 +115,20 @@ pub fn difference_panels(
         alt: alternative(input, context),
         shows: Shows::Participants,
     };
-    draw(plan, context, |canvas, whole| {
-        for (index, panel) in input.panels.iter().enumerate() {
-            let place = whole.cell((index % 3, index / 3), (columns, rows), (10.0, 11.0));
+    draw_panels(
+        plan,
+        context,
+        Grid {
+            count: input.panels.len(),
+            columns,
+            gap: (10.0, 11.0),
+        },
+        |_, whole| whole,
+        |canvas, index, place| {
+            let panel = &input.panels[index];
             rainclouds::paint(canvas, place, &drawn(panel, context));
-        }
-    })
+        },
+    )
 }
 
 fn complete(panel: &DifferencePanel) -> Vec<Vec<f64>> {
@@ -139,10 +168,10 @@ fn drawn<'a>(panel: &'a DifferencePanel, context: &Context) -> Panel<'a> {
             }
         });
     let place = |wanted: ConditionId| panel.conditions.iter().position(|&c| c == wanted);
-    let contrasts = panel.pairs.iter().filter_map(|pair| {
-        let text = apa::p(pair.p_holm).markup().to_owned();
-        Some((place(pair.first)?, place(pair.second)?, text))
-    });
+    let contrasts = panel
+        .pairs
+        .iter()
+        .filter_map(|pair| Some((place(pair.first)?, place(pair.second)?, pair.said())));
     Panel {
         title: &panel.title,
         subtitle: &panel.omnibus,
@@ -151,6 +180,7 @@ fn drawn<'a>(panel: &'a DifferencePanel, context: &Context) -> Panel<'a> {
         rows: &panel.rows,
         contrasts: contrasts.collect(),
         reference: panel.reference,
+        range: panel.range,
     }
 }
 
@@ -200,10 +230,10 @@ fn caption(input: &DifferencePanels, context: &Context) -> String {
         .collect();
     format!(
         "{what}. {points} Half violins are \
-         kernel densities (to two bandwidths beyond the data), boxes quartiles with whiskers to 1.5 times their distance, black dots \
-         means with within-subject 95% intervals (Cousineau–Morey). *n* = {all} participants, of \
+         kernel densities (to two bandwidths beyond the data, never beyond the scale), boxes quartiles with whiskers to 1.5 times their distance, black dots \
+         means with within-subject 95% intervals (Cousineau–Morey): these compare conditions with one another, not with the dashed line. *n* = {all} participants, of \
          whom {complete} have a value in every condition and enter means, intervals and tests. \
-         The omnibus test stands below each title; brackets carry *p* values after Holm.{shortened}{}",
+         The omnibus test stands below each title; brackets carry effect sizes (*d*_{{z}}, or the rank-biserial *r* where ranks were compared) with the stars of *p* after Holm over the contrasts of that panel (\\* .05, \\*\\* .01, \\*\\*\\* .001).{shortened}{}",
         nobody.concat()
     )
 }
@@ -242,6 +272,7 @@ mod tests {
             first: conditions[0],
             second,
             p_holm: 0.0004,
+            effect: Some(1.25),
         };
         DifferencePanels {
             panels: vec![DifferencePanel {
@@ -252,6 +283,7 @@ mod tests {
                 omnibus: "*F*(3, 69) = 25.23".into(),
                 pairs: conditions[1..].iter().copied().map(pair).collect(),
                 reference: Some(0.0),
+                range: None,
             }],
             from: Some(id("own")),
         }
@@ -275,6 +307,7 @@ mod tests {
         assert!(figure.caption.contains("*n* = 6 participants, of whom 5"));
         assert!(figure.caption.ends_with("Synthetic participants."));
         assert!(figure.svg.contains("synthetic participants</text>"));
+        assert!(figure.svg.contains(">1.25***</text>"));
     }
 
     #[test]

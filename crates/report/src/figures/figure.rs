@@ -5,6 +5,7 @@ use super::axes::Place;
 use super::canvas::{Canvas, Look, sketch};
 use super::font::font_face_css;
 use super::page::Head;
+use super::style;
 use super::theme::{MUTED, size};
 use crate::error::ReportError;
 use crate::markup;
@@ -43,10 +44,14 @@ impl Context {
         Self { conditions, ..self }
     }
 
-    /// How a condition looks.
+    /// How a condition looks, as its design says, or the style that was chosen.
     pub(crate) fn look(&self, id: ConditionId) -> ConditionLook {
         let known = self.conditions.iter().find(|look| look.id == id);
-        known.cloned().unwrap_or_else(|| ConditionLook::unknown(id))
+        let look = known.cloned().unwrap_or_else(|| ConditionLook::unknown(id));
+        match style::current().and_then(|style| style.look(id)) {
+            Some(other) => look.dressed(other),
+            None => look,
+        }
     }
 
     pub(crate) fn metadata(&self) -> String {
@@ -74,6 +79,8 @@ pub struct Figure {
     pub alt: String,
     /// SVG 1.1, without the font inside: for a page that has the font, and for comparing.
     pub svg: String,
+    /// Each of its panels as a figure of its own, of one column's width; empty for a figure of one panel.
+    pub panels: Vec<Figure>,
 }
 
 impl Figure {
@@ -88,6 +95,15 @@ impl Figure {
             }
             None => self.svg.clone(),
         }
+    }
+
+    /// The figure as PDF, a page of its own size.
+    ///
+    /// # Errors
+    /// [`ReportError::Pdf`] if the SVG cannot be read.
+    #[cfg(feature = "pdf")]
+    pub fn pdf(&self) -> Result<Vec<u8>, ReportError> {
+        super::pdf::render(&self.name, &self.svg)
     }
 
     /// The figure as PNG at 300 dots per inch, on white.
@@ -149,9 +165,12 @@ pub(crate) fn draw(
     paint: impl FnOnce(&mut Canvas<'_>, Place),
 ) -> Result<Figure, ReportError> {
     let says_so = context.synthetic && plan.shows == Shows::Participants;
+    let style = style::current();
+    let (shown_mm, size_mm) = style.map_or((plan.size_mm, plan.size_mm), |s| s.sizes(plan.size_mm));
     let head = Head {
         name: plan.name.clone(),
-        size_mm: plan.size_mm,
+        shown_mm,
+        size_mm,
         title: markup::plain(&plan.title),
         description: plan.alt.clone(),
         metadata: match plan.shows {
@@ -186,6 +205,7 @@ pub(crate) fn draw(
         title: plan.title,
         caption,
         alt: plan.alt,
-        svg: sketch.svg,
+        svg: style.map_or(sketch.svg.clone(), |style| style.dressed(&sketch.svg)),
+        panels: Vec::new(),
     })
 }

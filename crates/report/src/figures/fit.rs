@@ -117,7 +117,7 @@ pub(crate) fn quantile(sorted: &[f64], share: f64) -> f64 {
 /// A Gaussian kernel density at `steps` points: (value, density relative to the highest).
 ///
 /// Silverman's bandwidth; reaches two bandwidths beyond the data. Empty if all values are equal.
-pub(crate) fn density(sorted: &[f64], steps: usize) -> Vec<(f64, f64)> {
+pub(crate) fn density(sorted: &[f64], steps: usize, range: (f64, f64)) -> Vec<(f64, f64)> {
     if sorted.len() < 3 {
         return Vec::new();
     }
@@ -129,8 +129,8 @@ pub(crate) fn density(sorted: &[f64], steps: usize) -> Vec<(f64, f64)> {
         return Vec::new();
     }
     let (low, high) = (
-        sorted[0] - 2.0 * width,
-        sorted[sorted.len() - 1] + 2.0 * width,
+        (sorted[0] - 2.0 * width).max(range.0),
+        (sorted[sorted.len() - 1] + 2.0 * width).min(range.1),
     );
     let at = |value: f64| -> f64 {
         sorted
@@ -230,7 +230,13 @@ mod tests {
     }
 
     #[test]
+    fn a_density_never_leaves_the_range_of_its_scale() {
+        let curve = density(&[1.0, 1.0, 2.0, 6.5, 7.0], 20, (1.0, 7.0));
+        assert!(curve.iter().all(|(value, _)| (1.0..=7.0).contains(value)));
+    }
+
+    #[test]
     fn equal_values_have_no_density() {
-        assert!(density(&[2.0; 8], 20).is_empty());
+        assert!(density(&[2.0; 8], 20, (f64::NEG_INFINITY, f64::INFINITY)).is_empty());
     }
 }

@@ -4,8 +4,9 @@ use super::axes::{Frame, Labels, Scale};
 use super::canvas::{Look, Pen};
 use super::check::Check;
 use super::crowd;
+use super::grid::{Grid, draw_panels};
 use super::theme::{GREY, INK, MUTED, Marker, TWO_COLUMNS_MM, size, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
+use super::{Context, Figure, Plan, Shows};
 use crate::apa::number;
 use crate::error::ReportError;
 use serde::{Deserialize, Serialize};
@@ -100,10 +101,17 @@ pub fn lane_change_quality(
         alt: found.join(" "),
         shows: Shows::Explanation,
     };
-    draw(plan, context, |canvas, whole| {
-        for (index, panel) in input.panels.iter().enumerate() {
-            let cell = (index % columns, index / columns);
-            let place = whole.cell(cell, (columns, rows), (11.0, 10.0));
+    draw_panels(
+        plan,
+        context,
+        Grid {
+            count: input.panels.len(),
+            columns,
+            gap: (11.0, 10.0),
+        },
+        |_, whole| whole,
+        |canvas, index, place| {
+            let panel = &input.panels[index];
             let labels = Labels {
                 title: &panel.title,
                 x: "Speed (m/s)",
@@ -134,8 +142,8 @@ pub fn lane_change_quality(
                 .zip(panel.values.iter().copied())
                 .collect();
             crowd::paint(canvas, &frame, &points, 1.6, (Marker::Circle, INK));
-        }
-    })
+        },
+    )
 }
 
 #[cfg(test)]

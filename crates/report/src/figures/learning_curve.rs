@@ -3,9 +3,10 @@
 use super::axes::{Frame, Labels, Scale};
 use super::canvas::{Pen, cap_height};
 use super::check::Check;
+use super::grid::{Grid, draw_panels};
 use super::legend::Key;
 use super::theme::{GREY, INK, Marker, TWO_COLUMNS_MM, size, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
+use super::{Context, Figure, Plan, Shows};
 use crate::apa::number;
 use crate::error::ReportError;
 use serde::{Deserialize, Serialize};
@@ -99,18 +100,27 @@ pub fn learning_curve(input: &LearningCurve, context: &Context) -> Result<Figure
     };
     let known = input.panels.iter().any(|panel| panel.before.is_some());
     let dashed = Pen::new(GREY, stroke::STRONG).dashed(3.0, 2.0);
-    draw(plan, context, |canvas, mut whole| {
-        if known {
-            let keys = [
-                (Key::Point(Marker::Circle, INK), "fitted to the driver"),
-                (Key::Line(dashed), "mean training embedding"),
-            ];
-            canvas.legend_row((whole.left, whole.top + 4.0), &keys);
-            whole.top += cap_height(size::TICK) + 8.0;
-        }
-        for (index, panel) in input.panels.iter().enumerate() {
-            let cell = (index % columns, index / columns);
-            let place = whole.cell(cell, (columns, rows), (10.0, 9.0));
+    draw_panels(
+        plan,
+        context,
+        Grid {
+            count: input.panels.len(),
+            columns,
+            gap: (10.0, 9.0),
+        },
+        |canvas, mut whole| {
+            if known {
+                let keys = [
+                    (Key::Point(Marker::Circle, INK), "fitted to the driver"),
+                    (Key::Line(dashed), "mean training embedding"),
+                ];
+                canvas.legend_row((whole.left, whole.top + 4.0), &keys);
+                whole.top += cap_height(size::TICK) + 8.0;
+            }
+            whole
+        },
+        |canvas, index, place| {
+            let panel = &input.panels[index];
             let last = panel.points[panel.points.len() - 1].minutes;
             let values = panel.points.iter().flat_map(|p| [p.low, p.high]);
             let y = Scale::over(values.chain(panel.before), 4);
@@ -144,8 +154,8 @@ pub fn learning_curve(input: &LearningCurve, context: &Context) -> Result<Figure
                     INK,
                 );
             }
-        }
-    })
+        },
+    )
 }
 
 #[cfg(test)]

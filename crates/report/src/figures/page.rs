@@ -5,6 +5,7 @@
 //! the stock bitmap backend does not smooth wide strokes.
 
 use super::font::{CAP_HEIGHT_EM, FAMILY, Face, LINE_EM};
+use super::theme::size;
 use crate::markup::{self, Level};
 use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
@@ -29,7 +30,9 @@ pub(crate) fn points_from_mm(mm: f64) -> f64 {
 pub(crate) struct Head {
     /// Prefix of every `id` in the file.
     pub(crate) name: String,
-    /// Width and height in millimetres.
+    /// Width and height on paper, in millimetres.
+    pub(crate) shown_mm: (f64, f64),
+    /// Width and height of the drawing, in millimetres, which is enlarged to that.
     pub(crate) size_mm: (f64, f64),
     /// `<title>`, plain text.
     pub(crate) title: String,
@@ -55,6 +58,7 @@ impl<'a> Page<'a> {
         let width = points_from_mm(width_mm) * UNITS_PER_POINT;
         let height = points_from_mm(height_mm) * UNITS_PER_POINT;
         let units = (width.round() as u32, height.round() as u32);
+        let (width_mm, height_mm) = head.shown_mm;
         let (w, h) = (
             Hundredths(units.0.cast_signed()),
             Hundredths(units.1.cast_signed()),
@@ -275,8 +279,13 @@ impl DrawingBackend for Page<'_> {
     }
 }
 
-/// Size of lowered and raised text, and how far it moves, in em of the line.
-pub(crate) const SCRIPT_SIZE: f64 = 0.7;
+/// Size of lowered and raised text where the line has this size, both in points: smaller, but never below what can be read.
+pub(crate) fn script_size(line: f64) -> f64 {
+    (SCRIPT_SIZE * line).max(size::SMALL).min(line)
+}
+
+const SCRIPT_SIZE: f64 = 0.7;
+/// How far lowered and raised text moves, in em of the line.
 const LOWERED_EM: f64 = 0.18;
 const RAISED_EM: f64 = -0.34;
 
@@ -308,7 +317,7 @@ fn write_runs(out: &mut String, text: &str, face: Face, em: f64) {
             let _ = write!(
                 out,
                 " font-size=\"{}\"",
-                Hundredths((em * SCRIPT_SIZE).round() as i32)
+                Hundredths((script_size(em / UNITS_PER_POINT) * UNITS_PER_POINT).round() as i32)
             );
         }
         if wanted != shift {
@@ -337,6 +346,22 @@ mod tests {
             out,
             "a<tspan font-size=\"7\" dy=\"1.8\">b</tspan><tspan dy=\"-1.8\">c</tspan>"
         );
+    }
+
+    #[test]
+    fn nothing_is_smaller_than_six_and_a_half_points() {
+        for line in [
+            size::SMALL,
+            size::TICK,
+            size::SUBTITLE,
+            size::AXIS,
+            size::TITLE,
+        ] {
+            assert!(script_size(line) >= 6.5 && script_size(line) <= line);
+        }
+        let mut out = String::new();
+        write_runs(&mut out, "*η*_{p}", Face::Regular, 700.0);
+        assert!(out.contains("font-size=\"6.5\""), "{out}");
     }
 
     #[test]

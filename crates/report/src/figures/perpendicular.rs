@@ -5,8 +5,9 @@ use super::canvas::{Canvas, Pen};
 use super::check::Check;
 use super::crowd;
 use super::fit;
+use super::grid::{Grid, draw_panels};
 use super::theme::{GREEN, GREY, Marker, PAPER, TWO_COLUMNS_MM, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
+use super::{Context, Figure, Plan, Shows};
 use crate::error::ReportError;
 use crate::markup;
 use maveric_domain::ConditionId;
@@ -118,12 +119,20 @@ pub fn perpendicular(
         alt: found.join(" "),
         shows: Shows::Participants,
     };
-    draw(plan, context, |canvas, whole| {
-        for (index, panel) in input.panels.iter().enumerate() {
-            let place = whole.cell((index, 0), (count, 1), (14.0, 0.0));
+    draw_panels(
+        plan,
+        context,
+        Grid {
+            count,
+            columns: count,
+            gap: (14.0, 0.0),
+        },
+        |_, whole| whole,
+        |canvas, index, place| {
+            let panel = &input.panels[index];
             paint(canvas, place, panel);
-        }
-    })
+        },
+    )
 }
 
 fn paint(canvas: &mut Canvas<'_>, place: super::axes::Place, panel: &PerpendicularPanel) {

@@ -1,6 +1,7 @@
 //! An SVG of ours as PNG, on white.
 
 use super::font::{FAMILY, Face};
+use super::style;
 use crate::error::ReportError;
 use resvg::{tiny_skia, usvg};
 use std::sync::{Arc, OnceLock};
@@ -18,6 +19,9 @@ pub(crate) fn options() -> usvg::Options<'static> {
         let mut fonts = usvg::fontdb::Database::new();
         for face in Face::ALL {
             fonts.load_font_data(face.ttf().to_vec());
+        }
+        for font in style::current().into_iter().flat_map(|s| &s.fonts) {
+            fonts.load_font_data(font.clone());
         }
         Arc::new(fonts)
     });

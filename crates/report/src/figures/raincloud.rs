@@ -20,10 +20,11 @@ pub(crate) struct Cloud {
 }
 
 impl Cloud {
-    /// `None` without values.
-    pub(crate) fn of(mut values: Vec<f64>) -> Option<Self> {
+    /// `None` without values. The density ends where the scale does: nobody can answer beyond it.
+    pub(crate) fn of(mut values: Vec<f64>, range: Option<(f64, f64)>) -> Option<Self> {
         values.sort_by(f64::total_cmp);
-        let curve = fit::density(&values, STEPS);
+        let everything = (f64::NEG_INFINITY, f64::INFINITY);
+        let curve = fit::density(&values, STEPS, range.unwrap_or(everything));
         (!values.is_empty()).then_some(Self {
             sorted: values,
             curve,

@@ -29,6 +29,8 @@ pub(crate) struct Panel<'a> {
     pub(crate) contrasts: Vec<(usize, usize, String)>,
     /// Value at which a line is drawn.
     pub(crate) reference: Option<f64>,
+    /// Lowest and highest value that there can be, where the scale has ends.
+    pub(crate) range: Option<(f64, f64)>,
 }
 
 /// Draws the panel into its place.
@@ -36,7 +38,10 @@ pub(crate) fn paint(canvas: &mut Canvas<'_>, place: Place, panel: &Panel<'_>) {
     let k = panel.slots.len();
     let brackets = brackets(&panel.contrasts);
     let clouds: Vec<Option<Cloud>> = (0..k)
-        .map(|index| Cloud::of(panel.rows.iter().filter_map(|row| row[index]).collect()))
+        .map(|index| {
+            let values = panel.rows.iter().filter_map(|row| row[index]).collect();
+            Cloud::of(values, panel.range)
+        })
         .collect();
     let values = clouds.iter().flatten().flat_map(Cloud::ends);
     let data = Scale::over(values.chain(panel.reference), 5);

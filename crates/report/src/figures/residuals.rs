@@ -3,8 +3,9 @@
 use super::axes::{Frame, Labels, Scale};
 use super::canvas::Pen;
 use super::check::Check;
+use super::grid::{Grid, draw_panels};
 use super::theme::{GREY, INK, MUTED, TWO_COLUMNS_MM, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
+use super::{Context, Figure, Plan, Shows};
 use crate::apa::number;
 use crate::error::ReportError;
 use serde::{Deserialize, Serialize};
@@ -112,10 +113,17 @@ pub fn residuals(input: &Residuals, context: &Context) -> Result<Figure, ReportE
         alt: found.join(" "),
         shows: Shows::Participants,
     };
-    draw(plan, context, |canvas, whole| {
-        let columns = input.panels.len().max(2);
-        for (index, panel) in input.panels.iter().enumerate() {
-            let place = whole.cell((index, 0), (columns, 1), (14.0, 0.0));
+    draw_panels(
+        plan,
+        context,
+        Grid {
+            count: input.panels.len(),
+            columns: input.panels.len().max(2),
+            gap: (14.0, 0.0),
+        },
+        |_, whole| whole,
+        |canvas, index, place| {
+            let panel = &input.panels[index];
             let subtitle = spread(panel);
             let labels = Labels {
                 title: &panel.title,
@@ -146,8 +154,8 @@ pub fn residuals(input: &Residuals, context: &Context) -> Result<Figure, ReportE
             for (value, half, pen) in marks {
                 canvas.line(frame.at(value, -half), frame.at(value, half), pen);
             }
-        }
-    })
+        },
+    )
 }
 
 #[cfg(test)]

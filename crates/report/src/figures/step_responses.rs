@@ -3,10 +3,11 @@
 use super::axes::{Frame, Labels, Scale};
 use super::canvas::Pen;
 use super::check::Check;
+use super::grid::{Grid, draw_panels};
 use super::legend::Key;
 use super::theme::{GREY, INK, OCHRE, PALE, TWO_COLUMNS_MM, stroke};
 use super::thin::thinned;
-use super::{Context, Figure, Plan, Shows, draw};
+use super::{Context, Figure, Plan, Shows};
 use crate::apa::number;
 use crate::error::ReportError;
 use crate::markup;
@@ -99,16 +100,24 @@ pub fn step_responses(input: &StepResponses, context: &Context) -> Result<Figure
     let solid = Pen::new(INK, stroke::STRONG);
     let target = Pen::new(GREY, stroke::STRONG).dashed(3.0, 2.0);
     let settled = Pen::new(OCHRE, stroke::BOX);
-    draw(plan, context, |canvas, whole| {
-        let keys = [
-            (Key::Line(solid), "reached"),
-            (Key::Line(target), "asked for"),
-            (Key::Line(settled), "settled from here on"),
-        ];
-        let whole = canvas.legend(whole, &keys);
-        for (index, panel) in input.panels.iter().enumerate() {
-            let cell = (index % columns, index / columns);
-            let place = whole.cell(cell, (columns, rows), (11.0, 10.0));
+    draw_panels(
+        plan,
+        context,
+        Grid {
+            count: input.panels.len(),
+            columns,
+            gap: (11.0, 10.0),
+        },
+        |canvas, whole| {
+            let keys = [
+                (Key::Line(solid), "reached"),
+                (Key::Line(target), "asked for"),
+                (Key::Line(settled), "settled from here on"),
+            ];
+            canvas.legend(whole, &keys)
+        },
+        |canvas, index, place| {
+            let panel = &input.panels[index];
             let subtitle = words(panel).join("\n");
             let labels = Labels {
                 title: &panel.title,
@@ -140,8 +149,8 @@ pub fn step_responses(input: &StepResponses, context: &Context) -> Result<Figure
                 let path: Vec<(f64, f64)> = path.into_iter().map(|(t, v)| frame.at(t, v)).collect();
                 canvas.path(&path, pen);
             }
-        }
-    })
+        },
+    )
 }
 
 fn words(panel: &StepPanel) -> Vec<String> {

@@ -72,9 +72,56 @@ pub(crate) enum Marker {
     TriangleUp,
     TriangleDown,
     Diamond,
+    Star,
+    Plus,
+    TriangleLeft,
+    TriangleRight,
+    Cross,
+    Hexagon,
 }
 
 impl Marker {
+    /// Corners round the middle, as angle in degrees (0 to the right, 90 down) and distance for a radius of 1; none of a circle.
+    pub(crate) fn corners(self) -> Vec<(f64, f64)> {
+        let even = |first: f64, count: usize, far: f64| -> Vec<(f64, f64)> {
+            (0..count)
+                .map(|k| (first + 360.0 * k as f64 / count as f64, far))
+                .collect()
+        };
+        // Two corners an arm, one between two arms.
+        let arms = |turn: f64| -> Vec<(f64, f64)> {
+            let arm = |k: usize| {
+                let middle = turn + 90.0 * k as f64;
+                [
+                    (middle - 18.0, 1.3),
+                    (middle + 18.0, 1.3),
+                    (middle + 45.0, 0.57),
+                ]
+            };
+            (0..4).flat_map(arm).collect()
+        };
+        match self {
+            Self::Circle => Vec::new(),
+            Self::Square => even(45.0, 4, 1.27),
+            Self::Diamond => even(0.0, 4, 1.25),
+            Self::TriangleUp => even(-90.0, 3, 1.3),
+            Self::TriangleDown => even(90.0, 3, 1.3),
+            Self::TriangleLeft => even(180.0, 3, 1.3),
+            Self::TriangleRight => even(0.0, 3, 1.3),
+            Self::Hexagon => even(-90.0, 6, 1.15),
+            Self::Plus => arms(0.0),
+            Self::Cross => arms(45.0),
+            Self::Star => (0..10)
+                .map(|k| {
+                    (
+                        -90.0 + 36.0 * f64::from(k),
+                        if k % 2 == 0 { 1.5 } else { 0.65 },
+                    )
+                })
+                .collect(),
+        }
+    }
+
     /// Its name.
     pub(crate) fn words(self) -> &'static str {
         match self {
@@ -83,6 +130,12 @@ impl Marker {
             Self::TriangleUp => "triangle up",
             Self::TriangleDown => "triangle down",
             Self::Diamond => "diamond",
+            Self::Star => "star",
+            Self::Plus => "plus",
+            Self::TriangleLeft => "triangle left",
+            Self::TriangleRight => "triangle right",
+            Self::Cross => "cross",
+            Self::Hexagon => "hexagon",
         }
     }
 }
@@ -150,22 +203,6 @@ pub(crate) fn hex(colour: RGBColor) -> String {
     format!("#{:02x}{:02x}{:02x}", colour.0, colour.1, colour.2)
 }
 
-/// A coefficient from −1 (blue) over 0 (nearly white) to 1 (orange), clamped.
-///
-/// The darkest are the widest apart for colour-blind eyes.
-pub(crate) fn diverging(value: f64) -> RGBColor {
-    const MIDDLE: RGBColor = RGBColor(0xf6, 0xf6, 0xf6);
-    let value = value.clamp(-1.0, 1.0);
-    let end = if value < 0.0 { BLUE } else { ORANGE };
-    let found = mixed(MIDDLE, end, value.abs());
-    // The end itself is a colour that the dark page changes; a cell stays as it is.
-    if found == end {
-        RGBColor(end.0, end.1, end.2 + 1)
-    } else {
-        found
-    }
-}
-
 /// `share` of the way from one colour to another.
 pub(crate) fn mixed(from: RGBColor, to: RGBColor, share: f64) -> RGBColor {
     let mix = |a: u8, b: u8| (f64::from(a) + (f64::from(b) - f64::from(a)) * share).round() as u8;
@@ -195,15 +232,4 @@ fn luminance(colour: RGBColor) -> f64 {
         }
     };
     0.2126 * channel(colour.0) + 0.7152 * channel(colour.1) + 0.0722 * channel(colour.2)
-}
-
-/// Text on a coloured cell: dark or light, whichever has more contrast. Not the ink and paper of
-/// the page, which change with it.
-pub(crate) fn on_colour(ground: RGBColor) -> RGBColor {
-    // Where contrast with black and with white are the same.
-    if luminance(ground) > 0.179 {
-        RGBColor(0x16, 0x16, 0x16)
-    } else {
-        RGBColor(0xfe, 0xfe, 0xfe)
-    }
 }

@@ -3,9 +3,10 @@
 use super::axes::{Frame, Labels, Scale};
 use super::canvas::Pen;
 use super::check::Check;
+use super::grid::{Grid, draw_panels};
 use super::legend::Key;
 use super::theme::{GREY, INK, TWO_COLUMNS_MM, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
+use super::{Context, Figure, Plan, Shows};
 use crate::error::ReportError;
 use serde::{Deserialize, Serialize};
 
@@ -68,7 +69,12 @@ pub fn training_curves(input: &TrainingCurves, context: &Context) -> Result<Figu
         .map(|term| {
             let name = crate::markup::plain(&term.title);
             let (first, last) = (term.train[0], term.train[term.train.len() - 1]);
-            format!("{name} goes from {first:.3} to {last:.3}.")
+            let kept = term.validation.iter().copied().enumerate();
+            let kept = kept.min_by(|a, b| a.1.total_cmp(&b.1)).zip(term.validation.last());
+            let kept = kept.map_or_else(String::new, |((at, least), end)| {
+                format!(" On what was kept back it is least after epoch {} ({least:.3}) and ends at {end:.3}.", at + 1)
+            });
+            format!("{name} goes from {first:.3} to {last:.3} on what is learned from.{kept}")
         })
         .collect();
     let plan = Plan {
@@ -90,17 +96,27 @@ pub fn training_curves(input: &TrainingCurves, context: &Context) -> Result<Figu
     };
     let solid = Pen::new(INK, stroke::STRONG);
     let dashed = Pen::new(GREY, stroke::STRONG).dashed(3.0, 2.0);
-    draw(plan, context, |canvas, mut whole| {
-        if validated {
-            let keys = [
-                (Key::Line(solid), "rows learned from"),
-                (Key::Line(dashed), "last part of each drive, kept back"),
-            ];
-            canvas.legend_row((whole.left, whole.top + 4.0), &keys);
-            whole.top += 15.0;
-        }
-        for (index, term) in input.terms.iter().enumerate() {
-            let place = whole.cell((index % 3, index / 3), (columns, rows), (12.0, 9.0));
+    draw_panels(
+        plan,
+        context,
+        Grid {
+            count: input.terms.len(),
+            columns,
+            gap: (12.0, 9.0),
+        },
+        |canvas, mut whole| {
+            if validated {
+                let keys = [
+                    (Key::Line(solid), "rows learned from"),
+                    (Key::Line(dashed), "last part of each drive, kept back"),
+                ];
+                canvas.legend_row((whole.left, whole.top + 4.0), &keys);
+                whole.top += 15.0;
+            }
+            whole
+        },
+        |canvas, index, place| {
+            let term = &input.terms[index];
             let values = || term.train.iter().chain(&term.validation).copied();
             let low = values().fold(f64::INFINITY, f64::min);
             let high = values().fold(f64::NEG_INFINITY, f64::max);
@@ -129,8 +145,8 @@ pub fn training_curves(input: &TrainingCurves, context: &Context) -> Result<Figu
                     canvas.disc(*only, stroke::POINT, INK, 1.0);
                 }
             }
-        }
-    })
+        },
+    )
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use super::report::Report;
 use crate::claims::ledger_table;
 use crate::error::ReportError;
 use crate::figures::Figure;
+use crate::manuscript::files as manuscript_files;
 use crate::tables::{Table, exclusions};
 #[cfg(feature = "parallel")]
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
@@ -18,7 +19,7 @@ pub struct RenderedFile {
     pub bytes: Vec<u8>,
 }
 
-/// Renders `index.html`, `figures/*.{svg,png}` (PNG with the feature `png`) and `tables/*.{csv,md,tex,html}`.
+/// Renders `index.html`, `figures/*.{svg,png}` and PDF (each with its feature) and `tables/*.{csv,md,tex,html}`.
 ///
 /// The same report gives the same bytes.
 ///
@@ -29,14 +30,20 @@ pub fn render(report: &Report) -> Result<Vec<RenderedFile>, ReportError> {
     report.check()?;
     let left_out = exclusions(&report.exclusions);
     let ledger = report.ledger.as_deref().map(ledger_table);
+    let mut plots = Vec::new();
+    for card in &report.cards {
+        plots.push(card.figure(&report.context)?);
+    }
     let mut files = vec![RenderedFile {
         path: "index.html".to_owned(),
-        bytes: page(report, &left_out)?.into_bytes(),
+        bytes: page(report, &plots, &left_out)?.into_bytes(),
     }];
-    let figures: Vec<&Figure> = report
-        .sections
+    let figures = report.all_sections().flat_map(|section| &section.figures);
+    let figures: Vec<&Figure> = plots
         .iter()
-        .flat_map(|section| &section.figures)
+        .flatten()
+        .chain(figures)
+        .flat_map(|figure| std::iter::once(figure).chain(&figure.panels))
         .collect();
     // Rendering pictures takes most of the time; the order of the files stays that of the figures.
     #[cfg(feature = "parallel")]
@@ -45,10 +52,18 @@ pub fn render(report: &Report) -> Result<Vec<RenderedFile>, ReportError> {
     let figures = figures.into_iter();
     let drawn = figures.map(figure_files);
     files.extend(drawn.collect::<Result<Vec<_>, _>>()?.into_iter().flatten());
-    let tables = report.sections.iter().flat_map(|section| &section.tables);
+    let tables = report.all_sections().flat_map(|section| &section.tables);
     for table in tables.chain([&left_out]).chain(ledger.as_ref()) {
         files.extend(table_files(table, report)?);
     }
+    let manuscript = report.manuscript.as_ref();
+    let texts = manuscript
+        .into_iter()
+        .flat_map(|m| manuscript_files(report, m));
+    files.extend(texts.map(|(path, text)| RenderedFile {
+        path,
+        bytes: text.into_bytes(),
+    }));
     Ok(files)
 }
 
@@ -63,6 +78,11 @@ fn figure_files(figure: &Figure) -> Result<Vec<RenderedFile>, ReportError> {
         RenderedFile {
             path: path("png"),
             bytes: figure.png()?,
+        },
+        #[cfg(feature = "pdf")]
+        RenderedFile {
+            path: path("pdf"),
+            bytes: figure.pdf()?,
         },
     ])
 }

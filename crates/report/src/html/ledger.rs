@@ -35,7 +35,9 @@ fn kind(verdict: Verdict) -> &'static str {
         Verdict::Agrees => "agrees",
         Verdict::SameDirection => "same-direction",
         Verdict::Differs => "differs",
+        Verdict::TooFew => "too-few",
         Verdict::ByDesign => "by-design",
+        Verdict::Tuned => "tuned",
         Verdict::NotComputed => "not-computed",
     }
 }
@@ -56,6 +58,7 @@ fn row_value(row: &LedgerRow, anchors: &BTreeSet<String>) -> Value {
         verdict => row.verdict.text(),
         kind => kind(row.verdict),
         rule => rule(row.claim.rule),
+        clear => row.clear(),
         stage => made.map(|m| &m.stage),
         anchor => shown_in,
         shown_as => shown_in.map(|anchor| if anchor.starts_with("figure-") { "figure" } else { "table" }),

@@ -1,6 +1,7 @@
 //! The page and the files around it, as bytes: whoever calls writes them.
 
 mod files;
+mod glossary;
 mod ledger;
 mod live;
 mod page;
@@ -17,5 +18,5 @@ pub use player::{
     CentreLine, ChangeSpan, InterventionSpan, PlayerDrive, PlayerFragment, PlayerMeta, Track,
     WatchPlayer, player, watch_page,
 };
-pub use report::{Input, Methods, ParameterFile, Provenance, Report, Section};
+pub use report::{Input, Manuscript, Methods, ParameterFile, Provenance, Report, Section};
 pub use space::{SpaceDrive, SpacePerson, StyleSpace};

@@ -1,5 +1,6 @@
 //! `index.html`: one file, no network, readable on paper, on a phone, at night and without scripts.
 
+use super::glossary::explained;
 use super::ledger::ledger;
 use super::live::{Live, LiveContent, embedded};
 use super::player::{PlayerFragment, player};
@@ -7,6 +8,7 @@ use super::report::{Report, Section};
 use super::scripts;
 use super::style::style;
 use super::template::{fill, safe};
+use crate::card::Card;
 use crate::claims::ledger_table;
 use crate::error::ReportError;
 use crate::figures::Figure;
@@ -21,16 +23,26 @@ const MOST_ROWS: usize = 200;
 const MOST_WARNINGS: usize = 50;
 
 /// Fills in the page.
-pub(crate) fn page(report: &Report, exclusions: &Table) -> Result<String, ReportError> {
+pub(crate) fn page(
+    report: &Report,
+    plots: &[Option<Figure>],
+    exclusions: &Table,
+) -> Result<String, ReportError> {
     let mut number = 0;
     let mut shown = Vec::new();
     for live in &report.live {
         shown.push(Shown::of(live, report)?);
     }
-    let sections: Vec<Value> = report
-        .sections
-        .iter()
-        .map(|section| section_value(section, &shown, &mut number))
+    let mut shown_sections = |sections: &[Section]| -> Vec<Value> {
+        let one = |section| section_value(section, &shown, &mut number);
+        sections.iter().map(one).collect()
+    };
+    let sections = shown_sections(&report.sections);
+    let supplement = shown_sections(&report.supplement);
+    let known = anchors(report);
+    let cards = report.cards.iter().zip(plots);
+    let cards: Vec<Value> = cards
+        .map(|(card, plot)| card_value(card, plot.as_ref(), &known))
         .collect();
     let provenance = &report.provenance;
     let inputs: Vec<[String; 2]> = provenance
@@ -52,7 +64,7 @@ pub(crate) fn page(report: &Report, exclusions: &Table) -> Result<String, Report
         .map(|file| context! { path => &file.path, text => safe(whole_text(&file.text)) })
         .collect();
     let warnings = report.warnings.iter().take(MOST_WARNINGS).cloned();
-    fill(
+    let filled = fill(
         "page.html",
         context! {
             title => &report.title,
@@ -63,9 +75,12 @@ pub(crate) fn page(report: &Report, exclusions: &Table) -> Result<String, Report
             policy => safe(scripts::policy(&used)),
             scripts => used.into_iter().map(safe).collect::<Vec<_>>(),
             summary => marked(&report.summary),
+            cards,
             sections,
-            ledger => report.ledger.as_ref().map(|rows| ledger(rows, &anchors(report))),
+            supplement,
+            ledger => report.ledger.as_ref().map(|rows| ledger(rows, &known)),
             ledger_notes => report.ledger.as_ref().map(|rows| marked(&ledger_table(rows).notes[1..])),
+            has_words => !report.glossary.is_empty(),
             has_methods => !(report.methods.text.is_empty() && report.methods.files.is_empty() && provenance.parameters.is_empty()),
             methods => marked(&report.methods.text),
             files,
@@ -78,7 +93,22 @@ pub(crate) fn page(report: &Report, exclusions: &Table) -> Result<String, Report
             parameters => &provenance.parameters,
             inputs => &inputs,
         },
-    )
+    )?;
+    let (explained, found) = explained(&filled, &report.glossary);
+    let words = report
+        .glossary
+        .iter()
+        .filter(|(term, _)| found.contains(term.as_str()));
+    let words: Vec<String> = words
+        .map(|(term, meaning)| {
+            format!(
+                "<dt>{}</dt><dd>{}</dd>",
+                markup::escape(term),
+                markup::escape(meaning)
+            )
+        })
+        .collect();
+    Ok(explained.replacen("<dt>WORDS</dt>", &words.concat(), 1))
 }
 
 /// A table as a page of its own, whole.
@@ -126,8 +156,34 @@ fn anchors(report: &Report) -> BTreeSet<String> {
         let tables = section.tables.iter().map(|t| format!("table-{}", t.name));
         figures.chain(tables).collect::<Vec<_>>()
     };
-    report.sections.iter().flat_map(of).collect()
+    report.all_sections().flat_map(of).collect()
 }
+
+/// A card; it links to what answers its doubt if that is on the page.
+fn card_value(card: &Card, plot: Option<&Figure>, anchors: &BTreeSet<String>) -> Value {
+    let on_page = |id: &&String| anchors.contains(*id) || FIXED.contains(&id.as_str());
+    let number = card.number.as_ref().map(|n| {
+        let parts = [&n.value, &n.floor, &n.ceiling];
+        parts.map(|part| safe(markup::html(part))).to_vec()
+    });
+    context! {
+        name => &card.name,
+        question => &card.question,
+        answer => safe(markup::html(&card.answer)),
+        tone => card.tone.class(),
+        verdict => &card.verdict,
+        rule => safe(markup::html(&card.rule)),
+        number,
+        svg => plot.map(|p| safe(p.svg.clone())),
+        key => plot.map(|p| safe(markup::html(&p.caption))),
+        doubt => safe(markup::html(&card.doubt)),
+        see => card.see.as_ref().filter(on_page),
+        tests => marked(&card.tests),
+    }
+}
+
+/// Anchors that every page has.
+const FIXED: [&str; 4] = ["exclusions", "provenance", "methods", "ledger"];
 
 fn section_value(section: &Section, live: &[Shown], number: &mut usize) -> Value {
     let figures: Vec<Value> = section
@@ -205,6 +261,7 @@ fn figure_value(figure: &Figure, number: usize, live: Vec<Value>) -> Value {
         .unwrap_or(0.0);
     context! {
         name => &figure.name,
+        panels => figure.panels.iter().map(|p| p.name.clone()).collect::<Vec<_>>(),
         number,
         title => safe(markup::html(&figure.title)),
         plain_title => markup::plain(&figure.title),

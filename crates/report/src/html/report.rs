@@ -1,6 +1,7 @@
 //! What a report is made of.
 
 use super::live::Live;
+use crate::card::Card;
 use crate::claims::LedgerRow;
 use crate::error::ReportError;
 use crate::figures::{Context, Figure};
@@ -16,10 +17,14 @@ pub struct Report {
     pub subtitle: String,
     /// Whose numbers these are.
     pub context: Context,
-    /// The findings, one line each, with marks (see [`crate::markup`]).
+    /// The answers, before everything else.
+    pub cards: Vec<Card>,
+    /// What else is to be said first, a line each, with marks (see [`crate::markup`]).
     pub summary: Vec<String>,
-    /// The body, in order.
+    /// The results, in order.
     pub sections: Vec<Section>,
+    /// What is behind them, folded, with ledger, methods, exclusions and provenance.
+    pub supplement: Vec<Section>,
     /// What can be moved and played on the page, each below a figure of `sections`.
     pub live: Vec<Live>,
     /// The claims ledger, if the run has one.
@@ -30,8 +35,12 @@ pub struct Report {
     pub exclusions: Vec<Exclusion>,
     /// What else a reader has to know about the data. Plain text.
     pub warnings: Vec<String>,
+    /// Words that need one, with their meaning: explained where they stand, and listed. Plain text.
+    pub glossary: Vec<(String, String)>,
     /// What the report was made from.
     pub provenance: Provenance,
+    /// What a paper is written from, beside the page; none where nobody would write one.
+    pub manuscript: Option<Manuscript>,
 }
 
 /// A part of the body.
@@ -89,7 +98,45 @@ pub struct Input {
     pub hash: String,
 }
 
+/// The part of a manuscript that does not follow from a page's cards and tables.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Manuscript {
+    /// Headings of the methods with their paragraphs, with marks.
+    pub methods: Vec<(String, Vec<String>)>,
+    /// What the methods cite: key of the entry and reference in full. Plain text.
+    pub references: Vec<(String, String)>,
+}
+
 impl Report {
+    /// A page with a head and nothing on it yet.
+    pub fn new(title: impl Into<String>, subtitle: impl Into<String>, context: &Context) -> Self {
+        Self {
+            title: title.into(),
+            subtitle: subtitle.into(),
+            context: context.clone(),
+            cards: Vec::new(),
+            summary: Vec::new(),
+            sections: Vec::new(),
+            supplement: Vec::new(),
+            live: Vec::new(),
+            ledger: None,
+            methods: Methods::default(),
+            exclusions: Vec::new(),
+            warnings: Vec::new(),
+            provenance: Provenance {
+                version: env!("CARGO_PKG_VERSION").to_owned(),
+                ..Provenance::default()
+            },
+            glossary: Vec::new(),
+            manuscript: None,
+        }
+    }
+
+    /// The results, then what is behind them.
+    pub fn all_sections(&self) -> impl Iterator<Item = &Section> {
+        self.sections.iter().chain(&self.supplement)
+    }
+
     /// Checks names, tables, and what can be moved.
     ///
     /// # Errors
@@ -97,7 +144,21 @@ impl Report {
     /// [`Table::check`] finds, and [`ReportError::Live`] for a number that is none or a live part without its figure.
     pub fn check(&self) -> Result<(), ReportError> {
         let mut seen = BTreeSet::new();
-        for section in &self.sections {
+        for card in &self.cards {
+            let usable =
+                |sign: char| sign.is_ascii_lowercase() || sign.is_ascii_digit() || sign == '-';
+            if card.name.is_empty() || !card.name.chars().all(usable) {
+                return Err(ReportError::BadName {
+                    name: card.name.clone(),
+                });
+            }
+            if !seen.insert(("cards", &card.name)) {
+                return Err(ReportError::DuplicateName {
+                    name: card.name.clone(),
+                });
+            }
+        }
+        for section in self.all_sections() {
             let figures = section
                 .figures
                 .iter()

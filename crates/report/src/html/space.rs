@@ -98,7 +98,7 @@ impl StyleSpace {
             "ellipse": self.ellipse.map(|axes| axes.map(|axis| at(&axis))),
             "score": [self.score.0, self.score.1, self.score.2],
             "dial": self.dial.iter().map(ToString::to_string).collect::<Vec<_>>(),
-            "looks": self.looks(context).map(|look| json!([look.id.to_string(), look.label, look.marker()])).collect::<Vec<_>>(),
+            "looks": self.looks(context).map(|look| json!([look.id.to_string(), look.label, look.marker().corners()])).collect::<Vec<_>>(),
         })
     }
 

@@ -1,6 +1,8 @@
 //! How the page looks: its rules, its font, its colours by day and at night.
 
-use crate::figures::{ConditionLook, Context, DARK, font_face_css, hex, on_dark};
+use crate::figures::{
+    ConditionLook, Context, DARK, current_style, font_face_css, hex, hex_on_dark, on_dark,
+};
 use plotters::style::RGBColor;
 use std::fmt::Write as _;
 
@@ -28,6 +30,12 @@ pub(crate) fn style(context: &Context) -> String {
     let own = looks.filter(|c| DARK.iter().all(|(light, _)| light != c));
     for (light, dark) in drawn.into_iter().chain(own.map(|c| (c, on_dark(c)))) {
         let light = hex(light);
+        // A colour that a style put in the place of one of ours turns into one of its own.
+        let other = current_style().and_then(|style| style.recoloured(&light));
+        let (light, dark) = match other {
+            Some(other) => (other.to_owned(), hex_on_dark(other).unwrap_or(dark)),
+            None => (light, dark),
+        };
         let _ = writeln!(
             out,
             "figure svg [fill=\"{light}\"]{{fill:{dark}}} figure svg [stroke=\"{light}\"]{{stroke:{dark}}}"

@@ -10,6 +10,7 @@ pub(crate) fn fill(template: &str, values: Value) -> Result<String, ReportError>
     };
     let mut environment = Environment::new();
     environment.add_global("has_png", cfg!(feature = "png"));
+    environment.add_global("has_pdf", cfg!(feature = "pdf"));
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     for (name, source) in [
         ("page.html", include_str!("templates/page.html")),

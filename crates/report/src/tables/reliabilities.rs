@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize};
 /// One scale or subscale.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Reliability {
+    /// `SCALE.SUBSCALE`, to find it by.
+    pub id: String,
     /// Such as `Mini-IPIP conscientiousness`.
     pub scale: String,
     /// Items.

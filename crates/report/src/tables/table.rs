@@ -61,6 +61,8 @@ pub enum Cell {
         /// Decimals shown.
         decimals: usize,
     },
+    /// A p: `< .001` below that, else three decimals; whole in the CSV.
+    P(f64),
     /// Not there: an empty field in the CSV, a dash elsewhere.
     Missing,
     /// Not there, for a reason: a dash with a letter, and the reason below the table.
@@ -99,6 +101,11 @@ impl Cell {
         value.map_or(Self::Missing, |value| Self::Bounded { value, decimals })
     }
 
+    /// A p, or missing.
+    pub fn p(p: Option<f64>) -> Self {
+        p.map_or(Self::Missing, Self::P)
+    }
+
     /// As shown, with marks.
     pub(crate) fn marked(&self) -> String {
         match self {
@@ -106,6 +113,7 @@ impl Cell {
             Self::Marked(text) => text.clone(),
             Self::Number { value, decimals } => apa::number(*value, *decimals),
             Self::Bounded { value, decimals } => apa::bounded(*value, *decimals),
+            Self::P(p) => apa::p_cell(*p),
             Self::Missing | Self::MissingBecause(_) => "–".to_owned(),
         }
     }
@@ -194,7 +202,8 @@ impl Table {
                 });
             }
             for (column, cell) in cells.iter().enumerate() {
-                if let Cell::Number { value, .. } | Cell::Bounded { value, .. } = cell
+                if let Cell::Number { value, .. } | Cell::Bounded { value, .. } | Cell::P(value) =
+                    cell
                     && !value.is_finite()
                 {
                     let table = self.name.clone();

@@ -17,6 +17,7 @@ impl Table {
         for row in &self.rows {
             let fields = row.iter().map(|cell| match cell {
                 Cell::Number { value, .. } | Cell::Bounded { value, .. } => format!("{value}"),
+                Cell::P(p) => format!("{p}"),
                 Cell::Missing | Cell::MissingBecause(_) => String::new(),
                 Cell::Text(text) => csv_field(text),
                 Cell::Marked(text) => csv_field(&markup::plain(text)),
@@ -184,7 +185,7 @@ fn csv_field(text: &str) -> String {
     }
 }
 
-fn markdown(marked: &str) -> String {
+pub(crate) fn markdown(marked: &str) -> String {
     let mut out = String::new();
     for run in markup::runs(marked) {
         let mut text = String::new();
@@ -214,7 +215,7 @@ fn markdown(marked: &str) -> String {
     out
 }
 
-fn latex(marked: &str) -> String {
+pub(crate) fn latex(marked: &str) -> String {
     let mut out = String::new();
     for run in markup::runs(marked) {
         let mut text: String = run.text.chars().map(latex_sign).collect();

@@ -87,7 +87,7 @@ const COMMITTED: [&str; 8] = [
     "preference",
     "residuals",
     "calibration",
-    "correlation-heatmap",
+    "family",
     "forest",
     "fidelity",
 ];

@@ -80,7 +80,6 @@ fn crowds() -> Vec<Figure> {
         figures::embedding_space(&space, &context()).unwrap(),
         figures::embedding_space(&flat, &context()).unwrap(),
         figures::perpendicular(&round, &context()).unwrap(),
-        figures::perpendicular_circle(&round, &context()).unwrap(),
         figures::dial_sweep(&sweep, &context()).unwrap(),
         figures::following_errors(&errors, &context()).unwrap(),
         figures::lane_change_quality(&changes, &context()).unwrap(),

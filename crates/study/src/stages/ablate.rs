@@ -1,6 +1,9 @@
 //! `ablate`: what each part of the model is worth on drivers that it has not seen.
 
-use super::report::{hashed, write_page};
+use super::report::{
+    answers::{card, number, percent, plot},
+    hashed, write_page,
+};
 use crate::{
     atomic_write::write_json,
     design::DesignFile,
@@ -10,17 +13,23 @@ use crate::{
     run_folder::adb_of,
     tables::{drives::read_drives, surveys::read_scores},
 };
+use maveric_analysis::{Verdict, verdict::within};
 use maveric_domain::DrivenBy;
 use maveric_model::{
     Ablated, AblationSettings, HeldOut, ModelError, TrainSettings, TrainingDrive, VariantResult,
     ablate as compare, variants,
 };
 use maveric_report::{
-    Context, Report,
-    figures::ablation::{Ablation, AblationVariant, ablation},
+    Card, Context, Report,
+    figures::{
+        ablation::{Ablation, AblationVariant, ablation},
+        intervals::IntervalRow,
+    },
     html::{Methods, Provenance, Section},
+    markup,
     tables::{Cell, Column, Table},
 };
+use maveric_stats::proportion;
 use std::{ops::ControlFlow, path::PathBuf};
 
 /// What to compare, and how.
@@ -171,18 +180,22 @@ fn table(found: &Ablated) -> Table {
             let pairs = || own.iter().zip(values(reference, of));
             let both: Vec<f64> = pairs().filter_map(|(v, r)| Some((*v)? - r?)).collect();
             let better = both.iter().filter(|d| **d < 0.0).count();
-            cells.push(if variant.name == reference.name || both.is_empty() {
-                Cell::Missing
-            } else {
-                Cell::text(format!("{better} of {}", both.len()))
-            });
+            let compared = variant.name != reference.name && !both.is_empty();
+            let count = |n| {
+                if compared {
+                    Cell::count(n)
+                } else {
+                    Cell::Missing
+                }
+            };
+            cells.extend([count(better), count(both.len())]);
         }
         cells
     });
     let mut columns = vec![Column::left("Variant")];
     for (title, unit, _) in LOSSES {
         columns.push(Column::right(format!("{title} ({unit})")));
-        columns.push(Column::right("better on"));
+        columns.extend(["better on", "of"].map(Column::right));
     }
     Table {
         name: "ablation".to_owned(),
@@ -230,18 +243,17 @@ fn page(
     } else {
         ""
     };
+    let subtitle = format!("{made_up}{} drives, drivers held out", found.drives.len());
+    let new = Report::new("What each part of the model is worth", subtitle, context);
     Ok(Report {
-        title: "What each part of the model is worth".to_owned(),
-        subtitle: format!("{made_up}{} drives, drivers held out", found.drives.len()),
-        context: context.clone(),
-        summary: Vec::new(),
+        glossary: super::report::words::glossary(),
+        cards: worth(found).into_iter().collect(),
         sections: vec![Section {
             title: "Ablation and baselines".to_owned(),
             intro: Vec::new(),
             figures: vec![ablation(&figure, context)?],
             tables: vec![table],
         }],
-        live: Vec::new(),
         methods: Methods {
             text: vec![format!(
                 "Every variant learns {} times, each time without one part of the drivers, with {} passes; an unseen driver’s embedding is fitted to \
@@ -252,15 +264,79 @@ fn page(
             )],
             files: Vec::new(),
         },
-        ledger: None,
-        exclusions: Vec::new(),
-        warnings: Vec::new(),
         provenance: Provenance {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
             seed: Some(options.seed),
             command: options.command.clone(),
-            parameters: Vec::new(),
             inputs: hashed(options.scores.iter().cloned())?,
+            ..new.provenance.clone()
         },
+        ..new
     })
+}
+
+/// Is the whole model better than it is without each of its parts?
+fn worth(found: &Ablated) -> Option<Card> {
+    let (reference, others) = found.variants.split_first()?;
+    let mut rows = Vec::new();
+    let mut verdicts = Vec::new();
+    for variant in others {
+        for (title, _, of) in LOSSES {
+            let (own, whole) = (values(variant, of), values(reference, of));
+            let pairs = own
+                .iter()
+                .zip(&whole)
+                .filter_map(|(v, r)| Some((*v)? - (*r)?));
+            let differences: Vec<f64> = pairs.filter(|d| *d != 0.0).collect();
+            let worse = differences.iter().filter(|d| **d > 0.0).count();
+            let share = proportion(worse, differences.len(), 0.95).ok();
+            let ends = share.as_ref().map(|s| (s.low, s.high));
+            if differences.is_empty() {
+                continue;
+            }
+            verdicts.push(within(differences.len(), ends, (0.5, f64::INFINITY)));
+            rows.push(IntervalRow::new(
+                format!("{}: {}", variant.name, markup::plain(title)),
+                share.map(|s| 100.0 * s.estimate),
+                ends.map(|(low, high)| (100.0 * low, 100.0 * high)),
+            ));
+        }
+    }
+    let count = |v: Verdict| verdicts.iter().filter(|found| **found == v).count();
+    let mut asked = card(
+        "parts",
+        "Is every part of the model worth having?",
+        Verdict::all(verdicts.iter().copied()),
+    );
+    asked.answer = format!(
+        "In {} of {} comparisons the whole is clearly better on unseen drivers, in {} clearly worse.",
+        count(Verdict::Shown),
+        verdicts.len(),
+        count(Verdict::Fails)
+    );
+    format!("Shown if for every variant and loss more than half of the unseen drives are predicted better by “{}” (Wilson’s 95% interval above 50%); fails if for one fewer are.", reference.name)
+        .clone_into(&mut asked.rule);
+    rows.sort_by(|a, b| {
+        a.estimate
+            .unwrap_or(0.0)
+            .total_cmp(&b.estimate.unwrap_or(0.0))
+    });
+    asked.number = rows.first().and_then(|row| {
+        let share = row.estimate.map(|s| s / 100.0);
+        number(
+            format!("least: {}, {}", row.label, percent(share)),
+            "50%, a coin",
+            "100%",
+        )
+    });
+    rows.truncate(12);
+    asked.plot = plot(
+        "Drives on which the whole is better (%)",
+        "The twelve least; Wilson’s 95% CI",
+        Some(50.0),
+        rows,
+    );
+    "Variants are many and share drives: one of them may be better by luck. A loss is not what the car does with it."
+        .clone_into(&mut asked.doubt);
+    asked.see = Some("table-ablation".to_owned());
+    Some(asked)
 }

@@ -359,9 +359,12 @@ fn outcomes(design: &Design) -> Vec<String> {
             .clone()
             .or_else(|| known.map(|m| m.title.to_owned()));
         let what = known.map_or_else(String::new, |m| format!(": {}", m.description));
+        let same = o.same_within.map_or_else(String::new, |w| {
+            format!(" Differences of at most {w} count as none.")
+        });
         match label {
-            Some(label) => format!("{label} (`{id}`){what}"),
-            None => format!("`{id}`{what}"),
+            Some(label) => format!("{label} (`{id}`){what}{same}"),
+            None => format!("`{id}`{what}{same}"),
         }
     };
     let found = design.outcomes().iter().map(one).collect();

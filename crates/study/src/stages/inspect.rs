@@ -6,6 +6,7 @@ use crate::{
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
     run_folder::read_model,
+    tables::drives::write_rows,
     watching::{read_watched, write_watch_page},
 };
 use maveric_domain::{Drive, DriveMeta};
@@ -37,6 +38,8 @@ pub struct InspectOptions {
     pub plot: Option<PathBuf>,
     /// Page to write that plays the drives of all files side by side (HTML).
     pub watch: Option<PathBuf>,
+    /// Table of the first file's drive to write, a row a sample (CSV).
+    pub csv: Option<PathBuf>,
 }
 
 /// A mapping that was proposed for a table.
@@ -147,7 +150,7 @@ pub fn inspect(
     watch: Watch<'_>,
 ) -> Result<Outcome<InspectedFiles>, StudyError> {
     let inputs = options.files.iter().map(|path| &**path);
-    let outputs = [&options.plot, &options.watch];
+    let outputs = [&options.plot, &options.watch, &options.csv];
     spare_inputs(
         inputs.chain(options.mapping.as_deref()),
         outputs.into_iter().filter_map(Option::as_deref),
@@ -171,6 +174,11 @@ pub fn inspect(
     if let (Some(out), Some(first)) = (&options.plot, options.files.first()) {
         plot(first, &settings, out)?;
         summary.push(format!("picture: {}", out.display()));
+    }
+    if let (Some(out), Some(first)) = (&options.csv, options.files.first()) {
+        let drive = any_drive(first, &settings)?;
+        write_rows(out, &drive)?;
+        summary.push(format!("{} rows: {}", drive.len(), out.display()));
     }
     if let Some(out) = &options.watch {
         let drives = options
@@ -356,15 +364,19 @@ fn log_lines(log: &LogSummary) -> Vec<String> {
     lines
 }
 
-fn plot(path: &Path, settings: &IngestSettings, out: &Path) -> Result<(), StudyError> {
-    let drive = if let Some((drive, _)) = own_drive(path)? {
-        drive
-    } else {
-        let Some(log) = read_log(path, settings)?.into_iter().next() else {
-            return Err(StudyError::file(path, "holds no drive to draw"));
-        };
-        Drive::from_recording(log.meta, &log.recording)?
+/// The drive in a file of ours, or the first of a log.
+fn any_drive(path: &Path, settings: &IngestSettings) -> Result<Drive, StudyError> {
+    if let Some((drive, _)) = own_drive(path)? {
+        return Ok(drive);
+    }
+    let Some(log) = read_log(path, settings)?.into_iter().next() else {
+        return Err(StudyError::file(path, "holds no drive"));
     };
+    Ok(Drive::from_recording(log.meta, &log.recording)?)
+}
+
+fn plot(path: &Path, settings: &IngestSettings, out: &Path) -> Result<(), StudyError> {
+    let drive = any_drive(path, settings)?;
     let rows = drive.rows();
     let lead = rows.lead_present.iter().zip(&rows.lead_dx_m);
     let input = DriveOverview {

@@ -47,13 +47,13 @@ pub fn versions() -> BTreeMap<String, String> {
         ("measure", 2),
         ("rate", 1),
         ("evaluate", 3),
-        ("stats", 6),
-        ("ablate", 3),
-        ("validate", 5),
+        ("stats", 7),
+        ("ablate", 4),
+        ("validate", 6),
         ("recommend", 2),
-        ("rehearse", 2),
-        ("rehearse-dial", 1),
-        ("report", 5),
+        ("rehearse", 3),
+        ("rehearse-dial", 2),
+        ("report", 6),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()

@@ -35,6 +35,45 @@ pub fn write_drive_of(
     Ok(path)
 }
 
+/// Writes a drive's rows as a table, a row a sample; what is not there is an empty cell.
+///
+/// # Errors
+/// [`StudyError::Io`], [`StudyError::BadTable`].
+pub(crate) fn write_rows(path: &Path, drive: &Drive) -> Result<(), StudyError> {
+    let rows = drive.rows();
+    let all = |of: &[f64]| of.iter().copied().map(Some).collect::<Vec<_>>();
+    // Without a reference vehicle its columns hold values of a free road, which nobody measured.
+    let lead = |of: &[f64]| -> Vec<Option<f64>> {
+        let pairs = rows.lead_present.iter().zip(of);
+        pairs.map(|(&present, &v)| present.then_some(v)).collect()
+    };
+    TableBuilder::default()
+        .numbers("time_s", all(&rows.time_s))
+        .integers("segment", rows.segment.iter().map(|&s| Some(i64::from(s))))
+        .numbers("ego_x_m", all(&rows.ego_x_m))
+        .numbers("ego_y_m", all(&rows.ego_y_m))
+        .numbers("ego_speed_mps", all(&rows.ego_speed_mps))
+        .integers("lane", rows.lane.iter().map(|&l| Some(i64::from(l))))
+        .flags("lead_present", rows.lead_present.iter().copied())
+        .integers("lead_id", rows.lead_id.iter().map(|id| id.map(i64::from)))
+        .numbers("lead_dx_m", lead(&rows.lead_dx_m))
+        .numbers("lead_dy_m", lead(&rows.lead_dy_m))
+        .numbers("lead_speed_mps", lead(&rows.lead_speed_mps))
+        .flags("lane_change", rows.lane_change.iter().copied())
+        .integers(
+            "changing",
+            rows.changing.iter().map(|&c| Some(i64::from(c))),
+        )
+        .flags("change_completes", rows.change_completes.iter().copied())
+        .flags("following", rows.following.iter().copied())
+        .numbers("gap_behind_left_m", rows.gap_behind_left_m.iter().copied())
+        .numbers(
+            "gap_behind_right_m",
+            rows.gap_behind_right_m.iter().copied(),
+        )
+        .write(path)
+}
+
 /// Reads one drive back.
 ///
 /// # Errors

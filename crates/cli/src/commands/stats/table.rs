@@ -33,7 +33,7 @@ pub(super) struct Input {
     #[arg(long, group = "shown", help_heading = "The result")]
     markdown: bool,
     /// Draw the result into this file
-    #[arg(long, value_name = "OUT.svg|png", help_heading = "The result")]
+    #[arg(long, value_name = "OUT.svg|png|pdf", help_heading = "The result")]
     figure: Option<PathBuf>,
 }
 

@@ -26,6 +26,7 @@ pub(crate) fn input() -> DifferencePanels {
         first: conditions()[0],
         second,
         p_holm,
+        effect: Some(1.0 + p_holm),
     };
     let panel = |index: usize, title: &str, axis: &str, step: f64, noise: f64, reference: f64| {
         let shift = [0.0, step, -step, 0.1 * step];
@@ -58,6 +59,7 @@ pub(crate) fn input() -> DifferencePanels {
                 pair(conditions()[3], 0.62),
             ],
             reference: Some(reference),
+            range: None,
         }
     };
     DifferencePanels {

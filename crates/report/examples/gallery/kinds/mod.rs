@@ -10,7 +10,6 @@ pub(crate) mod architecture;
 pub(crate) mod calibration;
 pub(crate) mod car_following;
 pub(crate) mod comparison;
-pub(crate) mod correlation_heatmap;
 pub(crate) mod curves;
 pub(crate) mod dial_sweep;
 pub(crate) mod difference_panels;
@@ -18,14 +17,15 @@ pub(crate) mod domain;
 pub(crate) mod drive_overview;
 pub(crate) mod embedding_space;
 pub(crate) mod false_positives;
+pub(crate) mod family;
 pub(crate) mod fidelity;
 pub(crate) mod flow;
 pub(crate) mod following_errors;
 pub(crate) mod forest;
+pub(crate) mod intervals;
 pub(crate) mod lane_change_quality;
 pub(crate) mod learning_curve;
 pub(crate) mod perpendicular;
-pub(crate) mod perpendicular_circle;
 pub(crate) mod preference;
 pub(crate) mod recommendation;
 pub(crate) mod residuals;
@@ -74,13 +74,13 @@ pub(crate) const KINDS: [(&str, Draw); 30] = [
     ("embedding_space", embedding_space::draw),
     ("aggression_line", aggression_line::draw),
     ("perpendicular", perpendicular::draw),
-    ("perpendicular_circle", perpendicular_circle::draw),
     ("difference_panels", difference_panels::draw),
     ("comparison", comparison::draw),
     ("scatter", scatter::draw),
     ("forest", forest::draw),
     ("preference", preference::draw),
-    ("correlation_heatmap", correlation_heatmap::draw),
+    ("family", family::draw),
+    ("intervals", intervals::draw),
     ("recommendation", recommendation::draw),
     ("curves", curves::draw),
     ("false_positives", false_positives::draw),

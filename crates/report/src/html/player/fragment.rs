@@ -299,6 +299,22 @@ fn row_value(drive: &PlayerDrive, sampled: &Sampled, axes: &Axes, moment: usize)
     }
 }
 
+/// Half a lane to the side is another lane: what is passed is not ahead.
+const ASIDE_M: f64 = 1.8;
+
+/// Whether the reference vehicle is in another lane than ego.
+fn aside(sampled: &Sampled, sample: usize) -> bool {
+    let found = sampled.reference[sample].and_then(|id| {
+        let of = |run: &Run| (run.first..run.first + run.count).contains(&sample);
+        let car = sampled
+            .seen
+            .iter()
+            .find(|seen| seen.id == id && of(&seen.run))?;
+        Some(car.y_m[sample - car.run.first] - sampled.y_m[sample])
+    });
+    found.is_some_and(|dy| dy.abs() > ASIDE_M)
+}
+
 /// What happens at a sample, in words; the script says it in the same words.
 fn now(sampled: &Sampled, sample: usize) -> String {
     if !sampled.has(sample) {
@@ -308,6 +324,9 @@ fn now(sampled: &Sampled, sample: usize) -> String {
     let gap = match sampled.gap_m[sample] {
         None => "nobody to follow".to_owned(),
         Some(gap) if gap.abs() < 0.5 => "beside the other car".to_owned(),
+        Some(gap) if gap > 0.0 && aside(sampled, sample) => {
+            format!("{} m to the car in the other lane", number(gap, 0))
+        }
         Some(gap) if gap > 0.0 => format!("{} m to the car ahead", number(gap, 0)),
         Some(gap) => format!("{} m past the car", number(-gap, 0)),
     };

@@ -201,13 +201,17 @@
     }
   };
 
+  const ASIDE_M = 1.8;
   const DOING = { left: "changing to the left", right: "changing to the right", safety: "safety layer brakes" };
   const words = (drive, k) => {
     const run = drive.runs.find((r) => within(r, k));
     if (!run) return "no recording here";
     const i = Math.max(0, Math.min(run.count - 1, Math.round(k - run.first))), gap = run.gap[i];
     const doing = drive.events.filter(([from, to]) => k >= from && k <= to).map((e) => DOING[e[2]]);
-    let where = `${Math.round(gap)} m to the car ahead`;
+    // Half a lane to the side is another lane: what is passed is not ahead.
+    const lead = stepped(drive.references, k), other = drive.cars.find((o) => o.id === lead && within(o, k));
+    const aside = other && Math.abs(at(other.y, k - other.first) - at(run.y, k - run.first)) > ASIDE_M;
+    let where = `${Math.round(gap)} m to the car ${aside ? "in the other lane" : "ahead"}`;
     if (gap < -3000) where = "nobody to follow";
     else if (Math.abs(gap) < 0.5) where = "beside the other car";
     else if (gap < 0) where = `${Math.round(-gap)} m past the car`;

@@ -28,7 +28,7 @@ function startSpace(root) {
   let named = null;
   let marks = [];
 
-  const looks = new Map(data.looks.map(([id, label, marker]) => [id, { label, marker }]));
+  const looks = new Map(data.looks.map(([id, label, corners]) => [id, { label, corners }]));
   const [lowest, highest, called] = data.score;
   const colour = (name) => getComputedStyle(root).getPropertyValue(`--${name}`).trim();
   const along = (from, to, share) => from.map((v, i) => v + (to[i] - v) * share);
@@ -60,13 +60,12 @@ function startSpace(root) {
 
   function shape(name, x, y, r) {
     pen.beginPath();
-    const marker = looks.get(name)?.marker ?? "circle";
-    if (marker === "circle") pen.arc(x, y, r, 0, 2 * Math.PI);
-    else if (marker === "square") pen.rect(x - r, y - r, 2 * r, 2 * r);
+    // Corners as the figures have them: angle in degrees and distance; a circle has none.
+    const corners = looks.get(name)?.corners ?? [];
+    if (corners.length === 0) pen.arc(x, y, r, 0, 2 * Math.PI);
     else {
-      const corners = { "triangle-up": [-90, 30, 150], "triangle-down": [90, 210, 330], diamond: [0, 90, 180, 270] }[marker];
-      corners.forEach((degrees, i) => {
-        const [px, py] = [x + 1.35 * r * Math.cos((degrees * Math.PI) / 180), y + 1.35 * r * Math.sin((degrees * Math.PI) / 180)];
+      corners.forEach(([degrees, far], i) => {
+        const [px, py] = [x + far * r * Math.cos((degrees * Math.PI) / 180), y + far * r * Math.sin((degrees * Math.PI) / 180)];
         if (i === 0) pen.moveTo(px, py);
         else pen.lineTo(px, py);
       });

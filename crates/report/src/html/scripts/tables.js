@@ -24,7 +24,8 @@ for (const table of document.querySelectorAll("table:not([data-plain], .pl-table
   heads.forEach((head, column) => {
     const button = document.createElement("button");
     button.type = "button";
-    button.append(...head.childNodes);
+    // The words stay in the head itself: Chromium repeats them on every page of paper, what is in a button it leaves blank.
+    button.setAttribute("aria-label", `Sort by ${head.textContent}`);
     head.append(button);
     // A third press gives the order in which the table came.
     button.addEventListener("click", () => {

@@ -1,16 +1,25 @@
 //! The page of the dial's rehearsal: figures, tables, lines.
 
 use super::{DialRehearsal, LearnedFrom, Method, RehearseDialOptions, TrialError};
-use crate::error::StudyError;
+use crate::{
+    error::StudyError,
+    stages::report::answers::{card, number, percent, plot},
+};
+use maveric_analysis::{
+    Verdict,
+    verdict::{FEWEST, within},
+};
 use maveric_report::{
-    Context, Figure, Report,
+    Card, Context, Figure, Report, apa,
     figures::{
         curves::{CurvePanel, CurvePoint, Curves, curves},
+        intervals::IntervalRow,
         recommendation::{Recommendations, recommendation},
     },
     html::{Methods, Provenance, Section},
     tables::{Cell, Column, Table},
 };
+use maveric_stats::Proportion;
 
 pub(super) fn page(
     found: &DialRehearsal,
@@ -27,15 +36,18 @@ pub(super) fn page(
     if let Some(first) = found.learned_from.first() {
         figures.push(scatter(first, &context)?);
     }
+    let subtitle = format!(
+        "Synthetic participants: {} studies of each size to learn from, new people to recommend to, not driven",
+        options.studies
+    );
+    let new = Report::new(
+        "How far to turn the dial for this person",
+        subtitle,
+        &context,
+    );
     Ok(Report {
-        title: "How far to turn the dial for this person".to_owned(),
-        subtitle: format!(
-            "Synthetic participants: {} studies of each size to learn from, new people to recommend to, not driven",
-            options.studies
-        ),
-        context: context.clone(),
-        summary: Vec::new(),
-        live: Vec::new(),
+        glossary: crate::stages::report::words::glossary(),
+        cards: found.learned_from.last().map(known).into_iter().chain(saves(&found.search)).collect(),
         methods: Methods {
             text: vec!["A Bayesian linear regression with shrinkage, learned from one study and tried on people of another; docs/how-far-to-turn-the-dial.md gives the model.".to_owned()],
             files: Vec::new(),
@@ -55,16 +67,108 @@ pub(super) fn page(
                 vec![search_table(&found.search)],
             ),
         ],
-        ledger: None,
-        exclusions: Vec::new(),
-        warnings: Vec::new(),
         provenance: Provenance {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
             seed: Some(options.seed),
             command: options.command.clone(),
-            parameters: Vec::new(),
-            inputs: Vec::new(),
+            ..new.provenance.clone()
         },
+        ..new
+    })
+}
+
+/// Does the model know how far to turn, once somebody has been driven in the four conditions?
+fn known(learned: &LearnedFrom) -> Card {
+    let of = |method| {
+        let score = learned.scores.iter().find(|s| s.method == method);
+        score.and_then(|s| s.within_5.map(|p| (s.people, p)))
+    };
+    let (after, floor, ceiling) = (
+        of(Method::AfterFourConditions),
+        of(Method::OwnForAll),
+        of(Method::Ceiling),
+    );
+    let least = floor.map_or(0.0, |(_, p)| p.estimate);
+    let verdict = after.map_or(Verdict::NotAsked, |(n, p)| {
+        within(n, Some((p.low, p.high)), (least, f64::INFINITY))
+    });
+    let mut asked = card(
+        "recommends",
+        "Does it know how far to turn the dial?",
+        verdict,
+    );
+    let share = |p: Option<(usize, Proportion)>| percent(p.map(|(_, p)| p.estimate));
+    asked.answer = format!(
+        "Learned from {} people, it comes within 5 points of what a new person would like best for {}; leaving everybody at their own style does for {}.",
+        learned.participants,
+        share(after),
+        share(floor)
+    );
+    "Shown if the share of new people within 5 points is above that of leaving everybody at their own style (Wilson’s 95% interval); fails if below."
+        .clone_into(&mut asked.rule);
+    asked.number = number(
+        share(after),
+        format!("the own style for everybody, {}", share(floor)),
+        format!("who knows how people perceive a drive, {}", share(ceiling)),
+    );
+    let rows = learned.scores.iter().map(|s| {
+        let p = s.within_5.as_ref();
+        IntervalRow::new(
+            s.method.title(),
+            p.map(|p| 100.0 * p.estimate),
+            p.map(|p| (100.0 * p.low, 100.0 * p.high)),
+        )
+    });
+    asked.plot = plot(
+        "Within 5 points (%)",
+        "Wilson’s 95% CI",
+        Some(100.0 * least),
+        rows.collect(),
+    );
+    "The people are made up, and one preference a person is what they were made with."
+        .clone_into(&mut asked.doubt);
+    asked.see = Some("table-recommendation".to_owned());
+    asked
+}
+
+/// Does choosing what to show next learn faster than a grid?
+fn saves(search: &[TrialError]) -> Option<Card> {
+    let middle = &search.get(search.len() / 2)?;
+    let difference = middle.active.0 - middle.grid.0;
+    let half = middle.active.1.hypot(middle.grid.1);
+    let ends = (difference - half, difference + half);
+    let verdict = within(
+        FEWEST.max(search.len()),
+        Some(ends),
+        (f64::NEG_INFINITY, 0.0),
+    );
+    let mut asked = card("active", "Does choosing the next ride save rides?", verdict);
+    asked.answer = format!("{}.", capital(&saved(search)));
+    format!("Shown if after {} trials the mean error of the chosen settings is below that of the grid (95% interval of the difference, both taken as independent); fails if above.", middle.trials)
+        .clone_into(&mut asked.rule);
+    asked.number = number(
+        format!("mean error {} points", apa::number(middle.active.0, 2)),
+        format!("the grid, {}", apa::number(middle.grid.0, 2)),
+        "0",
+    );
+    let rows = [("Chosen", middle.active), ("Grid", middle.grid)].map(|(label, (value, half))| {
+        IntervalRow::new(label, Some(value), Some((value - half, value + half)))
+    });
+    asked.plot = plot(
+        "Mean |error| (points)",
+        &format!("After {} trials; 95% CI", middle.trials),
+        None,
+        rows.to_vec(),
+    );
+    "The same people tried both, so the interval of the difference is wider than it need be."
+        .clone_into(&mut asked.doubt);
+    asked.see = Some("table-active-learning".to_owned());
+    Some(asked)
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
     })
 }
 
@@ -204,24 +308,20 @@ fn scores_table(found: &DialRehearsal) -> Table {
     let mut rows = Vec::new();
     for learned in &found.learned_from {
         for s in &learned.scores {
-            let percent = |p: Option<maveric_stats::Proportion>| {
-                p.map_or(Cell::Missing, |p| {
-                    Cell::text(format!(
-                        "{:.0}% ({:.0} to {:.0})",
-                        100.0 * p.estimate,
-                        100.0 * p.low,
-                        100.0 * p.high
-                    ))
-                })
+            let percents = |p: Option<Proportion>| {
+                let ends = p
+                    .map(|p| [p.estimate, p.low, p.high].map(|v| Cell::number(Some(100.0 * v), 0)));
+                ends.unwrap_or([Cell::Missing, Cell::Missing, Cell::Missing])
             };
-            rows.push(vec![
+            let mut cells = vec![
                 Cell::text(s.method.title()),
                 Cell::count(learned.participants),
                 Cell::count(s.people),
-                percent(s.within_5),
-                Cell::number(Some(s.mean_error), 2),
-                percent(s.covered),
-            ]);
+            ];
+            cells.extend(percents(s.within_5));
+            cells.push(Cell::number(Some(s.mean_error), 2));
+            cells.extend(percents(s.covered));
+            rows.push(cells);
         }
     }
     Table {
@@ -231,9 +331,13 @@ fn scores_table(found: &DialRehearsal) -> Table {
             Column::left("Set by"),
             Column::right("Learned from"),
             Column::right("Tried on"),
-            Column::right("Within 5 points"),
+            Column::right("Within 5 points (%)"),
+            Column::right("2.5%"),
+            Column::right("97.5%"),
             Column::right("Mean |error|, points"),
-            Column::right("Interval holds the truth"),
+            Column::right("Interval holds the truth (%)"),
+            Column::right("2.5%"),
+            Column::right("97.5%"),
         ],
         rows,
         notes: vec![

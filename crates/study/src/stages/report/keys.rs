@@ -55,6 +55,7 @@ impl Results {
     fn correlation(&mut self, key: &str, c: &Correlation) {
         self.set(format!("{key}.r"), c.r);
         self.set(format!("{key}.p"), c.p);
+        self.set(format!("{key}.n"), Some(c.n as f64));
     }
 }
 
@@ -115,6 +116,7 @@ pub(super) fn results(
     for (key, value) in people.results() {
         found.set(key, value);
     }
+    found.set("n", Some(analysis.participants as f64));
     for row in analysis.line.iter().flat_map(|line| &line.rows) {
         let key = format!("line.{}", short(&row.measure));
         found.correlation(&key, &row.correlation);
@@ -132,8 +134,8 @@ pub(super) fn results(
     for row in &analysis.nearer {
         let key = format!("nearer.{}.{}", short(&row.measure), row.than);
         found.set(format!("{key}.p"), row.p_holm);
-        // Above 0: for more people than not, the car at 0 on the dial is the nearer one.
-        found.set(format!("{key}.direction"), row.share.map(|s| s - 0.5));
+        // Above 0: by the signed ranks the car at 0 on the dial is the nearer one.
+        found.set(format!("{key}.direction"), row.effect);
     }
     panels(run, &mut found);
     for row in &analysis.kept {

@@ -1,11 +1,13 @@
 //! `report`: figures, tables and the page from the results of a run.
 
+pub(crate) mod answers;
 mod inputs;
 mod keys;
 mod people;
 mod real;
 mod scene;
 mod synthetic;
+pub(crate) mod words;
 
 use crate::{
     atomic_write::atomic_write_bytes,

@@ -2,26 +2,31 @@
 
 use super::{
     ReportOptions,
+    answers::{card, interval, number, percent, plot},
     inputs::{hashed, in_folder},
 };
 use crate::{
     atomic_write::read_json,
+    design::DesignFile,
     error::StudyError,
     run_folder::{MODEL_FILE, training_path},
     stages::train::TrainingSummary,
 };
+use maveric_analysis::{Verdict, verdict::within};
 use maveric_following::{
-    DriverEvaluation, FollowingEvaluation, FollowingMethod, MethodMean, Shrinkage,
+    Compared, DriverEvaluation, FollowingEvaluation, FollowingMethod, Knows, MethodMean, Shrinkage,
 };
 use maveric_report::{
-    Context, Report,
+    Card, Context, Report, apa,
     figures::{
         car_following::{CarFollowing, Follower, FollowingSeries, car_following},
         following_errors::{FollowingErrors, ModelErrors, following_errors},
+        intervals::IntervalRow,
     },
     html::{Methods, Provenance, Section},
     tables::{self, Cell, Column, FollowingRow, Table},
 };
+use maveric_stats::proportion;
 
 /// The methods that the figure of errors shows.
 const COMPARED: [(FollowingMethod, Follower); 7] = [
@@ -56,11 +61,14 @@ pub(super) fn page(options: &ReportOptions) -> Result<(Report, Vec<String>), Stu
     let found: FollowingEvaluation = read_json(&folder.join("following.json"))?;
     let training: TrainingSummary = read_json(&training_path(&folder.join(MODEL_FILE)))?;
     let context = Context::real();
-    let data_set = folder
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned();
+    let titled = options
+        .design
+        .as_deref()
+        .map(|path| DesignFile::find(Some(path)));
+    let titled = titled.transpose()?.map(|d| d.design.title().to_owned());
+    let data_set = titled
+        .clone()
+        .unwrap_or_else(|| format!("{} recorded drivers", found.drivers.len()));
     let rows: Vec<FollowingRow> = found
         .means
         .iter()
@@ -116,54 +124,12 @@ pub(super) fn page(options: &ReportOptions) -> Result<(Report, Vec<String>), Stu
         };
         figures.push(car_following(&input, &context)?);
     }
-    let mut summary = vec![format!(
-        "{} drivers, recorded by instruments on a road or track; each one's last third was seen by no fit.",
-        drivers.len()
-    )];
-    for (method, _) in SHOWN {
-        if let Some(m) = found.mean(method) {
-            summary.push(format!(
-                "{}: gap {:.2} m, speed {:.2} m/s (RMSE in closed loop, mean over drivers); the simulated gap reached 0 for {} of {}.",
-                m.method.label(),
-                m.gap_rmse_m,
-                m.speed_rmse_mps,
-                m.reached_zero,
-                m.drivers
-            ));
-        }
-    }
-    summary.extend(shrinkage(&found));
+    let mut summary = shrinkage(&found);
     if let Some(choice) = &found.driven {
         summary.push(format!(
             "Driven by default, as the best on the fit rows of those who were learned from: {}.",
             choice.method.label()
         ));
-    }
-    for (what, own, mean) in [
-        (
-            "F",
-            FollowingMethod::FollowingDistanceOwn,
-            FollowingMethod::FollowingDistanceMean,
-        ),
-        (
-            "the network in closed loop",
-            FollowingMethod::ClosedLoopOwn,
-            FollowingMethod::ClosedLoopMean,
-        ),
-        (
-            "the network in closed loop, shrunken,",
-            FollowingMethod::ClosedLoopShrunken,
-            FollowingMethod::ClosedLoopMean,
-        ),
-    ] {
-        let harmed = found.harmed(own, mean);
-        if found.mean(own).is_some() {
-            summary.push(if harmed.is_empty() {
-                format!("Personalising {what} harms no driver.")
-            } else {
-                format!("Personalising {what} harms {}.", harmed.join(", "))
-            });
-        }
     }
     summary.extend(
         training
@@ -172,7 +138,12 @@ pub(super) fn page(options: &ReportOptions) -> Result<(Report, Vec<String>), Stu
             .flat_map(|n| &n.left_out)
             .map(|l| format!("Left out of the training: {l}.")),
     );
-    let findings = summary.clone();
+    let cards = vec![better(&found), personal(&found), reached(&found)];
+    let said = cards
+        .iter()
+        .map(|c| format!("{} {}: {}", c.question, c.verdict, c.answer));
+    let findings: Vec<String> = said.chain(summary.clone()).collect();
+    let drives = figures.split_off(1);
     let sections = vec![Section {
         title: "Car-following on the unseen last third".to_owned(),
         intro: vec![
@@ -191,13 +162,22 @@ pub(super) fn page(options: &ReportOptions) -> Result<(Report, Vec<String>), Stu
             compared(&found),
         ],
     }];
+    let title = titled.unwrap_or_else(|| "Car-following of recorded drivers".to_owned());
+    let subtitle = format!(
+        "{} drivers recorded on a road or track: speed and gap of each in closed loop over a last third that no fit has seen",
+        drivers.len()
+    );
+    let new = Report::new(title, subtitle, &context);
     let report = Report {
-        title: format!("Car-following of recorded drivers: {data_set}"),
-        subtitle: "Prediction of each driver's speed and gap in closed loop, beside a constant time gap and IDM".to_owned(),
-        context,
+        glossary: crate::stages::report::words::glossary(),
+        cards,
         summary,
         sections,
-        live: Vec::new(),
+        supplement: vec![Section {
+            title: "Driver by driver".to_owned(),
+            figures: drives,
+            ..Section::default()
+        }],
         methods: Methods {
             text: vec![
                 "Networks learn from the first two thirds of each drive; an embedding is fitted to the same part; the last third \
@@ -206,11 +186,8 @@ pub(super) fn page(options: &ReportOptions) -> Result<(Report, Vec<String>), Stu
             ],
             files: Vec::new(),
         },
-        ledger: None,
-        exclusions: Vec::new(),
         warnings: training.warnings.clone(),
         provenance: Provenance {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
             seed: Some(training.seed),
             command: options.command.clone(),
             parameters: super::synthetic::parameters_of(&training),
@@ -218,9 +195,215 @@ pub(super) fn page(options: &ReportOptions) -> Result<(Report, Vec<String>), Stu
                 folder,
                 &["following.json", "model.maveric", "model_training.json"],
             ))?,
+            ..new.provenance.clone()
         },
+        ..new
     };
     Ok((report, findings))
+}
+
+/// Lowest mean error among the methods that know so much.
+fn best(found: &FollowingEvaluation, knows: Knows) -> Option<&MethodMean> {
+    let of = found.means.iter().filter(|m| m.method.knows() == knows);
+    of.min_by(|a, b| a.gap_rmse_m.total_cmp(&b.gap_rmse_m))
+}
+
+fn compared_row(pair: &Compared) -> IntervalRow {
+    IntervalRow::new(
+        format!("{} − {}", pair.method.label(), pair.beside.label()),
+        Some(pair.mean_m),
+        pair.low_m.zip(pair.high_m),
+    )
+}
+
+fn judged(pair: &Compared, drivers: usize) -> Verdict {
+    within(
+        drivers,
+        pair.low_m.zip(pair.high_m),
+        (f64::NEG_INFINITY, 0.0),
+    )
+}
+
+fn paired(pair: &Compared) -> String {
+    let ends = interval(pair.low_m.zip(pair.high_m), 2);
+    format!(
+        "{} − {}: {} m{ends}, nearer/further {}/{}",
+        pair.method.label(),
+        pair.beside.label(),
+        apa::number(pair.mean_m, 2),
+        pair.better,
+        pair.worse
+    )
+}
+
+/// What was learned against the best of its peers, whichever that is.
+fn better(found: &FollowingEvaluation) -> Card {
+    let n = found.drivers.len();
+    let peers: Vec<&Compared> = found
+        .compared
+        .iter()
+        .filter(|c| {
+            c.method == FollowingMethod::ClosedLoopShrunken && !NETWORKS.contains(&c.beside)
+        })
+        .collect();
+    let mut asked = card(
+        "better",
+        "Does it follow more like the driver than a simple law would?",
+        Verdict::all(peers.iter().map(|p| judged(p, n)).collect::<Vec<_>>()),
+    );
+    let ours = found.mean(FollowingMethod::ClosedLoopShrunken);
+    let peer = found
+        .means
+        .iter()
+        .filter(|m| m.method.knows() == Knows::Driver && !NETWORKS.contains(&m.method));
+    let peer = peer.min_by(|a, b| a.gap_rmse_m.total_cmp(&b.gap_rmse_m));
+    let said = |m: Option<&MethodMean>| {
+        m.map_or_else(
+            || "not tried".to_owned(),
+            |m| format!("{} {} m", m.method.label(), apa::number(m.gap_rmse_m, 2)),
+        )
+    };
+    let overlap = peers.iter().any(|p| {
+        p.low_m
+            .zip(p.high_m)
+            .is_some_and(|(low, high)| low < 0.0 && high > 0.0)
+    });
+    asked.answer = format!(
+        "Mean error of the gap: {}; best of the simple laws: {}{}.",
+        said(ours),
+        said(peer),
+        if overlap {
+            ", a tie by its interval"
+        } else {
+            ""
+        }
+    );
+    "Shown if against every law that it is held beside the interval of the mean difference, drivers drawn with replacement, lies below 0; fails if \
+     against one it lies above. Below six drivers nothing is said."
+        .clone_into(&mut asked.rule);
+    asked.number = number(
+        said(ours),
+        format!(
+            "the best that is the same for everybody, {}",
+            said(best(found, Knows::Population))
+        ),
+        format!(
+            "fitted to what it is judged by, {}",
+            said(best(found, Knows::Test))
+        ),
+    );
+    asked.plot = plot(
+        "Difference of the gap’s error (m)",
+        "95% CI, bootstrap over drivers",
+        Some(0.0),
+        peers.iter().map(|p| compared_row(p)).collect(),
+    );
+    format!("With {n} drivers an interval from drawing drivers is too narrow, and a few drivers carry a mean.").clone_into(&mut asked.doubt);
+    asked.see = Some("table-following-compared".to_owned());
+    asked.tests = peers.iter().map(|p| paired(p)).collect();
+    asked
+}
+
+/// Methods that were learned by a network.
+const NETWORKS: [FollowingMethod; 6] = [
+    FollowingMethod::FollowingDistanceOwn,
+    FollowingMethod::FollowingDistanceMean,
+    FollowingMethod::ClosedLoopOwn,
+    FollowingMethod::ClosedLoopShrunken,
+    FollowingMethod::ClosedLoopMean,
+    FollowingMethod::ClosedLoopAndIdmShrunken,
+];
+
+/// Does knowing the driver help, by each way of knowing?
+fn personal(found: &FollowingEvaluation) -> Card {
+    let n = found.drivers.len();
+    let same = [
+        FollowingMethod::ClosedLoopMean,
+        FollowingMethod::IdmPopulation,
+        FollowingMethod::FollowingDistanceMean,
+    ];
+    let pairs: Vec<&Compared> = found
+        .compared
+        .iter()
+        .filter(|c| same.contains(&c.beside))
+        .collect();
+    let mut asked = card(
+        "personal",
+        "Does knowing the driver help?",
+        Verdict::all(pairs.iter().map(|p| judged(p, n)).collect::<Vec<_>>()),
+    );
+    let counts: Vec<String> = pairs
+        .iter()
+        .map(|p| {
+            format!(
+                "{}: {} of {n} nearer, {} further off",
+                p.method.label(),
+                p.better,
+                p.worse
+            )
+        })
+        .collect();
+    asked.answer = format!("{}.", counts.join("; "));
+    "Shown if for every way of knowing the driver the error is below that of the same method for everybody (interval of the mean difference below 0); \
+     fails if for one it is above. Below six drivers nothing is said."
+        .clone_into(&mut asked.rule);
+    asked.number = pairs.first().and_then(|p| {
+        number(
+            format!("{}: {} m", p.method.label(), apa::number(p.mean_m, 2)),
+            "0, the same for everybody",
+            "none: an error cannot be less than 0",
+        )
+    });
+    asked.plot = plot(
+        "Own less everybody’s (m)",
+        "95% CI, bootstrap over drivers",
+        Some(0.0),
+        pairs.iter().map(|p| compared_row(p)).collect(),
+    );
+    "A pair of vehicles is one meeting of two drivers: what differs may be the leader, the road or the day."
+        .clone_into(&mut asked.doubt);
+    asked.see = Some("table-following-by-driver".to_owned());
+    asked.tests = pairs.iter().map(|p| paired(p)).collect();
+    asked
+}
+
+/// Did what is driven by default ever run into the leader?
+fn reached(found: &FollowingEvaluation) -> Card {
+    let driven = found
+        .driven
+        .as_ref()
+        .map_or(FollowingMethod::ClosedLoopShrunken, |c| c.method);
+    let mean = found.mean(driven);
+    let (hits, n) = mean.map_or((0, 0), |m| (m.reached_zero, m.drivers));
+    let share = proportion(hits, n, 0.95).ok();
+    let ends = share.as_ref().map(|s| (s.low, s.high));
+    let verdict = if hits > 0 {
+        Verdict::Fails
+    } else {
+        within(n, ends, (0.0, 1.0))
+    };
+    let mut asked = card("reached", "Does it stay behind the leader?", verdict);
+    asked.answer = format!(
+        "What is driven by default ({}) reached the leader in {hits} of {n} drives.",
+        driven.label()
+    );
+    "Shown if the simulated gap reaches 0 in no drive; fails if in one. Below six drivers nothing is said unless one does.".clone_into(&mut asked.rule);
+    asked.number = number(
+        format!("{hits} of {n}"),
+        "none: any number counts",
+        ends.map_or_else(
+            || "not known".to_owned(),
+            |(_, high)| {
+                format!(
+                    "a true share up to {} would look the same",
+                    percent(Some(high))
+                )
+            },
+        ),
+    );
+    "The recorded leader does not react to who follows.".clone_into(&mut asked.doubt);
+    asked.see = Some("table-following-errors".to_owned());
+    asked
 }
 
 /// How much of what was fitted to a person was believed.
@@ -253,7 +436,8 @@ fn compared(found: &FollowingEvaluation) -> Table {
             Cell::number(pair.low_m, 2),
             Cell::number(pair.high_m, 2),
             Cell::number(Some(pair.median_m), 2),
-            Cell::text(format!("{}/{}", pair.better, pair.worse)),
+            Cell::count(pair.better),
+            Cell::count(pair.worse),
         ]
     });
     Table {
@@ -266,7 +450,8 @@ fn compared(found: &FollowingEvaluation) -> Table {
             Column::right("2.5 %"),
             Column::right("97.5 %"),
             Column::right("Median (m)"),
-            Column::right("Nearer/further"),
+            Column::right("Nearer"),
+            Column::right("Further"),
         ],
         rows: rows.collect(),
         notes: vec![

@@ -55,7 +55,7 @@ pub struct Request {
 ///
 /// # Errors
 /// [`StudyError`] naming file, row and column, and the shape that was found where the test refuses it; before anything is read, if
-/// the figure is neither SVG nor PNG, or the test has nothing to draw.
+/// the figure is neither SVG, PNG nor PDF, or the test has nothing to draw.
 pub fn stats(request: &Request) -> Result<Outcome<Value>, StudyError> {
     spare_inputs([&*request.data], request.figure.as_deref())?;
     stats_of(|| Table::read(&request.data), request)
@@ -70,7 +70,7 @@ pub fn stats_of(
     request: &Request,
 ) -> Result<Outcome<Value>, StudyError> {
     if let Some(path) = &request.figure {
-        pictures::svg(path)?;
+        pictures::format(path)?;
         if !request.test.has_figure() {
             return Err(StudyError::NotPossible {
                 problem: format!("`{}` has nothing to draw", request.test.name()),

@@ -2,6 +2,7 @@
 //!
 //! It needs people who drove twice, which the paper's did not.
 
+mod cards;
 mod examine;
 mod page;
 mod people;

@@ -1,6 +1,6 @@
 //! The page of a validation: its figures and tables.
 
-use super::{Dial, Examined, Fidelity, ValidateOptions, Validated, mean};
+use super::{Dial, Examined, Fidelity, ValidateOptions, Validated, cards, mean};
 use crate::{error::StudyError, stages::report::hashed};
 use maveric_domain::MetresPerSecond;
 use maveric_report::{
@@ -39,15 +39,15 @@ pub(super) fn page(
         figures,
         tables,
     };
+    let subtitle = format!(
+        "{made_up}{} drivers who drove twice, {} trained models",
+        found.drivers,
+        found.models.len()
+    );
+    let new = Report::new("Is the learned style the driver’s?", subtitle, &context);
     Ok(Report {
-        title: "Is the learned style the driver’s?".to_owned(),
-        subtitle: format!(
-            "{made_up}{} drivers who drove twice, {} trained models",
-            found.drivers,
-            found.models.len()
-        ),
-        context: context.clone(),
-        summary: Vec::new(),
+        glossary: crate::stages::report::words::glossary(),
+        cards: cards::cards(found, options.points),
         sections: vec![
             section(
                 "Identity and fidelity",
@@ -62,7 +62,6 @@ pub(super) fn page(
                 dial_tables,
             ),
         ],
-        live: Vec::new(),
         methods: Methods {
             text: vec![format!(
                 "Each driver’s two drives were fitted apart, for each model; the car in the own style and {} steps of the dial up to ±{} points drove in {} worlds of \
@@ -73,11 +72,8 @@ pub(super) fn page(
             )],
             files: Vec::new(),
         },
-        ledger: None,
-        exclusions: Vec::new(),
         warnings: warnings.to_vec(),
         provenance: Provenance {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
             seed: Some(options.seed),
             command: options.command.clone(),
             parameters: vec![
@@ -85,7 +81,9 @@ pub(super) fn page(
                 ("worlds".to_owned(), options.worlds.to_string()),
             ],
             inputs: hashed(found.models.iter().map(|m| m.model.clone().into()))?,
+            ..new.provenance.clone()
         },
+        ..new
     })
 }
 

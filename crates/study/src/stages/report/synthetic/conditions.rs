@@ -2,7 +2,7 @@
 
 use super::{Run, said, watch};
 use crate::{error::StudyError, stages::report::keys::short, watching::WatchedDrive};
-use maveric_analysis::{Contrast, Nearer, Panel, Reproduction};
+use maveric_analysis::{Contrast, Described, Nearer, Panel, Reproduction};
 use maveric_domain::design::Sign;
 use maveric_report::{
     apa,
@@ -10,7 +10,7 @@ use maveric_report::{
     figures::{
         difference_panels::{DifferencePanel, DifferencePanels, PairTest, difference_panels},
         perpendicular::{AngleChange, PerpendicularChanges, PerpendicularPanel, perpendicular},
-        perpendicular_circle, time_space,
+        time_space,
     },
     html::Section,
     markup,
@@ -62,8 +62,13 @@ pub(super) fn section_conditions(
     {
         figures.push(time_space(&diagram, &run.context)?);
     }
-    let mut tables = vec![omnibus_table(run), contrasts_table(run)];
+    let mut tables = vec![
+        descriptives_table(run),
+        omnibus_table(run),
+        contrasts_table(run),
+    ];
     tables.extend(accuracy_table(run, ledger));
+    tables.extend(bias_table(run));
     tables.extend(nearer_table(run));
     Ok(Section {
         title: "What did the conditions do?".to_owned(),
@@ -88,7 +93,7 @@ fn accuracy_table(run: &Run, ledger: &[LedgerRow]) -> Option<tables::Table> {
             .get(format!("accuracy.{condition}.{}", short(&r.measure)).as_str())
             .map(|v| v / 100.0),
         population_mean: r.population_mean,
-        test_retest: None,
+        test_retest: r.second_drive,
     };
     let rows: Vec<AccuracyRow> = run.analysis.reproduction.iter().map(row).collect();
     Some(tables::accuracy(&run.design.label(condition), &rows))
@@ -106,9 +111,9 @@ pub(super) fn section_kept(run: &Run) -> Result<Option<Section>, StudyError> {
         .iter()
         .filter(|k| !k.points.is_empty())
         .map(|k| {
-            let round = match (k.circular_r, k.circular_p) {
+            let round = match (k.circular_r, k.circular_p_holm) {
                 (Some(r), Some(p)) => {
-                    format!("*R* = {}, {}", apa::bounded(r, 2), apa::p(p).markup())
+                    format!("*R* = {}, {}", apa::bounded(r, 2), apa::p_holm(p).markup())
                 }
                 _ => format!("not computed from {} participants", k.points.len()),
             };
@@ -139,16 +144,14 @@ pub(super) fn section_kept(run: &Run) -> Result<Option<Section>, StudyError> {
             from: first.from,
         };
         figures.push(perpendicular(&changes, &run.context)?);
-        figures.push(perpendicular_circle(&changes, &run.context)?);
     }
     let intro = run.analysis.kept.iter().map(|k| {
         format!(
-            "{}: along the line of {} {}; against the angle, as the paper does it, {}. An angle has no natural zero, so the \
-             figure gives the multiple correlation with its cosine and sine.",
+            "{}: along the line of {} {}. An angle has no natural zero, so the figure gives the multiple correlation of the change with its \
+             cosine and sine (a habit a panel, Holm over the habits).",
             k.title,
             run.style_label(),
-            said(&k.line),
-            said(&k.angle)
+            said(&k.line)
         )
     });
     Ok(Some(Section {
@@ -209,7 +212,7 @@ pub(super) fn omnibus(panel: &Panel, short: bool) -> String {
 }
 
 /// A paired test in words; *p* is that of Holm over its family, under its plain name.
-fn paired(panel: &Panel, pair: &Contrast) -> Option<String> {
+pub(super) fn paired(panel: &Panel, pair: &Contrast) -> Option<String> {
     let effect = pair.effect.as_ref();
     let p = pair.p_holm?;
     Some(match (panel.test?, pair.df) {
@@ -322,33 +325,124 @@ fn contrasts_table(run: &Run) -> tables::Table {
 fn nearer_table(run: &Run) -> Option<tables::Table> {
     let label = run.label(run.analysis.nearer.first()?.condition);
     let row = |r: &Nearer| {
-        let p = r
-            .p_holm
-            .map_or_else(|| "n/a".to_owned(), |p| apa::p_holm(p).markup().to_owned());
         vec![
             Cell::text(r.title.clone()),
             Cell::text(run.design.label(r.than)),
             Cell::count(r.n),
-            Cell::number(r.share.map(|s| 100.0 * s), 0),
-            Cell::Marked(p),
+            Cell::count(r.nearer),
+            Cell::count(r.tied),
+            Cell::count(r.farther),
+            Cell::bounded(r.effect, 2),
+            Cell::bounded(r.interval.map(|i| i.0), 2),
+            Cell::bounded(r.interval.map(|i| i.1), 2),
+            Cell::p(r.p_holm),
         ]
     };
+    let right = [
+        "*n*",
+        "Nearer",
+        "Tied",
+        "Farther",
+        "Rank-biserial *r*",
+        "2.5%",
+        "97.5%",
+        "*p*_{Holm}",
+    ];
+    let left = ["Measure", "Than"].map(Column::left);
     Some(tables::Table {
         name: "nearer".to_owned(),
         title: format!("Is {label} nearer to the participant's own drive?"),
-        columns: vec![
-            Column::left("Measure"),
-            Column::left("Than"),
-            Column::right("*n*"),
-            Column::right(format!("{label} nearer (%)")),
-            Column::left("Wilcoxon"),
-        ],
+        columns: left.into_iter().chain(right.map(Column::right)).collect(),
         rows: run.analysis.nearer.iter().map(row).collect(),
         notes: vec![format!(
-            "Wilcoxon’s signed ranks of |{label} − baseline| against |condition − baseline|; *p* adjusted after Holm over all {} rows.",
+            "Wilcoxon’s signed ranks of |{label} − baseline| against |condition − baseline|: above 0 {label} is nearer; ties count for neither. \
+             *p* adjusted after Holm over all {} rows.",
             run.analysis.nearer.len()
         )],
     })
+}
+
+/// How far the car at 0 on the dial lies from the person on average; `None` where there is none.
+fn bias_table(run: &Run) -> Option<tables::Table> {
+    let label = run.label(run.analysis.reproduction.first()?.condition);
+    let rows = run.analysis.reproduction.iter().filter_map(|r| {
+        let b = r.bias.as_ref()?;
+        let unit = if b.unit.is_empty() {
+            String::new()
+        } else {
+            format!(" ({})", b.unit)
+        };
+        Some(vec![
+            Cell::text(format!("{}{unit}", r.title)),
+            Cell::count(b.n),
+            Cell::number(Some(b.mean), 2),
+            Cell::number(b.interval.map(|i| i.0), 2),
+            Cell::number(b.interval.map(|i| i.1), 2),
+            Cell::number(b.t, 2),
+            Cell::p(b.p_holm),
+            Cell::number(Some(b.same_within), 2),
+            Cell::text(if b.declared { "declared" } else { "half an SD" }),
+            Cell::p(b.p_equivalent),
+            Cell::text(b.verdict.words()),
+        ])
+    });
+    Some(tables::Table {
+        name: "bias".to_owned(),
+        title: format!("{label} minus the own drive, on average"),
+        columns: vec![
+            Column::left("Measure"),
+            Column::right("*n*"),
+            Column::right("*M*"),
+            Column::right("2.5%"),
+            Column::right("97.5%"),
+            Column::right("*t*"),
+            Column::right("*p*_{Holm}, differs"),
+            Column::right("Same within ±"),
+            Column::left("By"),
+            Column::right("*p*, same"),
+            Column::left("Same?"),
+        ],
+        rows: rows.collect(),
+        notes: vec![
+            "Ordinary 95% intervals and paired *t* tests against no difference, Holm over the measures; then two one-sided *t* tests against the \
+             bounds (the larger *p*; all measures have to hold, so it is not adjusted). Both may hold: different, and by too little to count. Half an \
+             SD: half the standard deviation between people’s own drives, where the design declares no bound."
+                .to_owned(),
+        ],
+    })
+}
+
+/// What was measured and answered, by condition.
+fn descriptives_table(run: &Run) -> tables::Table {
+    let row = |d: &Described| {
+        let unit = if d.unit.is_empty() {
+            String::new()
+        } else {
+            format!(" ({})", d.unit)
+        };
+        vec![
+            Cell::text(format!("{}{unit}", d.title)),
+            Cell::text(run.design.label(d.condition)),
+            Cell::count(d.n),
+            Cell::number(d.mean, 2),
+            Cell::number(d.sd, 2),
+            Cell::number(d.median, 2),
+        ]
+    };
+    tables::Table {
+        name: "descriptives".to_owned(),
+        title: "What was measured and answered, by condition".to_owned(),
+        columns: vec![
+            Column::left("Outcome"),
+            Column::left("Condition"),
+            Column::right("*n*"),
+            Column::right("*M*"),
+            Column::right("*SD*"),
+            Column::right("*Mdn*"),
+        ],
+        rows: run.analysis.descriptives.iter().map(row).collect(),
+        notes: vec!["As measured and answered, not as differences; everybody with a value, so *n* may differ from that of a test.".to_owned()],
+    }
 }
 
 fn panel(run: &Run, panel: &Panel) -> DifferencePanel {
@@ -363,6 +457,7 @@ fn panel(run: &Run, panel: &Panel) -> DifferencePanel {
             first: p.first,
             second: p.second,
             p_holm: p.p_holm?,
+            effect: p.effect.as_ref().and_then(|e| e.value),
         })
     };
     DifferencePanel {
@@ -373,5 +468,6 @@ fn panel(run: &Run, panel: &Panel) -> DifferencePanel {
         omnibus: omnibus(panel, true),
         pairs: panel.contrasts.iter().filter_map(pair).collect(),
         reference: panel.same,
+        range: panel.range,
     }
 }

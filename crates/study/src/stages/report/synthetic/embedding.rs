@@ -21,7 +21,7 @@ use maveric_report::{
         embedding_space::{EmbeddingPoint, EmbeddingSpace, ExampleConditions, embedding_space},
     },
     html::{Live, LiveContent, Section, SpaceDrive, SpacePerson, StyleSpace},
-    tables::{self, LineCorrelation},
+    tables::{self, Cell, Column, LineCorrelation, Table},
 };
 use std::path::Path;
 
@@ -101,8 +101,77 @@ pub(super) fn section_embedding(
         title: "Does the embedding hold a driver’s style?".to_owned(),
         intro,
         figures,
-        tables: vec![tables::embedding_line(&rows, score, n)],
+        tables: std::iter::once(tables::embedding_line(&rows, score, n))
+            .chain(steps_table(run))
+            .collect(),
     }))
+}
+
+/// How far the dial moved people, condition by condition: what was meant, and what was reached before an end of the scale.
+pub(super) fn steps(run: &Run) -> Vec<(ConditionId, Vec<f64>, usize)> {
+    let mut found: Vec<(ConditionId, Vec<f64>, usize)> = Vec::new();
+    let turned = run
+        .design
+        .conditions()
+        .iter()
+        .filter(|c| c.dial().is_some_and(|d| d != 0.0));
+    for condition in turned {
+        let rows = || {
+            run.conditions
+                .iter()
+                .filter(|r| r.condition == condition.id)
+        };
+        let moved: Vec<f64> = rows().filter_map(|r| r.moved_points).collect();
+        if !moved.is_empty() {
+            found.push((condition.id, moved, rows().filter(|r| r.clamped).count()));
+        }
+    }
+    found
+}
+
+fn steps_table(run: &Run) -> Option<Table> {
+    let rows: Vec<Vec<Cell>> = steps(run)
+        .into_iter()
+        .map(|(condition, moved, clamped)| {
+            let values: Vec<Option<f64>> = moved.iter().copied().map(Some).collect();
+            let shape = maveric_stats::normality(&values)
+                .ok()
+                .map(|found| found.desc);
+            let meant = run
+                .design
+                .condition(condition)
+                .and_then(maveric_domain::design::Condition::dial);
+            vec![
+                Cell::text(run.design.label(condition)),
+                Cell::number(meant, 0),
+                Cell::count(moved.len()),
+                Cell::count(clamped),
+                Cell::number(shape.as_ref().map(|s| s.mean), 1),
+                Cell::number(shape.as_ref().and_then(|s| s.sd), 1),
+                Cell::number(shape.as_ref().map(|s| s.min), 1),
+                Cell::number(shape.as_ref().map(|s| s.max), 1),
+            ]
+        })
+        .collect();
+    let right = [
+        "Meant",
+        "*n*",
+        "Cut short",
+        "*M*",
+        "*SD*",
+        "Lowest",
+        "Highest",
+    ];
+    (!rows.is_empty()).then(|| Table {
+        name: "dial-steps".to_owned(),
+        title: "How far the dial was turned".to_owned(),
+        columns: std::iter::once(Column::left("Condition")).chain(right.map(Column::right)).collect(),
+        rows,
+        notes: vec![format!(
+            "In points of {}, as the model reads them. Cut short: an end of the scale lay nearer than what was meant.",
+            run.style_label()
+        )],
+    })
 }
 
 /// How sure a step of the dial is, and how often the scale's end cut it short; `None` where nothing is known of that.

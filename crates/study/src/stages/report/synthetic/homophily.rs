@@ -7,7 +7,7 @@ use maveric_report::{
     apa,
     claims::LedgerRow,
     figures::{
-        correlation_heatmap::{CorrelationHeatMap, HeatCell, correlation_heatmap},
+        family::{Family, FamilyPanel, family},
         preference::{Preferences, ScalePreference, preference},
     },
     html::Section,
@@ -75,8 +75,8 @@ pub(super) fn section_homophily(
     if let Some(bars) = bars(run) {
         figures.push(preference(&bars, &run.context)?);
     }
-    if let Some(map) = heat_map(run, tested) {
-        figures.push(correlation_heatmap(&map, &run.context)?);
+    if let Some(input) = forest(run, tested) {
+        figures.push(family(&input, &run.context)?);
     }
     let family = run.design.homophily().map(|h| h.factors.join(", "));
     let shown = if ledger.is_empty() {
@@ -191,40 +191,47 @@ fn mixed(run: &Run) -> Option<Table> {
     })
 }
 
-/// Every test of the family at a glance; `None` where there is none.
-fn heat_map(run: &Run, tested: usize) -> Option<CorrelationHeatMap> {
+/// The declared family as a forest; `None` where there is none.
+fn forest(run: &Run, tested: usize) -> Option<Family> {
     let found = &run.analysis.homophily;
     let mut factors: Vec<&HomophilyRow> = Vec::new();
-    let mut against: Vec<&HomophilyRow> = Vec::new();
+    let mut ratings: Vec<&HomophilyRow> = Vec::new();
+    let mut series = Vec::new();
     for row in found {
         if !factors.iter().any(|f| f.factor == row.factor) {
             factors.push(row);
         }
-        let same = |a: &&HomophilyRow| a.versus == row.versus && a.rating == row.rating;
-        if !against.iter().any(same) {
-            against.push(row);
+        if !ratings.iter().any(|r| r.rating == row.rating) {
+            ratings.push(row);
+        }
+        if !series.contains(&row.versus) {
+            series.push(row.versus);
         }
     }
-    let cell = |factor: &HomophilyRow, other: &HomophilyRow| {
+    let cell = |factor: &HomophilyRow, rating: &HomophilyRow, versus| {
         let fits = |r: &&HomophilyRow| {
-            r.factor == factor.factor && r.versus == other.versus && r.rating == other.rating
+            r.factor == factor.factor && r.rating == rating.rating && r.versus == versus
         };
         let row = found.iter().find(fits)?;
-        Some(HeatCell {
-            value: row.correlation.r?,
-            p: row.p_holm?,
-        })
+        let (low, high) = row.simultaneous?;
+        Some([row.correlation.r?, low, high])
     };
-    (!factors.is_empty()).then(|| CorrelationHeatMap {
-        rows: factors.iter().map(|f| f.title.clone()).collect(),
-        columns: against.iter().map(|a| dependent(run, a)).collect(),
+    let panel = |rating: &&HomophilyRow| FamilyPanel {
+        title: rating.rating_title.clone(),
         cells: factors
             .iter()
-            .map(|f| against.iter().map(|a| cell(f, a)).collect())
+            .map(|f| series.iter().map(|v| cell(f, rating, *v)).collect())
             .collect(),
-        family: format!(
-            "Stars: *p* adjusted after Holm over the {tested} tests of the declared family."
+    };
+    let own = run.label(found.first()?.own);
+    Some(Family {
+        rows: factors.iter().map(|f| f.title.clone()).collect(),
+        panels: ratings.iter().map(panel).collect(),
+        what: format!(
+            "Each trait against how much better {own} was rated than the condition named above. Intervals hold for all {tested} tests of the \
+             declared family at once (95%, Šidák)."
         ),
         participants: run.analysis.participants,
+        series,
     })
 }

@@ -8,7 +8,19 @@ use maveric_domain::{
 };
 use maveric_stats::ByDesign;
 
-pub(super) fn text(run: &Run, road: Option<&Road>, minutes: Option<f64>) -> Vec<String> {
+/// A paragraph with what it is about.
+pub(super) type Paragraph = (&'static str, String);
+
+/// The paragraphs as the page has them.
+pub(super) fn on_page(paragraphs: &[Paragraph]) -> Vec<String> {
+    let one = |(about, text): &Paragraph| match *about {
+        "" => text.clone(),
+        about => format!("*{about}.* {text}"),
+    };
+    paragraphs.iter().map(one).collect()
+}
+
+pub(super) fn text(run: &Run, road: Option<&Road>, minutes: Option<f64>) -> Vec<Paragraph> {
     let mut paragraphs = Vec::new();
     if let Some(road) = road {
         let by_hand = if run.design.baseline().is_some_and(|b| b.by == By::Hand) {
@@ -20,37 +32,37 @@ pub(super) fn text(run: &Run, road: Option<&Road>, minutes: Option<f64>) -> Vec<
             let s = if (0.5..1.5).contains(&m) { "" } else { "s" };
             format!(", {m:.0} minute{s} a drive{by_hand}")
         });
-        paragraphs.push(format!(
-            "*Driving.* {} lanes of {:.2} m in one direction, posted {:.0} mph{long}.",
+        let driven = format!(
+            "{} lanes of {:.2} m in one direction, posted {:.0} mph{long}.",
             road.lanes,
             road.lane_width_m,
             MetresPerSecond(road.posted_speed_mps).mph(),
-        ));
+        );
+        paragraphs.push(("Driving", driven));
     }
     if let Some(training) = &run.training {
-        paragraphs.push(learning(training));
+        paragraphs.push(("Learning", learning(training)));
     }
     if run.model.is_some() {
         let score = run.design.style().map_or_else(String::new, |style| {
             format!(", once with the driver’s {} and once without", style.label)
         });
-        paragraphs.push(format!(
-            "*Personalising.* What was learned stays as it is; the embedding of each baseline drive is solved for, with its covariance{score}."
-        ));
+        let fitted = format!(
+            "What was learned stays as it is; the embedding of each baseline drive is solved for, with its covariance{score}."
+        );
+        paragraphs.push(("Personalising", fitted));
     }
     let conditions = run.design.conditions().iter();
     let conditions: Vec<String> = conditions
         .map(|c| format!("{} {}", run.label(c.id), car(run, c)))
         .collect();
-    paragraphs.push(format!("*Conditions.* {}.", conditions.join("; ")));
-    paragraphs.push(tests(run));
-    paragraphs.extend(run.analysis.notes.iter().cloned());
+    paragraphs.push(("Conditions", format!("{}.", conditions.join("; "))));
+    paragraphs.push(("Tests", tests(run)));
+    paragraphs.extend(run.analysis.notes.iter().map(|note| ("", note.clone())));
     if run.analysis.synthetic {
-        paragraphs.push(
-            "*Participants* are generated: traits drawn at random, driving by a driver model of another kind than the one that learns, answers \
-             and ratings from the traits and from what each condition did. Effects come from one file and are what was put in."
-                .to_owned(),
-        );
+        let made_up = "They are generated: traits drawn at random, driving by a driver model of another kind than the one that learns, answers \
+             and ratings from the traits and from what each condition did. Effects come from one file and are what was put in.";
+        paragraphs.push(("Participants", made_up.to_owned()));
     }
     paragraphs
 }
@@ -60,24 +72,37 @@ fn learning(training: &TrainingSummary) -> String {
     let settings = &training.settings;
     let Some(networks) = &training.networks else {
         return format!(
-            "*Learning.* Every drive is read as events: free speed, gap kept, moving out, merging back, passing or not. A mixed model with \
+            "Every drive is read as events: free speed, gap kept, moving out, merging back, passing or not. A mixed model with \
              an embedding of size {} explains them; it was fitted to {} drives, seed {}.",
             settings.embedding_size, training.drives, training.seed
         );
     };
     format!(
-        "*Learning.* The paper’s networks: windows of {} s at {} Hz; {} passes over {} rows in batches of {}; {}seed {}.",
+        "The paper’s networks: windows of {} s at {} Hz; {} passes over {} rows in batches of {}; {}seed {}.",
         settings.window_s,
         settings.window_rate_hz,
         networks.epochs.len(),
         networks.rows,
         settings.batch_size,
-        networks.selection.as_ref().map_or_else(String::new, |s| format!(
-            "their number was chosen on {} people kept back, after which the model learned from everybody; ",
-            s.people
-        )),
+        networks
+            .selection
+            .as_ref()
+            .map_or_else(String::new, |s| kept_back(s.people, settings.patience)),
         training.seed
     )
+}
+
+/// What the people who were kept back decided: with a patience of 0 nothing, every pass is kept.
+fn kept_back(people: usize, patience: usize) -> String {
+    if patience == 0 {
+        format!(
+            "every pass was kept: {people} people were kept back of a training of its own, to say how it does on whom it has not seen, and decided nothing; "
+        )
+    } else {
+        format!(
+            "their number was chosen on {people} people kept back (no better for {patience} passes), after which the model learned from everybody; "
+        )
+    }
 }
 
 /// What drove in a condition.
@@ -134,7 +159,7 @@ fn tests(run: &Run) -> String {
         " Correlations are Pearson’s or Spearman’s by the same check."
     };
     format!(
-        "*Tests.* {used} Compared are {compared}; *p* is adjusted after Holm over the contrasts of an outcome.{correlations} Intervals are 95%. Each \
+        "{used} Compared are {compared}; *p* is adjusted after Holm over the contrasts of an outcome.{correlations} Intervals are 95%. Each \
          measure and each test is defined in docs/method.md."
     )
 }
@@ -196,4 +221,15 @@ fn chosen(run: &Run) -> String {
         said.push("Paired t tests, or Wilcoxon’s where the differences are not normal.".to_owned());
     }
     said.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn where_patience_is_0_people_kept_back_decided_nothing_and_the_page_says_so() {
+        assert!(kept_back(120, 0).contains("decided nothing"));
+        assert!(kept_back(120, 5).contains("was chosen on 120 people kept back"));
+    }
 }

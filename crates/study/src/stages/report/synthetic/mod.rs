@@ -1,14 +1,15 @@
 //! The page of a study.
 
 mod car;
+mod cards;
 mod conditions;
 mod embedding;
 mod homophily;
+mod manuscript;
 mod methods;
 mod run;
 mod setting;
 mod setup;
-mod summary;
 mod watch;
 
 use super::{
@@ -42,7 +43,6 @@ pub(in crate::stages::report) use run::Run;
 use setting::{listed_exclusions, reliabilities, section_model, section_study};
 use setup::setup;
 use std::{collections::BTreeSet, path::Path};
-use summary::summary;
 
 /// What the page is made from, beside the drives.
 const READ: [&str; 11] = [
@@ -100,18 +100,17 @@ pub(super) fn page(
     };
     let claimed = ledger.as_deref().unwrap_or_default();
     watch.check()?;
-    let reliabilities = reliabilities(folder)?;
+    let reliabilities = reliabilities(folder, &run.scales)?;
     let findings = findings(&run);
     let logs = watch::logs(folder, &study, &run);
     let watched = watch::drives(&logs)?;
-    let mut sections = vec![section_study(folder, &run, &people, &reliabilities)?];
+    let mut supplement = Vec::from_iter(section_model(&run)?);
     if let Some(scenario) = scenario.as_ref().filter(|_| run.analysis.synthetic) {
         let sources = given("population_sources").map(Path::new);
         let seed = run.seed().unwrap_or_default();
-        sections.push(section_car(scenario, sources, seed, &run.context)?);
+        supplement.push(section_car(scenario, sources, seed, &run.context)?);
     }
-    sections.extend(section_model(&run)?);
-    let mut said = declared(&study)?;
+    let said = declared(&study)?;
     // What nobody declared is called what it is, once something was declared.
     let exploratory = |section: Section| Section {
         title: format!("Exploratory: {}", section.title),
@@ -124,10 +123,11 @@ pub(super) fn page(
             section.map(exploratory)
         }
     };
+    let mut sections = vec![section_conditions(&run, claimed, &watched)?];
     sections.extend(undeclared(section_embedding(folder, &run, claimed)?));
-    sections.push(section_conditions(&run, claimed, &watched)?);
     sections.extend(undeclared(section_kept(&run)?));
     sections.extend(section_homophily(&run, claimed)?);
+    sections.push(section_study(folder, &run, &people, &reliabilities)?);
     let exclusions: Vec<Exclusion> = left_out(&run).chain(listed_exclusions(folder)?).collect();
     let mut warnings: Vec<String> = run
         .training
@@ -146,6 +146,7 @@ pub(super) fn page(
     let drawn = |name: &String| {
         sections
             .iter()
+            .chain(&supplement)
             .flat_map(|s| &s.figures)
             .any(|f| f.name == *name)
     };
@@ -157,16 +158,17 @@ pub(super) fn page(
         .parameters
         .iter()
         .map(|(name, value)| (format!("pipeline: {name}"), value.clone()));
-    said.extend(summary(&run, ledger.as_deref()));
+    let paragraphs = methods::text(&run, road.as_ref(), minutes);
     let report = Report {
-        title: study.design.title().to_owned(),
-        subtitle: subtitle(&run),
-        context: run.context.clone(),
+        manuscript: Some(manuscript::manuscript(&run, &paragraphs, &reliabilities)),
+        glossary: crate::stages::report::words::glossary(),
+        cards: cards::cards(&run, &reliabilities, ledger.as_deref()),
         summary: said,
         live: moving,
         sections,
+        supplement,
         methods: Methods {
-            text: methods::text(&run, road.as_ref(), minutes),
+            text: methods::on_page(&paragraphs),
             files: shown_whole(
                 &study
                     .path
@@ -194,6 +196,7 @@ pub(super) fn page(
                     .chain(logs),
             )?,
         },
+        ..Report::new(study.design.title(), subtitle(&run), &run.context)
     };
     Ok((report, findings))
 }
@@ -399,13 +402,5 @@ fn printed(ledger: &[LedgerRow], key: &str) -> Option<Correlation> {
         value: claim.printed.value,
         df: claim.df? as usize,
         p,
-    })
-}
-
-fn capital(word: &str) -> String {
-    let words = word.replace('_', "-");
-    let mut letters = words.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().chain(letters).collect()
     })
 }

@@ -10,7 +10,7 @@ use crate::{
     },
     tables::{Table as File, embeddings::read_embeddings},
 };
-use maveric_domain::design::By;
+use maveric_domain::{Scale, design::By};
 use maveric_model::{HeldOut, Model, Selection};
 use maveric_report::{
     Figure,
@@ -60,7 +60,7 @@ pub(super) fn section_study(
 }
 
 /// What was done with whom.
-fn done(run: &Run) -> String {
+pub(super) fn done(run: &Run) -> String {
     let a = &run.analysis;
     let mut sentences = Vec::new();
     if let Some(training) = &run.training {
@@ -272,7 +272,10 @@ fn heads_of(training: &TrainingSummary) -> Table {
     }
 }
 
-pub(super) fn reliabilities(folder: &Path) -> Result<Vec<Reliability>, StudyError> {
+pub(super) fn reliabilities(
+    folder: &Path,
+    scales: &[Scale],
+) -> Result<Vec<Reliability>, StudyError> {
     let mut rows = Vec::new();
     for file in [
         "scores_reliabilities.csv",
@@ -298,10 +301,18 @@ pub(super) fn reliabilities(folder: &Path) -> Result<Vec<Reliability>, StudyErro
                 ""
             };
             rows.push(Reliability {
+                id: format!(
+                    "{}.{}{when}",
+                    scale[i].as_deref().unwrap_or_default(),
+                    subscale[i].as_deref().unwrap_or_default()
+                ),
                 scale: format!(
-                    "{}: {}{when}",
-                    scale[i].clone().unwrap_or_default(),
-                    subscale[i].clone().unwrap_or_default()
+                    "{}{when}",
+                    titled(
+                        scales,
+                        scale[i].as_deref().unwrap_or_default(),
+                        subscale[i].as_deref().unwrap_or_default()
+                    )
                 ),
                 items: items[i] as usize,
                 n: n[i] as usize,
@@ -312,6 +323,18 @@ pub(super) fn reliabilities(folder: &Path) -> Result<Vec<Reliability>, StudyErro
         }
     }
     Ok(rows)
+}
+
+/// What its file calls a subscale: `Mini-IPIP: Openness`; the ids where there is no file.
+fn titled(scales: &[Scale], scale: &str, subscale: &str) -> String {
+    let Some(known) = scales.iter().find(|s| s.id == scale) else {
+        return format!("{scale}: {subscale}");
+    };
+    let part = known.subscales.iter().find(|s| s.id == subscale);
+    match part {
+        Some(part) if part.title != known.title => format!("{}: {}", known.title, part.title),
+        _ => known.title.clone(),
+    }
 }
 
 pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyError> {

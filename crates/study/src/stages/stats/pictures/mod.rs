@@ -34,25 +34,37 @@ pub(super) enum Picture {
     Forest(Forest),
 }
 
-/// Draws one result, or the panels of several outcomes, into an SVG or PNG file.
+/// Draws one result, or the panels of several outcomes, into an SVG, PNG or PDF file.
 pub(super) fn write(path: &Path, pictures: Vec<Picture>) -> Result<(), StudyError> {
     let figure = draw(pictures)?;
-    let bytes = if svg(path)? {
-        figure.standalone_svg().into_bytes()
-    } else {
-        figure.png()?
+    let bytes = match format(path)? {
+        Format::Svg => figure.standalone_svg().into_bytes(),
+        Format::Png => figure.png()?,
+        Format::Pdf => figure.pdf()?,
     };
     atomic_write_bytes(path, &bytes)
 }
 
-/// Whether the file is to be SVG; else PNG.
-pub(super) fn svg(path: &Path) -> Result<bool, StudyError> {
+/// As what a figure is written.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Format {
+    Svg,
+    Png,
+    Pdf,
+}
+
+/// By the file's ending.
+pub(super) fn format(path: &Path) -> Result<Format, StudyError> {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     match ending.as_deref() {
-        Some("svg") => Ok(true),
-        Some("png") => Ok(false),
+        Some("svg") => Ok(Format::Svg),
+        Some("png") => Ok(Format::Png),
+        Some("pdf") => Ok(Format::Pdf),
         _ => Err(StudyError::NotPossible {
-            problem: format!("{}: a figure is written as .svg or .png", path.display()),
+            problem: format!(
+                "{}: a figure is written as .svg, .png or .pdf",
+                path.display()
+            ),
             help: None,
         }),
     }

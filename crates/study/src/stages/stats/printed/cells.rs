@@ -78,6 +78,7 @@ pub(super) fn shown(cell: &Cell) -> String {
         Cell::Text(text) | Cell::Marked(text) => text.clone(),
         Cell::Number { value, decimals } => apa::number(*value, *decimals),
         Cell::Bounded { value, decimals } => apa::bounded(*value, *decimals),
+        Cell::P(p) => apa::p_cell(*p),
         Cell::Missing | Cell::MissingBecause(_) => "–".to_owned(),
     }
 }

@@ -1,0 +1,68 @@
+//! The one grid of panels: letters, and each panel as a figure of its own.
+
+use super::axes::Place;
+use super::canvas::Canvas;
+use super::theme::ONE_COLUMN_MM;
+use super::{Context, Figure, Plan, draw};
+use crate::error::ReportError;
+
+/// Panels in rows, from left to right.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Grid {
+    /// Panels.
+    pub(crate) count: usize,
+    /// Panels a row.
+    pub(crate) columns: usize,
+    /// Room between columns and between rows, in points.
+    pub(crate) gap: (f64, f64),
+}
+
+/// The letter of a panel: a, b … z; none after that.
+fn letter(index: usize) -> Option<char> {
+    (b'a'..=b'z').nth(index).map(char::from)
+}
+
+/// Draws all panels into one figure, and each again as a figure of one column's width: `head` draws what stands above them and gives the place
+/// below it.
+pub(crate) fn draw_panels(
+    plan: Plan,
+    context: &Context,
+    grid: Grid,
+    head: impl Fn(&mut Canvas<'_>, Place) -> Place,
+    paint: impl Fn(&mut Canvas<'_>, usize, Place),
+) -> Result<Figure, ReportError> {
+    let rows = grid.count.div_ceil(grid.columns);
+    let single = |index: usize| {
+        let letter = letter(index)?;
+        Some(Plan {
+            name: format!("{}-{letter}", plan.name),
+            size_mm: (ONE_COLUMN_MM, (plan.size_mm.1 / rows as f64).max(40.0)),
+            title: format!("{} ({letter})", plan.title),
+            caption: format!("Panel {letter}. {}", plan.caption),
+            alt: plan.alt.clone(),
+            shows: plan.shows,
+        })
+    };
+    let mut panels = Vec::new();
+    for index in 0..if grid.count > 1 { grid.count } else { 0 } {
+        let Some(single) = single(index) else { break };
+        panels.push(draw(single, context, |canvas, place| {
+            let place = head(canvas, place);
+            paint(canvas, index, place);
+        })?);
+    }
+    let mut whole = draw(plan, context, |canvas, place| {
+        let place = head(canvas, place);
+        for index in 0..grid.count {
+            let at = (index % grid.columns, index / grid.columns);
+            canvas.letter = letter(index).filter(|_| grid.count > 1);
+            paint(
+                canvas,
+                index,
+                place.cell(at, (grid.columns, rows), grid.gap),
+            );
+        }
+    })?;
+    whole.panels = panels;
+    Ok(whole)
+}
