@@ -42,7 +42,7 @@ fn every_limit_is_told_by_what_was_asked_and_what_is_possible() {
     study.write("oa_pair_r_f2_c.csv", format!("{table}{rows}"));
     let pipeline = |shards: u64| {
         format!(
-            "name = \"p\"\n[[stage]]\nname = \"s\"\ncommand = [\"true\"]\nshards = {shards}\noutputs = [\"o\"]\n"
+            "name = \"p\"\n[[stage]]\nname = \"s\"\ncmd = [\"true\"]\nshards = {shards}\noutputs = [\"o\"]\n"
         )
     };
     study.write("wide.toml", pipeline(4_000_000_000));

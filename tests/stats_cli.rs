@@ -361,11 +361,18 @@ fn a_figure_is_drawn_where_there_is_something_to_draw_and_refused_by_name_elsewh
     let png = [&["compare"], &within[..], &["--figure", "f.png"]].concat();
     stats(&study, &png, SCORES).ok();
     assert_eq!(&std::fs::read(study.path("f.png")).unwrap()[1..4], b"PNG");
+    let pdf = [&["compare"], &within[..], &["--figure", "f.pdf"]].concat();
+    stats(&study, &pdf, SCORES).ok();
+    assert!(
+        std::fs::read(study.path("f.pdf"))
+            .unwrap()
+            .starts_with(b"%PDF")
+    );
     let refused = ["normality", "--value", "score", "--figure", "n.svg"];
     stats(&study, &refused, SCORES).failed(1, &["`normality` has nothing to draw"]);
     assert!(!study.path("n.svg").exists());
     let ending = [&["compare"], &within[..], &["--figure", "f.gif"]].concat();
-    stats(&study, &ending, SCORES).failed(1, &["f.gif", ".svg or .png"]);
+    stats(&study, &ending, SCORES).failed(1, &["f.gif", ".svg, .png or .pdf"]);
 }
 
 /// The lines of a help text that call the program.

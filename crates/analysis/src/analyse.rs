@@ -2,19 +2,11 @@
 
 use crate::{
     Analysis, AnalysisError, Exclusion, Panel, Reproduction, StudyData, compare, describe,
-    design_test::crossed, homophily, hypotheses, line, mixed, reproduction,
+    design_test::{Friedman, crossed},
+    homophily, hypotheses, line, mixed, reproduction,
 };
 use maveric_domain::design::{Condition, Outcome, Quantity};
 use maveric_measures::objective;
-
-/// How much work Friedman's p is worth.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Friedman {
-    /// Exact where it is feasible, as a study is reported.
-    Exact,
-    /// By Iman and Davenport's F: a thousand times faster, for many studies.
-    Approximate,
-}
 
 /// Every analysis that the design of a study asks for.
 ///

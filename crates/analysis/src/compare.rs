@@ -1,10 +1,10 @@
 //! Every outcome over the conditions: which test, why, and the declared contrasts as one family.
 
 use crate::{
-    AnalysisError, Friedman,
+    AnalysisError,
     contrast::from_zero,
     data::StudyData,
-    design_test::{Tested, by_design},
+    design_test::{Friedman, Tested, by_design},
     outcomes::{Asked, outcome, outcomes},
     result::{Contrast, Group, Panel},
     verdict::ALPHA,

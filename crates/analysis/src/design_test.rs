@@ -1,8 +1,6 @@
 //! The test of an outcome that the study's design calls for.
 
-use crate::{
-    AnalysisError, Friedman, data::StudyData, outcomes::Asked, result::Panel, verdict::ALPHA,
-};
+use crate::{AnalysisError, data::StudyData, outcomes::Asked, result::Panel, verdict::ALPHA};
 use maveric_domain::{
     ConditionId, ParticipantId,
     design::{Column, Condition, Quantity},
@@ -10,6 +8,15 @@ use maveric_domain::{
 use maveric_stats::{
     ByDesign, DesignChoice, DesignColumns, MissingCells, OutcomeScale, compare_by_design,
 };
+
+/// How much work Friedman's p is worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Friedman {
+    /// Exact where it is feasible, as a study is reported.
+    Exact,
+    /// By Iman and Davenport's F: a thousand times faster, for many studies.
+    Approximate,
+}
 
 /// The factor whose levels are the conditions, where those cross no others.
 const CONDITION: &str = "condition";

@@ -22,8 +22,9 @@ mod result;
 mod six_people;
 pub mod verdict;
 
-pub use analyse::{Friedman, analyse};
+pub use analyse::analyse;
 pub use data::{StudyData, Tables};
+pub use design_test::Friedman;
 pub use error::AnalysisError;
 pub use exclusions::{Driven, Flow, LeftOut, LeftOutFor, Why};
 pub use person::Person;

@@ -1,5 +1,6 @@
 //! Inputs that lie on object storage: fetched before a run, so that stages see files.
 
+#[cfg(feature = "object-store")]
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -94,14 +95,3 @@ pub(crate) fn fetch(pipeline: &Pipeline, _place: &Place) -> Result<(), PipelineE
         }
     }
 }
-
-/// Whether `path` is below the root and in one spelling, and `url` is one.
-pub(crate) fn is_allowed(path: &str, url: &str) -> bool {
-    crate::store::is_url(url)
-        && !path.starts_with('/')
-        && !path.starts_with("..")
-        && crate::paths::normalise(path).as_deref() == Some(path)
-}
-
-/// The places of all files of a pipeline and their URLs.
-pub(crate) type Places = BTreeMap<String, String>;

@@ -42,7 +42,7 @@ pub use schema::schema;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::fetch::Places;
+use crate::fetched_places::Places;
 use crate::{PipelineError, Stage};
 use layers::{
     Layer, check_added, merged_fetch, merged_params, merged_stages, move_roots, with_layers,

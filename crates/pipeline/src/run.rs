@@ -2,9 +2,8 @@
 
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
+use std::sync::{Mutex, OnceLock, PoisonError, mpsc};
 use std::time::Duration;
 
 use crate::attempt::{Attempt, News, Workshop};
@@ -14,156 +13,10 @@ use crate::content::Hasher;
 use crate::ledger::{self, OpenLedger};
 use crate::lock::RunLock;
 use crate::schedule::Schedule;
-use crate::{
-    Failure, FailureCause, Graph, Pipeline, PipelineError, Place, Reason, RunReport, Warning,
-};
+use crate::{Event, Executor, Graph, Pipeline, PipelineError, Place, RunOptions, RunReport};
 
 /// How often the cancel flag is looked at.
 const TICK: Duration = Duration::from_millis(20);
-/// NFS remembers for up to 30 s (or 60, by its options) that a file is not there.
-const LOST_AFTER: Duration = Duration::from_mins(1);
-
-/// What to run and how.
-#[derive(Debug, Clone)]
-pub struct RunOptions {
-    /// Stages or files; each comes with everything upstream. Empty: all stages.
-    pub targets: Vec<String>,
-    /// How many stages may run at once; on a cluster, how many of each fan-out. `None`: one
-    /// on this machine, no limit on a cluster.
-    pub jobs: Option<NonZeroUsize>,
-    /// Run the targets (all stages if there are none) even if they are up to date.
-    pub force: bool,
-    /// Move files that no run made out of the outputs of stages that run, beside them into a
-    /// folder with the date; they are an error otherwise.
-    pub move_aside: bool,
-    /// After a failure, go on with what does not need the failed stage.
-    pub keep_going: bool,
-    /// Memory in MiB that stages which run at once may ask for together; `None`: all that this
-    /// machine has. One that asks for more than that runs alone.
-    pub memory_mb: Option<u64>,
-    /// How long a task may be gone from a cluster without a word of its own before it counts
-    /// as lost: network file systems show a new file late.
-    pub lost_after: Duration,
-    /// A directory from which outputs are taken that were made before from the same, and to
-    /// which they go.
-    pub cache: Option<PathBuf>,
-    /// Where the stages run.
-    pub executor: Executor,
-    /// Set it to interrupt the run: running stages are ended within about 0.2 s.
-    pub cancel: Arc<AtomicBool>,
-}
-
-/// Where stages run.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Executor {
-    /// As processes on this machine.
-    #[default]
-    Local,
-    /// As jobs of Slurm (`sbatch`).
-    Slurm,
-    /// As tasks of HyperQueue (`hq`).
-    HyperQueue,
-}
-
-impl Default for RunOptions {
-    fn default() -> Self {
-        Self {
-            targets: Vec::new(),
-            jobs: None,
-            force: false,
-            move_aside: false,
-            keep_going: false,
-            memory_mb: None,
-            lost_after: LOST_AFTER,
-            cache: None,
-            executor: Executor::Local,
-            cancel: Arc::default(),
-        }
-    }
-}
-
-/// What happens in a run, as it happens, told on the thread that called [`run`].
-#[derive(Debug)]
-#[non_exhaustive]
-pub enum Event<'a> {
-    /// A stage begins.
-    Started {
-        /// Its name.
-        stage: &'a str,
-        /// Its command line as in the pipeline file, parameters put in.
-        command: String,
-        /// Why it runs.
-        reasons: &'a [Reason],
-    },
-    /// A stage wrote a line to its standard error.
-    Line {
-        /// The stage.
-        stage: &'a str,
-        /// The line, without its end.
-        line: &'a str,
-    },
-    /// A stage has nothing to do.
-    UpToDate {
-        /// The stage.
-        stage: &'a str,
-        /// How many of the wanted stages are settled, this one included.
-        settled: usize,
-        /// How many stages are wanted.
-        wanted: usize,
-    },
-    /// A stage has made its outputs.
-    Finished {
-        /// The stage.
-        stage: &'a str,
-        /// How long it ran, in seconds.
-        seconds: f64,
-        /// The most memory that one of its processes held, in bytes, where it is known.
-        peak_memory: Option<u64>,
-        /// How many of the wanted stages are settled, this one included.
-        settled: usize,
-        /// How many stages are wanted.
-        wanted: usize,
-    },
-    /// A stage failed and is tried again.
-    Retried {
-        /// The stage.
-        stage: &'a str,
-        /// What went wrong.
-        cause: &'a FailureCause,
-        /// Which retry this is, from 1.
-        retry: u32,
-        /// How many there may be.
-        retries: u32,
-    },
-    /// A stage's outputs were taken from the cache.
-    Restored {
-        /// The stage.
-        stage: &'a str,
-        /// How many of the wanted stages are settled, this one included.
-        settled: usize,
-        /// How many stages are wanted.
-        wanted: usize,
-    },
-    /// Stages were handed to a cluster.
-    Submitted {
-        /// The job, as the cluster calls it.
-        job: &'a str,
-        /// The stages, or what stages of one fan-out are called together.
-        stage: &'a str,
-        /// How many of them.
-        tasks: usize,
-    },
-    /// Jobs that an earlier run had handed to a cluster are followed again.
-    Resumed {
-        /// How many stages.
-        stages: usize,
-    },
-    /// A stage failed.
-    Failed(&'a Failure),
-    /// Something is not right and does not stop the run.
-    Warning(&'a Warning),
-}
 
 /// Brings the targets and everything upstream up to date.
 ///

@@ -80,8 +80,9 @@ impl Elsewhere {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Driver, Scenario, Session, View};
+    use crate::{Driver, Scenario, Session, SimulatorError, View};
     use maveric_domain::{LaneWish, Seconds, Setpoints, VehicleId, VehicleState};
+    use std::error::Error as _;
 
     fn vehicle(id: u32, x_m: f64) -> VehicleState {
         VehicleState {
@@ -148,8 +149,9 @@ mod tests {
         let error = session
             .meet(&[vehicle(1, 50.0), vehicle(1, 90.0)])
             .unwrap_err();
-        assert!(error.to_string().contains("each vehicle once"), "{error}");
+        let why = |error: &SimulatorError| error.source().unwrap().to_string();
+        assert!(why(&error).contains("each vehicle once"), "{error:?}");
         let error = session.meet(&[vehicle(1, f64::NAN)]).unwrap_err();
-        assert!(error.to_string().contains("vehicle.x_m"), "{error}");
+        assert!(why(&error).contains("vehicle.x_m"), "{error:?}");
     }
 }

@@ -63,7 +63,7 @@ pub(crate) struct Args {
         value_name = "FILE",
         help_heading = "Figures"
     )]
-    pub(crate) style: Option<std::path::PathBuf>,
+    pub(crate) style: Option<String>,
     #[command(subcommand)]
     pub(crate) command: Command,
 }
@@ -108,9 +108,12 @@ pub(crate) enum Command {
 }
 
 /// Runs a command whose figures look as a file says.
-pub(crate) fn styled(style: Option<&std::path::Path>, command: Command) -> Result<(), Failure> {
-    if let Some(path) = style {
-        maveric_study::style_figures(path).map_err(Failure::study("could not use the style"))?;
+pub(crate) fn styled(style: Option<&str>, command: Command) -> Result<(), Failure> {
+    // The style of `init` is a driver's: a score that the dial turns.
+    let figures = !matches!(command, Command::Init(_));
+    if let Some(path) = style.filter(|_| figures) {
+        maveric_study::style_figures(std::path::Path::new(path))
+            .map_err(Failure::study("could not use the style"))?;
     }
     run(command)
 }

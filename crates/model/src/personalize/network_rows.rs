@@ -28,6 +28,8 @@ const STEPS: usize = 60;
 const HALF: f64 = 0.1;
 /// Least curvature in a direction, as a share of the largest: between kinks of ReLUs it may seem to be less.
 const FLAT: f64 = 1e-3;
+/// Variance of styles over drivers: no direction is left more open by a drive than before it.
+const AMONG_DRIVERS: f64 = 1.0;
 /// Log-odds of a probability that an `f32` cannot tell from 0 or 1.
 const SUREST: f64 = 30.0;
 
@@ -112,7 +114,8 @@ impl<'a> NetworkRows<'a> {
         }
     }
 
-    /// Curvature⁻¹ · scatter of the blocks' slopes · curvature⁻¹ at a minimum.
+    /// Curvature⁻¹ · scatter of the blocks' slopes · curvature⁻¹ at a minimum; of a direction that the drive says nothing of,
+    /// what drivers differ by.
     fn covariance(&mut self, at: &DVector<f64>) -> Option<DMatrix<f64>> {
         let d = at.len();
         let mut curvature = DMatrix::zeros(d, d);
@@ -132,7 +135,8 @@ impl<'a> NetworkRows<'a> {
         }
         let inverse = of_symmetric(&curvature, |v| 1.0 / v.max(least));
         let slopes = self.evaluate(at).1;
-        Some(&inverse * &slopes * slopes.transpose() * &inverse)
+        let covariance = &inverse * &slopes * slopes.transpose() * &inverse;
+        Some(of_symmetric(&covariance, |v| v.min(AMONG_DRIVERS)))
     }
 
     /// The weighted sum of the losses with its slope, and the slope of each block's part, shape `(d, blocks)`.
@@ -248,6 +252,9 @@ mod tests {
         }
         // Six blocks tell, two do not.
         assert_eq!(found.covariance.len(), 9);
+        let covariance = DMatrix::from_column_slice(3, 3, &found.covariance);
+        let left_open = covariance.symmetric_eigenvalues();
+        assert!(left_open.min() > 0.0 && left_open.max() <= AMONG_DRIVERS + 1e-9);
         let few = rows_of(&drives[0].0, &paper.row_settings(), 0.3).unwrap();
         assert!(
             NetworkRows::new(paper, &few, None)

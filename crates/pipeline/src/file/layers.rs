@@ -9,7 +9,7 @@ use super::keys::TOP_KEYS;
 use super::value::{Located, Value, check_keys, read_params, string, wrong_type};
 use crate::PipelineError;
 use crate::error::{FileProblem, nearest};
-use crate::fetch::{Places, is_allowed};
+use crate::fetched_places::{Places, is_allowed};
 use crate::params::{Params, is_name};
 
 const TOP: &str = "the pipeline";

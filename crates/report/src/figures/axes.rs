@@ -240,6 +240,9 @@ impl Frame {
             }
             canvas.text(labels.title, (left, top), look);
             top += TITLE_GAP;
+        } else if !labels.subtitle.is_empty() {
+            // A raised exponent reaches above the capitals.
+            top += 2.0;
         }
         for line in labels.subtitle.lines() {
             top += cap_height(size::SUBTITLE);
@@ -313,7 +316,11 @@ impl Frame {
         canvas.line((left, bottom), (right, bottom), axis);
         let axis_look = Look::new(size::AXIS).middle();
         if !labels.x.is_empty() {
-            let x = f64::midpoint(left, right);
+            // Below the middle of the axis, unless the words would end outside.
+            let half = axis_look.width(labels.x) / 2.0;
+            let x = f64::midpoint(left, right)
+                .min(outer.right - half)
+                .max(outer.left + half);
             canvas.text(labels.x, (x, outer.bottom - 2.0), axis_look);
         }
         if !labels.y.is_empty() {

@@ -1,4 +1,6 @@
-//! An SVG of ours as PDF: lines stay lines, text stays text.
+//! An SVG of ours as PDF: lines stay lines, letters are outlines.
+//!
+//! Fonts are not embedded: the library writes them in the order of a hash map, and the same figure would not be the same bytes.
 
 use super::font::{FAMILY, Face};
 use super::style;
@@ -32,6 +34,9 @@ pub(crate) fn render(figure: &str, svg: &str) -> Result<Vec<u8>, ReportError> {
     let tree = usvg::Tree::from_str(svg, &options).map_err(|error| failed(error.to_string()))?;
     // Our sizes are in millimetres, which the parser turns into pixels of 1/96 inch; a PDF counts 72 points an inch.
     let page = svg2pdf::PageOptions { dpi: 96.0 };
-    svg2pdf::to_pdf(&tree, svg2pdf::ConversionOptions::default(), page)
-        .map_err(|error| failed(error.to_string()))
+    let conversion = svg2pdf::ConversionOptions {
+        embed_text: false,
+        ..svg2pdf::ConversionOptions::default()
+    };
+    svg2pdf::to_pdf(&tree, conversion, page).map_err(|error| failed(error.to_string()))
 }

@@ -29,6 +29,6 @@ pub(crate) fn input() -> Intervals {
         rows: labels.into_iter().enumerate().map(row).collect(),
         nothing: None,
         bounds: Some((0.8, f64::INFINITY)),
-        what: "Made up, 95% CI".into(),
+        what: "*n* = 24, means with 95% CI".into(),
     }
 }
