@@ -60,8 +60,10 @@ const LONGEST_NAME: usize = 40;
 
 fn of_table(table: &Table, names: &mut BTreeSet<String>, found: &mut Vec<NamedNumber>) {
     for cells in &table.rows {
+        // What stands before the numbers names a row; a verdict behind them does not, for it may change with the data.
         let words = cells.iter().zip(&table.columns);
         let named: Vec<&str> = words
+            .take_while(|(cell, _)| matches!(cell, Cell::Text(_)))
             .filter_map(|(cell, column)| match cell {
                 Cell::Text(text)
                     if column.align == Align::Left && text.chars().count() <= LONGEST_NAME =>
@@ -281,6 +283,7 @@ mod tests {
                 Cell::text(measure),
                 Cell::number(Some(value), 2),
                 Cell::Marked("*F*(3, 69) = 2.5, *p* = .067".into()),
+                Cell::text("not shown"),
             ]
         };
         let table = Table {
@@ -290,6 +293,7 @@ mod tests {
                 Column::left("Measure"),
                 Column::right("95% *M*"),
                 Column::left("Test"),
+                Column::left("Verdict"),
             ],
             rows: vec![row("Mean velocity", 61.234), row("Mean velocity", 1.0)],
             notes: Vec::new(),
