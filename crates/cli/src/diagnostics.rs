@@ -159,6 +159,19 @@ impl Failure {
         })
     }
 
+    /// A failure of `doing`, with what to try.
+    pub(crate) fn of(
+        doing: &str,
+        cause: impl std::error::Error + Send + Sync + 'static,
+        help: Option<String>,
+    ) -> Self {
+        Self::Failed(Failed {
+            doing: doing.to_owned(),
+            cause: Box::new(cause),
+            help,
+        })
+    }
+
     /// Turns what the system said into a failure of `doing`.
     pub(crate) fn io(doing: &str, cause: std::io::Error) -> Self {
         Self::Failed(Failed {

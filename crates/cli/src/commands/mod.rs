@@ -25,6 +25,7 @@ pub(crate) mod rehearse_dial;
 pub(crate) mod report;
 pub(crate) mod run;
 pub(crate) mod score;
+pub(crate) mod seat;
 pub(crate) mod simulate;
 pub(crate) mod stats;
 pub(crate) mod status;
@@ -89,6 +90,7 @@ pub(crate) enum Command {
     Train(train::Train),
     Personalize(personalize::Personalize),
     Steer(steer::Steer),
+    Seat(seat::Seat),
     Simulate(simulate::Simulate),
     Measure(measure::Measure),
     Rate(rate::Rate),
@@ -139,6 +141,7 @@ pub(crate) fn run(command: Command) -> Result<(), Failure> {
         Command::Train(c) => c.run(),
         Command::Personalize(c) => c.run(),
         Command::Steer(c) => c.run(),
+        Command::Seat(c) => c.run(),
         Command::Simulate(c) => c.run(),
         Command::Measure(c) => c.run(),
         Command::Rate(c) => c.run(),

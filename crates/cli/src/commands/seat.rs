@@ -1,0 +1,213 @@
+//! `maveric seat`.
+
+use super::{all_cores, print_json, print_lines};
+use crate::{
+    args::Format,
+    diagnostics::{Failure, tell},
+    interrupt, progress,
+};
+use maveric_seat::{Seat as Open, SeatError, SeatSettings, demo, files, replay};
+use maveric_study::{DesignFile, Watch, check_design, design::DESIGN_FILE, stages};
+use std::{
+    net::SocketAddr,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+/// A driving study in a browser: a real person drives, is learned, and rides
+#[derive(Debug, clap::Args)]
+#[command(
+    args_conflicts_with_subcommands = true,
+    after_help = "\
+Examples: maveric seat --demo             drive three minutes, ride in your own style, turn the dial
+          maveric seat my_study           the study of that folder: links for people at /lab
+          maveric seat replay my_study/seat/P001-own.jsonl"
+)]
+pub(crate) struct Seat {
+    #[command(subcommand)]
+    part: Option<Part>,
+    /// Folder of the study; the one you stand in when not given
+    study: Option<PathBuf>,
+    /// No study: a drive, your own model, a ride in your own style, a dial
+    #[arg(long, conflicts_with_all = ["study", "password"])]
+    demo: bool,
+    /// Where to listen
+    #[arg(long, default_value = "127.0.0.1:8437")]
+    bind: SocketAddr,
+    /// Listen for other computers without encryption: a proxy in front encrypts
+    #[arg(long)]
+    plain_http: bool,
+    /// Password of the experimenter's page; made up and printed when not given
+    #[arg(long)]
+    password: Option<String>,
+    /// Open no browser
+    #[arg(long)]
+    no_open: bool,
+    /// Threads, for the model of the demonstration
+    #[arg(short, long, default_value_t = all_cores())]
+    jobs: usize,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Part {
+    /// Drive a recorded drive again, and say whether it went through the same states to the byte
+    Replay {
+        /// The record of a drive, as in a study's folder seat/
+        log: PathBuf,
+        /// How to print the result
+        #[arg(long, value_enum, default_value_t)]
+        format: Format,
+    },
+}
+
+fn failure(doing: &'static str) -> impl FnOnce(SeatError) -> Failure {
+    move |cause| match cause {
+        SeatError::Study(cause) => Failure::study(doing)(cause),
+        cause => {
+            let help = cause.suggestion();
+            Failure::of(doing, cause, help)
+        }
+    }
+}
+
+impl Seat {
+    pub(crate) fn run(self) -> Result<(), Failure> {
+        match self.part {
+            Some(Part::Replay { log, format }) => repeat(&log, format),
+            None if self.demo => self.demonstrate(),
+            None => self.study(),
+        }
+    }
+
+    fn demonstrate(&self) -> Result<(), Failure> {
+        let doing = "could not open the seat";
+        let cache = cache().ok_or_else(|| {
+            Failure::Usage("no folder for the model: set XDG_CACHE_HOME".to_owned())
+        })?;
+        let bar = progress::bar();
+        let show = |done: usize, total: usize, what: &str| {
+            bar.set_length(total as u64);
+            bar.set_position(done as u64);
+            bar.set_message(what.to_owned());
+        };
+        let watch = Watch::new(&show, interrupt::flag());
+        let settings = demo::settings(&cache, self.jobs, watch).map_err(failure(doing));
+        bar.finish_and_clear();
+        let state = cache.join(format!("demo-{}.db", std::process::id()));
+        let served = settings.and_then(|settings| {
+            let seat = Open::open(&state, settings).map_err(failure(doing))?;
+            let token = seat.only_person().map_err(failure(doing))?;
+            self.serve(seat, &format!("/p/{token}"), None)
+        });
+        for ending in ["", "-wal", "-shm"] {
+            let mut path = state.clone().into_os_string();
+            path.push(ending);
+            // What nobody looks at again; it may never have been there.
+            let _ = std::fs::remove_file(path);
+        }
+        served
+    }
+
+    fn study(&self) -> Result<(), Failure> {
+        let doing = "could not open the seat";
+        let folder = self.study.clone().unwrap_or_else(|| PathBuf::from("."));
+        let study = DesignFile::read(&folder.join(DESIGN_FILE)).map_err(Failure::study(doing))?;
+        check_design(&study).map_err(Failure::study(doing))?;
+        let records = folder.join("seat");
+        std::fs::create_dir_all(&records).map_err(|e| Failure::io(doing, e))?;
+        let named = study.design.files();
+        let model = study.design.model().map(|m| study.resolve(&m.file));
+        let model = model.filter(|path| path.is_file());
+        let bytes = model.as_deref().map(std::fs::read).transpose();
+        if let Some(path) = &model {
+            stages::train::read_model(path).map_err(Failure::study(doing))?;
+        }
+        let world = study.resolve(&named.scenario);
+        let world = world.is_file().then_some(world);
+        let password = match &self.password {
+            Some(given) => given.clone(),
+            None => maveric_seat::password().map_err(failure(doing))?,
+        };
+        let settings = SeatSettings {
+            scales: stages::score::read_scales(&study.resolve(&named.scales))
+                .map_err(Failure::study(doing))?,
+            texts: files::texts(&study).map_err(Failure::study(doing))?,
+            scenario: stages::generate::read_scenario(world.as_deref(), None)
+                .map_err(Failure::study(doing))?,
+            model: bytes.map_err(|e| Failure::io(doing, e))?,
+            made_up_model: study.design.synthetic(),
+            files: files::Files::of(&study, records.clone()),
+            password: Some(password.clone()),
+            design: study.design.clone(),
+        };
+        let seat = Open::open(&records.join("seat.db"), settings).map_err(failure(doing))?;
+        self.serve(seat, "/lab", Some(&password))
+    }
+
+    fn serve(&self, seat: Open, page: &str, password: Option<&str>) -> Result<(), Failure> {
+        interrupt::be_patient();
+        let ready = |address: SocketAddr| {
+            let url = format!("http://{address}{page}");
+            tell!("the seat is open: {url}   (Ctrl-C ends it)");
+            if let Some(password) = password {
+                tell!("password of that page: {password}");
+            }
+            if !self.no_open {
+                open_browser(&url);
+            }
+        };
+        let stop = Arc::clone(interrupt::flag());
+        maveric_seat::run(Arc::new(seat), self.bind, self.plain_http, stop, ready)
+            .map_err(failure("could not serve the seat"))
+    }
+}
+
+fn repeat(log: &Path, format: Format) -> Result<(), Failure> {
+    let doing = "could not drive it again";
+    let found = replay::repeat(log).map_err(failure(doing))?;
+    match format {
+        Format::Json => print_json(&found)?,
+        Format::Text => {
+            let word = match found.same {
+                Some(true) => "the same states, to the byte",
+                Some(false) => "other states than its record says",
+                None => "cut short: nothing to hold its states against",
+            };
+            let (by, ticks, states) = (found.driven_by.as_str(), found.ticks, &found.states);
+            print_lines(&[format!(
+                "{by}, {ticks} steps of 0.01 s, states {states}: {word}"
+            )])?;
+        }
+    }
+    match found.same {
+        Some(false) => Err(Failure::Told),
+        _ => Ok(()),
+    }
+}
+
+/// Where a user's programs keep what can be made again.
+fn cache() -> Option<PathBuf> {
+    let folder = |name: &str| std::env::var_os(name).map(PathBuf::from);
+    let own = folder("XDG_CACHE_HOME").or_else(|| folder("LOCALAPPDATA"));
+    let own = own.or_else(|| folder("HOME").map(|home| home.join(".cache")));
+    own.map(|cache| cache.join("maveric"))
+}
+
+/// Opens a page where that can be done; the address was printed in any case.
+fn open_browser(url: &str) {
+    let program = if cfg!(target_os = "macos") {
+        "open"
+    } else if cfg!(windows) {
+        "explorer"
+    } else {
+        "xdg-open"
+    };
+    let quiet = std::process::Stdio::null;
+    drop(
+        std::process::Command::new(program)
+            .arg(url)
+            .stdout(quiet())
+            .stderr(quiet())
+            .spawn(),
+    );
+}

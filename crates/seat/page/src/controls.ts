@@ -1,0 +1,136 @@
+// Keyboard, gamepad and wheel: where hands and feet are now.
+
+import { make, pressed, show } from "./words";
+
+/// How a wheel's axes were found to be: at rest and at their ends.
+interface Wheel { axis: number; centre: number; left: number; lockDegrees: number; throttle: Pedal; brake: Pedal }
+interface Pedal { axis: number; rest: number; down: number }
+
+export type Means = { by: "keys" } | { by: "pad" } | { by: "wheel"; wheel: Wheel };
+
+const down = new Set<string>();
+const presses: ((code: string) => void)[] = [];
+const ours = ["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Space"];
+/// Whether keys drive: outside of a drive they scroll and press buttons.
+let driving = false;
+
+addEventListener("keydown", (event) => {
+  if (!driving) return;
+  if (ours.includes(event.code)) event.preventDefault();
+  if (!event.repeat) for (const take of presses) take(event.code);
+  down.add(event.code);
+});
+addEventListener("keyup", (event) => down.delete(event.code));
+addEventListener("blur", () => down.clear());
+
+export function drives(now: boolean): void { driving = now; down.clear(); }
+export function onPress(take: (code: string) => void): () => void {
+  presses.push(take);
+  return () => { presses.splice(presses.indexOf(take), 1); };
+}
+
+const bits: [string, number][] = [
+  ["ArrowLeft", 1], ["KeyA", 1], ["ArrowRight", 2], ["KeyD", 2], ["ArrowUp", 4], ["KeyW", 4], ["ArrowDown", 8], ["KeyS", 8], ["Space", 16],
+];
+
+export const keys = (): number => bits.reduce((sum, [code, bit]) => (down.has(code) ? sum | bit : sum), 0);
+
+const pads = (): Gamepad[] => navigator.getGamepads().filter((p): p is Gamepad => p !== null && p.connected);
+
+/// Left positive, throttle, brake, of a gamepad.
+export function pad(): [number, number, number] {
+  const found = pads()[0];
+  if (!found) return [0, 0, 0];
+  const x = found.axes[0] ?? 0;
+  const dead = Math.abs(x) < 0.06 ? 0 : x;
+  return [-dead, found.buttons[7]?.value ?? 0, found.buttons[6]?.value ?? 0];
+}
+
+const share = (now: number, from: number, to: number): number => (to === from ? 0 : (now - from) / (to - from));
+
+/// Turn of the wheel in rad (left positive), throttle, brake.
+export function wheel(w: Wheel): [number, number, number] {
+  const axes = pads()[0]?.axes ?? [];
+  const turned = share(axes[w.axis] ?? w.centre, w.centre, w.left) * w.lockDegrees * Math.PI / 180;
+  const pedal = (p: Pedal): number => Math.min(1, Math.max(0, share(axes[p.axis] ?? p.rest, p.rest, p.down)));
+  return [turned, pedal(w.throttle), pedal(w.brake)];
+}
+
+const STORED = "maveric-seat-controls";
+
+export function chosen(): Means {
+  try {
+    const means = JSON.parse(localStorage.getItem(STORED) ?? "") as Means;
+    if (means.by === "keys" || means.by === "pad" || means.by === "wheel") return means;
+  } catch { /* nothing was chosen yet */ }
+  return { by: "keys" };
+}
+
+/// The axis that moved most between two looks.
+function moved(before: readonly number[], after: readonly number[], not: number[] = []): number {
+  let best = -1, most = 0.2;
+  after.forEach((value, axis) => {
+    const by = Math.abs(value - (before[axis] ?? 0));
+    if (by > most && !not.includes(axis)) [best, most] = [axis, by];
+  });
+  return best;
+}
+
+async function calibrate(): Promise<Wheel | null> {
+  const look = (): number[] => [...(pads()[0]?.axes ?? [])];
+  const ask = async (what: string): Promise<number[]> => {
+    const go = pressed("Done");
+    show(make("h1", ["Steering wheel"]), make("p", [what]), go.all);
+    await go.done;
+    return look();
+  };
+  const rest = await ask("Let go of the pedals and hold the wheel straight.");
+  const left = await ask("Turn the wheel to the left as far as it goes, and hold it there.");
+  const axis = moved(rest, left);
+  const gas = await ask("Wheel straight again. Press the accelerator all the way down, and hold it.");
+  const throttle = moved(rest, gas, [axis]);
+  const stop = await ask("Let go of the accelerator. Press the brake all the way down, and hold it.");
+  const brake = moved(rest, stop, [axis, throttle]);
+  if (axis < 0 || throttle < 0 || brake < 0) return null;
+  const at = (from: number[], which: number): number => from[which] ?? 0;
+  return {
+    axis, centre: at(rest, axis), left: at(left, axis), lockDegrees: 450,
+    throttle: { axis: throttle, rest: at(rest, throttle), down: at(gas, throttle) },
+    brake: { axis: brake, rest: at(rest, brake), down: at(stop, brake) },
+  };
+}
+
+/// Lets the person choose, and a wheel be measured.
+export async function choose(): Promise<void> {
+  for (;;) {
+    const choice = await new Promise<"keys" | "pad" | "wheel">((resolve) => {
+      const option = (by: "keys" | "pad" | "wheel", label: string): HTMLElement => {
+        const button = make("button", [label], { type: "button", className: by === "keys" ? "main" : "" });
+        button.addEventListener("click", () => resolve(by));
+        return make("p", [button]);
+      };
+      const key = (name: string): HTMLElement => make("kbd", [name]);
+      show(
+        make("h1", ["How do you want to drive?"]),
+        make("p", ["Keyboard: ", key("←"), " ", key("→"), " steer, ", key("↑"), " faster, ", key("↓"), " slower, ", key("Space"),
+          " brake hard, ", key("Q"), " and ", key("E"), " turn signals, ", key("M"), " sound. Without a key the car keeps its speed."]),
+        make("p", ["A gamepad or a steering wheel is found once one of its buttons was pressed."]),
+        option("keys", "Keyboard"), option("pad", "Gamepad"), option("wheel", "Steering wheel and pedals"),
+      );
+    });
+    if (choice !== "keys" && pads().length === 0) {
+      const again = pressed("Back");
+      show(make("h1", ["Not found"]), make("p", ["The browser sees no gamepad and no wheel. Connect it and press one of its buttons."]), again.all);
+      await again.done;
+      continue;
+    }
+    let means: Means = choice === "wheel" ? { by: "keys" } : { by: choice };
+    if (choice === "wheel") {
+      const found = await calibrate();
+      if (!found) continue;
+      means = { by: "wheel", wheel: found };
+    }
+    localStorage.setItem(STORED, JSON.stringify(means));
+    return;
+  }
+}

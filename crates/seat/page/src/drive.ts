@@ -1,0 +1,183 @@
+// A drive or a ride: steps against the browser's clock, pictures between them, pieces to the server once a second.
+
+import { PageDrive, type PageModel } from "../built/seat";
+import * as api from "./api";
+import * as controls from "./controls";
+import { Outbox } from "./outbox";
+import { Sound } from "./sound";
+import { View, type Other, type Road } from "./view";
+import { make } from "./words";
+
+const STEP_MS = 10;
+/// A picture that comes later than this is counted; more steps than this at once are left out.
+const LATE_MS = 50, MOST_STEPS = 25;
+
+const element = (id: string): HTMLElement => document.getElementById(id) as HTMLElement;
+
+export interface Wanted {
+  state: api.State; step: number; attempt: number;
+  /// Who drives: a person by these means, or a model.
+  ride: { model: PageModel; own: Float64Array; points: number; turns: number | null; range: number } | null;
+  seconds: number; seed: string;
+  /// What is said above the speed, at first.
+  hint: string;
+  /// Whether the drive may end now: for practice; looked at each second.
+  enough?: (seen: Practised) => boolean;
+}
+
+export interface Practised { keptS: number; passes: number }
+
+/// A browser that a program drives says so, and so does the record.
+const driver = navigator.webdriver ? "scripted" : "human";
+
+/// Runs a drive to its end and sends it; gives the fitted style where a model is given to learn with.
+export async function run(wanted: Wanted, learn: PageModel | null): Promise<string | null> {
+  const { state, ride } = wanted;
+  const drive = ride
+    ? PageDrive.ride(state.scenario, wanted.seconds, wanted.seed, ride.model, ride.own, ride.points)
+    : PageDrive.by_hand(state.scenario, wanted.seconds, wanted.seed, driver);
+  const told = drive.road();
+  const at = (i: number): number => told[i] as number;
+  const road: Road = {
+    lanes: at(0), laneWidth: at(1), rightShoulder: at(3), leftShoulder: at(4), carLength: at(5), carWidth: at(6),
+    places: (places) => drive.places(places),
+  };
+  const panel = element("drive");
+  panel.hidden = false;
+  const view = new View(element("view") as HTMLCanvasElement, road);
+  const sound = new Sound();
+  sound.start();
+  const resized = (): void => view.resize();
+  addEventListener("resize", resized);
+  const unit = state.mph ? { factor: 2.23694, name: "mph" } : { factor: 3.6, name: "km/h" };
+  element("posted").textContent = String(Math.round(at(2) * unit.factor));
+  element("said").textContent = wanted.hint;
+  const outbox = new Outbox(wanted.step, wanted.attempt);
+  await outbox.add(drive.header(), 1);
+  const means = controls.chosen();
+  controls.drives(true);
+  let signal = 0, points = ride?.points ?? 0;
+  const buttons = element("buttons");
+  buttons.replaceChildren();
+  const turn = (by: number): void => {
+    points = Math.max(-(ride?.range ?? 0), Math.min(ride?.range ?? 0, points + by));
+    drive.turn(points);
+    element("said").textContent = points === 0 ? "Your own style" : `${Math.abs(Math.round(points))} points ${points > 0 ? "sportier" : "calmer"} than you`;
+  };
+  const button = (label: string, press: () => void): void => {
+    const made = make("button", [label], { type: "button" });
+    made.addEventListener("click", () => { press(); made.blur(); });
+    buttons.append(made);
+  };
+  const uncomfortable = (): void => { drive.note("uncomfortable"); element("said").textContent = "Noted."; };
+  if (ride) button("Uncomfortable (U)", uncomfortable);
+  if (ride?.turns) {
+    const by = ride.turns;
+    button("Calmer (C)", () => turn(-by));
+    button("Sportier (S)", () => turn(by));
+  }
+  const forget = controls.onPress((code) => {
+    if (code === "KeyQ") signal = signal === 1 ? 0 : 1;
+    if (code === "KeyE") signal = signal === -1 ? 0 : -1;
+    if (code === "KeyM") sound.on = !sound.on;
+    if (ride && code === "KeyU") uncomfortable();
+    if (ride?.turns && code === "KeyC") turn(-ride.turns);
+    if (ride?.turns && code === "KeyS") turn(ride.turns);
+  });
+  const hidden = (): void => { if (document.hidden) drive.note("hidden"); };
+  document.addEventListener("visibilitychange", hidden);
+
+  let drawn = 0, late = 0, dropped = 0, before = performance.now(), owed = 0, sent = before, over = false, touched = 0;
+  const speeds = new Map<number, { row: number; speed: number; braking: boolean; y: number; signal: number; ahead: boolean }>();
+  const practised: Practised = { keptS: 0, passes: 0 };
+  let lastTicks = 0, plainness = "";
+  const piece = async (): Promise<void> => {
+    const ticks = drive.ticks();
+    if (ticks === lastTicks) return;
+    lastTicks = ticks;
+    if (view.plainness !== plainness) { plainness = view.plainness; drive.note(plainness); }
+    const line = drive.chunk(drawn, late, dropped);
+    [drawn, late, dropped] = [0, 0, 0];
+    await outbox.add(line, ticks);
+    void outbox.flush();
+  };
+  await new Promise<void>((finished) => {
+    const frame = (now: number): void => {
+      const passed = now - before;
+      before = now;
+      drawn++;
+      if (passed > LATE_MS) late++;
+      owed += Math.max(0, passed);
+      let steps = Math.floor(owed / STEP_MS);
+      owed -= steps * STEP_MS;
+      if (steps > MOST_STEPS) { dropped += steps - MOST_STEPS; steps = MOST_STEPS; }
+      let goesOn = true;
+      if (steps > 0) {
+        if (ride) goesOn = drive.rides(steps);
+        else if (means.by === "keys") goesOn = drive.keys(controls.keys(), signal, steps);
+        else if (means.by === "pad") { const [x, gas, stop] = controls.pad(); goesOn = drive.pad(x, gas, stop, signal, steps); }
+        else { const [x, gas, stop] = controls.wheel(means.wheel); goesOn = drive.wheel(x, gas, stop, signal, steps); }
+      }
+      const seen = drive.seen();
+      const get = (i: number): number => seen[i] as number;
+      const [since, row, x, y, heading, speed, wheel, , , lane, from] = [get(0), get(1), get(2), get(3), get(4), get(5), get(6), get(7), get(8), get(9), get(10)];
+      const others: Other[] = [];
+      for (let i = 14; i + 3 < seen.length; i += 4) {
+        const [id, ox, oy, v] = [get(i), get(i + 1), get(i + 2), get(i + 3)];
+        let known = speeds.get(id);
+        if (!known) { known = { row, speed: v, braking: false, y: oy, signal: 0, ahead: ox > x }; speeds.set(id, known); }
+        if (row > known.row) {
+          const dt = row - known.row, aside = (oy - known.y) / dt;
+          known.braking = (v - known.speed) / dt < -0.5;
+          known.signal = Math.abs(aside) > 0.1 ? Math.sign(aside) : 0;
+          Object.assign(known, { row, speed: v, y: oy });
+          const nowAhead = ox > x;
+          if (known.ahead && !nowAhead && Math.abs(oy - y) > 0.5 * road.laneWidth) practised.passes++;
+          known.ahead = nowAhead;
+        }
+        others.push({ id, x: ox + v * (since + owed / 1000), y: oy, speed: v, braking: known.braking, signal: known.signal });
+      }
+      const turning = ride ? (from >= 0 && lane !== from ? Math.sign(lane - from) : 0) : signal;
+      const blink = Math.floor(now / 380) % 2 === 0;
+      element("left").classList.toggle("on", turning > 0 && blink);
+      element("right").classList.toggle("on", turning < 0 && blink);
+      element("speed").textContent = `${Math.round(speed * unit.factor)} ${unit.name}`;
+      const off = Math.abs(y - Math.round(Math.max(0, Math.min(road.lanes - 1, y / road.laneWidth))) * road.laneWidth);
+      practised.keptS = off + 0.5 * road.carWidth < 0.5 * road.laneWidth ? practised.keptS + steps * STEP_MS / 1000 : 0;
+      const contacts = get(7) + get(8);
+      if (contacts > touched) { touched = contacts; element("said").textContent = get(7) > 0 ? "Contact with another vehicle or the barrier" : "Contact with the barrier"; }
+      sound.set(speed, get(12));
+      view.draw({ x: x + speed * owed / 1000, y, heading, wheel, others }, now);
+      if (now - sent >= 1000) {
+        sent = now;
+        void piece();
+        if (wanted.enough?.(practised)) goesOn = false;
+        if (outbox.refused) { element("said").textContent = outbox.refused; goesOn = false; }
+      }
+      if (!goesOn) over = true;
+      if (over) finished(); else requestAnimationFrame(frame);
+    };
+    requestAnimationFrame((now) => { before = now; frame(now); });
+  });
+  const rest = drive.ticks();
+  await piece();
+  const driven = drive.finish();
+  await outbox.add(driven.end(), rest);
+  controls.drives(false);
+  forget();
+  removeEventListener("resize", resized);
+  document.removeEventListener("visibilitychange", hidden);
+  sound.stop();
+  view.dispose();
+  // A canvas whose drawing was given back cannot be drawn on again.
+  const canvas = element("view");
+  canvas.replaceWith(canvas.cloneNode());
+  panel.hidden = true;
+  const fit = learn ? driven.fit(learn) : null;
+  while (!outbox.empty && !outbox.refused) {
+    await outbox.flush();
+    if (!outbox.empty) await new Promise((later) => setTimeout(later, 700));
+  }
+  if (outbox.refused) throw new api.Refused(outbox.refused);
+  return fit;
+}

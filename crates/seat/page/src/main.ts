@@ -1,0 +1,121 @@
+// One step after the other, as the study says.
+
+import init, { PageModel } from "../built/seat";
+import * as api from "./api";
+import { choose } from "./controls";
+import { run, type Wanted } from "./drive";
+import { sendLeftovers } from "./outbox";
+import { make, paragraphs, pressed, sheet, show, text } from "./words";
+
+const minutes = (seconds: number): string => (seconds < 90 ? `${Math.round(seconds)} seconds` : `${Math.round(seconds / 60)} minutes`);
+const leaveButton = document.getElementById("leave") as HTMLButtonElement;
+let model: PageModel | null = null;
+
+async function theModel(): Promise<PageModel | null> {
+  if (!model) {
+    const bytes = await api.model();
+    if (bytes.length > 0) model = new PageModel(bytes);
+  }
+  return model;
+}
+
+/// Leaving stops at once; the person says what becomes of what was recorded.
+leaveButton.addEventListener("click", () => {
+  const keep = make("button", ["Leave, and let what I gave be kept"], { type: "button" });
+  const remove = make("button", ["Leave, and have it deleted"], { type: "button" });
+  const stay = make("button", ["Stay"], { type: "button", className: "main" });
+  const dialog = make("dialog", [make("h1", ["Leave the study?"]), make("p", [keep]), make("p", [remove]), make("p", [stay])]);
+  const go = async (kept: boolean): Promise<void> => { await api.leave(kept); location.reload(); };
+  keep.addEventListener("click", () => void go(true));
+  remove.addEventListener("click", () => void go(false));
+  stay.addEventListener("click", () => { dialog.close(); dialog.remove(); });
+  document.body.append(dialog);
+  dialog.showModal();
+});
+
+async function drives(state: api.State, step: api.Step & { kind: "practice" | "drive" | "ride" }): Promise<void> {
+  // It had ended, and only the word of it was lost.
+  if (state.whole && (step.kind !== "drive" || state.fit)) { await api.done(state.at); return; }
+  const go = pressed(state.attempts > 0 ? "Begin again" : "Begin");
+  const again = state.attempts > 0 ? [make("p", ["This part was cut short and begins again."])] : [];
+  const [title, body, hint] = told(state, step);
+  const ready = theModel();
+  show(make("h1", [title]), ...again, ...paragraphs(body), go.all);
+  await go.done;
+  const learned = await ready;
+  const wanted: Wanted = {
+    state, step: state.at, attempt: state.attempts + 1, ride: null, seconds: step.seconds, seed: step.seed, hint,
+  };
+  if (step.kind === "practice") {
+    wanted.enough = (seen) => seen.keptS >= step.lane_kept_s && seen.passes >= step.passes;
+  }
+  if (step.kind === "ride") {
+    if (!learned) throw new Error("there is no model to ride with");
+    const own = step.style === "mean" || !state.fit ? learned.mean() : Float64Array.from(state.fit.embedding);
+    wanted.ride = { model: learned, own, points: step.points, turns: step.turns, range: 44 };
+  }
+  const fit = await run(wanted, step.kind === "drive" ? learned : null);
+  if (fit) await api.keepFit(fit);
+  await api.done(state.at);
+}
+
+function told(state: api.State, step: api.Step & { kind: "practice" | "drive" | "ride" }): [string, string, string] {
+  if (step.kind === "practice") {
+    return ["Practice", `Get to know the car: keep to your lane${step.passes > 0 ? ", and pass a slower car" : ""}. It takes at most ${minutes(step.seconds)}.`, "Practice"];
+  }
+  if (step.kind === "drive") {
+    return ["Your drive", `Drive for ${minutes(step.seconds)} as you would on such a road, whoever is ahead of you.`, "Drive as you would"];
+  }
+  const made = state.made_up_model ? "\n\nThe model that drives learned from made-up people." : "";
+  const free = step.turns ? "\n\nDuring this ride you may make the car calmer or sportier, as often as you like." : "";
+  return [`Ride ${step.number}`, `The car drives for ${minutes(step.seconds)}. Watch the road. Press U whenever it makes you uncomfortable.${free}${made}`, ""];
+}
+
+async function once(state: api.State): Promise<boolean> {
+  const step = state.steps[state.at];
+  if (state.ended || !step) {
+    leaveButton.hidden = true;
+    show(make("h1", [state.ended === "done" || !step ? "Thank you" : "You have left the study"]),
+      make("p", [state.ended === "deleted" ? "What you gave was deleted." : "You can close this page."]), ...code(state));
+    return false;
+  }
+  switch (step.kind) {
+    case "text": {
+      const seconds = await text(step.title, step.text, step.agree ? "I agree" : "Continue");
+      if (step.agree) await api.answer(state.at, { agreed: true, seconds }); else await api.done(state.at);
+      break;
+    }
+    case "scale": await api.answer(state.at, await sheet(step)); break;
+    case "controls": await choose(); await api.done(state.at); break;
+    case "practice": case "drive": case "ride": await drives(state, step); break;
+    case "thanks":
+      await api.done(state.at);
+      break;
+  }
+  return true;
+}
+
+function code(state: api.State): HTMLElement[] {
+  const last = state.steps.at(-1);
+  if (state.ended !== "done" || last?.kind !== "thanks") return [];
+  const given = last.code ? [make("p", ["Your code: ", make("strong", [last.code])])] : [];
+  return [...paragraphs(last.text), ...given];
+}
+
+async function main(): Promise<void> {
+  await Promise.all([init({ module_or_path: "/page/seat.wasm" }), api.open()]);
+  await sendLeftovers();
+  for (;;) {
+    const state = await api.state();
+    document.title = state.title;
+    (document.getElementById("title") as HTMLElement).textContent = state.title;
+    if (!(await once(state))) return;
+  }
+}
+
+main().catch((error: unknown) => {
+  const why = error instanceof Error ? error.message : String(error);
+  const again = pressed("Try again");
+  void again.done.then(() => location.reload());
+  show(make("h1", ["This cannot go on"]), make("p", [why]), again.all);
+});

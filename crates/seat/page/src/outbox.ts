@@ -1,0 +1,87 @@
+// Lines of drives that the server has not acknowledged yet, kept in the browser too.
+
+import { lines as send, Refused, token } from "./api";
+
+interface Kept { id?: number; token: string; step: number; attempt: number; from: number; line: string }
+
+function database(): Promise<IDBDatabase | null> {
+  return new Promise((done) => {
+    const opening = indexedDB.open("maveric-seat", 1);
+    opening.onupgradeneeded = () => opening.result.createObjectStore("lines", { keyPath: "id", autoIncrement: true });
+    opening.onsuccess = () => done(opening.result);
+    // A browser that keeps nothing (a private window) drives all the same.
+    opening.onerror = () => done(null);
+  });
+}
+
+const opened = database();
+
+async function change(work: (store: IDBObjectStore) => IDBRequest): Promise<unknown> {
+  const db = await opened;
+  if (!db) return undefined;
+  return new Promise((done) => {
+    const asked = work(db.transaction("lines", "readwrite").objectStore("lines"));
+    asked.onsuccess = () => done(asked.result);
+    asked.onerror = () => done(undefined);
+  });
+}
+
+/// The lines of one drive on their way to the server.
+export class Outbox {
+  private waiting: Kept[] = [];
+  private sending: Promise<void> | null = null;
+  /// Steps that the server has kept.
+  kept = 0;
+  /// Why the server takes no more, if it does not.
+  refused: string | null = null;
+
+  constructor(private step: number, private attempt: number) {}
+
+  /// Takes a line; `from` is the step after which it is no longer needed once the server has kept so many.
+  async add(line: string, until: number): Promise<void> {
+    const kept: Kept = { token, step: this.step, attempt: this.attempt, from: until, line };
+    this.waiting.push(kept);
+    kept.id = (await change((store) => store.add({ ...kept }))) as number | undefined;
+  }
+
+  /// Sends what waits; does nothing while something is on its way.
+  flush(): Promise<void> {
+    this.sending ??= this.once().finally(() => { this.sending = null; });
+    return this.sending;
+  }
+
+  private async once(): Promise<void> {
+    const now = this.waiting.slice();
+    if (now.length === 0 || this.refused) return;
+    try {
+      this.kept = await send(this.step, this.attempt, now.map((k) => k.line + "\n").join(""));
+    } catch (error) {
+      if (error instanceof Refused) this.refused = error.message;
+      return;
+    }
+    const gone = now.filter((k) => k.from <= this.kept);
+    this.waiting = this.waiting.filter((k) => !gone.includes(k));
+    for (const k of gone) if (k.id !== undefined) await change((store) => store.delete(k.id as number));
+  }
+
+  get empty(): boolean { return this.waiting.length === 0; }
+}
+
+/// Sends what an earlier page of this person kept and could not send.
+export async function sendLeftovers(): Promise<void> {
+  const all = ((await change((store) => store.getAll())) as Kept[] | undefined) ?? [];
+  const groups = new Map<string, Kept[]>();
+  for (const k of all.filter((k) => k.token === token)) {
+    const key = `${k.step} ${k.attempt}`;
+    groups.set(key, [...(groups.get(key) ?? []), k]);
+  }
+  for (const group of groups.values()) {
+    const first = group[0] as Kept;
+    try {
+      await send(first.step, first.attempt, group.map((k) => k.line + "\n").join(""));
+    } catch (error) {
+      if (!(error instanceof Refused)) continue;
+    }
+    for (const k of group) await change((store) => store.delete(k.id as number));
+  }
+}

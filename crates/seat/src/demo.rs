@@ -1,0 +1,172 @@
+//! A model of made-up people, trained on first use and kept, for a seat without a study.
+
+use crate::{error::SeatError, files::Files, seat::SeatSettings, steps::Texts};
+use maveric_domain::Design;
+use maveric_model::HeadsKind;
+use maveric_simulator::Scenario;
+use maveric_study::{
+    Watch,
+    atomic_write::atomic_write_bytes,
+    stages::{
+        generate::{self, GenerateOptions},
+        ingest::{self, IngestOptions},
+        init::{self, InitOptions},
+        score::{self, Moments, ScoreOptions},
+        simulate::Scenes,
+        train::{self, TrainOptions},
+    },
+};
+use std::path::Path;
+
+/// Made-up people who are learned from.
+const PEOPLE: usize = 20;
+/// Length of their drives, in s.
+const DRIVES_S: f64 = 300.0;
+/// What the kept model is called; another version learns anew.
+const MODEL: &str = concat!("made-up-", env!("CARGO_PKG_VERSION"), ".maveric");
+
+/// The demonstration as a study: a drive of three minutes, a ride in the own style, a ride in which the dial may be turned.
+const DESIGN: &str = r#"
+[study]
+title = "The seat"
+[style]
+score = "adb.total"
+[[condition]]
+id = "own-style"
+car = { dial = 0, recorded = true }
+[[condition]]
+id = "dial"
+car = { free = true, recorded = true }
+[baseline]
+id = "own"
+[protocol]
+steps = ["controls", "drive", "rides"]
+drive_s = 180
+ride_s = 90
+thanks = "thanks.md"
+"#;
+
+const THANKS: &str = "You drove, were learned from and rode.\n\nThe model that read your style learned from made-up people: what it says of \
+you is a demonstration, not a finding. Nothing that you did left this computer.\n\nA study of your own: `maveric init my_study`, then \
+`maveric seat my_study`.";
+
+/// What the demonstration is opened with; its model is trained if it is not in `cache`.
+///
+/// # Errors
+/// [`SeatError::Study`] if the model cannot be trained or kept.
+pub fn settings(cache: &Path, jobs: usize, watch: Watch<'_>) -> Result<SeatSettings, SeatError> {
+    let design = Design::from_toml(DESIGN).map_err(|e| SeatError::Protocol {
+        problem: e.to_string(),
+        help: e.suggestion(),
+    })?;
+    Ok(SeatSettings {
+        design,
+        scales: Vec::new(),
+        texts: Texts {
+            consent: None,
+            thanks: Some(THANKS.to_owned()),
+        },
+        scenario: Scenario::paper(),
+        model: Some(model(cache, jobs, watch)?),
+        made_up_model: true,
+        files: Files::nowhere(),
+        password: None,
+    })
+}
+
+/// The model, from `cache` if it is there.
+fn model(cache: &Path, jobs: usize, watch: Watch<'_>) -> Result<Vec<u8>, SeatError> {
+    let kept = cache.join(MODEL);
+    if let Ok(bytes) = std::fs::read(&kept)
+        && maveric_model::model_file::from_bytes(&bytes).is_ok()
+    {
+        return Ok(bytes);
+    }
+    std::fs::create_dir_all(cache).map_err(|source| SeatError::Io {
+        path: cache.to_owned(),
+        source,
+    })?;
+    let work = cache.join(format!("work-{}", std::process::id()));
+    let trained = train_in(&work, jobs, watch);
+    // What was made on the way is of no further use, whether it came to a model or not.
+    let _ = std::fs::remove_dir_all(&work);
+    let bytes = trained?;
+    atomic_write_bytes(&kept, &bytes)?;
+    Ok(bytes)
+}
+
+fn train_in(work: &Path, jobs: usize, watch: Watch<'_>) -> Result<Vec<u8>, SeatError> {
+    let folder = work.join("study");
+    let made = InitOptions {
+        folder: folder.clone(),
+        synthetic: true,
+        ..InitOptions::default()
+    };
+    init::init(&made, watch)?;
+    let design = Some(folder.join("study.toml"));
+    generate::generate(
+        &GenerateOptions {
+            design: design.clone(),
+            out: None,
+            scenario: None,
+            population: None,
+            scales: None,
+            effects: None,
+            learn: PEOPLE,
+            test: 0,
+            duration_s: Some(DRIVES_S),
+            repeat_drives: false,
+            scenes: Scenes::None,
+            seed: 1,
+            jobs,
+        },
+        watch,
+    )?;
+    ingest::ingest(
+        &IngestOptions {
+            logs: Vec::new(),
+            design: design.clone(),
+            participants: None,
+            out: folder.join("drives"),
+            mapping: None,
+            rate_hz: None,
+            recover: false,
+            jobs,
+        },
+        watch,
+    )?;
+    let study = maveric_study::DesignFile::find(design.as_deref())?;
+    let files = study.design.files();
+    score::score(
+        &ScoreOptions {
+            design: design.clone(),
+            surveys: vec![study.resolve(&files.answers)],
+            participants: None,
+            scales: study.resolve(&files.scales),
+            drives: Vec::new(),
+            moments: Moments::All,
+            out: folder.join("scores.csv"),
+        },
+        watch,
+    )?;
+    let out = folder.join("model.maveric");
+    train::train(
+        &TrainOptions {
+            design,
+            participants: None,
+            drives: folder.join("drives"),
+            scores: Some(folder.join("scores.csv")),
+            out: out.clone(),
+            heads: HeadsKind::Linear,
+            embedding_size: 3,
+            epochs: 40,
+            fit_fraction: 1.0,
+            seed: 1,
+            jobs,
+            validation_fraction: 0.0,
+            patience: 0,
+        },
+        watch,
+    )?;
+    std::fs::read(&out).map_err(|source| SeatError::Io { path: out, source })
+}

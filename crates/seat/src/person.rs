@@ -1,0 +1,35 @@
+//! Somebody with a link: their steps, and how far they have come.
+
+use crate::steps::Step;
+
+/// Somebody with a link.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Person {
+    pub(crate) token: String,
+    /// Never in a link.
+    pub(crate) participant: String,
+    pub(crate) steps: Vec<Step>,
+    /// The step they are at.
+    pub(crate) at: usize,
+    /// How their part ended: `done`, `left`, `deleted`.
+    pub(crate) ended: Option<String>,
+    /// Their style, as JSON.
+    pub(crate) fit: Option<String>,
+}
+
+impl Person {
+    pub(crate) fn read(row: &rusqlite::Row<'_>) -> rusqlite::Result<Self> {
+        let steps: String = row.get(2)?;
+        let steps = serde_json::from_str(&steps).map_err(|e| {
+            rusqlite::Error::FromSqlConversionFailure(2, rusqlite::types::Type::Text, Box::new(e))
+        })?;
+        Ok(Self {
+            token: row.get(0)?,
+            participant: row.get(1)?,
+            steps,
+            at: row.get::<_, i64>(3)? as usize,
+            ended: row.get(4)?,
+            fit: row.get(5)?,
+        })
+    }
+}

@@ -1,0 +1,46 @@
+//! `seat replay`: the same drive again, here.
+
+use crate::error::SeatError;
+use maveric_domain::DrivenBy;
+use maveric_seat_page::Record;
+use serde::Serialize;
+use std::path::Path;
+
+/// What became of a drive that was driven again.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Repeated {
+    /// Who drove: `human`, `scripted`, `automated`.
+    pub driven_by: DrivenBy,
+    /// Steps of 0.01 s.
+    pub ticks: u64,
+    /// Digest of all states, now.
+    pub states: String,
+    /// The digest that the record holds; none where the drive was cut short.
+    pub recorded: Option<String>,
+    /// Whether the states are the same, to the byte; none where there is nothing to hold them against.
+    pub same: Option<bool>,
+}
+
+/// Drives a record again.
+///
+/// # Errors
+/// [`SeatError::Io`], [`SeatError::Record`] naming the file and the line.
+pub fn repeat(path: &Path) -> Result<Repeated, SeatError> {
+    let text = std::fs::read_to_string(path).map_err(|source| SeatError::Io {
+        path: path.to_owned(),
+        source,
+    })?;
+    let bad = |source| SeatError::Record {
+        path: path.to_owned(),
+        source,
+    };
+    let record = Record::from_lines(&text).map_err(bad)?;
+    let again = maveric_seat_page::replay(&record).map_err(bad)?;
+    Ok(Repeated {
+        driven_by: record.header.driven_by,
+        ticks: again.end.end_tick,
+        same: again.recorded.as_ref().map(|_| again.same()),
+        recorded: again.recorded.map(|end| end.states),
+        states: again.end.states,
+    })
+}

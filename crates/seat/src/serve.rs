@@ -1,0 +1,463 @@
+//! The server: the page, and what it sends.
+
+use crate::{
+    assets, error::SeatError, intake, lab, origin, person::Person, seat::Seat, steps::Step, token,
+};
+use axum::{
+    Router,
+    body::{Body, Bytes},
+    extract::{DefaultBodyLimit, Path, Request, State},
+    http::{HeaderValue, StatusCode, header},
+    middleware::{self, Next},
+    response::{IntoResponse, Response},
+    routing::{get, post},
+};
+use maveric_seat_page::Fit;
+use serde::{Deserialize, Serialize};
+use std::{
+    net::SocketAddr,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Duration,
+};
+
+/// Largest body that is taken, in bytes: some minutes of inputs that a page kept while the network was gone.
+const LARGEST_BODY: usize = 2 << 20;
+
+/// A server that listens.
+pub struct Serving {
+    listener: tokio::net::TcpListener,
+    router: Router,
+    /// Where it listens.
+    pub address: SocketAddr,
+}
+
+/// Listens on `address` for a seat.
+///
+/// # Errors
+/// [`SeatError::Address`] if it cannot be listened on, or leads out of this machine without `plain_http`: what people type would travel
+/// in the clear.
+pub async fn serve(
+    seat: Arc<Seat>,
+    address: SocketAddr,
+    plain_http: bool,
+) -> Result<Serving, SeatError> {
+    let refused = |problem: String| SeatError::Address {
+        address: address.to_string(),
+        problem,
+    };
+    if !address.ip().is_loopback() && !plain_http {
+        return Err(refused(
+            "others could read what is sent: --plain-http says that a proxy in front of it encrypts".to_owned(),
+        ));
+    }
+    let listener = tokio::net::TcpListener::bind(address)
+        .await
+        .map_err(|e| refused(e.to_string()))?;
+    let address = listener.local_addr().map_err(|e| refused(e.to_string()))?;
+    let shared = Shared { seat, address };
+    Ok(Serving {
+        listener,
+        router: router(shared),
+        address,
+    })
+}
+
+/// Listens and serves until `stop` is set; `ready` is told where.
+///
+/// # Errors
+/// As [`serve`] and [`Serving::until`]; [`SeatError::Study`] if the files of what was given cannot be written at the end.
+pub fn run(
+    seat: Arc<Seat>,
+    address: SocketAddr,
+    plain_http: bool,
+    stop: Arc<AtomicBool>,
+    ready: impl FnOnce(SocketAddr),
+) -> Result<(), SeatError> {
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .enable_all()
+        .build()
+        .map_err(|e| SeatError::Address {
+            address: address.to_string(),
+            problem: e.to_string(),
+        })?;
+    let kept = Arc::clone(&seat);
+    runtime.block_on(async {
+        let serving = serve(seat, address, plain_http).await?;
+        ready(serving.address);
+        let stopped = async move {
+            while !stop.load(Ordering::Relaxed) {
+                tokio::time::sleep(Duration::from_millis(100)).await;
+            }
+        };
+        // A page that keeps its connection open does not keep the server from ending.
+        tokio::select! {
+            served = serving.until(std::future::pending()) => served,
+            () = stopped => Ok(()),
+        }
+    })?;
+    kept.write_files()
+}
+
+impl Serving {
+    /// Serves until `stop` is done.
+    ///
+    /// # Errors
+    /// [`SeatError::Address`] if listening fails.
+    pub async fn until(
+        self,
+        stop: impl Future<Output = ()> + Send + 'static,
+    ) -> Result<(), SeatError> {
+        let address = self.address.to_string();
+        axum::serve(self.listener, self.router)
+            .with_graceful_shutdown(stop)
+            .await
+            .map_err(|e| SeatError::Address {
+                address,
+                problem: e.to_string(),
+            })
+    }
+}
+
+/// What every request is answered from.
+#[derive(Clone)]
+pub(crate) struct Shared {
+    pub(crate) seat: Arc<Seat>,
+    address: SocketAddr,
+}
+
+fn router(shared: Shared) -> Router {
+    Router::new()
+        .route("/p/{token}", get(page))
+        .route("/page/{file}", get(file))
+        .route("/api/{token}", get(state))
+        .route("/api/{token}/model", get(model))
+        .route("/api/{token}/open/{tab}", post(open))
+        .route("/api/{token}/answer/{step}", post(answer))
+        .route(
+            "/api/{token}/drive/{step}/{attempt}/{tab}",
+            post(intake::drive),
+        )
+        .route("/api/{token}/fit", post(fit))
+        .route("/api/{token}/done/{step}", post(done))
+        .route("/api/{token}/leave", post(leave))
+        .merge(lab::routes())
+        .layer(DefaultBodyLimit::max(LARGEST_BODY))
+        .layer(middleware::from_fn_with_state(shared.clone(), guard))
+        .with_state(shared)
+}
+
+/// Refuses what other pages ask for, and says to the browser what a page of ours may do.
+async fn guard(State(shared): State<Shared>, request: Request, next: Next) -> Response {
+    let headers = request.headers();
+    if !origin::host_is_ours(headers, shared.address) {
+        return (StatusCode::MISDIRECTED_REQUEST, "not this machine's name").into_response();
+    }
+    if request.method() != axum::http::Method::GET && !origin::own(headers) {
+        return (StatusCode::FORBIDDEN, "from another page").into_response();
+    }
+    let mut response = next.run(request).await;
+    if let Some(Why(text)) = response.extensions().get() {
+        // Where even this cannot be kept there is nobody left to tell.
+        let _ = shared.seat.store.event(None, text);
+    }
+    let said = [
+        (
+            header::CONTENT_SECURITY_POLICY,
+            "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self'; img-src 'self' data:; \
+             base-uri 'none'; form-action 'self'; frame-ancestors 'none'",
+        ),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+        (header::REFERRER_POLICY, "no-referrer"),
+        (header::CACHE_CONTROL, "no-store"),
+    ];
+    for (name, value) in said {
+        response
+            .headers_mut()
+            .insert(name, HeaderValue::from_static(value));
+    }
+    response
+}
+
+/// What went wrong with a request, on its way to the list of events.
+#[derive(Clone)]
+struct Why(String);
+
+/// Why a request is refused.
+pub(crate) enum Refused {
+    /// Nobody has this link, or their part is over.
+    NoSuchPerson,
+    /// What was sent is not what the step may send.
+    NotThis(String),
+    /// Another tab has the page.
+    OtherTab,
+    /// Our own fault.
+    Failed(SeatError),
+}
+
+impl From<SeatError> for Refused {
+    fn from(error: SeatError) -> Self {
+        Self::Failed(error)
+    }
+}
+
+impl IntoResponse for Refused {
+    fn into_response(self) -> Response {
+        match self {
+            Self::NoSuchPerson => (StatusCode::NOT_FOUND, "no such link").into_response(),
+            Self::NotThis(why) => (StatusCode::BAD_REQUEST, why).into_response(),
+            Self::OtherTab => {
+                (StatusCode::CONFLICT, "this study is open in another tab").into_response()
+            }
+            // What went wrong here is the experimenter's to read, not the person's.
+            Self::Failed(error) => {
+                let told = "this could not be kept; please tell whoever runs the study";
+                let mut response = (StatusCode::INTERNAL_SERVER_ERROR, told).into_response();
+                response.extensions_mut().insert(Why(error.to_string()));
+                response
+            }
+        }
+    }
+}
+
+pub(crate) type Answered<T> = Result<T, Refused>;
+
+pub(crate) fn json(value: &impl Serialize) -> Response {
+    let body = serde_json::to_string(value).unwrap_or_default();
+    ([(header::CONTENT_TYPE, "application/json")], body).into_response()
+}
+
+pub(crate) fn read<'a, T: Deserialize<'a>>(body: &'a [u8]) -> Answered<T> {
+    serde_json::from_slice(body).map_err(|e| Refused::NotThis(e.to_string()))
+}
+
+impl Shared {
+    pub(crate) fn person(&self, token: &str) -> Answered<Person> {
+        let known = token::possible(token).then(|| self.seat.store.person(token));
+        known.transpose()?.flatten().ok_or(Refused::NoSuchPerson)
+    }
+
+    /// Somebody whose part is not over, at the step that they say.
+    pub(crate) fn at(&self, token: &str, step: usize) -> Answered<(Person, Step)> {
+        let person = self.person(token)?;
+        if person.ended.is_some() {
+            return Err(Refused::NoSuchPerson);
+        }
+        let found = person.steps.get(step).cloned();
+        // A step that lies behind may come again: the reply was lost.
+        match found.filter(|_| step <= person.at) {
+            Some(found) => Ok((person, found)),
+            None => Err(Refused::NotThis(format!(
+                "step {step}, expected at most {}",
+                person.at
+            ))),
+        }
+    }
+}
+
+async fn page() -> Response {
+    assets::answer("index.html")
+}
+
+async fn file(Path(name): Path<String>) -> Response {
+    assets::answer(&name)
+}
+
+/// What the page begins with.
+#[derive(Serialize)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a fact that the page tells"
+)]
+struct PageState<'a> {
+    title: &'a str,
+    synthetic: bool,
+    made_up_model: bool,
+    mph: bool,
+    at: usize,
+    ended: Option<&'a str>,
+    steps: &'a [Step],
+    fit: Option<Fit>,
+    /// Drives begun at the present step.
+    attempts: u32,
+    /// Whether the last of them has come to its end.
+    whole: bool,
+    scenario: &'a str,
+}
+
+async fn state(State(shared): State<Shared>, Path(token): Path<String>) -> Answered<Response> {
+    let person = shared.person(&token)?;
+    let design = &shared.seat.settings.design;
+    let begun = shared.seat.store.begun(&person.participant, person.at)?;
+    Ok(json(&PageState {
+        title: design.title(),
+        synthetic: design.synthetic(),
+        made_up_model: shared.seat.settings.made_up_model,
+        mph: shared.seat.mph(),
+        at: person.at,
+        ended: person.ended.as_deref(),
+        steps: &person.steps,
+        fit: person
+            .fit
+            .as_deref()
+            .and_then(|f| serde_json::from_str(f).ok()),
+        attempts: begun.last().map_or(0, |b| b.attempt),
+        whole: begun.last().is_some_and(|b| b.ended),
+        scenario: &shared.seat.scenario_json,
+    }))
+}
+
+async fn model(State(shared): State<Shared>, Path(token): Path<String>) -> Answered<Response> {
+    shared.person(&token)?;
+    let bytes = shared.seat.settings.model.clone().unwrap_or_default();
+    let kind = [(header::CONTENT_TYPE, "application/octet-stream")];
+    Ok((kind, Body::from(bytes)).into_response())
+}
+
+async fn open(
+    State(shared): State<Shared>,
+    Path((token, tab)): Path<(String, String)>,
+) -> Answered<Response> {
+    shared.person(&token)?;
+    if !token::possible(&tab) {
+        return Err(Refused::NotThis("no tab".to_owned()));
+    }
+    shared.seat.store.claim(&token, &tab)?;
+    Ok(json(&"open"))
+}
+
+/// Answers to one scale, or agreeing to a text.
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Sheet {
+    /// One an item; null where it was left out.
+    #[serde(default)]
+    pub(crate) answers: Vec<Option<i32>>,
+    /// Whether the text was agreed to.
+    #[serde(default)]
+    pub(crate) agreed: bool,
+    /// Time on the page, in s.
+    pub(crate) seconds: f64,
+    /// SHA-256 of the text that was agreed to; set here, whatever is sent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) text_sha256: Option<String>,
+}
+
+async fn answer(
+    State(shared): State<Shared>,
+    Path((token, step)): Path<(String, usize)>,
+    body: Bytes,
+) -> Answered<Response> {
+    let (person, found) = shared.at(&token, step)?;
+    let mut sheet: Sheet = read(&body)?;
+    sheet.text_sha256 = None;
+    if !(0.0..1e6).contains(&sheet.seconds) {
+        return Err(Refused::NotThis(format!("seconds {}", sheet.seconds)));
+    }
+    match &found {
+        Step::Scale {
+            items, min, max, ..
+        } => {
+            let range = *min..=*max;
+            let all = sheet.answers.len() == items.len();
+            if !all || sheet.answers.iter().flatten().any(|a| !range.contains(a)) {
+                let (n, low, high) = (items.len(), range.start(), range.end());
+                let why = format!("expected {n} answers, each {low} to {high} or left out");
+                return Err(Refused::NotThis(why));
+            }
+        }
+        Step::Text {
+            agree: true, text, ..
+        } if sheet.agreed && sheet.answers.is_empty() => {
+            sheet.text_sha256 = Some(token::sha256(text));
+        }
+        _ => return Err(Refused::NotThis("nothing is asked here".to_owned())),
+    }
+    let kept = serde_json::to_string(&sheet).map_err(|e| Refused::NotThis(e.to_string()))?;
+    shared.seat.store.answer(&person, step, &kept)?;
+    Ok(json(&shared.person(&token)?.at))
+}
+
+async fn fit(
+    State(shared): State<Shared>,
+    Path(token): Path<String>,
+    body: Bytes,
+) -> Answered<Response> {
+    let person = shared.person(&token)?;
+    let fit: Fit = read(&body)?;
+    let finite = fit.embedding.iter().chain(fit.covariance.iter().flatten());
+    if fit.embedding.is_empty() || fit.embedding.len() > 64 || !finite.copied().all(f64::is_finite)
+    {
+        return Err(Refused::NotThis("no style".to_owned()));
+    }
+    let kept = serde_json::to_string(&fit).map_err(|e| Refused::NotThis(e.to_string()))?;
+    shared.seat.store.fit(&person.token, &kept)?;
+    Ok(json(&"kept"))
+}
+
+/// Goes on from a step that asks nothing, or whose drive has ended: a drive is then driven again and written as a log.
+async fn done(
+    State(shared): State<Shared>,
+    Path((token, step)): Path<(String, usize)>,
+) -> Answered<Response> {
+    let (person, found) = shared.at(&token, step)?;
+    let seat = &shared.seat;
+    match &found {
+        Step::Scale { .. } | Step::Text { agree: true, .. } => {
+            return Err(Refused::NotThis("answers are asked here".to_owned()));
+        }
+        Step::Drive { .. } | Step::Ride { .. } if step == person.at => {
+            let begun = seat.store.begun(&person.participant, step)?;
+            let Some(whole) = begun.iter().find(|b| b.ended) else {
+                return Err(Refused::NotThis("this drive has not ended".to_owned()));
+            };
+            let lines = seat
+                .store
+                .record(&person.participant, (step, whole.attempt))?;
+            let shared = shared.clone();
+            let (name, condition) = (person.participant.clone(), found.drives());
+            let written = tokio::task::spawn_blocking(move || {
+                let condition = condition.map(|(c, _)| c);
+                shared.seat.settings.files.drive(&name, condition, &lines)
+            });
+            let written = written.await.map_err(|e| Refused::NotThis(e.to_string()))?;
+            for warning in written? {
+                seat.store.event(Some(&person.participant), &warning)?;
+            }
+        }
+        Step::Thanks { .. } => {
+            seat.store.ended(&person, "done")?;
+            seat.write_files()?;
+        }
+        _ => {}
+    }
+    seat.store.go_on(&token, step)?;
+    let at = shared.person(&token)?.at;
+    Ok(json(&at))
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Leaving {
+    keep: bool,
+}
+
+async fn leave(
+    State(shared): State<Shared>,
+    Path(token): Path<String>,
+    body: Bytes,
+) -> Answered<Response> {
+    let person = shared.person(&token)?;
+    let leaving: Leaving = read(&body)?;
+    let how = if leaving.keep { "left" } else { "deleted" };
+    if person.ended.is_none() {
+        shared.seat.store.ended(&person, how)?;
+        if !leaving.keep {
+            shared.seat.settings.files.forget(&person.participant)?;
+        }
+        shared.seat.write_files()?;
+    }
+    Ok(json(&how))
+}

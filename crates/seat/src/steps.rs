@@ -1,0 +1,273 @@
+//! What a person is shown, one step after the other: made of a study's design, fixed when the person is let in.
+
+use crate::{error::SeatError, williams};
+use maveric_domain::{
+    ConditionId, Design, Scale,
+    design::{Car, Condition, Protocol, ProtocolStep},
+    stream_seed,
+};
+use serde::{Deserialize, Serialize};
+
+/// One step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Step {
+    /// A text to read, to agree to where it says so.
+    Text {
+        /// Heading.
+        title: String,
+        /// Paragraphs, divided by empty lines; `#` heads one, `-` begins a point.
+        text: String,
+        /// Whether going on means agreeing: recorded with the text's hash.
+        agree: bool,
+    },
+    /// One scale, on one page.
+    Scale {
+        /// Its id.
+        scale: String,
+        /// Its heading.
+        title: String,
+        /// What is asked, in the order of the items.
+        items: Vec<String>,
+        /// Lowest answer.
+        min: i32,
+        /// Highest answer.
+        max: i32,
+        /// `pre`, or the condition it is asked after.
+        moment: String,
+    },
+    /// Choosing and trying keyboard, gamepad or wheel.
+    Controls,
+    /// Driving until the lane was kept and somebody passed, or the time is over.
+    Practice {
+        /// At most so long, in s.
+        seconds: f64,
+        /// Time in the lane that is asked for, in s.
+        lane_kept_s: f64,
+        /// Vehicles to be passed.
+        passes: u32,
+        /// Root of the world's random choices.
+        seed: String,
+    },
+    /// The drive by hand that is learned from.
+    Drive {
+        /// The label of the drive.
+        condition: ConditionId,
+        /// How long, in s.
+        seconds: f64,
+        /// Root of the world's random choices.
+        seed: String,
+    },
+    /// A ride.
+    Ride {
+        /// The condition.
+        condition: ConditionId,
+        /// Its number, as the person is told.
+        number: usize,
+        /// How long, in s.
+        seconds: f64,
+        /// Root of the world's random choices.
+        seed: String,
+        /// Whose style.
+        style: RideStyle,
+        /// From where on the dial.
+        points: f64,
+        /// Points a step of the dial, where the person may turn it.
+        turns: Option<f64>,
+    },
+    /// The end.
+    Thanks {
+        /// As in [`Step::Text`].
+        text: String,
+        /// For the platform that pays.
+        code: Option<String>,
+    },
+}
+
+/// Whose style drives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RideStyle {
+    /// The person's own.
+    Own,
+    /// The average driver's.
+    Mean,
+}
+
+impl Step {
+    /// The drive that this step makes: its label and whether a person drives.
+    pub fn drives(&self) -> Option<(ConditionId, bool)> {
+        match self {
+            Self::Drive { condition, .. } => Some((*condition, true)),
+            Self::Ride { condition, .. } => Some((*condition, false)),
+            _ => None,
+        }
+    }
+
+    /// Seed and length in s of what is driven here, practice included.
+    pub fn world(&self) -> Option<(&str, f64)> {
+        match self {
+            Self::Practice { seed, seconds, .. }
+            | Self::Drive { seed, seconds, .. }
+            | Self::Ride { seed, seconds, .. } => Some((seed, *seconds)),
+            _ => None,
+        }
+    }
+}
+
+/// The texts that a protocol names, as they were read.
+#[derive(Debug, Clone, Default)]
+pub struct Texts {
+    /// What is agreed to.
+    pub consent: Option<String>,
+    /// What is said at the end.
+    pub thanks: Option<String>,
+}
+
+/// The steps of the person number `index` (from 0) in a study.
+///
+/// # Errors
+/// [`SeatError::Protocol`] for a scale without wording, a condition that the seat cannot drive or one that the design lets the program
+/// simulate instead.
+pub fn of_design(
+    design: &Design,
+    scales: &[Scale],
+    texts: &Texts,
+    participant: &str,
+    index: usize,
+) -> Result<Vec<Step>, SeatError> {
+    let protocol = design.protocol();
+    let seed = |what: &str| stream_seed(protocol.seed, &[participant, what, "world"]).to_string();
+    let own = design
+        .baseline_id()
+        .map_or_else(|| ConditionId::new("own"), Ok);
+    let own = own.map_err(|e| SeatError::Protocol {
+        problem: e.to_string(),
+        help: None,
+    })?;
+    let mut steps = Vec::new();
+    for step in &protocol.steps {
+        match step {
+            ProtocolStep::Consent => steps.extend(texts.consent.as_ref().map(|text| Step::Text {
+                title: design.title().to_owned(),
+                text: text.clone(),
+                agree: true,
+            })),
+            ProtocolStep::Before => {
+                for id in &protocol.before {
+                    steps.push(sheet(scales, id, "pre")?);
+                }
+            }
+            ProtocolStep::Controls => steps.push(Step::Controls),
+            ProtocolStep::Practice => steps.push(Step::Practice {
+                seconds: protocol.practice.at_most_s,
+                lane_kept_s: protocol.practice.lane_kept_s,
+                passes: protocol.practice.passes,
+                seed: seed("practice"),
+            }),
+            ProtocolStep::Drive => steps.push(Step::Drive {
+                condition: own,
+                seconds: protocol.drive_s,
+                seed: seed(own.as_str()),
+            }),
+            ProtocolStep::Rides => rides(design, scales, &seed, index, &mut steps)?,
+        }
+    }
+    steps.push(Step::Thanks {
+        text: texts
+            .thanks
+            .clone()
+            .unwrap_or_else(|| "Thank you.".to_owned()),
+        code: protocol.code.clone(),
+    });
+    Ok(steps)
+}
+
+fn rides(
+    design: &Design,
+    scales: &[Scale],
+    seed: &impl Fn(&str) -> String,
+    index: usize,
+    steps: &mut Vec<Step>,
+) -> Result<(), SeatError> {
+    let protocol: &Protocol = design.protocol();
+    let conditions = design.conditions();
+    for (number, place) in williams::order(conditions.len(), index)
+        .into_iter()
+        .enumerate()
+    {
+        let condition = &conditions[place];
+        let (style, points, turns) = car(design, condition)?;
+        steps.push(Step::Ride {
+            condition: condition.id,
+            number: number + 1,
+            seconds: protocol.ride_s,
+            seed: seed(condition.id.as_str()),
+            style,
+            points,
+            turns,
+        });
+        for id in &protocol.after {
+            steps.push(sheet(scales, id, condition.id.as_str())?);
+        }
+    }
+    Ok(())
+}
+
+/// What the car does in a condition: whose style, where on the dial it begins, and points a turn where it can be turned.
+fn car(design: &Design, condition: &Condition) -> Result<(RideStyle, f64, Option<f64>), SeatError> {
+    let refused = |problem: String, help: &str| {
+        Err(SeatError::Protocol {
+            problem: format!("condition `{}`: {problem}", condition.id),
+            help: Some(help.to_owned()),
+        })
+    };
+    if condition.simulated() {
+        return refused(
+            "its drives would be simulated again by `maveric run`, expected those of the seat"
+                .to_owned(),
+            "write `recorded = true` into its `car`: what was ridden in the seat is what is analysed",
+        );
+    }
+    let points = design.style().and_then(|s| s.points);
+    match &condition.car {
+        Some(Car::Dial(points)) => Ok((RideStyle::Own, *points, None)),
+        Some(Car::Mean) => Ok((RideStyle::Mean, 0.0, None)),
+        Some(Car::Free) => Ok((RideStyle::Own, 0.0, Some(points.unwrap_or(5.0) / 3.0))),
+        other => refused(
+            format!("its car is {other:?}, which the seat cannot drive"),
+            "the seat drives `dial`, `mean` and `free`",
+        ),
+    }
+}
+
+fn sheet(scales: &[Scale], id: &str, moment: &str) -> Result<Step, SeatError> {
+    let Some(scale) = scales.iter().find(|s| s.id == id) else {
+        let known: Vec<&str> = scales.iter().map(|s| s.id.as_str()).collect();
+        return Err(SeatError::Protocol {
+            problem: format!("[protocol] asks scale `{id}`, found {}", known.join(", ")),
+            help: Some("write its file into the study's folder of scales".to_owned()),
+        });
+    };
+    if scale.wording.len() != scale.items as usize {
+        return Err(SeatError::Protocol {
+            problem: format!(
+                "scale `{id}` has wording for {} of {} items",
+                scale.wording.len(),
+                scale.items
+            ),
+            help: Some(
+                "write what is asked into `wording` of its file, from the publication it names"
+                    .to_owned(),
+            ),
+        });
+    }
+    Ok(Step::Scale {
+        scale: scale.id.clone(),
+        title: scale.title.clone(),
+        items: scale.wording.clone(),
+        min: scale.min,
+        max: scale.max,
+        moment: moment.to_owned(),
+    })
+}

@@ -1,0 +1,63 @@
+//! Orders of conditions in which each stands in every place, and after every other, equally often.
+
+/// The row `index` of a Williams square over `conditions` places: numbers from 0, each once.
+///
+/// An even number of conditions needs as many rows, an odd one twice as many; further people begin again.
+///
+/// # Source
+/// Williams 1949: 0, 1, n − 1, 2, n − 2, … and its shifts; for odd n the reverse of each too.
+pub(crate) fn order(conditions: usize, index: usize) -> Vec<usize> {
+    if conditions == 0 {
+        return Vec::new();
+    }
+    let rows = if conditions.is_multiple_of(2) {
+        conditions
+    } else {
+        2 * conditions
+    };
+    let row = index % rows;
+    let (shift, reversed) = (row % conditions, row >= conditions);
+    let first = (0..conditions).map(|place| {
+        if place % 2 == 1 {
+            place.div_ceil(2)
+        } else {
+            (conditions - place / 2) % conditions
+        }
+    });
+    let mut order: Vec<usize> = first.map(|c| (c + shift) % conditions).collect();
+    if reversed {
+        order.reverse();
+    }
+    order
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn every_condition_stands_in_every_place_and_after_every_other_equally_often() {
+        for n in 1..=7 {
+            let rows = if n.is_multiple_of(2) { n } else { 2 * n };
+            let orders: Vec<Vec<usize>> = (0..rows).map(|index| order(n, index)).collect();
+            let mut places: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+            let mut after: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+            for order in &orders {
+                let mut sorted = order.clone();
+                sorted.sort_unstable();
+                assert_eq!(sorted, (0..n).collect::<Vec<_>>(), "{n}: {order:?}");
+                for (place, condition) in order.iter().enumerate() {
+                    *places.entry((place, *condition)).or_default() += 1;
+                }
+                for pair in order.windows(2) {
+                    *after.entry((pair[0], pair[1])).or_default() += 1;
+                }
+            }
+            assert!(places.values().all(|count| *count == rows / n), "{n}");
+            assert!(after.values().all(|count| *count == rows / n), "{n}");
+            assert_eq!(after.len(), n * (n - 1), "{n}");
+            assert_eq!(order(n, rows), orders[0]);
+        }
+    }
+}

@@ -1,0 +1,593 @@
+//! A whole study through the server: by a scripted person, by a person whose server is killed, and by people who try what they should not.
+
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+#[path = "../../seat-page/tests/support/mod.rs"]
+mod support;
+
+use maveric_domain::{DrivenBy, Embedding, Seconds};
+use maveric_ingest::{IngestSettings, read_log};
+use maveric_model::model_file;
+use maveric_seat::{Seat, SeatSettings, files, replay, serve};
+use maveric_seat_page::{Frames, Input, Keyboard, Keys, Rider, SeatDrive, Signal, fit};
+use maveric_simulator::Scenario;
+use maveric_study::{DesignFile, stages::score::read_scales};
+use serde_json::{Value, json};
+use std::{
+    fs,
+    io::{Read as _, Write as _},
+    net::{SocketAddr, TcpStream},
+    path::Path,
+    rc::Rc,
+    sync::Arc,
+};
+use support::model;
+
+const STUDY: &str = r#"
+[study]
+title = "Calm & <b>sporty</b>"
+[people]
+test = { study = "2" }
+[model]
+file = "lab.maveric"
+[style]
+score = "adb.total"
+[[condition]]
+id = "calm"
+car = { dial = -8, recorded = true }
+[[condition]]
+id = "sporty"
+car = { dial = 8, recorded = true }
+[baseline]
+id = "own"
+[protocol]
+consent = "consent.md"
+before = ["mood"]
+after = ["mood"]
+practice = { lane_kept_s = 1, passes = 0, at_most_s = 10 }
+drive_s = 20
+ride_s = 10
+code = "C0DE"
+"#;
+
+const MOOD: &str = r#"
+id = "mood"
+title = "Mood"
+reference = "made for this test"
+items = 2
+min = 1
+max = 5
+scoring = "mean"
+wording = ["I am <i>calm</i>.", "I am tense."]
+[[subscales]]
+id = "total"
+title = "Mood"
+items = [1, 2]
+"#;
+
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &[u8]| {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    };
+    write("study.toml", STUDY.as_bytes());
+    write("scales/mood.toml", MOOD.as_bytes());
+    write("consent.md", b"You may leave at any time.");
+    write("lab.maveric", &model_file::to_bytes(&model()).unwrap());
+    fs::create_dir_all(folder.path().join("seat")).unwrap();
+    folder
+}
+
+/// A server, and the runtime that it ends with.
+struct Server {
+    runtime: Option<tokio::runtime::Runtime>,
+    seat: Arc<Seat>,
+    address: SocketAddr,
+}
+
+impl Server {
+    fn open(folder: &Path) -> Self {
+        let study = DesignFile::read(&folder.join("study.toml")).unwrap();
+        let settings = SeatSettings {
+            scales: read_scales(&folder.join("scales")).unwrap(),
+            texts: files::texts(&study).unwrap(),
+            scenario: Scenario::paper(),
+            model: Some(fs::read(folder.join("lab.maveric")).unwrap()),
+            made_up_model: true,
+            files: files::Files::of(&study, folder.join("seat")),
+            password: Some("open & see".to_owned()),
+            design: study.design,
+        };
+        let seat = Arc::new(Seat::open(&folder.join("seat/seat.db"), settings).unwrap());
+        let runtime = tokio::runtime::Builder::new_multi_thread()
+            .worker_threads(2)
+            .enable_all()
+            .build()
+            .unwrap();
+        let any = SocketAddr::from(([127, 0, 0, 1], 0));
+        let serving = runtime
+            .block_on(serve(Arc::clone(&seat), any, false))
+            .unwrap();
+        let address = serving.address;
+        runtime.spawn(serving.until(std::future::pending()));
+        Self {
+            runtime: Some(runtime),
+            seat,
+            address,
+        }
+    }
+
+    fn ask(&self, method: &str, path: &str, body: &str, headers: &[(&str, &str)]) -> (u16, String) {
+        let address = self.address;
+        let mut all = vec![
+            ("Host", address.to_string()),
+            ("Connection", "close".to_owned()),
+        ];
+        if !headers.iter().any(|(name, _)| *name == "Origin") {
+            all.push(("Origin", format!("http://{address}")));
+        }
+        all.extend(
+            headers
+                .iter()
+                .map(|(name, value)| (*name, (*value).to_owned())),
+        );
+        all.retain(|(name, value)| !(name == &"Origin" && value.is_empty()));
+        let mut text = format!(
+            "{method} {path} HTTP/1.1\r\nContent-Length: {}\r\n",
+            body.len()
+        );
+        for (name, value) in all {
+            text += name;
+            text += ": ";
+            text += &value;
+            text += "\r\n";
+        }
+        let mut stream = TcpStream::connect(address).unwrap();
+        stream.write_all((text + "\r\n" + body).as_bytes()).unwrap();
+        let mut reply = Vec::new();
+        // A server that refuses a large body may close before all of it was sent.
+        let _ = stream.read_to_end(&mut reply);
+        let reply = String::from_utf8_lossy(&reply).into_owned();
+        let status = reply
+            .split(' ')
+            .nth(1)
+            .and_then(|s| s.parse().ok())
+            .unwrap_or(0);
+        (status, reply)
+    }
+
+    fn post(&self, path: &str, body: &str) -> (u16, String) {
+        self.ask("POST", path, body, &[])
+    }
+
+    fn state(&self, token: &str) -> Value {
+        let (status, reply) = self.ask("GET", &format!("/api/{token}"), "", &[]);
+        assert_eq!(status, 200, "{reply}");
+        serde_json::from_str(reply.split("\r\n\r\n").nth(1).unwrap()).unwrap()
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        // As `kill -9`: nothing is told to end.
+        self.runtime.take().unwrap().shutdown_background();
+    }
+}
+
+const TAB: &str = "00112233445566778899aabbccddeeff";
+
+/// The lines of a drive of `step`, a line a second, and what it was learned as.
+fn driven(step: &Value) -> (Vec<String>, Option<String>) {
+    let seconds = step["seconds"].as_f64().unwrap();
+    let seed: u64 = step["seed"].as_str().unwrap().parse().unwrap();
+    let scenario = Scenario::paper().with_duration(Seconds(seconds)).unwrap();
+    let settings = &scenario.settings().controllers;
+    let by_hand = step["kind"] != "ride";
+    let own = Embedding::new(vec![0.3]).unwrap();
+    let points = step["points"].as_f64().unwrap_or(0.0);
+    let mut rider = Rider::new(Rc::new(model()), own, points, settings).unwrap();
+    let controllers = rider.controllers();
+    let mut drive = if by_hand {
+        SeatDrive::by_hand(&scenario, seed, DrivenBy::Scripted).unwrap()
+    } else {
+        SeatDrive::ride(&scenario, seed, &mut rider, &controllers).unwrap()
+    };
+    let mut keyboard = Keyboard::new(&scenario);
+    let mut lines = vec![serde_json::to_string(&drive.begun().header).unwrap()];
+    let keys = Keys {
+        faster: true,
+        ..Keys::default()
+    };
+    loop {
+        let now = drive.session().car().speed_mps;
+        let input = if by_hand && drive.ticks() < 600 {
+            keyboard.input(keys, Signal::Off, now)
+        } else if by_hand {
+            keyboard.input(Keys::default(), Signal::Off, now)
+        } else {
+            Input::default()
+        };
+        let goes_on = drive.tick(input);
+        if !goes_on || drive.ticks().is_multiple_of(100) {
+            let chunk = drive.chunk(Frames {
+                drawn: 60,
+                ..Frames::default()
+            });
+            if chunk.ticks > 0 {
+                lines.push(serde_json::to_string(&chunk).unwrap());
+            }
+        }
+        if !goes_on {
+            break;
+        }
+    }
+    let driven = drive.finish().unwrap();
+    lines.push(serde_json::to_string(&driven.end).unwrap());
+    let style = (step["kind"] == "drive").then(|| {
+        let fit = fit(&model(), &driven.rollout.recording, DrivenBy::Scripted).unwrap();
+        serde_json::to_string(&fit).unwrap()
+    });
+    (lines, style)
+}
+
+/// Does the step that the person is at; false once there is none.
+fn go_on(server: &Server, token: &str) -> bool {
+    let state = server.state(token);
+    let at = state["at"].as_u64().unwrap();
+    let Some(step) = state["steps"].get(at as usize) else {
+        return false;
+    };
+    let sent = |path: String, body: &str| {
+        let (status, reply) = server.post(&path, body);
+        assert_eq!(status, 200, "{path}: {reply}");
+    };
+    match step["kind"].as_str().unwrap() {
+        "text" => sent(
+            format!("/api/{token}/answer/{at}"),
+            r#"{"agreed":true,"seconds":4.5}"#,
+        ),
+        "scale" => sent(
+            format!("/api/{token}/answer/{at}"),
+            r#"{"answers":[4,null],"seconds":6}"#,
+        ),
+        "practice" | "drive" | "ride" => {
+            let (lines, style) = driven(step);
+            let attempt = state["attempts"].as_u64().unwrap() + 1;
+            for part in lines.chunks(3) {
+                sent(
+                    format!("/api/{token}/drive/{at}/{attempt}/{TAB}"),
+                    &(part.join("\n") + "\n"),
+                );
+            }
+            if let Some(style) = style {
+                sent(format!("/api/{token}/fit"), &style);
+            }
+            sent(format!("/api/{token}/done/{at}"), "null");
+        }
+        _ => sent(format!("/api/{token}/done/{at}"), "null"),
+    }
+    true
+}
+
+fn opened(server: &Server) -> String {
+    let token = server.seat.let_in().unwrap();
+    assert_eq!(
+        server.post(&format!("/api/{token}/open/{TAB}"), "null").0,
+        200
+    );
+    token
+}
+
+#[test]
+fn a_whole_study_becomes_the_files_that_a_run_reads() {
+    let folder = folder();
+    let server = Server::open(folder.path());
+    for _ in 0..2 {
+        let token = opened(&server);
+        while go_on(&server, &token) {}
+        assert_eq!(server.state(&token)["ended"], "done");
+    }
+    let at = |name: &str| folder.path().join(name);
+    let answers = fs::read_to_string(at("surveys/answers.csv")).unwrap();
+    assert!(answers.starts_with("participant,moment,scale,item,answer,seconds\nP001,pre,mood,1,4,3.000\nP001,pre,mood,2,,3.000\n"));
+    assert_eq!(answers.lines().count(), 1 + 2 * 3 * 2);
+    let people = fs::read_to_string(at("participants.csv")).unwrap();
+    assert_eq!(
+        people,
+        "participant,study,order\nP001,2,calm sporty\nP002,2,sporty calm\n"
+    );
+    for drive in ["own", "calm", "sporty"] {
+        let log = at(&format!("logs/seat/P002-{drive}.mcap"));
+        let read = read_log(&log, &IngestSettings::default()).unwrap();
+        let meta = &read[0].meta;
+        let by = if drive == "own" {
+            DrivenBy::Scripted
+        } else {
+            DrivenBy::Automated
+        };
+        assert_eq!(
+            (
+                meta.participant.as_str(),
+                meta.condition.as_str(),
+                meta.driven_by
+            ),
+            ("P002", drive, by)
+        );
+        let record = at(&format!("seat/P002-{drive}.jsonl"));
+        assert_eq!(replay::repeat(&record).unwrap().same, Some(true));
+        // The log, ingested, is the drive to a nanometre.
+        let record =
+            maveric_seat_page::Record::from_lines(&fs::read_to_string(&record).unwrap()).unwrap();
+        let again = maveric_seat_page::replay(&record)
+            .unwrap()
+            .rollout
+            .recording;
+        let (there, here) = (read[0].recording.ego(), again.ego());
+        assert_eq!(there.x_m.len(), here.x_m.len());
+        for (a, b) in there
+            .x_m
+            .iter()
+            .zip(&here.x_m)
+            .chain(there.y_m.iter().zip(&here.y_m))
+        {
+            assert!((a - b).abs() < 1e-9, "{a} {b}");
+        }
+    }
+}
+
+#[test]
+fn a_server_that_was_killed_goes_on_at_the_step_and_loses_nothing_that_it_acknowledged() {
+    let folder = folder();
+    let mut server = Server::open(folder.path());
+    let token = opened(&server);
+    let mut steps = 0;
+    loop {
+        // Killed before each step, and in the middle of each drive.
+        let state = server.state(&token);
+        let step = state["steps"]
+            .get(state["at"].as_u64().unwrap() as usize)
+            .cloned();
+        if let Some(step) = step.filter(|s| s["kind"] == "drive" || s["kind"] == "ride") {
+            let (lines, _) = driven(&step);
+            let path = format!("/api/{token}/drive/{}/1/{TAB}", state["at"]);
+            let (_, reply) = server.post(&path, &(lines[..6].join("\n") + "\n"));
+            assert!(reply.ends_with("\r\n\r\n500"), "{reply}");
+            drop(server);
+            server = Server::open(folder.path());
+            assert_eq!(server.state(&token)["attempts"], 1);
+            // What the browser had kept comes again, from another tab, twice.
+            for _ in 0..2 {
+                let (status, reply) = server.post(&path, &(lines[4..8].join("\n") + "\n"));
+                assert!(status == 200 && reply.ends_with("\r\n\r\n700"), "{reply}");
+            }
+        }
+        if !go_on(&server, &token) {
+            break;
+        }
+        steps += 1;
+        drop(server);
+        server = Server::open(folder.path());
+    }
+    assert_eq!(steps, 10);
+    assert_eq!(server.state(&token)["ended"], "done");
+    assert_eq!(
+        fs::read_to_string(folder.path().join("surveys/answers.csv"))
+            .unwrap()
+            .lines()
+            .count(),
+        7
+    );
+}
+
+#[test]
+fn what_a_step_does_not_ask_is_refused() {
+    let folder = folder();
+    let server = Server::open(folder.path());
+    let (mine, other) = (opened(&server), opened(&server));
+    let refused = |path: &str, body: &str, expected: u16| {
+        let (status, reply) = server.post(path, body);
+        assert_eq!(
+            status,
+            expected,
+            "{path} {}: {reply}",
+            &body[..body.len().min(60)]
+        );
+    };
+    // Somebody who guesses, and paths that lead elsewhere.
+    for token in ["0".repeat(32), "..%2f..%2fetc".to_owned(), "x".to_owned()] {
+        refused(&format!("/api/{token}/answer/0"), "{}", 404);
+    }
+    for path in [
+        "/page/..%2fCargo.toml",
+        "/page/seat.db",
+        "/p/../seat/seat.db",
+        "/seat/seat.db",
+    ] {
+        assert_ne!(server.ask("GET", path, "", &[]).0, 200, "{path}");
+    }
+    let answer = |step: u64| format!("/api/{mine}/answer/{step}");
+    refused(
+        &answer(0),
+        r#"{"answers":[1],"seconds":1,"agreed":true}"#,
+        400,
+    );
+    refused(&answer(0), r#"{"seconds":1}"#, 400);
+    refused(&answer(1), r#"{"answers":[1,1],"seconds":1}"#, 400);
+    refused(&format!("/api/{mine}/done/0"), "null", 400);
+    // Other pages.
+    let body = r#"{"agreed":true,"seconds":1}"#;
+    for origin in ["http://evil.example", "null", ""] {
+        assert_eq!(
+            server
+                .ask("POST", &answer(0), body, &[("Origin", origin)])
+                .0,
+            403,
+            "{origin}"
+        );
+    }
+    assert_eq!(server.post(&answer(0), body).0, 200);
+    for sheet in [
+        r#"{"answers":[1,6],"seconds":1}"#,
+        r#"{"answers":[1],"seconds":1}"#,
+        r#"{"answers":["<script>",1],"seconds":1}"#,
+        r#"{"answers":[1,1],"seconds":-1}"#,
+        r#"{"answers":[1,1],"seconds":1,"more":1}"#,
+        "[",
+    ] {
+        refused(&answer(1), sheet, 400);
+    }
+    refused(&answer(1), &" ".repeat(3 << 20), 413);
+    assert_eq!(server.state(&other)["at"], 0, "somebody else's step moved");
+    // Up to the drive by hand, and there what is no part of it.
+    while server.state(&mine)["steps"][server.state(&mine)["at"].as_u64().unwrap() as usize]["kind"]
+        != "drive"
+    {
+        assert!(go_on(&server, &mine));
+    }
+    let state = server.state(&mine);
+    let at = state["at"].as_u64().unwrap();
+    let step = state["steps"][at as usize].clone();
+    let (lines, _) = driven(&step);
+    let path = |attempt: u32, tab: &str| format!("/api/{mine}/drive/{at}/{attempt}/{tab}");
+    refused(&path(1, &"f".repeat(32)), &lines[0], 409);
+    refused(&path(2, TAB), &lines[0], 400);
+    refused(&path(1, TAB), &lines[1], 400);
+    let mut elsewhere = step.clone();
+    elsewhere["seed"] = json!("99");
+    refused(&path(1, TAB), &driven(&elsewhere).0[0], 400);
+    elsewhere = step.clone();
+    elsewhere["seconds"] = json!(40.0);
+    refused(&path(1, TAB), &driven(&elsewhere).0[0], 400);
+    assert_eq!(server.post(&path(1, TAB), &lines[0]).0, 200);
+    let long = r#"{"from_tick":0,"ticks":9000,"held":[[9000,0,0,0,0]]}"#;
+    for piece in [
+        long,
+        r#"{"from_tick":0,"ticks":5,"held":[[4,0,0,0,0]]}"#,
+        "{\"x\":1}",
+        "\u{0}",
+    ] {
+        refused(&path(1, TAB), piece, 400);
+    }
+    refused(&format!("/api/{mine}/done/{at}"), "null", 400);
+    refused(
+        &format!("/api/{mine}/fit"),
+        r#"{"embedding":[],"covariance":null,"score":null,"readings":1}"#,
+        400,
+    );
+}
+
+#[test]
+fn the_laboratory_asks_its_password_and_shows_text_as_text() {
+    let folder = folder();
+    let server = Server::open(folder.path());
+    let token = opened(&server);
+    let (_, closed) = server.ask("GET", "/lab", "", &[]);
+    assert!(closed.contains("Password") && !closed.contains(&token));
+    let (_, wrong) = server.post("/lab/enter", "password=guess");
+    assert!(!wrong.to_lowercase().contains("set-cookie"));
+    server.post("/lab/next", "");
+    let (status, entered) = server.post("/lab/enter", "password=open+%26+see");
+    assert_eq!(status, 303);
+    let cookie = entered
+        .lines()
+        .find_map(|l| l.strip_prefix("set-cookie: "))
+        .unwrap();
+    assert!(cookie.contains("HttpOnly") && cookie.contains("SameSite=Strict"));
+    let cookie = cookie.split(';').next().unwrap();
+    let (_, page) = server.ask("GET", "/lab", "", &[("Cookie", cookie)]);
+    assert!(page.contains(&token) && page.contains("Calm &amp; &lt;b&gt;sporty"));
+    assert_eq!(
+        page.matches("/p/").count(),
+        2,
+        "nobody without a password let anyone in"
+    );
+    server.ask("POST", "/lab/next", "", &[("Cookie", cookie)]);
+    let (_, page) = server.ask("GET", "/lab", "", &[("Cookie", cookie)]);
+    assert_eq!(page.matches("/p/").count(), 4);
+    assert!(page.contains("content-security-policy: default-src 'none'"));
+}
+
+#[test]
+fn who_leaves_is_asked_what_is_kept() {
+    let folder = folder();
+    let server = Server::open(folder.path());
+    let token = opened(&server);
+    while server.state(&token)["at"].as_u64().unwrap() < 6 {
+        assert!(go_on(&server, &token));
+    }
+    assert!(folder.path().join("logs/seat/P001-own.mcap").is_file());
+    assert_eq!(
+        server
+            .post(&format!("/api/{token}/leave"), r#"{"keep":false}"#)
+            .0,
+        200
+    );
+    assert!(!folder.path().join("logs/seat/P001-own.mcap").exists());
+    assert!(!folder.path().join("seat/P001-own.jsonl").exists());
+    let answers = fs::read_to_string(folder.path().join("surveys/answers.csv")).unwrap();
+    assert_eq!(answers.lines().count(), 1);
+    assert_eq!(server.state(&token)["ended"], "deleted");
+    assert_eq!(server.post(&format!("/api/{token}/done/2"), "null").0, 404);
+}
+
+#[test]
+fn other_computers_are_served_only_where_that_was_said() {
+    let folder = folder();
+    let server = Server::open(folder.path());
+    let runtime = server.runtime.as_ref().unwrap();
+    let everywhere = SocketAddr::from(([0, 0, 0, 0], 0));
+    let refused = runtime.block_on(serve(Arc::clone(&server.seat), everywhere, false));
+    assert!(refused.is_err_and(|e| e.to_string().contains("--plain-http")));
+    let (status, _) = server.ask("GET", "/lab", "", &[("Host", "rebound.example")]);
+    assert_ne!(status, 200);
+}
+
+#[test]
+fn the_built_page_is_made_from_the_sources_that_stand_here() {
+    use sha2::Digest as _;
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut files = Vec::new();
+    let mut take = |folder: &str, ending: &str| {
+        for file in fs::read_dir(here.join(folder)).unwrap() {
+            let path = file.unwrap().path();
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            if name.ends_with(ending) {
+                files.push((
+                    format!("{}/{name}", folder.trim_start_matches("page/")),
+                    path,
+                ));
+            }
+        }
+    };
+    take("page/src", "");
+    take("../seat-page/src", ".rs");
+    for name in ["package-lock.json", "tsconfig.json"] {
+        files.push((name.to_owned(), here.join("page").join(name)));
+    }
+    // As `ls` names them from the page's folder, in the order of bytes.
+    for file in &mut files {
+        if let Some(rest) = file.0.strip_prefix("../") {
+            file.0 = format!("../../{rest}");
+        }
+    }
+    files.sort();
+    let mut hash = sha2::Sha256::new();
+    for (_, path) in &files {
+        hash.update(fs::read(path).unwrap());
+    }
+    let found = hash
+        .finalize()
+        .iter()
+        .fold(String::new(), |mut text, byte| {
+            let _ = std::fmt::Write::write_fmt(&mut text, format_args!("{byte:02x}"));
+            text
+        });
+    let built = fs::read_to_string(here.join("page/built/sources.sha256")).unwrap();
+    assert_eq!(
+        built.trim(),
+        found,
+        "the page's sources have changed: tools/build-page.sh"
+    );
+}

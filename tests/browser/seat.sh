@@ -1,0 +1,82 @@
+#!/usr/bin/env bash
+# The seat in headless Chromium: two scripted people at the keyboard, a whole study of short drives each, then `maveric run`.
+#
+# MAVERIC_BIN: the program; otherwise the debug build of this checkout. SHOTS: a folder for pictures of every step.
+# Needs what `tests/browser/run.sh` installs.
+set -euo pipefail
+here=$(cd "$(dirname "$0")" && pwd)
+root=$(cd "$here/../.." && pwd)
+bin=${MAVERIC_BIN:-${CARGO_TARGET_DIR:-$root/target}/debug/maveric}
+chromium=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
+if [ -z "$chromium" ] || [ ! -d "$here/node_modules/playwright-core" ]; then
+  echo "SKIPPED tests/browser/seat.sh: no browser; tests/browser/run.sh installs it"
+  exit 0
+fi
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# The people who are learned from are made up.
+"$bin" init "$work/made-up" --synthetic >/dev/null
+(
+  cd "$work/made-up"
+  "$bin" generate --learn 12 --test 0 --duration 300 >/dev/null
+  "$bin" ingest --out drives >/dev/null
+  "$bin" score --surveys surveys/answers.csv --scales scales --out scores.csv >/dev/null
+  "$bin" train --drives drives --scores scores.csv --out model.maveric >/dev/null
+)
+study="$work/study"
+mkdir -p "$study/scales"
+cp "$work/made-up/model.maveric" "$study/lab.maveric"
+cp "$work/made-up/scales/adb.toml" "$study/scales/"
+cat >"$study/scales/comfort.toml" <<'TOML'
+id = "comfort"
+title = "The ride"
+reference = "made for this test"
+items = 3
+min = 1
+max = 7
+scoring = "mean"
+wording = ["I felt comfortable.", "I felt safe.", "I would ride like this again."]
+[[subscales]]
+id = "total"
+title = "Comfort"
+items = [1, 2, 3]
+TOML
+cat >"$study/consent.md" <<'TEXT'
+# What this is about
+
+You will drive for some seconds, and then ride in a car that a computer drives.
+
+- You may leave at any time.
+- Your answers are kept under a number.
+TEXT
+cat >"$study/study.toml" <<'TOML'
+[study]
+title = "Calm or sporty"
+[people]
+test = { study = "2" }
+[model]
+file = "lab.maveric"
+[style]
+score = "adb.total"
+[[condition]]
+id = "calm"
+car = { dial = -10, recorded = true }
+[[condition]]
+id = "sporty"
+car = { dial = 10, recorded = true }
+[baseline]
+id = "own"
+[protocol]
+consent = "consent.md"
+before = ["comfort"]
+after = ["comfort"]
+practice = { lane_kept_s = 3, passes = 0, at_most_s = 20 }
+drive_s = 20
+ride_s = 20
+code = "C1X9"
+TOML
+mkdir -p "$work/bin"
+ln -s "$(cd "$(dirname "$bin")" && pwd)/$(basename "$bin")" "$work/bin/maveric"
+PATH="$work/bin:$PATH" CHROMIUM="$chromium" node "$here/seat.mjs" "$work/bin/maveric" "$study"
+[ -z "${SHOTS:-}" ] || cp -r "$study" "$SHOTS/study"
