@@ -1,10 +1,10 @@
-// A scripted person at the keyboard goes through a whole study in a browser; the server is killed and the tab closed in the middle of
-// the drive by hand. Then `maveric run` makes the study's page of what was written.
+// Scripted people at the keyboard go through a whole study in a browser: one looked at on the way, one meanwhile, and one to whom in
+// every step the tab is closed, the network cut and the server killed. Then `maveric run` makes the study's page of what was written.
 //
 // usage: node seat.mjs MAVERIC FOLDER   (CHROMIUM: the browser; SHOTS: a folder for pictures of each step)
 import { chromium } from "playwright-core";
 import { execFileSync, spawn } from "node:child_process";
-import { mkdirSync, readFileSync, existsSync, writeFileSync } from "node:fs";
+import { mkdirSync, readFileSync, existsSync, readdirSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
 
@@ -13,8 +13,10 @@ const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.mi
 const shots = process.env.SHOTS;
 if (shots) mkdirSync(shots, { recursive: true });
 const sizes = [{ width: 1280, height: 800 }, { width: 1920, height: 1080 }];
+const small = { width: 480, height: 360 };
 const failures = [];
 const check = (holds, what) => { console.log(`${holds ? "ok" : "FAILED"}: ${what}`); if (!holds) failures.push(what); };
+const pause = (ms) => new Promise((done) => setTimeout(done, ms));
 
 let server;
 const port = 20000 + (process.pid % 20000);
@@ -36,136 +38,186 @@ async function kill() {
 
 await start();
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM, args: ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"] });
-const context = await browser.newContext({ viewport: sizes[0] });
-const lab = await context.newPage();
+const lab = await (await browser.newContext({ viewport: sizes[0] })).newPage();
 await lab.goto(`${base}/lab`);
+await axed(lab, "the laboratory's door");
 await lab.keyboard.type("lab");
 await lab.keyboard.press("Enter");
 await lab.waitForSelector("table");
 
 async function person() {
   await lab.goto(`${base}/lab`);
-  await lab.getByRole("button").press("Enter");
+  await lab.getByRole("button", { name: "Link for the next person" }).press("Enter");
   await lab.waitForLoadState();
-  return lab.locator("tbody a").last().getAttribute("href");
+  return lab.locator("a[href^='/p/']").last().getAttribute("href");
 }
 
-let page, shot = 0;
-async function open(link) {
-  page = await context.newPage();
-  page.on("pageerror", (error) => check(false, `no error in the page: ${error.message}`));
-  page.on("console", (message) => { if (message.type() === "error" && !message.text().includes("Failed to load resource")) check(false, `no error on the console: ${message.text()}`); });
-  await page.goto(base + link);
-}
-const heading = () => page.locator("main h1").first().textContent();
-const driving = () => page.locator("#drive").isVisible();
-async function look(name) {
+let shot = 0;
+async function look(page, name) {
   if (!shots) return;
   for (const size of sizes) {
     await page.setViewportSize(size);
-    await page.waitForTimeout(350);
+    await pause(400);
     await page.screenshot({ path: join(shots, `${String(shot).padStart(2, "0")}-${name}-${size.width}.png`) });
   }
   await page.setViewportSize(sizes[0]);
   shot++;
 }
-async function axed(name) {
+async function axed(page, name) {
   await page.evaluate(axe);
   const found = await page.evaluate(async () => (await globalThis.axe.run()).violations.map((v) => `${v.id}: ${v.nodes[0]?.html}`));
   check(found.length === 0, `axe on ${name}: ${found.join("; ") || "nothing"}`);
 }
-/// Presses Enter on the button that leads on, found as a keyboard finds it.
-async function pressMain() {
-  for (let i = 0; i < 60; i++) {
-    await page.keyboard.press("Tab");
-    if (await page.evaluate(() => document.activeElement?.classList.contains("main"))) return page.keyboard.press("Enter");
-  }
-  throw new Error(`no button to press on: ${await heading()}`);
-}
 
-/// Goes on until nothing is left; `middle` is called once in the middle of the drive by hand.
-async function goThrough(link, tell, middle) {
-  const seen = new Set();
-  for (let guard = 0; guard < 80; guard++) {
-    await page.waitForFunction(() => document.querySelector("main h1, main form") !== null);
-    const title = await heading();
-    if (title === "Thank you") { if (tell) { await look("thanks"); await axed("thanks"); } return; }
-    const fresh = tell && !seen.has(title);
-    seen.add(title);
-    if (fresh) { await look(title.toLowerCase().replaceAll(/[^a-z0-9]+/g, "-")); await axed(title); }
-    if (await page.locator("form fieldset").count()) {
-      if (fresh) {
-        check((await page.locator("input:checked").count()) === 0, "nothing is preselected");
-        await page.locator("form button").press("Enter");
-        check((await page.locator("[role=alert]").textContent()).startsWith("Not answered yet"), "missing answers are asked for once");
-      }
-      const sets = await page.locator("form fieldset").count();
-      for (let i = 0; i < sets; i++) {
-        await page.locator("form fieldset").nth(i).locator("input").first().focus();
-        for (let k = 0; k <= i % 3; k++) await page.keyboard.press("ArrowRight");
-      }
+/// Somebody in a browser of their own.
+class Somebody {
+  constructor(context, link, tell) { Object.assign(this, { context, link, tell, seen: new Set() }); }
+
+  async open() {
+    this.page = await this.context.newPage();
+    this.page.on("pageerror", (error) => check(false, `no error in the page: ${error.message}`));
+    this.page.on("console", (message) => { if (message.type() === "error" && !message.text().includes("Failed to load resource")) check(false, `no error on the console: ${message.text()}`); });
+    await this.page.goto(base + this.link);
+  }
+  heading() { return this.page.locator("main h1").first().textContent(); }
+  driving() { return this.page.locator("#drive").isVisible(); }
+  words() { return this.page.waitForFunction(() => document.querySelector("#drive").hidden && document.querySelector("main h1") !== null, null, { timeout: 120000 }); }
+  gone(title) {
+    return this.page.waitForFunction((before) => !document.querySelector("#drive").hidden || document.querySelector("main h1")?.textContent !== before, title, { timeout: 60000 });
+  }
+
+  /// Presses Enter on the button that leads on, found as a keyboard finds it.
+  async pressMain() {
+    for (let i = 0; i < 60; i++) {
+      await this.page.keyboard.press("Tab");
+      if (await this.page.evaluate(() => document.activeElement?.classList.contains("main"))) return this.page.keyboard.press("Enter");
+    }
+    throw new Error(`no button to press on: ${await this.heading()}`);
+  }
+
+  /// Answers every item of the scale that is asked, and sends it.
+  async answer(fresh) {
+    const page = this.page;
+    if (fresh) {
+      check((await page.locator("input:checked").count()) === 0, "nothing is preselected");
       await page.locator("form button").press("Enter");
-    } else {
-      await pressMain();
+      check((await page.locator("[role=alert]").textContent()).startsWith("Not answered yet"), "missing answers are asked for once");
     }
-    await page.waitForTimeout(120);
-    if (!(await driving())) { await page.waitForFunction((before) => document.querySelector("main h1")?.textContent !== before || !document.querySelector("#drive").hidden, title, { timeout: 30000 }).catch(() => {}); }
-    if (await driving()) {
-      const byHand = title === "Your drive" || title === "Practice";
-      if (byHand) await page.keyboard.down("ArrowUp");
-      await page.waitForTimeout(5000);
-      if (fresh || title === "Practice") await look(`${byHand ? "driving" : "riding"}-${title.toLowerCase().replaceAll(" ", "-")}`);
-      if (byHand) await page.keyboard.up("ArrowUp");
-      if (!byHand) await page.keyboard.press("u");
-      if (title === "Your drive" && middle) { const cut = middle; middle = null; await cut(); continue; }
-      await page.waitForFunction(() => document.querySelector("#drive").hidden, null, { timeout: 120000 });
+    const sets = await page.locator("form fieldset").count();
+    for (let i = 0; i < sets; i++) {
+      await page.locator("form fieldset").nth(i).locator("input").first().focus();
+      for (let k = 0; k <= i % 3; k++) await page.keyboard.press("ArrowRight");
     }
-    if (fresh && title === "Your drive") tell.driven = true;
-    await page.waitForFunction((before) => document.querySelector("main h1")?.textContent !== before || document.querySelector("main form"), title, { timeout: 30000 }).catch(() => {});
+    await page.locator("form button").press("Enter");
   }
-  throw new Error("the study does not end");
+
+  /// One step after the other; `upset` comes between where it is given.
+  async goThrough(upset) {
+    for (let guard = 0; guard < 60; guard++) {
+      await this.words();
+      const title = await this.heading();
+      const fresh = this.tell && !this.seen.has(title);
+      this.seen.add(title);
+      if (fresh) { await look(this.page, title.toLowerCase().replaceAll(/[^a-z0-9]+/g, "-")); await axed(this.page, title); }
+      if (title === "Thank you") return;
+      const asked = (await this.page.locator("form fieldset").count()) > 0;
+      const drives = /^(Practice|Your drive|Ride \d+)$/.test(title);
+      if (upset && !drives) {
+        // The tab is closed; then the network goes, the step is done, the server goes and comes back, and the network too.
+        await this.page.close();
+        await this.open();
+        await this.words();
+        check((await this.heading()) === title, `after a closed tab it goes on at “${title}”`);
+        await this.context.setOffline(true);
+        await (asked ? this.answer(false) : this.pressMain());
+        if (!/^How do you/.test(title)) await this.page.waitForFunction(() => document.querySelector("#note").textContent.startsWith("No connection"), null, { timeout: 20000 });
+        await kill();
+        await start();
+        await this.context.setOffline(false);
+      } else if (asked) await this.answer(fresh);
+      else await this.pressMain();
+      if (drives) await this.drive(title, fresh, upset);
+      // Two scales in a row may have one title: that the first is gone shows by what is asked of the server.
+      await this.gone(title).catch(() => {});
+    }
+    throw new Error("the study does not end");
+  }
+
+  async drive(title, fresh, upset) {
+    const page = () => this.page, byHand = !title.startsWith("Ride");
+    await this.page.waitForFunction(() => !document.querySelector("#drive").hidden);
+    if (byHand) await page().keyboard.down("ArrowUp");
+    if (upset) {
+      await pause(2000);
+      await this.context.setOffline(true);
+      await pause(2000);
+      await this.context.setOffline(false);
+      await kill();
+      await pause(1000);
+      await start();
+      await pause(1500);
+      // A practice may be over by now.
+      if (await this.driving()) {
+        await page().close();
+        await this.open();
+        await this.words();
+        check((await page().locator("main").textContent()).includes("cut short"), `“${title}”, cut short by a closed tab, begins again`);
+        await this.pressMain();
+        await page().waitForFunction(() => !document.querySelector("#drive").hidden);
+        if (byHand) await page().keyboard.down("ArrowUp");
+        // The network is gone when the drive ends.
+        await this.context.setOffline(true);
+        await page().waitForFunction(() => document.querySelector("#drive").hidden, null, { timeout: 120000 });
+        await pause(1500);
+        await this.context.setOffline(false);
+      }
+    } else {
+      await pause(4000);
+      if (fresh) { await look(page(), `${byHand ? "driving" : "riding"}-${title.toLowerCase().replaceAll(" ", "-")}`); await axed(page(), `${title}, on the road`); }
+      if (!byHand) await page().keyboard.press("u");
+      if (byHand && fresh && title === "Your drive") { await page().keyboard.press("q"); await page().keyboard.down("ArrowLeft"); await pause(500); await page().keyboard.up("ArrowLeft"); }
+    }
+    await page().waitForFunction(() => document.querySelector("#drive").hidden, null, { timeout: 120000 });
+    if (byHand) await page().keyboard.up("ArrowUp");
+  }
+}
+async function somebody(viewport, tell) {
+  const context = await browser.newContext({ viewport });
+  const who = new Somebody(context, await person(), tell);
+  await who.open();
+  return who;
 }
 
-const first = await person();
-await open(first);
-await goThrough(first, {}, async () => {
-  // The server goes without a word, and the tab with it; both come back.
-  await kill();
-  await page.waitForTimeout(1500);
-  await page.close();
-  await start();
-  await open(first);
-  await page.waitForSelector("main h1");
-  check((await page.locator("main").textContent()).includes("cut short"), "a drive that was cut short begins again at its step");
-});
-await page.close();
-const second = await person();
-await open(second);
-await goThrough(second, null, async () => {
-  // The network goes and comes back; the drive goes on meanwhile and nothing is lost.
-  await context.setOffline(true);
-  await page.waitForTimeout(4000);
-  await context.setOffline(false);
-  await page.waitForFunction(() => document.querySelector("#drive").hidden, null, { timeout: 120000 });
-});
-await page.close();
+const [first, other] = [await somebody(sizes[0], true), await somebody(small, false)];
+await Promise.all([first.goThrough(), other.goThrough()]);
+await first.context.close();
+await other.context.close();
+const third = await somebody(small, false);
+await third.goThrough(true);
+await lab.goto(`${base}/lab`);
+await axed(lab, "the laboratory");
+await look(lab, "laboratory");
+const happened = await lab.locator("main").textContent();
+check(!happened.includes("other states") && !happened.includes("another style") && !happened.includes("cannot be driven"), "page and server agree about every drive");
 await browser.close();
 const ended = new Promise((done) => server.once("exit", done));
 server.kill("SIGINT");
 check((await ended) === 0, "Ctrl-C ends the server in order");
 
-for (const who of ["P001", "P002"]) {
-  const record = join(folder, "seat", `${who}-own.jsonl`);
-  check(existsSync(record), `the drive of ${who} was kept`);
-  const said = execFileSync(maveric, ["seat", "replay", record], { encoding: "utf8" });
-  check(said.includes("the same states, to the byte") && said.startsWith("scripted"), `replay of ${who}: ${said.trim()}`);
+const records = readdirSync(join(folder, "seat")).filter((f) => f.endsWith(".jsonl")).sort();
+check(["own", "calm", "sporty"].every((c) => records.includes(`P003-${c}.cut1.jsonl`)), "the drives that were cut short are kept");
+for (const name of records) {
+  const record = join(folder, "seat", name);
+  const said = execFileSync(maveric, ["seat", "replay", record], { encoding: "utf8" }).trim();
+  const by = name.includes("-own") ? "scripted" : "automated";
+  check(said.startsWith(by) && said.includes(name.includes("cut") ? "cut short" : "the same states, to the byte"), `replay of ${name}: ${said}`);
   const frames = readFileSync(record, "utf8").split("\n").filter((l) => l.includes('"frames"')).map((l) => JSON.parse(l));
-  const drawn = frames.reduce((n, c) => n + c.frames.drawn, 0), ticks = frames.reduce((n, c) => n + c.ticks, 0);
-  const late = frames.reduce((n, c) => n + c.frames.late, 0), dropped = frames.reduce((n, c) => n + c.frames.dropped_steps, 0);
-  console.log(`${who}: ${(drawn / (ticks / 100)).toFixed(1)} pictures for each second driven, ${late} of ${drawn} late, ${dropped} steps left out`);
+  const sum = (key) => frames.reduce((n, c) => n + c.frames[key], 0), most = (key) => Math.max(...frames.map((c) => c.frames[key]));
+  const ticks = frames.reduce((n, c) => n + c.ticks, 0);
+  console.log(`  ${(sum("drawn") / (ticks / 100)).toFixed(1)} pictures a second driven, ${sum("late")} of ${sum("drawn")} late, longest ${most("longest_ms")} ms, a key seen after at most ${most("input_ms")} ms, ${sum("dropped_steps")} of ${ticks} steps left out`);
 }
+const answers = readFileSync(join(folder, "surveys/answers.csv"), "utf8").trim().split("\n");
+check(answers.length === 1 + 3 * 3 * 3, `every answer of three people is there, once: ${answers.length - 1}`);
 const log = execFileSync(maveric, ["run"], { cwd: folder, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
-const report = join(folder, "report", "index.html");
-check(existsSync(report), `maveric run ends with the study's page: ${log.trim().split("\n").at(-1)}`);
-if (shots) writeFileSync(join(shots, "done.txt"), failures.join("\n"));
+check(existsSync(join(folder, "report", "index.html")), `maveric run ends with the study's page: ${log.trim().split("\n").at(-1)}`);
 if (failures.length > 0) { console.log(`${failures.length} failed`); process.exit(1); }

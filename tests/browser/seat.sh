@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The seat in headless Chromium: two scripted people at the keyboard, a whole study of short drives each, then `maveric run`.
+# The seat in headless Chromium: three scripted people at the keyboard, a whole study of short drives each, one of them with everything cut
+# in every step; then `maveric run`. Three to four minutes.
 #
 # MAVERIC_BIN: the program; otherwise the debug build of this checkout. SHOTS: a folder for pictures of every step.
 # Needs what `tests/browser/run.sh` installs.
@@ -73,7 +74,7 @@ before = ["comfort"]
 after = ["comfort"]
 practice = { lane_kept_s = 3, passes = 0, at_most_s = 20 }
 drive_s = 20
-ride_s = 20
+ride_s = 12
 code = "C1X9"
 TOML
 mkdir -p "$work/bin"

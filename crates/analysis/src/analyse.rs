@@ -26,6 +26,7 @@ pub fn analyse(data: &StudyData, friedman: Friedman) -> Result<Analysis, Analysi
     let exclusions = exclusions(&panels, &reproduction);
     Ok(Analysis {
         synthetic: data.is_synthetic(),
+        scripted: data.is_scripted(),
         participants: data.participants.len(),
         flow: data.flow.clone(),
         hypotheses: hypotheses::verdicts(data, &panels)?,

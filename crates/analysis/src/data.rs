@@ -229,6 +229,13 @@ impl StudyData {
                 .any(|d| d.meta.driven_by == DrivenBy::Synthetic)
     }
 
+    /// Whether a script drove in place of a person.
+    pub fn is_scripted(&self) -> bool {
+        self.measurements
+            .iter()
+            .any(|d| d.meta.driven_by == DrivenBy::Scripted)
+    }
+
     /// The condition that drives as the person does: 0 on the dial.
     pub fn own_style(&self) -> Option<ConditionId> {
         let own = |c: &&Condition| c.dial() == Some(0.0);

@@ -13,6 +13,9 @@ use serde::{Deserialize, Serialize};
 pub struct Analysis {
     /// Whether the people are made up.
     pub synthetic: bool,
+    /// Whether a script drove in place of a person.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub scripted: bool,
     /// People analysed.
     pub participants: usize,
     /// How many there were at each step, and who was left out.

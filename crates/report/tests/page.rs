@@ -42,6 +42,18 @@ fn a_synthetic_page_says_so_before_anything_else() {
 }
 
 #[test]
+fn a_page_of_drives_by_a_script_says_so_too() {
+    let scripted = Context {
+        scripted: true,
+        ..Context::real()
+    };
+    let files = render(&short(&scripted)).unwrap();
+    let page = index(&files);
+    assert!(page.find("Driven by a script.</strong>").unwrap() < page.find("<h1>").unwrap());
+    assert!(page.contains("driven by a script</text>"));
+}
+
+#[test]
 fn the_answers_stand_before_everything_else_and_the_supplement_is_folded_behind() {
     let page = index(files());
     let at = |what: &str| page.find(what).unwrap_or_else(|| panic!("{what}"));

@@ -12,7 +12,7 @@ use crate::{
     rider::Rider,
 };
 use maveric_domain::{DrivenBy, Embedding, Seconds};
-use maveric_model::{Model, model_file};
+use maveric_model::{Model, model_file, style_space::LinearHead};
 use maveric_simulator::{ControllerSettings, LEFT_SHOULDER_M, RIGHT_SHOULDER_M, Scenario};
 use std::{cell::Cell, rc::Rc};
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -51,13 +51,22 @@ impl PageModel {
     }
 }
 
+/// The dial of a ride.
+struct Dial {
+    points: Rc<Cell<f64>>,
+    /// Points of the model for one of the study's.
+    stretch: f64,
+    own: Embedding,
+    model: Rc<Model>,
+}
+
 /// A drive or a ride under way.
 #[wasm_bindgen]
 pub struct PageDrive {
     drive: SeatDrive<'static>,
     scenario: &'static Scenario,
     keyboard: Keyboard,
-    dial: Option<Rc<Cell<f64>>>,
+    dial: Option<Dial>,
     driven_by: DrivenBy,
 }
 
@@ -82,7 +91,7 @@ impl PageDrive {
         })
     }
 
-    /// A ride in a style, at so many points on the dial.
+    /// A ride in a style, at so many points of the study's on the dial; `stretch` is points of the model for one of them.
     pub fn ride(
         json: &str,
         seconds: f64,
@@ -90,12 +99,19 @@ impl PageDrive {
         model: &PageModel,
         own: Vec<f64>,
         points: f64,
+        stretch: f64,
     ) -> Result<PageDrive, String> {
         let scenario = scenario(json, seconds)?;
         let own = Embedding::new(own).map_err(said)?;
         let given = &scenario.settings().controllers;
-        let rider = Rider::new(Rc::clone(&model.0), own, points, given).map_err(said)?;
-        let dial = rider.dial();
+        let (model, style) = (Rc::clone(&model.0), own.clone());
+        let rider = Rider::new(Rc::clone(&model), style, points * stretch, given).map_err(said)?;
+        let dial = Dial {
+            points: rider.dial(),
+            stretch,
+            own,
+            model,
+        };
         let controllers: &'static ControllerSettings = Box::leak(Box::new(rider.controllers()));
         let rider: &'static mut Rider = Box::leak(Box::new(rider));
         let seed = seed.parse().map_err(said)?;
@@ -232,12 +248,17 @@ impl PageDrive {
         self.drive.ticks() as f64
     }
 
-    /// Turns the dial of a ride to so many points from the person's own style.
-    pub fn turn(&mut self, points: f64) {
-        if let Some(dial) = &self.dial {
-            dial.set(points);
-            self.drive.note("dial", Some(points));
-        }
+    /// Turns the dial of a ride to so many of the study's points from the person's own style, as far as it goes: gives where it is now.
+    pub fn turn(&mut self, points: f64) -> Result<f64, String> {
+        let Some(dial) = &self.dial else {
+            return Err("nothing is ridden here".to_owned());
+        };
+        let head = LinearHead::aggression(&dial.model).map_err(said)?;
+        let moved = head.shift(&dial.own, points * dial.stretch).map_err(said)?;
+        dial.points.set(moved.effective_points);
+        let now = moved.effective_points / dial.stretch;
+        self.drive.note("dial", Some(now));
+        Ok(now)
     }
 
     /// Writes something down.
@@ -245,12 +266,17 @@ impl PageDrive {
         self.drive.note(what, None);
     }
 
-    /// The piece of the record since the last, as a line.
-    pub fn chunk(&mut self, drawn: u32, late: u32, dropped_steps: u32) -> Result<String, String> {
+    /// The piece of the record since the last, as a line; `frames` as in [`Frames`]: drawn, late, left out, longest, input.
+    pub fn chunk(&mut self, frames: &[u32]) -> Result<String, String> {
+        let &[drawn, late, dropped_steps, longest_ms, input_ms] = frames else {
+            return Err(format!("{} numbers of pictures, expected 5", frames.len()));
+        };
         let frames = Frames {
             drawn,
             late,
             dropped_steps,
+            longest_ms,
+            input_ms,
         };
         serde_json::to_string(&self.drive.chunk(frames)).map_err(said)
     }
@@ -290,8 +316,16 @@ impl PageDriven {
     }
 }
 
+/// Seed of what somebody with this token drives at `what`, where no server gives one.
+#[wasm_bindgen]
+#[expect(unreachable_pub, reason = "the page calls it")]
+pub fn world(token: &str, what: &str) -> String {
+    crate::world(token, what).to_string()
+}
+
 /// Drives the record in `lines` again: `{"same": …, "end_tick": …, "states": …}`.
 #[wasm_bindgen]
+#[expect(unreachable_pub, reason = "the page calls it")]
 pub fn replay(lines: &str) -> Result<String, String> {
     let again = |lines| -> Result<_, SeatPageError> { crate::replay(&Record::from_lines(lines)?) };
     let found = again(lines).map_err(said)?;

@@ -14,6 +14,7 @@ mod keyboard;
 mod record;
 mod replay;
 mod rider;
+mod world;
 
 pub use digest::Digest;
 pub use drive::{Driven, SeatDrive};
@@ -24,3 +25,4 @@ pub use keyboard::{Keyboard, Keys, Stick};
 pub use record::{Asked, Chunk, End, Event, Frames, Header, Held, Record};
 pub use replay::{Replayed, replay};
 pub use rider::Rider;
+pub use world::world;

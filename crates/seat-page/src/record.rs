@@ -139,6 +139,12 @@ pub struct Frames {
     pub late: u32,
     /// Steps that were left out because the machine could not keep up.
     pub dropped_steps: u32,
+    /// Longest time from one picture to the next, in ms.
+    #[serde(default)]
+    pub longest_ms: u32,
+    /// Longest time from a key going down to the end of drawing the first picture that shows what it did, in ms.
+    #[serde(default)]
+    pub input_ms: u32,
 }
 
 /// A piece of a drive: what was given since the piece before.

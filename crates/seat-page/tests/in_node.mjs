@@ -11,7 +11,7 @@ const lines = [drive.header()];
 let goesOn = true;
 for (const [keys, signal, steps] of told.pressed) {
   goesOn = drive.keys(keys, signal, steps);
-  lines.push(drive.chunk(0, 0, 0));
+  lines.push(drive.chunk(new Uint32Array(5)));
 }
 if (goesOn) throw new Error("the drive goes on");
 const driven = drive.finish();

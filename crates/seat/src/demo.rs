@@ -69,6 +69,7 @@ pub fn settings(cache: &Path, jobs: usize, watch: Watch<'_>) -> Result<SeatSetti
         scenario: Scenario::paper(),
         model: Some(model(cache, jobs, watch)?),
         made_up_model: true,
+        stretch: 1.0,
         files: Files::nowhere(),
         password: None,
     })

@@ -1,5 +1,6 @@
 //! What can go wrong in the seat.
 
+use maveric_model::ModelError;
 use maveric_seat_page::SeatPageError;
 use maveric_study::StudyError;
 use std::path::PathBuf;
@@ -15,6 +16,16 @@ pub enum SeatError {
         path: PathBuf,
         /// What SQLite says.
         source: rusqlite::Error,
+    },
+    /// A file of people and answers that another version wrote.
+    #[error("{}: found version {found} of the seat's state, expected {expected}", path.display())]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// Its version.
+        found: i64,
+        /// Ours.
+        expected: i64,
     },
     /// A file that cannot be read or written.
     #[error("{}: {source}", path.display())]
@@ -40,6 +51,9 @@ pub enum SeatError {
         /// What is wrong with it.
         source: SeatPageError,
     },
+    /// A model that is none.
+    #[error("the model that is to ride: {0}")]
+    Model(#[from] ModelError),
     /// A study that cannot be run in the seat.
     #[error("{problem}")]
     Protocol {
@@ -47,6 +61,12 @@ pub enum SeatError {
         problem: String,
         /// What to do.
         help: Option<String>,
+    },
+    /// Work that stopped in the middle.
+    #[error("work on a request did not end: {problem}")]
+    Unfinished {
+        /// Why.
+        problem: String,
     },
     /// The system gives no random numbers.
     #[error("no random numbers for links: {problem}")]
@@ -64,6 +84,9 @@ impl SeatError {
     pub fn suggestion(&self) -> Option<String> {
         match self {
             Self::Protocol { help, .. } => help.clone(),
+            Self::Version { .. } => Some(
+                "end the study with the version that began it; its files are beside it".to_owned(),
+            ),
             Self::Address { .. } => Some("choose another one: --bind 127.0.0.1:PORT".to_owned()),
             Self::Study(error) => error.suggestion(),
             _ => None,

@@ -1,17 +1,18 @@
-//! What becomes of what people do: logs, answers and people as files that `maveric run` reads.
+//! What becomes of what people do: logs, records, answers and people as files that `maveric run` reads.
 
-use crate::{error::SeatError, person::Person, serve::Sheet, steps::Step};
-use maveric_domain::{ConditionId, Design, DriveId, DriveMeta, ParticipantId};
+use crate::{
+    error::SeatError,
+    tables::{self, Given},
+};
+use maveric_domain::{ConditionId, Design, DriveId, DriveMeta, ParticipantId, design::Software};
 use maveric_ingest::{Beside, write_mcap_with};
-use maveric_seat_page::{Record, replay};
+use maveric_seat_page::{Record, Replayed};
 use maveric_study::{
     DesignFile, StudyError,
     atomic_write::{atomic_write, atomic_write_bytes},
-    tables::Table,
 };
 use std::{
     collections::BTreeSet,
-    fmt::Write as _,
     path::{Path, PathBuf},
 };
 
@@ -35,39 +36,68 @@ impl Files {
     }
 
     /// The files that a study's design names; records go to `records`.
-    pub fn of(study: &DesignFile, records: PathBuf) -> Self {
+    ///
+    /// # Errors
+    /// [`StudyError`] naming the key where the study's answers are another program's export, which the seat does not write.
+    pub fn of(study: &DesignFile, records: PathBuf) -> Result<Self, StudyError> {
         let (design, files) = (&study.design, study.design.files());
-        Self(Some(Place {
+        if files.software != Software::Table {
+            return Err(study.wrong(
+                format!("`files.software`: found {:?}, expected `table`: the seat writes its answers as a plain table", files.software),
+                Some("leave `software` out, or give the seat a study of its own".to_owned()),
+            ));
+        }
+        Ok(Self(Some(Place {
             logs: study.resolve(&files.logs).join("seat"),
             records,
             answers: study.resolve(&files.answers),
             people: study.resolve(&design.people().file),
             design: design.clone(),
-        }))
+        })))
     }
 
-    /// Drives a record again and writes it as a log, by the writer that `generate` uses, and beside it the record itself; gives what is
-    /// to be said about it.
-    pub(crate) fn drive(
+    /// The people who stand in the study's table.
+    pub(crate) fn people(&self) -> Result<BTreeSet<String>, SeatError> {
+        self.0.as_ref().map_or_else(
+            || Ok(BTreeSet::new()),
+            |place| tables::people_in(&place.people),
+        )
+    }
+
+    /// Writes the record of a drive as it came in: `PARTICIPANT-CONDITION.jsonl`, with `cut` for one that was cut short.
+    pub(crate) fn record(
         &self,
-        participant: &str,
-        condition: Option<ConditionId>,
+        name: &str,
+        cut: Option<u32>,
         lines: &str,
-    ) -> Result<Vec<String>, SeatError> {
-        let (Some(place), Some(condition)) = (&self.0, condition) else {
-            return Ok(Vec::new());
+    ) -> Result<PathBuf, SeatError> {
+        let Some(place) = &self.0 else {
+            return Ok(PathBuf::from(name));
         };
-        let name = format!("{participant}-{condition}");
-        let record_path = place.records.join(format!("{name}.jsonl"));
+        let cut = cut.map_or_else(String::new, |attempt| format!(".cut{attempt}"));
+        let path = place.records.join(format!("{name}{cut}.jsonl"));
+        atomic_write_bytes(&path, lines.as_bytes())?;
+        Ok(path)
+    }
+
+    /// Writes a drive that was driven again from its record as a log, by the writer that `generate` uses.
+    pub(crate) fn log(
+        &self,
+        name: &str,
+        (participant, condition): (&str, ConditionId),
+        record: &Record,
+        again: &Replayed,
+    ) -> Result<(), SeatError> {
+        let Some(place) = &self.0 else {
+            return Ok(());
+        };
+        let path = place.logs.join(format!("{name}.mcap"));
         let bad = |source| SeatError::Record {
-            path: record_path.clone(),
+            path: path.clone(),
             source,
         };
-        atomic_write_bytes(&record_path, lines.as_bytes())?;
-        let record = Record::from_lines(lines).map_err(bad)?;
-        let again = replay(&record).map_err(bad)?;
         let meta = DriveMeta {
-            drive: DriveId::new(&*name).map_err(|e| bad(e.into()))?,
+            drive: DriveId::new(name).map_err(|e| bad(e.into()))?,
             participant: ParticipantId::new(participant).map_err(|e| bad(e.into()))?,
             condition,
             driven_by: record.header.driven_by,
@@ -76,30 +106,14 @@ impl Files {
             trace: &again.rollout.trace,
             ..Beside::default()
         };
-        atomic_write(&place.logs.join(format!("{name}.mcap")), |file| {
+        Ok(atomic_write(&path, |file| {
             Ok(write_mcap_with(
                 &again.rollout.recording,
                 &meta,
                 &beside,
                 file,
             )?)
-        })?;
-        let frames = record.chunks.iter().map(|c| c.frames);
-        let (drawn, late) = frames.fold((0_u64, 0_u64), |(drawn, late), f| {
-            (drawn + u64::from(f.drawn), late + u64::from(f.late))
-        });
-        let mut said = Vec::new();
-        if !again.same() {
-            said.push(format!(
-                "{name}: the page came through other states than its record gives here"
-            ));
-        }
-        if 100 * late > drawn {
-            said.push(format!(
-                "{name}: {late} of {drawn} pictures came late (over 50 ms)"
-            ));
-        }
-        Ok(said)
+        })?)
     }
 
     /// Removes the logs and records of somebody who wants nothing kept.
@@ -120,101 +134,13 @@ impl Files {
     }
 
     /// Writes the answers of everybody who wants them kept, and adds to the table of people who is not in it yet.
-    pub(crate) fn write(&self, given: &[(Person, Vec<(usize, String)>)]) -> Result<(), SeatError> {
+    pub(crate) fn write(&self, given: &[Given]) -> Result<(), SeatError> {
         let Some(place) = &self.0 else {
             return Ok(());
         };
-        let kept = || {
-            given
-                .iter()
-                .filter(|(p, _)| p.ended.as_deref() != Some("deleted"))
-        };
-        let mut table = "participant,moment,scale,item,answer,seconds\n".to_owned();
-        for (person, answers) in kept() {
-            for (step, body) in answers {
-                let Some(Step::Scale { scale, moment, .. }) = person.steps.get(*step) else {
-                    continue;
-                };
-                // Only what was checked was kept.
-                let Ok(sheet) = serde_json::from_str::<Sheet>(body) else {
-                    continue;
-                };
-                let each_s = sheet.seconds / sheet.answers.len().max(1) as f64;
-                for (item, answer) in (1..).zip(&sheet.answers) {
-                    let answer = answer.map_or_else(String::new, |a| a.to_string());
-                    let _ = writeln!(
-                        table,
-                        "{},{moment},{scale},{item},{answer},{each_s:.3}",
-                        person.participant
-                    );
-                }
-            }
-        }
-        atomic_write_bytes(&place.answers, table.as_bytes())?;
-        place.people(&mut kept().map(|(person, _)| person))
+        tables::write_answers(&place.answers, given)?;
+        tables::write_people(&place.people, &place.design, given)
     }
-}
-
-impl Place {
-    /// Adds a row for everybody who is not in the table; makes it where there is none.
-    fn people(&self, everybody: &mut dyn Iterator<Item = &Person>) -> Result<(), SeatError> {
-        let path = &self.people;
-        let (mut text, columns, known) = if path.is_file() {
-            read_people(path)?
-        } else {
-            let people = self.design.people();
-            let columns: Vec<String> = std::iter::once("participant")
-                .chain(people.columns())
-                .chain(["order"])
-                .map(str::to_owned)
-                .collect();
-            (columns.join(",") + "\n", columns, BTreeSet::new())
-        };
-        if !text.ends_with('\n') {
-            text.push('\n');
-        }
-        for person in everybody.filter(|p| !known.contains(&p.participant)) {
-            let cells: Vec<String> = columns.iter().map(|c| self.cell(person, c)).collect();
-            text += &(cells.join(",") + "\n");
-        }
-        Ok(atomic_write_bytes(path, text.as_bytes())?)
-    }
-
-    fn cell(&self, person: &Person, column: &str) -> String {
-        let rides: Vec<String> = person
-            .steps
-            .iter()
-            .filter_map(|s| s.drives().filter(|(_, by_hand)| !by_hand))
-            .map(|(condition, _)| condition.to_string())
-            .collect();
-        let people = self.design.people();
-        let wanted = if rides.is_empty() {
-            &people.learn
-        } else {
-            &people.test
-        };
-        match column {
-            "participant" => person.participant.clone(),
-            "order" => rides.join(" "),
-            _ => wanted
-                .as_ref()
-                .and_then(|w| w.get(column))
-                .cloned()
-                .unwrap_or_default(),
-        }
-    }
-}
-
-/// Text, columns and ids of a table of people that is there.
-fn read_people(path: &Path) -> Result<(String, Vec<String>, BTreeSet<String>), SeatError> {
-    let table = Table::read(path)?;
-    let ids: Vec<ParticipantId> = table.ids("participant")?;
-    let text = std::fs::read_to_string(path).map_err(|source| SeatError::Io {
-        path: path.to_owned(),
-        source,
-    })?;
-    let ids = ids.into_iter().map(|id| id.to_string()).collect();
-    Ok((text, table.columns(), ids))
 }
 
 /// The texts of a protocol, read from the study's folder.
@@ -224,7 +150,8 @@ fn read_people(path: &Path) -> Result<(String, Vec<String>, BTreeSet<String>), S
 pub fn texts(study: &DesignFile) -> Result<crate::steps::Texts, StudyError> {
     let read = |path: &Option<PathBuf>| {
         let path = path.as_ref().map(|p| study.resolve(p));
-        path.map(|p| maveric_study::atomic_write::read_text(&p))
+        path.as_deref()
+            .map(|p: &Path| maveric_study::atomic_write::read_text(p))
             .transpose()
     };
     let protocol = study.design.protocol();

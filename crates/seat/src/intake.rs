@@ -14,6 +14,12 @@ use maveric_seat_page::{Chunk, End, Header};
 
 /// Steps that a second of driving has.
 const TICKS_PER_S: f64 = 100.0;
+/// Longest line, in bytes: a piece of a second has some thousand.
+const LONGEST_LINE: usize = 16 << 10;
+/// Length of a digest.
+const DIGEST_LEN: usize = 16;
+/// How often one step may be begun.
+const MOST_ATTEMPTS: u32 = 50;
 
 /// Takes in a drive: its header once, pieces as they come, its end. Gives the step up to which all is kept.
 pub(crate) async fn drive(
@@ -33,7 +39,7 @@ pub(crate) async fn drive(
         return Err(Refused::OtherTab);
     }
     let expected = begun.last().map_or(1, |b| b.attempt + 1);
-    if before.is_none() && attempt != expected {
+    if before.is_none() && (attempt != expected || attempt > MOST_ATTEMPTS) {
         return Err(Refused::NotThis(format!(
             "attempt {attempt}, expected {expected}"
         )));
@@ -43,6 +49,12 @@ pub(crate) async fn drive(
     let mut pieces = Vec::new();
     let mut end = None;
     for line in text.lines() {
+        if line.len() > LONGEST_LINE {
+            return Err(Refused::NotThis(format!(
+                "a line of {} bytes, expected at most {LONGEST_LINE}",
+                line.len()
+            )));
+        }
         if let Ok(header) = serde_json::from_str::<Header>(line) {
             check_header(&header, &found, seed, &shared)?;
             store.begin(&person.participant, step, attempt, line)?;
@@ -76,7 +88,7 @@ pub(crate) async fn drive(
     let kept = store.keep(&person.participant, (step, attempt), &pieces)?;
     if let Some(end) = end {
         let whole: End = read(end.as_bytes())?;
-        if whole.end_tick == kept {
+        if whole.end_tick == kept && whole.states.len() == DIGEST_LEN {
             store.end(&person.participant, (step, attempt), end)?;
         }
     }

@@ -23,7 +23,12 @@ pub(crate) fn routes() -> Router<Shared> {
         .route("/lab", get(page))
         .route("/lab/enter", post(enter))
         .route("/lab/next", post(next))
+        .route("/lab/note", post(note))
 }
+
+/// Things that happened, and letters of a note.
+const SHOWN: u32 = 200;
+const LONGEST_NOTE: usize = 1_000;
 
 /// Whether the cookie is that of the password.
 fn entered(shared: &Shared, headers: &HeaderMap) -> bool {
@@ -65,12 +70,7 @@ async fn page(State(shared): State<Shared>, headers: HeaderMap) -> Result<Respon
     let title = plain(shared.seat.settings.design.title());
     let mut rows = String::new();
     for person in shared.seat.store.everybody()? {
-        let order: Vec<String> = person
-            .steps
-            .iter()
-            .filter_map(|s| s.drives().filter(|(_, by_hand)| !by_hand))
-            .map(|(condition, _)| plain(condition.as_str()))
-            .collect();
+        let order: Vec<String> = person.rides().iter().map(|ride| plain(ride)).collect();
         let of = person.steps.len();
         let place = match (&person.ended, person.steps.get(person.at)) {
             (Some(how), _) => plain(how),
@@ -85,9 +85,23 @@ async fn page(State(shared): State<Shared>, headers: HeaderMap) -> Result<Respon
             order.join(", ")
         );
     }
+    let mut happened = String::new();
+    for (who, what) in shared.seat.store.events(SHOWN)? {
+        let who = who.map_or_else(String::new, |who| plain(&who));
+        let _ = write!(happened, "<tr><td>{who}<td>{}", plain(&what));
+    }
+    let phase = if shared.seat.rides() {
+        ""
+    } else {
+        "<p>Nobody rides: people drive by hand alone.</p>"
+    };
     Ok(html(&format!(
-        "<h1>{title}</h1><form method=\"post\" action=\"/lab/next\"><button>Link for the next person</button></form>\
-         <table><thead><tr><th>Person<th>Where<th>Order<th>Link<tbody>{rows}</table>"
+        "<h1>{title}</h1>{phase}<form method=\"post\" action=\"/lab/next\"><button>Link for the next person</button></form>\
+         <table><thead><tr><th>Person<th>Where<th>Order<th>Link<tbody>{rows}</table>\
+         <h2>What happened</h2>\
+         <form method=\"post\" action=\"/lab/note\"><label>A note of yours <input name=\"note\" maxlength=\"{LONGEST_NOTE}\" size=\"60\"></label> \
+         <button>Write down</button></form>\
+         <table><thead><tr><th>Person<th>What, the newest first<tbody>{happened}</table>"
     )))
 }
 
@@ -127,7 +141,8 @@ async fn enter(State(shared): State<Shared>, body: Bytes) -> Response {
             "{COOKIE}={value}; Path=/lab; HttpOnly; SameSite=Strict"
         )));
     }
-    // Whoever guesses waits.
+    // Whoever guesses waits, and others who guess behind them.
+    let _line = shared.guesses.lock().await;
     tokio::time::sleep(std::time::Duration::from_millis(500)).await;
     to_lab(None)
 }
@@ -158,6 +173,19 @@ async fn next(State(shared): State<Shared>, headers: HeaderMap) -> Result<Respon
         return Ok(to_lab(None));
     }
     shared.seat.let_in()?;
+    Ok(to_lab(None))
+}
+
+async fn note(
+    State(shared): State<Shared>,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Result<Response, Refused> {
+    let text = form_field(&body, "note").unwrap_or_default();
+    let text: String = text.trim().chars().take(LONGEST_NOTE).collect();
+    if entered(&shared, &headers) && !text.is_empty() {
+        shared.seat.store.event(None, &format!("note: {text}"))?;
+    }
     Ok(to_lab(None))
 }
 

@@ -7,16 +7,17 @@ mod assets;
 pub mod demo;
 pub mod error;
 pub mod files;
+mod finished;
 mod intake;
 mod lab;
 mod origin;
 mod person;
-
 pub mod replay;
 mod seat;
 mod serve;
 pub mod steps;
 mod store;
+mod tables;
 mod token;
 mod williams;
 

@@ -18,6 +18,20 @@ pub(crate) struct Person {
 }
 
 impl Person {
+    /// Whether what they gave is kept.
+    pub(crate) fn kept(&self) -> bool {
+        self.ended.as_deref() != Some("deleted")
+    }
+
+    /// The conditions that they ride, in their order.
+    pub(crate) fn rides(&self) -> Vec<String> {
+        let drives = self.steps.iter().filter_map(Step::drives);
+        drives
+            .filter(|(_, by_hand)| !by_hand)
+            .map(|(condition, _)| condition.to_string())
+            .collect()
+    }
+
     pub(crate) fn read(row: &rusqlite::Row<'_>) -> rusqlite::Result<Self> {
         let steps: String = row.get(2)?;
         let steps = serde_json::from_str(&steps).map_err(|e| {

@@ -12,6 +12,7 @@ use axum::{
     response::{IntoResponse, Response},
     routing::{get, post},
 };
+use maveric_domain::design::SeatView;
 use maveric_seat_page::Fit;
 use serde::{Deserialize, Serialize};
 use std::{
@@ -57,7 +58,12 @@ pub async fn serve(
         .await
         .map_err(|e| refused(e.to_string()))?;
     let address = listener.local_addr().map_err(|e| refused(e.to_string()))?;
-    let shared = Shared { seat, address };
+    let shared = Shared {
+        seat,
+        address,
+        behind_a_proxy: plain_http,
+        guesses: Arc::default(),
+    };
     Ok(Serving {
         listener,
         router: router(shared),
@@ -126,6 +132,10 @@ impl Serving {
 pub(crate) struct Shared {
     pub(crate) seat: Arc<Seat>,
     address: SocketAddr,
+    /// Whether something in front answers for names and encryption.
+    behind_a_proxy: bool,
+    /// Whoever gives a wrong password waits in this line.
+    pub(crate) guesses: Arc<tokio::sync::Mutex<()>>,
 }
 
 fn router(shared: Shared) -> Router {
@@ -152,7 +162,7 @@ fn router(shared: Shared) -> Router {
 /// Refuses what other pages ask for, and says to the browser what a page of ours may do.
 async fn guard(State(shared): State<Shared>, request: Request, next: Next) -> Response {
     let headers = request.headers();
-    if !origin::host_is_ours(headers, shared.address) {
+    if !shared.behind_a_proxy && !origin::host_is_ours(headers, shared.address) {
         return (StatusCode::MISDIRECTED_REQUEST, "not this machine's name").into_response();
     }
     if request.method() != axum::http::Method::GET && !origin::own(headers) {
@@ -234,6 +244,19 @@ pub(crate) fn read<'a, T: Deserialize<'a>>(body: &'a [u8]) -> Answered<T> {
 }
 
 impl Shared {
+    /// Does what takes longer than a request should keep others waiting.
+    pub(crate) async fn blocking<T: Send + 'static>(
+        &self,
+        work: impl FnOnce(&Seat) -> Result<T, SeatError> + Send + 'static,
+    ) -> Answered<T> {
+        let seat = Arc::clone(&self.seat);
+        let done = tokio::task::spawn_blocking(move || work(&seat)).await;
+        // A panic there is a bug, said as such and no further.
+        Ok(done.map_err(|e| SeatError::Unfinished {
+            problem: e.to_string(),
+        })??)
+    }
+
     pub(crate) fn person(&self, token: &str) -> Answered<Person> {
         let known = token::possible(token).then(|| self.seat.store.person(token));
         known.transpose()?.flatten().ok_or(Refused::NoSuchPerson)
@@ -285,6 +308,7 @@ struct PageState<'a> {
     /// Whether the last of them has come to its end.
     whole: bool,
     scenario: &'a str,
+    view: &'a SeatView,
 }
 
 async fn state(State(shared): State<Shared>, Path(token): Path<String>) -> Answered<Response> {
@@ -306,6 +330,7 @@ async fn state(State(shared): State<Shared>, Path(token): Path<String>) -> Answe
         attempts: begun.last().map_or(0, |b| b.attempt),
         whole: begun.last().is_some_and(|b| b.ended),
         scenario: &shared.seat.scenario_json,
+        view: &design.protocol().view,
     }))
 }
 
@@ -386,6 +411,10 @@ async fn fit(
     body: Bytes,
 ) -> Answered<Response> {
     let person = shared.person(&token)?;
+    let drives = matches!(person.steps.get(person.at), Some(Step::Drive { .. }));
+    if person.ended.is_some() || !drives {
+        return Err(Refused::NotThis("nothing is learned here".to_owned()));
+    }
     let fit: Fit = read(&body)?;
     let finite = fit.embedding.iter().chain(fit.covariance.iter().flatten());
     if fit.embedding.is_empty() || fit.embedding.len() > 64 || !finite.copied().all(f64::is_finite)
@@ -409,27 +438,16 @@ async fn done(
             return Err(Refused::NotThis("answers are asked here".to_owned()));
         }
         Step::Drive { .. } | Step::Ride { .. } if step == person.at => {
-            let begun = seat.store.begun(&person.participant, step)?;
-            let Some(whole) = begun.iter().find(|b| b.ended) else {
+            let who = person.clone();
+            let found = found.clone();
+            let ended = shared.blocking(move |seat| seat.finish_drive(&who, step, &found));
+            if !ended.await? {
                 return Err(Refused::NotThis("this drive has not ended".to_owned()));
-            };
-            let lines = seat
-                .store
-                .record(&person.participant, (step, whole.attempt))?;
-            let shared = shared.clone();
-            let (name, condition) = (person.participant.clone(), found.drives());
-            let written = tokio::task::spawn_blocking(move || {
-                let condition = condition.map(|(c, _)| c);
-                shared.seat.settings.files.drive(&name, condition, &lines)
-            });
-            let written = written.await.map_err(|e| Refused::NotThis(e.to_string()))?;
-            for warning in written? {
-                seat.store.event(Some(&person.participant), &warning)?;
             }
         }
         Step::Thanks { .. } => {
             seat.store.ended(&person, "done")?;
-            seat.write_files()?;
+            shared.blocking(Seat::write_files).await?;
         }
         _ => {}
     }
@@ -454,10 +472,14 @@ async fn leave(
     let how = if leaving.keep { "left" } else { "deleted" };
     if person.ended.is_none() {
         shared.seat.store.ended(&person, how)?;
-        if !leaving.keep {
-            shared.seat.settings.files.forget(&person.participant)?;
-        }
-        shared.seat.write_files()?;
+        let who = person.participant;
+        let told = shared.blocking(move |seat| {
+            if !leaving.keep {
+                seat.settings.files.forget(&who)?;
+            }
+            seat.write_files()
+        });
+        told.await?;
     }
     Ok(json(&how))
 }

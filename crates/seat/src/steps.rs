@@ -70,9 +70,11 @@ pub enum Step {
         seed: String,
         /// Whose style.
         style: RideStyle,
-        /// From where on the dial.
+        /// From where on the dial, in points of the study's style.
         points: f64,
-        /// Points a step of the dial, where the person may turn it.
+        /// Points of the model for one of the study's.
+        stretch: f64,
+        /// Points a step of the dial towards sportier (negative on a score of calmness), where the person may turn it.
         turns: Option<f64>,
     },
     /// The end.
@@ -124,7 +126,8 @@ pub struct Texts {
     pub thanks: Option<String>,
 }
 
-/// The steps of the person number `index` (from 0) in a study.
+/// The steps of a person; `riding` is the person's number among those who ride (from 0) and the points of the model for one of the
+/// study's style, none while nobody rides.
 ///
 /// # Errors
 /// [`SeatError::Protocol`] for a scale without wording, a condition that the seat cannot drive or one that the design lets the program
@@ -134,7 +137,7 @@ pub fn of_design(
     scales: &[Scale],
     texts: &Texts,
     participant: &str,
-    index: usize,
+    riding: Option<(usize, f64)>,
 ) -> Result<Vec<Step>, SeatError> {
     let protocol = design.protocol();
     let seed = |what: &str| stream_seed(protocol.seed, &[participant, what, "world"]).to_string();
@@ -170,7 +173,11 @@ pub fn of_design(
                 seconds: protocol.drive_s,
                 seed: seed(own.as_str()),
             }),
-            ProtocolStep::Rides => rides(design, scales, &seed, index, &mut steps)?,
+            ProtocolStep::Rides => {
+                if let Some(who) = riding {
+                    rides(design, scales, &seed, who, &mut steps)?;
+                }
+            }
         }
     }
     steps.push(Step::Thanks {
@@ -187,7 +194,7 @@ fn rides(
     design: &Design,
     scales: &[Scale],
     seed: &impl Fn(&str) -> String,
-    index: usize,
+    (index, stretch): (usize, f64),
     steps: &mut Vec<Step>,
 ) -> Result<(), SeatError> {
     let protocol: &Protocol = design.protocol();
@@ -205,6 +212,7 @@ fn rides(
             seed: seed(condition.id.as_str()),
             style,
             points,
+            stretch,
             turns,
         });
         for id in &protocol.after {
@@ -213,6 +221,9 @@ fn rides(
     }
     Ok(())
 }
+
+/// Points that the dial turns at a press where the design has no step: a third of the paper's 15.
+const DIAL_STEP: f64 = 5.0;
 
 /// What the car does in a condition: whose style, where on the dial it begins, and points a turn where it can be turned.
 fn car(design: &Design, condition: &Condition) -> Result<(RideStyle, f64, Option<f64>), SeatError> {
@@ -229,11 +240,14 @@ fn car(design: &Design, condition: &Condition) -> Result<(RideStyle, f64, Option
             "write `recorded = true` into its `car`: what was ridden in the seat is what is analysed",
         );
     }
-    let points = design.style().and_then(|s| s.points);
+    let step = design.style().map_or(DIAL_STEP, |style| {
+        let points = style.points.map_or(DIAL_STEP, |points| points / 3.0);
+        points * style.aggression.factor()
+    });
     match &condition.car {
         Some(Car::Dial(points)) => Ok((RideStyle::Own, *points, None)),
         Some(Car::Mean) => Ok((RideStyle::Mean, 0.0, None)),
-        Some(Car::Free) => Ok((RideStyle::Own, 0.0, Some(points.unwrap_or(5.0) / 3.0))),
+        Some(Car::Free) => Ok((RideStyle::Own, 0.0, Some(step))),
         other => refused(
             format!("its car is {other:?}, which the seat cannot drive"),
             "the seat drives `dial`, `mean` and `free`",

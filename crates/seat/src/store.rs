@@ -7,11 +7,14 @@ use std::{
     sync::{Mutex, MutexGuard, PoisonError},
 };
 
-/// What the tables are; a file of another version is refused by SQLite's own check of `user_version`.
+/// Version of the tables.
+const VERSION: i64 = 1;
+
+/// What the tables are. What is deleted is overwritten.
 const TABLES: &str = "
 PRAGMA journal_mode = WAL;
 PRAGMA synchronous = NORMAL;
-PRAGMA foreign_keys = ON;
+PRAGMA secure_delete = ON;
 CREATE TABLE IF NOT EXISTS person (
     token TEXT PRIMARY KEY, participant TEXT NOT NULL UNIQUE, steps TEXT NOT NULL, at INTEGER NOT NULL DEFAULT 0,
     ended TEXT, fit TEXT, tab TEXT, made INTEGER NOT NULL) STRICT;
@@ -64,6 +67,24 @@ impl Store {
             source,
         };
         let connection = Connection::open(path).map_err(bad)?;
+        let version =
+            |c: &Connection| c.query_row("PRAGMA user_version", [], |r| r.get::<_, i64>(0));
+        let tables: i64 = connection
+            .query_row("SELECT COUNT(*) FROM sqlite_master", [], |r| r.get(0))
+            .map_err(bad)?;
+        if tables == 0 {
+            connection
+                .pragma_update(None, "user_version", VERSION)
+                .map_err(bad)?;
+        }
+        let found = version(&connection).map_err(bad)?;
+        if found != VERSION {
+            return Err(SeatError::Version {
+                path: path.to_owned(),
+                found,
+                expected: VERSION,
+            });
+        }
         connection.execute_batch(TABLES).map_err(bad)?;
         Ok(Self {
             path: path.to_owned(),
@@ -84,12 +105,6 @@ impl Store {
             path: self.path.clone(),
             source,
         })
-    }
-
-    /// How many people were let in.
-    pub(crate) fn people(&self) -> Result<usize, SeatError> {
-        self.ask(|c| c.query_row("SELECT COUNT(*) FROM person", [], |r| r.get::<_, i64>(0)))
-            .map(|n| n as usize)
     }
 
     /// Lets somebody in.
@@ -304,7 +319,7 @@ impl Store {
         self.ask(|c| {
             let t = c.transaction()?;
             if how == "deleted" {
-                for table in ["answer", "drive", "piece"] {
+                for table in ["answer", "drive", "piece", "event"] {
                     t.execute(
                         &format!("DELETE FROM {table} WHERE participant = ?1"),
                         [&person.participant],
@@ -320,6 +335,18 @@ impl Store {
                 [&*person.token, how],
             )?;
             t.commit()
+        })
+    }
+
+    /// What happened, the newest first, with whom it happened to: at most so many.
+    pub(crate) fn events(&self, most: u32) -> Result<Vec<(Option<String>, String)>, SeatError> {
+        self.ask(|c| {
+            let mut found = c.prepare_cached(
+                "SELECT participant, what FROM event ORDER BY rowid DESC LIMIT ?1",
+            )?;
+            found
+                .query_map([most], |r| Ok((r.get(0)?, r.get(1)?)))?
+                .collect()
         })
     }
 

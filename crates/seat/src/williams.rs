@@ -38,7 +38,7 @@ mod tests {
 
     #[test]
     fn every_condition_stands_in_every_place_and_after_every_other_equally_often() {
-        for n in 1..=7 {
+        for n in 1..=7_usize {
             let rows = if n.is_multiple_of(2) { n } else { 2 * n };
             let orders: Vec<Vec<usize>> = (0..rows).map(|index| order(n, index)).collect();
             let mut places: BTreeMap<(usize, usize), usize> = BTreeMap::new();

@@ -11,7 +11,7 @@ use maveric_model::model_file;
 use maveric_seat::{Seat, SeatSettings, files, replay, serve};
 use maveric_seat_page::{Frames, Input, Keyboard, Keys, Rider, SeatDrive, Signal, fit};
 use maveric_simulator::Scenario;
-use maveric_study::{DesignFile, stages::score::read_scales};
+use maveric_study::{DesignFile, run_folder::read_scales};
 use serde_json::{Value, json};
 use std::{
     fs,
@@ -96,7 +96,8 @@ impl Server {
             scenario: Scenario::paper(),
             model: Some(fs::read(folder.join("lab.maveric")).unwrap()),
             made_up_model: true,
-            files: files::Files::of(&study, folder.join("seat")),
+            stretch: 1.0,
+            files: files::Files::of(&study, folder.join("seat")).unwrap(),
             password: Some("open & see".to_owned()),
             design: study.design,
         };
@@ -470,11 +471,104 @@ fn what_a_step_does_not_ask_is_refused() {
     ] {
         refused(&path(1, TAB), piece, 400);
     }
+    let padded = format!("{}{}", lines[1], " ".repeat(20 << 10));
+    refused(&path(1, TAB), &padded, 400);
     refused(&format!("/api/{mine}/done/{at}"), "null", 400);
+    let style = r#"{"embedding":[0.1],"covariance":null,"score":null,"readings":1}"#;
+    refused(&format!("/api/{other}/fit"), style, 400);
     refused(
         &format!("/api/{mine}/fit"),
         r#"{"embedding":[],"covariance":null,"score":null,"readings":1}"#,
         400,
+    );
+}
+
+#[test]
+fn a_drive_that_cannot_be_driven_again_is_kept_and_said_and_holds_nobody_up() {
+    let folder = folder();
+    let server = Server::open(folder.path());
+    let token = opened(&server);
+    while server.state(&token)["at"].as_u64().unwrap() < 5 {
+        assert!(go_on(&server, &token));
+    }
+    let step = server.state(&token)["steps"][5].clone();
+    let (lines, _) = driven(&step);
+    // A ride whose set-points somebody took out.
+    let lines: Vec<String> = lines
+        .iter()
+        .map(|line| {
+            let mut line: Value = serde_json::from_str(line).unwrap();
+            line.as_object_mut().unwrap().remove("asked");
+            line.to_string()
+        })
+        .collect();
+    let path = format!("/api/{token}/drive/5/1/{TAB}");
+    assert_eq!(server.post(&path, &(lines.join("\n") + "\n")).0, 200);
+    assert_eq!(server.post(&format!("/api/{token}/done/5"), "null").0, 200);
+    assert_eq!(server.state(&token)["at"], 6);
+    assert!(folder.path().join("seat/P001-calm.jsonl").is_file());
+    assert!(!folder.path().join("logs/seat/P001-calm.mcap").exists());
+    let (_, entered) = server.post("/lab/enter", "password=open+%26+see");
+    let cookie = entered
+        .lines()
+        .find_map(|l| l.strip_prefix("set-cookie: "))
+        .unwrap();
+    let cookie = cookie.split(';').next().unwrap();
+    server.ask(
+        "POST",
+        "/lab/note",
+        "note=%3Cb%3Elate",
+        &[("Cookie", cookie)],
+    );
+    let (_, page) = server.ask("GET", "/lab", "", &[("Cookie", cookie)]);
+    assert!(page.contains("P001-calm: cannot be driven again"), "{page}");
+    assert!(page.contains("note: &lt;b&gt;late"), "{page}");
+}
+
+#[test]
+fn a_drive_whose_style_never_came_is_learned_from_here() {
+    let folder = folder();
+    let server = Server::open(folder.path());
+    let token = opened(&server);
+    while server.state(&token)["at"].as_u64().unwrap() < 4 {
+        assert!(go_on(&server, &token));
+    }
+    let (lines, style) = driven(&server.state(&token)["steps"][4]);
+    let path = format!("/api/{token}/drive/4/1/{TAB}");
+    assert_eq!(server.post(&path, &(lines[..9].join("\n") + "\n")).0, 200);
+    // The tab was closed; another one begins again, drives to the end, and is closed before it learns.
+    let path = format!("/api/{token}/drive/4/2/{TAB}");
+    assert_eq!(server.post(&path, &(lines.join("\n") + "\n")).0, 200);
+    assert_eq!(server.state(&token)["whole"], true);
+    assert_eq!(server.post(&format!("/api/{token}/done/4"), "null").0, 200);
+    let page: Value = serde_json::from_str(&style.unwrap()).unwrap();
+    assert_eq!(server.state(&token)["fit"], page);
+    let cut = folder.path().join("seat/P001-own.cut1.jsonl");
+    assert_eq!(replay::repeat(&cut).unwrap().same, None);
+    assert_eq!(replay::repeat(&cut).unwrap().ticks, 800);
+}
+
+#[test]
+fn what_others_wrote_into_the_tables_of_the_study_stays() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir_all(at("surveys")).unwrap();
+    fs::write(at("participants.csv"), "participant,study,age\nP001,1,40\n").unwrap();
+    let before = "participant,moment,scale,item,answer\nP001,pre,mood,1,5\n";
+    fs::write(at("surveys/answers.csv"), before).unwrap();
+    let server = Server::open(folder.path());
+    let token = opened(&server);
+    assert!(go_on(&server, &token) && go_on(&server, &token));
+    server.seat.write_files().unwrap();
+    let people = fs::read_to_string(at("participants.csv")).unwrap();
+    assert_eq!(
+        people,
+        "participant,study,age,order\nP001,1,40,\nP002,2,,calm sporty\n"
+    );
+    let answers = fs::read_to_string(at("surveys/answers.csv")).unwrap();
+    assert_eq!(
+        answers,
+        "participant,moment,scale,item,answer,seconds\nP001,pre,mood,1,5,\nP002,pre,mood,1,4,3.000\nP002,pre,mood,2,,3.000\n"
     );
 }
 
@@ -518,6 +612,9 @@ fn who_leaves_is_asked_what_is_kept() {
         assert!(go_on(&server, &token));
     }
     assert!(folder.path().join("logs/seat/P001-own.mcap").is_file());
+    server.seat.write_files().unwrap();
+    let people = || fs::read_to_string(folder.path().join("participants.csv")).unwrap();
+    assert!(people().contains("P001"));
     assert_eq!(
         server
             .post(&format!("/api/{token}/leave"), r#"{"keep":false}"#)
@@ -528,6 +625,7 @@ fn who_leaves_is_asked_what_is_kept() {
     assert!(!folder.path().join("seat/P001-own.jsonl").exists());
     let answers = fs::read_to_string(folder.path().join("surveys/answers.csv")).unwrap();
     assert_eq!(answers.lines().count(), 1);
+    assert!(!people().contains("P001"));
     assert_eq!(server.state(&token)["ended"], "deleted");
     assert_eq!(server.post(&format!("/api/{token}/done/2"), "null").0, 404);
 }

@@ -86,6 +86,14 @@ impl StyleScale {
     }
 }
 
+/// Points of a model for one point of the study's style, for whoever turns a model's dial in the study's own points.
+///
+/// # Errors
+/// [`StudyError`] where neither the design nor a questionnaire says the range of the style.
+pub fn dial_stretch(study: &DesignFile) -> Result<f64, StudyError> {
+    Ok(StyleScale::of(study)?.stretch())
+}
+
 /// The scores from which the networks learn: the design's style, under the name and on the range of the ADB score. Without a
 /// design they are as they are; with one that has no style there are none. Gives the scale to come back by.
 ///

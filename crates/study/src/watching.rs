@@ -166,7 +166,7 @@ pub fn write_watch_page(
             .iter()
             .any(|d| d.meta.driven_by == DrivenBy::Synthetic),
         seed,
-        conditions: Vec::new(),
+        ..Context::real()
     };
     let page = watch_page(&watch_player(drives), &context, provenance)?;
     atomic_write_bytes(out, page.as_bytes())

@@ -7,7 +7,9 @@ use crate::{
     interrupt, progress,
 };
 use maveric_seat::{Seat as Open, SeatError, SeatSettings, demo, files, replay};
-use maveric_study::{DesignFile, Watch, check_design, design::DESIGN_FILE, stages};
+use maveric_study::{
+    DesignFile, StudyError, Watch, check_design, design::DESIGN_FILE, dial_stretch, run_folder,
+};
 use std::{
     net::SocketAddr,
     path::{Path, PathBuf},
@@ -116,12 +118,8 @@ impl Seat {
         let records = folder.join("seat");
         std::fs::create_dir_all(&records).map_err(|e| Failure::io(doing, e))?;
         let named = study.design.files();
-        let model = study.design.model().map(|m| study.resolve(&m.file));
-        let model = model.filter(|path| path.is_file());
+        let (model, phase) = model(&study, &folder).map_err(Failure::study(doing))?;
         let bytes = model.as_deref().map(std::fs::read).transpose();
-        if let Some(path) = &model {
-            stages::train::read_model(path).map_err(Failure::study(doing))?;
-        }
         let world = study.resolve(&named.scenario);
         let world = world.is_file().then_some(world);
         let password = match &self.password {
@@ -129,18 +127,22 @@ impl Seat {
             None => maveric_seat::password().map_err(failure(doing))?,
         };
         let settings = SeatSettings {
-            scales: stages::score::read_scales(&study.resolve(&named.scales))
+            scales: run_folder::read_scales(&study.resolve(&named.scales))
                 .map_err(Failure::study(doing))?,
             texts: files::texts(&study).map_err(Failure::study(doing))?,
-            scenario: stages::generate::read_scenario(world.as_deref(), None)
+            scenario: run_folder::read_scenario(world.as_deref(), None)
                 .map_err(Failure::study(doing))?,
             model: bytes.map_err(|e| Failure::io(doing, e))?,
             made_up_model: study.design.synthetic(),
-            files: files::Files::of(&study, records.clone()),
+            stretch: dial_stretch(&study).map_err(Failure::study(doing))?,
+            files: files::Files::of(&study, records.clone()).map_err(Failure::study(doing))?,
             password: Some(password.clone()),
             design: study.design.clone(),
         };
         let seat = Open::open(&records.join("seat.db"), settings).map_err(failure(doing))?;
+        if let Some(line) = phase {
+            tell!("{line}");
+        }
         self.serve(seat, "/lab", Some(&password))
     }
 
@@ -183,6 +185,40 @@ fn repeat(log: &Path, format: Format) -> Result<(), Failure> {
         Some(false) => Err(Failure::Told),
         _ => Ok(()),
     }
+}
+
+/// Where the runs of a study leave the model that they learned.
+const LEARNED: &str = "results/model.maveric";
+
+/// The model that rides in a study, and what is to be said of the study's phase: its own where it names none and people drive first
+/// who are learned from.
+fn model(
+    study: &DesignFile,
+    folder: &Path,
+) -> Result<(Option<PathBuf>, Option<String>), StudyError> {
+    let path = match study.design.model() {
+        Some(named) => study.resolve(&named.file),
+        None if study.design.people().learn.is_some() => folder.join(LEARNED),
+        None => return Ok((None, None)),
+    };
+    if path.is_file() {
+        run_folder::read_model(&path)?;
+        let learned = study.design.model().is_none();
+        let said = format!("phase 2 of 2: people ride, by {}", path.display());
+        return Ok((Some(path), learned.then_some(said)));
+    }
+    if study.design.model().is_some() {
+        return Err(study.wrong(
+            format!("`model.file`: found no file {}", path.display()),
+            Some("train it, or name another one".to_owned()),
+        ));
+    }
+    let said = format!(
+        "phase 1 of 2: people drive who are learned from, nobody rides; when enough have, `maveric run train` in {} makes {LEARNED} of \
+         them, and the seat is opened again",
+        folder.display()
+    );
+    Ok((None, Some(said)))
 }
 
 /// Where a user's programs keep what can be made again.

@@ -21,7 +21,7 @@ pub use exclude::Exclude;
 pub use files::{Files, Mappings, ModelFile, RigMapping, Software};
 pub use outcome::{Homophily, Outcome, Quantity, ScoreName, Style};
 pub use people::{Column, People};
-pub use protocol::{Practice, Protocol, ProtocolStep, SpeedUnit};
+pub use protocol::{Practice, Protocol, ProtocolStep, SeatView, SpeedUnit};
 
 use crate::condition::ConditionId;
 use std::collections::BTreeMap;

@@ -56,6 +56,31 @@ impl Default for Practice {
     }
 }
 
+/// What the person in the seat sees of the road.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SeatView {
+    /// Height of the eyes above the road, in m.
+    pub eye_m: f64,
+    /// Field of view of a screen from its top to its bottom, in degrees.
+    pub field_deg: f64,
+    /// 1, or 3 side by side that the browser sees as one.
+    pub screens: u32,
+    /// Angle between the middle of one screen and that of the next, in degrees.
+    pub side_deg: f64,
+}
+
+impl Default for SeatView {
+    fn default() -> Self {
+        Self {
+            eye_m: 1.22,
+            field_deg: 44.0,
+            screens: 1,
+            side_deg: 60.0,
+        }
+    }
+}
+
 /// The section `[protocol]`.
 ///
 /// # Example
@@ -96,6 +121,8 @@ pub struct Protocol {
     pub ride_s: f64,
     /// In which unit speeds are shown.
     pub speed: SpeedUnit,
+    /// What is seen of the road.
+    pub view: SeatView,
     /// What is said at the end, from the folder of the design's file.
     pub thanks: Option<PathBuf>,
     /// A code for the platform that pays.
@@ -116,6 +143,7 @@ impl Default for Protocol {
             drive_s: 600.0,
             ride_s: 600.0,
             speed: SpeedUnit::default(),
+            view: SeatView::default(),
             thanks: None,
             code: None,
             seed: 1,
@@ -148,6 +176,25 @@ impl Protocol {
                 kept_s,
                 expected,
             ));
+        }
+        let angles = [
+            ("eye_m", self.view.eye_m, [0.5, 4.0], "m"),
+            ("field_deg", self.view.field_deg, [10.0, 100.0], "degrees"),
+            ("side_deg", self.view.side_deg, [0.0, 90.0], "degrees"),
+        ];
+        for (key, found, [low, high], unit) in angles {
+            if !(low..=high).contains(&found) {
+                let expected = format!("{low} to {high} {unit}");
+                return Err(DesignError::key(
+                    format!("protocol.view.{key}"),
+                    found,
+                    expected,
+                ));
+            }
+        }
+        if ![1, 3].contains(&self.view.screens) {
+            let found = self.view.screens;
+            return Err(DesignError::key("protocol.view.screens", found, "1 or 3"));
         }
         for (at, step) in self.steps.iter().enumerate() {
             if self.steps[..at].contains(step) {

@@ -17,6 +17,9 @@ use serde::{Deserialize, Serialize};
 pub struct Context {
     /// The participants do not exist: every figure, caption and file says so.
     pub synthetic: bool,
+    /// A script drove in place of people: every figure, caption and file says so.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub scripted: bool,
     /// Root seed of the run, written into the files' metadata.
     pub seed: Option<u64>,
     /// How the conditions look, as their design says.
@@ -34,7 +37,7 @@ impl Context {
         Self {
             synthetic: true,
             seed: Some(seed),
-            conditions: Vec::new(),
+            ..Self::default()
         }
     }
 
@@ -54,10 +57,22 @@ impl Context {
         }
     }
 
+    /// Who stands in place of people, if nobody real drove.
+    pub(crate) fn stand_ins(&self) -> Option<&'static str> {
+        match (self.synthetic, self.scripted) {
+            (true, _) => Some("synthetic participants"),
+            (false, true) => Some("driven by a script"),
+            (false, false) => None,
+        }
+    }
+
     pub(crate) fn metadata(&self) -> String {
         let mut words = Vec::new();
         if self.synthetic {
             words.push("Synthetic participants".to_owned());
+        }
+        if self.scripted {
+            words.push("Driven by a script".to_owned());
         }
         if let Some(seed) = self.seed {
             words.push(format!("seed {seed}"));
@@ -158,13 +173,14 @@ pub(crate) struct Plan {
 const MARGIN: f64 = 3.0;
 const LABEL_HEIGHT: f64 = 8.0;
 
-/// Draws a figure into its place; says "synthetic participants" where that is so.
+/// Draws a figure into its place; says "synthetic participants", or that a script drove, where that is so.
 pub(crate) fn draw(
     plan: Plan,
     context: &Context,
     paint: impl FnOnce(&mut Canvas<'_>, Place),
 ) -> Result<Figure, ReportError> {
-    let says_so = context.synthetic && plan.shows == Shows::Participants;
+    let shown = plan.shows == Shows::Participants;
+    let stand_ins = context.stand_ins().filter(|_| shown);
     let style = style::current();
     let (shown_mm, size_mm) = style.map_or((plan.size_mm, plan.size_mm), |s| s.sizes(plan.size_mm));
     let head = Head {
@@ -179,7 +195,11 @@ pub(crate) fn draw(
         },
     };
     let sketch = sketch(&head, |canvas| {
-        let foot = if says_so { LABEL_HEIGHT } else { 0.0 };
+        let foot = if stand_ins.is_some() {
+            LABEL_HEIGHT
+        } else {
+            0.0
+        };
         let (right, bottom) = (canvas.width - MARGIN, canvas.height - MARGIN);
         let place = Place {
             left: MARGIN,
@@ -188,17 +208,21 @@ pub(crate) fn draw(
             bottom: bottom - foot,
         };
         paint(canvas, place);
-        if says_so {
+        if let Some(who) = stand_ins {
             let look = Look::new(size::SMALL).end().colour(MUTED);
-            canvas.text("synthetic participants", (right, bottom), look);
+            canvas.text(who, (right, bottom), look);
         }
     })?;
     let mut caption = plan.caption;
     if sketch.unknown_signs {
         caption += " A question mark stands for a sign that the figure’s font lacks.";
     }
-    if says_so {
-        caption += " Synthetic participants.";
+    if let Some(who) = stand_ins {
+        let (first, rest) = who.split_at(1);
+        caption += " ";
+        caption += &first.to_uppercase();
+        caption += rest;
+        caption += ".";
     }
     Ok(Figure {
         name: plan.name,

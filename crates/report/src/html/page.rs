@@ -70,6 +70,7 @@ pub(crate) fn page(
             title => &report.title,
             subtitle => &report.subtitle,
             synthetic => report.context.synthetic,
+            scripted => report.context.scripted,
             described => described(report),
             style => safe(style(&report.context) + player_style),
             policy => safe(scripts::policy(&used)),
@@ -118,6 +119,7 @@ pub(crate) fn table_page(table: &Table, report: &Report) -> Result<String, Repor
         context! {
             title => markup::plain(&table.title),
             synthetic => report.context.synthetic,
+            scripted => report.context.scripted,
             described => described(report),
             style => safe(include_str!("templates/page.css").to_owned()),
             policy => safe(scripts::policy(&[])),

@@ -13,9 +13,9 @@ export class PageDrive {
      */
     static by_hand(json: string, seconds: number, seed: string, driven_by: string): PageDrive;
     /**
-     * The piece of the record since the last, as a line.
+     * The piece of the record since the last, as a line; `frames` as in [`Frames`]: drawn, late, left out, longest, input.
      */
-    chunk(drawn: number, late: number, dropped_steps: number): string;
+    chunk(frames: Uint32Array | number[]): string;
     /**
      * Ends the drive.
      */
@@ -41,9 +41,9 @@ export class PageDrive {
      */
     places(road: Float64Array | number[]): Float64Array;
     /**
-     * A ride in a style, at so many points on the dial.
+     * A ride in a style, at so many points of the study's on the dial; `stretch` is points of the model for one of them.
      */
-    static ride(json: string, seconds: number, seed: string, model: PageModel, own: Float64Array | number[], points: number): PageDrive;
+    static ride(json: string, seconds: number, seed: string, model: PageModel, own: Float64Array | number[], points: number, stretch: number): PageDrive;
     /**
      * Rides so many steps.
      */
@@ -62,9 +62,9 @@ export class PageDrive {
      */
     ticks(): number;
     /**
-     * Turns the dial of a ride to so many points from the person's own style.
+     * Turns the dial of a ride to so many of the study's points from the person's own style, as far as it goes: gives where it is now.
      */
-    turn(points: number): void;
+    turn(points: number): number;
     /**
      * Drives so many steps by a wheel turned so far (rad, left positive) and pedals.
      */
@@ -113,6 +113,11 @@ export class PageModel {
  */
 export function replay(lines: string): string;
 
+/**
+ * Seed of what somebody with this token drives at `what`, where no server gives one.
+ */
+export function world(token: string, what: string): string;
+
 export type InitInput = RequestInfo | URL | Response | BufferSource | WebAssembly.Module;
 
 export interface InitOutput {
@@ -121,19 +126,19 @@ export interface InitOutput {
     readonly __wbg_pagedriven_free: (a: number, b: number) => void;
     readonly __wbg_pagemodel_free: (a: number, b: number) => void;
     readonly pagedrive_by_hand: (a: number, b: number, c: number, d: number, e: number, f: number, g: number) => [number, number, number];
-    readonly pagedrive_chunk: (a: number, b: number, c: number, d: number) => [number, number, number, number];
+    readonly pagedrive_chunk: (a: number, b: number, c: number) => [number, number, number, number];
     readonly pagedrive_finish: (a: number) => [number, number, number];
     readonly pagedrive_header: (a: number) => [number, number, number, number];
     readonly pagedrive_keys: (a: number, b: number, c: number, d: number) => number;
     readonly pagedrive_note: (a: number, b: number, c: number) => void;
     readonly pagedrive_pad: (a: number, b: number, c: number, d: number, e: number, f: number) => number;
     readonly pagedrive_places: (a: number, b: number, c: number) => [number, number];
-    readonly pagedrive_ride: (a: number, b: number, c: number, d: number, e: number, f: number, g: number, h: number, i: number) => [number, number, number];
+    readonly pagedrive_ride: (a: number, b: number, c: number, d: number, e: number, f: number, g: number, h: number, i: number, j: number) => [number, number, number];
     readonly pagedrive_rides: (a: number, b: number) => number;
     readonly pagedrive_road: (a: number) => [number, number];
     readonly pagedrive_seen: (a: number) => [number, number];
     readonly pagedrive_ticks: (a: number) => number;
-    readonly pagedrive_turn: (a: number, b: number) => void;
+    readonly pagedrive_turn: (a: number, b: number) => [number, number, number];
     readonly pagedrive_wheel: (a: number, b: number, c: number, d: number, e: number, f: number) => number;
     readonly pagedriven_contacts: (a: number) => [number, number];
     readonly pagedriven_end: (a: number) => [number, number, number, number];
@@ -141,6 +146,7 @@ export interface InitOutput {
     readonly pagemodel_mean: (a: number) => [number, number];
     readonly pagemodel_new: (a: number, b: number) => [number, number, number];
     readonly replay: (a: number, b: number) => [number, number, number, number];
+    readonly world: (a: number, b: number, c: number, d: number) => [number, number];
     readonly __wbindgen_externrefs: WebAssembly.Table;
     readonly __wbindgen_malloc: (a: number, b: number) => number;
     readonly __wbindgen_realloc: (a: number, b: number, c: number, d: number) => number;

@@ -51,28 +51,28 @@ export class PageDrive {
         return PageDrive.__wrap(ret[0]);
     }
     /**
-     * The piece of the record since the last, as a line.
-     * @param {number} drawn
-     * @param {number} late
-     * @param {number} dropped_steps
+     * The piece of the record since the last, as a line; `frames` as in [`Frames`]: drawn, late, left out, longest, input.
+     * @param {Uint32Array | number[]} frames
      * @returns {string}
      */
-    chunk(drawn, late, dropped_steps) {
-        let deferred2_0;
-        let deferred2_1;
+    chunk(frames) {
+        let deferred3_0;
+        let deferred3_1;
         try {
-            const ret = wasm.pagedrive_chunk(this.__wbg_ptr, drawn, late, dropped_steps);
-            var ptr1 = ret[0];
-            var len1 = ret[1];
+            const ptr0 = passArray32ToWasm0(frames, wasm.__wbindgen_malloc);
+            const len0 = WASM_VECTOR_LEN;
+            const ret = wasm.pagedrive_chunk(this.__wbg_ptr, ptr0, len0);
+            var ptr2 = ret[0];
+            var len2 = ret[1];
             if (ret[3]) {
-                ptr1 = 0; len1 = 0;
+                ptr2 = 0; len2 = 0;
                 throw takeFromExternrefTable0(ret[2]);
             }
-            deferred2_0 = ptr1;
-            deferred2_1 = len1;
-            return getStringFromWasm0(ptr1, len1);
+            deferred3_0 = ptr2;
+            deferred3_1 = len2;
+            return getStringFromWasm0(ptr2, len2);
         } finally {
-            wasm.__wbindgen_free(deferred2_0, deferred2_1, 1);
+            wasm.__wbindgen_free(deferred3_0, deferred3_1, 1);
         }
     }
     /**
@@ -156,19 +156,21 @@ export class PageDrive {
         return v2;
     }
     /**
-     * A ride in a style, at so many points on the dial.
+     * A ride in a style, at so many points of the study's on the dial; `stretch` is points of the model for one of them.
      * @param {string} json
      * @param {number} seconds
      * @param {string} seed
      * @param {PageModel} model
      * @param {Float64Array | number[]} own
      * @param {number} points
+     * @param {number} stretch
      * @returns {PageDrive}
      */
-    static ride(json, seconds, seed, model, own, points) {
+    static ride(json, seconds, seed, model, own, points, stretch) {
         _assertClass(model, PageModel);
         const val4 = +seconds;
         const val5 = +points;
+        const val6 = +stretch;
         let ptr0, len0, ptr1, len1, ptr2, len2;
         try {
             ptr0 = passStringToWasm0(json, wasm.__wbindgen_malloc, wasm.__wbindgen_realloc);
@@ -183,7 +185,7 @@ export class PageDrive {
             if (ptr0) { wasm.__wbindgen_free(ptr0, len0 * 1, 1); }
             throw e;
         }
-        const ret = wasm.pagedrive_ride(ptr0, len0, val4, ptr1, len1, model.__wbg_ptr, ptr2, len2, val5);
+        const ret = wasm.pagedrive_ride(ptr0, len0, val4, ptr1, len1, model.__wbg_ptr, ptr2, len2, val5, val6);
         if (ret[2]) {
             throw takeFromExternrefTable0(ret[1]);
         }
@@ -228,11 +230,16 @@ export class PageDrive {
         return ret;
     }
     /**
-     * Turns the dial of a ride to so many points from the person's own style.
+     * Turns the dial of a ride to so many of the study's points from the person's own style, as far as it goes: gives where it is now.
      * @param {number} points
+     * @returns {number}
      */
     turn(points) {
-        wasm.pagedrive_turn(this.__wbg_ptr, points);
+        const ret = wasm.pagedrive_turn(this.__wbg_ptr, points);
+        if (ret[2]) {
+            throw takeFromExternrefTable0(ret[1]);
+        }
+        return ret[0];
     }
     /**
      * Drives so many steps by a wheel turned so far (rad, left positive) and pedals.
@@ -396,6 +403,36 @@ export function replay(lines) {
         wasm.__wbindgen_free(deferred3_0, deferred3_1, 1);
     }
 }
+
+/**
+ * Seed of what somebody with this token drives at `what`, where no server gives one.
+ * @param {string} token
+ * @param {string} what
+ * @returns {string}
+ */
+export function world(token, what) {
+    let deferred3_0;
+    let deferred3_1;
+    try {
+        let ptr0, len0, ptr1, len1;
+        try {
+            ptr0 = passStringToWasm0(token, wasm.__wbindgen_malloc, wasm.__wbindgen_realloc);
+            len0 = WASM_VECTOR_LEN;
+            ptr1 = passStringToWasm0(what, wasm.__wbindgen_malloc, wasm.__wbindgen_realloc);
+            len1 = WASM_VECTOR_LEN;
+        } catch (e) {
+            if (ptr1) { wasm.__wbindgen_free(ptr1, len1 * 1, 1); }
+            if (ptr0) { wasm.__wbindgen_free(ptr0, len0 * 1, 1); }
+            throw e;
+        }
+        const ret = wasm.world(ptr0, len0, ptr1, len1);
+        deferred3_0 = ret[0];
+        deferred3_1 = ret[1];
+        return getStringFromWasm0(ret[0], ret[1]);
+    } finally {
+        wasm.__wbindgen_free(deferred3_0, deferred3_1, 1);
+    }
+}
 function __wbg_get_imports() {
     const import0 = {
         __proto__: null,
@@ -475,6 +512,13 @@ function getUint8ArrayMemory0() {
         cachedUint8ArrayMemory0 = new Uint8Array(wasm.memory.buffer);
     }
     return cachedUint8ArrayMemory0;
+}
+
+function passArray32ToWasm0(arg, malloc) {
+    const ptr = malloc(arg.length * 4, 4) >>> 0;
+    getUint32ArrayMemory0().set(arg, ptr / 4);
+    WASM_VECTOR_LEN = arg.length;
+    return ptr;
 }
 
 function passArray8ToWasm0(arg, malloc) {

@@ -11,19 +11,29 @@ export type Means = { by: "keys" } | { by: "pad" } | { by: "wheel"; wheel: Wheel
 const down = new Set<string>();
 const presses: ((code: string) => void)[] = [];
 const ours = ["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Space"];
+/// When the first key that drives went down since it was last asked, by the browser's clock; none went down: null.
+let pressedAt: number | null = null;
 /// Whether keys drive: outside of a drive they scroll and press buttons.
 let driving = false;
 
 addEventListener("keydown", (event) => {
   if (!driving) return;
   if (ours.includes(event.code)) event.preventDefault();
-  if (!event.repeat) for (const take of presses) take(event.code);
+  if (!event.repeat) {
+    for (const take of presses) take(event.code);
+    if (bits.some(([code]) => code === event.code)) pressedAt ??= event.timeStamp;
+  }
   down.add(event.code);
 });
 addEventListener("keyup", (event) => down.delete(event.code));
 addEventListener("blur", () => down.clear());
 
 export function drives(now: boolean): void { driving = now; down.clear(); }
+export function takePressedAt(): number | null {
+  const at = pressedAt;
+  pressedAt = null;
+  return at;
+}
 export function onPress(take: (code: string) => void): () => void {
   presses.push(take);
   return () => { presses.splice(presses.indexOf(take), 1); };

@@ -11,13 +11,15 @@ import { make } from "./words";
 const STEP_MS = 10;
 /// A picture that comes later than this is counted; more steps than this at once are left out.
 const LATE_MS = 50, MOST_STEPS = 25;
+/// Whoever stands or creeps keeps no lane.
+const SLOW_MPS = 5;
 
 const element = (id: string): HTMLElement => document.getElementById(id) as HTMLElement;
 
 export interface Wanted {
   state: api.State; step: number; attempt: number;
   /// Who drives: a person by these means, or a model.
-  ride: { model: PageModel; own: Float64Array; points: number; turns: number | null; range: number } | null;
+  ride: { model: PageModel; own: Float64Array; points: number; stretch: number; turns: number | null } | null;
   seconds: number; seed: string;
   /// What is said above the speed, at first.
   hint: string;
@@ -34,7 +36,7 @@ const driver = navigator.webdriver ? "scripted" : "human";
 export async function run(wanted: Wanted, learn: PageModel | null): Promise<string | null> {
   const { state, ride } = wanted;
   const drive = ride
-    ? PageDrive.ride(state.scenario, wanted.seconds, wanted.seed, ride.model, ride.own, ride.points)
+    ? PageDrive.ride(state.scenario, wanted.seconds, wanted.seed, ride.model, ride.own, ride.points, ride.stretch)
     : PageDrive.by_hand(state.scenario, wanted.seconds, wanted.seed, driver);
   const told = drive.road();
   const at = (i: number): number => told[i] as number;
@@ -44,7 +46,7 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
   };
   const panel = element("drive");
   panel.hidden = false;
-  const view = new View(element("view") as HTMLCanvasElement, road);
+  const view = new View(element("view") as HTMLCanvasElement, road, state.view);
   const sound = new Sound();
   sound.start();
   const resized = (): void => view.resize();
@@ -60,9 +62,12 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
   const buttons = element("buttons");
   buttons.replaceChildren();
   const turn = (by: number): void => {
-    points = Math.max(-(ride?.range ?? 0), Math.min(ride?.range ?? 0, points + by));
-    drive.turn(points);
-    element("said").textContent = points === 0 ? "Your own style" : `${Math.abs(Math.round(points))} points ${points > 0 ? "sportier" : "calmer"} than you`;
+    const wanted = points + by;
+    points = drive.turn(wanted);
+    const end = Math.abs(points - wanted) > 1e-9 ? " (as far as it goes)" : "";
+    const sportier = points * (ride?.turns ?? 0) > 0;
+    const far = Math.abs(points) < 0.5 ? "Your own style" : `${Math.round(Math.abs(points))} points ${sportier ? "sportier" : "calmer"} than you`;
+    element("said").textContent = far + end;
   };
   const button = (label: string, press: () => void): void => {
     const made = make("button", [label], { type: "button" });
@@ -87,7 +92,7 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
   const hidden = (): void => { if (document.hidden) drive.note("hidden"); };
   document.addEventListener("visibilitychange", hidden);
 
-  let drawn = 0, late = 0, dropped = 0, before = performance.now(), owed = 0, sent = before, over = false, touched = 0;
+  let drawn = 0, late = 0, dropped = 0, longest = 0, input = 0, before = performance.now(), owed = 0, sent = before, over = false, touched = 0;
   const speeds = new Map<number, { row: number; speed: number; braking: boolean; y: number; signal: number; ahead: boolean }>();
   const practised: Practised = { keptS: 0, passes: 0 };
   let lastTicks = 0, plainness = "";
@@ -96,8 +101,8 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
     if (ticks === lastTicks) return;
     lastTicks = ticks;
     if (view.plainness !== plainness) { plainness = view.plainness; drive.note(plainness); }
-    const line = drive.chunk(drawn, late, dropped);
-    [drawn, late, dropped] = [0, 0, 0];
+    const line = drive.chunk(Uint32Array.of(drawn, late, dropped, Math.round(longest), Math.round(input)));
+    [drawn, late, dropped, longest, input] = [0, 0, 0, 0, 0];
     await outbox.add(line, ticks);
     void outbox.flush();
   };
@@ -105,14 +110,18 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
     const frame = (now: number): void => {
       const passed = now - before;
       before = now;
+      // Whoever is asked whether to leave does not drive meanwhile.
+      if (document.querySelector("dialog[open]")) { requestAnimationFrame(frame); return; }
       drawn++;
+      longest = Math.max(longest, passed);
       if (passed > LATE_MS) late++;
       owed += Math.max(0, passed);
       let steps = Math.floor(owed / STEP_MS);
       owed -= steps * STEP_MS;
       if (steps > MOST_STEPS) { dropped += steps - MOST_STEPS; steps = MOST_STEPS; }
-      let goesOn = true;
+      let goesOn = true, pressedAt: number | null = null;
       if (steps > 0) {
+        pressedAt = controls.takePressedAt();
         if (ride) goesOn = drive.rides(steps);
         else if (means.by === "keys") goesOn = drive.keys(controls.keys(), signal, steps);
         else if (means.by === "pad") { const [x, gas, stop] = controls.pad(); goesOn = drive.pad(x, gas, stop, signal, steps); }
@@ -143,16 +152,18 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
       element("right").classList.toggle("on", turning < 0 && blink);
       element("speed").textContent = `${Math.round(speed * unit.factor)} ${unit.name}`;
       const off = Math.abs(y - Math.round(Math.max(0, Math.min(road.lanes - 1, y / road.laneWidth))) * road.laneWidth);
-      practised.keptS = off + 0.5 * road.carWidth < 0.5 * road.laneWidth ? practised.keptS + steps * STEP_MS / 1000 : 0;
+      const within = off + 0.5 * road.carWidth < 0.5 * road.laneWidth && speed > SLOW_MPS;
+      practised.keptS = within ? practised.keptS + steps * STEP_MS / 1000 : 0;
       const contacts = get(7) + get(8);
       if (contacts > touched) { touched = contacts; element("said").textContent = get(7) > 0 ? "Contact with another vehicle or the barrier" : "Contact with the barrier"; }
       sound.set(speed, get(12));
       view.draw({ x: x + speed * owed / 1000, y, heading, wheel, others }, now);
+      if (pressedAt !== null) input = Math.max(input, performance.now() - pressedAt);
       if (now - sent >= 1000) {
         sent = now;
         void piece();
         if (wanted.enough?.(practised)) goesOn = false;
-        if (outbox.refused) { element("said").textContent = outbox.refused; goesOn = false; }
+        if (outbox.refused) { element("said").textContent = outbox.refused.message; goesOn = false; }
       }
       if (!goesOn) over = true;
       if (over) finished(); else requestAnimationFrame(frame);
@@ -178,6 +189,6 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
     await outbox.flush();
     if (!outbox.empty) await new Promise((later) => setTimeout(later, 700));
   }
-  if (outbox.refused) throw new api.Refused(outbox.refused);
+  if (outbox.refused) throw outbox.refused;
   return fit;
 }

@@ -35,7 +35,7 @@ leaveButton.addEventListener("click", () => {
 
 async function drives(state: api.State, step: api.Step & { kind: "practice" | "drive" | "ride" }): Promise<void> {
   // It had ended, and only the word of it was lost.
-  if (state.whole && (step.kind !== "drive" || state.fit)) { await api.done(state.at); return; }
+  if (state.whole) { await api.done(state.at); return; }
   const go = pressed(state.attempts > 0 ? "Begin again" : "Begin");
   const again = state.attempts > 0 ? [make("p", ["This part was cut short and begins again."])] : [];
   const [title, body, hint] = told(state, step);
@@ -51,8 +51,10 @@ async function drives(state: api.State, step: api.Step & { kind: "practice" | "d
   }
   if (step.kind === "ride") {
     if (!learned) throw new Error("there is no model to ride with");
-    const own = step.style === "mean" || !state.fit ? learned.mean() : Float64Array.from(state.fit.embedding);
-    wanted.ride = { model: learned, own, points: step.points, turns: step.turns, range: 44 };
+    const fitted = state.fit && Float64Array.from(state.fit.embedding);
+    const own = step.style === "mean" ? learned.mean() : fitted;
+    if (!own) throw new Error("no style was learned of the drive by hand");
+    wanted.ride = { model: learned, own, points: step.points, stretch: step.stretch, turns: step.turns };
   }
   const fit = await run(wanted, step.kind === "drive" ? learned : null);
   if (fit) await api.keepFit(fit);

@@ -1,6 +1,6 @@
 // Lines of drives that the server has not acknowledged yet, kept in the browser too.
 
-import { lines as send, Refused, token } from "./api";
+import { lines as send, Refused, surely, token } from "./api";
 
 interface Kept { id?: number; token: string; step: number; attempt: number; from: number; line: string }
 
@@ -33,7 +33,7 @@ export class Outbox {
   /// Steps that the server has kept.
   kept = 0;
   /// Why the server takes no more, if it does not.
-  refused: string | null = null;
+  refused: Refused | null = null;
 
   constructor(private step: number, private attempt: number) {}
 
@@ -56,7 +56,7 @@ export class Outbox {
     try {
       this.kept = await send(this.step, this.attempt, now.map((k) => k.line + "\n").join(""));
     } catch (error) {
-      if (error instanceof Refused) this.refused = error.message;
+      if (error instanceof Refused) this.refused = error;
       return;
     }
     const gone = now.filter((k) => k.from <= this.kept);
@@ -67,7 +67,7 @@ export class Outbox {
   get empty(): boolean { return this.waiting.length === 0; }
 }
 
-/// Sends what an earlier page of this person kept and could not send.
+/// Sends what an earlier page of this person kept and could not send; waits for the server before anything is begun anew.
 export async function sendLeftovers(): Promise<void> {
   const all = ((await change((store) => store.getAll())) as Kept[] | undefined) ?? [];
   const groups = new Map<string, Kept[]>();
@@ -78,9 +78,11 @@ export async function sendLeftovers(): Promise<void> {
   for (const group of groups.values()) {
     const first = group[0] as Kept;
     try {
-      await send(first.step, first.attempt, group.map((k) => k.line + "\n").join(""));
+      await surely(() => send(first.step, first.attempt, group.map((k) => k.line + "\n").join("")));
     } catch (error) {
-      if (!(error instanceof Refused)) continue;
+      // Another tab has the study now: what is kept here is that tab's to send.
+      if (error instanceof Refused && error.status === 409) return;
+      if (!(error instanceof Refused)) throw error;
     }
     for (const k of group) await change((store) => store.delete(k.id as number));
   }

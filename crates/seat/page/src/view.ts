@@ -1,6 +1,7 @@
 // The road from the driver's seat.
 
 import * as THREE from "three";
+import type { ViewSettings } from "./api";
 
 /// What the view asks of a drive: places of the road on the map.
 export interface Road {
@@ -16,7 +17,7 @@ export interface Look {
 }
 
 const PIECE_M = 100, BEHIND = -3, AHEAD = 9;
-const EYE_M = 1.22, SEAT_M = 0.36, FIELD_DEG = 44;
+const SEAT_M = 0.36;
 const SKY = 0xaec3d3;
 
 /// Numbers that look random and are the same at the same place.
@@ -78,7 +79,7 @@ interface CarLook { group: THREE.Group; brake: THREE.MeshBasicMaterial; left: TH
 export class View {
   private renderer: THREE.WebGLRenderer;
   private scene = new THREE.Scene();
-  private camera = new THREE.PerspectiveCamera(FIELD_DEG, 1, 0.15, 1400);
+  private camera = new THREE.PerspectiveCamera(44, 1, 0.15, 1400);
   private mirrorCamera = new THREE.PerspectiveCamera(22, 1, 0.4, 500);
   private hud = new THREE.Scene();
   private hudCamera = new THREE.OrthographicCamera(0, 1, 1, 0, -1, 1);
@@ -95,7 +96,7 @@ export class View {
   /// How many frames a mirror waits for its next picture.
   private mirrorEvery = 3;
 
-  constructor(private canvas: HTMLCanvasElement, private road: Road) {
+  constructor(private canvas: HTMLCanvasElement, private road: Road, private eyes: ViewSettings) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
     this.renderer.autoClear = false;
     this.scene.background = colour(SKY);
@@ -128,14 +129,20 @@ export class View {
     const [w, h] = [this.canvas.clientWidth || innerWidth, this.canvas.clientHeight || innerHeight];
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 1.5) * this.scale);
     this.renderer.setSize(w, h, false);
-    this.camera.aspect = w / h;
+    const aspect = w / h, one = aspect / this.eyes.screens, middle = 0.5 * (aspect - one);
+    this.camera.fov = this.eyes.field_deg;
+    this.camera.aspect = one;
     this.camera.updateProjectionMatrix();
-    const aspect = w / h;
     Object.assign(this.hudCamera, { left: 0, right: aspect, top: 1, bottom: 0 });
     this.hudCamera.updateProjectionMatrix();
     for (const m of this.mirrors) {
-      if (m.side === 0) { m.mesh.scale.set(0.4, 0.116, 1); m.mesh.position.set(aspect * 0.64, 0.925, 0); }
-      else { m.mesh.scale.set(0.2, 0.143, 1); m.mesh.position.set(m.side > 0 ? 0.125 : aspect - 0.125, 0.36, 0); }
+      if (m.side === 0) { m.mesh.scale.set(0.4, 0.116, 1); m.mesh.position.set(middle + one * 0.64, 0.925, 0); }
+      // On three screens the outer mirrors are on the outer screens, beside the middle one.
+      else {
+        const out = middle > 0 ? -0.125 : 0.125;
+        m.mesh.scale.set(0.2, 0.143, 1);
+        m.mesh.position.set(m.side > 0 ? middle + out : middle + one - out, 0.36, 0);
+      }
     }
   }
 
@@ -159,10 +166,10 @@ export class View {
     const dark = new THREE.MeshLambertMaterial({ color: 0x1c1e22 });
     const paint = new THREE.MeshLambertMaterial({ color: 0x2d4a66 });
     const bonnet = new THREE.Mesh(new THREE.SphereGeometry(1, 24, 12, 0, 2 * Math.PI, 0, Math.PI / 2), paint);
-    bonnet.scale.set(1.15, 0.17, 0.86);
-    bonnet.position.set(1.45, 0.76, 0);
-    const board = new THREE.Mesh(new THREE.BoxGeometry(0.5, 0.22, 1.7), dark);
-    board.position.set(0.78, 0.79, 0);
+    bonnet.scale.set(1.3, 0.16, 0.8);
+    bonnet.position.set(1.35, 0.74, 0);
+    const board = new THREE.Mesh(new THREE.BoxGeometry(0.6, 0.3, 2.6), dark);
+    board.position.set(0.8, 0.74, 0);
     const rim = new THREE.Mesh(new THREE.TorusGeometry(0.185, 0.016, 8, 32), dark);
     const spoke = new THREE.Mesh(new THREE.BoxGeometry(0.36, 0.035, 0.02), dark);
     this.wheel.add(rim, spoke);
@@ -174,8 +181,8 @@ export class View {
     tilt.add(this.wheel);
     column.add(tilt);
     const pillar = (z: number): THREE.Mesh => {
-      const mesh = new THREE.Mesh(new THREE.BoxGeometry(0.05, 1.2, 0.04), dark);
-      mesh.position.set(0.8, 1.3, z);
+      const mesh = new THREE.Mesh(new THREE.BoxGeometry(0.05, 1.9, 0.045), dark);
+      mesh.position.set(0.9, 1.2, z);
       mesh.rotation.z = 0.85;
       return mesh;
     };
@@ -322,17 +329,32 @@ export class View {
     this.inside.rotation.y = eh;
     this.wheel.rotation.z = 15 * look.wheel;
     const ahead = new THREE.Vector3(Math.cos(eh), 0, -Math.sin(eh)), toLeft = new THREE.Vector3(-Math.sin(eh), 0, -Math.cos(eh));
-    const eye = toLeft.clone().multiplyScalar(SEAT_M).setY(EYE_M);
+    const eye = toLeft.clone().multiplyScalar(SEAT_M).setY(this.eyes.eye_m);
     this.camera.position.copy(eye);
-    this.camera.lookAt(eye.clone().addScaledVector(ahead, 60).setY(EYE_M - 3.2));
     this.mirror(ahead, toLeft);
     this.renderer.setRenderTarget(null);
     this.renderer.clear();
-    this.renderer.render(this.scene, this.camera);
+    this.screens(eye, eh);
     this.renderer.clearDepth();
     this.renderer.render(this.hud, this.hudCamera);
     this.frame++;
     this.pace(time);
+  }
+
+  /// One picture, or three side by side, the outer ones turned outwards.
+  private screens(eye: THREE.Vector3, heading: number): void {
+    const size = this.renderer.getSize(new THREE.Vector2());
+    const n = this.eyes.screens, width = size.x / n, outwards = this.eyes.side_deg * Math.PI / 180;
+    for (let i = 0; i < n; i++) {
+      const way = heading + ((n - 1) / 2 - i) * outwards;
+      this.camera.lookAt(eye.x + 60 * Math.cos(way), this.eyes.eye_m - 3.2, eye.z - 60 * Math.sin(way));
+      this.renderer.setViewport(i * width, 0, width, size.y);
+      this.renderer.setScissor(i * width, 0, width, size.y);
+      this.renderer.setScissorTest(n > 1);
+      this.renderer.render(this.scene, this.camera);
+    }
+    this.renderer.setViewport(0, 0, size.x, size.y);
+    this.renderer.setScissorTest(false);
   }
 
   private mirror(ahead: THREE.Vector3, toLeft: THREE.Vector3): void {

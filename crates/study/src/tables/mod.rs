@@ -413,6 +413,14 @@ impl TableBuilder {
         self
     }
 
+    /// Adds a column of text, some of it missing.
+    #[must_use]
+    pub fn cells(mut self, name: &str, cells: impl IntoIterator<Item = Option<String>>) -> Self {
+        let cells: Vec<Option<String>> = cells.into_iter().collect();
+        self.columns.push(Column::new(name.into(), cells));
+        self
+    }
+
     /// Adds a column of numbers, some of them missing.
     #[must_use]
     pub fn numbers(mut self, name: &str, cells: impl IntoIterator<Item = Option<f64>>) -> Self {

@@ -237,10 +237,10 @@ fn driven(folder: &Path, run: &Run) -> Result<(Option<Road>, Option<f64>), Study
 
 /// How many took part in what.
 fn subtitle(run: &Run) -> String {
-    let made_up = if run.analysis.synthetic {
-        "Synthetic participants: "
-    } else {
-        ""
+    let made_up = match (run.analysis.synthetic, run.analysis.scripted) {
+        (true, _) => "Synthetic participants: ",
+        (false, true) => "Driven by a script: ",
+        (false, false) => "",
     };
     let learned = run.training.as_ref().map_or_else(String::new, |t| {
         format!("{} drives to learn from, ", t.drives)

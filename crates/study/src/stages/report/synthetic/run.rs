@@ -63,7 +63,10 @@ impl Run {
                 synthetic: true,
                 ..Context::real()
             },
-            (_, false) => Context::real(),
+            (_, false) => Context {
+                scripted: analysis.scripted,
+                ..Context::real()
+            },
         };
         Ok(Self {
             scales: read_scales(&study.resolve(&design.files().scales))?,
