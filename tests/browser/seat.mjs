@@ -36,6 +36,9 @@ async function kill() {
   await gone;
 }
 
+// A test that stops in the middle leaves no server behind.
+process.on("exit", () => server?.kill("SIGKILL"));
+
 await start();
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM, args: ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"] });
 const lab = await (await browser.newContext({ viewport: sizes[0] })).newPage();

@@ -56,6 +56,19 @@ impl Files {
         })))
     }
 
+    /// Makes the table of people, with nobody in it, where there is none.
+    ///
+    /// # Errors
+    /// [`SeatError::Study`] if it cannot be written.
+    pub fn begin(&self) -> Result<(), SeatError> {
+        match &self.0 {
+            Some(place) if !place.people.exists() => {
+                tables::write_people(&place.people, &place.design, &[])
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The people who stand in the study's table.
     pub(crate) fn people(&self) -> Result<BTreeSet<String>, SeatError> {
         self.0.as_ref().map_or_else(

@@ -1,7 +1,7 @@
 //! What a page sends of a drive: checked against the step, kept once.
 
 use crate::{
-    serve::{Answered, Refused, Shared, json, read},
+    request::{Answered, Refused, Shared, json, read},
     steps::Step,
 };
 use axum::{

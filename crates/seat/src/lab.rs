@@ -1,7 +1,7 @@
 //! The experimenter's page: who is where, and the link for the next person.
 
 use crate::{
-    serve::{Refused, Shared},
+    request::{Refused, Shared},
     steps::Step,
     token,
 };

@@ -3,10 +3,17 @@
 use axum::http::{HeaderMap, header};
 use std::net::SocketAddr;
 
+/// The one header of this name; what is there twice is nobody's word.
+fn only(headers: &HeaderMap, name: header::HeaderName) -> Option<&str> {
+    let mut found = headers.get_all(name).iter();
+    let first = found.next()?.to_str().ok()?;
+    found.next().is_none().then_some(first)
+}
+
 /// Whether a request that changes something comes from a page of this server: its `Origin` is the `Host` it asks.
 pub(crate) fn own(headers: &HeaderMap) -> bool {
-    let text = |name| headers.get(name).and_then(|v| v.to_str().ok());
-    let (Some(origin), Some(host)) = (text(header::ORIGIN), text(header::HOST)) else {
+    let (Some(origin), Some(host)) = (only(headers, header::ORIGIN), only(headers, header::HOST))
+    else {
         return false;
     };
     ["http://", "https://"]
@@ -19,9 +26,8 @@ pub(crate) fn host_is_ours(headers: &HeaderMap, bound: SocketAddr) -> bool {
     if !bound.ip().is_loopback() {
         return true;
     }
-    let host = headers.get(header::HOST).and_then(|v| v.to_str().ok());
     let port = bound.port();
-    host.is_some_and(|host| {
+    only(headers, header::HOST).is_some_and(|host| {
         ["127.0.0.1", "localhost", "[::1]"]
             .iter()
             .any(|name| host == format!("{name}:{port}"))

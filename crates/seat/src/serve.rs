@@ -1,7 +1,14 @@
 //! The server: the page, and what it sends.
 
 use crate::{
-    assets, error::SeatError, intake, lab, origin, person::Person, seat::Seat, steps::Step, token,
+    assets,
+    error::SeatError,
+    intake, lab, origin,
+    request::{Answered, Refused, Shared, Why, json, read},
+    seat::Seat,
+    sheet::Sheet,
+    steps::Step,
+    token,
 };
 use axum::{
     Router,
@@ -127,17 +134,6 @@ impl Serving {
     }
 }
 
-/// What every request is answered from.
-#[derive(Clone)]
-pub(crate) struct Shared {
-    pub(crate) seat: Arc<Seat>,
-    address: SocketAddr,
-    /// Whether something in front answers for names and encryption.
-    behind_a_proxy: bool,
-    /// Whoever gives a wrong password waits in this line.
-    pub(crate) guesses: Arc<tokio::sync::Mutex<()>>,
-}
-
 fn router(shared: Shared) -> Router {
     Router::new()
         .route("/p/{token}", get(page))
@@ -180,7 +176,8 @@ async fn guard(State(shared): State<Shared>, request: Request, next: Next) -> Re
              base-uri 'none'; form-action 'self'; frame-ancestors 'none'",
         ),
         (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
-        (header::REFERRER_POLICY, "no-referrer"),
+        // Links stay here; with no referrer at all a browser would hide the origin of a form, too.
+        (header::REFERRER_POLICY, "same-origin"),
         (header::CACHE_CONTROL, "no-store"),
     ];
     for (name, value) in said {
@@ -189,95 +186,6 @@ async fn guard(State(shared): State<Shared>, request: Request, next: Next) -> Re
             .insert(name, HeaderValue::from_static(value));
     }
     response
-}
-
-/// What went wrong with a request, on its way to the list of events.
-#[derive(Clone)]
-struct Why(String);
-
-/// Why a request is refused.
-pub(crate) enum Refused {
-    /// Nobody has this link, or their part is over.
-    NoSuchPerson,
-    /// What was sent is not what the step may send.
-    NotThis(String),
-    /// Another tab has the page.
-    OtherTab,
-    /// Our own fault.
-    Failed(SeatError),
-}
-
-impl From<SeatError> for Refused {
-    fn from(error: SeatError) -> Self {
-        Self::Failed(error)
-    }
-}
-
-impl IntoResponse for Refused {
-    fn into_response(self) -> Response {
-        match self {
-            Self::NoSuchPerson => (StatusCode::NOT_FOUND, "no such link").into_response(),
-            Self::NotThis(why) => (StatusCode::BAD_REQUEST, why).into_response(),
-            Self::OtherTab => {
-                (StatusCode::CONFLICT, "this study is open in another tab").into_response()
-            }
-            // What went wrong here is the experimenter's to read, not the person's.
-            Self::Failed(error) => {
-                let told = "this could not be kept; please tell whoever runs the study";
-                let mut response = (StatusCode::INTERNAL_SERVER_ERROR, told).into_response();
-                response.extensions_mut().insert(Why(error.to_string()));
-                response
-            }
-        }
-    }
-}
-
-pub(crate) type Answered<T> = Result<T, Refused>;
-
-pub(crate) fn json(value: &impl Serialize) -> Response {
-    let body = serde_json::to_string(value).unwrap_or_default();
-    ([(header::CONTENT_TYPE, "application/json")], body).into_response()
-}
-
-pub(crate) fn read<'a, T: Deserialize<'a>>(body: &'a [u8]) -> Answered<T> {
-    serde_json::from_slice(body).map_err(|e| Refused::NotThis(e.to_string()))
-}
-
-impl Shared {
-    /// Does what takes longer than a request should keep others waiting.
-    pub(crate) async fn blocking<T: Send + 'static>(
-        &self,
-        work: impl FnOnce(&Seat) -> Result<T, SeatError> + Send + 'static,
-    ) -> Answered<T> {
-        let seat = Arc::clone(&self.seat);
-        let done = tokio::task::spawn_blocking(move || work(&seat)).await;
-        // A panic there is a bug, said as such and no further.
-        Ok(done.map_err(|e| SeatError::Unfinished {
-            problem: e.to_string(),
-        })??)
-    }
-
-    pub(crate) fn person(&self, token: &str) -> Answered<Person> {
-        let known = token::possible(token).then(|| self.seat.store.person(token));
-        known.transpose()?.flatten().ok_or(Refused::NoSuchPerson)
-    }
-
-    /// Somebody whose part is not over, at the step that they say.
-    pub(crate) fn at(&self, token: &str, step: usize) -> Answered<(Person, Step)> {
-        let person = self.person(token)?;
-        if person.ended.is_some() {
-            return Err(Refused::NoSuchPerson);
-        }
-        let found = person.steps.get(step).cloned();
-        // A step that lies behind may come again: the reply was lost.
-        match found.filter(|_| step <= person.at) {
-            Some(found) => Ok((person, found)),
-            None => Err(Refused::NotThis(format!(
-                "step {step}, expected at most {}",
-                person.at
-            ))),
-        }
-    }
 }
 
 async fn page() -> Response {
@@ -353,54 +261,14 @@ async fn open(
     Ok(json(&"open"))
 }
 
-/// Answers to one scale, or agreeing to a text.
-#[derive(Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Sheet {
-    /// One an item; null where it was left out.
-    #[serde(default)]
-    pub(crate) answers: Vec<Option<i32>>,
-    /// Whether the text was agreed to.
-    #[serde(default)]
-    pub(crate) agreed: bool,
-    /// Time on the page, in s.
-    pub(crate) seconds: f64,
-    /// SHA-256 of the text that was agreed to; set here, whatever is sent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) text_sha256: Option<String>,
-}
-
 async fn answer(
     State(shared): State<Shared>,
     Path((token, step)): Path<(String, usize)>,
     body: Bytes,
 ) -> Answered<Response> {
     let (person, found) = shared.at(&token, step)?;
-    let mut sheet: Sheet = read(&body)?;
-    sheet.text_sha256 = None;
-    if !(0.0..1e6).contains(&sheet.seconds) {
-        return Err(Refused::NotThis(format!("seconds {}", sheet.seconds)));
-    }
-    match &found {
-        Step::Scale {
-            items, min, max, ..
-        } => {
-            let range = *min..=*max;
-            let all = sheet.answers.len() == items.len();
-            if !all || sheet.answers.iter().flatten().any(|a| !range.contains(a)) {
-                let (n, low, high) = (items.len(), range.start(), range.end());
-                let why = format!("expected {n} answers, each {low} to {high} or left out");
-                return Err(Refused::NotThis(why));
-            }
-        }
-        Step::Text {
-            agree: true, text, ..
-        } if sheet.agreed && sheet.answers.is_empty() => {
-            sheet.text_sha256 = Some(token::sha256(text));
-        }
-        _ => return Err(Refused::NotThis("nothing is asked here".to_owned())),
-    }
-    let kept = serde_json::to_string(&sheet).map_err(|e| Refused::NotThis(e.to_string()))?;
+    let sheet: Sheet = read(&body)?;
+    let kept = sheet.checked(&found).map_err(Refused::NotThis)?;
     shared.seat.store.answer(&person, step, &kept)?;
     Ok(json(&shared.person(&token)?.at))
 }

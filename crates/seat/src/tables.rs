@@ -1,6 +1,6 @@
 //! Answers and people as tables that `maveric run` reads; what others wrote into them stays.
 
-use crate::{error::SeatError, person::Person, serve::Sheet, steps::Step};
+use crate::{error::SeatError, person::Person, sheet::Sheet, steps::Step};
 use maveric_domain::Design;
 use maveric_study::tables::{Table, TableBuilder};
 use std::{

@@ -122,10 +122,10 @@ impl Server {
 
     fn ask(&self, method: &str, path: &str, body: &str, headers: &[(&str, &str)]) -> (u16, String) {
         let address = self.address;
-        let mut all = vec![
-            ("Host", address.to_string()),
-            ("Connection", "close".to_owned()),
-        ];
+        let mut all = vec![("Connection", "close".to_owned())];
+        if headers.iter().all(|(name, _)| *name != "Host") {
+            all.push(("Host", address.to_string()));
+        }
         if !headers.iter().any(|(name, _)| *name == "Origin") {
             all.push(("Origin", format!("http://{address}")));
         }
@@ -638,8 +638,15 @@ fn other_computers_are_served_only_where_that_was_said() {
     let everywhere = SocketAddr::from(([0, 0, 0, 0], 0));
     let refused = runtime.block_on(serve(Arc::clone(&server.seat), everywhere, false));
     assert!(refused.is_err_and(|e| e.to_string().contains("--plain-http")));
-    let (status, _) = server.ask("GET", "/lab", "", &[("Host", "rebound.example")]);
-    assert_ne!(status, 200);
+    let (own, rebound) = (server.address.to_string(), "rebound.example");
+    for hosts in [
+        &[("Host", rebound)][..],
+        &[("Host", &own), ("Host", rebound)],
+        &[("Host", rebound), ("Host", &own)],
+    ] {
+        assert_ne!(server.ask("GET", "/lab", "", hosts).0, 200, "{hosts:?}");
+    }
+    assert_eq!(server.ask("GET", "/lab", "", &[("Host", &own)]).0, 200);
 }
 
 #[test]

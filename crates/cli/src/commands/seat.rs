@@ -114,8 +114,10 @@ impl Seat {
         let doing = "could not open the seat";
         let folder = self.study.clone().unwrap_or_else(|| PathBuf::from("."));
         let study = DesignFile::read(&folder.join(DESIGN_FILE)).map_err(Failure::study(doing))?;
-        check_design(&study).map_err(Failure::study(doing))?;
         let records = folder.join("seat");
+        let files = files::Files::of(&study, records.clone()).map_err(Failure::study(doing))?;
+        files.begin().map_err(failure(doing))?;
+        check_design(&study).map_err(Failure::study(doing))?;
         std::fs::create_dir_all(&records).map_err(|e| Failure::io(doing, e))?;
         let named = study.design.files();
         let (model, phase) = model(&study, &folder).map_err(Failure::study(doing))?;
@@ -129,13 +131,13 @@ impl Seat {
         let settings = SeatSettings {
             scales: run_folder::read_scales(&study.resolve(&named.scales))
                 .map_err(Failure::study(doing))?,
-            texts: files::texts(&study).map_err(Failure::study(doing))?,
+            texts: maveric_seat::files::texts(&study).map_err(Failure::study(doing))?,
             scenario: run_folder::read_scenario(world.as_deref(), None)
                 .map_err(Failure::study(doing))?,
             model: bytes.map_err(|e| Failure::io(doing, e))?,
             made_up_model: study.design.synthetic(),
             stretch: dial_stretch(&study).map_err(Failure::study(doing))?,
-            files: files::Files::of(&study, records.clone()).map_err(Failure::study(doing))?,
+            files,
             password: Some(password.clone()),
             design: study.design.clone(),
         };

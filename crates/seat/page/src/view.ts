@@ -166,8 +166,8 @@ export class View {
     const dark = new THREE.MeshLambertMaterial({ color: 0x1c1e22 });
     const paint = new THREE.MeshLambertMaterial({ color: 0x2d4a66 });
     const bonnet = new THREE.Mesh(new THREE.SphereGeometry(1, 24, 12, 0, 2 * Math.PI, 0, Math.PI / 2), paint);
-    bonnet.scale.set(1.3, 0.16, 0.8);
-    bonnet.position.set(1.35, 0.74, 0);
+    bonnet.scale.set(0.85, 0.16, 0.8);
+    bonnet.position.set(1.5, 0.73, 0);
     const board = new THREE.Mesh(new THREE.BoxGeometry(0.6, 0.3, 2.6), dark);
     board.position.set(0.8, 0.74, 0);
     const rim = new THREE.Mesh(new THREE.TorusGeometry(0.185, 0.016, 8, 32), dark);
