@@ -1,13 +1,13 @@
 //! Which column of a table is what.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Names of the columns; which of them a table needs depends on its layout.
 ///
 /// A name that ends in `?` is used where the table has such a column and passed over where it has not. In a platoon
 /// `{n}` stands for the number of the vehicle. Where a row of a long table is one time of all vehicles, `{id}` stands for each
 /// vehicle's name in the columns of its own: `x = "{id}_pos_x"`.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Columns {
     /// Time (all layouts but signals).
@@ -152,7 +152,7 @@ impl Columns {
 }
 
 /// The files of a folder in which every signal has its own (layout `signals`).
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Signals {
     /// Ego's speed.
@@ -174,7 +174,7 @@ impl Signals {
 }
 
 /// Ego's speed, a file of its own.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpeedSignal {
     /// Name of the file.
@@ -186,7 +186,7 @@ pub struct SpeedSignal {
 }
 
 /// Ego's position and velocity in earth-centred, earth-fixed coordinates, always in m and m/s.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VelocitySignal {
     /// Name of the file.
@@ -200,7 +200,7 @@ pub struct VelocitySignal {
 }
 
 /// Tracks of vehicles as seen from ego.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TracksSignal {
     /// Name of the file.
@@ -220,7 +220,7 @@ pub struct TracksSignal {
 }
 
 /// A file beside the table that says how it was recorded, one row (layout `long`).
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordingMeta {
     /// What to replace in the table's name to find it, and by what: `["_tracks", "_recordingMeta"]`.

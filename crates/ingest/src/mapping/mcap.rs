@@ -2,14 +2,14 @@
 
 use super::{names::matches, shipped_rigs};
 use crate::raw::mcap::slots::Role;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Topics of a recording and how they are meant.
 ///
 /// What is left out is taken from the rig that the channels show (`study_data/mappings/rig_*.toml`), and else chosen
 /// by the types of the messages.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct McapMapping {
     /// The rig, by name; without it the channels decide.
@@ -38,7 +38,7 @@ pub struct McapMapping {
 }
 
 /// One topic or several; read from a string or a list.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(from = "OneOrMore")]
 pub struct Topics(pub Vec<String>);
 
@@ -59,7 +59,7 @@ impl From<OneOrMore> for Topics {
 }
 
 /// By which channels a rig is known: each pattern must fit some channel.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RigSigns {
     /// Patterns of topics.
@@ -81,7 +81,7 @@ impl RigSigns {
 }
 
 /// The frame in which velocities are given.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TwistFrame {
     /// The frame of the positions.
@@ -94,7 +94,7 @@ pub enum TwistFrame {
 ///
 /// A path names fields from the root, such as `pose.position.x`, `cars[].id` (each element of a list is an object) or
 /// `size[0]`. Units are SI, angles in rad.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MessageMapping {
     /// The type's name, as the schema has it.
@@ -109,7 +109,7 @@ pub struct MessageMapping {
 }
 
 /// What messages tell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Tells {
     /// Where ego is.

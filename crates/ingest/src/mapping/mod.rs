@@ -13,7 +13,7 @@ pub use columns::{Columns, RecordingMeta, Signals, SpeedSignal, TracksSignal, Ve
 use maveric_domain::{Road, nearest};
 pub use mcap::{McapMapping, MessageMapping, RigSigns, Tells, Topics, TwistFrame};
 pub use names::Names;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 pub(crate) use shipped_rigs::SHIPPED_RIGS;
 use std::path::Path;
 pub use table::{Directions, Forward, GapKind, Layout, Point, Side, TableMapping};
@@ -21,7 +21,7 @@ pub(crate) use time_pattern::patterned;
 pub use units::{AngleUnit, LengthUnit, SpeedUnit, TimeUnit, Units};
 
 /// What a log means where it does not say so itself; read from TOML, where a misspelt key is an error.
-#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mapping {
     /// Rows a second of the result; without it the canonical rate.
@@ -51,7 +51,7 @@ pub struct Mapping {
 }
 
 /// The road of a log, and how the log's frame lies to it.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RoadMapping {
     /// Number of lanes.
@@ -89,7 +89,7 @@ impl RoadMapping {
 }
 
 /// How the frame of a log lies to the road.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FrameKind {
     /// x runs along the road and y to the left already.
@@ -124,6 +124,25 @@ impl Mapping {
         let mapping: Self = toml::from_str(text).map_err(|e| bad(with_suggestion(&e)))?;
         mapping.check().map_err(bad)?;
         Ok(mapping)
+    }
+
+    /// The mapping as the text of a file.
+    ///
+    /// # Example
+    /// ```
+    /// use maveric_ingest::{Columns, LengthUnit, Layout, Mapping, SpeedUnit, TableMapping, TimeUnit, Units};
+    /// let units = Units::new(TimeUnit::Seconds, LengthUnit::Metres, SpeedUnit::MetresPerSecond);
+    /// let columns = Columns { time: Some("t".into()), ego_speed: Some("v".into()), ..Columns::default() };
+    /// let table = TableMapping { columns, ..TableMapping::new(Layout::Pair, units) };
+    /// let text = Mapping { table: Some(table), ..Mapping::default() }.to_toml();
+    /// assert!(text.contains("ego_speed = \"v\""));
+    /// ```
+    #[expect(
+        clippy::missing_panics_doc,
+        reason = "numbers, text, lists and tables with keys of text are what TOML writes"
+    )]
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).expect("a mapping holds nothing that TOML cannot write")
     }
 
     /// Whether a folder is one log, because every signal has its own file.
@@ -241,6 +260,32 @@ fn with_suggestion(error: &toml::de::Error) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_mapping_that_is_written_is_read_as_it_was() {
+        let shipped = maveric_data::FILES.iter();
+        let shipped = shipped.filter(|(path, _)| path.starts_with("study_data/mappings/"));
+        let mut count = 0;
+        for (path, text) in shipped {
+            let mapping = Mapping::from_toml(text, Path::new(path)).unwrap();
+            let again = Mapping::from_toml(&mapping.to_toml(), Path::new(path));
+            assert_eq!(again.unwrap(), mapping, "{path}");
+            count += 1;
+        }
+        assert!(count > 10);
+    }
+
+    #[test]
+    fn a_table_that_is_new_is_one_of_a_file_that_says_nothing_else() {
+        let text = "[table]\nlayout = \"long\"\n[table.units]\ntime = \"ms\"\nlength = \"ft\"\nspeed = \"mph\"\n";
+        let units = Units::new(
+            TimeUnit::Milliseconds,
+            LengthUnit::Feet,
+            SpeedUnit::MilesPerHour,
+        );
+        let read: Mapping = toml::from_str(text).unwrap();
+        assert_eq!(read.table, Some(TableMapping::new(Layout::Long, units)));
+    }
 
     #[test]
     fn a_mapping_built_in_code_is_checked_as_one_of_a_file_is() {

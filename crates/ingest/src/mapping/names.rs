@@ -2,7 +2,7 @@
 
 use crate::error::IngestError;
 use maveric_domain::{ConditionId, DomainError, DriveId, DriveMeta, DrivenBy, ParticipantId};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::{collections::BTreeMap, path::Path};
 
 /// How a file's name says whose drive it is.
@@ -10,7 +10,7 @@ use std::{collections::BTreeMap, path::Path};
 /// `file` is a pattern for the name without its extension, such as `pair_{run}_f{place}`: each name in braces
 /// takes what stands there, up to the text that follows. `drive`, `participant` and `condition` are put together from these,
 /// from the name of the folder that the file lies in, and from columns of the table that hold one word throughout.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Names {
     /// Pattern of the file's name.

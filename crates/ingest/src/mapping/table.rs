@@ -5,13 +5,13 @@ use super::{
     time_pattern::is_pattern,
     units::{TimeUnit, Units},
 };
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Columns of a table, their units and what its gap is measured between.
 ///
 /// Units, the kind of gap and the point that positions are of have no defaults: a table that does not say them must
 /// be asked about.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TableMapping {
     /// What a row and a file are.
@@ -74,7 +74,7 @@ fn car_length() -> f64 {
 }
 
 /// What a row and a file are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Layout {
@@ -89,7 +89,7 @@ pub enum Layout {
 }
 
 /// What a gap is measured between.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GapKind {
     /// From ego's front bumper to the leader's rear bumper.
@@ -103,7 +103,7 @@ pub enum GapKind {
 }
 
 /// Which point of a vehicle a position is of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Point {
     /// Its centre.
@@ -119,7 +119,7 @@ pub enum Point {
 }
 
 /// A side of the road, seen along x.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Side {
     /// The left (fast) side.
@@ -129,7 +129,7 @@ pub enum Side {
 }
 
 /// Which way of a table's x is ahead.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Forward {
     /// x grows ahead.
     #[default]
@@ -141,7 +141,7 @@ pub enum Forward {
 }
 
 /// Which ways the vehicles of a table drive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Directions {
     /// All along x.
@@ -154,6 +154,34 @@ pub enum Directions {
 impl TableMapping {
     /// A middle-sized car, bumper to bumper, in m.
     pub const CAR_LENGTH_M: f64 = 4.7;
+
+    /// A table of this layout in these units; everything else is as where a file does not say it. What the layout needs beside is
+    /// asked for when a log is read.
+    pub fn new(layout: Layout, units: Units) -> Self {
+        Self {
+            layout,
+            separator: None,
+            decimal_comma: false,
+            gap_kind: None,
+            point: None,
+            y_grows: None,
+            lanes_from: None,
+            first_lane: one(),
+            forward: Forward::default(),
+            time_pattern: None,
+            directions: Directions::default(),
+            frames_per_s: None,
+            ego: None,
+            centre_ahead_m: None,
+            new_vehicle_after_s: None,
+            ego_length_m: Self::CAR_LENGTH_M,
+            lead_length_m: Self::CAR_LENGTH_M,
+            units,
+            columns: Columns::default(),
+            signals: None,
+            recording_meta: None,
+        }
+    }
 
     /// Whether the layout has what it needs.
     ///

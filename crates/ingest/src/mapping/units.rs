@@ -1,9 +1,9 @@
 //! Units that a table may be in.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Units of the columns; none has a default but the angle's, which few tables have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Units {
     /// Of the time.
@@ -17,8 +17,20 @@ pub struct Units {
     pub angle: AngleUnit,
 }
 
+impl Units {
+    /// These units; headings in the angle's default.
+    pub fn new(time: TimeUnit, length: LengthUnit, speed: SpeedUnit) -> Self {
+        Self {
+            time,
+            length,
+            speed,
+            angle: AngleUnit::default(),
+        }
+    }
+}
+
 /// A unit of time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TimeUnit {
     /// Seconds.
     #[serde(rename = "s")]
@@ -44,7 +56,7 @@ pub enum TimeUnit {
 }
 
 /// A unit of length.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LengthUnit {
     /// Metres.
     #[serde(rename = "m")]
@@ -55,7 +67,7 @@ pub enum LengthUnit {
 }
 
 /// A unit of speed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SpeedUnit {
     /// Metres per second.
     #[serde(rename = "m/s")]
@@ -72,7 +84,7 @@ pub enum SpeedUnit {
 }
 
 /// A unit of angle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum AngleUnit {
     /// Radians.
     #[default]

@@ -15,6 +15,36 @@ use maveric_domain::{Drive, Measurement, design::Sign, units::MPS_PER_MPH};
 const STANDSTILL_MPS: f64 = 0.5;
 
 /// One objective measure of a drive.
+///
+/// # Example
+/// One of one's own:
+/// ```
+/// use maveric_domain::*;
+/// use maveric_measures::{Measure, objective::Shown};
+/// let standing = Measure {
+///     name: "standing_s",
+///     title: "Time at standstill",
+///     unit: "s",
+///     shown: Shown::in_unit("s"),
+///     aggression: None,
+///     description: "How long the car stood.",
+///     of_passing: false,
+///     why_missing: "",
+///     value: |drive| {
+///         let stood = drive.rows().ego_speed_mps.iter().filter(|v| **v < 0.1);
+///         Some(stood.count() as f64 / drive.rate_hz())
+///     },
+/// };
+/// # let time_s: Vec<f64> = (0..220).map(|i| f64::from(i) / 20.0).collect();
+/// # let zero = vec![0.0; 220];
+/// # let ego = EgoTrack { length_m: 4.7, x_m: zero.clone(), y_m: zero.clone(), speed_mps: zero };
+/// # let recording = Recording::new(Road::PAPER, 20.0, time_s, vec![0; 220], ego, Vec::new())?;
+/// # let (drive, participant) = (DriveId::new("P01-own")?, ParticipantId::new("P01")?);
+/// # let meta = DriveMeta { drive, participant, condition: "own".parse()?, driven_by: DrivenBy::Human };
+/// let drive = Drive::from_recording(meta, &recording)?;
+/// assert_eq!(standing.of(&drive), Some(11.0));
+/// # Ok::<(), maveric_domain::DomainError>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Measure {
     /// Code name, such as `mean_headway_time_s`: the unit is its suffix.
@@ -33,7 +63,8 @@ pub struct Measure {
     pub of_passing: bool,
     /// Why a drive may have no value.
     pub why_missing: &'static str,
-    value: fn(&Drive) -> Option<f64>,
+    /// The value for a drive that the measure is about; [`Measure::of`] asks it.
+    pub value: fn(&Drive) -> Option<f64>,
 }
 
 /// How people read the values of a measure.
@@ -47,15 +78,15 @@ pub struct Shown {
 
 impl Shown {
     /// Counts and shares.
-    const PLAIN: Self = Self::in_unit("");
+    pub const PLAIN: Self = Self::in_unit("");
     /// Speeds, which are measured in m/s.
-    const MPH: Self = Self {
+    pub const MPH: Self = Self {
         unit: "mph",
         factor: 1.0 / MPS_PER_MPH,
     };
 
     /// As it is measured.
-    const fn in_unit(unit: &'static str) -> Self {
+    pub const fn in_unit(unit: &'static str) -> Self {
         Self { unit, factor: 1.0 }
     }
 }
