@@ -1,0 +1,20 @@
+//! `maveric stats`: the words of the command over a table in memory.
+
+use crate::{
+    arrow::{Given, table_of},
+    error::said,
+};
+use pyo3::prelude::*;
+
+/// JSON of the result, the lines that the command prints, and its warnings.
+type Found = (String, Vec<String>, Vec<String>);
+
+/// Runs one call of `maveric stats` on a table.
+#[pyfunction]
+pub fn stats(py: Python<'_>, words: Vec<String>, data: Given) -> PyResult<Found> {
+    let table = table_of(data);
+    let found = py
+        .allow_threads(|| maveric_cli::stats_of_table(&words, table))
+        .map_err(said)?;
+    Ok((found.value.to_string(), found.summary, found.warnings))
+}
