@@ -95,6 +95,34 @@ fn bad_results_are_said(study: &TempStudy) {
     std::fs::write(excluded, kept).unwrap();
 }
 
+/// How far the dial was turned in truth stands in a table: as far as the conditions' file says, those cut short counted.
+fn steps_of_the_dial_are_told(study: &TempStudy) {
+    let read = |path: &str| std::fs::read_to_string(study.path(path)).unwrap();
+    let conditions = read("study_data/generated/smoke/conditions.csv");
+    let mut lines = conditions.lines();
+    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let at = |name: &str| head.iter().position(|h| *h == name).unwrap();
+    let (condition, moved, clamped) = (at("condition"), at("moved_points"), at("clamped"));
+    let rows: Vec<Vec<&str>> = lines.map(|l| l.split(',').collect()).collect();
+    let table = read("reports/smoke/tables/dial-steps.csv");
+    for (id, label) in [("aggressive", "Aggressive"), ("cautious", "Cautious")] {
+        let own: Vec<&Vec<&str>> = rows.iter().filter(|r| r[condition] == id).collect();
+        let steps: Vec<f64> = own.iter().map(|r| r[moved].parse().unwrap()).collect();
+        let cut = own.iter().filter(|r| r[clamped] == "true").count();
+        let told: Vec<&str> = table
+            .lines()
+            .find(|l| l.starts_with(label))
+            .unwrap_or_else(|| panic!("{label} in {table}"))
+            .split(',')
+            .collect();
+        assert_eq!(told[2], steps.len().to_string(), "n of {label}: {table}");
+        assert_eq!(told[3], cut.to_string(), "cut short of {label}: {table}");
+        let lowest = steps.iter().copied().fold(f64::INFINITY, f64::min);
+        let low: f64 = told[6].replace('\u{2212}', "-").parse().unwrap();
+        assert!((low - lowest).abs() < 0.06, "{label}: {low} for {lowest}");
+    }
+}
+
 #[test]
 fn the_small_study_runs_once_and_then_only_what_changed() {
     let study = TempStudy::new();
@@ -125,6 +153,9 @@ fn the_small_study_runs_once_and_then_only_what_changed() {
 
     let page = std::fs::read_to_string(study.path("reports/smoke/index.html")).unwrap();
     assert!(page.contains("Habits as events"), "which heads they are");
+    let of = |name: &str| page.matches(&format!("<figure id=\"figure-{name}")).count();
+    assert_eq!(of("perpendicular"), 1, "one figure, one verdict");
+    steps_of_the_dial_are_told(&study);
 
     bad_results_are_said(&study);
     let again = study.maveric(&["run", SMOKE, "--format", "json"]).ok();

@@ -30,7 +30,7 @@ export const fonts = (page) =>
 /** Figures that have no size, no title, or no words for who cannot see them. */
 export const figures = (page) =>
   page.evaluate(() => {
-    const all = [...document.querySelectorAll("figure svg")];
+    const all = [...document.querySelectorAll("figure svg:not([aria-hidden])")];
     const faults = all.length ? [] : ["no figure"];
     for (const svg of all) {
       const box = svg.getBoundingClientRect();
@@ -48,7 +48,7 @@ export const figures = (page) =>
 export const textsInside = (page) =>
   page.evaluate(() => {
     const faults = [];
-    for (const svg of document.querySelectorAll("figure svg")) {
+    for (const svg of document.querySelectorAll("figure svg:not([aria-hidden])")) {
       const frame = svg.getBoundingClientRect();
       for (const text of svg.querySelectorAll("text")) {
         const box = text.getBoundingClientRect();
@@ -63,7 +63,7 @@ export const textsInside = (page) =>
 export const textsApart = (page) =>
   page.evaluate(() => {
     const faults = [];
-    for (const svg of document.querySelectorAll("figure svg")) {
+    for (const svg of document.querySelectorAll("figure svg:not([aria-hidden])")) {
       const texts = [...svg.querySelectorAll("text")].filter((t) => t.textContent.trim()).map((t) => {
         // The box of a line of text has room above and below its letters: its middle counts.
         const box = t.getBoundingClientRect();
@@ -80,6 +80,31 @@ export const textsApart = (page) =>
         }
       }
     }
+    return faults;
+  });
+
+/** Figures of several panels that neither stand panel below panel nor fit, and wide ones that say nothing of going on sideways. */
+export const onAPhone = (page) =>
+  page.evaluate(() => {
+    const faults = [];
+    for (const box of document.querySelectorAll("figure > .scroll")) {
+      const name = box.parentElement.id;
+      const stacked = box.parentElement.querySelector(".stacked");
+      if (stacked) {
+        const parts = [...stacked.children].map((svg) => svg.getBoundingClientRect());
+        if (parts.length < 2) faults.push(`${name} stands in ${parts.length} part`);
+        if (parts.some((p) => p.width < 250 || p.right > innerWidth)) faults.push(`${name}: a panel is not as wide as the screen`);
+        if (box.getBoundingClientRect().height > 0) faults.push(`${name} is shown twice`);
+        if (parts.some((p, i) => i > 0 && p.top < parts[i - 1].bottom - 1)) faults.push(`${name}: panels stand on each other`);
+      } else if (box.scrollWidth > box.clientWidth + 1) {
+        const cue = getComputedStyle(box, "::after").content;
+        if (!cue.includes("sideways")) faults.push(`${name} goes on to the right and does not say so`);
+      }
+    }
+    for (const box of document.querySelectorAll(".table .scroll")) {
+      if (box.scrollWidth > box.clientWidth + 1 && !getComputedStyle(box).backgroundImage.includes("gradient")) faults.push("a table is cut off without a shadow");
+    }
+    if (!document.querySelector(".stacked")) faults.push("no figure has its panels one below the other");
     return faults;
   });
 

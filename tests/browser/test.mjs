@@ -137,6 +137,7 @@ for (const scheme of ["light", "dark"]) {
     report(`${name} ledger`, await interactions.ledger(page));
     report(`${name} space`, await interactions.space(page));
     report(`${name} player`, await interactions.player(page));
+    if (width === WIDTHS[0]) report(`${name} on a phone`, await checks.onAPhone(page));
     report(`${name} still fits`, await checks.overflow(page));
     report(`${name} network`, requests);
     report(`${name} console`, errors);
@@ -174,6 +175,7 @@ await writeFile(
     .replace('data-live="space" hidden', 'data-live="dead"')
     .replace('data-filter="ledger" hidden', 'data-filter="dead"')
     .replace(/<script>[\s\S]*?<\/script>/g, "<script>nothing.at.all()</script>")
+    .replace("wider than this screen", "")
     .replace("nav, .files, .skip, .live, .controls { display: none !important; }", ""),
 );
 {
@@ -193,6 +195,8 @@ await writeFile(
   proof("links", await checks.links(page));
   proof("network", requests);
   proof("console", errors);
+  await page.setViewportSize({ width: 400, height: 900 });
+  proof("a phone", await checks.onAPhone(page));
   await close();
   proof("what is left without scripts", await withoutScripts(pathToFileURL(broken).href));
   proof("the first screen", await firstScreen(pathToFileURL(broken).href));

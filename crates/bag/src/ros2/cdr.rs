@@ -248,7 +248,9 @@ impl Writer {
     fn align(&mut self, size: usize) {
         let written = self.bytes.len() - Self::HEAD;
         let padding = written.next_multiple_of(size) - written;
-        self.bytes.resize(self.bytes.len() + padding, 0);
+        if padding > 0 {
+            self.bytes.resize(self.bytes.len() + padding, 0);
+        }
     }
 
     /// A byte, a boolean or a character.
@@ -270,8 +272,10 @@ impl Writer {
 
     /// Numbers one after another, without their count.
     pub fn f64s(&mut self, values: &[f64]) {
-        for &value in values {
-            self.f64(value);
+        self.align(8);
+        self.bytes.reserve(8 * values.len());
+        for value in values {
+            self.bytes.extend_from_slice(&value.to_le_bytes());
         }
     }
 

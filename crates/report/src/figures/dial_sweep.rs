@@ -15,7 +15,9 @@ use serde::{Deserialize, Serialize};
 /// Drives of the same drivers at several shifts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DialSweep {
-    /// Shift of predicted aggression, in ADB points, ascending.
+    /// What the dial is counted in, such as `ADB points`.
+    pub unit: String,
+    /// Settings of the dial, ascending; 0 is the driver's own style.
     pub points: Vec<f64>,
     /// One panel a measure.
     pub panels: Vec<DialPanel>,
@@ -90,6 +92,7 @@ pub fn dial_sweep(input: &DialSweep, context: &Context) -> Result<Figure, Report
     } else {
         "Grey: drivers".to_owned()
     };
+    let shift = format!("Shift ({})", input.unit);
     let columns = input.panels.len().min(3);
     let rows = input.panels.len().div_ceil(columns);
     let (first, last) = (input.points[0], input.points[input.points.len() - 1]);
@@ -98,12 +101,13 @@ pub fn dial_sweep(input: &DialSweep, context: &Context) -> Result<Figure, Report
         size_mm: (TWO_COLUMNS_MM, 62.0 * rows as f64 + 6.0),
         title: "Turning the dial".to_owned(),
         caption: format!(
-            "Each measure of the car’s drives as its driver, shifted by {} to {} points of predicted aggression. \
+            "Each measure of the car’s drives as its driver, shifted by {} to {} {}. \
              {lines}; black: mean of the drivers with a value at every shift, with 95% intervals, \
              marked blue where the shift is towards cautious, purple where there is none and orange \
              where it is towards aggressive. *n* = {}; no test.",
             number(first, 0),
             number(last, 0),
+            input.unit,
             counted.join(", ")
         ),
         alt: found.join(" "),
@@ -123,7 +127,7 @@ pub fn dial_sweep(input: &DialSweep, context: &Context) -> Result<Figure, Report
             let labels = Labels {
                 title: &panel.title,
                 subtitle: &panel.statistic,
-                x: "Shift of aggression (ADB points)",
+                x: &shift,
                 y: &panel.axis,
                 ..Labels::default()
             };
@@ -191,6 +195,7 @@ mod tests {
             statistic: String::new(),
         };
         let input = DialSweep {
+            unit: "ADB points".to_owned(),
             points: vec![-15.0, 15.0],
             panels: vec![panel],
         };

@@ -96,6 +96,8 @@ pub struct Figure {
     pub svg: String,
     /// Each of its panels as a figure of its own, of one column's width; empty for a figure of one panel.
     pub panels: Vec<Figure>,
+    /// Where each panel stands in the drawing, and before them what stands above all: left, top, width and height in its units.
+    pub cells: Vec<[i32; 4]>,
 }
 
 impl Figure {
@@ -231,5 +233,6 @@ pub(crate) fn draw(
         alt: plan.alt,
         svg: style.map_or(sketch.svg.clone(), |style| style.dressed(&sketch.svg)),
         panels: Vec::new(),
+        cells: Vec::new(),
     })
 }

@@ -51,18 +51,29 @@ pub(crate) fn draw_panels(
             paint(canvas, index, place);
         })?);
     }
-    let mut whole = draw(plan, context, |canvas, place| {
-        let place = head(canvas, place);
+    let mut cells = Vec::new();
+    let mut whole = draw(plan, context, |canvas, whole| {
+        let place = head(canvas, whole);
+        if place.top > whole.top {
+            cells.push(
+                Place {
+                    bottom: place.top,
+                    ..whole
+                }
+                .boxed((0.0, 0.0)),
+            );
+        }
         for index in 0..grid.count {
             let at = (index % grid.columns, index / grid.columns);
             canvas.letter = letter(index).filter(|_| grid.count > 1);
-            paint(
-                canvas,
-                index,
-                place.cell(at, (grid.columns, rows), grid.gap),
-            );
+            let cell = place.cell(at, (grid.columns, rows), grid.gap);
+            cells.push(cell.boxed(grid.gap));
+            paint(canvas, index, cell);
         }
     })?;
     whole.panels = panels;
+    if grid.count > 1 {
+        whole.cells = cells;
+    }
     Ok(whole)
 }

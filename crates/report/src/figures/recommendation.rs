@@ -11,14 +11,16 @@ use serde::{Deserialize, Serialize};
 /// People with their preference and what was recommended.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Recommendations {
-    /// Preferred shift, recommended shift, low and high end of its interval, in ADB points; a person each.
+    /// What the dial is counted in, such as `ADB points`.
+    pub unit: String,
+    /// Preferred shift, recommended shift, low and high end of its interval; a person each.
     pub people: Vec<[f64; 4]>,
     /// People that the model was learned from.
     pub learned_from: usize,
 }
 
 const NAME: &str = "recommendation";
-/// Near enough, in ADB points.
+/// Near enough, in points of the dial.
 const NEAR: f64 = 5.0;
 
 /// Draws a point a person with its interval, and the band of ±5 points around a perfect recommendation.
@@ -39,7 +41,7 @@ pub fn recommendation(input: &Recommendations, context: &Context) -> Result<Figu
         size_mm: (ONE_COLUMN_MM + 10.0, 84.0),
         title: "Recommended against preferred shift".to_owned(),
         caption: format!(
-            "New people after the four conditions, by a model learned from {} others. Lines: 95% intervals; band: within 5 points. *n* = {}.",
+            "New people after the conditions of the study, by a model learned from {} others. Lines: 95% intervals; band: within 5 points. *n* = {}.",
             input.learned_from,
             input.people.len()
         ),
@@ -49,10 +51,12 @@ pub fn recommendation(input: &Recommendations, context: &Context) -> Result<Figu
         ),
         shows: Shows::Participants,
     };
+    let [preferred, recommended] =
+        ["Preferred", "Recommended"].map(|which| format!("{which} shift ({})", input.unit));
     draw(plan, context, |canvas, place| {
         let labels = Labels {
-            x: "Preferred shift (ADB points)",
-            y: "Recommended shift (ADB points)",
+            x: &preferred,
+            y: &recommended,
             ..Labels::default()
         };
         let ends = input
@@ -94,12 +98,14 @@ mod tests {
     #[test]
     fn near_and_far_people_are_counted() {
         let input = Recommendations {
+            unit: "ADB points".to_owned(),
             people: vec![[3.0, 5.0, -2.0, 12.0], [-14.0, -2.0, -12.0, 8.0]],
             learned_from: 24,
         };
         let figure = recommendation(&input, &Context::synthetic(1)).unwrap();
         assert!(figure.alt.starts_with("1 of 2") && !figure.svg.contains("NaN"));
         let nobody = Recommendations {
+            unit: "ADB points".to_owned(),
             people: vec![],
             ..input
         };

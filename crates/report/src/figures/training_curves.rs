@@ -154,6 +154,25 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_loss_that_rises_on_what_was_kept_back_is_told_to_rise() {
+        let term = LossTerm {
+            title: "Following distance".into(),
+            train: vec![1.0, 0.5, 0.25],
+            validation: vec![0.9, 0.62, 1.02],
+        };
+        let input = TrainingCurves {
+            terms: vec![term],
+            drives: 3,
+        };
+        let alt = training_curves(&input, &Context::real()).unwrap().alt;
+        assert_eq!(
+            alt,
+            "Following distance goes from 1.000 to 0.250 on what is learned from. On what was kept back it is least after epoch 2 \
+             (0.620) and ends at 1.020."
+        );
+    }
+
+    #[test]
     fn a_validation_curve_of_another_length_is_refused() {
         let term = LossTerm {
             title: "L".into(),

@@ -50,7 +50,7 @@ pub(crate) fn page(
         .iter()
         .map(|input| [input.path.clone(), input.hash.clone()])
         .collect();
-    let mut used = vec![scripts::TABLES];
+    let mut used = vec![scripts::TABLES, scripts::PANELS];
     used.extend(report.ledger.is_some().then_some(scripts::LEDGER));
     let players = || shown.iter().filter_map(|live| live.player.as_ref());
     used.extend((players().count() < shown.len()).then_some(scripts::SPACE));
@@ -263,6 +263,7 @@ fn figure_value(figure: &Figure, number: usize, live: Vec<Value>) -> Value {
         .unwrap_or(0.0);
     context! {
         name => &figure.name,
+        cells => figure.cells.iter().map(|c| c.map(|v| v.to_string()).join(" ")).collect::<Vec<_>>().join(","),
         panels => figure.panels.iter().map(|p| p.name.clone()).collect::<Vec<_>>(),
         number,
         title => safe(markup::html(&figure.title)),

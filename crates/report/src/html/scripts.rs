@@ -7,6 +7,8 @@ use sha2::{Digest, Sha256};
 pub(crate) const SPACE: &str = include_str!("scripts/space.js");
 /// Sorts tables.
 pub(crate) const TABLES: &str = include_str!("scripts/tables.js");
+/// Puts the panels of a figure one below the other on a narrow screen.
+pub(crate) const PANELS: &str = include_str!("scripts/panels.js");
 /// Filters the ledger.
 pub(crate) const LEDGER: &str = include_str!("scripts/ledger.js");
 
@@ -52,7 +54,7 @@ mod tests {
 
     #[test]
     fn no_script_holds_the_end_of_a_script_or_puts_text_in_as_html() {
-        for script in [SPACE, TABLES, LEDGER] {
+        for script in [SPACE, TABLES, PANELS, LEDGER] {
             let low = script.to_lowercase();
             for word in [
                 "</script",

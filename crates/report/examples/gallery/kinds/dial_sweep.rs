@@ -27,6 +27,7 @@ pub(crate) fn input() -> DialSweep {
         statistic: "right way: 92% at +15, 88% at −15".into(),
     };
     DialSweep {
+        unit: "ADB points".to_owned(),
         panels: vec![
             panel("Mean velocity", "mph", 65.0, 0.3),
             panel("Mean headway time", "s", 1.8, -0.012),

@@ -17,6 +17,7 @@ pub(crate) fn input() -> Recommendations {
         [preferred, recommended, recommended - 5.5, recommended + 5.5]
     };
     Recommendations {
+        unit: "ADB points".to_owned(),
         people: (0..PARTICIPANTS).map(person).collect(),
         learned_from: 48,
     }

@@ -225,6 +225,7 @@ fn sizes_figure(found: &DialRehearsal, context: &Context) -> Result<Figure, Stud
 
 fn scatter(first: &LearnedFrom, context: &Context) -> Result<Figure, StudyError> {
     let input = Recommendations {
+        unit: "ADB points".to_owned(),
         people: first.shown.clone(),
         learned_from: first.participants,
     };

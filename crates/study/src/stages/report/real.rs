@@ -481,3 +481,83 @@ fn by_driver(found: &FollowingEvaluation) -> Table {
         notes: vec!["Root-mean-square error of the gap in closed loop over the unseen last third, in m. No test.".to_owned()],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// So many drivers, a mean error a method, and one comparison with its interval.
+    fn found(drivers: usize, low_m: f64, high_m: f64) -> FollowingEvaluation {
+        let driver = |i: usize| {
+            serde_json::json!({ "driver": format!("D{i}"), "methods": [],
+                "series": { "time_s": [], "gap_m": [], "ego_speed_mps": [], "lead_speed_mps": [], "simulated": [] } })
+        };
+        let mean = |method: &str, gap: f64| {
+            serde_json::json!({ "method": method, "gap_rmse_m": gap, "gap_rmse_median_m": gap, "speed_rmse_mps": 1.0,
+                "nrmse": 0.1, "mixed": 0.1, "reached_zero": 0, "drivers": drivers })
+        };
+        let against = |method: &str, beside: &str| {
+            serde_json::json!({ "method": method, "beside": beside, "mean_m": 0.5 * (low_m + high_m), "low_m": low_m,
+                "high_m": high_m, "median_m": 0.0, "better": 1, "worse": drivers - 1 })
+        };
+        serde_json::from_value(serde_json::json!({
+            "learned_from": drivers,
+            "driven": null,
+            "drivers": (0..drivers).map(driver).collect::<Vec<_>>(),
+            "means": [mean("closed_loop_shrunken", 3.0), mean("closed_loop_mean", 3.4), mean("idm_own", 2.0), mean("gipps_own", 2.5),
+                mean("idm_population", 2.8), mean("idm_floor", 1.0)],
+            "compared": [against("closed_loop_shrunken", "idm_own"), against("closed_loop_shrunken", "closed_loop_mean")],
+            "peers": [],
+            "time_gap_shrinkage": { "people": drivers, "half_s": 60.0, "within": 1.0, "between": 1.0, "strength_s": 60.0, "most": 0.9 },
+            "closed_loop": null,
+        }))
+        .unwrap()
+    }
+
+    #[test]
+    fn the_best_of_the_peers_stands_beside_ours_whoever_is_ahead() {
+        let card = better(&found(8, 0.2, 1.8));
+        assert_eq!(card.verdict, Verdict::Fails.words());
+        assert!(
+            card.answer.contains("3.00 m") && card.answer.contains("IDM, own 2.00 m"),
+            "{}",
+            card.answer
+        );
+        let (floor, ceiling) = (format!("{:?}", card.number), "1.00 m");
+        assert!(
+            floor.contains("2.80 m") && floor.contains(ceiling),
+            "the population's and the fitted law too: {floor}"
+        );
+        assert_eq!(
+            better(&found(8, -1.8, -0.2)).verdict,
+            Verdict::Shown.words()
+        );
+    }
+
+    #[test]
+    fn intervals_that_hold_0_are_a_tie_and_four_drivers_are_too_few() {
+        let tie = better(&found(8, -1.0, 1.0));
+        assert!(
+            tie.answer.contains("a tie by its interval"),
+            "{}",
+            tie.answer
+        );
+        assert_eq!(tie.verdict, Verdict::NotShown.words());
+        assert_eq!(better(&found(4, 0.2, 1.8)).verdict, Verdict::TooFew.words());
+        assert_eq!(
+            personal(&found(4, 0.2, 1.8)).verdict,
+            Verdict::TooFew.words()
+        );
+    }
+
+    #[test]
+    fn drivers_are_counted_and_not_named() {
+        let card = personal(&found(8, 0.2, 1.8));
+        assert!(
+            card.answer.contains("1 of 8 nearer, 7 further off"),
+            "{}",
+            card.answer
+        );
+        assert!(!card.answer.contains("D1"));
+    }
+}

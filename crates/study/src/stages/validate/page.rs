@@ -158,6 +158,7 @@ fn dial_of(
         }
     };
     let input = DialSweep {
+        unit: "ADB points".to_owned(),
         points: one.steps.clone(),
         panels: one.dial.iter().map(panel).collect(),
     };
