@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod ahead;
+mod caught;
 mod chunk;
 mod codec;
 mod columns;
@@ -16,6 +17,7 @@ mod summary;
 mod wanted;
 mod writer;
 
+pub use caught::caught;
 pub use chunk::MOST_RECORD;
 pub use codec::{Codec, OwnedSchema, plain_name, same_type};
 pub use columns::{Column, Columns, columns_from, to_columns};

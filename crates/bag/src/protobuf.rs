@@ -1,6 +1,9 @@
 //! Protobuf messages: field numbers from the schema's descriptors, wanted numbers along the bytes, the rest passed over.
 
-use super::wanted::{Slots, Taken, Tree, name_number};
+use super::{
+    caught::caught,
+    wanted::{Slots, Taken, Tree, name_number},
+};
 use prost_reflect::{DescriptorPool, FieldDescriptor, Kind, MessageDescriptor};
 use std::collections::BTreeMap;
 
@@ -53,7 +56,8 @@ impl Plan {
                 schema.len()
             ));
         }
-        let pool = DescriptorPool::decode(schema)
+        // A syntax that does not exist is a panic there.
+        let pool = caught(|| DescriptorPool::decode(schema).map_err(|e| e.to_string()))
             .map_err(|e| format!("its schema is no set of descriptors: {e}"))?;
         let message = pool
             .get_message_by_name(name)
@@ -376,5 +380,14 @@ mod tests {
         assert!(of("p.None", &[]).contains("p.None"));
         assert!(of("p.Scene", &["height"]).contains("`height`"));
         assert!(Plan::compile("p.Scene", &[1, 2, 3], &[]).is_err());
+        // The syntax is the last text of the set: one that does not exist panics within the library.
+        let mut unknown = schema();
+        let at = unknown.len() - "proto3".len();
+        unknown[at..].copy_from_slice(b"[[[pro");
+        assert!(
+            Plan::compile("p.Scene", &unknown, &["speed"])
+                .unwrap_err()
+                .contains("damaged")
+        );
     }
 }

@@ -1,15 +1,11 @@
 //! Parquet with a checksum over the whole file: the one place where it is written and read.
 
+use maveric_bag::caught;
 use polars::prelude::{
     DataFrame, KeyValueMetadata, ParallelStrategy, ParquetCompression, ParquetReader,
     ParquetWriter, Schema, SchemaExt as _, SerReader,
 };
-use std::{
-    cell::Cell,
-    io::Cursor,
-    panic::{AssertUnwindSafe, catch_unwind},
-    sync::Once,
-};
+use std::io::Cursor;
 
 /// How Parquet begins, and ends.
 const MAGIC: &[u8] = b"PAR1";
@@ -140,27 +136,6 @@ pub(crate) fn parquet_names(bytes: &[u8]) -> Result<Vec<String>, String> {
             .map_err(|e| first_line(&e))?;
         Ok(schema.iter_names().map(ToString::to_string).collect())
     })
-}
-
-thread_local! {
-    static QUIET: Cell<bool> = const { Cell::new(false) };
-}
-
-/// Runs `read`; a panic in it is an error, and says nothing on standard error.
-fn caught<T>(read: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    static HOOK: Once = Once::new();
-    HOOK.call_once(|| {
-        let before = std::panic::take_hook();
-        std::panic::set_hook(Box::new(move |info| {
-            if !QUIET.get() {
-                before(info);
-            }
-        }));
-    });
-    QUIET.set(true);
-    let read = catch_unwind(AssertUnwindSafe(read));
-    QUIET.set(false);
-    read.unwrap_or_else(|_| Err("it is damaged: its parts contradict each other".to_owned()))
 }
 
 fn first_line(error: &impl ToString) -> String {

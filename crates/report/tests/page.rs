@@ -112,9 +112,9 @@ fn what_somebody_typed_stays_text() {
     let files = render(&report).unwrap();
     let page = index(&files);
     assert!(!page.contains("<img"));
-    // The page's own three scripts and one block of data, each as it was written.
-    assert_eq!(page.matches("<script").count(), 4);
-    assert_eq!(page.matches("</script").count(), 4);
+    // The page's own four scripts and one block of data, each as it was written.
+    assert_eq!(page.matches("<script").count(), 5);
+    assert_eq!(page.matches("</script").count(), 5);
     assert!(page.contains("&lt;img src=x onerror=1&gt;"));
     assert!(page.contains("P03 ") && page.contains("&lt;b&gt;&amp;"));
 }

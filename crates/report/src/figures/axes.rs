@@ -177,12 +177,12 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    /// Left, top, width and height in whole units, with half of a gap to every side.
-    pub(crate) fn boxed(self, gap: (f64, f64)) -> [i32; 4] {
+    /// Left, top, width and height in whole units, with half of a gap to every side, not below `foot`.
+    pub(crate) fn boxed(self, gap: (f64, f64), foot: f64) -> [i32; 4] {
         let (left, top) = (self.left - 0.5 * gap.0, self.top - 0.5 * gap.1);
         let (width, height) = (
             self.right + 0.5 * gap.0 - left,
-            self.bottom + 0.5 * gap.1 - top,
+            (self.bottom + 0.5 * gap.1).min(foot) - top,
         );
         [left.floor(), top.floor(), width.ceil(), height.ceil()].map(|v| v as i32)
     }

@@ -57,17 +57,17 @@ pub(crate) fn draw_panels(
         if place.top > whole.top {
             cells.push(
                 Place {
-                    bottom: place.top,
+                    bottom: place.top - 3.0,
                     ..whole
                 }
-                .boxed((0.0, 0.0)),
+                .boxed((0.0, 0.0), whole.bottom),
             );
         }
         for index in 0..grid.count {
             let at = (index % grid.columns, index / grid.columns);
             canvas.letter = letter(index).filter(|_| grid.count > 1);
             let cell = place.cell(at, (grid.columns, rows), grid.gap);
-            cells.push(cell.boxed(grid.gap));
+            cells.push(cell.boxed(grid.gap, whole.bottom));
             paint(canvas, index, cell);
         }
     })?;

@@ -8,7 +8,7 @@ const stack = () => {
     const [, , width, height] = drawing.getAttribute("viewBox").split(" ");
     drawing.id ||= `${box.parentElement.id}-drawing`;
     const panels = box.dataset.cells.split(",").map((cell) => {
-      const [panel, use] = ["svg", "use"].map((name) => document.createElementNS("http://www.w3.org/2000/svg", name));
+      const [panel, use] = ["svg", "use"].map((name) => document.createElementNS(drawing.namespaceURI, name));
       panel.setAttribute("viewBox", cell);
       panel.setAttribute("aria-hidden", "true");
       for (const [key, value] of Object.entries({ href: `#${drawing.id}`, width, height })) use.setAttribute(key, value);
