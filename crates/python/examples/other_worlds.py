@@ -65,6 +65,7 @@ def main(folder: str, drivers: str = "24", seconds: str = "300") -> None:
             for condition, points in POINTS.items():
                 # The same traffic for each condition of a driver.
                 found[world, name, condition] = row(*drive(world, style.dial(points), float(seconds), seed))
+            print(f"{world}: {seed} of {len(people)} drivers", file=sys.stderr, flush=True)
     print(f"{len(people)} drivers, {seconds} s a drive\n")
     for world in ("SUMO", "highway-env", "ours"):
         print(f"**{world}**\n\n| | cautious | mimic | aggressive | right way |\n|---|---|---|---|---|")

@@ -56,7 +56,7 @@ def test_a_result_has_attributes_text_and_html():
     assert found.n == 4 and found["k"] == 2 and "paired" in found
     assert 0 < found.paired["x|y"].p < 0.05
     assert "4 subjects" in repr(found) or "n = 4" in repr(found) or len(repr(found)) > 100
-    assert found._repr_html_().startswith("<pre>") and "<b" not in found._repr_html_()
+    assert found._repr_html_().startswith("<pre ") and "<b" not in found._repr_html_()
     with pytest.raises(AttributeError, match="no_such"):
         found.no_such
 

@@ -46,9 +46,8 @@ def test_a_drives_signals_go_to_every_library_and_outlive_the_drive():
         assert len(frame) == len(signals) == 400
         assert list(frame["time_s"])[1] == pytest.approx(0.05) if not isinstance(frame, pyarrow.Table) else True
     rows = signals.to_dict()
-    assert polars.DataFrame(signals).to_dict(as_series=False) == {
-        k: [v == "true" for v in values] if values[0] in ("true", "false") else values for k, values in rows.items()
-    }
+    assert polars.DataFrame(signals).to_dict(as_series=False) == rows
+    assert rows["lane_change"][0] is False
     assert polars.DataFrame(signals).schema["following"] == polars.Boolean
     assert polars.DataFrame(signals).schema["lane"] == polars.Int64
 

@@ -7,7 +7,7 @@ mod table;
 use super::print_outcome;
 use crate::{args::Format, diagnostics::Failure};
 use choices::{AdjustArg, CorrelationArg, PosthocArg, StatisticArg};
-use clap::{Args, Parser as _, Subcommand};
+use clap::{Args, CommandFactory as _, FromArgMatches as _, Subcommand};
 use maveric_study::{
     Outcome,
     stages::{
@@ -17,7 +17,10 @@ use maveric_study::{
     tables::TableBuilder,
 };
 use serde_json::Value;
-use std::path::PathBuf;
+use std::{
+    path::PathBuf,
+    sync::{LazyLock, Mutex, PoisonError},
+};
 use table::{Conditions, Input, Within, needs};
 
 /// One test on a tidy table (CSV, Parquet or - for standard input), or the paper's whole analysis
@@ -255,12 +258,23 @@ struct Call {
     test: TestArgs,
 }
 
+/// Its words and flags, put together once: that takes longer than many a test.
+static CALL: LazyLock<Mutex<clap::Command>> = LazyLock::new(|| Mutex::new(Call::command()));
+
+impl Call {
+    fn of(words: &[String]) -> Result<Self, clap::Error> {
+        let mut command = CALL.lock().unwrap_or_else(PoisonError::into_inner);
+        let matches = command.try_get_matches_from_mut(words)?;
+        Self::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
+    }
+}
+
 /// One call of `maveric stats` over a table in memory: `words` are those of the command after `stats`, the table's name among them.
 ///
 /// # Errors
 /// The text that the command would print.
 pub fn stats_of_table(words: &[String], table: TableBuilder) -> Result<Outcome<Value>, String> {
-    let call = Call::try_parse_from(words).map_err(|e| e.to_string())?;
+    let call = Call::of(words).map_err(|e| e.to_string())?;
     let asked = call.test.asked().map_err(|e| e.text())?;
     let Asked::Test(_, request) = asked else {
         return Err("`stats study` reads a run's folder: run it as a command".to_owned());

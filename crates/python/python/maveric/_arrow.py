@@ -312,8 +312,12 @@ class Table:
         return [name for name, *_ in self._columns]
 
     def to_dict(self) -> dict[str, list[Any]]:
-        """A list a column; a missing cell is None."""
-        return dict(columns_of(self))
+        """A list a column; a missing cell is None, a flag True or False."""
+        rows = dict(columns_of(self))
+        for name, kind, *_ in self._columns:
+            if kind == "b":
+                rows[name] = [None if word is None else word == "true" for word in rows[name]]
+        return rows
 
     def __len__(self) -> int:
         return self._columns[0][2] if self._columns else 0

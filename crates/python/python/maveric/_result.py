@@ -59,4 +59,5 @@ class Result:
         return "\n".join(self.report + [f"warning: {words}" for words in self.warnings])
 
     def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(repr(self))}</pre>"
+        # Columns stand under each other, whatever the notebook's own letters are.
+        return f'<pre style="font-family: monospace; white-space: pre">{html.escape(repr(self))}</pre>'
