@@ -4,6 +4,7 @@ use crate::{
     AnalysisError,
     exclusions::{self, Driven, Flow, LeftOut},
     person::Person,
+    turned::{Settled, Turns},
 };
 use maveric_domain::{
     Answer, ConditionId, ConditionRow, Design, DriveId, DrivenBy, EmbeddingRow, MeasureValues,
@@ -92,6 +93,8 @@ pub struct StudyData {
     pub flow: Flow,
     people: BTreeMap<ParticipantId, Person>,
     scales: Vec<Scale>,
+    /// Where people left the dial, a ride each.
+    settled: BTreeMap<ParticipantId, Vec<Settled>>,
     /// Drives of tested people by condition and participant.
     drives: BTreeMap<ConditionId, BTreeMap<ParticipantId, usize>>,
     /// Subscales answered before the drives and after a condition, in the order in which they were scored.
@@ -190,6 +193,7 @@ impl StudyData {
             design: design.clone(),
             participants,
             flow,
+            settled: BTreeMap::new(),
             drives,
             before: subscales(&pre),
             after: subscales(&post),
@@ -218,6 +222,23 @@ impl StudyData {
             }
         }
         Ok(data)
+    }
+
+    /// The same, with how people turned the dial who could.
+    #[must_use]
+    pub fn with_turns(mut self, turns: &[Turns]) -> Self {
+        for ride in turns {
+            if let Some(settled) = ride.settled() {
+                let of = self.settled.entry(ride.participant.clone()).or_default();
+                of.push(settled);
+            }
+        }
+        self
+    }
+
+    /// Where somebody left the dial, a ride each.
+    pub fn settled(&self, participant: &ParticipantId) -> &[Settled] {
+        self.settled.get(participant).map_or(&[], Vec::as_slice)
     }
 
     /// Whether the people are made up: the design says so, or a drive was a driver model's.

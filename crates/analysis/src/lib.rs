@@ -20,6 +20,7 @@ mod reproduction;
 mod result;
 #[cfg(test)]
 mod six_people;
+mod turned;
 pub mod verdict;
 
 pub use analyse::analyse;
@@ -37,4 +38,5 @@ pub use result::{
     HomophilyRow, Judged, Kept, LineRow, MixedRow, Nearer, Panel, Preference, Reproduction,
     SimilarityRow,
 };
+pub use turned::{Settled, Turns};
 pub use verdict::Verdict;

@@ -51,6 +51,16 @@ pub enum SeatError {
         /// What is wrong with it.
         source: SeatPageError,
     },
+    /// A file that somebody handed back.
+    #[error("{}, line {line}: {problem}", path.display())]
+    Carried {
+        /// The file.
+        path: PathBuf,
+        /// Counted from 1.
+        line: usize,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// A model that is none.
     #[error("the model that is to ride: {0}")]
     Model(#[from] ModelError),

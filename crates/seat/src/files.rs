@@ -10,6 +10,7 @@ use maveric_seat_page::{Record, Replayed};
 use maveric_study::{
     DesignFile, StudyError,
     atomic_write::{atomic_write, atomic_write_bytes},
+    tables::{TableBuilder, dial::ENDING},
 };
 use std::{
     collections::BTreeSet,
@@ -127,6 +128,27 @@ impl Files {
                 file,
             )?)
         })?)
+    }
+
+    /// Writes how the dial was turned in a ride, `(s, points)`, in the study's points.
+    pub(crate) fn turns(
+        &self,
+        (name, participant): (&str, &str),
+        turned: &[(f64, f64)],
+        step: f64,
+        duration_s: f64,
+    ) -> Result<(), SeatError> {
+        let Some(place) = &self.0 else {
+            return Ok(());
+        };
+        let same = |value: f64| turned.iter().map(move |_| Some(value));
+        let table = TableBuilder::default()
+            .text("participant", turned.iter().map(|_| participant))
+            .numbers("time_s", turned.iter().map(|(time, _)| Some(*time)))
+            .numbers("points", turned.iter().map(|(_, points)| Some(*points)))
+            .numbers("step", same(step))
+            .numbers("duration_s", same(duration_s));
+        Ok(table.write(&place.records.join(format!("{name}{ENDING}")))?)
     }
 
     /// Removes the logs and records of somebody who wants nothing kept.

@@ -45,6 +45,18 @@ impl Seat {
                     let text = "the page came through other states than its record gives here";
                     self.tell(who, &format!("{name}: {text}"))?;
                 }
+                if let Step::Ride {
+                    turns: Some(step), ..
+                } = found
+                {
+                    let events = record.chunks.iter().flat_map(|c| &c.events);
+                    let turned: Vec<(f64, f64)> = events
+                        .filter(|e| e.what == "dial")
+                        .filter_map(|e| Some((e.tick as f64 / 100.0, e.points?)))
+                        .collect();
+                    let seconds = record.ticks() as f64 / 100.0;
+                    files.turns((&name, who), &turned, step.abs(), seconds)?;
+                }
                 if by_hand {
                     self.learn(person, &name, &record, &again)?;
                 }

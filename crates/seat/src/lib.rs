@@ -4,6 +4,7 @@
 //! has ended is driven again from its record and written as a log ([`files`]). [`demo`] makes the model of made-up people.
 
 mod assets;
+pub mod carried;
 pub mod demo;
 pub mod error;
 pub mod files;
@@ -11,6 +12,7 @@ mod finished;
 mod intake;
 mod lab;
 mod origin;
+mod parts;
 mod person;
 pub mod replay;
 mod request;

@@ -3,14 +3,16 @@
 use crate::{
     error::SeatError,
     files::Files,
+    parts::Carried,
     person::Person,
     steps::{self, Step, Texts},
     store::Store,
-    token,
+    token, williams,
 };
 use maveric_domain::{
     Design, Scale,
     design::{ProtocolStep, SpeedUnit},
+    stream_seed,
 };
 use maveric_model::{Model, model_file, style_space::LinearHead};
 use maveric_simulator::Scenario;
@@ -135,9 +137,58 @@ impl Seat {
     }
 
     fn steps_of(&self, participant: &str, index: usize) -> Result<Vec<Step>, SeatError> {
+        let root = self.settings.design.protocol().seed;
+        let world = |what: &str| stream_seed(root, &[participant, what, "world"]).to_string();
+        self.steps_in(index, &world)
+    }
+
+    /// The steps in the row `index` of the square, each in the world that `world` gives it.
+    pub(crate) fn steps_in(
+        &self,
+        index: usize,
+        world: &dyn Fn(&str) -> String,
+    ) -> Result<Vec<Step>, SeatError> {
         let s = &self.settings;
         let rides = self.rides().then_some((index, s.stretch));
-        steps::of_design(&s.design, &s.scales, &s.texts, participant, rides)
+        steps::of_design(&s.design, &s.scales, &s.texts, world, rides)
+    }
+
+    /// Rows of the square; one while nobody rides.
+    pub(crate) fn orders(&self) -> usize {
+        if self.rides() {
+            williams::rows(self.settings.design.conditions().len()).max(1)
+        } else {
+            1
+        }
+    }
+
+    /// The next id that nobody has, here or in the study's table of people.
+    fn next_id(&self, here: &[Person]) -> Result<String, SeatError> {
+        let elsewhere = self.settings.files.people()?;
+        let taken =
+            |id: &String| elsewhere.contains(id) || here.iter().any(|p| p.participant == *id);
+        let mut ids = (here.len() + 1..).map(|number| format!("P{number:03}"));
+        Ok(ids.find(|id| !taken(id)).unwrap_or_default())
+    }
+
+    /// Lets in somebody who took part elsewhere, with all that they gave, or not at all.
+    pub(crate) fn take_in(
+        &self,
+        token: &str,
+        steps: &[Step],
+        given: &Carried,
+    ) -> Result<Person, SeatError> {
+        let _alone = held(&self.door);
+        let person = Person {
+            token: token.to_owned(),
+            participant: self.next_id(&self.store.everybody()?)?,
+            steps: steps.to_vec(),
+            at: steps.len(),
+            ended: Some(given.ended.clone()),
+            fit: given.style.clone(),
+        };
+        self.store.take_in(&person, given)?;
+        Ok(person)
     }
 
     /// Lets the next person in: their token. The id is the next that nobody has, here or in the study's table of people.
@@ -147,11 +198,7 @@ impl Seat {
     pub fn let_in(&self) -> Result<String, SeatError> {
         let _alone = held(&self.door);
         let here = self.store.everybody()?;
-        let elsewhere = self.settings.files.people()?;
-        let taken =
-            |id: &String| elsewhere.contains(id) || here.iter().any(|p| p.participant == *id);
-        let mut ids = (here.len() + 1..).map(|number| format!("P{number:03}"));
-        let participant = ids.find(|id| !taken(id)).unwrap_or_default();
+        let participant = self.next_id(&here)?;
         let riders = here.iter().filter(|p| !p.rides().is_empty()).count();
         let steps = self.steps_of(&participant, riders)?;
         let token = token::new()?;

@@ -284,12 +284,7 @@ async fn fit(
         return Err(Refused::NotThis("nothing is learned here".to_owned()));
     }
     let fit: Fit = read(&body)?;
-    let finite = fit.embedding.iter().chain(fit.covariance.iter().flatten());
-    if fit.embedding.is_empty() || fit.embedding.len() > 64 || !finite.copied().all(f64::is_finite)
-    {
-        return Err(Refused::NotThis("no style".to_owned()));
-    }
-    let kept = serde_json::to_string(&fit).map_err(|e| Refused::NotThis(e.to_string()))?;
+    let kept = intake::style(&fit).map_err(Refused::NotThis)?;
     shared.seat.store.fit(&person.token, &kept)?;
     Ok(json(&"kept"))
 }

@@ -4,7 +4,6 @@ use crate::{error::SeatError, williams};
 use maveric_domain::{
     ConditionId, Design, Scale,
     design::{Car, Condition, Protocol, ProtocolStep},
-    stream_seed,
 };
 use serde::{Deserialize, Serialize};
 
@@ -126,7 +125,7 @@ pub struct Texts {
     pub thanks: Option<String>,
 }
 
-/// The steps of a person; `riding` is the person's number among those who ride (from 0) and the points of the model for one of the
+/// The steps of a person; `world` gives the root of random choices of what is driven (`practice`, or a condition), `riding` is the person's number among those who ride (from 0) and the points of the model for one of the
 /// study's style, none while nobody rides.
 ///
 /// # Errors
@@ -136,11 +135,10 @@ pub fn of_design(
     design: &Design,
     scales: &[Scale],
     texts: &Texts,
-    participant: &str,
+    world: &dyn Fn(&str) -> String,
     riding: Option<(usize, f64)>,
 ) -> Result<Vec<Step>, SeatError> {
     let protocol = design.protocol();
-    let seed = |what: &str| stream_seed(protocol.seed, &[participant, what, "world"]).to_string();
     let own = design
         .baseline_id()
         .map_or_else(|| ConditionId::new("own"), Ok);
@@ -166,16 +164,16 @@ pub fn of_design(
                 seconds: protocol.practice.at_most_s,
                 lane_kept_s: protocol.practice.lane_kept_s,
                 passes: protocol.practice.passes,
-                seed: seed("practice"),
+                seed: world("practice"),
             }),
             ProtocolStep::Drive => steps.push(Step::Drive {
                 condition: own,
                 seconds: protocol.drive_s,
-                seed: seed(own.as_str()),
+                seed: world(own.as_str()),
             }),
             ProtocolStep::Rides => {
                 if let Some(who) = riding {
-                    rides(design, scales, &seed, who, &mut steps)?;
+                    rides(design, scales, world, who, &mut steps)?;
                 }
             }
         }
@@ -193,7 +191,7 @@ pub fn of_design(
 fn rides(
     design: &Design,
     scales: &[Scale],
-    seed: &impl Fn(&str) -> String,
+    world: &dyn Fn(&str) -> String,
     (index, stretch): (usize, f64),
     steps: &mut Vec<Step>,
 ) -> Result<(), SeatError> {
@@ -209,7 +207,7 @@ fn rides(
             condition: condition.id,
             number: number + 1,
             seconds: protocol.ride_s,
-            seed: seed(condition.id.as_str()),
+            seed: world(condition.id.as_str()),
             style,
             points,
             stretch,

@@ -1,6 +1,6 @@
 //! People, answers and drives in one SQLite file.
 
-use crate::{error::SeatError, person::Person};
+use crate::{error::SeatError, parts::Carried, person::Person};
 use rusqlite::{Connection, OptionalExtension as _, params};
 use std::{
     path::{Path, PathBuf},
@@ -116,6 +116,44 @@ impl Store {
             )
         })
         .map(drop)
+    }
+
+    /// Lets in somebody with all that they gave, or not at all.
+    pub(crate) fn take_in(&self, person: &Person, given: &Carried) -> Result<(), SeatError> {
+        // Steps are made of what was checked.
+        let steps = serde_json::to_string(&person.steps).unwrap_or_default();
+        self.ask(|c| {
+            let t = c.transaction()?;
+            let who = &person.participant;
+            t.execute(
+                "INSERT INTO person (token, participant, steps, at, ended, fit, made) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)",
+                params![person.token, who, steps, whole(person.at), person.ended, person.fit, now()],
+            )?;
+            for (step, sheet) in &given.sheets {
+                t.execute(
+                    "INSERT OR IGNORE INTO answer (participant, step, body, given) VALUES (?1, ?2, ?3, ?4)",
+                    params![who, whole(*step), sheet, now()],
+                )?;
+            }
+            for (step, attempt, parts) in &given.drives {
+                let mut kept = 0;
+                for (from, ticks, line) in &parts.pieces {
+                    if *from == kept {
+                        t.execute(
+                            "INSERT OR IGNORE INTO piece VALUES (?1, ?2, ?3, ?4, ?5)",
+                            params![who, whole(*step), attempt, kept.cast_signed(), line],
+                        )?;
+                        kept += ticks;
+                    }
+                }
+                let end = parts.end.as_ref().filter(|(at, _)| *at == kept);
+                t.execute(
+                    "INSERT OR IGNORE INTO drive (participant, step, attempt, header, ticks, end, begun) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)",
+                    params![who, whole(*step), attempt, parts.header, kept.cast_signed(), end.map(|(_, line)| line), now()],
+                )?;
+            }
+            t.commit()
+        })
     }
 
     /// The person of a token.

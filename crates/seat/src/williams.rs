@@ -1,5 +1,14 @@
 //! Orders of conditions in which each stands in every place, and after every other, equally often.
 
+/// Rows of the square over `conditions`.
+pub(crate) fn rows(conditions: usize) -> usize {
+    if conditions.is_multiple_of(2) {
+        conditions
+    } else {
+        2 * conditions
+    }
+}
+
 /// The row `index` of a Williams square over `conditions` places: numbers from 0, each once.
 ///
 /// An even number of conditions needs as many rows, an odd one twice as many; further people begin again.
@@ -10,12 +19,7 @@ pub(crate) fn order(conditions: usize, index: usize) -> Vec<usize> {
     if conditions == 0 {
         return Vec::new();
     }
-    let rows = if conditions.is_multiple_of(2) {
-        conditions
-    } else {
-        2 * conditions
-    };
-    let row = index % rows;
+    let row = index % rows(conditions);
     let (shift, reversed) = (row % conditions, row >= conditions);
     let first = (0..conditions).map(|place| {
         if place % 2 == 1 {
@@ -39,7 +43,7 @@ mod tests {
     #[test]
     fn every_condition_stands_in_every_place_and_after_every_other_equally_often() {
         for n in 1..=7_usize {
-            let rows = if n.is_multiple_of(2) { n } else { 2 * n };
+            let rows = rows(n);
             let orders: Vec<Vec<usize>> = (0..rows).map(|index| order(n, index)).collect();
             let mut places: BTreeMap<(usize, usize), usize> = BTreeMap::new();
             let mut after: BTreeMap<(usize, usize), usize> = BTreeMap::new();

@@ -4,7 +4,7 @@ use super::{
     SETTINGS,
     percept::{Dial, Percept},
 };
-use crate::{StudyData, error::AnalysisError};
+use crate::{StudyData, error::AnalysisError, turned::Settled};
 use maveric_domain::{
     ParticipantId,
     design::{Condition, ScoreName},
@@ -255,6 +255,27 @@ impl Learned {
     /// Takes in one rating.
     pub fn observe(&self, belief: &mut Belief, row: &[f64], rating: f64) {
         belief.observe(row, rating, self.fit.residual_sd.powi(2));
+    }
+
+    /// Takes in where somebody left the dial: what they like neither rises nor falls there.
+    ///
+    /// # Source
+    /// Ours: the slope b + 2 g A of the preference is 0 at the perceived shift A of the place, with the error that the SD of the place
+    /// makes of it at the curvature that is believed.
+    pub fn observe_settled(&self, belief: &mut Belief, traits: &[f64], settled: Settled) {
+        let (linear, square) = parabola(traits);
+        let shift = |points: f64| self.dial.expected(points).0;
+        let at = shift(settled.points);
+        let a_point = (shift(settled.points + 0.5) - shift(settled.points - 0.5)).abs();
+        let mut slope: Vec<f64> = linear
+            .iter()
+            .zip(&square)
+            .map(|(l, s)| l + 2.0 * at * s)
+            .collect();
+        slope.resize(belief.len(), 0.0);
+        let curvature = belief.mean_of(&square).min(-0.05);
+        let sd = 2.0 * curvature * a_point * settled.sd;
+        belief.observe(&slope, 0.0, sd * sd);
     }
 
     /// Where the person would like the dial; `None` if the ratings do not fall to both sides of anything.

@@ -20,9 +20,9 @@ pub const SETTINGS: [f64; 7] = [-15.0, -10.0, -5.0, 0.0, 5.0, 10.0, 15.0];
 /// A reason: by how many points it moves the recommendation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Reason {
-    /// `everybody`, a trait, or `own ratings`.
+    /// `everybody`, a trait, `own ratings`, or `own turns of the dial`.
     pub because: String,
-    /// The person's value in SDs from the mean of those learned from; none for `everybody` and `own ratings`.
+    /// The person's value in SDs from the mean of those learned from; none where it is no trait.
     pub standardised: Option<f64>,
     /// Effect on the recommended shift, in ADB points.
     pub points: f64,
@@ -33,7 +33,7 @@ pub struct Reason {
 pub struct Recommendation {
     /// Who.
     pub participant: ParticipantId,
-    /// By their own ratings of the conditions and by who they are; none if the ratings have no top.
+    /// By their own ratings of the conditions, where they left the dial and who they are; none if the ratings have no top.
     pub preferred: Option<Preferred>,
     /// The same on the scale of the score, with what the drive leaves open of the own style.
     pub on_the_scale: Option<OnTheScale>,
@@ -50,7 +50,11 @@ impl Learned {
     pub fn recommendation(&self, data: &StudyData, p: &ParticipantId) -> Recommendation {
         let traits = self.traits(data, p);
         let before = self.belief(data, p, false);
-        let after = self.belief(data, p, true);
+        let rated = self.belief(data, p, true);
+        let mut after = rated.clone();
+        for settled in data.settled(p) {
+            self.observe_settled(&mut after, &traits, *settled);
+        }
         let preferred = self.preferred(&after, &traits);
         Recommendation {
             participant: p.clone(),
@@ -59,7 +63,7 @@ impl Learned {
                 .and_then(|preferred| on_the_scale(data, p, preferred)),
             preferred,
             before_riding: self.preferred(&before, &traits),
-            reasons: reasons(self, &before, &after, &traits),
+            reasons: reasons(self, [&before, &rated, &after], &traits),
             next: self.next(&after, &traits),
         }
     }
@@ -78,7 +82,7 @@ impl Learned {
 }
 
 /// What each part adds to the recommended shift, at the curvature that is believed.
-fn reasons(learned: &Learned, before: &Belief, after: &Belief, traits: &[f64]) -> Vec<Reason> {
+fn reasons(learned: &Learned, [before, rated, after]: [&Belief; 3], traits: &[f64]) -> Vec<Reason> {
     let (linear, square) = learned::parabola(traits);
     let g = before.mean_of(&square).min(-0.05);
     // One unit of b in points, on the person's side of the dial.
@@ -104,15 +108,19 @@ fn reasons(learned: &Learned, before: &Belief, after: &Belief, traits: &[f64]) -
             points: unit * mean[4 + k] * z,
         });
     }
-    if let (Some(with), Some(without)) = (
-        learned.preferred(after, traits),
-        learned.preferred(before, traits),
-    ) {
-        reasons.push(Reason {
-            because: "own ratings".to_owned(),
-            standardised: None,
-            points: with.points - without.points,
-        });
+    let mut own = |because: &str, with: &Belief, without: &Belief| {
+        let preferred = |belief| learned.preferred(belief, traits);
+        if let (Some(with), Some(without)) = (preferred(with), preferred(without)) {
+            reasons.push(Reason {
+                because: because.to_owned(),
+                standardised: None,
+                points: with.points - without.points,
+            });
+        }
+    };
+    own("own ratings", rated, before);
+    if after != rated {
+        own("own turns of the dial", after, rated);
     }
     reasons.sort_by(|a, b| b.points.abs().total_cmp(&a.points.abs()));
     reasons

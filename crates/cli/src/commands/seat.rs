@@ -6,7 +6,7 @@ use crate::{
     diagnostics::{Failure, tell},
     interrupt, progress,
 };
-use maveric_seat::{Seat as Open, SeatError, SeatSettings, demo, files, replay};
+use maveric_seat::{Seat as Open, SeatError, SeatSettings, carried, demo, files, replay};
 use maveric_study::{
     DesignFile, StudyError, Watch, check_design, design::DESIGN_FILE, dial_stretch, run_folder,
 };
@@ -16,6 +16,8 @@ use std::{
     sync::Arc,
 };
 
+const OPENING: &str = "could not open the seat";
+
 /// A driving study in a browser: a real person drives, is learned, and rides
 #[derive(Debug, clap::Args)]
 #[command(
@@ -23,7 +25,9 @@ use std::{
     after_help = "\
 Examples: maveric seat --demo             drive three minutes, ride in your own style, turn the dial
           maveric seat my_study           the study of that folder: links for people at /lab
-          maveric seat replay my_study/seat/P001-own.jsonl"
+          maveric seat replay my_study/seat/P001-own.jsonl
+          maveric seat export online --study my_study --post https://example.org/answers
+          maveric seat import --study my_study handed_over/*.jsonl"
 )]
 pub(crate) struct Seat {
     #[command(subcommand)]
@@ -52,6 +56,32 @@ pub(crate) struct Seat {
 
 #[derive(Debug, clap::Subcommand)]
 enum Part {
+    /// Write the study as static files, for any web space: what people give is sent to an address, or handed over by them as a file
+    Export {
+        /// Folder to write
+        folder: PathBuf,
+        /// Folder of the study
+        #[arg(long, default_value = ".")]
+        study: PathBuf,
+        /// Address that what people give is posted to; handed over as a file when not given
+        #[arg(long)]
+        post: Option<String>,
+        /// How to print the result
+        #[arg(long, value_enum, default_value_t)]
+        format: Format,
+    },
+    /// Take in what people handed over
+    Import {
+        /// Files, one a person
+        #[arg(required = true)]
+        files: Vec<PathBuf>,
+        /// Folder of the study
+        #[arg(long, default_value = ".")]
+        study: PathBuf,
+        /// How to print the result
+        #[arg(long, value_enum, default_value_t)]
+        format: Format,
+    },
     /// Drive a recorded drive again, and say whether it went through the same states to the byte
     Replay {
         /// The record of a drive, as in a study's folder seat/
@@ -76,13 +106,23 @@ impl Seat {
     pub(crate) fn run(self) -> Result<(), Failure> {
         match self.part {
             Some(Part::Replay { log, format }) => repeat(&log, format),
+            Some(Part::Export {
+                folder,
+                study,
+                post,
+                format,
+            }) => export(&study, &folder, post.as_deref(), format),
+            Some(Part::Import {
+                files,
+                study,
+                format,
+            }) => import(&study, &files, format),
             None if self.demo => self.demonstrate(),
             None => self.study(),
         }
     }
 
     fn demonstrate(&self) -> Result<(), Failure> {
-        let doing = "could not open the seat";
         let cache = cache().ok_or_else(|| {
             Failure::Usage("no folder for the model: set XDG_CACHE_HOME".to_owned())
         })?;
@@ -93,12 +133,12 @@ impl Seat {
             bar.set_message(what.to_owned());
         };
         let watch = Watch::new(&show, interrupt::flag());
-        let settings = demo::settings(&cache, self.jobs, watch).map_err(failure(doing));
+        let settings = demo::settings(&cache, self.jobs, watch).map_err(failure(OPENING));
         bar.finish_and_clear();
         let state = cache.join(format!("demo-{}.db", std::process::id()));
         let served = settings.and_then(|settings| {
-            let seat = Open::open(&state, settings).map_err(failure(doing))?;
-            let token = seat.only_person().map_err(failure(doing))?;
+            let seat = Open::open(&state, settings).map_err(failure(OPENING))?;
+            let token = seat.only_person().map_err(failure(OPENING))?;
             self.serve(seat, &format!("/p/{token}"), None)
         });
         for ending in ["", "-wal", "-shm"] {
@@ -111,37 +151,12 @@ impl Seat {
     }
 
     fn study(&self) -> Result<(), Failure> {
-        let doing = "could not open the seat";
         let folder = self.study.clone().unwrap_or_else(|| PathBuf::from("."));
-        let study = DesignFile::read(&folder.join(DESIGN_FILE)).map_err(Failure::study(doing))?;
-        let records = folder.join("seat");
-        let files = files::Files::of(&study, records.clone()).map_err(Failure::study(doing))?;
-        files.begin().map_err(failure(doing))?;
-        check_design(&study).map_err(Failure::study(doing))?;
-        std::fs::create_dir_all(&records).map_err(|e| Failure::io(doing, e))?;
-        let named = study.design.files();
-        let (model, phase) = model(&study, &folder).map_err(Failure::study(doing))?;
-        let bytes = model.as_deref().map(std::fs::read).transpose();
-        let world = study.resolve(&named.scenario);
-        let world = world.is_file().then_some(world);
         let password = match &self.password {
             Some(given) => given.clone(),
-            None => maveric_seat::password().map_err(failure(doing))?,
+            None => maveric_seat::password().map_err(failure(OPENING))?,
         };
-        let settings = SeatSettings {
-            scales: run_folder::read_scales(&study.resolve(&named.scales))
-                .map_err(Failure::study(doing))?,
-            texts: maveric_seat::files::texts(&study).map_err(Failure::study(doing))?,
-            scenario: run_folder::read_scenario(world.as_deref(), None)
-                .map_err(Failure::study(doing))?,
-            model: bytes.map_err(|e| Failure::io(doing, e))?,
-            made_up_model: study.design.synthetic(),
-            stretch: dial_stretch(&study).map_err(Failure::study(doing))?,
-            files,
-            password: Some(password.clone()),
-            design: study.design.clone(),
-        };
-        let seat = Open::open(&records.join("seat.db"), settings).map_err(failure(doing))?;
+        let (seat, phase) = open(&folder, Some(password.clone()))?;
         if let Some(line) = phase {
             tell!("{line}");
         }
@@ -163,6 +178,96 @@ impl Seat {
         let stop = Arc::clone(interrupt::flag());
         maveric_seat::run(Arc::new(seat), self.bind, self.plain_http, stop, ready)
             .map_err(failure("could not serve the seat"))
+    }
+}
+
+/// Opens the seat of the study in `folder`, and says what is to be said of its phase.
+fn open(folder: &Path, password: Option<String>) -> Result<(Open, Option<String>), Failure> {
+    let study = DesignFile::read(&folder.join(DESIGN_FILE)).map_err(Failure::study(OPENING))?;
+    let records = folder.join("seat");
+    let files = files::Files::of(&study, records.clone()).map_err(Failure::study(OPENING))?;
+    files.begin().map_err(failure(OPENING))?;
+    check_design(&study).map_err(Failure::study(OPENING))?;
+    std::fs::create_dir_all(&records).map_err(|e| Failure::io(OPENING, e))?;
+    let named = study.design.files();
+    let (model, phase) = model(&study, folder).map_err(Failure::study(OPENING))?;
+    let bytes = model.as_deref().map(std::fs::read).transpose();
+    let world = study.resolve(&named.scenario);
+    let world = world.is_file().then_some(world);
+    let settings = SeatSettings {
+        scales: run_folder::read_scales(&study.resolve(&named.scales))
+            .map_err(Failure::study(OPENING))?,
+        texts: maveric_seat::files::texts(&study).map_err(Failure::study(OPENING))?,
+        scenario: run_folder::read_scenario(world.as_deref(), None)
+            .map_err(Failure::study(OPENING))?,
+        model: bytes.map_err(|e| Failure::io(OPENING, e))?,
+        made_up_model: study.design.synthetic(),
+        stretch: dial_stretch(&study).map_err(Failure::study(OPENING))?,
+        files,
+        password,
+        design: study.design.clone(),
+    };
+    let seat = Open::open(&records.join("seat.db"), settings).map_err(failure(OPENING))?;
+    Ok((seat, phase))
+}
+
+fn export(study: &Path, folder: &Path, post: Option<&str>, format: Format) -> Result<(), Failure> {
+    let (seat, phase) = open(study, None)?;
+    let written = carried::export(&seat, folder, post).map_err(failure("could not export"))?;
+    if let Some(line) = phase {
+        tell!("{line}");
+    }
+    match format {
+        Format::Json => print_json(&written),
+        Format::Text => print_lines(&[format!(
+            "{}: {} files, {} orders; put them on a web space that is reached over https",
+            written.folder.display(),
+            written.files.len(),
+            written.orders
+        )]),
+    }
+}
+
+/// A file that was not taken in, and why.
+#[derive(serde::Serialize)]
+struct NotTaken {
+    file: PathBuf,
+    why: String,
+}
+
+fn import(study: &Path, files: &[PathBuf], format: Format) -> Result<(), Failure> {
+    let (seat, _) = open(study, None)?;
+    let (mut taken, mut not_taken) = (Vec::new(), Vec::new());
+    for file in files {
+        match carried::take_in(&seat, file) {
+            Ok(person) => taken.push(person),
+            Err(error) => {
+                tell!("not taken in: {error}");
+                not_taken.push(NotTaken {
+                    file: file.clone(),
+                    why: error.to_string(),
+                });
+            }
+        }
+    }
+    match format {
+        Format::Json => {
+            print_json(&serde_json::json!({"taken_in": taken, "not_taken_in": not_taken}))?;
+        }
+        Format::Text => {
+            let line = |p: &carried::TakenIn| {
+                format!(
+                    "{}: {} sheets, {} drives, {}",
+                    p.participant, p.sheets, p.drives, p.ended
+                )
+            };
+            print_lines(&taken.iter().map(line).collect::<Vec<_>>())?;
+        }
+    }
+    if not_taken.is_empty() {
+        Ok(())
+    } else {
+        Err(Failure::Told)
     }
 }
 

@@ -20,9 +20,22 @@ export interface State {
   at: number; ended: string | null; steps: Step[]; fit: Fit | null; attempts: number; whole: boolean; scenario: string; view: ViewSettings;
 }
 
-export const token = location.pathname.split("/").pop() ?? "";
+/// The file that holds the study where no server does.
+export const folder = document.documentElement.dataset["study"];
+
+const random = (): string => [...crypto.getRandomValues(new Uint8Array(16))].map((b) => b.toString(16).padStart(2, "0")).join("");
+
+const TOKEN = "maveric-seat-token";
+/// Without a server somebody is known by what their browser keeps.
+function own(): string {
+  const kept = localStorage.getItem(TOKEN) ?? random();
+  localStorage.setItem(TOKEN, kept);
+  return kept;
+}
+
+export const token = folder ? own() : location.pathname.split("/").pop() ?? "";
 /// This tab; the one opened last has the study.
-export const tab = [...crypto.getRandomValues(new Uint8Array(16))].map((b) => b.toString(16).padStart(2, "0")).join("");
+export const tab = random();
 
 /// A reply that will not change by asking again.
 export class Refused extends Error {
@@ -57,13 +70,29 @@ const post = (body: unknown): RequestInit => ({ method: "POST", body: JSON.strin
 
 const json = async (path: string, init?: RequestInit): Promise<unknown> => surely(async () => (await ask(path, init)).json());
 
-export const state = async (): Promise<State> => (await json("")) as State;
-export const open = (): Promise<unknown> => json(`/open/${tab}`, post(null));
-export const model = (): Promise<Uint8Array> => surely(async () => new Uint8Array(await (await ask("/model")).arrayBuffer()));
-export const answer = (step: number, sheet: unknown): Promise<unknown> => json(`/answer/${step}`, post(sheet));
-export const done = (step: number): Promise<unknown> => json(`/done/${step}`, post(null));
-export const keepFit = (fit: string): Promise<unknown> => json("/fit", { method: "POST", body: fit });
-export const leave = (keep: boolean): Promise<unknown> => json("/leave", post({ keep }));
-/// Sends lines of a drive once; gives the step up to which all is kept.
-export const lines = async (step: number, attempt: number, body: string): Promise<number> =>
-  (await ask(`/drive/${step}/${attempt}/${tab}`, { method: "POST", body })).json();
+/// What keeps a person's study: a server, or the browser itself.
+export interface Keeper {
+  state(): Promise<State>;
+  open(): Promise<unknown>;
+  model(): Promise<Uint8Array>;
+  answer(step: number, sheet: unknown): Promise<unknown>;
+  done(step: number): Promise<unknown>;
+  keepFit(fit: string): Promise<unknown>;
+  leave(keep: boolean): Promise<unknown>;
+  /// Takes lines of a drive; gives the step up to which all is kept.
+  lines(step: number, attempt: number, body: string): Promise<number>;
+  /// What is left to do for what was given to arrive; nothing where a server has it.
+  handOver(): Promise<HTMLElement[]>;
+}
+
+export const server: Keeper = {
+  state: async () => (await json("")) as State,
+  open: () => json(`/open/${tab}`, post(null)),
+  model: () => surely(async () => new Uint8Array(await (await ask("/model")).arrayBuffer())),
+  answer: (step, sheet) => json(`/answer/${step}`, post(sheet)),
+  done: (step) => json(`/done/${step}`, post(null)),
+  keepFit: (fit) => json("/fit", { method: "POST", body: fit }),
+  leave: (keep) => json("/leave", post({ keep })),
+  lines: async (step, attempt, body) => (await ask(`/drive/${step}/${attempt}/${tab}`, { method: "POST", body })).json(),
+  handOver: async () => [],
+};

@@ -3,6 +3,7 @@
 import init, { PageModel } from "../built/seat";
 import * as api from "./api";
 import { choose } from "./controls";
+import { keeper } from "./keeper";
 import { run, type Wanted } from "./drive";
 import { sendLeftovers } from "./outbox";
 import { make, paragraphs, pressed, sheet, show, text } from "./words";
@@ -13,7 +14,7 @@ let model: PageModel | null = null;
 
 async function theModel(): Promise<PageModel | null> {
   if (!model) {
-    const bytes = await api.model();
+    const bytes = await keeper.model();
     if (bytes.length > 0) model = new PageModel(bytes);
   }
   return model;
@@ -25,7 +26,7 @@ leaveButton.addEventListener("click", () => {
   const remove = make("button", ["Leave, and have it deleted"], { type: "button" });
   const stay = make("button", ["Stay"], { type: "button", className: "main" });
   const dialog = make("dialog", [make("h1", ["Leave the study?"]), make("p", [keep]), make("p", [remove]), make("p", [stay])]);
-  const go = async (kept: boolean): Promise<void> => { await api.leave(kept); location.reload(); };
+  const go = async (kept: boolean): Promise<void> => { await keeper.leave(kept); location.reload(); };
   keep.addEventListener("click", () => void go(true));
   remove.addEventListener("click", () => void go(false));
   stay.addEventListener("click", () => { dialog.close(); dialog.remove(); });
@@ -35,7 +36,7 @@ leaveButton.addEventListener("click", () => {
 
 async function drives(state: api.State, step: api.Step & { kind: "practice" | "drive" | "ride" }): Promise<void> {
   // It had ended, and only the word of it was lost.
-  if (state.whole) { await api.done(state.at); return; }
+  if (state.whole) { await keeper.done(state.at); return; }
   const go = pressed(state.attempts > 0 ? "Begin again" : "Begin");
   const again = state.attempts > 0 ? [make("p", ["This part was cut short and begins again."])] : [];
   const [title, body, hint] = told(state, step);
@@ -57,8 +58,8 @@ async function drives(state: api.State, step: api.Step & { kind: "practice" | "d
     wanted.ride = { model: learned, own, points: step.points, stretch: step.stretch, turns: step.turns };
   }
   const fit = await run(wanted, step.kind === "drive" ? learned : null);
-  if (fit) await api.keepFit(fit);
-  await api.done(state.at);
+  if (fit) await keeper.keepFit(fit);
+  await keeper.done(state.at);
 }
 
 function told(state: api.State, step: api.Step & { kind: "practice" | "drive" | "ride" }): [string, string, string] {
@@ -78,20 +79,20 @@ async function once(state: api.State): Promise<boolean> {
   if (state.ended || !step) {
     leaveButton.hidden = true;
     show(make("h1", [state.ended === "done" || !step ? "Thank you" : "You have left the study"]),
-      make("p", [state.ended === "deleted" ? "What you gave was deleted." : "You can close this page."]), ...code(state));
+      make("p", [state.ended === "deleted" ? "What you gave was deleted." : "You can close this page."]), ...await keeper.handOver(), ...code(state));
     return false;
   }
   switch (step.kind) {
     case "text": {
       const seconds = await text(step.title, step.text, step.agree ? "I agree" : "Continue");
-      if (step.agree) await api.answer(state.at, { agreed: true, seconds }); else await api.done(state.at);
+      if (step.agree) await keeper.answer(state.at, { agreed: true, seconds }); else await keeper.done(state.at);
       break;
     }
-    case "scale": await api.answer(state.at, await sheet(step)); break;
-    case "controls": await choose(); await api.done(state.at); break;
+    case "scale": await keeper.answer(state.at, await sheet(step)); break;
+    case "controls": await choose(); await keeper.done(state.at); break;
     case "practice": case "drive": case "ride": await drives(state, step); break;
     case "thanks":
-      await api.done(state.at);
+      await keeper.done(state.at);
       break;
   }
   return true;
@@ -105,10 +106,10 @@ function code(state: api.State): HTMLElement[] {
 }
 
 async function main(): Promise<void> {
-  await Promise.all([init({ module_or_path: "/page/seat.wasm" }), api.open()]);
+  await Promise.all([init({ module_or_path: new URL("seat.wasm", import.meta.url) }), keeper.open()]);
   await sendLeftovers();
   for (;;) {
-    const state = await api.state();
+    const state = await keeper.state();
     document.title = state.title;
     (document.getElementById("title") as HTMLElement).textContent = state.title;
     if (!(await once(state))) return;

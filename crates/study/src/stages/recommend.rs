@@ -7,11 +7,12 @@ use crate::{
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
     run_folder::read_study,
+    tables::dial::read_turns,
 };
 use maveric_analysis::{Learned, Preferred, Recommendation, StudyData};
 use maveric_domain::ParticipantId;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// For whom to recommend.
 #[derive(Debug, Clone)]
@@ -35,7 +36,8 @@ pub struct Recommended {
     pub recommendations: Vec<Recommendation>,
 }
 
-/// Recommends a setting of the dial to the people of a study, each by a model learned from all others and by their own ratings.
+/// Recommends a setting of the dial to the people of a study, each by a model learned from all others and by their own ratings, and by where they
+/// left the dial in a ride in the seat.
 ///
 /// # Errors
 /// [`StudyError`] if a table cannot be read, the participant is not of the study, or the study is too small to learn from.
@@ -45,7 +47,8 @@ pub fn recommend(
 ) -> Result<Outcome<Recommended>, StudyError> {
     spare_inputs(options.design.as_deref(), options.out.as_deref())?;
     let study = DesignFile::find(options.design.as_deref())?;
-    let data = read_study(&options.results, &study, None)?;
+    let turns = read_turns(&study.resolve(Path::new("seat")))?;
+    let data = read_study(&options.results, &study, None)?.with_turns(&turns);
     let wanted: Vec<&ParticipantId> = match &options.participant {
         None => data.participants.iter().collect(),
         Some(name) => {

@@ -1,6 +1,7 @@
 //! Tables as files: CSV, TSV or Parquet by the file's name, read with errors that name the row.
 
 pub mod conditions;
+pub mod dial;
 pub mod drives;
 pub mod embeddings;
 pub mod measurements;

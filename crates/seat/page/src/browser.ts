@@ -1,0 +1,199 @@
+// A study without a server: this browser keeps everything, and hands it over as one file at the end.
+
+import { world } from "../built/seat";
+import { token, type Keeper, type State, type Step } from "./api";
+import { make } from "./words";
+
+/// The study, as `maveric seat export` wrote it.
+interface Study extends Omit<State, "at" | "ended" | "steps" | "fit" | "attempts" | "whole"> {
+  /// Whether there is a model, and where what was given is sent.
+  model: boolean; post: string | null;
+  /// Orders of conditions, one of which is drawn.
+  rows: Step[][];
+}
+
+/// How far a drive has come.
+interface Drive { step: number; attempt: number; ticks: number; ended: boolean }
+
+/// What is kept of a person beside the lines of drives.
+interface Kept {
+  row: number; at: number; ended: string | null; sheets: { step: number; sheet: unknown }[]; drives: Drive[]; fit: string | null; sent: boolean;
+}
+
+/// A table of values by their names, in this browser.
+class Shelf {
+  private opened = new Promise<IDBDatabase>((done, failed) => {
+    const opening = indexedDB.open("maveric-seat-kept", 1);
+    opening.onupgradeneeded = () => opening.result.createObjectStore("kept");
+    opening.onsuccess = () => done(opening.result);
+    opening.onerror = () => failed(new Error("This browser keeps nothing (a private window?): the study needs one that does."));
+  });
+
+  private async ask<T>(mode: IDBTransactionMode, work: (store: IDBObjectStore) => IDBRequest<T>): Promise<T> {
+    const db = await this.opened;
+    return new Promise((done, failed) => {
+      const transaction = db.transaction("kept", mode, { durability: "strict" });
+      const asked = work(transaction.objectStore("kept"));
+      transaction.oncomplete = () => done(asked.result);
+      transaction.onabort = () => failed(new Error(`This browser could not keep what was given: ${transaction.error?.message ?? "no room"}`));
+    });
+  }
+
+  get(name: string): Promise<unknown> { return this.ask("readonly", (store) => store.get(name)); }
+  put(name: string, value: unknown): Promise<unknown> { return this.ask("readwrite", (store) => store.put(value, name)); }
+  /// Every value whose name begins so, in the order of names.
+  all(start: string): Promise<unknown[]> { return this.ask("readonly", (store) => store.getAll(IDBKeyRange.bound(start, `${start}\uffff`))); }
+  clear(): Promise<unknown> { return this.ask("readwrite", (store) => store.clear()); }
+}
+
+const lineName = (step: number, attempt: number, tick: number): string =>
+  `line ${String(step).padStart(4, "0")} ${String(attempt).padStart(4, "0")} ${String(tick).padStart(9, "0")}`;
+
+export class Browser implements Keeper {
+  private shelf = new Shelf();
+  private study: Promise<Study>;
+
+  constructor(file: string) {
+    this.study = fetch(file).then((reply) => reply.json() as Promise<Study>);
+  }
+
+  private async kept(): Promise<Kept> {
+    const kept = (await this.shelf.get("person")) as Kept | undefined;
+    if (kept) return kept;
+    const { rows } = await this.study;
+    const asked = Number(new URLSearchParams(location.search).get("row") ?? Number.NaN);
+    const drawn = (crypto.getRandomValues(new Uint32Array(1))[0] as number) % rows.length;
+    const row = Number.isInteger(asked) && asked >= 0 && asked < rows.length ? asked : drawn;
+    return { row, at: 0, ended: null, sheets: [], drives: [], fit: null, sent: false };
+  }
+
+  private turn: Promise<unknown> = Promise.resolve();
+  /// One change after the other: each begins with what the one before left.
+  private alone<T>(work: () => Promise<T>): Promise<T> {
+    const next = this.turn.then(work, work);
+    this.turn = next.catch(() => {});
+    return next;
+  }
+
+  private change(change: (kept: Kept) => void): Promise<void> {
+    return this.alone(async () => {
+      const kept = await this.kept();
+      change(kept);
+      await this.shelf.put("person", kept);
+    });
+  }
+
+  /// Takes the study for this tab, as long as it is open.
+  async open(): Promise<void> {
+    await new Promise<void>((done, failed) => {
+      void navigator.locks.request(`maveric-seat ${token}`, { ifAvailable: true }, (lock) => {
+        if (lock) done(); else failed(new Error("This study is open in another tab."));
+        return lock ? new Promise(() => {}) : undefined;
+      });
+    });
+    await this.change(() => {});
+  }
+
+  async state(): Promise<State> {
+    const [study, kept] = [await this.study, await this.kept()];
+    const { rows, model: _model, post: _post, ...told } = study;
+    const steps = (rows[kept.row] as Step[]).map((step): Step => {
+      if (step.kind === "practice") return { ...step, seed: world(token, "practice") };
+      return step.kind === "drive" || step.kind === "ride" ? { ...step, seed: world(token, step.condition) } : step;
+    });
+    const begun = kept.drives.filter((d) => d.step === kept.at);
+    const fit = kept.fit === null ? null : JSON.parse(kept.fit) as State["fit"];
+    return {
+      ...told, at: kept.at, ended: kept.ended, steps, fit,
+      attempts: begun.reduce((most, d) => Math.max(most, d.attempt), 0), whole: begun.some((d) => d.ended),
+    };
+  }
+
+  async model(): Promise<Uint8Array> {
+    if (!(await this.study).model) return new Uint8Array();
+    return new Uint8Array(await (await fetch("model.maveric")).arrayBuffer());
+  }
+
+  answer(step: number, sheet: unknown): Promise<void> {
+    return this.change((kept) => {
+      if (!kept.sheets.some((s) => s.step === step)) kept.sheets.push({ step, sheet });
+      kept.at = Math.max(kept.at, step + 1);
+    });
+  }
+
+  async done(step: number): Promise<void> {
+    const { rows } = await this.study;
+    await this.change((kept) => {
+      if (rows[kept.row]?.[step]?.kind === "thanks") kept.ended ??= "done";
+      kept.at = Math.max(kept.at, step + 1);
+    });
+  }
+
+  keepFit(fit: string): Promise<void> { return this.change((kept) => { kept.fit = fit; }); }
+
+  async leave(keep: boolean): Promise<void> {
+    if (!keep) await this.alone(() => this.shelf.clear());
+    await this.change((kept) => { kept.ended = keep ? "left" : "deleted"; });
+  }
+
+  lines(step: number, attempt: number, body: string): Promise<number> { return this.alone(() => this.take(step, attempt, body)); }
+
+  private async take(step: number, attempt: number, body: string): Promise<number> {
+    const kept = await this.kept();
+    if (kept.ended) return 0;
+    let drive = kept.drives.find((d) => d.step === step && d.attempt === attempt);
+    for (const line of body.split("\n").filter((l) => l)) {
+      const read = JSON.parse(line) as { from_tick?: number; ticks?: number; end_tick?: number };
+      if (read.from_tick !== undefined) {
+        if (!drive || read.from_tick !== drive.ticks) continue;
+        // Names sort as pieces follow on one another: the head first, the end last.
+        await this.shelf.put(lineName(step, attempt, 1 + drive.ticks), line);
+        drive.ticks += read.ticks ?? 0;
+      } else if (read.end_tick !== undefined) {
+        if (!drive || read.end_tick !== drive.ticks) continue;
+        await this.shelf.put(lineName(step, attempt, 999_999_999), line);
+        drive.ended = true;
+      } else if (!drive) {
+        await this.shelf.put(lineName(step, attempt, 0), line);
+        drive = { step, attempt, ticks: 0, ended: false };
+        kept.drives.push(drive);
+      }
+    }
+    await this.shelf.put("person", kept);
+    return drive?.ticks ?? 0;
+  }
+
+  /// Everything as lines, as `maveric seat import` takes it in.
+  private async file(): Promise<string> {
+    const kept = await this.kept();
+    const lines: unknown[] = [{ maveric_seat_person: 1, token, row: kept.row }, ...kept.sheets];
+    for (const { step, attempt } of kept.drives) {
+      const record = await this.shelf.all(lineName(step, attempt, 0).slice(0, -9));
+      lines.push({ step, attempt, record: record.map((line) => `${String(line)}\n`).join("") });
+    }
+    if (kept.fit !== null) lines.push({ fit: JSON.parse(kept.fit) as unknown });
+    lines.push({ ended: kept.ended });
+    return lines.map((line) => `${JSON.stringify(line)}\n`).join("");
+  }
+
+  async handOver(): Promise<HTMLElement[]> {
+    const kept = await this.kept();
+    if (kept.ended === "deleted") return [];
+    const { post } = await this.study;
+    const file = await this.file();
+    const save = make("a", ["Save what you gave as a file"], {
+      href: URL.createObjectURL(new Blob([file], { type: "application/jsonl" })), download: `maveric-seat-${token.slice(0, 8)}.jsonl`, className: "button",
+    });
+    if (!post) return [make("p", ["One thing is left: hand over what you gave, as you were told."]), make("p", [save])];
+    if (!kept.sent) {
+      try {
+        const reply = await fetch(post, { method: "POST", body: file, headers: { "Content-Type": "application/jsonl" } });
+        if (!reply.ok) throw new Error(String(reply.status));
+        await this.change((k) => { k.sent = true; });
+      } catch {
+        return [make("p", ["What you gave could not be sent. Open this page again later, or save it and send it to whoever invited you."]), make("p", [save])];
+      }
+    }
+    return [make("p", ["What you gave has arrived."])];
+  }
+}

@@ -1,0 +1,291 @@
+//! A study without a server: as a folder of static files, and what people's browsers hand back.
+
+use crate::{
+    assets,
+    error::SeatError,
+    intake,
+    parts::Carried,
+    seat::{Seat, SeatSettings},
+    sheet::Sheet,
+    steps::Step,
+    token,
+};
+use maveric_domain::design::SeatView;
+use maveric_seat_page::Fit;
+use maveric_study::atomic_write::atomic_write_bytes;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// The file by which a folder is known as a study's.
+const STUDY: &str = "study.json";
+/// Largest file that a person hands back, in bytes.
+const LARGEST: u64 = 256 << 20;
+
+/// What the page is told where no server tells it.
+#[derive(Serialize)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a fact that the page is told"
+)]
+struct Static<'a> {
+    title: &'a str,
+    synthetic: bool,
+    made_up_model: bool,
+    mph: bool,
+    scenario: &'a str,
+    view: &'a SeatView,
+    /// Whether `model.maveric` is there.
+    model: bool,
+    /// Where what was given is sent; none where the person hands it over.
+    post: Option<&'a str>,
+    /// A row of the square each; the page draws one.
+    rows: Vec<Vec<Step>>,
+}
+
+/// What was written.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Exported {
+    /// The folder.
+    pub folder: PathBuf,
+    /// Its files.
+    pub files: Vec<String>,
+    /// Orders of conditions among which the page draws.
+    pub orders: usize,
+}
+
+/// Writes the seat's study as static files into `folder`; what people give is sent to `post`, or handed over by them as a file.
+///
+/// # Errors
+/// [`SeatError::Protocol`] for a `post` that is no address over https, or a folder that holds something else; [`SeatError::Study`] if a file
+/// cannot be written.
+pub fn export(seat: &Seat, folder: &Path, post: Option<&str>) -> Result<Exported, SeatError> {
+    let settings: &SeatSettings = &seat.settings;
+    let refused = |problem: String, help: &str| SeatError::Protocol {
+        problem,
+        help: Some(help.to_owned()),
+    };
+    let origin = match post.map(|post| (post, url::Url::parse(post))) {
+        None => None,
+        Some((_, Ok(url))) if url.scheme() == "https" || local(&url) => {
+            Some(url.origin().ascii_serialization())
+        }
+        Some((post, _)) => {
+            return Err(refused(
+                format!("`{post}` is no address to send answers to"),
+                "expected https://…: answers do not travel in the clear",
+            ));
+        }
+    };
+    let holds = |name: &str| folder.join(name).exists();
+    let empty = std::fs::read_dir(folder).map_or(true, |mut found| found.next().is_none());
+    if !empty && !holds(STUDY) {
+        return Err(refused(
+            format!(
+                "{} holds something else than a study of the seat",
+                folder.display()
+            ),
+            "name a new folder",
+        ));
+    }
+    let rows: Vec<Vec<Step>> = (0..seat.orders())
+        .map(|row| seat.steps_in(row, &|_| String::new()))
+        .collect::<Result<_, _>>()?;
+    let orders = rows.len();
+    let told = Static {
+        title: settings.design.title(),
+        synthetic: settings.design.synthetic(),
+        made_up_model: settings.made_up_model,
+        mph: seat.mph(),
+        scenario: &seat.scenario_json,
+        view: &settings.design.protocol().view,
+        model: settings.model.is_some(),
+        post,
+        rows,
+    };
+    let told = serde_json::to_vec(&told).map_err(|e| refused(e.to_string(), "report this"))?;
+    let mut files = vec![
+        ("index.html", assets::static_page(origin.as_deref())),
+        ("page.css", assets::bytes("page.css").to_vec()),
+        ("page.js", assets::bytes("page.js").to_vec()),
+        ("seat.wasm", assets::bytes("seat.wasm").to_vec()),
+        (STUDY, told),
+    ];
+    if let Some(model) = &settings.model {
+        files.push(("model.maveric", model.clone()));
+    }
+    for (name, bytes) in &files {
+        atomic_write_bytes(&folder.join(name), bytes)?;
+    }
+    Ok(Exported {
+        folder: folder.to_owned(),
+        files: files.iter().map(|(name, _)| (*name).to_owned()).collect(),
+        orders,
+    })
+}
+
+fn local(url: &url::Url) -> bool {
+    url.scheme() == "http" && matches!(url.host_str(), Some("localhost" | "127.0.0.1"))
+}
+
+/// A line of what a person hands back.
+#[derive(Deserialize)]
+#[serde(untagged, deny_unknown_fields)]
+enum Line {
+    Head {
+        maveric_seat_person: u32,
+        token: String,
+        row: usize,
+    },
+    Sheet {
+        step: usize,
+        sheet: Sheet,
+    },
+    Drive {
+        step: usize,
+        attempt: u32,
+        record: String,
+    },
+    Fit {
+        fit: Fit,
+    },
+    Ended {
+        ended: String,
+    },
+}
+
+/// Somebody who was taken in.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct TakenIn {
+    /// The id that they were given.
+    pub participant: String,
+    /// Sheets of answers, texts agreed to among them.
+    pub sheets: usize,
+    /// Drives and rides that came to their end.
+    pub drives: usize,
+    /// `done` or `left`.
+    pub ended: String,
+}
+
+/// Takes in what somebody handed back: checked as the server checks what a page sends it; nothing of a file that is wrong anywhere.
+///
+/// # Errors
+/// [`SeatError::Carried`] naming the line; [`SeatError::Store`]; [`SeatError::Study`] if a file cannot be written.
+pub fn take_in(seat: &Seat, path: &Path) -> Result<TakenIn, SeatError> {
+    let io = |source| SeatError::Io {
+        path: path.to_owned(),
+        source,
+    };
+    let bad = |line: usize, problem: String| SeatError::Carried {
+        path: path.to_owned(),
+        line,
+        problem,
+    };
+    let size = std::fs::metadata(path).map_err(io)?.len();
+    if size > LARGEST {
+        return Err(bad(
+            1,
+            format!("the file has {size} bytes, expected at most {LARGEST}"),
+        ));
+    }
+    let text = std::fs::read_to_string(path).map_err(io)?;
+    let mut lines = Vec::new();
+    for (number, line) in (1..).zip(text.lines()) {
+        let read: Line = serde_json::from_str(line)
+            .map_err(|_| bad(number, "no part of what the page hands over".to_owned()))?;
+        lines.push((number, read));
+    }
+    let mut lines = lines.into_iter();
+    let Some((
+        _,
+        Line::Head {
+            maveric_seat_person: 1,
+            token,
+            row,
+        },
+    )) = lines.next()
+    else {
+        return Err(bad(
+            1,
+            "not the head of what a person hands over".to_owned(),
+        ));
+    };
+    if !token::possible(&token) || row >= seat.orders() {
+        return Err(bad(
+            1,
+            format!("token `{token}` and row {row} are none of this study"),
+        ));
+    }
+    if let Some(before) = seat.store.person(&token)? {
+        return Err(bad(
+            1,
+            format!("taken in before, as {}", before.participant),
+        ));
+    }
+    let steps = seat.steps_in(row, &|what| {
+        maveric_seat_page::world(&token, what).to_string()
+    })?;
+    let rest: Vec<(usize, Line)> = lines.collect();
+    let Some((last, Line::Ended { ended })) = rest.last() else {
+        return Err(bad(
+            rest.len() + 1,
+            "the file is cut off: expected how it ended".to_owned(),
+        ));
+    };
+    if !["done", "left"].contains(&ended.as_str()) {
+        return Err(bad(
+            *last,
+            format!("ended `{ended}`, expected done or left"),
+        ));
+    }
+    let at = |number: usize, step: usize| {
+        let found = steps.get(step);
+        found.ok_or_else(|| {
+            bad(
+                number,
+                format!("step {step}, expected at most {}", steps.len()),
+            )
+        })
+    };
+    // Looked at whole before anything is kept.
+    let mut given = Carried {
+        ended: ended.clone(),
+        ..Carried::default()
+    };
+    for (number, line) in rest {
+        let wrong = |why: String| bad(number, why);
+        match line {
+            Line::Sheet { step, sheet } => {
+                let kept = sheet.checked(at(number, step)?).map_err(wrong)?;
+                given.sheets.push((step, kept));
+            }
+            Line::Drive {
+                step,
+                attempt,
+                record,
+            } => {
+                let parts = intake::parts(seat, at(number, step)?, &record).map_err(wrong)?;
+                if parts.header.is_none() {
+                    return Err(wrong("a drive without its head".to_owned()));
+                }
+                given.drives.push((step, attempt, parts));
+            }
+            Line::Fit { fit } => given.style = Some(intake::style(&fit).map_err(wrong)?),
+            Line::Ended { .. } => {}
+            Line::Head { .. } => return Err(wrong("a second head".to_owned())),
+        }
+    }
+    let person = seat.take_in(&token, &steps, &given)?;
+    let mut drives = 0;
+    for (step, found) in steps.iter().enumerate() {
+        if found.drives().is_some() && seat.finish_drive(&person, step, found)? {
+            drives += 1;
+        }
+    }
+    seat.write_files()?;
+    Ok(TakenIn {
+        participant: person.participant,
+        sheets: given.sheets.len(),
+        drives,
+        ended: given.ended,
+    })
+}

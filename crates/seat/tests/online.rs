@@ -1,0 +1,174 @@
+//! A study as static files, and what people hand over.
+
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+mod support;
+
+use maveric_seat::{Seat, carried, replay};
+use maveric_seat_page::world;
+use serde_json::{Value, json};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+use support::{driven, folder, seat};
+
+const TOKEN: &str = "0123456789abcdef0123456789abcdef";
+
+/// What somebody with this token hands over who went through row `row`, a line each.
+fn handed_over(seat: &Seat, folder: &Path, token: &str, row: usize) -> Vec<Value> {
+    let out = folder.join("online");
+    carried::export(seat, &out, None).unwrap();
+    let study: Value = serde_json::from_slice(&fs::read(out.join("study.json")).unwrap()).unwrap();
+    let mut lines = vec![json!({"maveric_seat_person": 1, "token": token, "row": row})];
+    let mut style = None;
+    for (at, step) in study["rows"][row].as_array().unwrap().iter().enumerate() {
+        let mut step = step.clone();
+        let what = step["condition"].as_str().unwrap_or("practice").to_owned();
+        match step["kind"].as_str().unwrap() {
+            "text" => {
+                lines.push(json!({"step": at, "sheet": {"agreed": true, "seconds": 4.5}}));
+            }
+            "scale" => {
+                lines.push(json!({"step": at, "sheet": {"answers": [4, null], "seconds": 6}}));
+            }
+            "practice" | "drive" | "ride" => {
+                step["seed"] = json!(world(token, &what).to_string());
+                let (record, fit) = driven(&step);
+                let record = record.join("\n") + "\n";
+                lines.push(json!({"step": at, "attempt": 1, "record": record}));
+                style = style.or(fit);
+            }
+            _ => {}
+        }
+    }
+    let style: Value = serde_json::from_str(&style.unwrap()).unwrap();
+    lines.push(json!({"fit": style}));
+    lines.push(json!({"ended": "done"}));
+    lines
+}
+
+fn written(folder: &Path, lines: &[Value]) -> PathBuf {
+    let path = folder.join("handed_over.jsonl");
+    let text: Vec<String> = lines.iter().map(|line| format!("{line}\n")).collect();
+    fs::write(&path, text.concat()).unwrap();
+    path
+}
+
+#[test]
+fn what_is_handed_over_becomes_the_files_that_a_run_reads() {
+    let folder = folder();
+    let seat = seat(folder.path());
+    let lines = handed_over(&seat, folder.path(), TOKEN, 1);
+    let taken = carried::take_in(&seat, &written(folder.path(), &lines)).unwrap();
+    assert_eq!(
+        (taken.participant.as_str(), taken.sheets, taken.drives),
+        ("P001", 4, 3)
+    );
+    let at = |name: &str| folder.path().join(name);
+    let people = fs::read_to_string(at("participants.csv")).unwrap();
+    assert_eq!(people, "participant,study,order\nP001,2,sporty calm\n");
+    let answers = fs::read_to_string(at("surveys/answers.csv")).unwrap();
+    assert_eq!(answers.lines().count(), 1 + 3 * 2);
+    for drive in ["own", "calm", "sporty"] {
+        assert!(at(&format!("logs/seat/P001-{drive}.mcap")).is_file());
+        let record = at(&format!("seat/P001-{drive}.jsonl"));
+        assert_eq!(replay::repeat(&record).unwrap().same, Some(true));
+    }
+    // The same again is somebody who was there.
+    let again = carried::take_in(&seat, &written(folder.path(), &lines));
+    assert!(again.is_err_and(|e| e.to_string().contains("taken in before, as P001")));
+}
+
+#[test]
+fn a_file_that_is_wrong_anywhere_is_refused_whole_and_names_the_line() {
+    let folder = folder();
+    let seat = seat(folder.path());
+    let lines = handed_over(&seat, folder.path(), TOKEN, 0);
+    let drive = lines
+        .iter()
+        .position(|l| l["record"].as_str().is_some_and(|r| r.contains("held")))
+        .unwrap();
+    let record = lines[drive]["record"].as_str().unwrap();
+    let other_world = record.replacen("\"seed\":", "\"seed\":1", 1);
+    let long =
+        format!("{record}{{\"from_tick\":1000,\"ticks\":90000,\"held\":[[90000,0,0,0,0]]}}\n");
+    let changed = |at: usize, key: &str, value: Value| {
+        let mut lines = lines.clone();
+        lines[at][key] = value;
+        lines
+    };
+    let cases = [
+        (0, "token", json!("../../../etc/passwd")),
+        (0, "row", json!(99)),
+        (0, "maveric_seat_person", json!(2)),
+        (1, "step", json!(2)),
+        (1, "sheet", json!({"agreed": false, "seconds": 1})),
+        (2, "sheet", json!({"answers": [9, 1], "seconds": 1})),
+        (
+            2,
+            "sheet",
+            json!({"answers": ["<script>", 1], "seconds": 1}),
+        ),
+        (drive, "record", json!(other_world)),
+        (drive, "record", json!(long)),
+        (drive, "record", json!("{}\n")),
+        (drive, "step", json!(0)),
+        (drive, "path", json!("../../x")),
+        (lines.len() - 1, "ended", json!("deleted")),
+    ];
+    for (at, key, value) in cases {
+        let path = written(folder.path(), &changed(at, key, value.clone()));
+        let error = carried::take_in(&seat, &path).unwrap_err().to_string();
+        assert!(
+            error.contains(&format!("line {}", at + 1)),
+            "{key} {value}: {error}"
+        );
+    }
+    let cut = &lines[..lines.len() - 1];
+    let cut_off = carried::take_in(&seat, &written(folder.path(), cut)).unwrap_err();
+    assert!(cut_off.to_string().contains("cut off"), "{cut_off}");
+    assert!(!folder.path().join("participants.csv").exists());
+}
+
+#[test]
+fn a_folder_is_written_that_needs_no_server_and_sends_nowhere_else() {
+    let folder = folder();
+    let seat = seat(folder.path());
+    let out = folder.path().join("online");
+    for post in [
+        "http://example.org/x",
+        "javascript:alert(1)",
+        "ftp://x",
+        "here",
+        "https://",
+    ] {
+        assert!(carried::export(&seat, &out, Some(post)).is_err(), "{post}");
+        assert!(!out.exists(), "{post}");
+    }
+    let post = "https://example.org/answers?a=1;script-src%20*";
+    let exported = carried::export(&seat, &out, Some(post)).unwrap();
+    assert_eq!(exported.orders, 2);
+    let page = fs::read_to_string(out.join("index.html")).unwrap();
+    assert!(
+        page.contains("connect-src 'self' https://example.org;"),
+        "{page}"
+    );
+    assert!(!page.contains("\"/page/") && page.contains("data-study=\"study.json\""));
+    for file in ["page.js", "page.css", "seat.wasm", "model.maveric"] {
+        assert!(out.join(file).metadata().unwrap().len() > 100, "{file}");
+    }
+    // Again over itself, and never over something else.
+    carried::export(&seat, &out, None).unwrap();
+    let elsewhere = folder.path().join("seat");
+    assert!(carried::export(&seat, &elsewhere, None).is_err());
+    #[cfg(unix)]
+    {
+        let aim = folder.path().join("aim.html");
+        fs::write(&aim, "mine").unwrap();
+        fs::remove_file(out.join("index.html")).unwrap();
+        std::os::unix::fs::symlink(&aim, out.join("index.html")).unwrap();
+        assert!(carried::export(&seat, &out, None).is_err());
+        assert_eq!(fs::read_to_string(&aim).unwrap(), "mine");
+    }
+}

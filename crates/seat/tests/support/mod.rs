@@ -1,0 +1,293 @@
+//! A study in a folder, a server for it, and somebody who goes through it without a browser.
+
+#![allow(dead_code, reason = "each test file takes what it needs")]
+#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+#[path = "../../../seat-page/tests/support/mod.rs"]
+mod made;
+
+use made::model;
+use maveric_domain::{DrivenBy, Embedding, Seconds};
+use maveric_model::model_file;
+use maveric_seat::{Seat, SeatSettings, files, serve};
+use maveric_seat_page::{Frames, Input, Keyboard, Keys, Rider, SeatDrive, Signal, fit};
+use maveric_simulator::Scenario;
+use maveric_study::{DesignFile, run_folder::read_scales};
+use serde_json::Value;
+use std::{
+    fs,
+    io::{Read as _, Write as _},
+    net::{SocketAddr, TcpStream},
+    path::Path,
+    rc::Rc,
+    sync::Arc,
+};
+
+pub(crate) const STUDY: &str = r#"
+[study]
+title = "Calm & <b>sporty</b>"
+[people]
+test = { study = "2" }
+[model]
+file = "lab.maveric"
+[style]
+score = "adb.total"
+[[condition]]
+id = "calm"
+car = { dial = -8, recorded = true }
+[[condition]]
+id = "sporty"
+car = { dial = 8, recorded = true }
+[baseline]
+id = "own"
+[protocol]
+consent = "consent.md"
+before = ["mood"]
+after = ["mood"]
+practice = { lane_kept_s = 1, passes = 0, at_most_s = 10 }
+drive_s = 20
+ride_s = 10
+code = "C0DE"
+"#;
+
+pub(crate) const MOOD: &str = r#"
+id = "mood"
+title = "Mood"
+reference = "made for this test"
+items = 2
+min = 1
+max = 5
+scoring = "mean"
+wording = ["I am <i>calm</i>.", "I am tense."]
+[[subscales]]
+id = "total"
+title = "Mood"
+items = [1, 2]
+"#;
+
+pub(crate) fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &[u8]| {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    };
+    write("study.toml", STUDY.as_bytes());
+    write("scales/mood.toml", MOOD.as_bytes());
+    write("consent.md", b"You may leave at any time.");
+    write("lab.maveric", &model_file::to_bytes(&model()).unwrap());
+    fs::create_dir_all(folder.path().join("seat")).unwrap();
+    folder
+}
+
+/// The seat of the study in a folder.
+pub(crate) fn seat(folder: &Path) -> Seat {
+    let study = DesignFile::read(&folder.join("study.toml")).unwrap();
+    let settings = SeatSettings {
+        scales: read_scales(&folder.join("scales")).unwrap(),
+        texts: files::texts(&study).unwrap(),
+        scenario: Scenario::paper(),
+        model: Some(fs::read(folder.join("lab.maveric")).unwrap()),
+        made_up_model: true,
+        stretch: 1.0,
+        files: files::Files::of(&study, folder.join("seat")).unwrap(),
+        password: Some("open & see".to_owned()),
+        design: study.design,
+    };
+    Seat::open(&folder.join("seat/seat.db"), settings).unwrap()
+}
+
+/// A server, and the runtime that it ends with.
+pub(crate) struct Server {
+    pub(crate) runtime: Option<tokio::runtime::Runtime>,
+    pub(crate) seat: Arc<Seat>,
+    pub(crate) address: SocketAddr,
+}
+
+impl Server {
+    pub(crate) fn open(folder: &Path) -> Self {
+        let seat = Arc::new(seat(folder));
+        let runtime = tokio::runtime::Builder::new_multi_thread()
+            .worker_threads(2)
+            .enable_all()
+            .build()
+            .unwrap();
+        let any = SocketAddr::from(([127, 0, 0, 1], 0));
+        let serving = runtime
+            .block_on(serve(Arc::clone(&seat), any, false))
+            .unwrap();
+        let address = serving.address;
+        runtime.spawn(serving.until(std::future::pending()));
+        Self {
+            runtime: Some(runtime),
+            seat,
+            address,
+        }
+    }
+
+    pub(crate) fn ask(
+        &self,
+        method: &str,
+        path: &str,
+        body: &str,
+        headers: &[(&str, &str)],
+    ) -> (u16, String) {
+        let address = self.address;
+        let mut all = vec![("Connection", "close".to_owned())];
+        if headers.iter().all(|(name, _)| *name != "Host") {
+            all.push(("Host", address.to_string()));
+        }
+        if !headers.iter().any(|(name, _)| *name == "Origin") {
+            all.push(("Origin", format!("http://{address}")));
+        }
+        all.extend(
+            headers
+                .iter()
+                .map(|(name, value)| (*name, (*value).to_owned())),
+        );
+        all.retain(|(name, value)| !(name == &"Origin" && value.is_empty()));
+        let mut text = format!(
+            "{method} {path} HTTP/1.1\r\nContent-Length: {}\r\n",
+            body.len()
+        );
+        for (name, value) in all {
+            text += name;
+            text += ": ";
+            text += &value;
+            text += "\r\n";
+        }
+        let mut stream = TcpStream::connect(address).unwrap();
+        stream.write_all((text + "\r\n" + body).as_bytes()).unwrap();
+        let mut reply = Vec::new();
+        // A server that refuses a large body may close before all of it was sent.
+        let _ = stream.read_to_end(&mut reply);
+        let reply = String::from_utf8_lossy(&reply).into_owned();
+        let status = reply
+            .split(' ')
+            .nth(1)
+            .and_then(|s| s.parse().ok())
+            .unwrap_or(0);
+        (status, reply)
+    }
+
+    pub(crate) fn post(&self, path: &str, body: &str) -> (u16, String) {
+        self.ask("POST", path, body, &[])
+    }
+
+    pub(crate) fn state(&self, token: &str) -> Value {
+        let (status, reply) = self.ask("GET", &format!("/api/{token}"), "", &[]);
+        assert_eq!(status, 200, "{reply}");
+        serde_json::from_str(reply.split("\r\n\r\n").nth(1).unwrap()).unwrap()
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        // As `kill -9`: nothing is told to end.
+        self.runtime.take().unwrap().shutdown_background();
+    }
+}
+
+pub(crate) const TAB: &str = "00112233445566778899aabbccddeeff";
+
+/// The lines of a drive of `step`, a line a second, and what it was learned as.
+pub(crate) fn driven(step: &Value) -> (Vec<String>, Option<String>) {
+    let seconds = step["seconds"].as_f64().unwrap();
+    let seed: u64 = step["seed"].as_str().unwrap().parse().unwrap();
+    let scenario = Scenario::paper().with_duration(Seconds(seconds)).unwrap();
+    let settings = &scenario.settings().controllers;
+    let by_hand = step["kind"] != "ride";
+    let own = Embedding::new(vec![0.3]).unwrap();
+    let points = step["points"].as_f64().unwrap_or(0.0);
+    let mut rider = Rider::new(Rc::new(model()), own, points, settings).unwrap();
+    let controllers = rider.controllers();
+    let mut drive = if by_hand {
+        SeatDrive::by_hand(&scenario, seed, DrivenBy::Scripted).unwrap()
+    } else {
+        SeatDrive::ride(&scenario, seed, &mut rider, &controllers).unwrap()
+    };
+    let mut keyboard = Keyboard::new(&scenario);
+    let mut lines = vec![serde_json::to_string(&drive.begun().header).unwrap()];
+    let keys = Keys {
+        faster: true,
+        ..Keys::default()
+    };
+    loop {
+        let now = drive.session().car().speed_mps;
+        let input = if by_hand && drive.ticks() < 600 {
+            keyboard.input(keys, Signal::Off, now)
+        } else if by_hand {
+            keyboard.input(Keys::default(), Signal::Off, now)
+        } else {
+            Input::default()
+        };
+        let goes_on = drive.tick(input);
+        if !goes_on || drive.ticks().is_multiple_of(100) {
+            let chunk = drive.chunk(Frames {
+                drawn: 60,
+                ..Frames::default()
+            });
+            if chunk.ticks > 0 {
+                lines.push(serde_json::to_string(&chunk).unwrap());
+            }
+        }
+        if !goes_on {
+            break;
+        }
+    }
+    let driven = drive.finish().unwrap();
+    lines.push(serde_json::to_string(&driven.end).unwrap());
+    let style = (step["kind"] == "drive").then(|| {
+        let fit = fit(&model(), &driven.rollout.recording, DrivenBy::Scripted).unwrap();
+        serde_json::to_string(&fit).unwrap()
+    });
+    (lines, style)
+}
+
+/// Does the step that the person is at; false once there is none.
+pub(crate) fn go_on(server: &Server, token: &str) -> bool {
+    let state = server.state(token);
+    let at = state["at"].as_u64().unwrap();
+    let Some(step) = state["steps"].get(at as usize) else {
+        return false;
+    };
+    let sent = |path: String, body: &str| {
+        let (status, reply) = server.post(&path, body);
+        assert_eq!(status, 200, "{path}: {reply}");
+    };
+    match step["kind"].as_str().unwrap() {
+        "text" => sent(
+            format!("/api/{token}/answer/{at}"),
+            r#"{"agreed":true,"seconds":4.5}"#,
+        ),
+        "scale" => sent(
+            format!("/api/{token}/answer/{at}"),
+            r#"{"answers":[4,null],"seconds":6}"#,
+        ),
+        "practice" | "drive" | "ride" => {
+            let (lines, style) = driven(step);
+            let attempt = state["attempts"].as_u64().unwrap() + 1;
+            for part in lines.chunks(3) {
+                sent(
+                    format!("/api/{token}/drive/{at}/{attempt}/{TAB}"),
+                    &(part.join("\n") + "\n"),
+                );
+            }
+            if let Some(style) = style {
+                sent(format!("/api/{token}/fit"), &style);
+            }
+            sent(format!("/api/{token}/done/{at}"), "null");
+        }
+        _ => sent(format!("/api/{token}/done/{at}"), "null"),
+    }
+    true
+}
+
+pub(crate) fn opened(server: &Server) -> String {
+    let token = server.seat.let_in().unwrap();
+    assert_eq!(
+        server.post(&format!("/api/{token}/open/{TAB}"), "null").0,
+        200
+    );
+    token
+}
