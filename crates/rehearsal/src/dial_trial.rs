@@ -378,6 +378,7 @@ impl TrialError {
 mod tests {
     use super::*;
     use crate::testing::world;
+    use maveric_analysis::{Preferred, Turns};
 
     #[test]
     fn who_is_known_is_served_better_than_by_the_own_style_for_all() {
@@ -388,6 +389,31 @@ mod tests {
         let error = |m: usize| found.scores[m].mean_error;
         assert!(error(2) < 0.8 * error(0), "{} {}", error(2), error(0));
         assert!(error(3) < 0.8 * error(0));
+    }
+
+    #[test]
+    fn where_somebody_left_the_dial_draws_what_is_recommended_the_more_the_surer_they_were() {
+        let data = world().study(60, 5).unwrap().data;
+        let learned = Learned::from(&data, &data.participants, None).unwrap();
+        let p = data.participants[0].clone();
+        let preferred = |turned: &[(f64, f64)]| {
+            let ride = Turns {
+                participant: p.clone(),
+                turned: turned.to_vec(),
+                duration_s: 100.0,
+                step: 5.0,
+            };
+            let data = data.clone().with_turns(&[ride]);
+            learned.recommendation(&data, &p).preferred.unwrap()
+        };
+        let before = preferred(&[]);
+        let aim = before.points - 8.0 * before.points.signum();
+        let still = preferred(&[(10.0, aim)]);
+        let restless = preferred(&[(10.0, aim + 20.0), (75.0, aim - 20.0)]);
+        assert!((still.points - aim).abs() < 6.0, "{before:?} {still:?}");
+        assert!(still.high - still.low < before.high - before.low);
+        let moved = |p: &Preferred| (p.points - before.points).abs();
+        assert!(moved(&restless) < moved(&still), "{restless:?} {still:?}");
     }
 
     #[test]

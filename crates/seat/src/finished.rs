@@ -115,14 +115,18 @@ fn pictures(record: &Record) -> String {
     let longest_ms = frames().map(|f| f.longest_ms).max().unwrap_or(0);
     let input_ms = frames().map(|f| f.input_ms).max().unwrap_or(0);
     let seconds = record.ticks() as f64 / 100.0;
+    let seen = match input_ms {
+        0 => String::new(),
+        ms => format!(", a key seen after at most {ms} ms"),
+    };
     let mark = if 100 * late > drawn {
         "; more than 1 % came late"
     } else {
         ""
     };
     format!(
-        "{seconds:.0} s, {:.1} pictures a second, {late} of {drawn} over 50 ms after the one before (longest {longest_ms} ms), \
-         a key seen after at most {input_ms} ms, {left_out} steps left out{mark}",
+        "{seconds:.0} s, {:.1} pictures a second, {late} of {drawn} over 50 ms after the one before (longest {longest_ms} ms){seen}, \
+         {left_out} steps left out{mark}",
         drawn as f64 / seconds.max(0.01)
     )
 }

@@ -179,10 +179,7 @@ pub fn of_design(
         }
     }
     steps.push(Step::Thanks {
-        text: texts
-            .thanks
-            .clone()
-            .unwrap_or_else(|| "Thank you.".to_owned()),
+        text: texts.thanks.clone().unwrap_or_default(),
         code: protocol.code.clone(),
     });
     Ok(steps)

@@ -7,9 +7,10 @@ mod support;
 use maveric_domain::DrivenBy;
 use maveric_ingest::{IngestSettings, read_log};
 use maveric_seat::{replay, serve};
+use maveric_study::tables::dial::read_turns;
 use serde_json::{Value, json};
 use std::{fs, net::SocketAddr, path::Path, sync::Arc};
-use support::{Server, TAB, driven, folder, go_on, opened};
+use support::{STUDY, Server, TAB, driven, folder, folder_of, go_on, opened};
 
 #[test]
 fn a_whole_study_becomes_the_files_that_a_run_reads() {
@@ -300,6 +301,24 @@ fn what_others_wrote_into_the_tables_of_the_study_stays() {
         answers,
         "participant,moment,scale,item,answer,seconds\nP001,pre,mood,1,5,\nP002,pre,mood,1,4,3.000\nP002,pre,mood,2,,3.000\n"
     );
+}
+
+#[test]
+fn turns_of_the_dial_are_written_for_whoever_recommends() {
+    let free = STUDY.replace("{ dial = 8, recorded = true }", "{ free = true }");
+    let folder = folder_of(&free);
+    let server = Server::open(folder.path());
+    let token = opened(&server);
+    while go_on(&server, &token) {}
+    let turns = read_turns(&folder.path().join("seat")).unwrap();
+    let [ride] = &turns[..] else {
+        panic!("{turns:?}");
+    };
+    assert_eq!(ride.participant.as_str(), "P001");
+    assert_eq!(ride.turned, [(3.0, 5.0)]);
+    assert!((ride.duration_s - 10.0).abs() < 1e-9 && (ride.step - 5.0).abs() < 1e-9);
+    assert!((ride.settled().unwrap().points - 5.0).abs() < 1e-9);
+    assert!(folder.path().join("seat/P001-sporty.dial.csv").is_file());
 }
 
 #[test]

@@ -201,7 +201,7 @@ fn open(folder: &Path, password: Option<String>) -> Result<(Open, Option<String>
         scenario: run_folder::read_scenario(world.as_deref(), None)
             .map_err(Failure::study(OPENING))?,
         model: bytes.map_err(|e| Failure::io(OPENING, e))?,
-        made_up_model: study.design.synthetic(),
+        made_up_model: study.design.synthetic() || study.design.model().is_some_and(|m| m.made_up),
         stretch: dial_stretch(&study).map_err(Failure::study(OPENING))?,
         files,
         password,

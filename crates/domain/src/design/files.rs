@@ -92,4 +92,7 @@ pub enum Software {
 pub struct ModelFile {
     /// The model, from the folder of the design's file.
     pub file: PathBuf,
+    /// Whether it learned from made-up people: whoever rides is told.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub made_up: bool,
 }

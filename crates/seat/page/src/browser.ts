@@ -187,7 +187,7 @@ export class Browser implements Keeper {
     if (!post) return [make("p", ["One thing is left: hand over what you gave, as you were told."]), make("p", [save])];
     if (!kept.sent) {
       try {
-        const reply = await fetch(post, { method: "POST", body: file, headers: { "Content-Type": "application/jsonl" } });
+        const reply = await fetch(post, { method: "POST", body: file });
         if (!reply.ok) throw new Error(String(reply.status));
         await this.change((k) => { k.sent = true; });
       } catch {

@@ -79,7 +79,7 @@ async function once(state: api.State): Promise<boolean> {
   if (state.ended || !step) {
     leaveButton.hidden = true;
     show(make("h1", [state.ended === "done" || !step ? "Thank you" : "You have left the study"]),
-      make("p", [state.ended === "deleted" ? "What you gave was deleted." : "You can close this page."]), ...await keeper.handOver(), ...code(state));
+      ...code(state), ...await keeper.handOver(), make("p", [state.ended === "deleted" ? "What you gave was deleted." : "You can close this page."]));
     return false;
   }
   switch (step.kind) {

@@ -66,13 +66,18 @@ items = [1, 2]
 "#;
 
 pub(crate) fn folder() -> tempfile::TempDir {
+    folder_of(STUDY)
+}
+
+/// The folder of the study that `design` says.
+pub(crate) fn folder_of(design: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &[u8]| {
         let path = folder.path().join(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(path, text).unwrap();
     };
-    write("study.toml", STUDY.as_bytes());
+    write("study.toml", design.as_bytes());
     write("scales/mood.toml", MOOD.as_bytes());
     write("consent.md", b"You may leave at any time.");
     write("lab.maveric", &model_file::to_bytes(&model()).unwrap());
@@ -213,6 +218,9 @@ pub(crate) fn driven(step: &Value) -> (Vec<String>, Option<String>) {
         ..Keys::default()
     };
     loop {
+        if !by_hand && drive.ticks() == 300 && step["turns"].is_number() {
+            drive.note("dial", Some(5.0));
+        }
         let now = drive.session().car().speed_mps;
         let input = if by_hand && drive.ticks() < 600 {
             keyboard.input(keys, Signal::Off, now)
