@@ -18,14 +18,18 @@ from statistics import mean
 import maveric
 
 POINTS = {"cautious": -15, "mimic": 0, "aggressive": +15}
-# Measure, its unit, whether aggressive is more of it.
+# Measure, its unit, and whether aggressive is more of it; None where aggression is not known to move it (as the measure itself says).
 MEASURES = [
     ("mean_velocity_mps", "m/s", True),
-    ("mean_headway_time_s", "s", False),
-    ("min_headway_distance_m", "m", False),
     ("lane_changes", "", True),
-    ("left_lane_fraction", "", True),
+    ("mean_headway_time_s", "s", False),
+    ("headway_merge_back_s", "s", False),
+    ("headway_merge_back_m", "m", False),
+    ("min_headway_distance_m", "m", None),
+    ("left_lane_fraction", "", None),
 ]
+COUNTS = ["collisions", "rule_violations", "interventions", "inside_safe_distance_s"]
+WORLDS = ("SUMO", "highway-env", "ours")
 
 
 def styles(folder: Path, drivers: int) -> dict[str, maveric.Style]:
@@ -57,39 +61,50 @@ def shown(values) -> str:
     return f"{mean(there):.2f}" if there else "–"
 
 
+def right_way(pairs, more: bool | None) -> str:
+    """In how many drivers aggressive lies on its side of cautious, of those in whom the two differ."""
+    if more is None:
+        return "–"
+    there = [(low, high) for low, high in pairs if low is not None and high is not None and low != high]
+    return f"{sum((high > low) is more for low, high in there)} of {len(there)}"
+
+
+def table(world: str, found: dict, people: list[str]) -> str:
+    """The measures' means by condition, and what was counted, summed."""
+    lines = [f"**{world}**\n", "| | " + " | ".join(POINTS) + " | right way |", "|---|" + "---|" * (len(POINTS) + 1)]
+    for measure, unit, more in MEASURES:
+        cells = [[found[world, n, c][measure] for n in people] for c in POINTS]
+        shares = right_way(zip(cells[0], cells[-1]), more)
+        name = f"{measure} ({unit})" if unit else measure
+        lines.append(f"| {name} | {' | '.join(map(shown, cells))} | {shares} |")
+    for count in COUNTS if world == "ours" else [*COUNTS, "collisions_of_the_world"]:
+        sums = [sum(found[world, n, c][count] for n in people) for c in POINTS]
+        lines.append(f"| {count}, sum | {' | '.join(f'{s:g}' for s in sums)} | |")
+    return "\n".join(lines)
+
+
 def main(folder: str, drivers: str = "24", seconds: str = "300") -> None:
     people = styles(Path(folder), int(drivers))
     found = {}
-    for world in ("SUMO", "highway-env", "ours"):
+    for world in WORLDS:
         for seed, (name, style) in enumerate(people.items(), 1):
             for condition, points in POINTS.items():
                 # The same traffic for each condition of a driver.
                 found[world, name, condition] = row(*drive(world, style.dial(points), float(seconds), seed))
             print(f"{world}: {seed} of {len(people)} drivers", file=sys.stderr, flush=True)
-    print(f"{len(people)} drivers, {seconds} s a drive\n")
-    for world in ("SUMO", "highway-env", "ours"):
-        print(f"**{world}**\n\n| | cautious | mimic | aggressive | right way |\n|---|---|---|---|---|")
-        for measure, unit, more in MEASURES:
-            cells = [shown(found[world, n, c][measure] for n in people) for c in POINTS]
-            pairs = [(found[world, n, "cautious"][measure], found[world, n, "aggressive"][measure]) for n in people]
-            pairs = [(a, b) for a, b in pairs if a is not None and b is not None and a != b]
-            right = sum((b > a) is more for a, b in pairs)
-            print(f"| {measure}{f' ({unit})' if unit else ''} | {' | '.join(cells)} | {right} of {len(pairs)} |")
-        for count in ("collisions", "collisions_of_the_world", "rule_violations", "interventions", "inside_safe_distance_s"):
-            sums = [sum(found[world, n, c][count] or 0 for n in people) for c in POINTS]
-            if world != "ours" or count != "collisions_of_the_world":
-                print(f"| {count}, sum | {' | '.join(f'{s:g}' for s in sums)} | |")
-        print()
+    out = {" ".join(key): values for key, values in found.items()}
+    Path(folder, "other_worlds.json").write_text(json.dumps(out, indent=1))
+    print(f"{len(people)} drivers, {seconds} s a drive")
+    for world in WORLDS:
+        print(f"\n{table(world, found, list(people))}")
     follower = maveric.sumo.Follower("IDM", speed_mps=30.0)
     rows = [row(maveric.simulate(follower, duration_s=float(seconds), seed=seed), None) for seed in range(1, 6)]
     follower.close()
-    print("**SUMO's IDM at the wheel in our world**, 5 drives\n\n| | |\n|---|---|")
+    print("\n**SUMO's IDM at the wheel in our world**, 5 drives\n\n| | |\n|---|---|")
     for measure, unit, _ in MEASURES:
         print(f"| {measure}{f' ({unit})' if unit else ''} | {shown(r[measure] for r in rows)} |")
-    for count in ("collisions", "rule_violations", "interventions", "inside_safe_distance_s"):
+    for count in COUNTS:
         print(f"| {count}, sum | {sum(r[count] for r in rows):g} |")
-    out = {" ".join(key): values for key, values in found.items()}
-    Path(folder, "other_worlds.json").write_text(json.dumps(out, indent=1))
 
 
 if __name__ == "__main__":
