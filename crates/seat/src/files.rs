@@ -9,13 +9,10 @@ use maveric_ingest::{Beside, write_mcap_with};
 use maveric_seat_page::{Record, Replayed};
 use maveric_study::{
     DesignFile, StudyError,
-    atomic_write::{atomic_write, atomic_write_bytes},
+    atomic_write::{atomic_write, atomic_write_bytes, read_text},
     tables::{TableBuilder, dial::ENDING},
 };
-use std::{
-    collections::BTreeSet,
-    path::{Path, PathBuf},
-};
+use std::{collections::BTreeSet, path::PathBuf};
 
 /// Where a study's files are; or nowhere, for a seat that only shows.
 #[derive(Debug, Clone)]
@@ -76,6 +73,14 @@ impl Files {
             || Ok(BTreeSet::new()),
             |place| tables::people_in(&place.people),
         )
+    }
+
+    /// The table of answers as it stands.
+    pub(crate) fn answers(&self) -> Result<String, SeatError> {
+        match &self.0 {
+            Some(place) if place.answers.is_file() => Ok(read_text(&place.answers)?),
+            _ => Ok(String::new()),
+        }
     }
 
     /// Writes the record of a drive as it came in: `PARTICIPANT-CONDITION.jsonl`, with `cut` for one that was cut short.
@@ -185,9 +190,7 @@ impl Files {
 pub fn texts(study: &DesignFile) -> Result<crate::steps::Texts, StudyError> {
     let read = |path: &Option<PathBuf>| {
         let path = path.as_ref().map(|p| study.resolve(p));
-        path.as_deref()
-            .map(|p: &Path| maveric_study::atomic_write::read_text(p))
-            .transpose()
+        path.as_deref().map(read_text).transpose()
     };
     let protocol = study.design.protocol();
     Ok(crate::steps::Texts {

@@ -1,6 +1,7 @@
 //! The experimenter's page: who is where, and the link for the next person.
 
 use crate::{
+    above,
     request::{Refused, Shared},
     steps::Step,
     token,
@@ -8,8 +9,8 @@ use crate::{
 use axum::{
     Router,
     body::Bytes,
-    extract::State,
-    http::{HeaderMap, StatusCode, header},
+    extract::{Path, State},
+    http::{HeaderMap, HeaderValue, StatusCode, header},
     response::{IntoResponse, Response},
     routing::{get, post},
 };
@@ -24,6 +25,9 @@ pub(crate) fn routes() -> Router<Shared> {
         .route("/lab/enter", post(enter))
         .route("/lab/next", post(next))
         .route("/lab/note", post(note))
+        .route("/lab/stop", post(stop))
+        .route("/lab/above/{participant}", get(from_above))
+        .route("/lab/answers.csv", get(answers))
 }
 
 /// Things that happened, and letters of a note.
@@ -77,11 +81,10 @@ async fn page(State(shared): State<Shared>, headers: HeaderMap) -> Result<Respon
             (None, Some(step)) => format!("step {} of {of}: {}", person.at + 1, what(step)),
             (None, None) => "at the end".to_owned(),
         };
-        let link = format!("/p/{}", person.token);
+        let (link, who) = (format!("/p/{}", person.token), plain(&person.participant));
         let _ = write!(
             rows,
-            "<tr><td>{}<td>{place}<td>{}<td><a href=\"{link}\">{link}</a>",
-            plain(&person.participant),
+            "<tr><td><a href=\"/lab/above/{who}\">{who}</a><td>{place}<td>{}<td><a href=\"{link}\">{link}</a>",
             order.join(", ")
         );
     }
@@ -101,7 +104,9 @@ async fn page(State(shared): State<Shared>, headers: HeaderMap) -> Result<Respon
          <h2>What happened</h2>\
          <form method=\"post\" action=\"/lab/note\"><label>A note of yours <input name=\"note\" maxlength=\"{LONGEST_NOTE}\" size=\"60\"></label> \
          <button>Write down</button></form>\
-         <table><thead><tr><th>Person<th>What, the newest first<tbody>{happened}</table>"
+         <table><thead><tr><th>Person<th>What, the newest first<tbody>{happened}</table>\
+         <h2>The study</h2><p><a href=\"/lab/answers.csv\">Answers so far</a></p>\
+         <form method=\"post\" action=\"/lab/stop\"><button>Close the seat</button></form>"
     )))
 }
 
@@ -174,6 +179,55 @@ async fn next(State(shared): State<Shared>, headers: HeaderMap) -> Result<Respon
     }
     shared.seat.let_in()?;
     Ok(to_lab(None))
+}
+
+/// What somebody drives now, or drove last.
+async fn from_above(
+    State(shared): State<Shared>,
+    headers: HeaderMap,
+    Path(participant): Path<String>,
+) -> Result<Response, Refused> {
+    if !entered(&shared, &headers) {
+        return Ok(to_lab(None));
+    }
+    let Some(last) = shared.seat.store.last_drive(&participant)? else {
+        return Err(Refused::NotThis("nothing was driven yet".to_owned()));
+    };
+    let lines = shared.seat.store.record(&participant, last)?;
+    let drawn = shared.blocking(move |_| Ok(above::picture(&lines)));
+    let drawn = drawn
+        .await?
+        .unwrap_or_else(|error| format!("<p>{}</p>", plain(&error.to_string())));
+    let mut page = html(&format!(
+        "<h1>{}</h1>{drawn}<p><a href=\"/lab\">Back</a></p>",
+        plain(&participant)
+    ));
+    page.headers_mut()
+        .insert(header::REFRESH, HeaderValue::from_static("2"));
+    Ok(page)
+}
+
+async fn answers(State(shared): State<Shared>, headers: HeaderMap) -> Result<Response, Refused> {
+    if !entered(&shared, &headers) {
+        return Ok(to_lab(None));
+    }
+    let text = shared.blocking(|seat| {
+        seat.write_files()?;
+        seat.settings.files.answers()
+    });
+    let kind = [
+        (header::CONTENT_TYPE, "text/csv; charset=utf-8"),
+        (header::CONTENT_DISPOSITION, "attachment"),
+    ];
+    Ok((kind, text.await?).into_response())
+}
+
+async fn stop(State(shared): State<Shared>, headers: HeaderMap) -> Response {
+    if !entered(&shared, &headers) {
+        return to_lab(None);
+    }
+    shared.seat.stop();
+    html("<h1>The seat is closed</h1><p>Everything that was given is in the study’s folder.</p>")
 }
 
 async fn note(

@@ -3,6 +3,7 @@
 //! [`Seat::open`] keeps people, answers and drives in one SQLite file; [`serve`] shows the page and takes in what it sends; a drive that
 //! has ended is driven again from its record and written as a log ([`files`]). [`demo`] makes the model of made-up people.
 
+mod above;
 mod assets;
 pub mod carried;
 pub mod demo;

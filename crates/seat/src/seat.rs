@@ -20,7 +20,7 @@ use std::{
     path::Path,
     sync::{
         Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicU64, Ordering},
+        atomic::{AtomicBool, AtomicU64, Ordering},
     },
 };
 
@@ -52,6 +52,8 @@ pub struct Seat {
     pub(crate) store: Store,
     pub(crate) scenario_json: String,
     pub(crate) model: Option<Model>,
+    /// Whether the experimenter has closed it.
+    stopping: AtomicBool,
     /// One at a time lets people in, so that each has an id and a place in the square of their own.
     door: Mutex<()>,
     /// How often the files were asked for, and which asking the last writing answered.
@@ -82,6 +84,7 @@ impl Seat {
             })?,
             model: model.transpose()?,
             settings,
+            stopping: AtomicBool::new(false),
             door: Mutex::new(()),
             asked: AtomicU64::new(0),
             written: Mutex::new(0),
@@ -94,6 +97,16 @@ impl Seat {
         // What a killed seat had taken in and not written yet.
         seat.write_files()?;
         Ok(seat)
+    }
+
+    /// Closes the seat: whoever serves it ends.
+    pub(crate) fn stop(&self) {
+        self.stopping.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether it was closed.
+    pub(crate) fn stopping(&self) -> bool {
+        self.stopping.load(Ordering::Relaxed)
     }
 
     /// Whether people ride, or drive by hand alone so that a model can learn from them.

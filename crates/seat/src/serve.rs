@@ -96,12 +96,12 @@ pub fn run(
             address: address.to_string(),
             problem: e.to_string(),
         })?;
-    let kept = Arc::clone(&seat);
+    let (kept, watched) = (Arc::clone(&seat), Arc::clone(&seat));
     runtime.block_on(async {
         let serving = serve(seat, address, plain_http).await?;
         ready(serving.address);
         let stopped = async move {
-            while !stop.load(Ordering::Relaxed) {
+            while !stop.load(Ordering::Relaxed) && !watched.stopping() {
                 tokio::time::sleep(Duration::from_millis(100)).await;
             }
         };

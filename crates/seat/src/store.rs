@@ -254,6 +254,18 @@ impl Store {
         })
     }
 
+    /// The step and attempt that somebody drove last.
+    pub(crate) fn last_drive(&self, participant: &str) -> Result<Option<(usize, u32)>, SeatError> {
+        self.ask(|c| {
+            c.query_row(
+                "SELECT step, attempt FROM drive WHERE participant = ?1 ORDER BY step DESC, attempt DESC LIMIT 1",
+                [participant],
+                |r| Ok((r.get::<_, i64>(0)? as usize, r.get(1)?)),
+            )
+            .optional()
+        })
+    }
+
     /// Begins a drive; the same header again changes nothing.
     pub(crate) fn begin(
         &self,

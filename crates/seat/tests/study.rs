@@ -350,6 +350,29 @@ fn the_laboratory_asks_its_password_and_shows_text_as_text() {
     let (_, page) = server.ask("GET", "/lab", "", &[("Cookie", cookie)]);
     assert_eq!(page.matches("/p/").count(), 4);
     assert!(page.contains("content-security-policy: default-src 'none'"));
+    // Nothing of it without the password: not from above, not the answers, not the end.
+    for path in ["/lab/above/P001", "/lab/answers.csv"] {
+        assert_eq!(server.ask("GET", path, "", &[]).0, 303, "{path}");
+    }
+    server.post("/lab/stop", "");
+    while go_on(&server, &token) {}
+    let entered = &[("Cookie", cookie)];
+    let (_, above) = server.ask("GET", "/lab/above/P001", "", entered);
+    assert!(
+        above.contains("<svg") && above.contains("refresh: 2"),
+        "{above}"
+    );
+    assert!(above.contains("10 s; "), "{above}");
+    for strange in ["P999", "%3Cscript%3E", "..%2f..%2fetc"] {
+        assert_eq!(
+            server
+                .ask("GET", &format!("/lab/above/{strange}"), "", entered)
+                .0,
+            400
+        );
+    }
+    let (_, answers) = server.ask("GET", "/lab/answers.csv", "", entered);
+    assert!(answers.contains("P001,pre,mood,1,4,3.000"), "{answers}");
 }
 
 #[test]
