@@ -29,6 +29,9 @@ const MODEL: &str = concat!("made-up-", env!("CARGO_PKG_VERSION"), ".maveric");
 const DESIGN: &str = r#"
 [study]
 title = "The seat"
+[model]
+file = "made-up.maveric"
+made_up = true
 [style]
 score = "adb.total"
 [[condition]]
@@ -36,7 +39,7 @@ id = "own-style"
 car = { dial = 0, recorded = true }
 [[condition]]
 id = "dial"
-car = { free = true, recorded = true }
+car = { free = true }
 [baseline]
 id = "own"
 [protocol]
@@ -170,4 +173,30 @@ fn train_in(work: &Path, jobs: usize, watch: Watch<'_>) -> Result<Vec<u8>, SeatE
         watch,
     )?;
     std::fs::read(&out).map_err(|source| SeatError::Io { path: out, source })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::steps::{Step, of_design};
+
+    #[test]
+    fn the_demonstration_is_a_study_of_a_drive_and_two_rides() {
+        let design = Design::from_toml(DESIGN).unwrap();
+        let world = |what: &str| what.to_owned();
+        let steps = of_design(&design, &[], &Texts::default(), &world, Some((0, 1.0))).unwrap();
+        let [
+            Step::Controls,
+            Step::Drive { seconds, .. },
+            Step::Ride { turns: None, .. },
+            Step::Ride {
+                turns: Some(5.0), ..
+            },
+            Step::Thanks { .. },
+        ] = &steps[..]
+        else {
+            panic!("{steps:?}");
+        };
+        assert!((seconds - 180.0).abs() < 1e-12);
+    }
 }
