@@ -6,11 +6,11 @@ mod support;
 
 use maveric_domain::DrivenBy;
 use maveric_ingest::{IngestSettings, read_log};
-use maveric_seat::{replay, serve};
+use maveric_seat::{Seat, SeatSettings, replay, serve};
 use maveric_study::tables::dial::read_turns;
 use serde_json::{Value, json};
 use std::{fs, net::SocketAddr, path::Path, sync::Arc};
-use support::{STUDY, Server, TAB, driven, folder, folder_of, go_on, opened};
+use support::{STUDY, Server, TAB, driven, folder, folder_of, go_on, opened, settings};
 
 #[test]
 fn a_whole_study_becomes_the_files_that_a_run_reads() {
@@ -319,6 +319,36 @@ fn turns_of_the_dial_are_written_for_whoever_recommends() {
     assert!((ride.duration_s - 10.0).abs() < 1e-9 && (ride.step - 5.0).abs() < 1e-9);
     assert!((ride.settled().unwrap().points - 5.0).abs() < 1e-9);
     assert!(folder.path().join("seat/P001-sporty.dial.csv").is_file());
+}
+
+#[test]
+fn while_nobody_was_learned_from_nobody_rides() {
+    let design = STUDY
+        .replace("[model]\nfile = \"lab.maveric\"\n", "")
+        .replace("test = {", "learn = { study = \"1\" }\ntest = {");
+    let folder = folder_of(&design);
+    let db = folder.path().join("seat/seat.db");
+    let one_more = |settings: SeatSettings| {
+        let seat = Seat::open(&db, settings).unwrap();
+        seat.let_in().unwrap();
+        seat.write_files().unwrap();
+        seat.rides()
+    };
+    let without = |folder: &Path| SeatSettings {
+        model: None,
+        ..settings(folder)
+    };
+    assert!(!one_more(without(folder.path())));
+    assert!(one_more(settings(folder.path())));
+    let people = fs::read_to_string(folder.path().join("participants.csv")).unwrap();
+    assert_eq!(
+        people,
+        "participant,study,order\nP001,1,\nP002,2,calm sporty\n"
+    );
+    // A study that learns of nobody and names no model has nobody to ride with.
+    let other = support::folder();
+    let refused = Seat::open(&db, without(other.path())).err().unwrap();
+    assert!(refused.to_string().contains("no model"), "{refused}");
 }
 
 #[test]

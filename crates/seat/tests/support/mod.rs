@@ -85,10 +85,10 @@ pub(crate) fn folder_of(design: &str) -> tempfile::TempDir {
     folder
 }
 
-/// The seat of the study in a folder.
-pub(crate) fn seat(folder: &Path) -> Seat {
+/// What the seat of the study in a folder is opened with.
+pub(crate) fn settings(folder: &Path) -> SeatSettings {
     let study = DesignFile::read(&folder.join("study.toml")).unwrap();
-    let settings = SeatSettings {
+    SeatSettings {
         scales: read_scales(&folder.join("scales")).unwrap(),
         texts: files::texts(&study).unwrap(),
         scenario: Scenario::paper(),
@@ -98,8 +98,12 @@ pub(crate) fn seat(folder: &Path) -> Seat {
         files: files::Files::of(&study, folder.join("seat")).unwrap(),
         password: Some("open & see".to_owned()),
         design: study.design,
-    };
-    Seat::open(&folder.join("seat/seat.db"), settings).unwrap()
+    }
+}
+
+/// The seat of the study in a folder.
+pub(crate) fn seat(folder: &Path) -> Seat {
+    Seat::open(&folder.join("seat/seat.db"), settings(folder)).unwrap()
 }
 
 /// A server, and the runtime that it ends with.
