@@ -1,6 +1,8 @@
 //! One stage from its check to its record in the ledger.
 
-use std::collections::{BTreeMap, BTreeSet};
+mod outputs;
+
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::PathBuf;
@@ -9,17 +11,16 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
 
-use crate::cache::{Cache, Damaged, Ran};
+use crate::cache::Cache;
 use crate::check::{Past, Present};
 use crate::content::Hasher;
 use crate::executor::{Ended, Job, local};
 use crate::ledger::OpenLedger;
 use crate::lock::RunLock;
-use crate::own;
 use crate::surroundings::{Surroundings, is_between};
 use crate::{
-    Failure, FailureCause, Graph, Manifest, Pipeline, PipelineError, Place, Reason, Record,
-    Setting, Stage, Warning,
+    Failure, FailureCause, Graph, Manifest, Pipeline, PipelineError, Place, Reason, Setting, Stage,
+    Warning,
 };
 
 /// What all stages of a run share.
@@ -249,130 +250,6 @@ impl Workshop<'_> {
         })
     }
 
-    /// Takes the outputs of a stage from the cache, if they are in it.
-    pub(crate) fn restore(
-        &self,
-        stage: &Stage,
-        now: &Present,
-        tell: &mut dyn FnMut(News),
-    ) -> Result<bool, PipelineError> {
-        let Some(cache) = &self.cache else {
-            return Ok(false);
-        };
-        let digest = now.made_from.digest();
-        let made = match cache.find(stage, &digest) {
-            Ok(Some(made)) => made,
-            Ok(None) => return Ok(false),
-            Err(Damaged) => {
-                let stage = stage.name.clone();
-                tell(News::Warning(Warning::CacheDamaged { stage }));
-                return Ok(false);
-            }
-        };
-        self.begin(stage)?;
-        if !cache.restore(stage, &digest, &made, &self.place.root, &self.hasher)? {
-            let stage = stage.name.clone();
-            tell(News::Warning(Warning::CacheDamaged { stage }));
-            return Ok(false);
-        }
-        if let Some(summary) = &made.summary {
-            self.keep_summary(stage, summary)?;
-        }
-        let made_from = now.made_from.clone();
-        let record = self.record_of(
-            stage,
-            made_from,
-            made.seconds,
-            made.peak_memory,
-            made.outputs,
-        )?;
-        self.ledger().finish(stage, record)?;
-        Ok(true)
-    }
-
-    /// Enters a good run into the ledger, or says which outputs it did not make.
-    pub(crate) fn record(
-        &self,
-        stage: &Stage,
-        run: Run<'_>,
-        tell: &mut dyn FnMut(News),
-    ) -> Result<Option<FailureCause>, PipelineError> {
-        let mut outputs = BTreeMap::new();
-        let mut paths = Vec::new();
-        for output in &stage.outputs {
-            match self.hasher.content(output)? {
-                Some(content) => drop(outputs.insert(output.clone(), content)),
-                None => paths.push(output.clone()),
-            }
-        }
-        if !paths.is_empty() {
-            return Ok(Some(FailureCause::OutputsMissing { paths }));
-        }
-        if stage.summary {
-            self.keep_summary(stage, run.stdout)?;
-        }
-        let (seconds, peak) = ((run.seconds * 1e3).round() / 1e3, run.peak_memory);
-        let record = self.record_of(stage, run.made_from, seconds, peak, outputs)?;
-        if let Some(cache) = &self.cache {
-            let ran = Ran {
-                seconds,
-                peak_memory: peak,
-                summary: stage.summary.then_some(run.stdout),
-            };
-            let (root, hasher) = (&self.place.root, &self.hasher);
-            let kept = cache.keep(stage, &record.digest, &record.outputs, &ran, root, hasher);
-            match kept {
-                Err(PipelineError::Interrupted) | Ok(()) => {}
-                Err(error) => tell(News::Warning(Warning::NotCached {
-                    stage: stage.name.clone(),
-                    message: error.to_string(),
-                })),
-            }
-        }
-        self.ledger().finish(stage, record)?;
-        Ok(None)
-    }
-
-    fn record_of(
-        &self,
-        stage: &Stage,
-        made_from: Manifest,
-        seconds: f64,
-        peak_memory: Option<u64>,
-        outputs: BTreeMap<String, String>,
-    ) -> Result<Record, PipelineError> {
-        let overrides = self.pipeline.overrides().iter();
-        let mut files = BTreeMap::new();
-        for output in outputs.keys() {
-            match self.hasher.names(output)? {
-                Some(names) if self.place.root.join(output).is_dir() => {
-                    files.insert(output.clone(), names);
-                }
-                _ => {}
-            }
-        }
-        Ok(Record {
-            stage: stage.name.clone(),
-            variant: self.pipeline.variant().map(str::to_owned),
-            files,
-            digest: made_from.digest(),
-            seconds,
-            peak_memory,
-            row: stage.row.clone(),
-            set: overrides
-                .filter(|(name, _)| stage.params.contains_key(*name))
-                .map(|(name, value)| (name.clone(), value.clone()))
-                .collect(),
-            made_from,
-            outputs,
-        })
-    }
-
-    fn keep_summary(&self, stage: &Stage, stdout: &str) -> Result<(), PipelineError> {
-        let path = self.place.stdout_of(&stage.name, &stage.key());
-        fs::write(&path, stdout).map_err(PipelineError::io("write", path))
-    }
-
     fn note_time(&self, stage: &Stage, began: SystemTime) {
         let mut times = self.times.lock().unwrap_or_else(PoisonError::into_inner);
         times.push((stage.name.clone(), began, SystemTime::now()));
@@ -404,59 +281,6 @@ impl Workshop<'_> {
         };
         let changes = surroundings.changes(self.place).into_iter();
         changes.filter_map(warning).collect()
-    }
-
-    /// Sees that nothing stands where the stage has its outputs but what runs made; what does
-    /// is moved aside, where that was asked for, or the stage has failed.
-    pub(crate) fn make_room(
-        &self,
-        graph: &Graph<'_>,
-        stage: &Stage,
-        files: &[String],
-        tell: &mut dyn FnMut(News),
-    ) -> Result<Option<Failure>, PipelineError> {
-        let mut ledger = self.ledger();
-        let keys = ledger.overlapping(stage);
-        let paths = own::foreign(stage, &keys, ledger.get(), &self.hasher)?;
-        drop(ledger);
-        if paths.is_empty() {
-            return Ok(None);
-        }
-        if !self.move_aside {
-            let cause = FailureCause::Foreign { paths };
-            return Ok(Some(self.failure(stage, files, cause, Vec::new(), None)));
-        }
-        let folders = own::move_aside(&paths, graph, &self.place.root)?;
-        tell(News::Warning(Warning::MovedAside {
-            stage: stage.name.clone(),
-            files: paths.len(),
-            folders,
-        }));
-        Ok(None)
-    }
-
-    /// Notes that a stage is about to make its outputs, and removes what it had made before, so
-    /// that a stage that makes fewer files leaves no old ones among the new.
-    pub(crate) fn begin(&self, stage: &Stage) -> Result<(), PipelineError> {
-        let past = {
-            let mut ledger = self.ledger();
-            ledger.begin(stage)?;
-            ledger.get().left.get(&stage.key()).cloned()
-        };
-        own::clear(stage, &past.unwrap_or_default(), &self.place.root)?;
-        let stdout = self.place.stdout_of(&stage.name, &stage.key());
-        own::remove(&stdout).map_err(PipelineError::io("remove the old", &self.place.log_dir))
-    }
-
-    /// Notes which files a stage left that did not end well.
-    pub(crate) fn leave(&self, stage: &Stage) -> Result<(), PipelineError> {
-        let mut files = BTreeMap::new();
-        for output in &stage.outputs {
-            if let Some(names) = self.hasher.names(output)? {
-                files.insert(output.clone(), names);
-            }
-        }
-        self.ledger().leave(stage, files)
     }
 
     /// Remembers which settings of the last run are no longer those of this one.

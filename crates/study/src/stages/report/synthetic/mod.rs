@@ -5,6 +5,7 @@ mod cards;
 mod conditions;
 mod embedding;
 mod homophily;
+mod learned;
 mod manuscript;
 mod methods;
 mod run;
@@ -31,6 +32,7 @@ use car::section_car;
 use conditions::{section_conditions, section_kept};
 use embedding::{live, section_embedding};
 use homophily::section_homophily;
+use learned::section_model;
 use maveric_analysis::Correlation as Found;
 use maveric_domain::Road;
 use maveric_report::{
@@ -40,7 +42,7 @@ use maveric_report::{
     tables::{Coefficient, Correlation, Exclusion},
 };
 pub(in crate::stages::report) use run::Run;
-use setting::{listed_exclusions, reliabilities, section_model, section_study};
+use setting::{listed_exclusions, reliabilities, section_study};
 use setup::setup;
 use std::{collections::BTreeSet, path::Path};
 

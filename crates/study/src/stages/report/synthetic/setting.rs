@@ -1,30 +1,21 @@
-//! The first two sections: the setting and the people; the model and its training.
+//! The setting and the people.
 
 use super::{Run, conditions::of_group, enumerated};
 use crate::{
     error::StudyError,
     run_folder::lists,
-    stages::{
-        report::{people::People, scene},
-        train::{NetworkSummary, TrainingSummary},
-    },
+    stages::report::{people::People, scene},
     tables::{Table as File, embeddings::read_embeddings},
 };
 use maveric_domain::{Scale, design::By};
-use maveric_model::{HeldOut, Model, Selection};
 use maveric_report::{
-    Figure,
     figures::{
-        architecture::{Architecture, architecture},
-        calibration::{Calibration, CalibrationBin, calibration},
         domain,
         flow::{Flow, flow},
-        residuals::{ResidualPanel, Residuals, residuals},
         simulator_view,
-        training_curves::{LossTerm, TrainingCurves, training_curves},
     },
     html::Section,
-    tables::{self, Cell, Column, Exclusion, Reliability, Table},
+    tables::{self, Exclusion, Reliability},
 };
 use std::{collections::BTreeSet, path::Path};
 
@@ -145,130 +136,6 @@ fn flow_of(run: &Run) -> Flow {
             .iter()
             .map(|p| (format!("{}{}", p.title, of_group(p)), p.n))
             .collect(),
-    }
-}
-
-/// `None` without a model that was learned here.
-pub(super) fn section_model(run: &Run) -> Result<Option<Section>, StudyError> {
-    let (Some(model), Some(training)) = (&run.model, &run.training) else {
-        return Ok(None);
-    };
-    let Some(networks) = &training.networks else {
-        return Ok(Some(Section {
-            title: "The model".to_owned(),
-            intro: vec![format!(
-                "Habits as events, each linear in an embedding of size {}: {} parameters in all, learned from {} drives, S in closed form \
-                 afterwards. Settings: linear heads; the paper’s five networks are `--heads paper`.",
-                model.embedding_size(),
-                training.parameters,
-                training.drives
-            )],
-            figures: Vec::new(),
-            tables: vec![heads_of(training)],
-        }));
-    };
-    let mut figures: Vec<Figure> = architecture_of(model, run)?.into_iter().collect();
-    figures.extend(training_of(training, networks, run)?);
-    let mut intro = vec![format!(
-        "The paper’s five networks and an embedding of size {} a driver, {} parameters in all, learned from {} rows of {} drives.",
-        model.embedding_size(),
-        training.parameters,
-        networks.rows,
-        training.drives
-    )];
-    let learned_from = &networks.quality;
-    let errors = [
-        learned_from
-            .speed_mps
-            .as_ref()
-            .map(|f| format!("ego speed {:.2} m/s", f.rmse)),
-        learned_from
-            .following_distance_m
-            .as_ref()
-            .map(|f| format!("following distance {:.1} m", f.rmse)),
-    ];
-    let errors: Vec<String> = errors.into_iter().flatten().collect();
-    if !errors.is_empty() {
-        intro.push(format!(
-            "Root-mean-square errors of the networks that drive, on the rows they learned from: {}.",
-            errors.join(", ")
-        ));
-    }
-    intro.extend(networks.selection.as_ref().map(kept_back));
-    Ok(Some(Section {
-        title: "The model".to_owned(),
-        intro,
-        figures,
-        tables: Vec::new(),
-    }))
-}
-
-/// F and V for people kept back, beside those people's own means.
-fn kept_back(selection: &Selection) -> String {
-    type Of = fn(&HeldOut) -> Option<f64>;
-    let both: [(&str, &str, Of); 2] = [
-        ("ego speed", "m/s", |h| h.speed_mps),
-        ("following distance", "m", |h| h.following_distance_m),
-    ];
-    let beside = |(what, unit, of): (&str, &str, Of)| {
-        let (found, own) = (of(&selection.networks)?, of(&selection.own_means)?);
-        let than = if found < own { "better" } else { "no better" };
-        Some(format!(
-            "{what} {found:.2} {unit}, {than} than the driver’s own mean ({own:.2} {unit})"
-        ))
-    };
-    let said: Vec<String> = both.into_iter().filter_map(beside).collect();
-    format!(
-        "Networks trained without {} of the people, for as many passes ({}), on the last third of these people’s drives, known by the first \
-         two: {}.",
-        selection.people,
-        selection.kept_epoch,
-        said.join("; ")
-    )
-}
-
-/// What each linear head learned from and how it does on driving kept back.
-fn heads_of(training: &TrainingSummary) -> Table {
-    let rows = training.heads.iter().map(|head| {
-        let kept = head.kept_back.as_ref();
-        let unit = if head.unit == "1" {
-            String::new()
-        } else {
-            format!(" ({})", head.unit)
-        };
-        vec![
-            Cell::text(format!("{}{unit}", head.title)),
-            Cell::text(head.events.to_string()),
-            Cell::number(head.explained.map(|e| 100.0 * e), 0),
-            Cell::number(kept.map(|k| k.head), 2),
-            Cell::number(kept.map(|k| k.own_mean), 2),
-            Cell::number(kept.map(|k| k.everybody), 2),
-        ]
-    });
-    let style = training
-        .style
-        .as_ref()
-        .and_then(|s| s.cross_fitted_r.zip(s.cross_fitted_rmse));
-    let score = style.map_or_else(String::new, |(r, rmse)| {
-        format!(" The score of people left out is read with r = {r:.2}, off by {rmse:.1} points.")
-    });
-    Table {
-        name: "heads".to_owned(),
-        title: "Habits, and how well a style says them".to_owned(),
-        columns: vec![
-            Column::left("Habit"),
-            Column::right("Events"),
-            Column::right("Explained (%)"),
-            Column::right("Off by"),
-            Column::right("Own mean"),
-            Column::right("Everybody’s"),
-        ],
-        rows: rows.collect(),
-        notes: vec![format!(
-            "Explained: share of how drives differ. Off by: root-mean-square error on the last third of drives of people left out, known by \
-             the first two; beside it that driver’s own mean over the first two, and what is said of everybody. A style of few numbers need \
-             not beat the own mean: where it does not, it stands here.{score}"
-        )],
     }
 }
 
@@ -396,115 +263,4 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
         }
     }
     Ok(found)
-}
-
-fn architecture_of(model: &Model, run: &Run) -> Result<Option<Figure>, StudyError> {
-    let Ok(paper) = model.paper() else {
-        return Ok(None);
-    };
-    let a = paper.architecture();
-    let hidden = |inputs: usize, outputs: usize| {
-        let mut layers = vec![inputs];
-        layers.extend(std::iter::repeat_n(a.hidden_units, a.hidden_layers));
-        layers.push(outputs);
-        layers
-    };
-    let (w, z) = (a.embedding_size, a.encoding_size);
-    let encoder = vec![3 * a.window_steps, a.encoder_units, z];
-    let sizes = Architecture {
-        embedding: w,
-        window_steps: a.window_steps,
-        following_distance: hidden(w + 1, 1),
-        lane_encoder: encoder.clone(),
-        lane_change: hidden(w + z, 2),
-        speed_encoder: encoder,
-        velocity: hidden(w + z, 1),
-        style: vec![w, 1],
-        mutual_information: hidden(1 + 2 * z + 4, 2 * w),
-    };
-    Ok(Some(architecture(&sizes, &run.context)?))
-}
-
-fn training_of(
-    training: &TrainingSummary,
-    networks: &NetworkSummary,
-    run: &Run,
-) -> Result<Vec<Figure>, StudyError> {
-    type Of = fn(&maveric_model::LossTerms) -> Option<f64>;
-    let terms: [(&str, Of); 5] = [
-        ("*L*_{1} following distance", |l| l.following_distance),
-        ("*L*_{2} lane change", |l| l.lane_change),
-        ("*L*_{3} velocity", |l| l.velocity),
-        ("*L*_{4} style", |l| l.aggression),
-        ("*L*_{5} mutual information", |l| l.mutual_information),
-    ];
-    // The run that kept people back shows both curves; the one that made the model has learned from all.
-    let epochs = networks
-        .selection
-        .as_ref()
-        .map_or(&networks.epochs, |s| &s.epochs);
-    let term = |(title, of): (&str, Of)| {
-        let train: Option<Vec<f64>> = epochs.iter().map(|e| of(&e.losses)).collect();
-        let kept: Option<Vec<f64>> = epochs.iter().map(|e| of(e.validation.as_ref()?)).collect();
-        Some(LossTerm {
-            title: title.to_owned(),
-            train: train?,
-            validation: kept.unwrap_or_default(),
-        })
-    };
-    let curves = TrainingCurves {
-        terms: terms.into_iter().filter_map(term).collect(),
-        drives: training.drives,
-    };
-    let mut figures = vec![training_curves(&curves, &run.context)?];
-    let (quality, drives, held_out) = match &networks.selection {
-        Some(kept) => (&kept.quality, kept.drives, true),
-        None => (&networks.quality, training.drives, false),
-    };
-    if let Some(found) = &quality.lane_change {
-        let bins = found.bins.iter().filter(|b| b.seconds >= 1.0);
-        let input = Calibration {
-            bins: bins
-                .map(|b| CalibrationBin {
-                    predicted: b.predicted,
-                    observed: b.observed,
-                    seconds: b.seconds,
-                })
-                .collect(),
-            expected_error: found.expected_calibration_error,
-            drives,
-            held_out,
-        };
-        if !input.bins.is_empty() {
-            figures.push(calibration(&input, &run.context)?);
-        }
-    }
-    let panels = [
-        ("Following distance (F)", "m", &quality.following_distance_m),
-        ("Ego speed (V)", "m/s", &quality.speed_mps),
-    ];
-    let panels: Vec<ResidualPanel> = panels
-        .into_iter()
-        .filter_map(|(title, unit, found)| {
-            let found = found.as_ref()?;
-            Some(ResidualPanel {
-                title: title.to_owned(),
-                axis: format!("Predicted − recorded ({unit})"),
-                unit: unit.to_owned(),
-                quantiles: found.quantiles.clone(),
-                mean: found.mean,
-                rms: found.rmse,
-                rows: found.rows,
-            })
-        })
-        .collect();
-    if !panels.is_empty() {
-        let input = Residuals {
-            panels,
-            drives,
-            held_out,
-        };
-        figures.push(residuals(&input, &run.context)?);
-    }
-    Ok(figures)
 }
