@@ -10,7 +10,7 @@ use crate::{
 };
 use maveric_domain::{
     ConditionId, Design, DriveId, LatentTraits, ParticipantId,
-    design::{By, Condition},
+    design::{By, Condition, williams},
 };
 use serde::{Deserialize, Serialize};
 
@@ -158,24 +158,13 @@ fn age_years(group: &Group, part: Part, population: Population, within: usize, s
         .clamp(18.0, 120.0) as u32
 }
 
-/// The order of the conditions: a row of a Latin square in which each condition follows each other one once; of two
-/// squares, one the other's mirror, where the number of conditions is odd.
-///
-/// # Source
-/// Williams (1949). The paper says only that participants experience all four; the method says in random order.
+/// The order of the conditions. The paper says only that participants experience all four; the method says in random order.
 fn order(within: usize, design: &Design) -> Vec<ConditionId> {
     let ids: Vec<ConditionId> = design.conditions().iter().map(|c| c.id).collect();
-    let n = ids.len();
-    let first_row = (0..n).map(|j| match j {
-        0 => 0,
-        j if j.is_multiple_of(2) => n - j / 2,
-        j => j.div_ceil(2),
-    });
-    let mut row: Vec<ConditionId> = first_row.map(|column| ids[(column + within) % n]).collect();
-    if !n.is_multiple_of(2) && !(within / n).is_multiple_of(2) {
-        row.reverse();
-    }
-    row
+    williams(ids.len(), within)
+        .into_iter()
+        .map(|place| ids[place])
+        .collect()
 }
 
 /// The baseline by hand, and a professional's roles; without a baseline whoever is learned from drives the roles. A role lies

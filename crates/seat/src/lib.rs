@@ -24,7 +24,6 @@ pub mod steps;
 mod store;
 mod tables;
 mod token;
-mod williams;
 
 pub use error::SeatError;
 pub use seat::{Seat, SeatSettings};

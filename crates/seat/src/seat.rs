@@ -7,11 +7,11 @@ use crate::{
     person::Person,
     steps::{self, Step, Texts},
     store::Store,
-    token, williams,
+    token,
 };
 use maveric_domain::{
     Design, Scale,
-    design::{ProtocolStep, SpeedUnit},
+    design::{ProtocolStep, SpeedUnit, williams_rows},
     stream_seed,
 };
 use maveric_model::{Model, model_file, style_space::LinearHead};
@@ -169,7 +169,7 @@ impl Seat {
     /// Rows of the square; one while nobody rides.
     pub(crate) fn orders(&self) -> usize {
         if self.rides() {
-            williams::rows(self.settings.design.conditions().len()).max(1)
+            williams_rows(self.settings.design.conditions().len()).max(1)
         } else {
             1
         }

@@ -1,9 +1,9 @@
 //! What a person is shown, one step after the other: made of a study's design, fixed when the person is let in.
 
-use crate::{error::SeatError, williams};
+use crate::error::SeatError;
 use maveric_domain::{
     ConditionId, Design, Scale,
-    design::{Car, Condition, Protocol, ProtocolStep},
+    design::{Car, Condition, Protocol, ProtocolStep, williams},
 };
 use serde::{Deserialize, Serialize};
 
@@ -194,10 +194,7 @@ fn rides(
 ) -> Result<(), SeatError> {
     let protocol: &Protocol = design.protocol();
     let conditions = design.conditions();
-    for (number, place) in williams::order(conditions.len(), index)
-        .into_iter()
-        .enumerate()
-    {
+    for (number, place) in williams(conditions.len(), index).into_iter().enumerate() {
         let condition = &conditions[place];
         let (style, points, turns) = car(design, condition)?;
         steps.push(Step::Ride {

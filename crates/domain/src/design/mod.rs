@@ -13,6 +13,7 @@ mod outcome;
 mod people;
 mod protocol;
 mod toml_file;
+mod williams;
 
 pub use condition::{Baseline, By, Car, Color, Condition, Role, Sign};
 pub use contrast::{Claim, Compare, Hypothesis};
@@ -22,6 +23,7 @@ pub use files::{Files, Mappings, ModelFile, RigMapping, Software};
 pub use outcome::{Homophily, Outcome, Quantity, ScoreName, Style};
 pub use people::{Column, People};
 pub use protocol::{Practice, Protocol, ProtocolStep, SeatView, SpeedUnit};
+pub use williams::{williams, williams_rows};
 
 use crate::condition::ConditionId;
 use std::collections::BTreeMap;

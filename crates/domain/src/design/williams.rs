@@ -1,7 +1,7 @@
 //! Orders of conditions in which each stands in every place, and after every other, equally often.
 
-/// Rows of the square over `conditions`.
-pub(crate) fn rows(conditions: usize) -> usize {
+/// Rows of the Williams square over so many conditions.
+pub fn williams_rows(conditions: usize) -> usize {
     if conditions.is_multiple_of(2) {
         conditions
     } else {
@@ -15,11 +15,11 @@ pub(crate) fn rows(conditions: usize) -> usize {
 ///
 /// # Source
 /// Williams 1949: 0, 1, n − 1, 2, n − 2, … and its shifts; for odd n the reverse of each too.
-pub(crate) fn order(conditions: usize, index: usize) -> Vec<usize> {
+pub fn williams(conditions: usize, index: usize) -> Vec<usize> {
     if conditions == 0 {
         return Vec::new();
     }
-    let row = index % rows(conditions);
+    let row = index % williams_rows(conditions);
     let (shift, reversed) = (row % conditions, row >= conditions);
     let first = (0..conditions).map(|place| {
         if place % 2 == 1 {
@@ -43,8 +43,8 @@ mod tests {
     #[test]
     fn every_condition_stands_in_every_place_and_after_every_other_equally_often() {
         for n in 1..=7_usize {
-            let rows = rows(n);
-            let orders: Vec<Vec<usize>> = (0..rows).map(|index| order(n, index)).collect();
+            let rows = williams_rows(n);
+            let orders: Vec<Vec<usize>> = (0..rows).map(|index| williams(n, index)).collect();
             let mut places: BTreeMap<(usize, usize), usize> = BTreeMap::new();
             let mut after: BTreeMap<(usize, usize), usize> = BTreeMap::new();
             for order in &orders {
@@ -61,7 +61,7 @@ mod tests {
             assert!(places.values().all(|count| *count == rows / n), "{n}");
             assert!(after.values().all(|count| *count == rows / n), "{n}");
             assert_eq!(after.len(), n * (n - 1), "{n}");
-            assert_eq!(order(n, rows), orders[0]);
+            assert_eq!(williams(n, rows), orders[0]);
         }
     }
 }
