@@ -1,5 +1,6 @@
 //! Synthetic people at the wheel, by another model than the automated car's.
 
+mod bounds;
 mod caution;
 mod distributions;
 mod evidence;

@@ -1,11 +1,10 @@
 //! One synthetic person on one day.
 
-use super::population::{EncounterNoise, Law, Population};
-use crate::{
-    error::SimulatorError,
-    normal::standard_normal,
-    scenario::{SettingRange, check_setting},
+use super::{
+    bounds,
+    population::{EncounterNoise, Law, Population},
 };
+use crate::{error::SimulatorError, normal::standard_normal, scenario::check_setting};
 use maveric_domain::{LatentTraits, MetresPerSecond, stream_seed};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
@@ -105,69 +104,26 @@ impl DriverParams {
     /// # Errors
     /// [`SimulatorError::Setting`] for the first that does not.
     pub fn check(&self) -> Result<(), SimulatorError> {
-        for (key, found, low, high, words) in [
+        for (bounds, found) in [
+            (bounds::DESIRED_SPEED_MPS, self.desired_speed_mps),
+            (bounds::PASSING_TIME_GAP_S, self.passing_time_gap_s),
+            (bounds::PASSING_GAIN_MPS, self.passing_gain_mps),
+            (bounds::MERGE_BACK_TIME_GAP_S, self.merge_back_time_gap_s),
+            (bounds::FOLLOWING_TIME_GAP_S, self.following_time_gap_s),
+            (bounds::ACCELERATION_MPS2, self.acceleration_mps2),
             (
-                "desired_speed_mps",
-                self.desired_speed_mps,
-                7.0,
-                65.0,
-                "7 to 65 m/s",
-            ),
-            (
-                "passing_time_gap_s",
-                self.passing_time_gap_s,
-                0.7,
-                10.0,
-                "0.7 to 10 s",
-            ),
-            (
-                "passing_gain_mps",
-                self.passing_gain_mps,
-                0.0,
-                20.0,
-                "0 to 20 m/s",
-            ),
-            (
-                "merge_back_time_gap_s",
-                self.merge_back_time_gap_s,
-                0.5,
-                10.0,
-                "0.5 to 10 s",
-            ),
-            (
-                "following_time_gap_s",
-                self.following_time_gap_s,
-                0.7,
-                10.0,
-                "0.7 to 10 s",
-            ),
-            (
-                "acceleration_mps2",
-                self.acceleration_mps2,
-                0.3,
-                3.0,
-                "0.3 to 3 m/s²",
-            ),
-            (
-                "passing_speed_added_mps",
+                bounds::PASSING_SPEED_ADDED_MPS,
                 self.passing_speed_added_mps,
-                -5.0,
-                10.0,
-                "-5 to 10 m/s",
             ),
             (
-                "passing_speed_over_lead_mps",
+                bounds::PASSING_SPEED_OVER_LEAD_MPS,
                 self.passing_speed_over_lead_mps,
-                0.5,
-                10.0,
-                "0.5 to 10 m/s",
             ),
-            ("lane_change_s", self.lane_change_s, 3.0, 10.0, "3 to 10 s"),
-            ("standstill_m", self.standstill_m, 1.0, 20.0, "1 to 20 m"),
-            ("braking_mps2", self.braking_mps2, 0.5, 6.0, "0.5 to 6 m/s²"),
+            (bounds::LANE_CHANGE_S, self.lane_change_s),
+            (bounds::STANDSTILL_M, self.standstill_m),
+            (bounds::BRAKING_MPS2, self.braking_mps2),
         ] {
-            let range = SettingRange::Within(low, high, words);
-            check_setting("driver", key, found, range)?;
+            check_setting("driver", bounds.0, found, bounds.range(None))?;
         }
         self.noise.check("driver.noise")
     }

@@ -1,5 +1,6 @@
 //! How latent traits become driving parameters: the table of calibration section 2.
 
+use super::bounds::{self, Bounds};
 use crate::{
     error::SimulatorError,
     scenario::{SettingRange, check_setting},
@@ -161,75 +162,36 @@ impl Population {
     };
 
     /// The laws with their keys and the widest range a law may be clipped to.
-    fn laws(&self) -> [(&'static str, &Law, f64, f64, &'static str); 9] {
+    fn laws(&self) -> [(Bounds, &Law); 9] {
         [
+            (bounds::DESIRED_SPEED_MPH, &self.desired_speed_mph),
+            (bounds::PASSING_TIME_GAP_S, &self.passing_time_gap_s),
+            (bounds::PASSING_GAIN_MPS, &self.passing_gain_mps),
+            (bounds::MERGE_BACK_TIME_GAP_S, &self.merge_back_time_gap_s),
+            (bounds::FOLLOWING_TIME_GAP_S, &self.following_time_gap_s),
+            (bounds::ACCELERATION_MPS2, &self.acceleration_mps2),
             (
-                "desired_speed_mph",
-                &self.desired_speed_mph,
-                20.0,
-                120.0,
-                "20 to 120 mph",
-            ),
-            (
-                "passing_time_gap_s",
-                &self.passing_time_gap_s,
-                0.7,
-                10.0,
-                "0.7 to 10 s",
-            ),
-            (
-                "passing_gain_mps",
-                &self.passing_gain_mps,
-                0.0,
-                20.0,
-                "0 to 20 m/s",
-            ),
-            (
-                "merge_back_time_gap_s",
-                &self.merge_back_time_gap_s,
-                0.5,
-                10.0,
-                "0.5 to 10 s",
-            ),
-            (
-                "following_time_gap_s",
-                &self.following_time_gap_s,
-                0.7,
-                10.0,
-                "0.7 to 10 s",
-            ),
-            (
-                "acceleration_mps2",
-                &self.acceleration_mps2,
-                0.3,
-                3.0,
-                "0.3 to 3 m/s²",
-            ),
-            (
-                "passing_speed_added_mps",
+                bounds::PASSING_SPEED_ADDED_MPS,
                 &self.passing_speed_added_mps,
-                -5.0,
-                10.0,
-                "-5 to 10 m/s",
             ),
             (
-                "passing_speed_over_lead_mps",
+                bounds::PASSING_SPEED_OVER_LEAD_MPS,
                 &self.passing_speed_over_lead_mps,
-                0.5,
-                10.0,
-                "0.5 to 10 m/s",
             ),
-            ("lane_change_s", &self.lane_change_s, 3.0, 10.0, "3 to 10 s"),
+            (bounds::LANE_CHANGE_S, &self.lane_change_s),
         ]
     }
 
     pub(crate) fn check(&self) -> Result<(), SimulatorError> {
-        for (name, law, low, high, words) in self.laws() {
-            let section = format!("drivers.{name}");
-            let within = SettingRange::Within(low, high, words);
-            check_setting(&section, "lowest", law.lowest, within)?;
-            let above = SettingRange::Within(law.lowest, high, words);
-            check_setting(&section, "highest", law.highest, above)?;
+        for (bounds, law) in self.laws() {
+            let section = format!("drivers.{}", bounds.0);
+            check_setting(&section, "lowest", law.lowest, bounds.range(None))?;
+            check_setting(
+                &section,
+                "highest",
+                law.highest,
+                bounds.range(Some(law.lowest)),
+            )?;
             for (key, found) in [
                 ("centre", law.centre),
                 ("scale", law.scale),
@@ -242,10 +204,12 @@ impl Population {
             }
             check_setting(&section, "day", law.day, SettingRange::NotNegative)?;
         }
-        let standstill = SettingRange::Within(1.0, 20.0, "1 to 20 m");
-        check_setting("drivers", "standstill_m", self.standstill_m, standstill)?;
-        let braking = SettingRange::Within(0.5, 6.0, "0.5 to 6 m/s²");
-        check_setting("drivers", "braking_mps2", self.braking_mps2, braking)?;
+        for (bounds, found) in [
+            (bounds::STANDSTILL_M, self.standstill_m),
+            (bounds::BRAKING_MPS2, self.braking_mps2),
+        ] {
+            check_setting("drivers", bounds.0, found, bounds.range(None))?;
+        }
         self.noise.check("drivers.noise")
     }
 }

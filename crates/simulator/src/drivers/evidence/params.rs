@@ -1,9 +1,7 @@
 //! One such person on one day.
 
-use crate::{
-    error::SimulatorError,
-    scenario::{SettingRange, check_setting},
-};
+use crate::drivers::bounds;
+use crate::{error::SimulatorError, scenario::check_setting};
 use maveric_domain::MetresPerSecond;
 use serde::{Deserialize, Serialize};
 
@@ -65,86 +63,37 @@ impl EvidenceParams {
     /// # Errors
     /// [`SimulatorError::Setting`] for the first that does not.
     pub fn check(&self) -> Result<(), SimulatorError> {
-        for (key, found, low, high, words) in [
+        for (bounds, found) in [
+            (bounds::DESIRED_SPEED_MPS, self.desired_speed_mps),
+            (bounds::THRESHOLD, self.threshold),
+            (bounds::MEMORY_S, self.memory_s),
+            (bounds::WAITING_S, self.waiting_s),
+            (bounds::MERGE_BACK_GAP_M, self.merge_back_gap_m),
+            (bounds::MERGE_BACK_HOLD_S, self.merge_back_hold_s),
+            (bounds::HURRY, self.hurry),
+            (bounds::FOLLOWING_TIME_GAP_S, self.following_time_gap_s),
+            (bounds::STANDSTILL_M, self.standstill_m),
+            (bounds::GAP_WANDER_SD, self.gap_wander_sd),
+            (bounds::SPEED_WANDER_SD_MPS, self.speed_wander_sd_mps),
+            (bounds::ACCELERATION_MPS2, self.acceleration_mps2),
             (
-                "desired_speed_mps",
-                self.desired_speed_mps,
-                7.0,
-                65.0,
-                "7 to 65 m/s",
-            ),
-            ("threshold", self.threshold, 0.1, 1000.0, "0.1 to 1000"),
-            ("memory_s", self.memory_s, 1.0, 100.0, "1 to 100 s"),
-            ("waiting_s", self.waiting_s, 1.0, 10000.0, "1 to 10000 s"),
-            (
-                "merge_back_gap_m",
-                self.merge_back_gap_m,
-                8.0,
-                200.0,
-                "8 to 200 m",
-            ),
-            (
-                "merge_back_hold_s",
-                self.merge_back_hold_s,
-                0.0,
-                20.0,
-                "0 to 20 s",
-            ),
-            ("hurry", self.hurry, 0.0, 0.9, "0 to 0.9"),
-            (
-                "following_time_gap_s",
-                self.following_time_gap_s,
-                0.7,
-                10.0,
-                "0.7 to 10 s",
-            ),
-            ("standstill_m", self.standstill_m, 1.0, 20.0, "1 to 20 m"),
-            ("gap_wander_sd", self.gap_wander_sd, 0.0, 0.4, "0 to 0.4"),
-            (
-                "speed_wander_sd_mps",
-                self.speed_wander_sd_mps,
-                0.0,
-                2.0,
-                "0 to 2 m/s",
-            ),
-            (
-                "acceleration_mps2",
-                self.acceleration_mps2,
-                0.3,
-                3.0,
-                "0.3 to 3 m/s²",
-            ),
-            (
-                "passing_speed_added_mps",
+                bounds::PASSING_SPEED_ADDED_MPS,
                 self.passing_speed_added_mps,
-                -5.0,
-                10.0,
-                "-5 to 10 m/s",
             ),
             (
-                "passing_speed_over_lead_mps",
+                bounds::PASSING_SPEED_OVER_LEAD_MPS,
                 self.passing_speed_over_lead_mps,
-                0.5,
-                10.0,
-                "0.5 to 10 m/s",
             ),
-            ("lane_change_s", self.lane_change_s, 3.0, 10.0, "3 to 10 s"),
-            ("lateness", self.lateness, 0.6, 1.5, "0.6 to 1.5"),
-            (
-                "lane_offset_m",
-                self.lane_offset_m,
-                -0.4,
-                0.4,
-                "-0.4 to 0.4 m",
-            ),
-            ("weave_sd_m", self.weave_sd_m, 0.0, 0.2, "0 to 0.2 m"),
-            ("peek_m", self.peek_m, 0.0, 0.7, "0 to 0.7 m"),
-            ("braking_mps2", self.braking_mps2, 0.5, 6.0, "0.5 to 6 m/s²"),
-            ("delay_s", self.delay_s, 0.0, 0.8, "0 to 0.8 s"),
-            ("gap_error_sd", self.gap_error_sd, 0.0, 0.15, "0 to 0.15"),
+            (bounds::LANE_CHANGE_S, self.lane_change_s),
+            (bounds::LATENESS, self.lateness),
+            (bounds::LANE_OFFSET_M, self.lane_offset_m),
+            (bounds::WEAVE_SD_M, self.weave_sd_m),
+            (bounds::PEEK_M, self.peek_m),
+            (bounds::BRAKING_MPS2, self.braking_mps2),
+            (bounds::DELAY_S, self.delay_s),
+            (bounds::GAP_ERROR_SD, self.gap_error_sd),
         ] {
-            let range = SettingRange::Within(low, high, words);
-            check_setting("driver", key, found, range)?;
+            check_setting("driver", bounds.0, found, bounds.range(None))?;
         }
         Ok(())
     }

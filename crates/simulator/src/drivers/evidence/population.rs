@@ -1,6 +1,7 @@
 //! How five latents become the parameters of such a person.
 
 use super::params::EvidenceParams;
+use crate::drivers::bounds::{self, Bounds};
 use crate::{
     error::SimulatorError,
     normal::standard_normal,
@@ -189,91 +190,46 @@ impl EvidencePopulation {
     }
 
     /// The laws with their keys and the range that a law may span.
-    fn laws(&self) -> [(&'static str, &BentLaw, f64, f64, &'static str); 19] {
+    fn laws(&self) -> [(Bounds, &BentLaw); 19] {
         [
+            (bounds::DESIRED_SPEED_MPH, &self.desired_speed_mph),
+            (bounds::THRESHOLD, &self.threshold),
+            (bounds::MEMORY_S, &self.memory_s),
+            (bounds::WAITING_S, &self.waiting_s),
+            (bounds::MERGE_BACK_GAP_M, &self.merge_back_gap_m),
+            (bounds::MERGE_BACK_HOLD_S, &self.merge_back_hold_s),
+            (bounds::HURRY, &self.hurry),
+            (bounds::FOLLOWING_TIME_GAP_S, &self.following_time_gap_s),
+            (bounds::STANDSTILL_M, &self.standstill_m),
+            (bounds::GAP_WANDER_SD, &self.gap_wander_sd),
+            (bounds::SPEED_WANDER_SD_MPS, &self.speed_wander_sd_mps),
+            (bounds::ACCELERATION_MPS2, &self.acceleration_mps2),
             (
-                "desired_speed_mph",
-                &self.desired_speed_mph,
-                20.0,
-                120.0,
-                "20 to 120 mph",
-            ),
-            ("threshold", &self.threshold, 0.1, 1000.0, "0.1 to 1000"),
-            ("memory_s", &self.memory_s, 1.0, 100.0, "1 to 100 s"),
-            ("waiting_s", &self.waiting_s, 1.0, 10_000.0, "1 to 10000 s"),
-            (
-                "merge_back_gap_m",
-                &self.merge_back_gap_m,
-                8.0,
-                200.0,
-                "8 to 200 m",
-            ),
-            (
-                "merge_back_hold_s",
-                &self.merge_back_hold_s,
-                0.0,
-                20.0,
-                "0 to 20 s",
-            ),
-            ("hurry", &self.hurry, 0.0, 0.9, "0 to 0.9"),
-            (
-                "following_time_gap_s",
-                &self.following_time_gap_s,
-                0.7,
-                10.0,
-                "0.7 to 10 s",
-            ),
-            ("standstill_m", &self.standstill_m, 1.0, 20.0, "1 to 20 m"),
-            ("gap_wander_sd", &self.gap_wander_sd, 0.0, 0.4, "0 to 0.4"),
-            (
-                "speed_wander_sd_mps",
-                &self.speed_wander_sd_mps,
-                0.0,
-                2.0,
-                "0 to 2 m/s",
-            ),
-            (
-                "acceleration_mps2",
-                &self.acceleration_mps2,
-                0.3,
-                3.0,
-                "0.3 to 3 m/s²",
-            ),
-            (
-                "passing_speed_added_mps",
+                bounds::PASSING_SPEED_ADDED_MPS,
                 &self.passing_speed_added_mps,
-                -5.0,
-                10.0,
-                "-5 to 10 m/s",
             ),
             (
-                "passing_speed_over_lead_mps",
+                bounds::PASSING_SPEED_OVER_LEAD_MPS,
                 &self.passing_speed_over_lead_mps,
-                0.5,
-                10.0,
-                "0.5 to 10 m/s",
             ),
-            ("lane_change_s", &self.lane_change_s, 3.0, 10.0, "3 to 10 s"),
-            ("lateness", &self.lateness, 0.6, 1.5, "0.6 to 1.5"),
-            (
-                "lane_offset_m",
-                &self.lane_offset_m,
-                -0.4,
-                0.4,
-                "-0.4 to 0.4 m",
-            ),
-            ("weave_sd_m", &self.weave_sd_m, 0.0, 0.2, "0 to 0.2 m"),
-            ("peek_m", &self.peek_m, 0.0, 0.7, "0 to 0.7 m"),
+            (bounds::LANE_CHANGE_S, &self.lane_change_s),
+            (bounds::LATENESS, &self.lateness),
+            (bounds::LANE_OFFSET_M, &self.lane_offset_m),
+            (bounds::WEAVE_SD_M, &self.weave_sd_m),
+            (bounds::PEEK_M, &self.peek_m),
         ]
     }
 
     pub(crate) fn check(&self) -> Result<(), SimulatorError> {
-        for (name, law, low, high, words) in self.laws() {
-            let section = format!("evidence.{name}");
-            let within = SettingRange::Within(low, high, words);
-            check_setting(&section, "lowest", law.lowest, within)?;
-            let above = SettingRange::Within(law.lowest, high, words);
-            check_setting(&section, "highest", law.highest, above)?;
+        for (bounds, law) in self.laws() {
+            let section = format!("evidence.{}", bounds.0);
+            check_setting(&section, "lowest", law.lowest, bounds.range(None))?;
+            check_setting(
+                &section,
+                "highest",
+                law.highest,
+                bounds.range(Some(law.lowest)),
+            )?;
             for (key, pair) in [
                 ("aggressiveness", law.aggressiveness),
                 ("spacing", law.spacing),
@@ -289,13 +245,12 @@ impl EvidencePopulation {
             }
             check_setting(&section, "day", law.day, SettingRange::NotNegative)?;
         }
-        for (key, found, low, high, words) in [
-            ("braking_mps2", self.braking_mps2, 0.5, 6.0, "0.5 to 6 m/s²"),
-            ("delay_s", self.delay_s, 0.0, 0.8, "0 to 0.8 s"),
-            ("gap_error_sd", self.gap_error_sd, 0.0, 0.15, "0 to 0.15"),
+        for (bounds, found) in [
+            (bounds::BRAKING_MPS2, self.braking_mps2),
+            (bounds::DELAY_S, self.delay_s),
+            (bounds::GAP_ERROR_SD, self.gap_error_sd),
         ] {
-            let range = SettingRange::Within(low, high, words);
-            check_setting("evidence", key, found, range)?;
+            check_setting("evidence", bounds.0, found, bounds.range(None))?;
         }
         Ok(())
     }
