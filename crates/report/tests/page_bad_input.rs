@@ -85,12 +85,12 @@ fn only_the_pages_own_scripts_may_run() {
         .next()
         .unwrap();
     let found = scripts(&page);
-    assert_eq!(found.len(), 3);
+    assert_eq!(found.len(), 4);
     for script in found {
         let hash = STANDARD.encode(Sha256::digest(script.as_bytes()));
         assert!(policy.contains(&format!("sha256-{hash}")), "{script}");
     }
-    assert_eq!(policy.matches("sha256-").count(), 3);
+    assert_eq!(policy.matches("sha256-").count(), 4);
     assert!(!policy.contains("unsafe"));
 }
 
