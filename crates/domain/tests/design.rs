@@ -325,7 +325,10 @@ fn the_schema_for_editors_has_the_keys_of_the_reader() {
         ("[exclude]\nzzz = 1", "/exclude"),
         ("[protocol]\nzzz = 1", "/protocol"),
         ("[protocol.view]\nzzz = 1", "/protocol/properties/view"),
-        ("[protocol.practice]\nzzz = 1", "/protocol/properties/practice"),
+        (
+            "[protocol.practice]\nzzz = 1",
+            "/protocol/properties/practice",
+        ),
     ] {
         let at = if at.is_empty() {
             "/properties".to_owned()
