@@ -91,7 +91,15 @@ impl<'a> Page<'a> {
         }
     }
 
+    /// Fills with a colour, or draws a line with it and fills nothing.
     fn paint<S: BackendStyle>(&mut self, style: &S, fill: bool) {
+        if !fill {
+            self.out.push_str(" fill=\"none\"");
+        }
+        self.colour(style, fill);
+    }
+
+    fn colour<S: BackendStyle>(&mut self, style: &S, fill: bool) {
         let BackendColor {
             alpha,
             rgb: (r, g, b),
@@ -197,12 +205,13 @@ impl DrawingBackend for Page<'_> {
         });
         if outlines.is_some() {
             self.out.truncate(self.out.len() - END.len());
+            self.colour(style, false);
         } else {
             self.out.push_str("<polyline points=\"");
             self.points(&path);
-            self.out.push_str("\" fill=\"none\"");
+            self.out.push('"');
+            self.paint(style, false);
         }
-        self.paint(style, false);
         self.out.push_str(END);
         Ok(())
     }
@@ -367,6 +376,37 @@ mod tests {
         assert_eq!(
             out,
             "a<tspan font-size=\"7\" dy=\"1.8\">b</tspan><tspan dy=\"-1.8\">c</tspan>"
+        );
+    }
+
+    #[test]
+    fn what_is_only_outlined_is_not_filled_and_what_was_filled_is_outlined_in_place() {
+        let mut out = String::new();
+        let mut page = Page {
+            out: &mut out,
+            units: (1000, 1000),
+            polygon: None,
+        };
+        let corners = [(0, 0), (900, 0), (900, 900)];
+        let closed = [corners[0], corners[1], corners[2], corners[0]];
+        let (ink, white) = (plotters::style::BLACK, plotters::style::WHITE);
+        page.draw_rect((0, 0), (500, 500), &ink, false).unwrap();
+        page.draw_circle((0, 0), 100, &ink, false).unwrap();
+        page.draw_path(closed, &ink).unwrap();
+        page.fill_polygon(corners, &white).unwrap();
+        page.draw_path(closed, &ink).unwrap();
+        page.draw_path(closed, &ink).unwrap();
+        let elements: Vec<&str> = out.lines().collect();
+        assert_eq!(elements.len(), 5, "{out}");
+        for outline in [0, 1, 2, 4] {
+            assert!(
+                elements[outline].contains(" fill=\"none\" stroke=\"#000000\""),
+                "{out}"
+            );
+        }
+        assert!(
+            elements[3].contains(" fill=\"#ffffff\" stroke=\"#000000\""),
+            "{out}"
         );
     }
 
