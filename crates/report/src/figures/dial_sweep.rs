@@ -103,8 +103,7 @@ pub fn dial_sweep(input: &DialSweep, context: &Context) -> Result<Figure, Report
         caption: format!(
             "Each measure of the car’s drives as its driver, shifted by {} to {} {}. \
              {lines}; black: mean of the drivers with a value at every shift, with 95% intervals, \
-             marked blue where the shift is towards cautious, purple where there is none and orange \
-             where it is towards aggressive. *n* = {}; no test.",
+             marked blue below the driver’s own setting, purple at it and orange above. *n* = {}; no test.",
             number(first, 0),
             number(last, 0),
             input.unit,

@@ -28,7 +28,7 @@ pub struct FidelityRow {
     /// Such as `Mean velocity`.
     pub measure: String,
     /// The car's own drive as that driver.
-    pub mimic: Accuracy,
+    pub car: Accuracy,
     /// The driver's own second drive.
     pub test_retest: Option<Accuracy>,
     /// The mean of all drivers.
@@ -51,7 +51,7 @@ pub struct Accuracy {
 const NAME: &str = "fidelity";
 const ROW: f64 = 17.0;
 
-/// Draws a row a measure: Mimic, test-retest, the population mean, the paper's figure.
+/// Draws a row a measure: the car, test-retest, the population mean, the paper's figure.
 ///
 /// # Errors
 /// [`ReportError`] if there is no measure or a value is not finite.
@@ -62,7 +62,7 @@ pub fn fidelity(input: &Fidelity, context: &Context) -> Result<Figure, ReportErr
     let check = Check(NAME);
     check.at_least(1, "measures", input.measures.len())?;
     let all = |row: &FidelityRow| -> Vec<f64> {
-        [Some(row.mimic), row.test_retest, row.population]
+        [Some(row.car), row.test_retest, row.population]
             .into_iter()
             .flatten()
             .flat_map(|a| [a.low, a.mean, a.high])
@@ -80,7 +80,7 @@ pub fn fidelity(input: &Fidelity, context: &Context) -> Result<Figure, ReportErr
             let mut words = vec![format!(
                 "{}: the car {}%",
                 row.measure,
-                percent(row.mimic.mean)
+                percent(row.car.mean)
             )];
             if let Some(own) = row.test_retest {
                 words.push(format!("the driver’s second drive {}%", percent(own.mean)));
@@ -148,7 +148,7 @@ pub fn fidelity(input: &Fidelity, context: &Context) -> Result<Figure, ReportErr
                 high: share,
             };
             let series = [
-                Some(row.mimic),
+                Some(row.car),
                 row.test_retest,
                 row.population,
                 row.paper.map(alone),
@@ -178,7 +178,7 @@ mod tests {
     fn an_accuracy_that_is_not_finite_is_refused() {
         let row = FidelityRow {
             measure: "Mean velocity".into(),
-            mimic: Accuracy {
+            car: Accuracy {
                 mean: f64::NAN,
                 low: 0.9,
                 high: 1.0,

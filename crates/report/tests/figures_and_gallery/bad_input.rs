@@ -284,7 +284,7 @@ fn what_is_not_a_number_is_refused_by_name() {
         drive_overview: |i, v| i.speed_mps[9] = v,
         embedding_space: |i, v| i.points[3].embedding[1] = v,
         false_positives: |i, v| i.parts[1].rates[2] = v,
-        fidelity: |i, v| i.measures[0].mimic.low = v,
+        fidelity: |i, v| i.measures[0].car.low = v,
         following_errors: |i, v| i.models[1].gap_rmse_m[2] = v,
         lane_change_quality: |i, v| i.panels[2].values[5] = v,
         learning_curve: |i, v| i.panels[1].points[2].high = v,

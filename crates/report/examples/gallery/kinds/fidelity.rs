@@ -29,7 +29,7 @@ pub(crate) fn input() -> Fidelity {
             .enumerate()
             .map(|(k, name)| FidelityRow {
                 measure: (*name).to_owned(),
-                mimic: around(0.98 - 0.04 * k as f64),
+                car: around(0.98 - 0.04 * k as f64),
                 test_retest: Some(around(0.985 - 0.03 * k as f64)),
                 population: Some(around(0.92 - 0.07 * k as f64)),
                 paper: (k != 3).then_some(0.9 - 0.02 * k as f64),

@@ -107,7 +107,7 @@ fn fidelity_of(found: &Validated, context: &Context) -> Result<Vec<Figure>, Stud
     let rows = one.fidelity.iter().enumerate().filter_map(|(k, row)| {
         Some(FidelityRow {
             measure: row.title.to_owned(),
-            mimic: of(k, |f| f.mimic)?,
+            car: of(k, |f| f.mimic)?,
             test_retest: of(k, |f| f.test_retest),
             population: of(k, |f| f.population_mean),
             paper: row.paper,
