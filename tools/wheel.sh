@@ -15,6 +15,8 @@ out=$(cd "${1:-target/wheels}" && pwd)
 here=$(mktemp -d)
 trap 'rm -rf "$here"' EXIT
 python3 -c 'import sys; sys.exit(sys.version_info < (3, 10))' || { echo "SKIPPED tools/wheel.sh: needs Python 3.10"; exit 0; }
+# Debian keeps what makes environments in a package of its own.
+python3 -c 'import ensurepip, venv' 2>/dev/null || { apt-get update -qq && apt-get install -y -qq --no-install-recommends python3-venv; }
 bin=$(python3 -c 'import os; print("Scripts" if os.name == "nt" else "bin")')
 python3 -m venv "$here/build"
 "$here/build/$bin/pip" install -q "maturin>=1.9,<2"
