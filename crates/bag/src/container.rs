@@ -16,7 +16,6 @@ use std::{
     fs::File,
     io::{BufReader, Read, Seek, SeekFrom},
     path::Path,
-    sync::atomic::Ordering,
 };
 
 /// Walks a file from start to end and gives its records to `visitor`.
@@ -130,9 +129,7 @@ impl<R: Read + Seek> Walker<'_, R> {
         self.start_magic()?;
         self.resume = at;
         loop {
-            if self.how.cancel.is_some_and(|c| c.load(Ordering::Relaxed)) {
-                return Err(BagError::Cancelled);
-            }
+            self.how.go_on()?;
             let Some((opcode, length)) = self.head(at)? else {
                 return self.damaged(
                     at,

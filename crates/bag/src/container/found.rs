@@ -1,7 +1,7 @@
 //! How a recording is walked, and what a walk gives.
 
-use crate::record::Record;
-use std::sync::atomic::AtomicBool;
+use crate::{error::BagError, record::Record};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A part of a file that could not be read.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -35,6 +35,17 @@ pub struct Walk<'a> {
     pub hash: bool,
     /// Ends the walk with an error soon after it became true.
     pub cancel: Option<&'a AtomicBool>,
+}
+
+impl Walk<'_> {
+    /// # Errors
+    /// [`BagError::Cancelled`] once that is wanted.
+    pub(super) fn go_on(&self) -> Result<(), BagError> {
+        match self.cancel {
+            Some(cancel) if cancel.load(Ordering::Relaxed) => Err(BagError::Cancelled),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// What a walk found besides the records.

@@ -54,7 +54,7 @@ pub(crate) struct Page<'a> {
 
 /// How an element ends.
 const END: &str = "/>\n";
-/// How far a drawn line may lie beside a point of its path, in hundredths of a point: a fiftieth of the thinnest line.
+/// How far a drawn line may lie beside a point of its path, in hundredths of a point: a twentieth of the thinnest line.
 const NOT_SEEN: f64 = 2.0;
 
 type Drawn = Result<(), DrawingErrorKind<Infallible>>;
