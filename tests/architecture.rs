@@ -57,9 +57,10 @@ fn allowed(name: &str) -> Vec<&'static str> {
 }
 
 /// Heavy dependencies and the crates that may name them.
-const HOMES: [(&str, &[&str]); 12] = [
+const HOMES: [(&str, &[&str]); 13] = [
     ("pyo3", &["python"]),
     ("polars", &["ingest", "study"]),
+    ("polars-io", &["ingest", "study"]),
     ("mcap", &["bag"]),
     ("plotters", &["report"]),
     ("resvg", &["report"]),

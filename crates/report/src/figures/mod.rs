@@ -13,6 +13,8 @@ mod font;
 mod grid;
 mod legend;
 mod page;
+#[cfg(any(feature = "pdf", feature = "png"))]
+mod parsed;
 #[cfg(feature = "pdf")]
 mod pdf;
 #[cfg(feature = "png")]

@@ -1,36 +1,14 @@
 //! An SVG of ours as PNG, on white.
 
-use super::font::{FAMILY, Face};
-use super::style;
+use super::parsed::parsed;
 use crate::error::ReportError;
-use resvg::{tiny_skia, usvg};
-use std::sync::{Arc, OnceLock};
+use resvg::tiny_skia;
 
 const CSS_PIXELS_PER_INCH: f32 = 96.0;
 const INCHES_PER_METRE: f64 = 1.0 / 0.0254;
 const COARSE_BELOW: f64 = 150.0;
 /// On a side: A0 at 300 dots per inch.
 const MOST_PIXELS: f32 = 14_100.0;
-
-/// Parsing options that know our fonts and nothing of the machine.
-pub(crate) fn options() -> usvg::Options<'static> {
-    static FONTS: OnceLock<Arc<usvg::fontdb::Database>> = OnceLock::new();
-    let fonts = FONTS.get_or_init(|| {
-        let mut fonts = usvg::fontdb::Database::new();
-        for face in Face::ALL {
-            fonts.load_font_data(face.ttf().to_vec());
-        }
-        for font in style::current().into_iter().flat_map(|s| &s.fonts) {
-            fonts.load_font_data(font.clone());
-        }
-        Arc::new(fonts)
-    });
-    usvg::Options {
-        fontdb: Arc::clone(fonts),
-        font_family: FAMILY.to_owned(),
-        ..usvg::Options::default()
-    }
-}
 
 /// Renders an SVG; `description` goes into the file.
 pub(crate) fn render(
@@ -43,7 +21,7 @@ pub(crate) fn render(
         figure: figure.to_owned(),
         reason,
     };
-    let tree = usvg::Tree::from_str(svg, &options()).map_err(|error| failed(error.to_string()))?;
+    let tree = parsed(svg).map_err(|error| failed(error.to_string()))?;
     let scale = dots_per_inch as f32 / CSS_PIXELS_PER_INCH;
     let size = tree.size();
     let longest = size.width().max(size.height()) * scale;
