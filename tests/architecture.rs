@@ -36,6 +36,7 @@ fn allowed(name: &str) -> Vec<&'static str> {
         // What runs in a page knows no file and no study.
         "seat-page" => vec!["domain", "measures", "model", "simulator", "steering"],
         "seat" => vec![
+            "bag",
             "domain",
             "ingest",
             "model",

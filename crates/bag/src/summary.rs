@@ -1,7 +1,8 @@
-//! What a recording says of itself at its end: its channels and how many messages each has.
+//! What a recording says of itself at its end: its channels, how many messages each has, and what is attached.
 
 use crate::{
     codec::OwnedSchema,
+    error::BagError,
     record::{self, Channel, HEAD, Record, op},
 };
 use std::{
@@ -19,10 +20,8 @@ const END: u64 = HEAD as u64 + 20 + mcap::MAGIC.len() as u64;
 /// A channel with what its messages mean and how many there are.
 pub type Announced = (Channel, Option<OwnedSchema>, u64);
 
-/// The channels of a file by its own summary, in the order of their numbers; none where it has no whole one. It is a claim: what is in
-/// the file is known when it has been read.
-pub fn announced(path: &Path) -> Option<Vec<Announced>> {
-    let mut file = File::open(path).ok()?;
+/// The summary of a file, whole; none where it has no such one.
+fn summary(file: &mut File) -> Option<Vec<u8>> {
     let length = file.metadata().ok()?.len();
     let mut end = [0; END as usize];
     let at = length.checked_sub(END)?;
@@ -41,16 +40,29 @@ pub fn announced(path: &Path) -> Option<Vec<Announced>> {
     let mut hasher = crc32fast::Hasher::new();
     hasher.update(&bytes);
     hasher.update(&end[..HEAD + 16]);
-    if crc != 0 && hasher.finalize() != crc {
-        return None;
-    }
-    let (mut schemas, mut channels, mut counts) = (BTreeMap::new(), BTreeMap::new(), None);
-    let mut rest = &bytes[..];
-    while let Some((head, behind)) = rest.split_first_chunk::<HEAD>() {
+    (crc == 0 || hasher.finalize() == crc).then_some(bytes)
+}
+
+/// The records of a summary, by opcode and content; none in the place of one that is cut off.
+fn records(bytes: &[u8]) -> impl Iterator<Item = Option<(u8, &[u8])>> {
+    let mut rest = bytes;
+    std::iter::from_fn(move || {
+        let (head, behind) = rest.split_first_chunk::<HEAD>()?;
         let [opcode, length @ ..] = *head;
-        let length = usize::try_from(u64::from_le_bytes(length)).ok()?;
-        let (content, next) = behind.split_at_checked(length)?;
-        rest = next;
+        let content = usize::try_from(u64::from_le_bytes(length)).ok();
+        let content = content.and_then(|length| behind.split_at_checked(length));
+        rest = content.map_or(&[], |(_, next)| next);
+        Some(content.map(|(content, _)| (opcode, content)))
+    })
+}
+
+/// The channels of a file by its own summary, in the order of their numbers; none where it has no whole one. It is a claim: what is in
+/// the file is known when it has been read.
+pub fn announced(path: &Path) -> Option<Vec<Announced>> {
+    let bytes = summary(&mut File::open(path).ok()?)?;
+    let (mut schemas, mut channels, mut counts) = (BTreeMap::new(), BTreeMap::new(), None);
+    for record in records(&bytes) {
+        let (opcode, content) = record?;
         match record::parse(opcode, content)? {
             Record::Schema(schema) => drop(schemas.insert(schema.id, OwnedSchema::from(schema))),
             Record::Channel(channel) => drop(channels.insert(channel.id, channel)),
@@ -65,4 +77,81 @@ pub fn announced(path: &Path) -> Option<Vec<Announced>> {
         (channel, schema, count)
     });
     Some(announced.collect())
+}
+
+/// What is attached to a file under `name`, by its summary; none where there is no such attachment, or no whole summary.
+///
+/// # Errors
+/// [`BagError::Io`]; [`BagError::Damaged`] if the attachment is not where the summary says, or not what its checksum says.
+pub fn attachment(path: &Path, name: &str) -> Result<Option<Vec<u8>>, BagError> {
+    let io = |source| BagError::Io {
+        path: path.to_owned(),
+        source,
+    };
+    let mut file = File::open(path).map_err(io)?;
+    let length = file.metadata().map_err(io)?.len();
+    let bytes = summary(&mut file).unwrap_or_default();
+    let index = records(&bytes).flatten().find_map(|(opcode, content)| {
+        match mcap::parse_record(opcode, content) {
+            Ok(mcap::records::Record::AttachmentIndex(index)) if index.name == name => Some(index),
+            _ => None,
+        }
+    });
+    let Some(mut index) = index else {
+        return Ok(None);
+    };
+    let damaged = |what: String| BagError::Damaged {
+        path: path.to_owned(),
+        at_byte: index.offset,
+        what,
+    };
+    if index.length > length {
+        let what = format!("`{name}` is said to have {} bytes", index.length);
+        return Err(damaged(what));
+    }
+    file.seek(SeekFrom::Start(index.offset)).map_err(io)?;
+    let mut record = vec![0; index.length as usize];
+    file.read_exact(&mut record).map_err(io)?;
+    let damaged = damaged(format!("`{name}` is not what the summary says"));
+    index.offset = 0;
+    match mcap::read::attachment(&record, &index) {
+        Ok(found) => Ok(Some(found.data.into_owned())),
+        Err(_) => Err(damaged),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Writer;
+    use std::io::Cursor;
+
+    fn with_attachment(text: &[u8]) -> Vec<u8> {
+        let mut writer = Writer::new(Cursor::new(Vec::new()), "tests").unwrap();
+        let schema = ("text", "ros2msg", "string data");
+        let channel = writer.channel("/a", "cdr", schema).unwrap();
+        writer.message(channel, 0, 1, b"one").unwrap();
+        writer.attach("notes.txt", "text/plain", text).unwrap();
+        writer.finish().unwrap().into_inner()
+    }
+
+    #[test]
+    fn what_is_attached_comes_back_and_a_changed_byte_of_it_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.mcap");
+        let mut bytes = with_attachment(b"seen on the way");
+        std::fs::write(&path, &bytes).unwrap();
+        let found = attachment(&path, "notes.txt").unwrap();
+        assert_eq!(found.as_deref(), Some(&b"seen on the way"[..]));
+        assert_eq!(attachment(&path, "other.txt").unwrap(), None);
+        assert_eq!(announced(&path).unwrap().len(), 1);
+        let at = bytes.windows(4).position(|w| w == b"seen").unwrap();
+        bytes[at] ^= 1;
+        std::fs::write(&path, &bytes).unwrap();
+        let error = attachment(&path, "notes.txt").unwrap_err().to_string();
+        assert!(error.contains("`notes.txt` is not what"), "{error}");
+        bytes.truncate(bytes.len() - 1);
+        std::fs::write(&path, &bytes).unwrap();
+        assert_eq!(attachment(&path, "notes.txt").unwrap(), None);
+    }
 }

@@ -1,7 +1,7 @@
 //! Writes a recording.
 
 use crate::error::BagError;
-use mcap::{Compression, WriteOptions, records};
+use mcap::{Attachment, Compression, WriteOptions, records};
 use std::{
     collections::BTreeMap,
     fmt,
@@ -58,6 +58,21 @@ impl<W: Write + Seek> Writer<W> {
             metadata: values,
         };
         self.out.write_metadata(&record).map_err(failed)
+    }
+
+    /// Attaches a file, where it stands when it is written.
+    ///
+    /// # Errors
+    /// [`BagError::Write`].
+    pub fn attach(&mut self, name: &str, media_type: &str, data: &[u8]) -> Result<(), BagError> {
+        let attachment = Attachment {
+            log_time: 0,
+            create_time: 0,
+            name: name.to_owned(),
+            media_type: media_type.to_owned(),
+            data: data.into(),
+        };
+        self.out.attach(&attachment).map_err(failed)
     }
 
     /// Declares a channel and gives its number: the encoding of its messages (`cdr`, `json`, …), and name, encoding

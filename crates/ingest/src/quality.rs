@@ -41,6 +41,8 @@ pub enum WarningKind {
     Unit,
     /// A value that the log lacks and a default stands in for.
     Default,
+    /// What whoever made the log has to say of it.
+    Noted,
 }
 
 /// Something in a log that was left out, filled in or doubted.

@@ -107,6 +107,8 @@ pub(crate) fn read_recording(
     warnings.extend(without_parts(path, parts));
     let (meta, target) = match record {
         Some(record) => {
+            let noted = |note| Warning::new(path, WarningKind::Noted, 1, note);
+            warnings.extend(record.note.map(noted));
             let target = Target {
                 road: record.road,
                 frame: FrameKind::Map,

@@ -1,5 +1,6 @@
 //! What can go wrong in the seat.
 
+use maveric_bag::BagError;
 use maveric_model::ModelError;
 use maveric_seat_page::SeatPageError;
 use maveric_study::StudyError;
@@ -51,6 +52,12 @@ pub enum SeatError {
         /// What is wrong with it.
         source: SeatPageError,
     },
+    /// A log that cannot be read.
+    #[error(transparent)]
+    Log(#[from] BagError),
+    /// A log without the record of a drive.
+    #[error("{} holds no record of a drive", .0.display())]
+    NoRecord(PathBuf),
     /// A file that somebody handed back.
     #[error("{}, line {line}: {problem}", path.display())]
     Carried {
@@ -96,6 +103,10 @@ impl SeatError {
             Self::Protocol { help, .. } => help.clone(),
             Self::Version { .. } => Some(
                 "end the study with the version that began it; its files are beside it".to_owned(),
+            ),
+            Self::NoRecord(_) => Some(
+                "give a log that the seat wrote (logs/seat/), or the record beside it (seat/PERSON-CONDITION.jsonl)"
+                    .to_owned(),
             ),
             Self::Address { .. } => Some("choose another one: --bind 127.0.0.1:PORT".to_owned()),
             Self::Study(error) => error.suggestion(),

@@ -14,6 +14,9 @@ use maveric_study::{
 };
 use std::{collections::BTreeSet, path::PathBuf};
 
+/// Name under which a drive's record is attached to its log.
+pub(crate) const RECORD: &str = "seat.jsonl";
+
 /// Where a study's files are; or nowhere, for a seat that only shows.
 #[derive(Debug, Clone)]
 pub struct Files(Option<Place>);
@@ -99,12 +102,13 @@ impl Files {
         Ok(path)
     }
 
-    /// Writes a drive that was driven again from its record as a log, by the writer that `generate` uses.
+    /// Writes a drive that was driven again from its record as a log, by the writer that `generate` uses; the record is attached to
+    /// it, and what is to be said of the drive stands in it.
     pub(crate) fn log(
         &self,
         name: &str,
         (participant, condition): (&str, ConditionId),
-        record: &Record,
+        (record, lines, note): (&Record, &str, Option<&str>),
         again: &Replayed,
     ) -> Result<(), SeatError> {
         let Some(place) = &self.0 else {
@@ -123,6 +127,8 @@ impl Files {
         };
         let beside = Beside {
             trace: &again.rollout.trace,
+            attached: Some((RECORD, lines.as_bytes())),
+            note,
             ..Beside::default()
         };
         Ok(atomic_write(&path, |file| {

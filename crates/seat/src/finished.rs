@@ -3,6 +3,7 @@
 
 use crate::{error::SeatError, person::Person, seat::Seat, steps::Step};
 use maveric_seat_page::{Fit, Record, Replayed, fit, replay};
+use std::fmt;
 
 /// Embeddings of the page and of a processor that fuses its sums agree to this.
 const SAME_STYLE: f64 = 1e-5;
@@ -39,8 +40,11 @@ impl Seat {
         match driven {
             Err(error) => self.tell(who, &format!("{name}: cannot be driven again: {error}"))?,
             Ok((again, record)) => {
-                files.log(&name, (who, condition), &record, &again)?;
-                self.tell(who, &format!("{name}: {}", pictures(&record)))?;
+                let pictures = Pictures::of(&record);
+                let note = pictures.note();
+                let kept = (&record, &*lines, note.as_deref());
+                files.log(&name, (who, condition), kept, &again)?;
+                self.tell(who, &format!("{name}: {pictures}"))?;
                 if !again.same() {
                     let text = "the page came through other states than its record gives here";
                     self.tell(who, &format!("{name}: {text}"))?;
@@ -107,26 +111,69 @@ impl Seat {
 }
 
 /// How the pictures of a drive came.
-fn pictures(record: &Record) -> String {
-    let frames = || record.chunks.iter().map(|c| c.frames);
-    let drawn: u64 = frames().map(|f| u64::from(f.drawn)).sum();
-    let late: u64 = frames().map(|f| u64::from(f.late)).sum();
-    let left_out: u64 = frames().map(|f| u64::from(f.dropped_steps)).sum();
-    let longest_ms = frames().map(|f| f.longest_ms).max().unwrap_or(0);
-    let input_ms = frames().map(|f| f.input_ms).max().unwrap_or(0);
-    let seconds = record.ticks() as f64 / 100.0;
-    let seen = match input_ms {
-        0 => String::new(),
-        ms => format!(", a key seen after at most {ms} ms"),
-    };
-    let mark = if 100 * late > drawn {
-        "; more than 1 % came late"
-    } else {
-        ""
-    };
-    format!(
-        "{seconds:.0} s, {:.1} pictures a second, {late} of {drawn} over 50 ms after the one before (longest {longest_ms} ms){seen}, \
-         {left_out} steps left out{mark}",
-        drawn as f64 / seconds.max(0.01)
-    )
+struct Pictures {
+    seconds: f64,
+    drawn: u64,
+    late: u64,
+    left_out: u64,
+    longest_ms: u32,
+    input_ms: u32,
+}
+
+impl Pictures {
+    fn of(record: &Record) -> Self {
+        let frames = || record.chunks.iter().map(|c| c.frames);
+        Self {
+            seconds: record.ticks() as f64 / 100.0,
+            drawn: frames().map(|f| u64::from(f.drawn)).sum(),
+            late: frames().map(|f| u64::from(f.late)).sum(),
+            left_out: frames().map(|f| u64::from(f.dropped_steps)).sum(),
+            longest_ms: frames().map(|f| f.longest_ms).max().unwrap_or(0),
+            input_ms: frames().map(|f| f.input_ms).max().unwrap_or(0),
+        }
+    }
+
+    /// What the drive's log says of them where more than one in a hundred came late.
+    fn note(&self) -> Option<String> {
+        let Self { drawn, late, .. } = self;
+        (100 * late > *drawn).then(|| {
+            format!("{late} of {drawn} pictures came more than 50 ms after the one before: more than 1 %")
+        })
+    }
+}
+
+impl fmt::Display for Pictures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rate = self.drawn as f64 / self.seconds.max(0.01);
+        write!(
+            f,
+            "{:.0} s, {rate:.1} pictures a second, {} of {} over 50 ms after the one before (longest {} ms)",
+            self.seconds, self.late, self.drawn, self.longest_ms
+        )?;
+        if self.input_ms > 0 {
+            write!(f, ", a key seen after at most {} ms", self.input_ms)?;
+        }
+        write!(f, ", {} steps left out", self.left_out)?;
+        self.note().map_or(Ok(()), |_| write!(f, "; more than 1 % came late"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drive_of_which_more_than_one_picture_in_a_hundred_came_late_says_so() {
+        let pictures = |late| Pictures {
+            seconds: 10.0,
+            drawn: 600,
+            late,
+            left_out: 0,
+            longest_ms: 80,
+            input_ms: 0,
+        };
+        assert_eq!(pictures(6).note(), None);
+        assert!(pictures(7).note().unwrap().starts_with("7 of 600 pictures"));
+        assert!(pictures(7).to_string().ends_with("0 steps left out; more than 1 % came late"));
+    }
 }

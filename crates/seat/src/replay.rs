@@ -1,10 +1,11 @@
 //! `seat replay`: the same drive again, here.
 
-use crate::error::SeatError;
+use crate::{error::SeatError, files::RECORD};
+use maveric_bag::{MAGIC, attachment};
 use maveric_domain::DrivenBy;
 use maveric_seat_page::Record;
 use serde::Serialize;
-use std::path::Path;
+use std::{io::Read as _, path::Path};
 
 /// What became of a drive that was driven again.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -21,15 +22,28 @@ pub struct Repeated {
     pub same: Option<bool>,
 }
 
-/// Drives a record again.
+/// Drives a record again: of a file of its own, or attached to a drive's log.
 ///
 /// # Errors
-/// [`SeatError::Io`], [`SeatError::Record`] naming the file and the line.
+/// [`SeatError::Io`], [`SeatError::Record`] naming the file and the line; [`SeatError::Log`], [`SeatError::NoRecord`].
 pub fn repeat(path: &Path) -> Result<Repeated, SeatError> {
-    let text = std::fs::read_to_string(path).map_err(|source| SeatError::Io {
+    let io = |source| SeatError::Io {
         path: path.to_owned(),
         source,
-    })?;
+    };
+    let mut first = Vec::new();
+    let mut file = std::fs::File::open(path).map_err(io)?;
+    (&mut file)
+        .take(MAGIC.len() as u64)
+        .read_to_end(&mut first)
+        .map_err(io)?;
+    let text = if first == MAGIC {
+        let record = attachment(path, RECORD)?;
+        let record = record.ok_or_else(|| SeatError::NoRecord(path.to_owned()))?;
+        String::from_utf8(record).map_err(|e| io(std::io::Error::other(e)))?
+    } else {
+        std::fs::read_to_string(path).map_err(io)?
+    };
     let bad = |source| SeatError::Record {
         path: path.to_owned(),
         source,

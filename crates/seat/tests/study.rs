@@ -48,7 +48,9 @@ fn a_whole_study_becomes_the_files_that_a_run_reads() {
             ("P002", drive, by)
         );
         let record = at(&format!("seat/P002-{drive}.jsonl"));
-        assert_eq!(replay::repeat(&record).unwrap().same, Some(true));
+        let again = replay::repeat(&record).unwrap();
+        assert_eq!(again.same, Some(true));
+        assert_eq!(replay::repeat(&log).unwrap(), again);
         // The log, ingested, is the drive to a nanometre.
         let record =
             maveric_seat_page::Record::from_lines(&fs::read_to_string(&record).unwrap()).unwrap();

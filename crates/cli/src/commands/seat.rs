@@ -25,7 +25,7 @@ const OPENING: &str = "could not open the seat";
     after_help = "\
 Examples: maveric seat --demo             drive three minutes, ride in your own style, turn the dial
           maveric seat my_study           the study of that folder: links for people at /lab
-          maveric seat replay my_study/seat/P001-own.jsonl
+          maveric seat replay my_study/logs/seat/P001-own.mcap
           maveric seat export online --study my_study --post https://example.org/answers
           maveric seat import --study my_study handed_over/*.jsonl"
 )]
@@ -84,7 +84,7 @@ enum Part {
     },
     /// Drive a recorded drive again, and say whether it went through the same states to the byte
     Replay {
-        /// The record of a drive, as in a study's folder seat/
+        /// The log of a drive in the seat, or its record (seat/PERSON-CONDITION.jsonl)
         log: PathBuf,
         /// How to print the result
         #[arg(long, value_enum, default_value_t)]

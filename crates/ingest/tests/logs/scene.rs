@@ -5,8 +5,8 @@ use maveric_domain::{
     LaneActivity, LaneWish, Recording, Setpoints, TraceRow, When, drive::Direction,
 };
 use maveric_ingest::{
-    Beside, Decision, DecisionKind, IngestError, IngestSettings, inspect, read_decisions, read_log,
-    write_mcap_with,
+    Beside, Decision, DecisionKind, IngestError, IngestSettings, WarningKind, inspect,
+    read_decisions, read_log, write_mcap_with,
 };
 use mcap::MessageStream;
 use serde_json::Value;
@@ -40,7 +40,11 @@ fn trace() -> Vec<TraceRow> {
 
 fn written(recording: &Recording, trace: &[TraceRow], scene: bool) -> Vec<u8> {
     let mut out = Cursor::new(Vec::new());
-    let beside = Beside { trace, scene };
+    let beside = Beside {
+        trace,
+        scene,
+        ..Beside::default()
+    };
     write_mcap_with(recording, &meta(), &beside, &mut out).unwrap();
     out.into_inner()
 }
@@ -201,10 +205,30 @@ fn a_car_that_decided_nothing_is_not_one_that_could_not() {
 fn the_trace_of_another_drive_is_refused() {
     let beside = Beside {
         trace: &trace()[1..],
-        scene: false,
+        ..Beside::default()
     };
     let out = Cursor::new(Vec::new());
     let error = write_mcap_with(&recording(false), &meta(), &beside, out).unwrap_err();
     assert!(matches!(error, IngestError::WriteDrive { .. }));
     assert!(error.to_string().contains("1199 rows"), "{error}");
+}
+
+#[test]
+fn what_is_noted_of_a_recording_is_a_warning_and_what_is_attached_is_there() {
+    let beside = Beside {
+        attached: Some(("inputs.jsonl", b"{}\n")),
+        note: Some("7 of 600 pictures came late"),
+        ..Beside::default()
+    };
+    let mut out = Cursor::new(Vec::new());
+    write_mcap_with(&recording(false), &meta(), &beside, &mut out).unwrap();
+    let file = on_disk(&out.into_inner());
+    let read = read_log(file.path(), &IngestSettings::default()).unwrap();
+    let noted: Vec<&str> = (read[0].warnings.iter())
+        .filter(|w| w.kind == WarningKind::Noted)
+        .map(|w| w.what.as_str())
+        .collect();
+    assert_eq!(noted, ["7 of 600 pictures came late"]);
+    let attached = maveric_bag::attachment(file.path(), "inputs.jsonl").unwrap();
+    assert_eq!(attached.as_deref(), Some(&b"{}\n"[..]));
 }

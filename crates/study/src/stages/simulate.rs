@@ -356,6 +356,7 @@ fn drive(
     let beside = Beside {
         trace: &driven.trace,
         scene: options.scenes.cover(&meta.participant),
+        ..Beside::default()
     };
     write_recording(&log, &driven.recording, &meta, &beside)?;
     let made = Drive::from_recording(meta.clone(), &driven.recording)?;

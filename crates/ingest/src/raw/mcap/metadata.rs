@@ -13,6 +13,9 @@ pub(crate) const NAME: &str = "maveric.drive";
 pub(crate) const LATERAL: &str = "lateral";
 pub(crate) const UNKNOWN: &str = "unknown";
 
+/// Key of what whoever made the recording has to say of it.
+const NOTE: &str = "note";
+
 /// What the record says.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct DriveRecord {
@@ -21,10 +24,15 @@ pub(crate) struct DriveRecord {
     pub(crate) ego_length_m: f64,
     /// Whether lateral positions stand for none.
     pub(crate) without_lateral: bool,
+    pub(crate) note: Option<String>,
 }
 
 /// The record's values for a recording.
-pub(crate) fn values(meta: &DriveMeta, recording: &Recording) -> BTreeMap<String, String> {
+pub(crate) fn values(
+    meta: &DriveMeta,
+    recording: &Recording,
+    note: Option<&str>,
+) -> BTreeMap<String, String> {
     let road = recording.road();
     let pairs: [(&str, String); 9] = [
         ("drive", meta.drive.to_string()),
@@ -40,6 +48,9 @@ pub(crate) fn values(meta: &DriveMeta, recording: &Recording) -> BTreeMap<String
     let mut values: BTreeMap<String, String> = pairs.map(|(k, v)| (k.to_owned(), v)).into();
     if !recording.has_lateral() {
         values.insert(LATERAL.to_owned(), UNKNOWN.to_owned());
+    }
+    if let Some(note) = note {
+        values.insert(NOTE.to_owned(), note.to_owned());
     }
     values
 }
@@ -73,6 +84,7 @@ pub(crate) fn parse(
         },
         ego_length_m: of.positive("ego_length_m")?,
         without_lateral: values.get(LATERAL).is_some_and(|v| v == UNKNOWN),
+        note: values.get(NOTE).cloned(),
     })
 }
 

@@ -38,7 +38,7 @@ pub fn write_mcap(
     write_mcap_with(recording, meta, &Beside::default(), out)
 }
 
-/// What a log holds beside the recording. Nothing of it is read by `ingest`.
+/// What a log holds beside the recording. Nothing of it but the note is read by `ingest`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Beside<'a> {
     /// What the automated car decided, a row for each of the recording's; empty for people. Becomes `foxglove.Log`
@@ -48,6 +48,10 @@ pub struct Beside<'a> {
     /// ego, with the other cars, and with planned path and interventions; `foxglove.FrameTransform` from `map` to
     /// `ego_vehicle`; and `maveric.Signals` with speed, gap and what was asked. All JSON.
     pub scene: bool,
+    /// A file that belongs to the recording, by name and content; `application/octet-stream`.
+    pub attached: Option<(&'a str, &'a [u8])>,
+    /// What is to be said of the recording wherever it is read: a warning of [`crate::read_log`].
+    pub note: Option<&'a str>,
 }
 
 /// Writes a recording as [`write_mcap`] does, with more beside it.
@@ -74,7 +78,7 @@ pub fn write_mcap_with(
         .scene
         .then(|| Drive::from_recording(meta.clone(), recording));
     let scene = scene.transpose().map_err(|e| refused(e.to_string()))?;
-    write(recording, meta, beside.trace, scene.as_ref(), out)
+    write(recording, meta, beside, scene.as_ref(), out)
         .map_err(|source| IngestError::Write { source })
 }
 
@@ -101,7 +105,12 @@ impl<W: Write + Seek> File<W> {
 fn write(
     recording: &Recording,
     meta: &DriveMeta,
-    trace: &[TraceRow],
+    &Beside {
+        trace,
+        attached,
+        note,
+        ..
+    }: &Beside<'_>,
     scene: Option<&Drive>,
     out: impl Write + Seek,
 ) -> Result<(), BagError> {
@@ -111,7 +120,7 @@ fn write(
         time_ns: 0,
     };
     file.writer
-        .metadata(metadata::NAME, metadata::values(meta, recording))?;
+        .metadata(metadata::NAME, metadata::values(meta, recording, note))?;
     let mut channel = |topic: &str, (name, text): (&str, &str)| {
         file.writer.channel(topic, "cdr", (name, "ros2msg", text))
     };
@@ -139,6 +148,10 @@ fn write(
             beside.row(&mut file, &scene, yaw)?;
         }
         decisions.row(&mut file, meta)?;
+    }
+    if let Some((name, content)) = attached {
+        file.writer
+            .attach(name, "application/octet-stream", content)?;
     }
     file.writer.finish()?;
     Ok(())
