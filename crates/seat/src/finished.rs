@@ -154,7 +154,8 @@ impl fmt::Display for Pictures {
             write!(f, ", a key seen after at most {} ms", self.input_ms)?;
         }
         write!(f, ", {} steps left out", self.left_out)?;
-        self.note().map_or(Ok(()), |_| write!(f, "; more than 1 % came late"))
+        self.note()
+            .map_or(Ok(()), |_| write!(f, "; more than 1 % came late"))
     }
 }
 
@@ -174,6 +175,10 @@ mod tests {
         };
         assert_eq!(pictures(6).note(), None);
         assert!(pictures(7).note().unwrap().starts_with("7 of 600 pictures"));
-        assert!(pictures(7).to_string().ends_with("0 steps left out; more than 1 % came late"));
+        assert!(
+            pictures(7)
+                .to_string()
+                .ends_with("0 steps left out; more than 1 % came late")
+        );
     }
 }
