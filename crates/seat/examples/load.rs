@@ -5,7 +5,7 @@
 #![expect(clippy::print_stdout, reason = "a program that says what it measured")]
 
 use maveric_domain::{Design, DrivenBy, Seconds};
-use maveric_seat::{Seat, SeatSettings, files::Files, serve, steps::Texts};
+use maveric_seat::{Seat, SeatSettings, Wire, files::Files, serve, steps::Texts};
 use maveric_seat_page::{Chunk, Frames, Held, Input, SeatDrive, Signal};
 use maveric_simulator::{Hands, Scenario};
 use serde_json::Value;
@@ -48,7 +48,7 @@ fn main() -> Result<(), Failed> {
         .enable_all()
         .build()?;
     let any = SocketAddr::from(([127, 0, 0, 1], 0));
-    let serving = runtime.block_on(serve(Arc::clone(&seat), any, false))?;
+    let serving = runtime.block_on(serve(Arc::clone(&seat), any, Wire::Here))?;
     let address = serving.address;
     runtime.spawn(serving.until(std::future::pending()));
 

@@ -44,6 +44,14 @@ pub enum SeatError {
         /// Why not.
         problem: String,
     },
+    /// A certificate or its key that cannot be used.
+    #[error("{}: {problem}", path.display())]
+    Certificate {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        problem: String,
+    },
     /// A record that cannot be driven again.
     #[error("{}: {source}", path.display())]
     Record {

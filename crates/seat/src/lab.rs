@@ -142,8 +142,9 @@ async fn enter(State(shared): State<Shared>, body: Bytes) -> Response {
     if right.is_some_and(|(password, given)| token::same_secret(given, password)) {
         let password = shared.seat.settings.password.as_deref().unwrap_or_default();
         let value = token::sha256(&format!("lab {password}"));
+        let secure = if shared.encrypted { "; Secure" } else { "" };
         return to_lab(Some(format!(
-            "{COOKIE}={value}; Path=/lab; HttpOnly; SameSite=Strict"
+            "{COOKIE}={value}; Path=/lab; HttpOnly; SameSite=Strict{secure}"
         )));
     }
     // Whoever guesses waits, and others who guess behind them.

@@ -24,10 +24,12 @@ pub mod steps;
 mod store;
 mod tables;
 mod token;
+mod wire;
 
 pub use error::SeatError;
 pub use seat::{Seat, SeatSettings};
 pub use serve::{Serving, run, serve};
+pub use wire::Wire;
 
 /// A password of 128 random bits.
 ///

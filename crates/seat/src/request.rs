@@ -15,6 +15,8 @@ pub(crate) struct Shared {
     pub(crate) address: SocketAddr,
     /// Whether something in front answers for names and encryption.
     pub(crate) behind_a_proxy: bool,
+    /// Whether the server encrypts.
+    pub(crate) encrypted: bool,
     /// Whoever gives a wrong password waits in this line.
     pub(crate) guesses: Arc<tokio::sync::Mutex<()>>,
 }

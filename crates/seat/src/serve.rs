@@ -1,5 +1,7 @@
 //! The server: the page, and what it sends.
 
+#[cfg(feature = "tls")]
+use crate::wire::tls::Encrypted;
 use crate::{
     assets,
     error::SeatError,
@@ -9,6 +11,7 @@ use crate::{
     sheet::Sheet,
     steps::Step,
     token,
+    wire::Wire,
 };
 use axum::{
     Router,
@@ -37,6 +40,7 @@ const LARGEST_BODY: usize = 2 << 20;
 /// A server that listens.
 pub struct Serving {
     listener: tokio::net::TcpListener,
+    wire: Wire,
     router: Router,
     /// Where it listens.
     pub address: SocketAddr,
@@ -45,20 +49,16 @@ pub struct Serving {
 /// Listens on `address` for a seat.
 ///
 /// # Errors
-/// [`SeatError::Address`] if it cannot be listened on, or leads out of this machine without `plain_http`: what people type would travel
-/// in the clear.
-pub async fn serve(
-    seat: Arc<Seat>,
-    address: SocketAddr,
-    plain_http: bool,
-) -> Result<Serving, SeatError> {
+/// [`SeatError::Address`] if it cannot be listened on, or leads out of this machine where the wire is [`Wire::Here`]: what people type
+/// would travel in the clear.
+pub async fn serve(seat: Arc<Seat>, address: SocketAddr, wire: Wire) -> Result<Serving, SeatError> {
     let refused = |problem: String| SeatError::Address {
         address: address.to_string(),
         problem,
     };
-    if !address.ip().is_loopback() && !plain_http {
+    if !address.ip().is_loopback() && matches!(wire, Wire::Here) {
         return Err(refused(
-            "others could read what is sent: --plain-http says that a proxy in front of it encrypts".to_owned(),
+            "others could read what is sent: --tls-cert and --tls-key encrypt it; --plain-http says that a proxy in front does".to_owned(),
         ));
     }
     let listener = tokio::net::TcpListener::bind(address)
@@ -68,11 +68,13 @@ pub async fn serve(
     let shared = Shared {
         seat,
         address,
-        behind_a_proxy: plain_http,
+        behind_a_proxy: matches!(wire, Wire::BehindProxy),
+        encrypted: wire.scheme() == "https",
         guesses: Arc::default(),
     };
     Ok(Serving {
         listener,
+        wire,
         router: router(shared),
         address,
     })
@@ -85,7 +87,7 @@ pub async fn serve(
 pub fn run(
     seat: Arc<Seat>,
     address: SocketAddr,
-    plain_http: bool,
+    wire: Wire,
     stop: Arc<AtomicBool>,
     ready: impl FnOnce(SocketAddr),
 ) -> Result<(), SeatError> {
@@ -98,7 +100,7 @@ pub fn run(
         })?;
     let (kept, watched) = (Arc::clone(&seat), Arc::clone(&seat));
     runtime.block_on(async {
-        let serving = serve(seat, address, plain_http).await?;
+        let serving = serve(seat, address, wire).await?;
         ready(serving.address);
         let stopped = async move {
             while !stop.load(Ordering::Relaxed) && !watched.stopping() {
@@ -124,13 +126,24 @@ impl Serving {
         stop: impl Future<Output = ()> + Send + 'static,
     ) -> Result<(), SeatError> {
         let address = self.address.to_string();
-        axum::serve(self.listener, self.router)
-            .with_graceful_shutdown(stop)
-            .await
-            .map_err(|e| SeatError::Address {
-                address,
-                problem: e.to_string(),
-            })
+        let served = match self.wire {
+            #[cfg(feature = "tls")]
+            Wire::Tls(identity) => {
+                let listener = Encrypted::new(self.listener, identity, self.address);
+                axum::serve(listener, self.router)
+                    .with_graceful_shutdown(stop)
+                    .await
+            }
+            Wire::Here | Wire::BehindProxy => {
+                axum::serve(self.listener, self.router)
+                    .with_graceful_shutdown(stop)
+                    .await
+            }
+        };
+        served.map_err(|e| SeatError::Address {
+            address,
+            problem: e.to_string(),
+        })
     }
 }
 

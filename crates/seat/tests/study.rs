@@ -6,7 +6,7 @@ mod support;
 
 use maveric_domain::DrivenBy;
 use maveric_ingest::{IngestSettings, read_log};
-use maveric_seat::{Seat, SeatSettings, replay, serve};
+use maveric_seat::{Seat, SeatSettings, Wire, replay, serve};
 use maveric_study::tables::dial::read_turns;
 use serde_json::{Value, json};
 use std::{fs, net::SocketAddr, path::Path, sync::Arc};
@@ -440,7 +440,7 @@ fn other_computers_are_served_only_where_that_was_said() {
     let server = Server::open(folder.path());
     let runtime = server.runtime.as_ref().unwrap();
     let everywhere = SocketAddr::from(([0, 0, 0, 0], 0));
-    let refused = runtime.block_on(serve(Arc::clone(&server.seat), everywhere, false));
+    let refused = runtime.block_on(serve(Arc::clone(&server.seat), everywhere, Wire::Here));
     assert!(refused.is_err_and(|e| e.to_string().contains("--plain-http")));
     let (own, rebound) = (server.address.to_string(), "rebound.example");
     for hosts in [

@@ -6,7 +6,7 @@ use crate::{
     diagnostics::{Failure, tell},
     interrupt, progress,
 };
-use maveric_seat::{Seat as Open, SeatError, SeatSettings, carried, demo, files, replay};
+use maveric_seat::{Seat as Open, SeatError, SeatSettings, Wire, carried, demo, files, replay};
 use maveric_study::{
     DesignFile, StudyError, Watch, check_design, design::DESIGN_FILE, dial_stretch, run_folder,
 };
@@ -40,6 +40,12 @@ pub(crate) struct Seat {
     /// Where to listen
     #[arg(long, default_value = "127.0.0.1:8437")]
     bind: SocketAddr,
+    /// Certificate by which what is sent to other computers is encrypted, with its chain (PEM)
+    #[arg(long, requires = "tls_key", conflicts_with = "plain_http")]
+    tls_cert: Option<PathBuf>,
+    /// Its private key (PEM)
+    #[arg(long, requires = "tls_cert")]
+    tls_key: Option<PathBuf>,
     /// Listen for other computers without encryption: a proxy in front encrypts
     #[arg(long)]
     plain_http: bool,
@@ -165,8 +171,15 @@ impl Seat {
 
     fn serve(&self, seat: Open, page: &str, password: Option<&str>) -> Result<(), Failure> {
         interrupt::be_patient();
+        let wire = match (&self.tls_cert, &self.tls_key) {
+            (Some(certificate), Some(key)) => Wire::with_certificate(certificate, key),
+            _ if self.plain_http => Ok(Wire::BehindProxy),
+            _ => Ok(Wire::Here),
+        };
+        let wire = wire.map_err(failure(OPENING))?;
+        let scheme = wire.scheme();
         let ready = |address: SocketAddr| {
-            let url = format!("http://{address}{page}");
+            let url = format!("{scheme}://{address}{page}");
             tell!("the seat is open: {url}   (Ctrl-C ends it)");
             if let Some(password) = password {
                 tell!("password of that page: {password}");
@@ -176,7 +189,7 @@ impl Seat {
             }
         };
         let stop = Arc::clone(interrupt::flag());
-        maveric_seat::run(Arc::new(seat), self.bind, self.plain_http, stop, ready)
+        maveric_seat::run(Arc::new(seat), self.bind, wire, stop, ready)
             .map_err(failure("could not serve the seat"))
     }
 }

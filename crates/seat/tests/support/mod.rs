@@ -9,7 +9,7 @@ mod made;
 use made::model;
 use maveric_domain::{DrivenBy, Embedding, Seconds};
 use maveric_model::model_file;
-use maveric_seat::{Seat, SeatSettings, files, serve};
+use maveric_seat::{Seat, SeatSettings, Wire, files, serve};
 use maveric_seat_page::{Frames, Input, Keyboard, Keys, Rider, SeatDrive, Signal, fit};
 use maveric_simulator::Scenario;
 use maveric_study::{DesignFile, run_folder::read_scales};
@@ -123,7 +123,7 @@ impl Server {
             .unwrap();
         let any = SocketAddr::from(([127, 0, 0, 1], 0));
         let serving = runtime
-            .block_on(serve(Arc::clone(&seat), any, false))
+            .block_on(serve(Arc::clone(&seat), any, Wire::Here))
             .unwrap();
         let address = serving.address;
         runtime.spawn(serving.until(std::future::pending()));
