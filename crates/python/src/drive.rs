@@ -12,6 +12,7 @@ use maveric_report::{
     Context,
     figures::{drive_overview, drive_overview::DriveOverview},
 };
+use path_slash::PathExt as _;
 use pyo3::{prelude::*, types::PyDict};
 use std::path::PathBuf;
 
@@ -150,7 +151,7 @@ pub fn read_log(
         ..IngestSettings::default()
     };
     let drives = py.allow_threads(|| maveric_ingest::read_log(&path, &settings));
-    let source = path.display().to_string();
+    let source = path.to_slash_lossy().into_owned();
     let drives = drives.map_err(raised)?.into_iter().map(|log| {
         Ok(Drive {
             signals: Signals::from_recording(log.meta, &log.recording).map_err(raised)?,

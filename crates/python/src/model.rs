@@ -4,11 +4,12 @@ use crate::{
     drive::Drive,
     error::{asked_to_stop, raised, said},
 };
-use maveric_domain::{AdbScore, Embedding};
+use maveric_domain::Embedding;
 use maveric_model::{
     Habits, HeadsKind, Model as Learned, TrainSettings, TrainingDrive, model_file, personalize,
     style_space::LinearHead, train,
 };
+use maveric_study::StyleScale;
 use pyo3::{
     prelude::*,
     types::{PyBytes, PyDict},
@@ -21,6 +22,7 @@ pub struct Model {
     pub(crate) learned: Arc<Learned>,
     drivers: Vec<(String, Embedding)>,
     warnings: Vec<String>,
+    scale: StyleScale,
 }
 
 /// A driver's style in a model's terms.
@@ -31,17 +33,28 @@ pub struct Style {
     pub(crate) embedding: Embedding,
     covariance: Option<Vec<f64>>,
     clamped: bool,
+    scale: StyleScale,
+}
+
+/// The scale of scores between two numbers; that of the ADB score where none are given.
+fn scale_of(range: Option<(f64, f64)>) -> PyResult<StyleScale> {
+    range.map_or(Ok(StyleScale::ADB), |(low, high)| {
+        StyleScale::new(low, high).map_err(raised)
+    })
 }
 
 #[pymethods]
 impl Model {
-    /// Learns from drives; `scores` has a score of aggression by the drive's name or its participant's.
+    /// Learns from drives; `scores` has a score of aggression by the drive's name or its participant's, `score_range` the ends of its
+    /// scale.
     #[staticmethod]
-    #[pyo3(signature = (drives, scores, heads, embedding_size, epochs, seed))]
+    #[pyo3(signature = (drives, scores, score_range, heads, embedding_size, epochs, seed))]
+    #[expect(clippy::too_many_arguments, reason = "a keyword each in Python")]
     fn train(
         py: Python<'_>,
         drives: Vec<Bound<'_, Drive>>,
         scores: Option<Bound<'_, PyDict>>,
+        score_range: Option<(f64, f64)>,
         heads: &str,
         embedding_size: usize,
         epochs: usize,
@@ -56,6 +69,7 @@ impl Model {
                 )));
             }
         };
+        let scale = scale_of(score_range)?;
         let settings = TrainSettings {
             heads,
             embedding_size,
@@ -74,7 +88,7 @@ impl Model {
                 },
             };
             let points = score.map(|s| s.extract::<f64>()).transpose()?;
-            let adb = points.map(AdbScore::new).transpose().map_err(raised)?;
+            let adb = points.map(|p| scale.score(p)).transpose().map_err(raised)?;
             given.push(TrainingDrive { drive, adb });
         }
         // Ctrl-C is seen between epochs.
@@ -95,6 +109,7 @@ impl Model {
         let warnings = trained.report.warnings.iter().map(ToString::to_string);
         Ok(Self {
             warnings: warnings.collect(),
+            scale,
             learned: Arc::new(trained.model),
             drivers: trained
                 .embeddings
@@ -107,14 +122,13 @@ impl Model {
     /// Solves for the style of a drive, the model as it is.
     #[pyo3(signature = (drive, score = None))]
     fn personalize(&self, py: Python<'_>, drive: &Drive, score: Option<f64>) -> PyResult<Style> {
-        let adb = score.map(AdbScore::new).transpose().map_err(raised)?;
+        let adb = score.map(|s| self.scale.score(s)).transpose();
+        let adb = adb.map_err(raised)?;
         let fit = py.allow_threads(|| personalize(&self.learned, &drive.signals, adb));
         let fit = fit.map_err(raised)?;
         Ok(Style {
-            model: self.learned.clone(),
-            embedding: fit.embedding,
             covariance: fit.covariance,
-            clamped: false,
+            ..self.at(fit.embedding)
         })
     }
 
@@ -172,13 +186,15 @@ impl Model {
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// The model of a model file's bytes.
+    /// The model of a model file's bytes, and the ends of the scale on which its scores are to be told.
     #[staticmethod]
-    fn from_bytes(bytes: &[u8]) -> PyResult<Self> {
+    #[pyo3(signature = (bytes, score_range = None))]
+    fn from_bytes(bytes: &[u8], score_range: Option<(f64, f64)>) -> PyResult<Self> {
         Ok(Self {
             learned: Arc::new(model_file::from_bytes(bytes).map_err(raised)?),
             drivers: Vec::new(),
             warnings: Vec::new(),
+            scale: scale_of(score_range)?,
         })
     }
 
@@ -199,6 +215,7 @@ impl Model {
             embedding,
             covariance: None,
             clamped: false,
+            scale: self.scale,
         }
     }
 }
@@ -223,8 +240,10 @@ impl Style {
     #[getter]
     fn aggression(&self) -> PyResult<Option<f64>> {
         let axis = LinearHead::aggression(&self.model).ok();
-        let read = axis.map(|axis| axis.read(&self.embedding));
-        read.transpose().map_err(raised)
+        let read = axis.map(|axis| axis.read(&self.embedding)).transpose();
+        Ok(read
+            .map_err(raised)?
+            .map(|points| self.scale.outward(points)))
     }
 
     /// Whether an end of the scale cut the last turn of the dial short.
@@ -236,7 +255,8 @@ impl Style {
     /// The style so many points more aggressive; less, where negative.
     fn dial(&self, points: f64) -> PyResult<Self> {
         let axis = LinearHead::aggression(&self.model).map_err(raised)?;
-        let moved = axis.shift(&self.embedding, points).map_err(raised)?;
+        let moved = axis.shift(&self.embedding, points * self.scale.stretch());
+        let moved = moved.map_err(raised)?;
         Ok(Self {
             embedding: moved.embedding,
             clamped: moved.clamped,

@@ -110,6 +110,22 @@ def trained():
     return drives, maveric.Model.train(drives, scores)
 
 
+def test_the_dial_turns_in_points_of_the_scores_own_scale(trained, tmp_path):
+    drives, model = trained
+    sixth = maveric.Model.train(drives, {f"P{i}": 1 + (4.0 + 5 * i) / 44 * 5 for i in range(8)}, score_range=(1, 6))
+    own, same = model.personalize(drives[4]), sixth.personalize(drives[4])
+    assert same.embedding == pytest.approx(own.embedding, abs=1e-6)
+    assert same.aggression == pytest.approx(1 + (own.aggression - 11) / 44 * 5)
+    assert same.dial(1).embedding == pytest.approx(own.dial(8.8).embedding, abs=1e-6)
+    sixth.save(tmp_path / "m")
+    again = maveric.Model.load(tmp_path / "m", score_range=(1, 6))
+    assert again.personalize(drives[4]).dial(1).aggression == pytest.approx(same.aggression + 1)
+    with pytest.raises(maveric.Error, match="1 to 6"):
+        maveric.Model.train(drives, {"P0": 30.0}, score_range=(1, 6))
+    with pytest.raises(maveric.Error, match="the lower one first"):
+        maveric.Model.train(drives, None, score_range=(6, 1))
+
+
 def test_a_model_orders_drivers_and_the_dial_turns_the_car(trained, tmp_path):
     drives, model = trained
     assert model.knows_aggression and len(model.drivers) == 8

@@ -23,4 +23,4 @@ pub use design_pipeline::design_pipeline;
 pub use error::StudyError;
 pub use outcome::{Outcome, Progress, Watch};
 pub use style::style_figures;
-pub use style_scale::dial_stretch;
+pub use style_scale::{StyleScale, dial_stretch};

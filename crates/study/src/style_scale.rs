@@ -7,18 +7,53 @@ use crate::{design::DesignFile, error::StudyError, run_folder::read_scales};
 use maveric_domain::{AdbScore, EmbeddingRow, Scale, Score, Subscale, design::DesignError};
 use std::path::Path;
 
-/// Lowest and highest score of a study's style.
+/// Lowest and highest score of a style.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct StyleScale {
+pub struct StyleScale {
     low: f64,
     high: f64,
 }
 
 impl StyleScale {
-    const ADB: Self = Self {
+    /// 11 to 55 points.
+    pub const ADB: Self = Self {
         low: AdbScore::MIN,
         high: AdbScore::MAX,
     };
+
+    /// The scale of scores between two numbers.
+    ///
+    /// # Errors
+    /// [`StudyError::NotPossible`] unless both are finite and the second is the higher one.
+    pub fn new(low: f64, high: f64) -> Result<Self, StudyError> {
+        if low.is_finite() && high.is_finite() && low < high {
+            return Ok(Self { low, high });
+        }
+        Err(StudyError::NotPossible {
+            problem: format!(
+                "scores from {low} to {high}, expected two finite numbers, the lower one first"
+            ),
+            help: None,
+        })
+    }
+
+    /// The score of the networks for one of this scale.
+    ///
+    /// # Errors
+    /// [`StudyError::NotPossible`] for a score outside the scale.
+    pub fn score(self, points: f64) -> Result<AdbScore, StudyError> {
+        if !(self.low..=self.high).contains(&points) {
+            return Err(StudyError::NotPossible {
+                problem: format!(
+                    "a score of {points}, expected {} to {}",
+                    self.low, self.high
+                ),
+                help: Some("give the range of the questionnaire, or check the score".to_owned()),
+            });
+        }
+        let inward = self.inward(points).clamp(AdbScore::MIN, AdbScore::MAX);
+        Ok(AdbScore::new(inward)?)
+    }
 
     /// The scale of a design's style; the ADB score's where it has none.
     ///
@@ -55,7 +90,7 @@ impl StyleScale {
     }
 
     /// Points of the networks for one point of this score.
-    pub(crate) fn stretch(self) -> f64 {
+    pub fn stretch(self) -> f64 {
         if self == Self::ADB {
             return 1.0;
         }
@@ -69,8 +104,8 @@ impl StyleScale {
         AdbScore::MIN + (points - self.low) * self.stretch()
     }
 
-    /// A score of the networks as a score of the study.
-    pub(crate) fn outward(self, points: f64) -> f64 {
+    /// A score of the networks as a score of this scale.
+    pub fn outward(self, points: f64) -> f64 {
         if self == Self::ADB {
             return points;
         }
@@ -147,6 +182,13 @@ mod tests {
         );
         assert!((risky.outward(risky.inward(3.7)) - 3.7).abs() < 1e-12);
         assert!((risky.stretch() - 8.8).abs() < 1e-12);
+        assert!((risky.score(6.0).unwrap().points() - 55.0).abs() < 1e-12);
+        let outside = risky.score(6.5).unwrap_err().to_string();
+        assert!(
+            outside.contains("6.5") && outside.contains("1 to 6"),
+            "{outside}"
+        );
+        assert!(StyleScale::new(6.0, 1.0).is_err() && StyleScale::new(0.0, f64::NAN).is_err());
         // The ADB score itself is not touched, to the last digit.
         assert!(StyleScale::ADB.inward(30.1).to_bits() == 30.1f64.to_bits());
     }

@@ -112,6 +112,7 @@ class Model:
         drives: Sequence[Drive],
         scores: Mapping[str, float] | None = None,
         *,
+        score_range: tuple[float, float] | None = None,
         heads: str = "linear",
         embedding_size: int = 3,
         epochs: int = 40,
@@ -124,7 +125,9 @@ class Model:
         drives : sequence of Drive
             One or more a driver.
         scores : mapping, optional
-            A score of aggression (11 to 55 points) by the drive's name or its participant's; without there is no dial.
+            A score of aggression by the drive's name or its participant's; without there is no dial.
+        score_range : (float, float), optional
+            Lowest and highest score that there can be; 11 to 55 points when not given. The dial turns in these points.
         heads : {"linear", "paper"}
             Habits as events, or the paper's five networks.
         embedding_size : int
@@ -135,7 +138,8 @@ class Model:
             Root of every random choice.
         """
         given = None if scores is None else {str(name): float(value) for name, value in scores.items()}
-        native = _native.Model.train([d._native for d in drives], given, heads, embedding_size, epochs, seed)
+        drives_ = [d._native for d in drives]
+        native = _native.Model.train(drives_, given, score_range, heads, embedding_size, epochs, seed)
         return cls(native)
 
     def personalize(self, drive: Drive, score: float | None = None) -> Style:
@@ -173,10 +177,10 @@ class Model:
         beside.replace(path)
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Model:
-        """Read a model, from here or from ``maveric train``."""
+    def load(cls, path: str | os.PathLike[str], *, score_range: tuple[float, float] | None = None) -> Model:
+        """Read a model, from here or from ``maveric train``; `score_range` as in `train`, for it is not in the file."""
         try:
-            return cls(_native.Model.from_bytes(Path(path).read_bytes()))
+            return cls(_native.Model.from_bytes(Path(path).read_bytes(), score_range))
         except OSError as error:
             raise Error(f"{os.fspath(path)}: {error.strerror}") from error
 
