@@ -1,9 +1,13 @@
-//! The dependency graph of ARCHITECTURE.md, read from `cargo metadata`.
+//! The dependency graph of ARCHITECTURE.md, read from `cargo metadata`; and what every system computes and prints alike.
 
 #![allow(clippy::panic, reason = "a test stops at the first surprise")]
 
 use serde_json::Value;
-use std::{collections::BTreeMap, process::Command};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    process::Command,
+};
 
 const SCIENCE: [&str; 5] = ["ingest", "measures", "model", "simulator", "participants"];
 
@@ -148,4 +152,61 @@ fn all_twenty_one_packages_are_there() {
         .filter(|n| n.starts_with("maveric-"))
         .count();
     assert_eq!(crates, 21);
+}
+
+/// What the system's own library computes, in other last digits on each system: `libm` has them all.
+const OF_THE_SYSTEM: &str = "exp exp2 exp_m1 ln ln_1p log2 log10 powf sin cos tan sin_cos sinh cosh tanh asin acos atan atan2 asinh acosh \
+                             atanh hypot cbrt";
+
+/// Files of code below a folder that are no tests.
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).expect("a folder of sources") {
+        let path = entry.expect("an entry").path();
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        if name == "tests" || name == "testing" {
+            continue;
+        }
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn every_system_gives_the_same_bytes_and_the_same_messages() {
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(root.join("crates")).expect("the crates") {
+        sources(&entry.expect("an entry").path().join("src"), &mut files);
+    }
+    assert!(files.len() > 300, "{} files", files.len());
+    let mut wrong = Vec::new();
+    for file in files {
+        let text = std::fs::read_to_string(&file).expect("a source file is text");
+        let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
+        let lines = code
+            .lines()
+            .filter(|line| !line.trim_start().starts_with("//"));
+        for (number, line) in lines.enumerate() {
+            let calls = |name: &str| {
+                line.contains(&format!(".{name}(")) || line.contains(&format!("f64::{name}"))
+            };
+            let said = if OF_THE_SYSTEM.split_whitespace().any(calls) {
+                "write libm::…"
+            } else if line.contains(".display()") {
+                "prints `\\` on Windows: write path_slash's .to_slash_lossy()"
+            } else {
+                continue;
+            };
+            wrong.push(format!(
+                "{}, code line {}: {said}: {}",
+                file.to_string_lossy(),
+                number + 1,
+                line.trim()
+            ));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

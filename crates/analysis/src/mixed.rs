@@ -21,7 +21,7 @@ pub(crate) fn mixed(data: &StudyData) -> Result<Vec<MixedRow>, AnalysisError> {
         return Ok(Vec::new());
     }
     // A round unit of about the size of the shifts.
-    let unit_points = 10_f64.powf(furthest.log10().floor());
+    let unit_points = 10_f64.powi(libm::log10(furthest).floor() as i32);
     let cells = cells(data);
     let subjects: Vec<String> = cells.iter().map(|(p, _)| p.to_string()).collect();
     let shift: Vec<Option<f64>> = cells

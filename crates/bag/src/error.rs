@@ -1,5 +1,6 @@
 //! What can be wrong with a recording.
 
+use path_slash::PathExt as _;
 use std::path::PathBuf;
 
 /// A recording that cannot be read, or not be written.
@@ -7,7 +8,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum BagError {
     /// The operating system refused.
-    #[error("could not read {}", path.display())]
+    #[error("could not read {}", path.to_slash_lossy())]
     Io {
         /// The file.
         path: PathBuf,
@@ -16,7 +17,7 @@ pub enum BagError {
         source: std::io::Error,
     },
     /// A recording with a damaged or missing part.
-    #[error("{} is damaged at byte {at_byte}: {what}", path.display())]
+    #[error("{} is damaged at byte {at_byte}: {what}", path.to_slash_lossy())]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -26,7 +27,7 @@ pub enum BagError {
         what: String,
     },
     /// No channel whose topic begins a wanted column.
-    #[error("no topic of {} begins `{wanted}`; its topics are {}", path.display(), found.join(", "))]
+    #[error("no topic of {} begins `{wanted}`; its topics are {}", path.to_slash_lossy(), found.join(", "))]
     UnknownTopic {
         /// The file.
         path: PathBuf,
@@ -38,7 +39,7 @@ pub enum BagError {
         nearest: Option<String>,
     },
     /// A channel that cannot be decoded, or lacks a wanted field.
-    #[error("topic `{topic}` of {} is refused: {why}", path.display())]
+    #[error("topic `{topic}` of {} is refused: {why}", path.to_slash_lossy())]
     Refused {
         /// The file.
         path: PathBuf,

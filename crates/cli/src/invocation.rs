@@ -25,7 +25,7 @@ impl Invocation {
         let mut words = Vec::new();
         for word in std::env::args_os().skip(1) {
             words.push(word.into_string().map_err(|word| {
-                tell!("error: `{}` is not UTF-8", word.display());
+                tell!("error: `{}` is not UTF-8", word.to_string_lossy());
                 2
             })?);
         }

@@ -72,8 +72,8 @@ impl Family {
             }),
             Self::Helly => Law::Helly(Helly {
                 gains: Gains {
-                    speed_per_s: p[0].exp(),
-                    gap_per_s2: p[1].exp(),
+                    speed_per_s: libm::exp(p[0]),
+                    gap_per_s2: libm::exp(p[1]),
                 },
                 standstill_gap_m: p[2],
                 time_gap_s: p[3],

@@ -82,7 +82,7 @@ pub(crate) fn idm(
     let of_learned = each(learned, |run| {
         let population = Population::of(learned, run.driver(), settings)?;
         let [first, second] = run.fit().halves();
-        let log = |half| Ok::<_, FollowingError>(vec![own(&population, half)?.0.ln()]);
+        let log = |half| Ok::<_, FollowingError>(vec![libm::log(own(&population, half)?.0)]);
         let halves = [log(&first)?, log(&second)?];
         Ok((population, halves))
     })?;
@@ -103,9 +103,9 @@ pub(crate) fn idm(
         };
         let fit = run.fit();
         let (own_s, calibrated) = own(population, &fit)?;
-        let mean = population.law.time_gap_s.ln();
-        let log = mean + shrinkage.share(fit.seconds()) * (own_s.ln() - mean);
-        let law = Law::Idm(population.law.with_time_gap_s(log.exp()));
+        let mean = libm::log(population.law.time_gap_s);
+        let log = mean + shrinkage.share(fit.seconds()) * (libm::log(own_s) - mean);
+        let law = Law::Idm(population.law.with_time_gap_s(libm::exp(log)));
         Ok(Peers {
             driver: run.driver().to_owned(),
             laws: BTreeMap::from([

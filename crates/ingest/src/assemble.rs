@@ -290,7 +290,7 @@ fn drop_ego(path: &Path, drive: &mut RawDrive) -> Option<Warning> {
     for object in &drive.objects {
         if let Some((x, y)) = ego.at(object.stamp_ns) {
             let sum = distance.entry(object.id).or_default();
-            sum.0 += (object.x_m - x).hypot(object.y_m - y);
+            sum.0 += libm::hypot(object.x_m - x, object.y_m - y);
             sum.1 += 1.0;
         }
     }

@@ -20,7 +20,7 @@ impl<'a> CentreLine<'a> {
         let mut way_m = vec![0.0];
         for w in points.windows(2) {
             let so_far = way_m.last().copied().unwrap_or(0.0);
-            way_m.push(so_far + (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]));
+            way_m.push(so_far + libm::hypot(w[1][0] - w[0][0], w[1][1] - w[0][1]));
         }
         let segments = points.len().saturating_sub(1);
         let bounds = (0..segments).step_by(BLOCK).map(|first| {
@@ -51,7 +51,7 @@ impl<'a> CentreLine<'a> {
             let first = block * BLOCK;
             let end = (first + BLOCK).min(last + 1);
             // The ends go on beyond their bounds.
-            if dx.hypot(dy) > nearest && first != 0 && end != last + 1 {
+            if libm::hypot(dx, dy) > nearest && first != 0 && end != last + 1 {
                 continue;
             }
             for i in first..end {
@@ -64,7 +64,7 @@ impl<'a> CentreLine<'a> {
                 let most = if i == last { f64::INFINITY } else { length };
                 let kept = along.clamp(least, most);
                 let left = py * cos - px * sin;
-                let distance = (along - kept).hypot(left);
+                let distance = libm::hypot(along - kept, left);
                 if distance < nearest {
                     nearest = distance;
                     found = (self.way_m[i] + kept, distance.copysign(left));

@@ -32,7 +32,7 @@ pub(crate) fn one_clock(drive: &mut RawDrive) -> Option<&'static str> {
     let elsewhere = |&i: &usize| {
         let (a, b) = (&ego[i - 1], &ego[i]);
         let dt = b.log_ns.saturating_sub(a.log_ns) as f64 / 1e9;
-        (b.x_m - a.x_m).hypot(b.y_m - a.y_m) > ELSEWHERE_M + FASTEST_MPS * dt
+        libm::hypot(b.x_m - a.x_m, b.y_m - a.y_m) > ELSEWHERE_M + FASTEST_MPS * dt
     };
     let apart = |a: Span, b: Span| a.1 < b.0 || b.1 < a.0;
     let other_clock = |other: &Times, none: bool| {

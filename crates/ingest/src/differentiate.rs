@@ -55,7 +55,7 @@ fn slope(samples: &[EgoSample]) -> Option<f64> {
         tx += t * (sample.x_m - start.x_m);
         ty += t * (sample.y_m - start.y_m);
     }
-    (tt > 0.0).then(|| (tx / tt).hypot(ty / tt))
+    (tt > 0.0).then(|| libm::hypot(tx / tt, ty / tt))
 }
 
 #[cfg(test)]

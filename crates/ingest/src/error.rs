@@ -1,6 +1,7 @@
 //! What can be wrong with a log.
 
 use maveric_bag::BagError;
+use path_slash::PathExt as _;
 use std::path::{Path, PathBuf};
 
 /// A log, a mapping or a setting that cannot be used, or a log that cannot be written.
@@ -8,25 +9,25 @@ use std::path::{Path, PathBuf};
 #[non_exhaustive]
 pub enum IngestError {
     /// Nothing there.
-    #[error("no file {}", path.display())]
+    #[error("no file {}", path.to_slash_lossy())]
     NotFound {
         /// What was asked for.
         path: PathBuf,
     },
     /// A folder where a file is needed.
-    #[error("{} is a folder, expected one log", path.display())]
+    #[error("{} is a folder, expected one log", path.to_slash_lossy())]
     IsDirectory {
         /// The folder.
         path: PathBuf,
     },
     /// A file without a byte.
-    #[error("{} is empty (0 bytes), expected an MCAP recording or a table", path.display())]
+    #[error("{} is empty (0 bytes), expected an MCAP recording or a table", path.to_slash_lossy())]
     Empty {
         /// The file.
         path: PathBuf,
     },
     /// The operating system refused.
-    #[error("could not read {}", path.display())]
+    #[error("could not read {}", path.to_slash_lossy())]
     Io {
         /// The file.
         path: PathBuf,
@@ -35,7 +36,7 @@ pub enum IngestError {
         source: std::io::Error,
     },
     /// Neither MCAP nor text.
-    #[error("{} is neither an MCAP recording nor a table: {found}", path.display())]
+    #[error("{} is neither an MCAP recording nor a table: {found}", path.to_slash_lossy())]
     NotALog {
         /// The file.
         path: PathBuf,
@@ -45,7 +46,7 @@ pub enum IngestError {
         advice: &'static str,
     },
     /// A recording that was split over several files, and one of them is not there.
-    #[error("recording {} lacks its part `{part}`", path.display())]
+    #[error("recording {} lacks its part `{part}`", path.to_slash_lossy())]
     MissingPart {
         /// The folder.
         path: PathBuf,
@@ -53,7 +54,7 @@ pub enum IngestError {
         part: String,
     },
     /// A recording with a damaged or missing part.
-    #[error("{} is damaged at byte {at_byte}: {what}", path.display())]
+    #[error("{} is damaged at byte {at_byte}: {what}", path.to_slash_lossy())]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -63,7 +64,7 @@ pub enum IngestError {
         what: String,
     },
     /// No channel that says where ego was.
-    #[error("no channel of {} says where ego was: {found}", path.display())]
+    #[error("no channel of {} says where ego was: {found}", path.to_slash_lossy())]
     NoEgo {
         /// The file.
         path: PathBuf,
@@ -71,7 +72,7 @@ pub enum IngestError {
         found: String,
     },
     /// A topic that the mapping names and the log lacks.
-    #[error("no usable topic `{topic}` in {}", path.display())]
+    #[error("no usable topic `{topic}` in {}", path.to_slash_lossy())]
     UnknownTopic {
         /// The file.
         path: PathBuf,
@@ -81,7 +82,7 @@ pub enum IngestError {
         nearest: Option<String>,
     },
     /// A drive's metadata with a value that makes no sense.
-    #[error("metadata `{key}` of {} is `{found}`, expected {expected}", path.display())]
+    #[error("metadata `{key}` of {} is `{found}`, expected {expected}", path.to_slash_lossy())]
     BadMetadata {
         /// The file.
         path: PathBuf,
@@ -93,13 +94,13 @@ pub enum IngestError {
         expected: &'static str,
     },
     /// A table, and nothing that says what its columns mean.
-    #[error("{} is a table, and no mapping says what its columns mean", path.display())]
+    #[error("{} is a table, and no mapping says what its columns mean", path.to_slash_lossy())]
     NoMapping {
         /// The file.
         path: PathBuf,
     },
     /// A mapping that cannot be used.
-    #[error("mapping {}: {reason}", path.display())]
+    #[error("mapping {}: {reason}", path.to_slash_lossy())]
     BadMapping {
         /// The mapping file.
         path: PathBuf,
@@ -107,7 +108,7 @@ pub enum IngestError {
         reason: String,
     },
     /// A column that the mapping names and the table lacks.
-    #[error("no column `{column}` in {}, whose columns are {found}", path.display())]
+    #[error("no column `{column}` in {}, whose columns are {found}", path.to_slash_lossy())]
     UnknownColumn {
         /// The table.
         path: PathBuf,
@@ -119,7 +120,7 @@ pub enum IngestError {
         found: String,
     },
     /// A cell that is not a number.
-    #[error("{} row {row} column `{column}` holds `{found}`, expected a finite number", path.display())]
+    #[error("{} row {row} column `{column}` holds `{found}`, expected a finite number", path.to_slash_lossy())]
     BadCell {
         /// The table.
         path: PathBuf,
@@ -131,7 +132,7 @@ pub enum IngestError {
         found: String,
     },
     /// A text that is no table.
-    #[error("{} cannot be read as a table: {reason}", path.display())]
+    #[error("{} cannot be read as a table: {reason}", path.to_slash_lossy())]
     BadTable {
         /// The file.
         path: PathBuf,
@@ -141,7 +142,7 @@ pub enum IngestError {
     /// Samples too far apart for a single step of the result.
     #[error(
         "{} has {samples} samples of ego, none of them followed by another within {max_gap_s} s; expected a drive",
-        path.display()
+        path.to_slash_lossy()
     )]
     TooSparse {
         /// The file.
@@ -152,7 +153,7 @@ pub enum IngestError {
         max_gap_s: f64,
     },
     /// Values that no car can have, too many of them for chance.
-    #[error("{}: in {count} of {of} samples {what}", path.display())]
+    #[error("{}: in {count} of {of} samples {what}", path.to_slash_lossy())]
     Implausible {
         /// The file.
         path: PathBuf,
@@ -166,7 +167,7 @@ pub enum IngestError {
     /// A rate far above what the log holds.
     #[error(
         "{} would have {rows:.0} rows at {rate_hz} Hz from {samples} samples of ego: expected at most 100 rows a sample",
-        path.display()
+        path.to_slash_lossy()
     )]
     TooManyRows {
         /// The file.
@@ -189,7 +190,7 @@ pub enum IngestError {
         expected: &'static str,
     },
     /// Values that make no recording or no name.
-    #[error("{} gives no recording", path.display())]
+    #[error("{} gives no recording", path.to_slash_lossy())]
     Refused {
         /// The file.
         path: PathBuf,
@@ -206,7 +207,7 @@ pub enum IngestError {
         reason: String,
     },
     /// A file that is no drive.
-    #[error("{} {problem}", path.display())]
+    #[error("{} {problem}", path.to_slash_lossy())]
     BadDrive {
         /// The file.
         path: PathBuf,
@@ -246,7 +247,7 @@ impl IngestError {
         Some(match self {
             Self::NotFound { .. } => "check the path; `maveric ingest` takes log files".to_owned(),
             Self::IsDirectory { path } => {
-                format!("name the files in it, such as {}", path.join("*.mcap").display())
+                format!("name the files in it, such as {}", path.join("*.mcap").to_slash_lossy())
             }
             Self::Empty { .. } => "record or copy it again; nothing can be recovered".to_owned(),
             Self::NotALog { advice, .. } => (*advice).to_owned(),

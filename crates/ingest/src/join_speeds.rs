@@ -43,7 +43,7 @@ pub(crate) fn join_speeds(path: &Path, drive: &mut RawDrive) -> Option<Warning> 
 }
 
 fn way_m(ego: &[EgoSample]) -> f64 {
-    let step = |w: &[EgoSample]| (w[1].x_m - w[0].x_m).hypot(w[1].y_m - w[0].y_m);
+    let step = |w: &[EgoSample]| libm::hypot(w[1].x_m - w[0].x_m, w[1].y_m - w[0].y_m);
     ego.windows(2).map(step).filter(|m| m.is_finite()).sum()
 }
 

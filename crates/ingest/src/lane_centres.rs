@@ -82,16 +82,16 @@ fn driven(drive: &RawDrive, road: &Road) -> Result<Vec<f64>, String> {
     // Lanes are a width apart: their place within it is the mean of all directions on a circle of that width.
     let (mut sin, mut cos, mut count) = (0.0, 0.0, 0_usize);
     for y in ys() {
-        let (s, c) = (TAU * y / width).sin_cos();
+        let (s, c) = libm::sincos(TAU * y / width);
         (sin, cos, count) = (sin + s, cos + c, count + 1);
     }
-    let gathered = sin.hypot(cos) / count.max(1) as f64;
+    let gathered = libm::hypot(sin, cos) / count.max(1) as f64;
     if gathered < LEAST_GATHERED {
         return Err(format!(
             "lateral positions do not gather in lanes of {width} m: give `lane_edges_m` instead of `lanes_driven`"
         ));
     }
-    let first = sin.atan2(cos) / TAU * width;
+    let first = libm::atan2(sin, cos) / TAU * width;
     let mut lanes: std::collections::BTreeMap<i64, Vec<f64>> = std::collections::BTreeMap::new();
     for y in ys() {
         lanes

@@ -117,7 +117,7 @@ impl Line {
 fn straight_line(ego: &[EgoSample]) -> Option<Line> {
     let (first, last) = (ego.first()?, ego.last()?);
     let (dx, dy) = (last.x_m - first.x_m, last.y_m - first.y_m);
-    let length = dx.hypot(dy);
+    let length = libm::hypot(dx, dy);
     if length <= 0.0 {
         return None;
     }
@@ -186,7 +186,7 @@ fn driven_way(ego: &[EgoSample], max_gap_s: f64) -> Vec<f64> {
             let dt = (sample.stamp_ns - before.stamp_ns) as f64 / 1e9;
             so_far += match (before.speed_mps, sample.speed_mps) {
                 (Some(a), Some(b)) if dt <= max_gap_s => 0.5 * (a + b) * dt,
-                _ => (sample.x_m - before.x_m).hypot(sample.y_m - before.y_m),
+                _ => libm::hypot(sample.x_m - before.x_m, sample.y_m - before.y_m),
             };
         }
         way.push(so_far);
@@ -200,11 +200,11 @@ fn headings(ego: &[EgoSample]) -> Vec<(f64, f64)> {
         let a = &ego[i.saturating_sub(1)];
         let b = &ego[(i + 1).min(ego.len() - 1)];
         let (dx, dy) = (b.x_m - a.x_m, b.y_m - a.y_m);
-        let way = dx.hypot(dy);
+        let way = libm::hypot(dx, dy);
         (way > DIRECTION_M).then(|| (dx / way, dy / way))
     };
     let known = |i: usize| match ego[i].yaw_rad {
-        Some(yaw) => Some((yaw.cos(), yaw.sin())),
+        Some(yaw) => Some((libm::cos(yaw), libm::sin(yaw))),
         None => moved(i),
     };
     let mut heading = (0..ego.len()).find_map(known).unwrap_or((1.0, 0.0));

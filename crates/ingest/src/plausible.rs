@@ -86,7 +86,7 @@ pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Result<Vec<Warning>, Ingest
     let mut ratios: Vec<f64> = Vec::new();
     for pair in raw.ego.windows(2) {
         let dt = pair[1].stamp_ns.saturating_sub(pair[0].stamp_ns) as f64 / 1e9;
-        let moved = (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m);
+        let moved = libm::hypot(pair[1].x_m - pair[0].x_m, pair[1].y_m - pair[0].y_m);
         if let (Some(v), true) = (pair[0].speed_mps, dt > 0.0 && dt < 1.0)
             && v.abs() > MOVING_MPS
             && moved > 0.0

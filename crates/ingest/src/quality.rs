@@ -1,5 +1,6 @@
 //! What was left out or doubted on the way from a log to a recording.
 
+use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{
     fmt,
@@ -87,7 +88,7 @@ impl Warning {
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.file.display(), self.what)?;
+        write!(f, "{}: {}", self.file.to_slash_lossy(), self.what)?;
         if self.count > 1 {
             write!(f, " ({} times)", self.count)?;
         }

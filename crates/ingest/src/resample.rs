@@ -172,8 +172,8 @@ impl Waves {
     fn at(time_s: f64, rate_hz: f64) -> Self {
         let steps = time_s.rem_euclid(Self::PERIOD_STEPS / rate_hz) * rate_hz;
         Self {
-            cut_off: (2.0 * PI * CUT_OFF * steps).sin_cos(),
-            window: (PI / HALF_WIDTH_STEPS * steps).sin_cos(),
+            cut_off: libm::sincos(2.0 * PI * CUT_OFF * steps),
+            window: libm::sincos(PI / HALF_WIDTH_STEPS * steps),
         }
     }
 
@@ -197,9 +197,9 @@ fn kernel(since_s: f64, half_s: f64, rate_hz: f64) -> f64 {
     let sinc = if phase.abs() < 1e-9 {
         1.0
     } else {
-        phase.sin() / phase
+        libm::sin(phase) / phase
     };
-    sinc * 0.5 * (1.0 + (PI * since_s / half_s).cos())
+    sinc * 0.5 * (1.0 + libm::cos(PI * since_s / half_s))
 }
 
 /// Stretches of samples without a hole, asked for in rising order.

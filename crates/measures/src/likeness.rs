@@ -146,7 +146,10 @@ pub fn discrepancy(
         .collect();
     below.sort_by(f64::total_cmp);
     let width = below[below.len() / 2].max(1e-12);
-    let kernel: Vec<f64> = squares.iter().map(|s| (-s / (2.0 * width)).exp()).collect();
+    let kernel: Vec<f64> = squares
+        .iter()
+        .map(|s| libm::exp(-s / (2.0 * width)))
+        .collect();
     let mut first: Vec<bool> = (0..size).map(|i| i < m).collect();
     let found = mmd2(&kernel, &first, m, n);
     let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(seed, &["likeness", "permutations"]));
@@ -188,10 +191,10 @@ fn divergence(squares: &[f64], m: usize, n: usize) -> f64 {
     let ratio = |i: usize| {
         let line = &squares[i * size..(i + 1) * size];
         let own = (0..m).filter(|&j| j != i).map(|j| line[j]).collect();
-        (fifth(line[m..].to_vec()) / fifth(own)).ln()
+        libm::log(fifth(line[m..].to_vec()) / fifth(own))
     };
     let mean = (0..m).map(ratio).sum::<f64>() / m as f64;
-    FEATURES as f64 * mean + (n as f64 / (m as f64 - 1.0)).ln()
+    FEATURES as f64 * mean + libm::log(n as f64 / (m as f64 - 1.0))
 }
 
 #[cfg(test)]

@@ -189,9 +189,9 @@ impl Sums {
     /// squared error itself, is as good a normal: the higher bound counts.
     fn bound(&self, embedding_size: usize) -> Option<f64> {
         let half_d = 0.5 * embedding_size as f64;
-        let own = self.log_likelihood.mean()? + half_d * (1.0 + std::f64::consts::TAU.ln());
+        let own = self.log_likelihood.mean()? + half_d * (1.0 + libm::log(std::f64::consts::TAU));
         let error = self.reading.mean()?.max(f64::MIN_POSITIVE);
-        Some(own.max(-half_d * error.ln()))
+        Some(own.max(-half_d * libm::log(error)))
     }
 
     pub(crate) fn terms(&self, aggression: Option<f64>, embedding_size: usize) -> LossTerms {
@@ -232,7 +232,7 @@ pub(crate) fn cross_entropy(
 
 /// `ln(1 + e^x)`, the surprise at what had log-odds of x against it, from whichever end does not overflow.
 pub(crate) fn surprise(against: f64) -> f64 {
-    against.max(0.0) + (-against.abs()).exp().ln_1p()
+    against.max(0.0) + libm::log1p(libm::exp(-against.abs()))
 }
 
 /// L4, the mean of `(S(w) − s)²` over the drives with a score `s`; `None` without any.
@@ -294,7 +294,7 @@ pub(crate) fn normal(reading: Reading, row: [f32; 4], c: f64) -> (f64, NormalGra
     let [low, high] = LOG_SD_LIMITS;
     let moves = f64::from(u8::from((low..=high).contains(&log_sd)));
     let log_sd = log_sd.clamp(low, high);
-    let sd = log_sd.exp();
+    let sd = libm::exp(log_sd);
     let z = (w - mean) / sd;
     let (loss, by_mean, by_log_sd) = match reading {
         Reading::Sample => {
@@ -312,7 +312,7 @@ pub(crate) fn normal(reading: Reading, row: [f32; 4], c: f64) -> (f64, NormalGra
         log_sd: (c * by_log_sd * moves) as f32,
         embedding: (-c * by_mean) as f32,
     };
-    let log_likelihood = -0.5 * z * z - log_sd - 0.5 * std::f64::consts::TAU.ln();
+    let log_likelihood = -0.5 * z * z - log_sd - 0.5 * libm::log(std::f64::consts::TAU);
     (loss, gradient, log_likelihood)
 }
 

@@ -63,7 +63,7 @@ impl OwnMeans {
         let keep = keeping + before - 1.0;
         Said {
             following_distance_m: mean(gaps(known)).or(self.following_distance_m),
-            log_odds: (self.rate > 0.0).then(|| (change / keep).ln() + self.raised),
+            log_odds: (self.rate > 0.0).then(|| libm::log(change / keep) + self.raised),
             speed_mps: mean(known.iter().filter(|r| r.on_grid).map(|r| r.ego_speed_mps)),
         }
     }

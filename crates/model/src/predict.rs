@@ -121,7 +121,7 @@ impl Predictor {
         let logits = self.lane_head.run(&self.w, code.as_slice());
         let log_odds = f64::from(logits[1]) - f64::from(logits[0]) - self.log_odds_raised;
         let change_probability = if self.learned.lane_change {
-            1.0 / (1.0 + (-log_odds).exp())
+            1.0 / (1.0 + libm::exp(-log_odds))
         } else {
             0.0
         };

@@ -71,7 +71,7 @@ impl Quality {
         let chance = |(s, r): &(Said, &Row)| {
             let odds = s.log_odds.filter(|_| weights.changing > 0.0)? - weights.log_odds_raised;
             Some(Chance {
-                probability: 1.0 / (1.0 + (-odds).exp()),
+                probability: 1.0 / (1.0 + libm::exp(-odds)),
                 change: r.lane_change?,
                 seconds: r.stands_for_s,
             })

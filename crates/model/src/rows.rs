@@ -153,7 +153,7 @@ impl RowWeights {
             changing: share(counts[1], half),
             keeping: share(counts[0], half),
             log_odds_raised: if both {
-                (seconds[0] / seconds[1]).ln()
+                libm::log(seconds[0] / seconds[1])
             } else {
                 0.0
             },

@@ -47,7 +47,7 @@ impl WindowSettings {
     pub(crate) fn signals(&self, situation: &Situation) -> [f64; SIGNALS] {
         let reference = &situation.reference;
         let gap = match self.gap_scale_m {
-            Some(scale) => (reference.dx_m / scale).asinh(),
+            Some(scale) => libm::asinh(reference.dx_m / scale),
             None => reference.dx_m,
         };
         [

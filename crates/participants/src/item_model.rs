@@ -124,13 +124,13 @@ impl ItemModel {
     /// Plackett (1954): the derivative of a bivariate normal probability with respect to r is the density.
     fn covariance(&self, other: &Self, r: f64) -> f64 {
         const STEPS: usize = 24;
-        let end = r.asin();
+        let end = libm::asin(r);
         let density = |theta: f64| -> f64 {
-            let (sine, square) = (theta.sin(), 2.0 * theta.cos().powi(2));
+            let (sine, square) = (libm::sin(theta), 2.0 * libm::cos(theta).powi(2));
             let with = |h: f64| -> f64 {
                 other
                     .thresholds()
-                    .map(|k| (-(h * h + k * k - 2.0 * h * k * sine) / square).exp())
+                    .map(|k| libm::exp(-(h * h + k * k - 2.0 * h * k * sine) / square))
                     .sum()
             };
             self.thresholds().map(with).sum()

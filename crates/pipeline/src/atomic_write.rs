@@ -2,8 +2,10 @@
 
 use std::io::Write;
 use std::path::Path;
+use std::time::Duration;
 
 use crate::PipelineError;
+use crate::error::is_held;
 
 /// Whether a write must have reached the disk before the call returns.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -36,9 +38,23 @@ pub(crate) fn write(
     if durability == Durability::Synced {
         file.as_file().sync_all().map_err(failed())?;
     }
-    file.persist(path)
-        .map_err(|error| failed()(error.error))
-        .map(drop)
+    persist(file, path).map_err(failed())
+}
+
+/// Puts a file in its place. On Windows one that another program has open cannot be replaced: scanners and indexers let go within
+/// moments, so it is tried again for about a second.
+fn persist(mut file: tempfile::NamedTempFile, path: &Path) -> std::io::Result<()> {
+    let mut pause = Duration::from_millis(15);
+    loop {
+        let Err(refused) = file.persist(path) else {
+            return Ok(());
+        };
+        if !is_held(&refused.error) || pause > Duration::from_millis(500) {
+            return Err(refused.error);
+        }
+        std::thread::sleep(pause);
+        (file, pause) = (refused.file, 2 * pause);
+    }
 }
 
 /// Removes what killed writers of `path` and of files named after it left beside it.

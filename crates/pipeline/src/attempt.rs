@@ -2,8 +2,9 @@
 
 mod outputs;
 
+use path_slash::PathExt as _;
 use std::collections::BTreeSet;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitStatus;
@@ -17,6 +18,7 @@ use crate::content::Hasher;
 use crate::executor::{Ended, Job, local};
 use crate::ledger::OpenLedger;
 use crate::lock::RunLock;
+use crate::shell::typed;
 use crate::surroundings::{Surroundings, is_between};
 use crate::{
     Failure, FailureCause, Graph, Manifest, Pipeline, PipelineError, Place, Reason, Setting, Stage,
@@ -179,7 +181,7 @@ impl Workshop<'_> {
             }
             Ended::NotStarted(error) => {
                 let cause = FailureCause::NotStarted {
-                    program: self.place.program_of(stage).display().to_string(),
+                    program: self.place.program_of(stage).to_slash_lossy().into_owned(),
                     message: error.to_string(),
                 };
                 failed(cause, Vec::new())
@@ -335,9 +337,12 @@ impl Workshop<'_> {
         let program = self.place.program_of(stage).to_string_lossy().into_owned();
         let arguments = self.place.arguments_of(stage, files);
         let words = std::iter::once(&program).chain(&arguments);
-        let root = fs::canonicalize(&self.place.root).unwrap_or_else(|_| self.place.root.clone());
-        let root = crate::shell::quoted([root.to_string_lossy()]);
-        format!("cd {root} && {}", crate::shell::quoted(words))
+        let root =
+            std::path::absolute(&self.place.root).unwrap_or_else(|_| self.place.root.clone());
+        // `cd` of `cmd` stays on its drive.
+        let go = if cfg!(windows) { "pushd" } else { "cd" };
+        let root = typed([root.to_string_lossy()]);
+        format!("{go} {root} && {}", typed(words))
     }
 
     pub(crate) fn failure(

@@ -347,14 +347,16 @@ impl Look {
         }
     }
 
+    /// Windows has no time of a change to what is known of a file, and no stable number of it here: when it was made stands for it.
     #[cfg(not(unix))]
     fn of(metadata: &Metadata) -> Self {
         let modified_ns = metadata.modified().map_or(i64::MAX, nanos_since_epoch);
+        let made_ns = metadata.created().map_or(0, nanos_since_epoch);
         Self {
             size: metadata.len(),
             modified_ns,
             changed_ns: modified_ns,
-            inode: 0,
+            inode: made_ns.cast_unsigned(),
         }
     }
 

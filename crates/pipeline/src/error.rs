@@ -7,6 +7,7 @@ mod file;
 mod words;
 
 pub use file::FileProblem;
+use path_slash::PathExt as _;
 pub(crate) use words::nearest;
 
 use std::path::PathBuf;
@@ -20,7 +21,7 @@ pub(crate) const MOST_STAGES: u64 = 1_000_000;
 #[non_exhaustive]
 pub enum PipelineError {
     /// The pipeline file is not there or cannot be read.
-    #[error("cannot read the pipeline file {}", path.display())]
+    #[error("cannot read the pipeline file {}", path.to_slash_lossy())]
     Unreadable {
         /// The file as it was asked for.
         path: PathBuf,
@@ -28,7 +29,7 @@ pub enum PipelineError {
         source: std::io::Error,
     },
     /// The pipeline file says something that we do not understand.
-    #[error("{}:{line}:{column}: {problem}", path.display())]
+    #[error("{}:{line}:{column}: {problem}", path.to_slash_lossy())]
     Malformed {
         /// The pipeline file.
         path: PathBuf,
@@ -94,7 +95,7 @@ pub enum PipelineError {
         help: Option<String>,
     },
     /// A directory that a stage reads or makes, with our own files in it.
-    #[error("`{directory}` of stage `{stage}` holds {}, which the run itself needs", path.display())]
+    #[error("`{directory}` of stage `{stage}` holds {}, which the run itself needs", path.to_slash_lossy())]
     HoldsOurs {
         /// The stage.
         stage: String,
@@ -126,7 +127,7 @@ pub enum PipelineError {
         nearest: Option<String>,
     },
     /// A file that no stage of a ledger made.
-    #[error("no stage recorded in {} made `{path}`", ledger.display())]
+    #[error("no stage recorded in {} made `{path}`", ledger.to_slash_lossy())]
     NotMade {
         /// The file.
         path: String,
@@ -154,7 +155,7 @@ pub enum PipelineError {
         message: String,
     },
     /// The ledger is no ledger.
-    #[error("the ledger {} is damaged: {message}", path.display())]
+    #[error("the ledger {} is damaged: {message}", path.to_slash_lossy())]
     LedgerDamaged {
         /// The ledger.
         path: PathBuf,
@@ -162,7 +163,7 @@ pub enum PipelineError {
         message: String,
     },
     /// The ledger was written by a newer version.
-    #[error("the ledger {} has format {found}; this program knows formats up to {supported}", path.display())]
+    #[error("the ledger {} has format {found}; this program knows formats up to {supported}", path.to_slash_lossy())]
     LedgerNewer {
         /// The ledger.
         path: PathBuf,
@@ -172,7 +173,7 @@ pub enum PipelineError {
         supported: u32,
     },
     /// Another run is at work on the same ledger.
-    #[error("another run of this pipeline{} is still at work (lock {})", holder(*pid), path.display())]
+    #[error("another run of this pipeline{} is still at work (lock {})", holder(*pid), path.to_slash_lossy())]
     Busy {
         /// The lock file.
         path: PathBuf,
@@ -180,7 +181,7 @@ pub enum PipelineError {
         pid: Option<u32>,
     },
     /// A file or directory could not be read or written.
-    #[error("cannot {doing} {}", path.display())]
+    #[error("cannot {doing} {}", path.to_slash_lossy())]
     Io {
         /// What we wanted, as a verb phrase.
         doing: &'static str,
@@ -190,7 +191,7 @@ pub enum PipelineError {
         source: std::io::Error,
     },
     /// A file whose name is no UTF-8 text.
-    #[error("the name of {} is not UTF-8 text, so that no pipeline can name it", path.display())]
+    #[error("the name of {} is not UTF-8 text, so that no pipeline can name it", path.to_slash_lossy())]
     NameNotText {
         /// The file.
         path: PathBuf,
@@ -220,6 +221,12 @@ pub enum PipelineError {
     Interrupted,
 }
 
+/// Whether what failed did so because another program has the file open: denied access, shared with nobody or locked, as Windows
+/// numbers them.
+pub(crate) fn is_held(error: &std::io::Error) -> bool {
+    cfg!(windows) && matches!(error.raw_os_error(), Some(5 | 32 | 33))
+}
+
 impl PipelineError {
     /// What to try next, when we know it.
     pub fn suggestion(&self) -> Option<String> {
@@ -238,17 +245,20 @@ impl PipelineError {
             Self::LedgerDamaged { path, .. } => Some(format!(
                 "restore {}, or delete it: every stage then runs again, and what former runs made has \
                  to be removed or put aside (--move-aside)",
-                path.display()
+                path.to_slash_lossy()
             )),
             Self::LedgerNewer { path, .. } => Some(format!(
                 "use the newer program, or delete {}: every stage then runs again, and what former \
                  runs made has to be removed or put aside (--move-aside)",
-                path.display()
+                path.to_slash_lossy()
             )),
             Self::HoldsOurs { .. } => {
                 Some("name the files or subdirectories that the stage reads or makes".to_owned())
             }
             Self::Busy { .. } => Some("wait for it to end, or stop it".to_owned()),
+            Self::Io { source, .. } if is_held(source) => {
+                Some("another program has it open: close it there, then run again".to_owned())
+            }
             Self::Unreadable { .. } => {
                 Some("check the path; relative paths start at the current folder".to_owned())
             }

@@ -60,7 +60,7 @@ pub use report::{
 };
 pub use run::run;
 pub use run_options::{Executor, RunOptions};
-pub use shell::quoted as command_line;
+pub use shell::typed as command_line;
 pub use stage::{Resources, Row, Share, Stage};
 pub use status::{StageStatus, plan, status, why};
 pub use trace::{Source, Trace, TracedFile, TracedStage, below_root, trace};

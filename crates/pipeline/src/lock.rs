@@ -85,7 +85,11 @@ mod tests {
         let path = folder.path().join("p.running");
         let held = RunLock::acquire(path.clone()).unwrap();
         match RunLock::acquire(path.clone()).unwrap_err() {
-            PipelineError::Busy { pid, .. } => assert_eq!(pid, Some(std::process::id())),
+            // Elsewhere what is locked cannot be read.
+            PipelineError::Busy { pid, .. } if cfg!(unix) => {
+                assert_eq!(pid, Some(std::process::id()));
+            }
+            PipelineError::Busy { .. } => {}
             other => panic!("{other}"),
         }
         drop(held);

@@ -1,14 +1,29 @@
 //! Paths as the pipeline file writes them: text, `/` between parts, relative to the root.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ops::Bound;
 
 /// The one spelling of a path: no `.`, no `//`, no `/` at the end, `..` only in front.
 ///
+/// On Windows `\` parts as well.
+///
 /// `None` if nothing is left, or nothing but `..`: such a path holds the root itself, and
 /// with it the ledger. Symbolic links are not looked at.
 pub(crate) fn normalise(path: &str) -> Option<String> {
-    let absolute = path.starts_with('/');
+    let path = &*if cfg!(windows) {
+        Cow::Owned(path.replace('\\', "/"))
+    } else {
+        Cow::Borrowed(path)
+    };
+    // The name of a computer stands behind two.
+    let lead = if cfg!(windows) && path.starts_with("//") {
+        "//"
+    } else if path.starts_with('/') {
+        "/"
+    } else {
+        ""
+    };
     let mut parts: Vec<&str> = Vec::new();
     for part in path.split('/') {
         match part {
@@ -16,19 +31,14 @@ pub(crate) fn normalise(path: &str) -> Option<String> {
             ".." if parts.last().is_some_and(|last| *last != "..") => {
                 parts.pop();
             }
-            ".." if absolute => {}
+            ".." if !lead.is_empty() => {}
             _ => parts.push(part),
         }
     }
     if parts.last().is_none_or(|last| *last == "..") {
         return None;
     }
-    let joined = parts.join("/");
-    Some(if absolute {
-        format!("/{joined}")
-    } else {
-        joined
-    })
+    Some(format!("{lead}{}", parts.join("/")))
 }
 
 /// The path itself and then each directory above it, nearest first.

@@ -1,5 +1,6 @@
 //! What a run did, stage by stage.
 
+use path_slash::PathExt as _;
 use std::path::PathBuf;
 
 use crate::Reason;
@@ -162,7 +163,7 @@ pub struct StageResult {
 #[non_exhaustive]
 pub enum Warning {
     /// A file that no stage lists among its outputs was written while stages ran.
-    #[error("`{}` was written while {} ran, and no stage lists it among its outputs", path.display(), names(stages))]
+    #[error("`{}` was written while {} ran, and no stage lists it among its outputs", path.to_slash_lossy(), names(stages))]
     WroteOutside {
         /// The file.
         path: PathBuf,

@@ -1,13 +1,34 @@
 //! Command lines and scripts of a POSIX shell.
 
-/// The words joined by spaces, each quoted for a POSIX shell where it needs to be.
+/// The words joined by spaces, each quoted where it needs to be for the shell that people type into here: a POSIX shell, on
+/// Windows `cmd` (and `PowerShell`, unless a word has `$` or a backquote in it).
 ///
 /// # Example
 /// ```
 /// use maveric_pipeline::command_line;
-/// assert_eq!(command_line(["echo", "it is", "a/b.csv"]), "echo 'it is' a/b.csv");
+/// let quoted = if cfg!(windows) { "\"it is\"" } else { "'it is'" };
+/// assert_eq!(command_line(["echo", "it is", "a/b.csv"]), format!("echo {quoted} a/b.csv"));
 /// ```
-pub fn quoted<S: AsRef<str>>(words: impl IntoIterator<Item = S>) -> String {
+pub fn typed<S: AsRef<str>>(words: impl IntoIterator<Item = S>) -> String {
+    if !cfg!(windows) {
+        return quoted(words);
+    }
+    let word = |word: S| match word.as_ref() {
+        plain
+            if !plain.is_empty()
+                && is_plain(&plain.replace('\\', "/"))
+                && !plain.contains(['%', '^']) =>
+        {
+            plain.to_owned()
+        }
+        word => format!("\"{}\"", word.replace('"', "\\\"")),
+    };
+    let words: Vec<String> = words.into_iter().map(word).collect();
+    words.join(" ")
+}
+
+/// The words joined by spaces, each quoted for a POSIX shell where it needs to be, whatever the system: ledgers and scripts.
+pub(crate) fn quoted<S: AsRef<str>>(words: impl IntoIterator<Item = S>) -> String {
     let words: Vec<String> = words.into_iter().map(|w| quoted_word(w.as_ref())).collect();
     words.join(" ")
 }

@@ -1,5 +1,6 @@
 //! From a file back to everything that it was made from.
 
+use path_slash::PathExt as _;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -301,11 +302,8 @@ fn short(content: &str) -> String {
 pub fn below_root(path: &Path, root: &Path) -> String {
     let absolute = |path: &Path| {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        let mut text = path.to_string_lossy().into_owned();
-        if cfg!(windows) {
-            text = text.replace('\\', "/");
-        }
-        normalise(&text).unwrap_or(text)
+        let text = path.to_slash_lossy();
+        normalise(&text).unwrap_or_else(|| text.into_owned())
     };
     let (path, root) = (absolute(path), absolute(root));
     match path.strip_prefix(&format!("{root}/")) {

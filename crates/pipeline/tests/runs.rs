@@ -687,6 +687,7 @@ fn what_a_stage_no_longer_makes_goes_when_it_runs_again() {
     assert!(project.root().join("d").exists());
 }
 
+#[cfg(unix)]
 #[test]
 fn a_name_that_is_no_text_is_an_error() {
     use std::os::unix::ffi::OsStrExt;

@@ -343,7 +343,7 @@ impl DrawnMeasure {
             CarSetting::Shift(shift) => -shift * (self.down.step + self.down.sd * differs[1]),
             CarSetting::Round(angle) => {
                 let Round { cosine, sine, sd } = self.across;
-                cosine * angle.cos() + sine * angle.sin() + sd * normal(rng)
+                cosine * libm::cos(angle) + sine * libm::sin(angle) + sd * normal(rng)
             }
         }
     }
@@ -354,8 +354,8 @@ impl DrawnMeasure {
             return None;
         }
         let value = if self.log {
-            let square = (1.0 + (self.sd / self.mean).powi(2)).ln();
-            (self.mean.ln() - 0.5 * square + square.sqrt() * z).exp()
+            let square = libm::log(1.0 + (self.sd / self.mean).powi(2));
+            libm::exp(libm::log(self.mean) - 0.5 * square + square.sqrt() * z)
         } else {
             self.mean + self.sd * z
         };

@@ -13,6 +13,7 @@ use crate::{
 use maveric_domain::design::SeatView;
 use maveric_seat_page::Fit;
 use maveric_study::atomic_write::atomic_write_bytes;
+use path_slash::PathExt as _;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -82,7 +83,7 @@ pub fn export(seat: &Seat, folder: &Path, post: Option<&str>) -> Result<Exported
         return Err(refused(
             format!(
                 "{} holds something else than a study of the seat",
-                folder.display()
+                folder.to_slash_lossy()
             ),
             "name a new folder",
         ));

@@ -4,6 +4,7 @@ use maveric_bag::BagError;
 use maveric_model::ModelError;
 use maveric_seat_page::SeatPageError;
 use maveric_study::StudyError;
+use path_slash::PathExt as _;
 use std::path::PathBuf;
 
 /// Why the seat cannot go on.
@@ -11,7 +12,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum SeatError {
     /// The file of people and answers.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}", path.to_slash_lossy())]
     Store {
         /// The file.
         path: PathBuf,
@@ -19,7 +20,7 @@ pub enum SeatError {
         source: rusqlite::Error,
     },
     /// A file of people and answers that another version wrote.
-    #[error("{}: found version {found} of the seat's state, expected {expected}", path.display())]
+    #[error("{}: found version {found} of the seat's state, expected {expected}", path.to_slash_lossy())]
     Version {
         /// The file.
         path: PathBuf,
@@ -29,7 +30,7 @@ pub enum SeatError {
         expected: i64,
     },
     /// A file that cannot be read or written.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}", path.to_slash_lossy())]
     Io {
         /// The file.
         path: PathBuf,
@@ -45,7 +46,7 @@ pub enum SeatError {
         problem: String,
     },
     /// A certificate or its key that cannot be used.
-    #[error("{}: {problem}", path.display())]
+    #[error("{}: {problem}", path.to_slash_lossy())]
     Certificate {
         /// The file.
         path: PathBuf,
@@ -53,7 +54,7 @@ pub enum SeatError {
         problem: String,
     },
     /// A record that cannot be driven again.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}", path.to_slash_lossy())]
     Record {
         /// The file.
         path: PathBuf,
@@ -64,10 +65,10 @@ pub enum SeatError {
     #[error(transparent)]
     Log(#[from] BagError),
     /// A log without the record of a drive.
-    #[error("{} holds no record of a drive", .0.display())]
+    #[error("{} holds no record of a drive", .0.to_slash_lossy())]
     NoRecord(PathBuf),
     /// A file that somebody handed back.
-    #[error("{}, line {line}: {problem}", path.display())]
+    #[error("{}, line {line}: {problem}", path.to_slash_lossy())]
     Carried {
         /// The file.
         path: PathBuf,

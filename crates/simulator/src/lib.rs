@@ -21,7 +21,10 @@ mod watch;
 mod world;
 
 pub use collision::{Collision, CollisionCause};
-pub use control::{Hands, Intervention, InterventionKind, lateral_safe_distance, safe_distance};
+pub use control::{
+    Hands, Intervention, InterventionKind, Lead, Manoeuvre, PathShape, Steering,
+    VelocityController, bounded_jerk, following_acceleration, lateral_safe_distance, safe_distance,
+};
 pub use drivers::{
     BentLaw, Distribution, DriverParams, EncounterNoise, EvidenceParams, EvidencePopulation, Law,
     People, Person, Population, population_table,
@@ -37,3 +40,4 @@ pub use scenario::{
     ScenarioSettings, ScriptStep, VehicleModel, VehiclePlacement,
 };
 pub use session::{CarState, Driver, LEFT_SHOULDER_M, RIGHT_SHOULDER_M, Session};
+pub use vehicle::{Command, FrontAxle, Pose, Vehicle};

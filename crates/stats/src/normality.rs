@@ -115,7 +115,7 @@ fn shape(sample: &[f64]) -> (SampleShape, Reasons) {
         q3: quantile(&sorted, 0.75),
         min: sorted[0],
         max: sorted[sorted.len() - 1],
-        skew_g1: varies.then(|| moment(3) / m2.powf(1.5)),
+        skew_g1: varies.then(|| moment(3) / libm::pow(m2, 1.5)),
         kurtosis_g2: varies.then(|| moment(4) / (m2 * m2) - 3.0),
     };
     (result, reasons)
@@ -246,24 +246,24 @@ fn p_of(n: usize, rest: f64) -> f64 {
     const C6: [f64; 3] = [-0.4803, -0.082_676, 0.003_030_2];
     if n == 3 {
         let w = (1.0 - rest).max(0.75);
-        let p = 6.0 / std::f64::consts::PI * (w.sqrt().asin() - 0.75_f64.sqrt().asin());
+        let p = 6.0 / std::f64::consts::PI * (libm::asin(w.sqrt()) - libm::asin(0.75_f64.sqrt()));
         return p.clamp(0.0, 1.0);
     }
     let size = n as f64;
-    let y = rest.max(f64::MIN_POSITIVE).ln();
+    let y = libm::log(rest.max(f64::MIN_POSITIVE));
     let (y, mean, sd) = if n <= 11 {
         let gamma = polynomial(&G, size);
         if y >= gamma {
             return 1e-99;
         }
         (
-            -(gamma - y).ln(),
+            -libm::log(gamma - y),
             polynomial(&C3, size),
-            polynomial(&C4, size).exp(),
+            libm::exp(polynomial(&C4, size)),
         )
     } else {
-        let ln = size.ln();
-        (y, polynomial(&C5, ln), polynomial(&C6, ln).exp())
+        let ln = libm::log(size);
+        (y, polynomial(&C5, ln), libm::exp(polynomial(&C6, ln)))
     };
     normal_upper((y - mean) / sd).max(f64::MIN_POSITIVE)
 }

@@ -165,9 +165,9 @@ fn power_at(question: &PowerQuestion, n: usize) -> Option<f64> {
                 return None;
             }
             let critical = t_quantile_two_sided(alpha, size - 2.0)?;
-            let limit = (critical / (critical * critical + size - 2.0).sqrt()).atanh();
+            let limit = libm::atanh(critical / (critical * critical + size - 2.0).sqrt());
             let r = effect.abs();
-            let z = r.atanh() + r / (2.0 * (size - 1.0));
+            let z = libm::atanh(r) + r / (2.0 * (size - 1.0));
             let scale = (size - 3.0).sqrt();
             Some(normal_upper((limit - z) * scale) + normal_upper((limit + z) * scale))
         }

@@ -177,8 +177,8 @@ pub fn circular_linear(
 ) -> Result<CircularLinear, StatsError> {
     let complete = complete::rows(&[("angle", angle_rad), ("y", y)], "pair", 3)?;
     let (angles, y) = (&complete.columns[0], &complete.columns[1]);
-    let cosine: Vec<f64> = centred(&angles.iter().map(|a| a.cos()).collect::<Vec<_>>());
-    let sine: Vec<f64> = centred(&angles.iter().map(|a| a.sin()).collect::<Vec<_>>());
+    let cosine: Vec<f64> = centred(&angles.iter().map(|a| libm::cos(*a)).collect::<Vec<_>>());
+    let sine: Vec<f64> = centred(&angles.iter().map(|a| libm::sin(*a)).collect::<Vec<_>>());
     let dy = centred(y);
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let (cc, ss, cs) = (
@@ -192,7 +192,7 @@ pub fn circular_linear(
     let fitted = (determinant > 1e-12 * cc * ss && !is_constant(y)).then(|| {
         let a = (cy * ss - sy * cs) / determinant;
         let b = (sy * cc - cy * cs) / determinant;
-        (((a * cy + b * sy) / yy).clamp(0.0, 1.0), b.atan2(a))
+        (((a * cy + b * sy) / yy).clamp(0.0, 1.0), libm::atan2(b, a))
     });
     if fitted.is_none() {
         undefined.note_all(

@@ -147,10 +147,10 @@ impl Spectrum {
                 "the error matrix is singular (fewer subjects than conditions, or one condition is determined by the others)",
             );
         }
-        let ln_mean = (values.iter().sum::<f64>() / q).ln();
+        let ln_mean = libm::log(values.iter().sum::<f64>() / q);
         let ln_w = values
             .iter()
-            .map(|v| v.ln() - ln_mean)
+            .map(|v| libm::log(*v) - ln_mean)
             .sum::<f64>()
             .min(0.0);
         let rho = 1.0 - (2.0 * q * q + q + 2.0) / (6.0 * q * freedom);
@@ -167,7 +167,7 @@ impl Spectrum {
             (first + weight * (second - first)).clamp(0.0, 1.0)
         };
         let test = Mauchly {
-            w: Some(ln_w.exp()),
+            w: Some(libm::exp(ln_w)),
             chi2: Some(chi2),
             df: Some(df),
             p: Some(with_term(self.cells as f64)),

@@ -182,13 +182,13 @@ fn bartlett(samples: &[Vec<f64>]) -> Bartlett {
         let (_, squares) = mean_and_square_sum(sample.iter().copied());
         varied &= freedom > 0.0 && squares > 0.0;
         pooled += squares;
-        logs += freedom * (squares / freedom).ln();
+        logs += freedom * libm::log(squares / freedom);
         inverse += 1.0 / freedom;
         total += freedom;
     }
     let k2 = varied.then(|| {
         let correction = 1.0 + (inverse - 1.0 / total) / (3.0 * (groups - 1.0));
-        (total * (pooled / total).ln() - logs) / correction
+        (total * libm::log(pooled / total) - logs) / correction
     });
     Bartlett {
         k2,

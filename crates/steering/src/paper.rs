@@ -54,7 +54,7 @@ impl PaperRule {
             self.hazard = 0.0;
         }
         if reference.vehicle.is_some() {
-            self.hazard -= (-probability.min(SUREST)).ln_1p() / PLANNING_RATE_HZ;
+            self.hazard -= libm::log1p(-probability.min(SUREST)) / PLANNING_RATE_HZ;
         }
         let out = goes_out(view.road, view.lane, reference);
         let due = match self.rule {

@@ -2,14 +2,14 @@
 
 use crate::{
     error::StudyError,
-    outputs::{refuse_other_kind, refuse_unusual},
+    outputs::{refuse_other_kind, refuse_unusual, while_held},
 };
 use maveric_domain::{DriveMeta, Recording};
 use maveric_ingest::{Beside, IngestError, write_mcap_with};
 use std::{
     collections::BTreeSet,
     fs,
-    io::Write,
+    io::{Seek as _, Write},
     path::{Path, PathBuf},
     sync::Mutex,
     time::Duration,
@@ -49,10 +49,14 @@ pub fn atomic_write(
     let _ = file.as_file().try_lock();
     write(file.as_file_mut())?;
     file.as_file().sync_all().map_err(StudyError::write(path))?;
-    refuse_other_kind(path, file.path())?;
-    file.persist(path)
-        .map_err(|error| StudyError::write(path)(error.error))?;
-    Ok(())
+    // By the same handle: on Windows what is locked can be read by no other.
+    file.rewind().map_err(StudyError::write(path))?;
+    refuse_other_kind(path, &mut file)?;
+    let _ = file.as_file().unlock(); // whoever reads it in its place
+    while_held(file, |file| {
+        file.persist(path).map(drop).map_err(|e| (e.error, e.file))
+    })
+    .map_err(StudyError::write(path))
 }
 
 /// Removes what killed programs were writing in a folder, once a program; what cannot be removed stays: it does no harm.

@@ -10,6 +10,7 @@ use crate::{
 };
 use maveric_domain::{Design, Drive, ParticipantId};
 use maveric_participants::Part;
+use path_slash::PathExt as _;
 use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
@@ -116,7 +117,7 @@ impl DesignFile {
         let path = self.path.as_ref();
         path.map_or_else(
             || "the paper's design".to_owned(),
-            |p| p.display().to_string(),
+            |p| p.to_slash_lossy().into_owned(),
         )
     }
 

@@ -2,6 +2,7 @@
 
 use crate::design::{DESIGN_FILE, DesignFile};
 use maveric_domain::design::{By, Condition, Mappings, Software};
+use path_slash::PathExt as _;
 use std::{fmt::Write as _, path::Path};
 
 /// A stage of a pipeline file: words divided by blanks, parameters in braces.
@@ -91,7 +92,7 @@ fn learns(study: &DesignFile) -> bool {
 /// The files of the study by the names under which the stages know them; one that is not there and not needed is left out.
 fn paths(study: &DesignFile) -> Vec<(&'static str, String)> {
     let (design, files) = (&study.design, study.design.files());
-    let text = |path: &Path| path.display().to_string();
+    let text = |path: &Path| path.to_slash_lossy().into_owned();
     let mut paths = vec![
         ("out", "results".to_owned()),
         ("report", "report".to_owned()),
@@ -173,7 +174,7 @@ fn stages(study: &DesignFile) -> Vec<Stage> {
             .map(|r| &r.logs)
             .filter(|logs| !logs.starts_with(&design.files().logs));
         for path in apart.chain(rigs.iter().filter_map(|r| r.file.as_ref())) {
-            ingest = ingest.and("", &path.display().to_string());
+            ingest = ingest.and("", &path.to_slash_lossy());
         }
     }
     stages.push(ingest);

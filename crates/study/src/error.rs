@@ -1,5 +1,6 @@
 //! What can go wrong between files and the science.
 
+use path_slash::PathExt as _;
 use std::path::PathBuf;
 
 /// A command's failure, naming the file and what to do.
@@ -7,7 +8,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum StudyError {
     /// A file that cannot be read or written.
-    #[error("cannot {action} {}", path.display())]
+    #[error("cannot {action} {}", path.to_slash_lossy())]
     Io {
         /// `read`, `write`, …
         action: &'static str,
@@ -17,7 +18,7 @@ pub enum StudyError {
         source: std::io::Error,
     },
     /// A table that cannot be parsed.
-    #[error("{}: not a readable {format} table: {problem}", path.display())]
+    #[error("{}: not a readable {format} table: {problem}", path.to_slash_lossy())]
     BadTable {
         /// The file.
         path: PathBuf,
@@ -27,7 +28,7 @@ pub enum StudyError {
         problem: String,
     },
     /// A table without the column asked for.
-    #[error("{}: no column `{wanted}`; columns are {}", path.display(), found.join(", "))]
+    #[error("{}: no column `{wanted}`; columns are {}", path.to_slash_lossy(), found.join(", "))]
     NoColumn {
         /// The file.
         path: PathBuf,
@@ -39,7 +40,7 @@ pub enum StudyError {
         nearest: Option<String>,
     },
     /// A cell that does not hold what its column should.
-    #[error("{}: row {row}, column `{column}`: found `{found}`, expected {expected}", path.display())]
+    #[error("{}: row {row}, column `{column}`: found `{found}`, expected {expected}", path.to_slash_lossy())]
     BadCell {
         /// The file.
         path: PathBuf,
@@ -53,7 +54,7 @@ pub enum StudyError {
         expected: String,
     },
     /// A file that holds something else than it should.
-    #[error("{}: {problem}", path.display())]
+    #[error("{}: {problem}", path.to_slash_lossy())]
     BadFile {
         /// The file.
         path: PathBuf,
@@ -108,6 +109,12 @@ pub enum StudyError {
     Report(#[from] maveric_report::ReportError),
 }
 
+/// Whether what failed did so because another program has the file open: denied access, shared with nobody or locked, as Windows
+/// numbers them.
+pub(crate) fn is_held(error: &std::io::Error) -> bool {
+    cfg!(windows) && matches!(error.raw_os_error(), Some(5 | 32 | 33))
+}
+
 impl StudyError {
     /// The next step, where one is known.
     pub fn suggestion(&self) -> Option<String> {
@@ -118,6 +125,9 @@ impl StudyError {
             Self::BadFile { help, .. } | Self::NotPossible { help, .. } => help.clone(),
             Self::Io { source, .. } if source.kind() == std::io::ErrorKind::NotFound => {
                 Some("check the path; relative paths start at the current folder".to_owned())
+            }
+            Self::Io { source, .. } if is_held(source) => {
+                Some("another program has it open: close it there, then run again".to_owned())
             }
             Self::Analysis(error) => error.suggestion().map(str::to_owned),
             Self::Stats(error) => error.suggestion().map(str::to_owned),

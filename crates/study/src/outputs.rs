@@ -1,10 +1,11 @@
 //! What may be written where: never over an input, a link, a device, a pipe, a read-only file or a file of another kind.
 
-use crate::error::StudyError;
+use crate::error::{StudyError, is_held};
 use std::{
     fmt, fs,
     io::{self, Read as _},
     path::{Path, PathBuf},
+    time::Duration,
 };
 
 /// Files that a command reads out of a folder, by their extensions: such a file there is an input.
@@ -190,19 +191,18 @@ pub(crate) fn refuse_unusual(path: &Path) -> Result<(), StudyError> {
     })
 }
 
-/// Refuses to replace `path` by what is in `fresh` where that is of another kind.
+/// Refuses to replace `path` by what `fresh` reads where that is of another kind.
 ///
 /// # Errors
 /// [`StudyError::BadFile`] with both kinds.
-pub(crate) fn refuse_other_kind(path: &Path, fresh: &Path) -> Result<(), StudyError> {
+pub(crate) fn refuse_other_kind(path: &Path, fresh: impl io::Read) -> Result<(), StudyError> {
     let former = match fs::File::open(path) {
         Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(()),
         opened => opened
             .and_then(Kind::read)
             .map_err(StudyError::read(path))?,
     };
-    let new = fs::File::open(fresh).and_then(Kind::read);
-    let new = new.map_err(StudyError::read(fresh))?;
+    let new = Kind::read(fresh).map_err(StudyError::write(path))?;
     if former == new || former == Kind::Empty || new == Kind::Empty {
         return Ok(());
     }
@@ -219,8 +219,31 @@ pub(crate) fn refuse_other_kind(path: &Path, fresh: &Path) -> Result<(), StudyEr
 /// [`StudyError::BadFile`], [`StudyError::Io`]; what stood there before stays as it was.
 pub(crate) fn put_in_place(fresh: &Path, path: &Path) -> Result<(), StudyError> {
     refuse_unusual(path)?;
-    refuse_other_kind(path, fresh)?;
-    fs::rename(fresh, path).map_err(StudyError::write(path))
+    let file = fs::File::open(fresh).map_err(StudyError::read(fresh))?;
+    refuse_other_kind(path, file)?;
+    while_held(fresh, |fresh| {
+        fs::rename(fresh, path).map_err(|error| (error, fresh))
+    })
+    .map_err(StudyError::write(path))
+}
+
+/// Replaces a file by another one. On Windows one that another program has open cannot be replaced: scanners and indexers let go
+/// within moments, so it is tried again for about a second, with what `replace` gives back.
+pub(crate) fn while_held<T>(
+    mut fresh: T,
+    replace: impl Fn(T) -> Result<(), (io::Error, T)>,
+) -> io::Result<()> {
+    let mut pause = Duration::from_millis(15);
+    loop {
+        let Err((error, back)) = replace(fresh) else {
+            return Ok(());
+        };
+        if !is_held(&error) || pause > Duration::from_millis(500) {
+            return Err(error);
+        }
+        std::thread::sleep(pause);
+        (fresh, pause) = (back, 2 * pause);
+    }
 }
 
 #[cfg(test)]

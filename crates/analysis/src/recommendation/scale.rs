@@ -35,7 +35,7 @@ pub(super) fn on_the_scale(
     let own = row.adb_hat?;
     let own_sd = row.line_position_se? * points_a_step(&data.embeddings)?;
     let end = |end: f64| {
-        let reach = (end - preferred.points).hypot(HALF_95 * own_sd);
+        let reach = libm::hypot(end - preferred.points, HALF_95 * own_sd);
         own + preferred.points + reach.copysign(end - preferred.points)
     };
     Some(OnTheScale {

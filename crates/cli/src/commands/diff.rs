@@ -7,6 +7,7 @@ use crate::{
     place::{DEFAULT_PIPELINE, place},
 };
 use maveric_pipeline::{Ledger, RunAt};
+use path_slash::PathExt as _;
 use std::path::{Path, PathBuf};
 
 /// Say which inputs, parameters, numbers and figures of two runs differ
@@ -71,7 +72,7 @@ fn run_of(file: &Path, variant: Option<&String>) -> Result<RunAt, Failure> {
         };
         return Err(Failure::Usage(format!(
             "{} knows no variant `{name}`: {known}",
-            place.ledger.display()
+            place.ledger.to_slash_lossy()
         )));
     }
     Ok(RunAt {

@@ -3,6 +3,7 @@
 use super::Args;
 use crate::diagnostics::{Failure, tell};
 use clap::CommandFactory as _;
+use path_slash::PathExt as _;
 use std::path::PathBuf;
 
 /// Write the manual, a page a command, into a folder
@@ -26,7 +27,7 @@ impl Man {
             maveric_study::atomic_write::atomic_write_bytes(&path, page)
                 .map_err(Failure::study(doing))?;
         }
-        tell!("{} pages in {}", pages.len(), self.folder.display());
+        tell!("{} pages in {}", pages.len(), self.folder.to_slash_lossy());
         Ok(())
     }
 }

@@ -8,6 +8,7 @@ use crate::{
     place::{PipelineArgs, place},
 };
 use maveric_pipeline::{Event, Outcome, RunOptions, RunReport, StageStatus, State, plan, run, why};
+use path_slash::PathExt as _;
 use std::{fmt::Write as _, num::NonZeroUsize, path::PathBuf};
 
 /// Bring a pipeline up to date: run what is stale, in order, and say where the report is
@@ -209,7 +210,7 @@ fn say(event: &Event<'_>) {
                 tell!("  | {line}");
             }
             if let Some(log) = &failure.log {
-                tell!("  its log: {}", log.display());
+                tell!("  its log: {}", log.to_slash_lossy());
             }
             tell!("  to repeat it alone: {}", failure.repeat);
         }

@@ -10,6 +10,7 @@ use maveric_seat::{Seat as Open, SeatError, SeatSettings, Wire, carried, demo, f
 use maveric_study::{
     DesignFile, StudyError, Watch, check_design, design::DESIGN_FILE, dial_stretch, run_folder,
 };
+use path_slash::PathExt as _;
 use std::{
     net::SocketAddr,
     path::{Path, PathBuf},
@@ -234,7 +235,7 @@ fn export(study: &Path, folder: &Path, post: Option<&str>, format: Format) -> Re
         Format::Json => print_json(&written),
         Format::Text => print_lines(&[format!(
             "{}: {} files, {} orders; put them on a web space that is reached over https",
-            written.folder.display(),
+            written.folder.to_slash_lossy(),
             written.files.len(),
             written.orders
         )]),
@@ -324,19 +325,19 @@ fn model(
     if path.is_file() {
         run_folder::read_model(&path)?;
         let learned = study.design.model().is_none();
-        let said = format!("phase 2 of 2: people ride, by {}", path.display());
+        let said = format!("phase 2 of 2: people ride, by {}", path.to_slash_lossy());
         return Ok((Some(path), learned.then_some(said)));
     }
     if study.design.model().is_some() {
         return Err(study.wrong(
-            format!("`model.file`: found no file {}", path.display()),
+            format!("`model.file`: found no file {}", path.to_slash_lossy()),
             Some("train it, or name another one".to_owned()),
         ));
     }
     let said = format!(
         "phase 1 of 2: people drive who are learned from, nobody rides; when enough have, `maveric run train` in {} makes {LEARNED} of \
          them, and the seat is opened again",
-        folder.display()
+        folder.to_slash_lossy()
     );
     Ok((None, Some(said)))
 }

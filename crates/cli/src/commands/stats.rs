@@ -16,6 +16,7 @@ use maveric_study::{
     },
     tables::TableBuilder,
 };
+use path_slash::PathExt as _;
 use serde_json::Value;
 use std::{
     path::PathBuf,
@@ -279,7 +280,7 @@ pub fn stats_of_table(words: &[String], table: TableBuilder) -> Result<Outcome<V
     let Asked::Test(_, request) = asked else {
         return Err("`stats study` reads a run's folder: run it as a command".to_owned());
     };
-    let name = request.data.display().to_string();
+    let name = request.data.to_slash_lossy().into_owned();
     stats::stats_of(|| table.table(&name), &request).map_err(|e| Failure::study(DOING)(e).text())
 }
 

@@ -86,7 +86,7 @@ pub(super) fn train(
             let by = prior(stretch, settings) / drivers.len() as f64;
             shrink(&mut found.embeddings[own.clone()], &embeddings[own], by);
         }
-        let length = norm(&found.weights).hypot(norm(&found.embeddings));
+        let length = libm::hypot(norm(&found.weights), norm(&found.embeddings));
         let scale = if length > CLIP { CLIP / length } else { 1.0 };
         let rate = cosine(iteration, settings.iterations);
         of_weights.step(

@@ -120,7 +120,7 @@ const RATIOS: [(&str, &str, f64); 8] = [
 
 /// The nearest ratio that units can give, and how far off it is (0: exactly).
 pub(super) fn known_ratio(ratio: f64) -> (f64, f64) {
-    let off = |r: f64| (ratio / r).ln().abs();
+    let off = |r: f64| libm::log(ratio / r).abs();
     let nearest = RATIOS
         .iter()
         .map(|r| r.2)
@@ -158,7 +158,7 @@ pub(super) fn length_unit(
     }
     if let (Some(speed), Some(ratio)) = (named_speed, ratio) {
         let fits = RATIOS.iter().filter(|r| r.1 == speed);
-        let off = |r: f64| (ratio / r).ln().abs();
+        let off = |r: f64| libm::log(ratio / r).abs();
         if let Some(best) = fits.min_by(|a, b| off(a.2).total_cmp(&off(b.2))) {
             return (
                 best.0,
@@ -199,7 +199,7 @@ pub(super) fn speed_unit(
         return (unit, Reason::sure("its name says so"));
     }
     if let Some(ratio) = ratio {
-        let off = |r: f64| (ratio / r).ln().abs();
+        let off = |r: f64| libm::log(ratio / r).abs();
         let fits = RATIOS.iter().filter(|r| r.0 == length);
         if let Some(best) = fits.min_by(|a, b| off(a.2).total_cmp(&off(b.2)))
             && off(best.2) < 0.2

@@ -183,7 +183,7 @@ impl Mapping {
         }
         if !self.centre_line.is_empty() {
             let finite = self.centre_line.iter().flatten().all(|v| v.is_finite());
-            let way = |w: &[[f64; 2]]| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]);
+            let way = |w: &[[f64; 2]]| libm::hypot(w[1][0] - w[0][0], w[1][1] - w[0][1]);
             let apart = self.centre_line.windows(2).all(|w| way(w) > 0.0);
             if self.centre_line.len() < 2 || !finite || !apart {
                 return Err("`centre_line` is expected to have two or more finite points, no two alike in a row".to_owned());

@@ -50,7 +50,7 @@ impl LinearWindows {
         let odds = weights.changing / weights.keeping;
         Self {
             heads: fit(&shapes, &drives, 0).heads,
-            balance: if odds > 0.0 { odds.ln() } else { 0.0 },
+            balance: if odds > 0.0 { libm::log(odds) } else { 0.0 },
             features,
         }
     }

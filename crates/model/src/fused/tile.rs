@@ -329,7 +329,7 @@ impl Tile {
 
             let logits = self.lane_change.output.row(row);
             let (keep, go) = (logits[0], logits[1]);
-            let p = (1.0 / (1.0 + f64::from(keep - go).exp())) as f32;
+            let p = (1.0 / (1.0 + libm::exp(f64::from(keep - go)))) as f32;
             let c = scaled(in_c, weights.lane_change);
             let (loss, slopes) = cross_entropy(keep, go, p, change, c);
             sums.lane_change.add(loss, f64::from(in_c));

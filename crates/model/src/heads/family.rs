@@ -40,7 +40,7 @@ pub(crate) fn tail_ratio(z: f64) -> f64 {
         // The asymptotic series: Q itself leaves the numbers soon after.
         return z + 1.0 / z - 2.0 / z.powi(3) + 10.0 / z.powi(5);
     }
-    let density = (-0.5 * z * z - HALF_LN_TAU).exp();
+    let density = libm::exp(-0.5 * z * z - HALF_LN_TAU);
     density / (0.5 * libm::erfc(z * std::f64::consts::FRAC_1_SQRT_2))
 }
 
@@ -48,7 +48,7 @@ impl Family {
     /// The number that is normal around η: a logarithm for [`Family::LogNormal`].
     pub(crate) fn linked(self, value: f64) -> f64 {
         match self {
-            Self::LogNormal => value.ln(),
+            Self::LogNormal => libm::log(value),
             Self::Gaussian | Self::Logistic => value,
         }
     }
@@ -57,8 +57,8 @@ impl Family {
     pub fn mean(self, eta: f64, sd: f64) -> f64 {
         match self {
             Self::Gaussian => eta,
-            Self::LogNormal => (eta + 0.5 * sd * sd).exp(),
-            Self::Logistic => 1.0 / (1.0 + (-eta).exp()),
+            Self::LogNormal => libm::exp(eta + 0.5 * sd * sd),
+            Self::Logistic => 1.0 / (1.0 + libm::exp(-eta)),
         }
     }
 
@@ -69,7 +69,7 @@ impl Family {
                 let p = self.mean(eta, sd);
                 let towards = if done > 0.5 { -eta } else { eta };
                 Loss {
-                    value: towards.max(0.0) + (-towards.abs()).exp().ln_1p(),
+                    value: towards.max(0.0) + libm::log1p(libm::exp(-towards.abs())),
                     slope: p - done,
                     curvature: p * (1.0 - p),
                 }
@@ -77,7 +77,7 @@ impl Family {
             (_, Outcome::Value(value)) => {
                 let z = (eta - self.linked(value)) / sd;
                 Loss {
-                    value: 0.5 * z * z + sd.ln() + HALF_LN_TAU,
+                    value: 0.5 * z * z + libm::log(sd) + HALF_LN_TAU,
                     slope: z / sd,
                     curvature: 1.0 / (sd * sd),
                 }
@@ -86,7 +86,7 @@ impl Family {
                 let z = (self.linked(value) - eta) / sd;
                 let ratio = tail_ratio(z);
                 Loss {
-                    value: 0.5 * z * z + HALF_LN_TAU + ratio.ln(),
+                    value: 0.5 * z * z + HALF_LN_TAU + libm::log(ratio),
                     slope: -ratio / sd,
                     curvature: (ratio * (ratio - z)).max(0.0) / (sd * sd),
                 }

@@ -27,7 +27,7 @@ pub(super) const HEAD: Head = Head {
 
 /// What is read of a vehicle: people keep less behind one that holds them up. Below 0.5 m/s it does not.
 pub(crate) fn held_up(free_mps: f64, lead_mps: f64) -> f64 {
-    (free_mps - lead_mps).max(0.5).ln()
+    libm::log((free_mps - lead_mps).max(0.5))
 }
 
 fn events(drive: &Drive) -> Vec<Event> {

@@ -108,7 +108,7 @@ fn own_mean(family: Family, events: &[Event]) -> Option<f64> {
     };
     let mean = events.iter().map(value).sum::<f64>() / events.len() as f64;
     let back = if family == Family::LogNormal {
-        mean.exp()
+        libm::exp(mean)
     } else {
         mean
     };

@@ -166,7 +166,7 @@ impl<'a> Personalizer<'a> {
                 let losses: Vec<f64> = of_each
                     .filter(|(fitted, _)| fitted.learned())
                     .flat_map(|(fitted, events)| {
-                        let sd = fitted.within_sd.hypot(fitted.between_sd);
+                        let sd = libm::hypot(fitted.within_sd, fitted.between_sd);
                         events.iter().map(move |e| {
                             let eta = fitted.eta(w, e.z());
                             fitted.family.loss(e.outcome, eta, sd).value

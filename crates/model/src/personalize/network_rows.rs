@@ -88,7 +88,7 @@ impl<'a> NetworkRows<'a> {
             let distance = scaling
                 .following_distance
                 .undo(f64::from(p.following_distance));
-            let odds = (f64::from(p.probability) / (1.0 - f64::from(p.probability))).ln();
+            let odds = libm::log(f64::from(p.probability) / (1.0 - f64::from(p.probability)));
             Said {
                 following_distance_m: learned.following_distance.then_some(distance),
                 log_odds: learned.lane_change.then(|| odds.clamp(-SUREST, SUREST)),

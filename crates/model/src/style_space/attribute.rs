@@ -151,7 +151,7 @@ impl AttributeHead {
             r_squared_leave_one_out: left_out.map(|sum| 1.0 - sum / total_left_out),
             gradient_se: covariance.diagonal().iter().map(|v| v.sqrt()).collect(),
             // Atan: for a g lost in its scatter the angle is a right one, not endless.
-            direction_se_rad: across.max(0.0).sqrt().atan2(length),
+            direction_se_rad: libm::atan2(across.max(0.0).sqrt(), length),
         })
     }
 }

@@ -116,8 +116,8 @@ impl PerpendicularEllipse {
         }
         let mut unit = vec![0.0; self.axes.len()];
         match unit.as_mut_slice() {
-            [only] => *only = 1.0_f64.copysign(angle_rad.cos()),
-            [first, second, ..] => (*first, *second) = (angle_rad.cos(), angle_rad.sin()),
+            [only] => *only = 1.0_f64.copysign(libm::cos(angle_rad)),
+            [first, second, ..] => (*first, *second) = (libm::cos(angle_rad), libm::sin(angle_rad)),
             [] => {}
         }
         self.at(embedding, unit)
@@ -161,7 +161,7 @@ impl PerpendicularEllipse {
             }
         }
         let angle_rad = match unit.as_slice() {
-            [first, second, ..] => second.atan2(*first),
+            [first, second, ..] => libm::atan2(*second, *first),
             [only] if *only < 0.0 => PI,
             _ => 0.0,
         };

@@ -1,5 +1,6 @@
 //! What is asked of Slurm and HyperQueue, through their own programs.
 
+use path_slash::PathExt as _;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -114,8 +115,8 @@ fn sbatch(
         .args(["--parsable", "--requeue", "--kill-on-invalid-dep=yes"])
         .arg(format!("--array=0-{last}{limit}"))
         .arg(format!("--job-name={pipeline}.{}", group.name))
-        .arg(format!("--chdir={}", root.display()))
-        .arg(format!("--output={}/%A_%a.slurm", spool.display()));
+        .arg(format!("--chdir={}", root.to_slash_lossy()))
+        .arg(format!("--output={}/%A_%a.slurm", spool.to_slash_lossy()));
     if !after.is_empty() {
         let after: Vec<&str> = after.iter().map(String::as_str).collect();
         command.arg(format!("--dependency={}", after.join(",")));
@@ -170,7 +171,7 @@ fn submit_hq(
 
 /// HyperQueue's job file.
 fn hq_plan(pipeline: &str, groups: &[Group], root: &Path, spool: &Path) -> String {
-    let text = |path: &Path| toml::Value::String(path.display().to_string()).to_string();
+    let text = |path: &Path| toml::Value::String(path.to_slash_lossy().into_owned()).to_string();
     let mut plan = format!("name = {}\n", toml::Value::String(pipeline.to_owned()));
     for group in groups {
         for (task, deps) in group.tasks.clone().zip(&group.after) {

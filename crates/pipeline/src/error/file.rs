@@ -4,6 +4,7 @@ use super::{
     MOST_STAGES,
     words::{did_you_mean, listing},
 };
+use path_slash::PathExt as _;
 use std::path::PathBuf;
 
 /// What is wrong at one place of a pipeline file.
@@ -86,7 +87,7 @@ pub enum FileProblem {
         nearest: Option<String>,
     },
     /// A file to be extended that cannot be read.
-    #[error("cannot read {}, which this file extends: {message}", path.display())]
+    #[error("cannot read {}, which this file extends: {message}", path.to_slash_lossy())]
     NoBase {
         /// The file.
         path: PathBuf,
@@ -94,7 +95,7 @@ pub enum FileProblem {
         message: String,
     },
     /// A file that extends itself, at once or through others.
-    #[error("{} extends itself", path.display())]
+    #[error("{} extends itself", path.to_slash_lossy())]
     ExtendsItself {
         /// The file.
         path: PathBuf,

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use wait4::{ResUse, Wait4 as _};
 
-use super::{Ended, Job};
+use super::{Ended, Job, group::Group};
 
 /// How often the flag is looked at.
 const TICK: Duration = Duration::from_millis(25);
@@ -56,9 +56,7 @@ pub(crate) fn run(
         .stdin(Stdio::from(job.stdin))
         .stdout(Stdio::piped())
         .stderr(Stdio::piped());
-    // A group of its own: Ctrl-C reaches us alone, and we end the stage with all its children.
-    #[cfg(unix)]
-    std::os::unix::process::CommandExt::process_group(&mut command, 0);
+    Group::begin(&mut command);
     let mut child = match command.spawn() {
         Ok(child) => child,
         Err(error) => return Ok(Ended::NotStarted(error)),
@@ -71,7 +69,7 @@ pub(crate) fn run(
     if let Some(stderr) = child.stderr.take() {
         read_lines(stderr, Stream::Stderr, sender.clone());
     }
-    let pid = child.id();
+    let group = Group::of(&child);
     std::thread::spawn(move || {
         let _ = sender.send(Message::Dead(child.wait4()));
     });
@@ -94,16 +92,16 @@ pub(crate) fn run(
             last_lines: kept.last_lines.into(),
         }),
         Ok(Followed::Stopped) => {
-            end(pid, &messages);
+            end(group, &messages);
             Ok(Ended::Interrupted)
         }
         Ok(Followed::TooLong) => {
-            end(pid, &messages);
+            end(group, &messages);
             let last_lines = kept.last_lines.into();
             Ok(Ended::TimedOut { last_lines })
         }
         Err(error) => {
-            end(pid, &messages);
+            end(group, &messages);
             Err(error)
         }
     }
@@ -173,10 +171,10 @@ fn read_lines(stream: impl Read + Send + 'static, name: Stream, sender: SyncSend
 }
 
 /// Asks the child and all its children to end, kills what has not, and waits.
-fn end(pid: u32, messages: &Receiver<Message>) {
-    signal_group(pid, "TERM");
+fn end(group: Group, messages: &Receiver<Message>) {
+    group.ask_to_end();
     let died = has_died(messages, GRACE);
-    signal_group(pid, "KILL"); // of a dead child, its children may live
+    group.kill();
     if !died {
         has_died(messages, AFTER_KILL);
     }
@@ -192,19 +190,6 @@ fn has_died(messages: &Receiver<Message>, within: Duration) -> bool {
             Err(RecvTimeoutError::Timeout) => return false,
             Ok(_) => {}
         }
-    }
-}
-
-/// The standard library signals one process only; a group takes the shell's `kill`.
-fn signal_group(pid: u32, signal: &str) {
-    if cfg!(unix) {
-        let _ = Command::new("sh")
-            .args(["-c", r#"kill -s "$0" -- "-$1""#, signal])
-            .arg(pid.to_string())
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .status();
     }
 }
 

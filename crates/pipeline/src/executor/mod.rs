@@ -1,5 +1,6 @@
 //! What it takes to run a stage somewhere: a [`Job`] in, an [`Ended`] out. One file a place.
 
+mod group;
 pub(crate) mod local;
 
 use std::fs::File;

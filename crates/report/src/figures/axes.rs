@@ -33,7 +33,7 @@ impl Scale {
         let first = (low / step).ceil() as i64;
         let last = (high / step + 1e-9).floor() as i64;
         let ticks: Vec<f64> = (first..=last).map(|k| k as f64 * step).collect();
-        let decimals = (-step.log10() - 1e-9).ceil().clamp(0.0, 6.0) as usize;
+        let decimals = (-libm::log10(step) - 1e-9).ceil().clamp(0.0, 6.0) as usize;
         let labels = ticks.iter().map(|&tick| number(tick, decimals)).collect();
         Self {
             low,
@@ -48,7 +48,7 @@ impl Scale {
 
     /// A logarithmic scale over positive values.
     pub(crate) fn log_over(values: impl IntoIterator<Item = f64>) -> Self {
-        let (low, high) = extent(values.into_iter().map(f64::log10));
+        let (low, high) = extent(values.into_iter().map(libm::log10));
         let room = 0.05 * (high - low);
         let (low, high) = widened(low - room, high + room);
         let steps: &[f64] = if high - low < 1.6 {
@@ -60,7 +60,7 @@ impl Scale {
         let mut labels = Vec::new();
         for power in (low.floor() as i32)..=(high.ceil() as i32) {
             for step in steps {
-                let place = f64::from(power) + step.log10();
+                let place = f64::from(power) + libm::log10(*step);
                 if place >= low && place <= high {
                     ticks.push(place);
                     labels.push(number(step * 10f64.powi(power), (-power).max(0) as usize));
@@ -102,7 +102,7 @@ impl Scale {
     /// Where a value lies on the page, in points.
     pub(crate) fn at(&self, value: f64) -> f64 {
         let value = if self.logarithmic {
-            value.log10()
+            libm::log10(value)
         } else {
             value
         };
@@ -155,7 +155,7 @@ fn widened(low: f64, high: f64) -> (f64, f64) {
 }
 
 fn nice_step(rough: f64) -> f64 {
-    let power = 10f64.powf(rough.log10().floor());
+    let power = 10f64.powi(libm::log10(rough).floor() as i32);
     let share = rough / power;
     // The nearest of 1, 2, 5 and 10, so that the number of ticks is near the wanted one.
     let nice = match share {

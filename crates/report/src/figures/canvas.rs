@@ -329,7 +329,7 @@ impl Canvas<'_> {
             return;
         }
         let corner = |(degrees, far): (f64, f64)| {
-            let (sin, cos) = degrees.to_radians().sin_cos();
+            let (sin, cos) = libm::sincos(degrees.to_radians());
             (x + radius * far * cos, y + radius * far * sin)
         };
         let corners: Vec<Point> = shape.corners().into_iter().map(corner).collect();
@@ -342,7 +342,7 @@ impl Canvas<'_> {
     /// A line that ends in an arrow's head.
     pub(crate) fn arrow(&mut self, from: Point, to: Point, pen: Pen, head: f64) {
         let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-        let length = dx.hypot(dy);
+        let length = libm::hypot(dx, dy);
         if length <= f64::EPSILON {
             return;
         }
@@ -386,7 +386,7 @@ fn dashes(points: &[Point], on: f64, off: f64) -> Vec<Vec<Point>> {
     let mut piece = vec![points[0]];
     for pair in points.windows(2) {
         let (mut from, to) = (pair[0], pair[1]);
-        let mut length = (to.0 - from.0).hypot(to.1 - from.1);
+        let mut length = libm::hypot(to.0 - from.0, to.1 - from.1);
         while length > left {
             let share = left / length;
             from = (

@@ -43,7 +43,7 @@ pub(crate) fn t_975(degrees: usize) -> f64 {
     let b = 48.0 / (a * a);
     let mut c = ((20_700.0 * a / b - 98.0) * a - 16.0) * a + 96.36;
     let d = ((94.5 / (b + c) - 3.0) / b + 1.0) * (a * FRAC_PI_2).sqrt() * n;
-    let mut y = (d * 0.05).powf(2.0 / n);
+    let mut y = libm::pow(d * 0.05, 2.0 / n);
     if y > 0.05 + a {
         let x = -NORMAL_975;
         y = x * x;
@@ -52,7 +52,7 @@ pub(crate) fn t_975(degrees: usize) -> f64 {
         }
         c += (((0.05 * d * x - 5.0) * x - 7.0) * x - 2.0) * x + b;
         y = (((((0.4 * y + 6.3) * y + 36.0) * y + 94.5) / c - y - 3.0) / b + 1.0) * x;
-        y = (a * y * y).exp_m1();
+        y = libm::expm1(a * y * y);
     } else {
         y = ((1.0 / (((n + 6.0) / (n * y) - 0.089 * d - 0.822) * (n + 2.0) * 3.0)
             + 0.5 / (n + 4.0))
@@ -78,7 +78,7 @@ pub(crate) fn line(points: &[(f64, f64)]) -> Option<LinearFit> {
 pub(crate) fn circular_fit(points: &[(f64, f64)]) -> Option<[f64; 3]> {
     let mut normal = [[0.0; 4]; 3];
     for &(angle, y) in points {
-        let row = [1.0, angle.cos(), angle.sin()];
+        let row = [1.0, libm::cos(angle), libm::sin(angle)];
         for i in 0..3 {
             for j in 0..3 {
                 normal[i][j] += row[i] * row[j];
@@ -124,7 +124,7 @@ pub(crate) fn density(sorted: &[f64], steps: usize, range: (f64, f64)) -> Vec<(f
     let sd = standard_deviation(sorted);
     let spread = (quantile(sorted, 0.75) - quantile(sorted, 0.25)) / 1.34;
     let scale = if spread > 0.0 { sd.min(spread) } else { sd };
-    let width = 0.9 * scale * (sorted.len() as f64).powf(-0.2);
+    let width = 0.9 * scale * libm::pow(sorted.len() as f64, -0.2);
     if width <= 1e-12 * sorted[0].abs().max(1.0) {
         return Vec::new();
     }
@@ -135,7 +135,7 @@ pub(crate) fn density(sorted: &[f64], steps: usize, range: (f64, f64)) -> Vec<(f
     let at = |value: f64| -> f64 {
         sorted
             .iter()
-            .map(|x| (-0.5 * ((value - x) / width).powi(2)).exp())
+            .map(|x| libm::exp(-0.5 * ((value - x) / width).powi(2)))
             .sum()
     };
     let curve: Vec<(f64, f64)> = (0..=steps)

@@ -160,7 +160,12 @@ fn paint(canvas: &mut Canvas<'_>, place: super::axes::Place, panel: &Perpendicul
     if let Some([level, cosine, sine]) = fit::circular_fit(&pairs) {
         let curve: Vec<(f64, f64)> = (0..=90)
             .map(|step| TAU * f64::from(step) / 90.0)
-            .map(|angle| (angle, level + cosine * angle.cos() + sine * angle.sin()))
+            .map(|angle| {
+                (
+                    angle,
+                    level + cosine * libm::cos(angle) + sine * libm::sin(angle),
+                )
+            })
             .filter(|(_, change)| *change >= frame.y.low() && *change <= frame.y.high())
             .map(|(angle, change)| frame.at(angle / TAU * 360.0, change))
             .collect();

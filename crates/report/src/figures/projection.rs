@@ -57,7 +57,7 @@ impl View {
         let centre = [0, 1, 2].map(|axis: usize| f64::midpoint(low[axis], high[axis]));
         let seen = |azimuth: f64| {
             let (right, up, _) = axes(azimuth);
-            dot(right, shown).hypot(dot(up, shown))
+            libm::hypot(dot(right, shown), dot(up, shown))
         };
         // Not at its longest: then all that lies across it would be seen edge on.
         let off = |azimuth: f64| (seen(azimuth) - 0.8).abs();
@@ -139,8 +139,8 @@ impl View {
 }
 
 fn axes(azimuth_degrees: f64) -> ([f64; 3], [f64; 3], [f64; 3]) {
-    let (sin_a, cos_a) = azimuth_degrees.to_radians().sin_cos();
-    let (sin_e, cos_e) = ELEVATION_DEGREES.to_radians().sin_cos();
+    let (sin_a, cos_a) = libm::sincos(azimuth_degrees.to_radians());
+    let (sin_e, cos_e) = libm::sincos(ELEVATION_DEGREES.to_radians());
     let right = [-sin_a, cos_a, 0.0];
     let up = [-sin_e * cos_a, -sin_e * sin_a, cos_e];
     let towards = [cos_e * cos_a, cos_e * sin_a, sin_e];
@@ -221,7 +221,7 @@ pub(crate) fn paint_box(canvas: &mut Canvas<'_>, view: &View, titles: [&str; 3])
         } else {
             (centre.0 - middle.0, (centre.1 - middle.1).max(1.0))
         };
-        let length = dx.hypot(dy);
+        let length = libm::hypot(dx, dy);
         let away = (dx / length, dy / length);
         let ends = (at(view.low[axis]), at(view.high[axis]));
         canvas.line(ends.0, ends.1, edge);

@@ -228,7 +228,7 @@ fn luminance(colour: RGBColor) -> f64 {
         if share <= 0.040_45 {
             share / 12.92
         } else {
-            ((share + 0.055) / 1.055).powf(2.4)
+            libm::pow((share + 0.055) / 1.055, 2.4)
         }
     };
     0.2126 * channel(colour.0) + 0.7152 * channel(colour.1) + 0.0722 * channel(colour.2)

@@ -32,7 +32,7 @@ pub(crate) fn straightened(points: &[(i32, i32)], apart: f64) -> Vec<(i32, i32)>
         } else {
             0.0
         };
-        (off.0 - along * way.0).hypot(off.1 - along * way.1)
+        libm::hypot(off.0 - along * way.0, off.1 - along * way.1)
     };
     let mut out: Vec<(i32, i32)> = points.iter().take(1).copied().collect();
     let mut kept = 0;

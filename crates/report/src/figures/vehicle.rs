@@ -13,7 +13,7 @@ pub(crate) fn paint_vehicle(
     turn: f64,
     colour: RGBColor,
 ) {
-    let (sin, cos) = turn.sin_cos();
+    let (sin, cos) = libm::sincos(turn);
     let place = |along: f64, across: f64| {
         let (x, y) = (along * length, across * width);
         (centre.0 + x * cos - y * sin, centre.1 - x * sin - y * cos)

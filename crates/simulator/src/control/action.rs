@@ -2,7 +2,7 @@
 
 /// What the car's driver may ask of its steering.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Manoeuvre {
+pub enum Manoeuvre {
     /// Change to `lane` over `duration_s` at the present speed.
     Change {
         /// Lane to go to.

@@ -3,7 +3,7 @@
 use super::{
     action::{Action, Manoeuvre},
     emergency::EmergencyBrake,
-    following::{self, Lead},
+    following::{Lead, following_acceleration},
     intervention::{Intervention, InterventionKind},
     lane_change::{ReturnRule, duration_s, gaps_are_safe},
     passing::DrivingUp,
@@ -173,7 +173,7 @@ impl<'a> AutomatedDriver<'a> {
                     gap_m: n.gap_m,
                     speed_mps: n.vehicle.speed_mps,
                 };
-                following::command(s, asked.following_distance_m, speed, lead, cruise)
+                following_acceleration(s, asked.following_distance_m, speed, lead, cruise)
             })
             .fold(cruise, f64::min);
         self.velocity_leads = wanted >= cruise;

@@ -8,26 +8,22 @@ const OPENS_AT_MPS: f64 = 3.0;
 
 /// A vehicle ahead in a lane that ego uses.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Lead {
+pub struct Lead {
     /// Bumper to bumper, in m.
-    pub(super) gap_m: f64,
+    pub gap_m: f64,
     /// Its speed, in m/s.
-    pub(super) speed_mps: f64,
+    pub speed_mps: f64,
 }
 
 /// f̂': the distance asked for, or the safe one where that is longer, in m.
-pub(super) fn kept_distance_m(
-    settings: &ControllerSettings,
-    asked_m: f64,
-    speed_mps: f64,
-    lead: Lead,
-) -> f64 {
+fn kept_distance_m(settings: &ControllerSettings, asked_m: f64, speed_mps: f64, lead: Lead) -> f64 {
     let safe = safety::safe_distance_m(settings, speed_mps, lead.speed_mps) + settings.margin_m;
     asked_m.max(safe)
 }
 
-/// Acceleration wanted behind `lead`, in m/s², where the velocity controller wants `cruise_mps2`: never more than that.
-pub(super) fn command(
+/// Acceleration wanted behind `lead`, in m/s², to keep `asked_m` (m) or the safe distance where that is longer, at `speed_mps` (m/s), where
+/// the velocity controller wants `cruise_mps2`: never more than that.
+pub fn following_acceleration(
     settings: &ControllerSettings,
     asked_m: f64,
     speed_mps: f64,
@@ -105,7 +101,7 @@ mod tests {
             gap_m: 45.0,
             speed_mps: 27.0,
         };
-        let wanted = command(&paper(), 40.0, 30.0, lead, 0.3);
+        let wanted = following_acceleration(&paper(), 40.0, 30.0, lead, 0.3);
         assert!((wanted - 0.3).abs() < 1e-12);
     }
 
@@ -118,7 +114,7 @@ mod tests {
         let kept = kept_distance_m(&ASKED, 0.0, 30.0, lead);
         assert!((kept - safety::safe_distance_m(&ASKED, 30.0, 28.0) - 2.0).abs() < 1e-12);
         for settings in [ASKED, paper()] {
-            assert!(command(&settings, 0.0, 30.0, lead, 2.0) < 0.0);
+            assert!(following_acceleration(&settings, 0.0, 30.0, lead, 2.0) < 0.0);
         }
     }
 
@@ -133,7 +129,7 @@ mod tests {
                 following_threshold_m: 30.0,
                 ..settings
             };
-            assert!(command(&near, 14.9, 10.0, lead, 2.0).abs() < 1e-12);
+            assert!(following_acceleration(&near, 14.9, 10.0, lead, 2.0).abs() < 1e-12);
         }
     }
 
@@ -143,7 +139,7 @@ mod tests {
             gap_m: 150.0,
             speed_mps: 33.0,
         };
-        assert!((command(&ASKED, 40.0, 30.0, far, 0.1) - 0.1).abs() < 1e-12);
+        assert!((following_acceleration(&ASKED, 40.0, 30.0, far, 0.1) - 0.1).abs() < 1e-12);
     }
 
     #[test]
@@ -154,7 +150,7 @@ mod tests {
                 gap_m: 60.0 - 0.1 * f64::from(tenth),
                 speed_mps: 26.0,
             };
-            let wanted = command(&paper(), 40.0, 30.0, lead, 0.5);
+            let wanted = following_acceleration(&paper(), 40.0, 30.0, lead, 0.5);
             if let Some(last) = last.replace(wanted) {
                 assert!((wanted - last).abs() < 0.15);
             }

@@ -13,8 +13,12 @@ mod safety;
 mod sideways;
 mod velocity;
 
+pub use action::Manoeuvre;
 pub(crate) use automated::AutomatedDriver;
 pub use by_hand::Hands;
+pub use following::{Lead, following_acceleration};
 pub use intervention::{Intervention, InterventionKind};
+pub use path::{PathShape, Steering};
 pub(crate) use safety::safe_distance_m;
 pub use safety::{lateral_safe_distance, safe_distance};
+pub use velocity::{VelocityController, bounded_jerk};

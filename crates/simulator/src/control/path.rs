@@ -74,7 +74,7 @@ impl Bezier {
 
 /// What a lane change looks like from above.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum PathShape {
+pub enum PathShape {
     /// A cubic Bezier curve: the automated car's and the usual people's.
     Bezier,
     /// The course of an even movement of the hand, crossing the line late where `lateness` is above 1.
@@ -141,7 +141,7 @@ struct Change {
 
 /// Keeps the lane, or carries out a change.
 #[derive(Debug, Clone)]
-pub(crate) struct Steering {
+pub struct Steering {
     lane_width_m: f64,
     gain_per_s: f64,
     lane: u8,
@@ -151,7 +151,8 @@ pub(crate) struct Steering {
 }
 
 impl Steering {
-    pub(crate) fn new(lane_width_m: f64, gain_per_s: f64, lane: u8, shape: PathShape) -> Self {
+    /// Keeps `lane` (the right one is 0) on lanes of this width (m); `gain_per_s` is Stanley's gain on the distance to the path.
+    pub fn new(lane_width_m: f64, gain_per_s: f64, lane: u8, shape: PathShape) -> Self {
         Self {
             lane_width_m,
             gain_per_s,
@@ -163,17 +164,17 @@ impl Steering {
     }
 
     /// The lane kept, or the one a change goes to.
-    pub(crate) fn lane(&self) -> u8 {
+    pub fn lane(&self) -> u8 {
         self.lane
     }
 
     /// The lane a change under way came from.
-    pub(crate) fn coming_from(&self) -> Option<u8> {
+    pub fn coming_from(&self) -> Option<u8> {
         self.change.map(|change| change.from)
     }
 
     /// How much of the change under way lies behind, 0 to 1, at `x_m`.
-    pub(crate) fn progress(&self, x_m: f64) -> Option<f64> {
+    pub fn progress(&self, x_m: f64) -> Option<f64> {
         self.change.map(|change| {
             let length = change.curve.end_x_m() - change.start_x_m;
             ((x_m - change.start_x_m) / length).clamp(0.0, 1.0)
@@ -181,7 +182,7 @@ impl Steering {
     }
 
     /// Control points of the Bezier curve under way, in m.
-    pub(crate) fn path_m(&self) -> Option<[(f64, f64); 4]> {
+    pub fn path_m(&self) -> Option<[(f64, f64); 4]> {
         match self.change?.curve {
             Curve::Bezier(curve) => Some(std::array::from_fn(|i| (curve.x[i], curve.y[i]))),
             Curve::Eased(_) => None,
@@ -189,12 +190,12 @@ impl Steering {
     }
 
     /// Where in its lane the car drives from now on, in m to the left of the centre.
-    pub(crate) fn drive_at(&mut self, offset_m: f64) {
+    pub fn drive_at(&mut self, offset_m: f64) {
         self.offset_m = offset_m;
     }
 
-    /// Begins what the driver asks.
-    pub(crate) fn begin(&mut self, manoeuvre: Manoeuvre, car: Pose) {
+    /// Begins what the driver asks, from where the car is.
+    pub fn begin(&mut self, manoeuvre: Manoeuvre, car: Pose) {
         let (lane, duration_s) = match manoeuvre {
             Manoeuvre::Change { lane, duration_s } => (lane, duration_s),
             Manoeuvre::GoBack { duration_s } => match self.change {
@@ -224,7 +225,7 @@ impl Steering {
     }
 
     /// Lateral position (m) and heading (rad) of the path at `x_m`.
-    pub(crate) fn path_at(&self, x_m: f64) -> (f64, f64) {
+    pub fn path_at(&self, x_m: f64) -> (f64, f64) {
         let (y_m, heading_rad) = match &self.change {
             Some(change) => change.curve.at(x_m),
             None => (f64::from(self.lane) * self.lane_width_m, 0.0),
@@ -232,12 +233,13 @@ impl Steering {
         (y_m + self.offset_m, heading_rad)
     }
 
-    /// Angle of the front wheels, in rad: Stanley's rule at the front axle.
+    /// Angle of the front wheels, in rad, positive to the left: Stanley's rule at the front axle. To be asked at every step: it also
+    /// ends a change that is done.
     ///
     /// # Source
     /// Snider 2009, section 2.3: heading error plus atan(k e / v); plus the slip of the front tyres in the road's bend (ours),
     /// without which a car with tyres runs wide.
-    pub(crate) fn angle_rad(&mut self, car: &dyn Vehicle, line: &CentreLine) -> f64 {
+    pub fn angle_rad(&mut self, car: &dyn Vehicle, line: &CentreLine) -> f64 {
         let axle = car.front_axle(line);
         let pose = car.pose();
         if self.change.is_some_and(|c| pose.x_m >= c.curve.end_x_m()) {

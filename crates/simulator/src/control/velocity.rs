@@ -4,7 +4,7 @@ use crate::scenario::ControllerSettings;
 
 /// Proportional and integral action on the speed error, with anti-windup.
 #[derive(Debug, Clone, Default)]
-pub(super) struct VelocityController {
+pub struct VelocityController {
     integral_mps2: f64,
 }
 
@@ -14,11 +14,11 @@ const INTEGRAL_LIMIT_MPS2: f64 = 1.0;
 const INTEGRAL_BAND_MPS: f64 = 2.0;
 
 impl VelocityController {
-    /// Acceleration wanted, in m/s².
+    /// Acceleration wanted, in m/s², from the speed wanted and the car's (both in m/s); called once a step of `step_s` (s).
     ///
     /// `leads` says whether this controller had the car in the step before: while another one has it, or the error
     /// is large, the integral fades instead of winding up.
-    pub(super) fn command(
+    pub fn command(
         &mut self,
         settings: &ControllerSettings,
         wanted_mps: f64,
@@ -39,8 +39,8 @@ impl VelocityController {
     }
 }
 
-/// Moves `last_mps2` towards `wanted_mps2` no faster than the jerk bound allows.
-pub(super) fn bounded_jerk(
+/// Moves an acceleration towards the wanted one (m/s²), within a step of `step_s` (s) no further than the jerk bound allows.
+pub fn bounded_jerk(
     settings: &ControllerSettings,
     last_mps2: f64,
     wanted_mps2: f64,

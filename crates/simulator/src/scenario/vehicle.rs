@@ -184,7 +184,7 @@ impl VehicleSettings {
         (PLANNING_STEP_S / self.step_s).round() as usize
     }
 
-    pub(super) fn check(&self) -> Result<(), SimulatorError> {
+    pub(crate) fn check(&self) -> Result<(), SimulatorError> {
         let ranges = [
             (
                 "length_m",

@@ -165,22 +165,23 @@ fn log_bf10(t: f64, n: f64, df: f64) -> f64 {
     const STEP: f64 = 0.25;
     let square = t * t;
     let scaled = 0.5 * n;
-    let without = -0.5 * (df + 1.0) * (square / df).ln_1p();
+    let without = -0.5 * (df + 1.0) * libm::log1p(square / df);
     let ln_term = |x: f64| {
-        let spread = 1.0 + scaled * x.exp();
-        let with = -0.5 * spread.ln() - 0.5 * (df + 1.0) * (square / (spread * df)).ln_1p();
+        let spread = 1.0 + scaled * libm::exp(x);
+        let with =
+            -0.5 * libm::log(spread) - 0.5 * (df + 1.0) * libm::log1p(square / (spread * df));
         // The density of ln g.
-        with - 0.5 * (std::f64::consts::TAU.ln() + x + (-x).exp())
+        with - 0.5 * (libm::log(std::f64::consts::TAU) + x + libm::exp(-x))
     };
     // Above x = 2 ln t the terms fall as exp(-x).
-    let last = (45.0 + 2.0 * (1.0 + t.abs()).ln()) / STEP;
+    let last = (45.0 + 2.0 * libm::log(1.0 + t.abs())) / STEP;
     let first = -8.0 / STEP;
     let terms: Vec<f64> = (first as i32..=last as i32)
         .map(|i| ln_term(STEP * f64::from(i)))
         .collect();
     let top = terms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let sum: f64 = terms.iter().map(|ln| (ln - top).exp()).sum();
-    top + (STEP * sum).ln() - without
+    let sum: f64 = terms.iter().map(|ln| libm::exp(ln - top)).sum();
+    top + libm::log(STEP * sum) - without
 }
 
 #[cfg(test)]

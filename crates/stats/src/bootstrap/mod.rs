@@ -300,7 +300,7 @@ fn acceleration(sample: &Sample) -> Option<f64> {
     let deviations = crate::numerics::moments::centred(&values);
     let squares: f64 = deviations.iter().map(|d| d * d).sum();
     let cubes: f64 = deviations.iter().map(|d| -d * d * d).sum();
-    (squares > 0.0).then(|| cubes / (6.0 * squares.powf(1.5)))
+    (squares > 0.0).then(|| cubes / (6.0 * libm::pow(squares, 1.5)))
 }
 
 #[cfg(test)]

@@ -225,10 +225,13 @@ pub fn simultaneous_interval(r: f64, n: usize, tests: usize, ranks: bool) -> Opt
         return Some((r, r));
     }
     let variance = if ranks { 1.0 + 0.5 * r * r } else { 1.0 };
-    let outside = -f64::ln_1p(-0.05) / tests as f64;
-    let tail = -f64::exp_m1(-outside) / 2.0;
+    let outside = -libm::log1p(-0.05) / tests as f64;
+    let tail = -libm::expm1(-outside) / 2.0;
     let half = -normal_quantile(tail) * (variance / (n as f64 - 3.0)).sqrt();
-    Some(((r.atanh() - half).tanh(), (r.atanh() + half).tanh()))
+    Some((
+        libm::tanh(libm::atanh(r) - half),
+        libm::tanh(libm::atanh(r) + half),
+    ))
 }
 
 /// tanh(atanh(r) ± z · error), which is r itself at ±1.
@@ -237,7 +240,10 @@ pub(crate) fn fisher_interval(r: f64, error: f64) -> (f64, f64) {
         return (r, r);
     }
     let half = 1.959_963_984_540_054 * error;
-    ((r.atanh() - half).tanh(), (r.atanh() + half).tanh())
+    (
+        libm::tanh(libm::atanh(r) - half),
+        libm::tanh(libm::atanh(r) + half),
+    )
 }
 
 /// Two-sided p of a correlation with `df` degrees of freedom: t = r √(df / (1 - r²)); the

@@ -170,7 +170,7 @@ fn edgeworth(rho: f64, n: f64) -> f64 {
                 - y * b
                     * (0.0879 + 0.0151 * b
                         - y * (0.0072 - 0.0831 * b + y * b * (0.0131 - 4.6e-4 * y)))));
-    let correction = series / (0.5 * y).exp();
+    let correction = series / libm::exp(0.5 * y);
     let tail = if upper {
         normal_upper(x) + correction
     } else {

@@ -71,7 +71,7 @@ pub(super) fn test(a: &Sample, b: &Sample) -> (MannWhitney, Reasons) {
     }
     let biserial = 2.0 * u / product - 1.0;
     let half = normal_quantile(0.975) * ((n + 1.0) / (3.0 * product)).sqrt();
-    let interval = (biserial.abs() < 1.0).then(|| biserial.atanh());
+    let interval = (biserial.abs() < 1.0).then(|| libm::atanh(biserial));
     if interval.is_none() {
         let names = ["rank_biserial_ci_low", "rank_biserial_ci_high"];
         reasons.note_all(&names, "the groups do not overlap: Fisher's z is infinite");
@@ -80,8 +80,8 @@ pub(super) fn test(a: &Sample, b: &Sample) -> (MannWhitney, Reasons) {
     let result = MannWhitney {
         u,
         rank_biserial: biserial,
-        rank_biserial_ci_low: interval.map(|z| (z - half).tanh()),
-        rank_biserial_ci_high: interval.map(|z| (z + half).tanh()),
+        rank_biserial_ci_low: interval.map(|z| libm::tanh(z - half)),
+        rank_biserial_ci_high: interval.map(|z| libm::tanh(z + half)),
         z: sd.map(|sd| away / sd),
         p: None,
         p_method: None,

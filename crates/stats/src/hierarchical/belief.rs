@@ -140,7 +140,7 @@ impl Belief {
             return 0.0;
         }
         let left = (1.0 - shared * shared / (before * spread)).max(1e-12);
-        -0.5 * left.ln()
+        -0.5 * libm::log(left)
     }
 }
 

@@ -92,15 +92,15 @@ pub fn hierarchical(
     let shrunken = groups.iter().flatten().max().map_or(0, |g| g + 1);
     let (p, q) = (blocks.p, blocks.q);
     let prior = |theta: &[f64]| {
-        let sd = |j: usize| groups[j].map_or(WIDE, |g| theta[g].clamp(-12.0, 6.0).exp());
+        let sd = |j: usize| groups[j].map_or(WIDE, |g| libm::exp(theta[g].clamp(-12.0, 6.0)));
         Matrix::from(p, p, |i, j| if i == j { sd(i).powi(-2) } else { 0.0 })
     };
     // θ: ln τ of each group, ln ψ/σ of each column of z; σ is profiled by hand.
     let evaluate = |theta: &[f64]| -> Option<(Vec<f64>, Matrix, f64)> {
-        let sigma = theta[shrunken + q].clamp(-12.0, 6.0).exp();
+        let sigma = libm::exp(theta[shrunken + q].clamp(-12.0, 6.0));
         let l = Matrix::from(q, q, |i, j| {
             if i == j {
-                theta[shrunken + i].clamp(-12.0, 6.0).exp() / sigma
+                libm::exp(theta[shrunken + i].clamp(-12.0, 6.0)) / sigma
             } else {
                 0.0
             }
@@ -108,7 +108,7 @@ pub fn hierarchical(
         let sums = blocks.weighted(&l)?;
         let variance = sigma * sigma;
         let mut precision = prior(theta);
-        let ln_prior: f64 = (0..p).map(|i| precision[(i, i)].ln()).sum();
+        let ln_prior: f64 = (0..p).map(|i| libm::log(precision[(i, i)])).sum();
         precision.add(&sums.xx, 1.0 / variance);
         let factor = precision.cholesky()?;
         let mut right = Matrix::zeros(p, 1);
@@ -117,7 +117,7 @@ pub fn hierarchical(
         let squares = sums.yy / variance - right.transposed_times(&mean)[(0, 0)];
         let n = blocks.rows as f64;
         let ln_evidence = -0.5
-            * (n * (std::f64::consts::TAU * variance).ln() + sums.ln_determinant + squares
+            * (n * libm::log(std::f64::consts::TAU * variance) + sums.ln_determinant + squares
                 - ln_prior
                 + factor.ln_determinant());
         let mean: Vec<f64> = (0..p).map(|i| mean[(i, 0)]).collect();
@@ -142,7 +142,7 @@ pub fn hierarchical(
     let mean = mean.into_iter().map(|m| m * scale).collect();
     let mut scaled = Matrix::zeros(p, p);
     scaled.add(&covariance, scale * scale);
-    let sd = |t: f64| t.clamp(-12.0, 6.0).exp() * scale;
+    let sd = |t: f64| libm::exp(t.clamp(-12.0, 6.0)) * scale;
     Ok(Hierarchical {
         coefficients: Belief::from_matrix(mean, &scaled),
         shrunken_sd: theta[..shrunken].iter().map(|t| sd(*t)).collect(),
@@ -151,7 +151,7 @@ pub fn hierarchical(
             .map(|t| sd(*t))
             .collect(),
         residual_sd: sd(theta[shrunken + q]),
-        ln_evidence: ln_evidence - blocks.rows as f64 * scale.ln(),
+        ln_evidence: ln_evidence - blocks.rows as f64 * libm::log(scale),
     })
 }
 

@@ -251,7 +251,7 @@ fn profile(blocks: &Blocks, l: &Matrix, method: MixedMethod) -> Option<(Matrix, 
     }
     let variance = rest / freedom;
     let deviance =
-        ln_determinant + restricted + freedom * (1.0 + (std::f64::consts::TAU * variance).ln());
+        ln_determinant + restricted + freedom * (1.0 + libm::log(std::f64::consts::TAU * variance));
     Some((beta, factor.inverse(), variance, deviance))
 }
 

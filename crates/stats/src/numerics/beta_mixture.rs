@@ -63,7 +63,7 @@ impl BetaMixture {
     }
 
     fn sum_of_table(&self, rate: f64) -> f64 {
-        let mut weight = (-rate - ln_gamma(self.shift)).exp();
+        let mut weight = libm::exp(-rate - ln_gamma(self.shift));
         let (mut total, mut place) = (0.0, self.shift);
         for tail in &self.tails {
             let term = weight * tail;
@@ -79,18 +79,18 @@ impl BetaMixture {
 
     /// x^a y^b / (a B(a, b)).
     fn step_at(&self, a: f64) -> f64 {
-        (a * self.x.ln() + self.b * self.y.ln() - ln_beta(a, self.b)).exp() / a
+        libm::exp(a * libm::log(self.x) + self.b * libm::log(self.y) - ln_beta(a, self.b)) / a
     }
 
     /// Starts at the largest weight, so that the rate may be large.
     fn sum_outwards(&self, rate: f64) -> f64 {
         let start = rate.floor();
         let ln_weight = if rate > 0.0 {
-            start * rate.ln() - rate - ln_gamma(start + self.shift)
+            start * libm::log(rate) - rate - ln_gamma(start + self.shift)
         } else {
             -ln_gamma(self.shift)
         };
-        let weight = ln_weight.exp();
+        let weight = libm::exp(ln_weight);
         let a0 = self.a + start;
         let tail = beta_tails(a0, self.b, self.x, self.y).0;
         // I(a + 1) = I(a) - x^a y^b / (a B(a, b)).

@@ -30,7 +30,7 @@ pub(crate) fn normal_two_sided(z: f64) -> f64 {
 
 /// The density of the standard normal distribution.
 pub(crate) fn normal_density(z: f64) -> f64 {
-    (-0.5 * z * z).exp() * 0.398_942_280_401_432_7
+    libm::exp(-0.5 * z * z) * 0.398_942_280_401_432_7
 }
 
 /// z with P(Z < z) = `p`, for `p` strictly between 0 and 1.
@@ -64,12 +64,12 @@ pub(crate) fn t_upper(t: f64, df: f64) -> f64 {
 /// t with P(|T| > t) = `p`.
 pub(crate) fn t_quantile_two_sided(p: f64, df: f64) -> Option<f64> {
     let guess = normal_quantile(1.0 - 0.5 * p);
-    let gap = |t: f64| t_two_sided(t, df).ln() - p.ln();
+    let gap = |t: f64| libm::log(t_two_sided(t, df)) - libm::log(p);
     // Newton's steps on the logarithm, from the first term of the expansion in 1/df.
-    let ln_density = |t: f64| -0.5 * (df + 1.0) * (t * t / df).ln_1p() - ln_beta(0.5, 0.5 * df);
+    let ln_density = |t: f64| -0.5 * (df + 1.0) * libm::log1p(t * t / df) - ln_beta(0.5, 0.5 * df);
     let mut t = guess + guess * (guess * guess + 1.0) / (4.0 * df);
     for _ in 0..20 {
-        let slope = 2.0 * ln_density(t).exp() / df.sqrt() / t_two_sided(t, df);
+        let slope = 2.0 * libm::exp(ln_density(t)) / df.sqrt() / t_two_sided(t, df);
         let step = gap(t) / slope;
         t += step;
         if !(step.is_finite() && t > 0.0) {

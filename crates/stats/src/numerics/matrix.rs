@@ -130,7 +130,9 @@ impl Cholesky {
     }
 
     pub(crate) fn ln_determinant(&self) -> f64 {
-        (0..self.0.rows).map(|i| 2.0 * self.0[(i, i)].ln()).sum()
+        (0..self.0.rows)
+            .map(|i| 2.0 * libm::log(self.0[(i, i)]))
+            .sum()
     }
 
     /// L⁻¹ · b.

@@ -26,25 +26,25 @@ pub(crate) fn ln_beta(a: f64, b: f64) -> f64 {
     let share = p / (p + q);
     if p < 10.0 {
         let corr = stirling_rest(q) - stirling_rest(p + q);
-        return ln_gamma(p) + corr + p - p * (p + q).ln() + (q - 0.5) * (-share).ln_1p();
+        return ln_gamma(p) + corr + p - p * libm::log(p + q) + (q - 0.5) * libm::log1p(-share);
     }
     let corr = stirling_rest(p) + stirling_rest(q) - stirling_rest(p + q);
-    -0.5 * q.ln()
-        + 0.5 * (2.0 * std::f64::consts::PI).ln()
+    -0.5 * libm::log(q)
+        + 0.5 * libm::log(2.0 * std::f64::consts::PI)
         + corr
-        + (p - 0.5) * share.ln()
-        + q * (-share).ln_1p()
+        + (p - 0.5) * libm::log(share)
+        + q * libm::log1p(-share)
 }
 
 /// Hedges' exact correction, Γ(m/2) / (√(m/2) Γ((m-1)/2)), for m degrees of freedom, m > 1.
 pub(crate) fn hedges_factor(m: f64) -> f64 {
-    (ln_gamma_half_step(0.5 * (m - 1.0)) - 0.5 * (0.5 * m).ln()).exp()
+    libm::exp(ln_gamma_half_step(0.5 * (m - 1.0)) - 0.5 * libm::log(0.5 * m))
 }
 
 /// `ln_gamma(x + 1/2) - ln_gamma(x)`.
 pub(crate) fn ln_gamma_half_step(x: f64) -> f64 {
     // B(x, 1/2) = Γ(x) Γ(1/2) / Γ(x + 1/2)
-    0.5 * std::f64::consts::PI.ln() - ln_beta(x, 0.5)
+    0.5 * libm::log(std::f64::consts::PI) - ln_beta(x, 0.5)
 }
 
 /// `(I_x(a, b), 1 - I_x(a, b))`, where `y = 1 - x` is given beside `x` to keep its digits.
@@ -56,8 +56,14 @@ pub(crate) fn beta_tails(a: f64, b: f64, x: f64, y: f64) -> (f64, f64) {
         return (1.0, 0.0);
     }
     // The logarithm of what is close to 1 has its digits in the other of both.
-    let ln = |of: f64, rest: f64| if rest < 0.5 { (-rest).ln_1p() } else { of.ln() };
-    let front = (a * ln(x, y) + b * ln(y, x) - ln_beta(a, b)).exp();
+    let ln = |of: f64, rest: f64| {
+        if rest < 0.5 {
+            libm::log1p(-rest)
+        } else {
+            libm::log(of)
+        }
+    };
+    let front = libm::exp(a * ln(x, y) + b * ln(y, x) - ln_beta(a, b));
     if x < (a + 1.0) / (a + b + 2.0) {
         let low = (front * beta_fraction(a, b, x) / a).min(1.0);
         (low, 1.0 - low)
@@ -94,16 +100,16 @@ fn beta_fraction(a: f64, b: f64, x: f64) -> f64 {
 /// `x^a e^-x / Γ(a)`, without the cancellation of large logarithms.
 fn gamma_front(a: f64, x: f64) -> f64 {
     if a < 10.0 {
-        return (a * x.ln() - x - ln_gamma(a)).exp();
+        return libm::exp(a * libm::log(x) - x - ln_gamma(a));
     }
     let share = (x - a) / a;
     let distance = if share.abs() < 0.5 {
-        share - share.ln_1p()
+        share - libm::log1p(share)
     } else {
-        share - (x / a).ln()
+        share - libm::log(x / a)
     };
-    let ln_root = 0.5 * (a / std::f64::consts::TAU).ln();
-    (ln_root - stirling_rest(a) - a * distance).exp()
+    let ln_root = 0.5 * libm::log(a / std::f64::consts::TAU);
+    libm::exp(ln_root - stirling_rest(a) - a * distance)
 }
 
 /// `Q(a, x)`, the upper regularised incomplete gamma function.

@@ -66,8 +66,8 @@ fn rotate(columns: &mut [Vec<f64>], p: usize, q: usize) -> bool {
         return false;
     }
     let zeta = (bb - aa) / (2.0 * ab);
-    let tangent = 1.0_f64.copysign(zeta) / (zeta.abs() + zeta.hypot(1.0));
-    let cosine = 1.0 / tangent.hypot(1.0);
+    let tangent = 1.0_f64.copysign(zeta) / (zeta.abs() + libm::hypot(zeta, 1.0));
+    let cosine = 1.0 / libm::hypot(tangent, 1.0);
     let sine = cosine * tangent;
     for (x, y) in a.iter_mut().zip(b.iter_mut()) {
         (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);

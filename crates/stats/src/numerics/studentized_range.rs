@@ -56,8 +56,8 @@ pub(crate) fn upper(q: f64, k: usize) -> f64 {
 /// trapezoidal rule again. Its error is about exp(-π²/(2 step)) for few and exp(-π²/(df step²)) for many degrees of freedom.
 pub(crate) fn upper_with_df(q: f64, k: usize, df: f64) -> f64 {
     let half = 0.5 * df;
-    let ln_front = std::f64::consts::LN_2 + half * half.ln() - ln_gamma(half);
-    let ln_density = |x: f64| ln_front + df * x - half * (2.0 * x).exp();
+    let ln_front = std::f64::consts::LN_2 + half * libm::log(half) - ln_gamma(half);
+    let ln_density = |x: f64| ln_front + df * x - half * libm::exp(2.0 * x);
     let step = 0.12_f64.min(0.5 / (2.0 * df).sqrt());
     let mut total = 0.0;
     for side in [-1.0, 1.0] {
@@ -65,8 +65,8 @@ pub(crate) fn upper_with_df(q: f64, k: usize, df: f64) -> f64 {
         let mut i = if side < 0.0 { 1.0 } else { 0.0 };
         loop {
             let x = side * step * i;
-            let density = ln_density(x).exp();
-            total += density * upper(q * x.exp(), k);
+            let density = libm::exp(ln_density(x));
+            total += density * upper(q * libm::exp(x), k);
             if density < 1e-18 && i > 3.0 {
                 break;
             }
@@ -78,7 +78,11 @@ pub(crate) fn upper_with_df(q: f64, k: usize, df: f64) -> f64 {
 
 /// q with P(range > q) = `p`, as [`upper_with_df`].
 pub(crate) fn quantile_upper(p: f64, k: usize, df: f64) -> Option<f64> {
-    roots::upwards(|q| upper_with_df(q, k, df).ln() - p.ln(), 0.0, 4.0)
+    roots::upwards(
+        |q| libm::log(upper_with_df(q, k, df)) - libm::log(p),
+        0.0,
+        4.0,
+    )
 }
 
 #[cfg(test)]

@@ -56,7 +56,7 @@ impl Rule {
         for (z, w) in TEN {
             for sign in [-1.0, 1.0] {
                 nodes.push(sign * std::f64::consts::SQRT_2 * z);
-                weights.push(w * (z * z).exp() / root);
+                weights.push(w * libm::exp(z * z) / root);
             }
         }
         Self { nodes, weights }
@@ -122,7 +122,7 @@ impl Sample {
 
     /// Thresholds of the pooled answers, no effects, σ = 1.
     pub(super) fn start(&self) -> Vec<f64> {
-        let logit = |share: &f64| 1.15 * (share / (1.0 - share)).ln();
+        let logit = |share: &f64| 1.15 * libm::log(share / (1.0 - share));
         let mut start: Vec<f64> = self.shares.iter().map(logit).collect();
         start.resize(self.parameters() - 1, 0.0);
         start.push(1.0);
@@ -161,7 +161,7 @@ impl Sample {
         for (node, weight) in rule.nodes.iter().zip(&rule.weights) {
             let v = mode + spread * node;
             let here = work.at(terms, sigma, v, false);
-            let share = weight * (here.value - top.value).exp();
+            let share = weight * libm::exp(here.value - top.value);
             sum += share;
             let slope = share * (-sigma * here.d[0] - v);
             pull += slope;
@@ -188,7 +188,7 @@ impl Sample {
         gradient[last] += by_sigma / sum
             + by_mode * (sigma * mode * top.d[1] - top.d[0])
             + by_spread * (2.0 * sigma * top.d[1] - sigma * sigma * mode * top.d[2]);
-        top.value + (spread * sum).ln()
+        top.value + libm::log(spread * sum)
     }
 }
 
@@ -229,8 +229,8 @@ impl<'a> Likelihood<'a> {
             if width.is_nan() || width <= 0.0 {
                 return None;
             }
-            total += count * (-(-width).exp_m1()).ln();
-            let slope = count / width.exp_m1();
+            total += count * libm::log(-libm::expm1(-width));
+            let slope = count / libm::expm1(width);
             gradient[lower + 1] += slope;
             gradient[lower] -= slope;
         }
@@ -270,11 +270,11 @@ impl Work {
         }
         let mut product = 1.0;
         for (term, eta) in terms.iter().zip(&self.etas) {
-            let odds = (term.sign * (eta - sigma * v)).clamp(-700.0, 700.0).exp();
+            let odds = libm::exp((term.sign * (eta - sigma * v)).clamp(-700.0, 700.0));
             let q = 1.0 / (1.0 + odds);
             product *= odds * q;
             if product < 1e-200 {
-                at.value += product.ln();
+                at.value += libm::log(product);
                 product = 1.0;
             }
             let first = term.sign * q;
@@ -289,7 +289,7 @@ impl Work {
                 self.third.push(third);
             }
         }
-        at.value += product.ln();
+        at.value += libm::log(product);
         at
     }
 

@@ -119,7 +119,10 @@ fn of_ranks(main: &SignedRanks, pratt: &SignedRanks) -> Wilcoxon {
         let n = n as f64;
         let error = ((2.0 * n.powi(3) + 3.0 * n * n + n) / 6.0).sqrt() / (0.5 * n * (n + 1.0));
         let half = 1.959_963_984_540_054 * error;
-        ((r.atanh() - half).tanh(), (r.atanh() + half).tanh())
+        (
+            libm::tanh(libm::atanh(r) - half),
+            libm::tanh(libm::atanh(r) + half),
+        )
     });
     Wilcoxon {
         n_used: n,

@@ -30,6 +30,7 @@ use maveric_report::{
     tables::{Cell, Column, Table},
 };
 use maveric_stats::proportion;
+use path_slash::PathExt as _;
 use std::{ops::ControlFlow, path::PathBuf};
 
 /// What to compare, and how.
@@ -140,7 +141,7 @@ pub fn ablate(options: &AblateOptions, watch: Watch<'_>) -> Result<Outcome<Ablat
         found.variants.len(),
         found.drives.len(),
         options.folds,
-        page.display()
+        page.to_slash_lossy()
     ));
     let mut warnings = Vec::new();
     if short > 0 {

@@ -9,6 +9,7 @@ use crate::{
     run_folder::read_study,
 };
 use maveric_analysis::{Analysis, Friedman};
+use path_slash::PathExt as _;
 use std::path::PathBuf;
 
 /// What to analyse.
@@ -65,7 +66,7 @@ pub fn analyse(
         "{} of {} participants analysed: {}",
         flow.analysed,
         flow.recruited,
-        options.out.display()
+        options.out.to_slash_lossy()
     )];
     Ok(Outcome {
         value: analysis,

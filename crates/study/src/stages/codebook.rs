@@ -9,6 +9,7 @@ use crate::{
     tables::TableBuilder,
 };
 use maveric_domain::{Scale, Subscale, survey::Scoring};
+use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{fmt::Write as _, path::PathBuf};
 
@@ -83,8 +84,8 @@ pub fn codebook(
         "{} scales, {} items: {}, {}",
         value.scales,
         value.items,
-        markdown.display(),
-        csv.display()
+        markdown.to_slash_lossy(),
+        csv.to_slash_lossy()
     )];
     Ok(Outcome {
         value,

@@ -12,6 +12,7 @@ use maveric_domain::{
     design::{Car, Claim, Compare, Condition, Sign},
 };
 use maveric_measures::objective;
+use path_slash::PathExt as _;
 use serde::{Deserialize, Serialize};
 use std::{
     collections::BTreeMap,
@@ -112,7 +113,7 @@ pub fn freeze(design: Option<&Path>, date: &str) -> Result<Outcome<Frozen>, Stud
         ));
     }
     Ok(Outcome {
-        summary: vec![format!("frozen on {date}: {}", lock.display())],
+        summary: vec![format!("frozen on {date}: {}", lock.to_slash_lossy())],
         value: frozen,
         warnings,
     })
@@ -311,7 +312,7 @@ fn condition(design: &Design, c: &Condition) -> String {
         Some(Car::Mean) => {
             "a car that drives as the average of the drivers learned from".to_owned()
         }
-        Some(Car::Embedding(path)) => format!("a car with the style in {}", path.display()),
+        Some(Car::Embedding(path)) => format!("a car with the style in {}", path.to_slash_lossy()),
         Some(_) => format!("a car whose {dial} the participant turns while riding"),
     };
     let levels: Vec<String> = c.levels.iter().map(|(f, l)| format!("{f}: {l}")).collect();

@@ -16,6 +16,7 @@ use maveric_following::{
     evaluate as evaluate_following,
 };
 use maveric_model::Predictor;
+use path_slash::PathExt as _;
 use std::path::{Path, PathBuf};
 
 /// What to evaluate.
@@ -79,7 +80,7 @@ pub fn evaluate(
         "{} drivers, last third of each drive, closed loop; learned from {} people: {}",
         judged.len(),
         learned.len(),
-        options.out.display()
+        options.out.to_slash_lossy()
     )];
     summary.extend(text::lines(&found));
     Ok(Outcome {

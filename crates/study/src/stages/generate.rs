@@ -16,6 +16,7 @@ use maveric_domain::{DriveId, DriveMeta, DrivenBy, ParticipantId, stream_seed};
 use maveric_ingest::Beside;
 use maveric_participants::{Cohort, CohortSettings, PlannedDrive, answer_before};
 use maveric_simulator::{Driver, People, Scenario, rollout};
+use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{
     collections::BTreeSet,
@@ -156,7 +157,7 @@ pub fn generate(
         "{} synthetic participants, {} drives: {}",
         value.participants,
         value.drives,
-        place.people.display()
+        place.people.to_slash_lossy()
     )];
     Ok(Outcome {
         value,

@@ -19,6 +19,7 @@ use maveric_report::{
     Context,
     figures::drive_overview::{DriveOverview, drive_overview},
 };
+use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{
     collections::BTreeMap,
@@ -163,7 +164,7 @@ pub fn inspect(
     let mut summary = Vec::new();
     for (done, path) in options.files.iter().enumerate() {
         let content = look_into(path, &settings)?;
-        summary.push(format!("{}", path.display()));
+        summary.push(format!("{}", path.to_slash_lossy()));
         summary.extend(lines(&content).into_iter().map(|line| format!("  {line}")));
         files.push(InspectedFile {
             path: path.clone(),
@@ -173,12 +174,12 @@ pub fn inspect(
     }
     if let (Some(out), Some(first)) = (&options.plot, options.files.first()) {
         plot(first, &settings, out)?;
-        summary.push(format!("picture: {}", out.display()));
+        summary.push(format!("picture: {}", out.to_slash_lossy()));
     }
     if let (Some(out), Some(first)) = (&options.csv, options.files.first()) {
         let drive = any_drive(first, &settings)?;
         write_rows(out, &drive)?;
-        summary.push(format!("{} rows: {}", drive.len(), out.display()));
+        summary.push(format!("{} rows: {}", drive.len(), out.to_slash_lossy()));
     }
     if let Some(out) = &options.watch {
         let drives = options
@@ -186,14 +187,17 @@ pub fn inspect(
             .iter()
             .map(|path| read_watched(path, &settings));
         let drives: Vec<_> = drives.collect::<Result<Vec<_>, _>>()?.concat();
-        let logs = options.files.iter().map(|path| path.display().to_string());
+        let logs = options
+            .files
+            .iter()
+            .map(|path| path.to_slash_lossy().into_owned());
         let provenance = [
             ("Version", env!("CARGO_PKG_VERSION").to_owned()),
             ("Logs", logs.collect::<Vec<_>>().join(", ")),
         ]
         .map(|(name, value)| (name.to_owned(), value));
         write_watch_page(out, drives, None, &provenance)?;
-        summary.push(format!("drives to watch: {}", out.display()));
+        summary.push(format!("drives to watch: {}", out.to_slash_lossy()));
     }
     Ok(Outcome {
         value: InspectedFiles { files },

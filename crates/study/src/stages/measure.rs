@@ -12,6 +12,7 @@ use crate::{
     },
 };
 use maveric_domain::DriveId;
+use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{collections::BTreeMap, path::PathBuf};
 
@@ -68,7 +69,7 @@ pub fn measure(
                     problem: format!(
                         "holds drive {}, which {} holds too",
                         drive.meta().drive,
-                        first.display()
+                        first.to_slash_lossy()
                     ),
                     help: Some(
                         "measure each drive once: leave out one of the folders or files".to_owned(),
@@ -120,7 +121,7 @@ pub fn measure(
     let mut summary = vec![format!(
         "{} drives measured: {}",
         rows.len(),
-        options.out.display()
+        options.out.to_slash_lossy()
     )];
     summary.extend(counted("drives", left_out.iter().map(|(_, why)| why)));
     Ok(Outcome {

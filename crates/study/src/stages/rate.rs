@@ -13,6 +13,7 @@ use crate::{
     },
 };
 use maveric_domain::{ConditionId, MeasureValues, spread};
+use path_slash::PathExt as _;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -138,8 +139,8 @@ pub fn rate(options: &RateOptions, watch: Watch<'_>) -> Result<Outcome<Ratings>,
         return Err(StudyError::NotPossible {
             problem: format!(
                 "no participant of {} has an own drive in {}",
-                options.participants.display(),
-                options.measures.display()
+                options.participants.to_slash_lossy(),
+                options.measures.to_slash_lossy()
             ),
             help: Some(
                 "measure the drives of the same study: --drives drives/study2 --drives av/drives"
@@ -150,7 +151,7 @@ pub fn rate(options: &RateOptions, watch: Watch<'_>) -> Result<Outcome<Ratings>,
     write_answers(&options.out, &answers)?;
     let summary = vec![format!(
         "{raters} synthetic participants rated their conditions: {}",
-        options.out.display()
+        options.out.to_slash_lossy()
     )];
     Ok(Outcome {
         value: Ratings {

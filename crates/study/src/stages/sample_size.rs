@@ -3,6 +3,7 @@
 use crate::{atomic_write::read_json, design::DesignFile, error::StudyError};
 use maveric_domain::design::{Car, Outcome};
 use maveric_measures::objective;
+use path_slash::PathExt as _;
 use serde::Deserialize;
 use std::{collections::BTreeMap, path::Path};
 
@@ -89,7 +90,7 @@ pub(super) fn sample_size(
     let note = format!(
         "By a rehearsal ({}): {} made-up studies of each size, analysed as declared here. Its effects are assumed, not known: a share of the \
          studies in which p < .05, after Holm for a contrast.",
-        path.display(),
+        path.to_slash_lossy(),
         first.studies
     );
     lines.insert(0, note);

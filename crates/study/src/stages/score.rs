@@ -19,6 +19,7 @@ use maveric_measures::{
     survey::{SheetTime, response_styles, too_fast},
 };
 use maveric_stats::AlphaAnalysis;
+use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{
     collections::BTreeMap,
@@ -308,7 +309,7 @@ pub fn score(
     let mut summary = vec![format!(
         "{} scores ({missing} missing): {}",
         scored.scores.len(),
-        options.out.display()
+        options.out.to_slash_lossy()
     )];
     summary.extend(counted(
         "sheets of answers",

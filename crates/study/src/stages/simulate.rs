@@ -22,6 +22,7 @@ use maveric_model::Model;
 use maveric_report::html::CentreLine;
 use maveric_simulator::{Driver, RolloutReport, Scenario, SimulatorError, rollout};
 use maveric_steering::ModelPlanner;
+use path_slash::PathExt as _;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -275,12 +276,12 @@ pub fn simulate(
         value.drives,
         value.collisions,
         value.interventions,
-        options.out.display()
+        options.out.to_slash_lossy()
     )];
     if let (Some(page), Some(participant)) = (&options.watch, &watched) {
         summary.push(format!(
             "drives of {participant} to watch: {}",
-            page.page.display()
+            page.page.to_slash_lossy()
         ));
     }
     Ok(Outcome {
@@ -304,14 +305,17 @@ fn write_page(
     };
     drives.extend(driven.iter().filter_map(|d| d.4.clone()));
     let scenario = match &options.scenario {
-        Some(path) => path.display().to_string(),
+        Some(path) => path.to_slash_lossy().into_owned(),
         None => "the paper's".to_owned(),
     };
     let provenance = [
         ("Version", env!("CARGO_PKG_VERSION").to_owned()),
         ("Seed", options.seed.to_string()),
-        ("Model", options.model.display().to_string()),
-        ("Conditions", options.conditions.display().to_string()),
+        ("Model", options.model.to_slash_lossy().into_owned()),
+        (
+            "Conditions",
+            options.conditions.to_slash_lossy().into_owned(),
+        ),
         ("Scenario", scenario),
     ]
     .map(|(name, value)| (name.to_owned(), value));

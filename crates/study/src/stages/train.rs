@@ -20,6 +20,7 @@ use maveric_model::{
     TrainingDrive, model_file, style_space::LinearHead, train as learn,
 };
 use maveric_participants::Part;
+use path_slash::PathExt as _;
 use serde::{Deserialize, Serialize};
 use std::{
     ops::ControlFlow,
@@ -226,7 +227,7 @@ pub fn train(
         options.heads,
         summary.parameters,
         summary.drives,
-        options.out.display()
+        options.out.to_slash_lossy()
     )];
     lines.extend(summary.heads.iter().map(head_line));
     lines.extend(summary.style.as_ref().map(style_line));

@@ -5,6 +5,7 @@ use crate::{atomic_write::atomic_write, error::StudyError};
 use maveric_analysis::Driven;
 use maveric_domain::{Drive, DriveId, DriveMeta, ParticipantId};
 use maveric_ingest::{Provenance, read_drive_from, write_drive_to};
+use path_slash::PathExt as _;
 use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
@@ -125,7 +126,7 @@ pub(crate) fn refuse_foreign<'a>(
         None => Ok(()),
         Some(path) => Err(StudyError::BadFile {
             path,
-            problem: format!("is a drive that {} does not list", list.display()),
+            problem: format!("is a drive that {} does not list", list.to_slash_lossy()),
             help: Some(
                 "nobody knows how it was made: move it elsewhere, or ingest its log with the others"
                     .to_owned(),

@@ -10,6 +10,7 @@ pub mod participants;
 pub mod surveys;
 
 pub use builder::TableBuilder;
+use path_slash::PathExt as _;
 
 use crate::error::StudyError;
 use maveric_domain::nearest;
@@ -171,7 +172,7 @@ impl Table {
             return Err(StudyError::NotPossible {
                 problem: format!(
                     "{}: no row has `{wanted}` in column `{column}`",
-                    self.path.display()
+                    self.path.to_slash_lossy()
                 ),
                 help: Some(format!("its values are {}{more}", shown.join(", "))),
             });

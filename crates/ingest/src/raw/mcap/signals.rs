@@ -28,14 +28,14 @@ fn stamp_ns(row: &[f64]) -> i64 {
 fn heading(q: &[f64]) -> Option<f64> {
     let &[x, y, z, w] = q else { return None };
     let norm2 = x * x + y * y + z * z + w * w;
-    (norm2 > 0.5).then(|| (2.0 * (w * z + x * y)).atan2(w * w + x * x - y * y - z * z))
+    (norm2 > 0.5).then(|| libm::atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z))
 }
 
 /// An object's heading as a vector, of any length; east where it is not known.
 fn direction(row: &[f64]) -> (f64, f64) {
     let (yaw, x, y, z, w) = (row[10], row[4], row[5], row[6], row[7]);
     if !yaw.is_nan() {
-        (yaw.cos(), yaw.sin())
+        (libm::cos(yaw), libm::sin(yaw))
     } else if x * x + y * y + z * z + w * w > 0.5 {
         (w * w + x * x - y * y - z * z, 2.0 * (w * z + x * y))
     } else {
@@ -66,7 +66,7 @@ pub(crate) struct Receipt {
 /// Ego's slots.
 pub(crate) fn ego_row(row: &[f64], receipt: Receipt) -> EgoRow {
     let twist = known(row[8]).zip(known(row[9]));
-    let of_twist = twist.map(|(vx, vy)| vx.hypot(vy).copysign(vx));
+    let of_twist = twist.map(|(vx, vy)| libm::hypot(vx, vy).copysign(vx));
     EgoRow {
         sample: EgoSample {
             stamp_ns: stamp_ns(row),
@@ -172,7 +172,7 @@ impl Objects {
             id,
             x_m: row[2],
             y_m: row[3],
-            speed_mps: known(row[11]).unwrap_or(vx.hypot(vy).copysign(forward)),
+            speed_mps: known(row[11]).unwrap_or(libm::hypot(vx, vy).copysign(forward)),
             length_m: length_m
                 .filter(|l| l.is_finite() && *l > 0.0)
                 .unwrap_or(f64::NAN),
@@ -196,7 +196,7 @@ pub(crate) fn settle_speeds(rows: &mut [EgoRow]) -> Option<&'static str> {
         let way: f64 = rows
             .windows(2)
             .map(|w| moved(&w[0], &w[1]))
-            .map(|(x, y)| x.hypot(y))
+            .map(|(x, y)| libm::hypot(x, y))
             .sum();
         if way > 10.0 {
             for r in rows.iter_mut() {
@@ -212,11 +212,11 @@ pub(crate) fn settle_speeds(rows: &mut [EgoRow]) -> Option<&'static str> {
             continue;
         };
         let (dx, dy) = moved(&w[0], &w[1]);
-        let (speed, way) = (vx.hypot(vy), dx.hypot(dy));
+        let (speed, way) = (libm::hypot(vx, vy), libm::hypot(dx, dy));
         if speed < MOVING_MPS || way < 1e-3 || !speed.is_finite() || !way.is_finite() {
             continue;
         }
-        let (sin, cos) = yaw.sin_cos();
+        let (sin, cos) = libm::sincos(yaw);
         own += ((vx * cos - vy * sin) * dx + (vx * sin + vy * cos) * dy) / (speed * way);
         map += (vx * dx + vy * dy) / (speed * way);
         n += 1;
@@ -227,8 +227,8 @@ pub(crate) fn settle_speeds(rows: &mut [EgoRow]) -> Option<&'static str> {
     }
     for row in rows {
         if let (Some((vx, vy)), Some(yaw)) = (row.twist, row.sample.yaw_rad) {
-            let along = vx * yaw.cos() + vy * yaw.sin();
-            row.sample.speed_mps = Some(vx.hypot(vy).copysign(along));
+            let along = vx * libm::cos(yaw) + vy * libm::sin(yaw);
+            row.sample.speed_mps = Some(libm::hypot(vx, vy).copysign(along));
         }
     }
     Some(
@@ -248,7 +248,7 @@ pub(crate) fn flatten(ego: &mut [EgoSample]) {
     let Some(first) = ego.iter().find(|s| on_earth(s)).copied() else {
         return;
     };
-    let (sin, cos) = first.y_m.to_radians().sin_cos();
+    let (sin, cos) = libm::sincos(first.y_m.to_radians());
     let w2 = 1.0 - ECCENTRICITY2 * sin * sin;
     let east = RADIUS_M / w2.sqrt() * cos;
     let north = RADIUS_M * (1.0 - ECCENTRICITY2) / (w2 * w2.sqrt());

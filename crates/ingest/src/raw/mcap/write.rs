@@ -259,7 +259,7 @@ fn headings(recording: &Recording) -> Vec<f64> {
         if ego.speed_mps[row].abs() < STILL_MPS {
             0.0
         } else {
-            dy.atan2(dx)
+            libm::atan2(dy, dx)
         }
     };
     (0..=last).map(heading).collect()
@@ -273,7 +273,7 @@ fn header(bytes: &mut CdrWriter, time_ns: i64, frame: &str) {
 
 fn pose(bytes: &mut CdrWriter, x_m: f64, y_m: f64, yaw_rad: f64) {
     bytes.f64s(&[x_m, y_m, 0.0]);
-    bytes.f64s(&[0.0, 0.0, (0.5 * yaw_rad).sin(), (0.5 * yaw_rad).cos()]);
+    bytes.f64s(&[0.0, 0.0, libm::sin(0.5 * yaw_rad), libm::cos(0.5 * yaw_rad)]);
 }
 
 fn odometry(bytes: &mut CdrWriter, scene: &Scene, yaw_rad: f64) {

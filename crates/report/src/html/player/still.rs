@@ -130,10 +130,10 @@ pub(super) fn still(drive: &PlayerDrive, sampled: &Sampled, sample: usize) -> St
 fn heading(x_m: &[f64], y_m: &[f64], i: usize) -> f64 {
     let (a, b) = (i.saturating_sub(1), (i + 1).min(x_m.len() - 1));
     let (dx, dy) = (x_m[b] - x_m[a], y_m[b] - y_m[a]);
-    if dx.hypot(dy) < 0.2 {
+    if libm::hypot(dx, dy) < 0.2 {
         0.0
     } else {
-        dy.atan2(dx)
+        libm::atan2(dy, dx)
     }
 }
 
@@ -144,7 +144,7 @@ fn body(
     (length_m, width_m): (f64, f64),
     stretch: f64,
 ) -> Vec<(f64, f64)> {
-    let (sin, cos) = turn.sin_cos();
+    let (sin, cos) = libm::sincos(turn);
     [
         (-0.5, -0.5),
         (0.36, -0.5),

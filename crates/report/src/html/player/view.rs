@@ -25,7 +25,7 @@ impl CentreLine {
         let (a, b) = (self.place(index), self.place(index + 1));
         let heading = |i: usize| {
             let (a, b) = (self.place(i.saturating_sub(1)), self.place(i + 1));
-            (b.1 - a.1).atan2(b.0 - a.0)
+            libm::atan2(b.1 - a.1, b.0 - a.0)
         };
         let (from, to) = (heading(index), heading(index + 1));
         let turn = (to - from + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU)
@@ -68,15 +68,15 @@ impl<'a> View<'a> {
         let on_map = |x_m: f64, y_m: f64| {
             let (east, north, heading) = line.at(x_m);
             (
-                east - y_m * heading.sin(),
-                north + y_m * heading.cos(),
+                east - y_m * libm::sin(heading),
+                north + y_m * libm::cos(heading),
                 heading,
             )
         };
         let here = on_map(self.x_m, self.middle_m);
         let there = on_map(x_m, y_m);
         let (dx, dy) = (there.0 - here.0, there.1 - here.1);
-        let (sin, cos) = here.2.sin_cos();
+        let (sin, cos) = libm::sincos(here.2);
         (dx * cos + dy * sin, dy * cos - dx * sin, there.2 - here.2)
     }
 }

@@ -5,6 +5,7 @@ mod pseudonym;
 mod ro_crate;
 mod wide;
 
+use path_slash::PathExt as _;
 pub use ro_crate::{About, PipelineRun, Step};
 
 use crate::{
@@ -224,11 +225,11 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
             value.participants,
             value.drives,
             value.answers,
-            options.out.display()
+            options.out.to_slash_lossy()
         ),
         format!(
             "keep {} apart: with it the pseudonyms can be made again",
-            options.key.display()
+            options.key.to_slash_lossy()
         ),
     ];
     Ok(Outcome {

@@ -15,6 +15,7 @@ use crate::{
 };
 use columns::ColumnMap;
 use maveric_domain::{ConditionId, Moment, ParticipantId, Scale};
+use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -165,7 +166,7 @@ pub fn import(options: &ImportOptions, watch: Watch<'_>) -> Result<Outcome<Impor
             "{} answers of {} participants: {}",
             rows.len(),
             participants.len(),
-            options.out.display()
+            options.out.to_slash_lossy()
         ),
         format!(
             "sheets: {}; {} columns that belong to no scale were not read",

@@ -16,6 +16,7 @@ use crate::{
 };
 use maveric_domain::{Drive, DriveMeta};
 use maveric_ingest::{IngestError, Provenance, Warning, read_log};
+use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{
     collections::BTreeSet,
@@ -193,7 +194,7 @@ pub fn ingest(
     let mut summary = vec![format!(
         "{} drives, {rows} rows: {}",
         list.len(),
-        options.out.display()
+        options.out.to_slash_lossy()
     )];
     summary.extend(counted("drives", left_out.iter().map(|out| &out.why)));
     if !failed.is_empty() {
@@ -201,7 +202,7 @@ pub fn ingest(
             "{} of {} logs could not be ingested: see {}",
             failed.len(),
             logs.len(),
-            exclusions.display()
+            exclusions.to_slash_lossy()
         ));
     }
     Ok(Outcome {

@@ -13,6 +13,7 @@ use maveric_domain::{
     ConditionId, Scale,
     design::{DesignError, ScoreName},
 };
+use path_slash::PathExt as _;
 use serde::Serialize;
 use std::path::PathBuf;
 use study_text::{Wanted, study_text};
@@ -118,10 +119,13 @@ pub fn init(options: &InitOptions, watch: Watch<'_>) -> Result<Outcome<Initialis
         let readme = folder.join("README.md");
         format!(
             "read {}, fill in {DESIGN_FILE} and the folder, then there: maveric run",
-            readme.display(),
+            readme.to_slash_lossy(),
         )
     };
-    let summary = vec![format!("a study's folder: {}", folder.display()), next];
+    let summary = vec![
+        format!("a study's folder: {}", folder.to_slash_lossy()),
+        next,
+    ];
     Ok(Outcome {
         value: Initialised {
             files: files.iter().map(|(name, _)| (*name).to_owned()).collect(),

@@ -14,7 +14,7 @@ pub(super) struct Wanted<'a> {
 /// A third of the range, to two digits: 15 points of the 44 of the ADB scale.
 fn step([low, high]: [f64; 2]) -> f64 {
     let third = (high - low) / 3.0;
-    let digit = 10f64.powf(third.log10().floor() - 1.0);
+    let digit = 10f64.powi(libm::log10(third).floor() as i32 - 1);
     let rounded = (third / digit).round() * digit;
     // No tail of binary digits in the file.
     (rounded * 1e6).round() / 1e6

@@ -3,6 +3,7 @@
 mod learning_curve;
 
 pub use learning_curve::{CurveRow, MeanWithInterval};
+use path_slash::PathExt as _;
 
 use crate::{
     design::{DesignFile, drives_of},
@@ -153,7 +154,7 @@ pub fn personalize(
         return Err(StudyError::NotPossible {
             problem: format!(
                 "{}: none of {} drives shows how its driver drives",
-                options.drives.display(),
+                options.drives.to_slash_lossy(),
                 drives.len()
             ),
             help: Some("record longer drives".to_owned()),
@@ -178,7 +179,7 @@ pub fn personalize(
             summary.push(format!(
                 "learning curve of {} drives: {}",
                 curve.value.drives,
-                path.display()
+                path.to_slash_lossy()
             ));
             summary.extend(curve.summary);
             curve.value.rows
@@ -195,7 +196,7 @@ pub fn personalize(
         "{} drives personalised{}: {}",
         drives.len() - left_out,
         error.unwrap_or_default(),
-        options.out.display()
+        options.out.to_slash_lossy()
     );
     summary.insert(0, line);
     let value = PersonalizedDrives {

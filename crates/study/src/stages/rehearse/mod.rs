@@ -7,6 +7,7 @@ mod tables;
 mod world;
 
 pub use maveric_rehearsal::{Cell, Part, TestRate};
+use path_slash::PathExt as _;
 pub use signs::SignRow;
 pub(crate) use world::read_world;
 
@@ -128,7 +129,7 @@ pub fn rehearse(
     summary.push(format!(
         "{} synthetic studies: {}",
         items.len(),
-        page.display()
+        page.to_slash_lossy()
     ));
     Ok(Outcome {
         value,

@@ -3,6 +3,7 @@
 mod page;
 
 pub use maveric_rehearsal::{LearnedFrom, Method, TrialError};
+use path_slash::PathExt as _;
 
 use crate::{
     atomic_write::write_json,
@@ -106,7 +107,7 @@ pub fn rehearse_dial(
     write_json(&options.out.join("dial.json"), &value)?;
     let page = write_page(&options.out, &page::page(&value, options)?)?;
     let mut summary = page::summary(&value);
-    summary.push(format!("synthetic participants: {}", page.display()));
+    summary.push(format!("synthetic participants: {}", page.to_slash_lossy()));
     Ok(Outcome {
         value,
         summary,

@@ -134,7 +134,7 @@ fn known(learned: &LearnedFrom) -> Card {
 fn saves(search: &[TrialError]) -> Option<Card> {
     let middle = &search.get(search.len() / 2)?;
     let difference = middle.active.0 - middle.grid.0;
-    let half = middle.active.1.hypot(middle.grid.1);
+    let half = libm::hypot(middle.active.1, middle.grid.1);
     let ends = (difference - half, difference + half);
     let verdict = within(
         FEWEST.max(search.len()),

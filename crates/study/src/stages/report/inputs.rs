@@ -2,6 +2,7 @@
 
 use crate::{atomic_write::read_text, error::StudyError};
 use maveric_report::html::{Input, ParameterFile};
+use path_slash::PathExt as _;
 use std::path::{Path, PathBuf};
 
 /// The largest file of parameters that is shown whole, in bytes.
@@ -17,7 +18,7 @@ pub(crate) fn hashed(paths: impl IntoIterator<Item = PathBuf>) -> Result<Vec<Inp
     for path in paths.into_iter().filter(|p| p.is_file()) {
         let bytes = std::fs::read(&path).map_err(StudyError::read(&path))?;
         found.push(Input {
-            path: path.display().to_string(),
+            path: path.to_slash_lossy().into_owned(),
             hash: blake3::hash(&bytes).to_hex().to_string(),
         });
     }
@@ -43,7 +44,7 @@ pub(super) fn shown_whole(files: &[PathBuf]) -> Result<Vec<ParameterFile>, Study
     };
     let whole = |path: &PathBuf| {
         Ok(ParameterFile {
-            path: path.display().to_string(),
+            path: path.to_slash_lossy().into_owned(),
             text: read_text(path)?,
         })
     };

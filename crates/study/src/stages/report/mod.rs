@@ -17,6 +17,7 @@ use crate::{
 };
 pub(crate) use inputs::hashed;
 use maveric_report::{html::RenderedFile, markup};
+use path_slash::PathExt as _;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -81,7 +82,7 @@ pub fn report(options: &ReportOptions, watch: Watch<'_>) -> Result<Outcome<Repor
     watch.step(2, 2, "report")?;
     let index = options.out.join("index.html");
     let mut summary: Vec<String> = findings.iter().map(|line| markup::plain(line)).collect();
-    summary.push(format!("report: {}", index.display()));
+    summary.push(format!("report: {}", index.to_slash_lossy()));
     let value = Reported {
         page: index,
         files: files.len(),

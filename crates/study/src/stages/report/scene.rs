@@ -53,7 +53,7 @@ pub(super) fn view(
     };
     let heading = |i: usize| {
         let (a, b) = (i.saturating_sub(2), (i + 2).min(drive.len() - 1));
-        (y[b] - y[a]).atan2(x[b] - x[a])
+        libm::atan2(y[b] - y[a], x[b] - x[a])
     };
     let near: Vec<_> = scene
         .vehicles

@@ -20,6 +20,7 @@ use maveric_model::{
     Model, ModelError,
     style_space::{LinearHead, PerpendicularEllipse},
 };
+use path_slash::PathExt as _;
 use rand_pcg::{Pcg64Mcg, rand_core::SeedableRng};
 use std::path::Path;
 
@@ -143,7 +144,7 @@ pub(super) fn conditions(
                 .iter()
                 .filter(|c| c.car == Some(Car::Across) && steering.ellipse.is_none())
                 .count(),
-        options.out.display()
+        options.out.to_slash_lossy()
     )];
     Ok(Outcome {
         value: Steered {

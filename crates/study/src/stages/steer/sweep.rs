@@ -21,6 +21,7 @@ use maveric_model::{
     Model,
     style_space::{LinearHead, StyleMetric},
 };
+use path_slash::PathExt as _;
 
 /// A step of the dial, in points, where nothing says how far one is.
 const STEP_POINTS: f64 = 15.0;
@@ -128,7 +129,7 @@ pub(super) fn sweep(
         "{} participants × {} points along {name}: {}",
         own.len(),
         points.len(),
-        options.out.display()
+        options.out.to_slash_lossy()
     )];
     summary.extend(attributes.iter().map(ToString::to_string));
     Ok(Outcome {

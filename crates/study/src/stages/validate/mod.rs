@@ -12,6 +12,7 @@ pub use examine::Examined;
 pub use maveric_rehearsal::validation::{
     Across, Agreement, Dial, FULL, Fidelity, Identification, Likeness, Metric, Right,
 };
+use path_slash::PathExt as _;
 
 use crate::{
     atomic_write::{atomic_write_bytes, write_json},
@@ -102,7 +103,7 @@ pub fn validate(
     };
     let mut models = Vec::new();
     for path in &options.models {
-        let name = path.display().to_string();
+        let name = path.to_slash_lossy().into_owned();
         models.push(examination.examine(&name, &read_model(path)?, watch)?);
     }
     let tables = tables::tables(&models, options.points);
@@ -130,7 +131,7 @@ pub fn validate(
         "{} drivers who drove twice, {} models: {}",
         value.drivers,
         value.models.len(),
-        page.display()
+        page.to_slash_lossy()
     ));
     Ok(Outcome {
         value,

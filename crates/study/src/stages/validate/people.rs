@@ -8,6 +8,7 @@ use crate::{
 };
 use maveric_domain::{AdbScore, Drive, ParticipantId};
 use maveric_rehearsal::validation::{Values, values};
+use path_slash::PathExt as _;
 use std::{collections::BTreeMap, path::Path};
 
 /// Somebody who drove twice.
@@ -90,7 +91,7 @@ pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
         return Err(StudyError::NotPossible {
             problem: format!(
                 "{}: {} people who are tested drove twice, expected at least 3",
-                folder.display(),
+                folder.to_slash_lossy(),
                 test.len()
             ),
             help: Some("run the pipeline with more participants: --set study2=6".to_owned()),

@@ -78,8 +78,8 @@ impl Pose {
             orientation: Quaternion {
                 x: 0.0,
                 y: 0.0,
-                z: short((0.5 * yaw_rad).sin()),
-                w: short((0.5 * yaw_rad).cos()),
+                z: short(libm::sin(0.5 * yaw_rad)),
+                w: short(libm::cos(0.5 * yaw_rad)),
             },
         }
     }

@@ -225,7 +225,11 @@ impl LongColumns {
                 // Without a y everybody is on one line, until lanes say otherwise.
                 y_m: y.as_ref().map_or(0.0, |y| along * y[row]),
                 lane: at(&lane, row),
-                speed_mps: if v.is_nan() { vx.hypot(across) } else { v },
+                speed_mps: if v.is_nan() {
+                    libm::hypot(vx, across)
+                } else {
+                    v
+                },
                 speed_x_mps: along * vx,
                 yaw_rad: at(&yaw, row) + turned,
                 length_m: at(&long, row),

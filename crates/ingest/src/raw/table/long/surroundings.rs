@@ -113,9 +113,9 @@ impl Surroundings {
                     continue;
                 }
                 let o = &other.samples[s as usize];
-                let (sin, cos) = sample.yaw_rad.unwrap_or(0.0).sin_cos();
+                let (sin, cos) = libm::sincos(sample.yaw_rad.unwrap_or(0.0));
                 let bends = view == View::LeaderInBends && sample.yaw_rad.is_some();
-                let distance = (o.x_m - sample.x_m).hypot(o.y_m - sample.y_m);
+                let distance = libm::hypot(o.x_m - sample.x_m, o.y_m - sample.y_m);
                 if let (Some(speed_mps), true) = (o.speed_mps, distance <= NEAR_M) {
                     let object = ObjectSample {
                         stamp_ns: sample.stamp_ns,

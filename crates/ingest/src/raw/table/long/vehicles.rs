@@ -110,7 +110,7 @@ fn vehicle(
     let sample = |row: &LongRow| {
         let yaw = frame.y_left * row.yaw_rad;
         let (cos, sin) = if headed && yaw.is_finite() {
-            (yaw.cos(), yaw.sin())
+            (libm::cos(yaw), libm::sin(yaw))
         } else {
             (1.0, 0.0)
         };

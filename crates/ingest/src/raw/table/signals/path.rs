@@ -15,14 +15,14 @@ pub(super) fn heading(time_ns: i64, position: [f64; 3], velocity: [f64; 3]) -> O
     let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let up = position.map(|c| c / length(position));
-    let east = [-up[1], up[0], 0.0].map(|c| c / up[0].hypot(up[1]));
+    let east = [-up[1], up[0], 0.0].map(|c| c / libm::hypot(up[0], up[1]));
     let north = [
         up[1] * east[2] - up[2] * east[1],
         up[2] * east[0] - up[0] * east[2],
         up[0] * east[1] - up[1] * east[0],
     ];
     let (e, n) = (dot(velocity, east), dot(velocity, north));
-    (e.hypot(n) > MOVING_MPS).then(|| (time_ns, n.atan2(e)))
+    (libm::hypot(e, n) > MOVING_MPS).then(|| (time_ns, libm::atan2(n, e)))
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -78,8 +78,8 @@ impl DrivenPath {
                         stamp_ns,
                         speed_mps,
                         way_m: before.way_m + step,
-                        east_m: before.east_m + step * middle.cos(),
-                        north_m: before.north_m + step * middle.sin(),
+                        east_m: before.east_m + step * libm::cos(middle),
+                        north_m: before.north_m + step * libm::sin(middle),
                         yaw_rad,
                     }
                 }
@@ -131,7 +131,7 @@ impl DrivenPath {
     /// way along the path and its offset to the left of the path, and ego's speed. None where ego was not there.
     pub(super) fn place(&self, stamp_ns: i64, forward_m: f64, left_m: f64) -> Option<Placed> {
         let ego = self.at(stamp_ns)?;
-        let (sin, cos) = ego.yaw_rad.sin_cos();
+        let (sin, cos) = libm::sincos(ego.yaw_rad);
         let east = ego.east_m + forward_m * cos - left_m * sin;
         let north = ego.north_m + forward_m * sin + left_m * cos;
         // The nearest point ahead; beyond the end of the path it goes straight on.
@@ -139,9 +139,9 @@ impl DrivenPath {
         let ahead = self.spine[next.saturating_sub(1)..]
             .iter()
             .take_while(|k| k.way_m <= ego.way_m + AHEAD_M);
-        let distance = |k: &&Knot| (k.east_m - east).hypot(k.north_m - north);
+        let distance = |k: &&Knot| libm::hypot(k.east_m - east, k.north_m - north);
         let nearest = ahead.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-        let (sin, cos) = nearest.yaw_rad.sin_cos();
+        let (sin, cos) = libm::sincos(nearest.yaw_rad);
         let (de, dn) = (east - nearest.east_m, north - nearest.north_m);
         Some(Placed {
             ego_speed_mps: ego.speed_mps,

@@ -7,6 +7,7 @@ use maveric_domain::{
     design::{By, Car, Column, Compare, Condition},
 };
 use maveric_stats::ByDesign;
+use path_slash::PathExt as _;
 
 /// A paragraph with what it is about.
 pub(super) type Paragraph = (&'static str, String);
@@ -134,7 +135,7 @@ fn car(run: &Run, condition: &Condition) -> String {
             "is drawn at random from the ellipse one standard deviation across the gradient of {dial}"
         ),
         Some(Car::Mean) => "is the average driver".to_owned(),
-        Some(Car::Embedding(path)) => format!("is the style in {}", path.display()),
+        Some(Car::Embedding(path)) => format!("is the style in {}", path.to_slash_lossy()),
         Some(Car::Free) => "was turned by the person while riding".to_owned(),
         Some(_) => "was steered otherwise".to_owned(),
     };

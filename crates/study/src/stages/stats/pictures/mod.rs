@@ -21,6 +21,7 @@ use maveric_report::{
     markup,
 };
 use maveric_stats::apa;
+use path_slash::PathExt as _;
 use std::path::Path;
 
 /// What is drawn of one result.
@@ -63,7 +64,7 @@ pub(super) fn format(path: &Path) -> Result<Format, StudyError> {
         _ => Err(StudyError::NotPossible {
             problem: format!(
                 "{}: a figure is written as .svg, .png or .pdf",
-                path.display()
+                path.to_slash_lossy()
             ),
             help: None,
         }),

@@ -37,10 +37,10 @@ pub(super) fn number(value: f64) -> Cell {
     let before = if size < 1.0 {
         1
     } else {
-        size.log10().floor() as usize + 1
+        libm::log10(size).floor() as usize + 1
     };
     let decimals = if size < 1.0 && size > 0.0 {
-        (3 - size.log10().floor() as i32).clamp(3, 7) as usize
+        (3 - libm::log10(size).floor() as i32).clamp(3, 7) as usize
     } else {
         4_usize.saturating_sub(before)
     };
