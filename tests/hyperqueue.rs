@@ -1,4 +1,5 @@
-//! A real HyperQueue, where `hq` is on the PATH: the small study on two workers, one of which is killed while it works.
+//! A real HyperQueue, where `hq` is on the PATH: the small study on two workers, one of which is killed while it works; and many
+//! tasks, as many as `MAVERIC_HQ_TASKS` says.
 
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 #![cfg(target_os = "linux")]
@@ -147,4 +148,34 @@ fn the_small_study_comes_out_the_same_when_a_worker_is_killed_at_work() {
         .map(|f| f.0)
         .collect();
     assert!(differ.is_empty(), "{differ:?} differ");
+}
+
+#[test]
+fn every_one_of_many_tasks_makes_its_own_and_none_is_left_to_do() {
+    let Some(cluster) = Cluster::start(2) else {
+        return;
+    };
+    let tasks = std::env::var("MAVERIC_HQ_TASKS").map_or(200, |n| n.parse().unwrap());
+    let study = TempStudy::new();
+    study.write(
+        "many.toml",
+        format!(
+            "name = 'many'\n[[stage]]\nname = 'task'\nshards = {tasks}\noutputs = ['many/{{shard}}']\n\
+             cmd = ['sh', '-c', 'echo {{shard}} > many/{{shard}}']\n"
+        ),
+    );
+    let run = || {
+        let start = Instant::now();
+        let args = ["run", "many.toml", "--executor", "hq"];
+        let ran = Ran::from(cluster.maveric(&study, &args).output().unwrap()).ok();
+        eprintln!("{tasks} tasks: {:.2} s", start.elapsed().as_secs_f64());
+        ran
+    };
+    run();
+    let mut made = BTreeMap::new();
+    files(&study.path("many"), &study.path("many"), &mut made);
+    let expected = (0..tasks).map(|i: u32| (i.to_string(), format!("{i}\n").into_bytes()));
+    assert_eq!(made, expected.collect());
+    let again = run();
+    assert!(again.stdout.contains("nothing was run"), "{}", again.stdout);
 }

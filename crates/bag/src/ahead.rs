@@ -1,4 +1,5 @@
-//! A file read once from start to end on a thread of its own: hashed, and its chunks unpacked while those before them are read.
+//! A file read once from start to end on a thread of its own: hashed, and its chunks unpacked and summed while those before
+//! them are read.
 
 use crate::{
     chunk::{Head, MOST_ROOM},
@@ -27,9 +28,9 @@ pub(crate) struct Fetched {
     body: u64,
     /// Its content.
     pub(crate) packed: Vec<u8>,
-    /// What it unpacks to, where that was found out.
+    /// What it unpacks to, and the checksum of that, where it was found out.
     pub(crate) unpacked: Vec<u8>,
-    pub(crate) is_unpacked: bool,
+    pub(crate) checksum: Option<u32>,
 }
 
 /// The chunks of a file in their order, as far as they are as their headers say.
@@ -172,7 +173,7 @@ fn unpack(
         }
         if opcode == op::CHUNK && record <= MOST_PACKED {
             let mut chunk = again.try_recv().unwrap_or_default();
-            (chunk.body, chunk.is_unpacked) = (body, false);
+            (chunk.body, chunk.checksum) = (body, None);
             chunk.packed.resize(record as usize, 0);
             source.read(&mut chunk.packed)?;
             let of_chunk = Head::read(&chunk.packed)?;
@@ -180,7 +181,9 @@ fn unpack(
                 let size = of_chunk.uncompressed_size.min(MOST_ROOM) as usize;
                 chunk.unpacked.resize(size, 0);
                 let unpacked = unpacker.decompress_to_buffer(data, &mut chunk.unpacked[..]);
-                chunk.is_unpacked = unpacked.ok()? == size;
+                if unpacked.ok()? == size {
+                    chunk.checksum = Some(crc32fast::hash(&chunk.unpacked));
+                }
             }
             send.send(chunk).ok()?;
         } else {

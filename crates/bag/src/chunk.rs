@@ -131,11 +131,11 @@ impl Unpacker {
     /// read it gives no content.
     ///
     /// `content` is what there is of the chunk: all of it, or what stands before the end of a cut file; `unpacked` what its
-    /// packed bytes gave, where that is known. Nothing is allocated by a length that the chunk claims beyond a few MiB.
+    /// packed bytes gave, with its checksum, where that is known. Nothing is allocated by a length that the chunk claims beyond a few MiB.
     pub(crate) fn records(
         &mut self,
         content: &[u8],
-        unpacked: Option<&[u8]>,
+        unpacked: Option<(&[u8], u32)>,
         each: impl FnMut(u8, Option<&[u8]>),
     ) -> Verdict {
         let lost = |why: &str| Verdict::Lost(why.to_owned());
@@ -166,7 +166,11 @@ impl Unpacker {
         };
         let unpacked = match packing {
             Packing::None => Ok(splitter.take(data) == data.len()),
-            Packing::Zstd if let Some(bytes) = unpacked => Ok(splitter.take(bytes) == bytes.len()),
+            Packing::Zstd if let Some((bytes, checksum)) = unpacked => {
+                splitter.crc = crc32fast::Hasher::new_with_initial(checksum);
+                splitter.total = bytes.len() as u64;
+                Ok(splitter.split(bytes) == bytes.len())
+            }
             Packing::Zstd => self.zstd(&head, data, &mut splitter),
             Packing::Lz4 => self.lz4(&head, data, &mut splitter),
         };

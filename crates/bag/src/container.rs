@@ -406,20 +406,19 @@ impl<R: Read + Seek> Walker<'_, R> {
         self.hash_buffer();
         let buffer = std::mem::take(&mut self.buffer);
         let mut unpacker = std::mem::take(&mut self.unpacker);
-        let unpacked = fetched.as_ref().filter(|f| f.is_unpacked);
+        let unpacked = fetched.as_ref();
+        let unpacked = unpacked.and_then(|f| Some((&f.unpacked[..], f.checksum?)));
         let before = (self.last_ns, self.messages, self.damage.len());
         visitor.mark();
         let mut unreadable = 0;
-        let verdict = unpacker.records(
-            &buffer,
-            unpacked.map(|f| &f.unpacked[..]),
-            |opcode, content| match content.map(|content| record::parse(opcode, content)) {
+        let verdict = unpacker.records(&buffer, unpacked, |opcode, content| {
+            match content.map(|content| record::parse(opcode, content)) {
                 Some(Some(record)) => self.give(record, visitor),
                 Some(None) => unreadable += 1,
                 None if opcode == op::MESSAGE => self.pass_over(visitor),
                 None => {}
-            },
-        );
+            }
+        });
         self.buffer = buffer;
         if let (Some(ahead), Some(mut fetched)) = (&self.ahead, fetched) {
             std::mem::swap(&mut self.buffer, &mut fetched.packed);

@@ -108,8 +108,8 @@ pub(crate) fn assemble(
         warnings.extend(keep_own_lane(path, &mut drive, target.road.lane_width_m));
     }
 
-    let seconds = |ns: i64| ns as f64 / 1e9;
-    let time_s: Vec<f64> = drive.ego.iter().map(|s| seconds(s.stamp_ns)).collect();
+    let stamp_ns: Vec<i64> = drive.ego.iter().map(|s| s.stamp_ns).collect();
+    let time_s = seconds(&stamp_ns);
     let span_s = time_s
         .last()
         .zip(time_s.first())
@@ -145,7 +145,7 @@ pub(crate) fn assemble(
         warnings.push(Warning::new(path, WarningKind::Default, 1, what));
         CAR_LENGTH_M
     });
-    let ego = ego_track(&drive.ego, &time_s, &rows, ego_length_m, target);
+    let ego = ego_track(&drive.ego, &stamp_ns, &rows, ego_length_m, target);
     let objects = drive.objects.len();
     let others = tracks(path, &drive.objects, &rows, target, &mut warnings);
     if objects > 0 && others.is_empty() {
@@ -174,9 +174,13 @@ pub(crate) fn assemble(
     Ok((recording, warnings))
 }
 
+fn seconds(stamp_ns: &[i64]) -> Vec<f64> {
+    stamp_ns.iter().map(|ns| *ns as f64 / 1e9).collect()
+}
+
 fn ego_track(
     samples: &[EgoSample],
-    time_s: &[f64],
+    stamp_ns: &[i64],
     grid: &Grid,
     length_m: f64,
     target: &Target<'_>,
@@ -195,7 +199,28 @@ fn ego_track(
         } else {
             column(|s| s.y_m)
         },
-        speed_mps: speeds(time_s, &speed, grid, target.rate_hz, target.max_gap_s),
+        speed_mps: speeds(stamp_ns, &speed, grid, target.rate_hz, target.max_gap_s),
+    }
+}
+
+/// The samples of one vehicle, column by column.
+#[derive(Default)]
+struct Columns {
+    stamp_ns: Vec<i64>,
+    x_m: Vec<f64>,
+    y_m: Vec<f64>,
+    speed_mps: Vec<f64>,
+    /// The first that is known.
+    length_m: Option<f64>,
+}
+
+impl Columns {
+    fn push(&mut self, sample: &ObjectSample) {
+        self.stamp_ns.push(sample.stamp_ns);
+        self.x_m.push(sample.x_m);
+        self.y_m.push(sample.y_m);
+        self.speed_mps.push(sample.speed_mps);
+        self.length_m = self.length_m.or_else(|| sample.known_length_m());
     }
 }
 
@@ -207,31 +232,30 @@ fn tracks(
     target: &Target<'_>,
     warnings: &mut Vec<Warning>,
 ) -> Vec<ObjectTrack> {
-    let mut by_id: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-    for (i, object) in objects.iter().enumerate() {
-        by_id.entry(object.id).or_default().push(i);
+    let mut vehicles: Vec<(u32, Columns)> = Vec::new();
+    let mut place_of: BTreeMap<u32, usize> = BTreeMap::new();
+    let mut place = 0;
+    for object in objects {
+        // Often it is whose sample was the last.
+        if vehicles.get(place).is_none_or(|v| v.0 != object.id) {
+            place = *place_of.entry(object.id).or_insert(vehicles.len());
+            if place == vehicles.len() {
+                vehicles.push((object.id, Columns::default()));
+            }
+        }
+        vehicles[place].1.push(object);
     }
     let mut without_length = 0;
     let mut tracks = Vec::new();
-    // One vehicle after another is gathered in the same memory.
-    let (mut samples, mut time_s, mut speed): (Vec<ObjectSample>, Vec<f64>, Vec<f64>) =
-        Default::default();
-    for (id, places) in by_id {
-        samples.clear();
-        samples.extend(places.iter().map(|&i| objects[i]));
-        let length_m = samples
-            .iter()
-            .find_map(ObjectSample::known_length_m)
-            .unwrap_or_else(|| {
-                without_length += 1;
-                CAR_LENGTH_M
-            });
-        time_s.clear();
-        time_s.extend(samples.iter().map(|s| s.stamp_ns as f64 / 1e9));
-        let own = grid(&time_s, target.rate_hz, target.max_gap_s);
-        speed.clear();
-        speed.extend(samples.iter().map(|s| s.speed_mps));
-        let speed_mps = speeds(&time_s, &speed, &own, target.rate_hz, target.max_gap_s);
+    for (id, samples) in vehicles {
+        let length_m = samples.length_m.unwrap_or_else(|| {
+            without_length += 1;
+            CAR_LENGTH_M
+        });
+        let (rate_hz, max_gap_s) = (target.rate_hz, target.max_gap_s);
+        let own = grid(&seconds(&samples.stamp_ns), rate_hz, max_gap_s);
+        let (stamp_ns, speed) = (&samples.stamp_ns, &samples.speed_mps);
+        let speed_mps = speeds(stamp_ns, speed, &own, rate_hz, max_gap_s);
         let mut current: Option<(ObjectTrack, u32)> = None;
         let mut at = 0;
         for (i, (row, speed_mps)) in own.rows.iter().zip(speed_mps).enumerate() {
@@ -259,11 +283,11 @@ fn tracks(
                 tracks.extend(current.replace((fresh, row.segment)).map(|(t, _)| t));
             }
             if let Some((track, _)) = &mut current {
-                track.x_m.push(row.of(&samples, |s| s.x_m));
+                track.x_m.push(row.of(&samples.x_m, |x| *x));
                 track.y_m.push(if target.lane_steps {
-                    row.held(&samples, |s| s.y_m)
+                    row.held(&samples.y_m, |y| *y)
                 } else {
-                    row.of(&samples, |s| s.y_m)
+                    row.of(&samples.y_m, |y| *y)
                 });
                 track.speed_mps.push(speed_mps);
             }

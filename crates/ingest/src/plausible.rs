@@ -3,10 +3,10 @@
 use crate::{
     error::IngestError,
     quality::{Warning, WarningKind},
-    raw::{EgoSample, ObjectSample, RawDrive},
+    raw::{EgoSample, RawDrive},
 };
 use maveric_domain::Road;
-use std::path::Path;
+use std::{ops::RangeInclusive, path::Path};
 
 /// Speeds beyond this are no car's, in m/s.
 const FASTEST_MPS: f64 = 90.0;
@@ -16,6 +16,8 @@ const LENGTHS_M: (f64, f64) = (1.5, 26.0);
 const MOVING_MPS: f64 = 2.0;
 /// Samples that a comparison of speed and movement needs.
 const ENOUGH: usize = 20;
+/// Speeds over what positions change a second that belong together.
+const BORNE_OUT: RangeInclusive<f64> = 0.7..=1.4;
 /// Share of impossible samples above which a log is refused: below it single values are wrong, above it a unit is.
 const MOST_SHARE: f64 = 0.25;
 
@@ -51,58 +53,60 @@ pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Result<Vec<Warning>, Ingest
             doubts.push(Warning::new(path, WarningKind::Unit, count, what));
         }
     };
-    let speeds = || raw.ego.iter().filter_map(|s| s.speed_mps);
-    let fast = speeds().filter(|v| v.abs() > FASTEST_MPS).count();
+    let (mut known, mut fast, mut back) = (0, 0, 0);
+    for v in raw.ego.iter().filter_map(|s| s.speed_mps) {
+        known += 1;
+        fast += usize::from(v.abs() > FASTEST_MPS);
+        back += usize::from(v < -MOVING_MPS);
+    }
     let what = format!("speeds of ego are above {FASTEST_MPS} m/s: is their unit right?");
-    refuse_many(path, fast, speeds().count(), &what)?;
+    refuse_many(path, fast, known, &what)?;
     doubt(fast, what);
 
-    let fast = raw
-        .objects
-        .iter()
-        .filter(|o| o.speed_mps.abs() > FASTEST_MPS);
-    let fast = fast.count();
+    let (least, most) = LENGTHS_M;
+    let is_odd = |length_m: f64| !(least..=most).contains(&length_m);
+    let mut odd = usize::from(raw.ego_length_m.is_some_and(is_odd));
+    let mut fast = 0;
+    for object in &raw.objects {
+        fast += usize::from(object.speed_mps.abs() > FASTEST_MPS);
+        odd += usize::from(object.known_length_m().is_some_and(is_odd));
+    }
     let what = format!("speeds of others are above {FASTEST_MPS} m/s: is their unit right?");
     refuse_many(path, fast, raw.objects.len(), &what)?;
     doubt(fast, what);
-
-    let back = speeds().filter(|v| *v < -MOVING_MPS).count();
     if 2 * back > raw.ego.len() {
         let what = "ego drives backwards most of the time: is the sign of its speed right?";
         doubt(back, what.to_owned());
     }
-
-    let (least, most) = LENGTHS_M;
-    let lengths = raw
-        .ego_length_m
-        .into_iter()
-        .chain(raw.objects.iter().filter_map(ObjectSample::known_length_m));
-    let odd = lengths.filter(|l| !(least..=most).contains(l)).count();
     doubt(
         odd,
         format!("lengths of vehicles are not between {least} and {most} m: is their unit right?"),
     );
 
-    let mut ratios: Vec<f64> = Vec::new();
-    for pair in raw.ego.windows(2) {
+    let ratio = |pair: &[EgoSample]| {
         let dt = pair[1].stamp_ns.saturating_sub(pair[0].stamp_ns) as f64 / 1e9;
-        let moved = libm::hypot(pair[1].x_m - pair[0].x_m, pair[1].y_m - pair[0].y_m);
-        if let (Some(v), true) = (pair[0].speed_mps, dt > 0.0 && dt < 1.0)
-            && v.abs() > MOVING_MPS
-            && moved > 0.0
-        {
-            ratios.push(v.abs() * dt / moved);
-        }
+        let v = pair[0].speed_mps?.abs();
+        let told = v > MOVING_MPS && dt > 0.0 && dt < 1.0;
+        let (dx, dy) = (pair[1].x_m - pair[0].x_m, pair[1].y_m - pair[0].y_m);
+        let moved = (dx * dx + dy * dy).sqrt();
+        (told && moved > 0.0).then(|| v * dt / moved)
+    };
+    let ratios = || raw.ego.windows(2).filter_map(ratio);
+    let (mut count, mut borne_out) = (0, 0);
+    for ratio in ratios() {
+        count += 1;
+        borne_out += usize::from(BORNE_OUT.contains(&ratio));
     }
-    if ratios.len() >= ENOUGH {
-        ratios.sort_by(f64::total_cmp);
-        let ratio = ratios[ratios.len() / 2];
-        if !(0.7..=1.4).contains(&ratio) {
+    // Where most are borne out, so is the median.
+    if count >= ENOUGH && 2 * borne_out <= count {
+        let mut ratios: Vec<f64> = ratios().collect();
+        let (_, &mut ratio, _) = ratios.select_nth_unstable_by(count / 2, f64::total_cmp);
+        if !BORNE_OUT.contains(&ratio) {
             let what = format!(
                 "ego's speed is {ratio:.2} times what its positions change a second: do the units of time, length \
                  and speed belong together?"
             );
-            doubt(ratios.len(), what);
+            doubt(count, what);
         }
     }
     Ok(doubts)

@@ -1,6 +1,6 @@
 //! Uneven samples to even rows, never over a hole.
 
-use std::f64::consts::PI;
+use std::{f64::consts::PI, sync::LazyLock};
 
 /// How far a row may lie from a sample and still be that sample, in s: stamps are rounded to nanoseconds.
 const SAME_TIME_S: f64 = 1e-6;
@@ -62,15 +62,17 @@ pub(crate) fn grid(time_s: &[f64], rate_hz: f64, max_gap_s: f64) -> Grid {
     let mut segment = 0;
     let mut after_hole = false;
     let first_tick = |t: f64| ((t - SAME_TIME_S) * rate_hz).ceil() as i64;
+    let mut begin = time_s.first().map_or(0, |t| first_tick(*t));
     for (i, &t) in time_s.iter().enumerate() {
         let next = time_s.get(i + 1).copied();
         let joined = next.filter(|next| next - t <= max_gap_s + SAME_TIME_S);
-        let end = match joined {
-            Some(next) => first_tick(next),
+        let coming = next.map(first_tick);
+        let end = match (joined, coming) {
+            (Some(_), Some(coming)) => coming,
             // Alone towards the next: only a row at this very time.
-            None => ((t + SAME_TIME_S) * rate_hz).floor() as i64 + 1,
+            _ => ((t + SAME_TIME_S) * rate_hz).floor() as i64 + 1,
         };
-        for tick in first_tick(t)..end {
+        for tick in std::mem::replace(&mut begin, coming.unwrap_or(end))..end {
             if after_hole && !grid.rows.is_empty() {
                 segment += 1;
             }
@@ -95,126 +97,233 @@ pub(crate) fn grid(time_s: &[f64], rate_hz: f64, max_gap_s: f64) -> Grid {
     grid
 }
 
-/// A speed on the rows of a grid without aliases, shape `(rows,)`.
+/// A speed on the rows of a grid without aliases, shape `(rows,)`; samples are at `stamp_ns`, which rises.
 ///
 /// Where samples come faster than rows, a row is the mean of the samples within four steps to either side, weighted by
 /// a sinc that cuts off at 0.35 of the rate, a Hann window, and the time for which each sample stands: bursts of
 /// samples at almost one time count once. Above 0.65 of the rate, which aliases to below 0.35, at most 1 % is left, and
-/// about as much again for each 3 % of a step by which the samples' times jitter. The filter is symmetric, so nothing is delayed; at the ends of a run and beside its holes it narrows. Where samples come
-/// as slowly as rows or slower, rows are interpolated linearly.
+/// about as much again for each 3 % of a step by which the samples' times jitter. The filter is symmetric, so nothing is
+/// delayed; at the ends of a run and beside its holes it narrows. Where samples come as slowly as rows or slower, rows are
+/// interpolated linearly. Times are compared in whole nanoseconds: rows that lie alike among their samples have the same
+/// weights, and those are worked out once.
 pub(crate) fn speeds(
-    time_s: &[f64],
+    stamp_ns: &[i64],
     values: &[f64],
     grid: &Grid,
     rate_hz: f64,
     max_gap_s: f64,
 ) -> Vec<f64> {
-    let mut runs = Runs::new(time_s, max_gap_s);
-    let widest_s = HALF_WIDTH_STEPS / rate_hz;
-    let mut waves: Vec<Waves> = Vec::new();
-    let mut row = |row: &Row| {
-        let linear = row.of(values, |v| *v);
-        let (first, last) = runs.around(row.before);
-        let (from, to) = (time_s[first], time_s[last]);
-        let step_s = (to - from) / (last - first).max(1) as f64;
-        if last == first || step_s * rate_hz > DENSE_STEPS {
-            return linear;
-        }
-        let at = row.of(time_s, |t| *t);
-        let half_s = widest_s.min(at - from).min(to - at);
-        if half_s <= step_s {
-            return linear;
-        }
-        if waves.is_empty() {
-            waves.extend(time_s.iter().map(|t| Waves::at(*t, rate_hz)));
-        }
-        // Beside the ends of a run the window is narrower, and its cosine another.
-        let own = (half_s >= widest_s).then(|| Waves::at(at, rate_hz));
-        let (mut sum, mut weights) = (0.0, 0.0);
-        let start = first + time_s[first..=last].partition_point(|t| *t < at - half_s);
-        for i in start..=last {
-            let since = time_s[i] - at;
-            if since > half_s {
-                break;
-            }
-            let before = time_s[i.saturating_sub(1).max(first)];
-            let after = time_s[(i + 1).min(last)];
-            let kernel = match &own {
-                Some(own) => waves[i].kernel(own, since, rate_hz),
-                None => kernel(since, half_s, rate_hz),
-            };
-            let weight = 0.5 * (after - before) * kernel;
-            sum += weight * values[i];
-            weights += weight;
-        }
-        // Samples that all but miss the window's middle have no mean.
-        if weights * rate_hz > 0.5 * CUT_OFF {
-            sum / weights
-        } else {
-            linear
-        }
+    let mut runs = Runs::new(stamp_ns, max_gap_s);
+    let mut filter = Filter::new(stamp_ns, rate_hz);
+    let row = |row: &Row| {
+        let run = runs.around(row.before);
+        let mean = filter.mean(values, run, row);
+        mean.unwrap_or_else(|| row.of(values, |v| *v))
     };
-    grid.rows.iter().map(&mut row).collect()
+    grid.rows.iter().map(row).collect()
 }
 
-/// The kernel's two waves at one time: what lies between two times follows from both without another sine.
-struct Waves {
-    /// Sine and cosine at the cut-off.
-    cut_off: (f64, f64),
-    /// Of the window, at its full width.
-    window: (f64, f64),
+/// Patterns of samples around a row whose weights are kept.
+const PATTERNS: usize = 8;
+
+/// How the samples around a row lie, and what each counts; with the sample to either side, which says for how long those
+/// at the edge stand.
+#[derive(Debug, Default)]
+struct Pattern {
+    /// Times from the row to each sample, in ns.
+    offsets_ns: Vec<i64>,
+    /// By sample; they add up to 1, or are none where samples all but miss the middle.
+    weights: Vec<f64>,
 }
 
-impl Waves {
-    /// Steps of the result after which both waves begin anew: 14 turns and 5.
-    const PERIOD_STEPS: f64 = 40.0;
+/// The filter against aliases, along rising rows.
+struct Filter<'a> {
+    stamp_ns: &'a [i64],
+    rate_hz: f64,
+    /// Half its width, in ns.
+    widest_ns: i64,
+    /// The first sample that a row may reach, and the first behind it.
+    window: (usize, usize),
+    known: [Pattern; PATTERNS],
+    /// Which of them is given up next.
+    oldest: usize,
+}
 
-    fn at(time_s: f64, rate_hz: f64) -> Self {
-        let steps = time_s.rem_euclid(Self::PERIOD_STEPS / rate_hz) * rate_hz;
+impl<'a> Filter<'a> {
+    fn new(stamp_ns: &'a [i64], rate_hz: f64) -> Self {
         Self {
-            cut_off: libm::sincos(2.0 * PI * CUT_OFF * steps),
-            window: libm::sincos(PI / HALF_WIDTH_STEPS * steps),
+            stamp_ns,
+            rate_hz,
+            widest_ns: (HALF_WIDTH_STEPS / rate_hz * 1e9).round() as i64,
+            window: (0, 0),
+            known: Default::default(),
+            oldest: 0,
         }
     }
 
-    /// [`kernel`] at the full width, between this time and that of `row`, `since_s` before it.
-    fn kernel(&self, row: &Self, since_s: f64, rate_hz: f64) -> f64 {
-        let phase = 2.0 * PI * CUT_OFF * rate_hz * since_s;
-        let sinc = if phase.abs() < 0.05 {
-            // Near 0 the difference of two sines has lost its digits.
-            let square = phase * phase;
-            1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0))
-        } else {
-            (self.cut_off.0 * row.cut_off.1 - self.cut_off.1 * row.cut_off.0) / phase
+    /// The mean around a row of a run of samples; none where samples are too few to have one.
+    fn mean(&mut self, values: &[f64], run: (usize, usize), row: &Row) -> Option<f64> {
+        let (first, last) = run;
+        let (from, to) = (self.stamp_ns[first], self.stamp_ns[last]);
+        let step_ns = (to - from) as f64 / (last - first).max(1) as f64;
+        if last == first || step_ns * self.rate_hz > DENSE_STEPS * 1e9 {
+            return None;
+        }
+        let before = self.stamp_ns[row.before];
+        let at = match self.stamp_ns.get(row.before + 1) {
+            Some(next) if row.weight > 0.0 => {
+                before + (row.weight * (next - before) as f64).round() as i64
+            }
+            _ => before,
         };
-        let cos = self.window.1 * row.window.1 + self.window.0 * row.window.0;
-        sinc * 0.5 * (1.0 + cos)
+        let half_ns = self.widest_ns.min(at - from).min(to - at);
+        if half_ns as f64 <= step_ns {
+            return None;
+        }
+        // Both ends of the window only ever move on.
+        let (mut start, mut end) = (self.window.0.max(first), self.window.1.max(first));
+        while self.stamp_ns[start] < at - half_ns {
+            start += 1;
+        }
+        while end <= last && self.stamp_ns[end] <= at + half_ns {
+            end += 1;
+        }
+        self.window = (start, end);
+        let outer = (start.max(first + 1) - 1, (end + 1).min(last + 1));
+        let around = &self.stamp_ns[outer.0..outer.1];
+        let inner = (start - outer.0, end - outer.0);
+        let values = &values[start..end];
+        let a_ns = self.rate_hz / 1e9;
+        if half_ns < self.widest_ns {
+            let narrow = |steps: f64| kernel(steps, half_ns as f64 * a_ns);
+            let mut pattern = Pattern::default();
+            pattern.become_of(around, at, inner, a_ns, narrow);
+            return pattern.mean(values);
+        }
+        let alike = self.known.iter().position(|p| p.is(around, at));
+        let known = alike.unwrap_or_else(|| {
+            self.oldest = (self.oldest + 1) % PATTERNS;
+            self.known[self.oldest].become_of(around, at, inner, a_ns, at_full_width);
+            self.oldest
+        });
+        self.known[known].mean(values)
     }
 }
 
-fn kernel(since_s: f64, half_s: f64, rate_hz: f64) -> f64 {
-    let phase = 2.0 * PI * CUT_OFF * rate_hz * since_s;
+impl Pattern {
+    /// Becomes that of a row `at` a time; of the samples `around` it `inner` are within the window, and a nanosecond is `a_ns`
+    /// steps.
+    fn become_of(
+        &mut self,
+        around: &[i64],
+        at: i64,
+        inner: (usize, usize),
+        a_ns: f64,
+        kernel: impl Fn(f64) -> f64,
+    ) {
+        self.offsets_ns.clear();
+        self.offsets_ns.extend(around.iter().map(|t| t - at));
+        let steps = |i: usize| self.offsets_ns[i] as f64 * a_ns;
+        let last = around.len() - 1;
+        // The steps for which a sample stands, by its neighbours.
+        let stands = |i: usize| 0.5 * (steps((i + 1).min(last)) - steps(i.saturating_sub(1)));
+        self.weights.clear();
+        self.weights
+            .extend((inner.0..inner.1).map(|i| stands(i) * kernel(steps(i))));
+        let sum: f64 = self.weights.iter().sum();
+        if sum > 0.5 * CUT_OFF {
+            let to_one = 1.0 / sum;
+            for weight in &mut self.weights {
+                *weight *= to_one;
+            }
+        } else {
+            self.weights.clear();
+        }
+    }
+
+    /// Whether samples `around` a row lie like this.
+    fn is(&self, around: &[i64], at: i64) -> bool {
+        self.offsets_ns.len() == around.len()
+            && self
+                .offsets_ns
+                .iter()
+                .zip(around)
+                .all(|(o, t)| t - at == *o)
+    }
+
+    fn mean(&self, values: &[f64]) -> Option<f64> {
+        if self.weights.is_empty() {
+            return None;
+        }
+        // Four sums at a time: one would wait for itself.
+        let (weights, values) = (self.weights.as_chunks::<4>(), values.as_chunks::<4>());
+        let mut sums = [0.0; 4];
+        for (w, v) in weights.0.iter().zip(values.0) {
+            for i in 0..4 {
+                sums[i] += w[i] * v[i];
+            }
+        }
+        let rest = weights.1.iter().zip(values.1).map(|(w, v)| w * v);
+        Some(sums.iter().sum::<f64>() + rest.sum::<f64>())
+    }
+}
+
+/// Pieces of a step in which the kernel is a cubic.
+const PIECES: usize = 256;
+
+/// The kernel at its full width, by pieces: the cubic through four of its values around each. Off by less than 1e-10.
+static FULL_WIDTH: LazyLock<Vec<[f64; 4]>> = LazyLock::new(|| {
+    let value = |i: f64| kernel(i / PIECES as f64, HALF_WIDTH_STEPS);
+    let cubic = |i: usize| {
+        let i = i as f64;
+        let (before, a, b, after) = (value(i - 1.0), value(i), value(i + 1.0), value(i + 2.0));
+        [
+            a,
+            b - a / 2.0 - before / 3.0 - after / 6.0,
+            0.5 * (before + b) - a,
+            (after - before) / 6.0 + 0.5 * (a - b),
+        ]
+    };
+    (0..=HALF_WIDTH_STEPS as usize * PIECES)
+        .map(cubic)
+        .collect()
+});
+
+/// [`kernel`] at its full width.
+fn at_full_width(steps: f64) -> f64 {
+    let at = steps.abs() * PIECES as f64;
+    let piece = at as usize;
+    let Some([a, b, c, d]) = FULL_WIDTH.get(piece) else {
+        return 0.0;
+    };
+    let x = at - piece as f64;
+    a + x * (b + x * (c + x * d))
+}
+
+/// What a sample counts so many steps from its row, in a window of half a width.
+fn kernel(steps: f64, half_width: f64) -> f64 {
+    let phase = 2.0 * PI * CUT_OFF * steps;
     let sinc = if phase.abs() < 1e-9 {
         1.0
     } else {
         libm::sin(phase) / phase
     };
-    sinc * 0.5 * (1.0 + libm::cos(PI * since_s / half_s))
+    sinc * 0.5 * (1.0 + libm::cos(PI * steps / half_width))
 }
 
 /// Stretches of samples without a hole, asked for in rising order.
 struct Runs<'a> {
-    time_s: &'a [f64],
-    max_gap_s: f64,
+    stamp_ns: &'a [i64],
+    max_gap_ns: i64,
     first: usize,
     last: usize,
 }
 
 impl<'a> Runs<'a> {
-    fn new(time_s: &'a [f64], max_gap_s: f64) -> Self {
+    fn new(stamp_ns: &'a [i64], max_gap_s: f64) -> Self {
         let mut runs = Self {
-            time_s,
-            max_gap_s,
+            stamp_ns,
+            max_gap_ns: ((max_gap_s + SAME_TIME_S) * 1e9).round() as i64,
             first: 0,
             last: 0,
         };
@@ -224,13 +333,14 @@ impl<'a> Runs<'a> {
 
     fn reach(&mut self) {
         self.last = self.first;
-        while let Some(next) = self.time_s.get(self.last + 1)
-            && next - self.time_s[self.last] <= self.max_gap_s + SAME_TIME_S
+        while let Some(next) = self.stamp_ns.get(self.last + 1)
+            && next - self.stamp_ns[self.last] <= self.max_gap_ns
         {
             self.last += 1;
         }
     }
 
+    /// The first and the last sample of the run that holds a sample.
     fn around(&mut self, index: usize) -> (usize, usize) {
         while index > self.last {
             self.first = self.last + 1;
@@ -244,13 +354,17 @@ impl<'a> Runs<'a> {
 mod tests {
     use super::*;
 
+    fn stamps(time_s: &[f64]) -> Vec<i64> {
+        time_s.iter().map(|t| (t * 1e9).round() as i64).collect()
+    }
+
     fn resampled(hz: f64, jitter: f64, signal: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
         let time: Vec<f64> = (0..(10.0 * hz) as usize)
             .map(|i| (i as f64 + jitter * (i as f64 * 1.7).sin()) / hz)
             .collect();
         let values: Vec<f64> = time.iter().map(|t| signal(*t)).collect();
         let grid = grid(&time, 20.0, 0.5);
-        let found = speeds(&time, &values, &grid, 20.0, 0.5);
+        let found = speeds(&stamps(&time), &values, &grid, 20.0, 0.5);
         let at = grid.rows.iter().map(|r| r.tick as f64 / 20.0);
         at.zip(found).collect()
     }
@@ -276,18 +390,39 @@ mod tests {
     }
 
     #[test]
-    fn a_kernel_from_two_times_is_the_kernel_between_them() {
-        for rate in [10.0, 20.0, 25.0] {
-            for i in 0..2000 {
-                let at = 3600.0 + f64::from(i) * 0.37;
-                let since = 4.0 / rate * (f64::from(i % 199) / 99.0 - 1.0);
-                let (waves, row) = (Waves::at(at + since, rate), Waves::at(at, rate));
-                // As the samples' times are: the difference of two numbers.
-                let since = (at + since) - at;
-                let direct = kernel(since, 4.0 / rate, rate);
-                let found = waves.kernel(&row, since, rate);
-                assert!((found - direct).abs() < 1e-10, "{i}: {found} {direct}");
-            }
+    fn the_kernel_by_pieces_is_the_kernel() {
+        for i in -40_000..=40_000 {
+            let steps = f64::from(i) * 1e-4;
+            let direct = kernel(steps, 4.0);
+            let found = at_full_width(steps);
+            assert!((found - direct).abs() < 1e-10, "{steps}: {found} {direct}");
+        }
+    }
+
+    #[test]
+    fn a_row_knows_of_the_samples_around_it_alone() {
+        // Steps of several lengths in turn, and rows between samples.
+        let steps_ms = [10, 7, 10, 11, 9, 10, 3];
+        let step = |i: usize| steps_ms[i / 70 % 7] + i64::from(i.is_multiple_of(5) && i / 490 == 1);
+        let stamps: Vec<i64> = (0..1_400)
+            .scan(0, |at, i| {
+                *at += step(i) * 1_000_000;
+                Some(*at)
+            })
+            .collect();
+        let rows = |stamps: &[i64]| -> Vec<(i64, u64)> {
+            let time: Vec<f64> = stamps.iter().map(|t| *t as f64 / 1e9).collect();
+            let values: Vec<f64> = time.iter().map(|t| 30.0 + (3.0 * t).sin()).collect();
+            let grid = grid(&time, 20.0, 0.5);
+            let found = speeds(stamps, &values, &grid, 20.0, 0.5);
+            let ticks = grid.rows.iter().map(|r| r.tick);
+            ticks.zip(found.iter().map(|v| v.to_bits())).collect()
+        };
+        let all = rows(&stamps);
+        for &(tick, value) in &all[20..all.len() - 20] {
+            let near = |t: &i64| (t - tick * 50_000_000).abs() < 600_000_000;
+            let around: Vec<i64> = stamps.iter().copied().filter(near).collect();
+            assert!(rows(&around).contains(&(tick, value)), "row {tick}");
         }
     }
 
@@ -313,7 +448,7 @@ mod tests {
             values.insert(501 + i, 20.0);
         }
         let grid = grid(&time, 20.0, 0.5);
-        let found = speeds(&time, &values, &grid, 20.0, 0.5);
+        let found = speeds(&stamps(&time), &values, &grid, 20.0, 0.5);
         let most = found.iter().copied().fold(0.0, f64::max);
         assert!(most < 11.5, "{most}");
     }

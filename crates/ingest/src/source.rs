@@ -27,7 +27,7 @@ impl Source {
     /// [`IngestError::NotFound`] and the like.
     pub(crate) fn read(path: &Path) -> Result<(Vec<u8>, Self), IngestError> {
         let bytes = fs::read(path).map_err(|e| IngestError::io(path, e))?;
-        let blake3 = blake3::hash(&bytes).to_hex().to_string();
-        Ok((bytes, Self::new(path, blake3)))
+        let hash = blake3::Hasher::new().update_rayon(&bytes).finalize();
+        Ok((bytes, Self::new(path, hash.to_hex().to_string())))
     }
 }

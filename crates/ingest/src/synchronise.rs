@@ -39,6 +39,9 @@ pub(crate) fn synchronise(path: &Path, drive: &mut RawDrive, max_gap_s: f64) -> 
         let warning = Warning::new(path, WarningKind::ClockRestart, restarts.len(), what);
         warnings.push(warning.with_spans(spans));
     }
+    if start == 0 {
+        return warnings;
+    }
     let stamps = drive.ego.iter_mut().map(Timed::stamp_mut);
     let stamps = stamps.chain(drive.objects.iter_mut().map(Timed::stamp_mut));
     for stamp_ns in stamps.chain(drive.speeds.iter_mut().map(Timed::stamp_mut)) {
@@ -54,6 +57,12 @@ fn unstamped(samples: &[impl Timed]) -> bool {
 
 fn skew(path: &Path, ego: &[EgoSample]) -> Option<Warning> {
     let late = |s: &EgoSample| (i128::from(s.log_ns) - i128::from(s.stamp_ns)) as f64 / 1e9;
+    // Where most are in time, so is the median.
+    let most_ns = (SKEW_S * 1e9) as u64;
+    let in_time = |s: &&EgoSample| s.log_ns.abs_diff(s.stamp_ns) <= most_ns;
+    if 2 * ego.iter().filter(in_time).count() > ego.len() {
+        return None;
+    }
     let mut late: Vec<f64> = ego.iter().map(late).collect();
     if late.is_empty() {
         return None;

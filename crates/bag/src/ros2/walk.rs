@@ -26,21 +26,17 @@ pub(super) fn walk(
                 wanted,
             } => {
                 let count = fixed.map_or_else(|| reader.count(), Ok)?;
-                let last = wanted.iter().map(|w| w.0).max().unwrap_or(0);
-                for index in 0..count.min(last.saturating_add(1)) {
-                    let value = reader.number(*primitive)?;
-                    for (_, slot) in wanted.iter().filter(|w| w.0 == index) {
-                        row[*slot] = value;
-                    }
+                let size = primitive.size();
+                let bytes = reader.numbers(size, count)?;
+                for &(index, slot) in wanted.iter().filter(|w| w.0 < count) {
+                    let at = index as usize * usize::from(size);
+                    row[slot] = number(&bytes[at..], *primitive, reader.layout.big_endian)
+                        .ok_or(CdrError::End)?;
                 }
-                reader.skip(
-                    primitive.size(),
-                    count.saturating_sub(last).saturating_sub(1),
-                )?;
             }
             Step::SkipString => {
                 let length = reader.count()?;
-                reader.skip(1, length)?;
+                reader.numbers(1, length)?;
             }
             Step::TakeName { slot } => {
                 let length = reader.count()?;
@@ -50,11 +46,11 @@ pub(super) fn walk(
             Step::SkipWide => {
                 let count = reader.count()?;
                 let bytes = count * u64::from(reader.layout.wide);
-                reader.skip(1, bytes)?;
+                reader.numbers(1, bytes)?;
             }
             Step::SkipSequence { size } => {
                 let count = reader.count()?;
-                reader.skip(*size, count)?;
+                reader.numbers(*size, count)?;
             }
             Step::Repeat { fixed, body, first } => {
                 within_collection(reader, |reader| {
@@ -117,8 +113,9 @@ fn take_block(block: &Block, reader: &mut Reader<'_>, row: &mut [f64]) -> Result
     for &(offset, primitive, slot) in &places.takes {
         let value = bytes.get(offset as usize..).ok_or(CdrError::End)?;
         // What almost every number is, before the general case.
-        let value = match value.first_chunk() {
-            Some(eight) if primitive == Primitive::F64 && !big_endian => f64::from_le_bytes(*eight),
+        let value = match (primitive, value.first_chunk(), value.first_chunk()) {
+            (Primitive::F64, Some(eight), _) if !big_endian => f64::from_le_bytes(*eight),
+            (Primitive::U32, _, Some(four)) if !big_endian => f64::from(u32::from_le_bytes(*four)),
             _ => number(value, primitive, big_endian).ok_or(CdrError::End)?,
         };
         *row.get_mut(slot as usize).ok_or(CdrError::End)? = value;

@@ -183,7 +183,7 @@ impl Objects {
 /// Speed below which a twist has no direction worth comparing, in m/s.
 const MOVING_MPS: f64 = 2.0;
 /// Samples that it takes to tell a twist's frame.
-const TELLING: usize = 20;
+const TELLING: u32 = 20;
 
 /// Takes ego's speeds for what they are, and says what was found where that is not what the type promises.
 ///
@@ -206,23 +206,32 @@ pub(crate) fn settle_speeds(rows: &mut [EgoRow]) -> Option<&'static str> {
         }
         return None;
     }
-    let (mut own, mut map, mut n) = (0.0, 0.0, 0);
-    for w in rows.windows(2) {
-        let (Some((vx, vy)), Some(yaw)) = (w[0].twist, w[0].sample.yaw_rad) else {
-            continue;
-        };
-        let (dx, dy) = moved(&w[0], &w[1]);
-        let (speed, way) = (libm::hypot(vx, vy), libm::hypot(dx, dy));
-        if speed < MOVING_MPS || way < 1e-3 || !speed.is_finite() || !way.is_finite() {
-            continue;
+    let along = |turned: fn((f64, f64), f64) -> (f64, f64)| {
+        let (mut sum, mut n) = (0.0, 0);
+        for w in rows.windows(2) {
+            let (Some(twist), Some(yaw)) = (w[0].twist, w[0].sample.yaw_rad) else {
+                continue;
+            };
+            let (dx, dy) = moved(&w[0], &w[1]);
+            let (speed2, way2) = (twist.0 * twist.0 + twist.1 * twist.1, dx * dx + dy * dy);
+            let told = speed2 >= MOVING_MPS * MOVING_MPS && way2 >= 1e-6;
+            if told && speed2.is_finite() && way2.is_finite() {
+                let (vx, vy) = turned(twist, yaw);
+                sum += (vx * dx + vy * dy) / (speed2 * way2).sqrt();
+                n += 1;
+            }
         }
-        let (sin, cos) = libm::sincos(yaw);
-        own += ((vx * cos - vy * sin) * dx + (vx * sin + vy * cos) * dy) / (speed * way);
-        map += (vx * dx + vy * dy) / (speed * way);
-        n += 1;
-    }
-    let (own, map) = (own / n as f64, map / n as f64);
-    if n < TELLING || map < 0.9 || own > 0.7 {
+        (n >= TELLING).then_some(sum / f64::from(n))
+    };
+    // Of most recordings the first tells.
+    let of_map = along(|twist, _| twist);
+    let of_own = || {
+        along(|(vx, vy), yaw| {
+            let (sin, cos) = libm::sincos(yaw);
+            (vx * cos - vy * sin, vx * sin + vy * cos)
+        })
+    };
+    if of_map.is_none_or(|map| map < 0.9) || of_own().is_none_or(|own| own > 0.7) {
         return None;
     }
     for row in rows {

@@ -61,15 +61,13 @@ fn refuse_overlaps(path: &Path, drives: &mut [TableDrive]) -> Result<(), IngestE
     let count = drives.iter().map(|d| d.gaps.negative_ns.len()).sum();
     let of = drives.iter().map(|d| d.gaps.count).sum();
     refuse_many(path, count, of, what)?;
-    for drive in drives {
+    for drive in drives.iter_mut().filter(|d| !d.gaps.negative_ns.is_empty()) {
         let start_ns = drive.raw.ego.iter().map(|s| s.stamp_ns).min();
         let since = |ns: i64| (ns - start_ns.unwrap_or(ns)) as f64 / 1e9;
         let negative = &drive.gaps.negative_ns;
-        if !negative.is_empty() {
-            let spans = negative.iter().map(|&ns| (since(ns), since(ns)));
-            let warning = Warning::new(path, WarningKind::Unit, negative.len(), what);
-            drive.warnings.push(warning.with_spans(spans));
-        }
+        let spans = negative.iter().map(|&ns| (since(ns), since(ns)));
+        let warning = Warning::new(path, WarningKind::Unit, negative.len(), what);
+        drive.warnings.push(warning.with_spans(spans));
     }
     Ok(())
 }

@@ -81,7 +81,7 @@ impl Table {
                 return Err(bad(format!("it has more than {MOST_COLUMNS} columns")));
             }
             table.names.clone_from(&header.names);
-            table.read_text(bytes, &header, wanted, doubled_names)?;
+            table.read_text(&bytes, &header, wanted, doubled_names)?;
         }
         if table.frame.height() == 0 {
             return Err(bad("it has a header and no rows".to_owned()));
@@ -133,7 +133,7 @@ impl Table {
 
     fn read_text(
         &mut self,
-        bytes: Vec<u8>,
+        bytes: &[u8],
         header: &Header,
         wanted: &[(&str, Kind)],
         doubled_names: bool,
@@ -149,7 +149,7 @@ impl Table {
                 reason: format!("its header has the column `{name}` twice"),
             });
         }
-        if let Some(flaw) = flaw(&bytes, header) {
+        if let Some(flaw) = flaw(bytes, header) {
             let width = header.names.len();
             return Err(IngestError::BadTable {
                 path: self.path.clone(),
@@ -163,7 +163,6 @@ impl Table {
                 },
             });
         }
-        let bytes: Arc<[u8]> = bytes.into();
         let read = |numbers: bool| {
             // The names are ours: the file's may have blanks around them, or stand twice.
             let own_name = |i: usize| {
@@ -185,23 +184,19 @@ impl Table {
                 Field::new(own_name(i).into(), kind)
             };
             let schema: Schema = self.names.iter().enumerate().map(field).collect();
-            let mut names: Vec<PlSmallStr> = columns.iter().map(|c| c.0.as_str().into()).collect();
-            // With the last column polars sees rows that go on behind it.
-            if let Some(last) = self.names.len().checked_sub(1).map(own_name)
-                && names.iter().all(|n| *n != last)
-            {
-                names.push(last.into());
-            }
+            let names: Vec<PlSmallStr> = columns.iter().map(|c| c.0.as_str().into()).collect();
+            // What is too wide was refused above; a separator at the end of a line is nothing.
             let parse = CsvParseOptions::default()
                 .with_separator(header.separator)
-                .with_decimal_comma(self.decimal_comma);
+                .with_decimal_comma(self.decimal_comma)
+                .with_truncate_ragged_lines(true);
             CsvReadOptions::default()
                 .with_infer_schema_length(Some(0))
                 .with_skip_lines(header.preamble)
                 .with_schema(Some(Arc::new(schema)))
                 .with_columns(Some(names.into()))
                 .with_parse_options(parse)
-                .into_reader_with_file_handle(Cursor::new(Arc::clone(&bytes)))
+                .into_reader_with_file_handle(Cursor::new(bytes))
                 .finish()
         };
         self.frame = match read(true) {
@@ -325,13 +320,17 @@ impl Table {
             .map_err(|e| self.unreadable(name, &e))?;
         let numbers = numbers.f64().map_err(|e| self.unreadable(name, &e))?;
         let mut out = Vec::with_capacity(numbers.len());
-        for (row, cell) in numbers.iter().enumerate() {
-            match cell {
-                Some(v) if v.is_infinite() => return Err(self.bad_cell(row, name, v.to_string())),
-                other => out.push(other.unwrap_or(f64::NAN)),
+        if numbers.null_count() == 0 {
+            for piece in numbers.downcast_iter() {
+                out.extend_from_slice(piece.values());
             }
+        } else {
+            out.extend(numbers.iter().map(|cell| cell.unwrap_or(f64::NAN)));
         }
-        Ok(out)
+        match out.iter().position(|v| v.is_infinite()) {
+            Some(row) => Err(self.bad_cell(row, name, out[row].to_string())),
+            None => Ok(out),
+        }
     }
 
     /// A column as words, shape `(rows,)`.

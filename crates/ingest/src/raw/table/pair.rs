@@ -158,8 +158,8 @@ pub(super) fn drive(path: &Path, couple: &Couple, max_gap_s: f64) -> TableDrive 
     let mut gaps = Gaps::default();
     let mut passed = false;
     let mut way = Way::default();
-    let mut leader: Vec<EgoSample> = Vec::new();
-    let mut numbers: Vec<u32> = Vec::new();
+    raw.ego.reserve_exact(couple.stamp_ns.len());
+    raw.objects.reserve_exact(couple.stamp_ns.len());
     for (row, &stamp) in couple.stamp_ns.iter().enumerate() {
         let v = couple.ego_speed_mps[row];
         let x = match (&couple.ego_x_m, stamp) {
@@ -186,8 +186,9 @@ pub(super) fn drive(path: &Path, couple: &Couple, max_gap_s: f64) -> TableDrive 
         let gap_m = couple.gap_m[row];
         let behind = couple.signed && gap_m < 0.0;
         let lead_x_m = x + gap_m + if behind { -centres_m } else { centres_m };
-        let speed_mps = couple.lead_speed_mps.as_ref().map(|s| s[row]);
-        if !lead_x_m.is_finite() || speed_mps.is_some_and(f64::is_nan) {
+        // One that was not recorded is filled in below.
+        let speed_mps = couple.lead_speed_mps.as_ref().map_or(0.0, |s| s[row]);
+        if !lead_x_m.is_finite() || speed_mps.is_nan() {
             without_leader += 1;
             continue;
         }
@@ -195,34 +196,25 @@ pub(super) fn drive(path: &Path, couple: &Couple, max_gap_s: f64) -> TableDrive 
         if !couple.signed {
             gaps.note(stamp_ns, gap_m);
         }
-        numbers.push(id);
-        leader.push(EgoSample {
+        raw.objects.push(ObjectSample {
+            stamp_ns,
+            log_ns: stamp_ns,
+            nth: row as u32,
+            id,
             x_m: lead_x_m,
             y_m: sample.y_m + couple.lead_dy_m.as_ref().map_or(0.0, |y| y[row]),
             speed_mps,
-            ..sample
+            length_m: couple.lead_length_m,
         });
     }
     let mut warnings = Vec::new();
+    let first = raw.objects.first().map(|o| o.id);
+    let several = raw.objects.iter().any(|o| Some(o.id) != first);
     if couple.lead_speed_mps.is_none() {
-        differentiated(path, &mut leader, max_gap_s, &mut warnings);
+        differentiated(path, &mut raw.objects, max_gap_s, &mut warnings);
     }
-    let object = |(s, id): (EgoSample, u32)| {
-        Some(ObjectSample {
-            stamp_ns: s.stamp_ns,
-            log_ns: s.log_ns,
-            nth: s.nth,
-            id,
-            x_m: s.x_m,
-            y_m: s.y_m,
-            speed_mps: s.speed_mps?,
-            length_m: couple.lead_length_m,
-        })
-    };
-    let several = numbers.iter().any(|id| Some(id) != numbers.first());
     let beside = couple.ego_y_m.is_some() || couple.lead_dy_m.is_some();
     raw.without_lateral = !beside && (several || passed);
-    raw.objects = leader.into_iter().zip(numbers).filter_map(object).collect();
     let kind = WarningKind::MissingValue;
     let what = "rows without time, position or speed of ego are left out";
     report(&mut warnings, path, kind, without_ego, what);
@@ -236,19 +228,36 @@ pub(super) fn drive(path: &Path, couple: &Couple, max_gap_s: f64) -> TableDrive 
     }
 }
 
-/// Fills in the speeds of a leader of whom only positions are known; a sample that stands alone keeps none.
+/// Fills in the speeds of a leader of whom only positions are known; a sample that stands alone is left out.
 fn differentiated(
     path: &Path,
-    leader: &mut [EgoSample],
+    leader: &mut Vec<ObjectSample>,
     max_gap_s: f64,
     warnings: &mut Vec<Warning>,
 ) {
+    let count = leader.len();
+    let place = |o: &ObjectSample| EgoSample {
+        stamp_ns: o.stamp_ns,
+        log_ns: o.log_ns,
+        nth: o.nth,
+        x_m: o.x_m,
+        y_m: o.y_m,
+        yaw_rad: None,
+        speed_mps: None,
+    };
+    let mut places: Vec<EgoSample> = leader.iter().map(place).collect();
     // Out of order no slope means anything: such samples stay without a speed.
-    for run in leader.chunk_by_mut(|a, b| a.stamp_ns < b.stamp_ns) {
+    for run in places.chunk_by_mut(|a, b| a.stamp_ns < b.stamp_ns) {
         fill_speeds(run, max_gap_s);
     }
+    let mut speeds = places.iter().map(|p| p.speed_mps);
+    leader.retain_mut(|o| {
+        let known = speeds.next().flatten();
+        o.speed_mps = known.unwrap_or(o.speed_mps);
+        known.is_some()
+    });
     let what = "no speed of the leader was recorded: it is differentiated from its positions";
-    report(warnings, path, WarningKind::Default, leader.len(), what);
+    report(warnings, path, WarningKind::Default, count, what);
 }
 
 /// The way that a speed makes, by the trapezoidal rule; times that do not rise add nothing.

@@ -101,6 +101,9 @@ pub(super) fn flaw(text: &[u8], header: &Header) -> Option<Flaw> {
     let mut lines = text.split_inclusive(|&b| b == b'\n');
     let above: usize = lines.by_ref().take(header.preamble).map(<[u8]>::len).sum();
     let text = &text[above..];
+    if memchr::memchr(b'"', text).is_none() {
+        return too_wide(text, header);
+    }
     let width = header.names.len();
     // Where the cell begins, whether it began with a quote, and whether that is still open.
     let (mut cell, mut quoted, mut inside) = (0, false, false);
@@ -131,6 +134,57 @@ pub(super) fn flaw(text: &[u8], header: &Header) -> Option<Flaw> {
     (row > 0 && last).then_some(Flaw::TooWide { row, found })
 }
 
+/// The first row with too many cells of a text without quotes: every line of it is a row.
+fn too_wide(text: &[u8], header: &Header) -> Option<Flaw> {
+    let width = header.names.len();
+    let mut start = 0;
+    for (row, end) in memchr::memchr_iter(b'\n', text)
+        .chain([text.len()])
+        .enumerate()
+    {
+        let line = &text[start..end];
+        start = end + 1;
+        let found = memchr::memchr_iter(header.separator, line).count() + 1;
+        if row > 0 && found > width {
+            let last = memchr::memrchr(header.separator, line).map_or(0, |at| at + 1);
+            if found > width + 1 || !line[last..].trim_ascii().is_empty() {
+                return Some(Flaw::TooWide { row, found });
+            }
+        }
+    }
+    None
+}
+
 pub(super) fn same_name(a: &str, b: &str) -> bool {
     a.trim().eq_ignore_ascii_case(b.trim())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_without_quotes_are_told_as_with_them() {
+        let rows = [
+            "1,2", "1,2,", "1,2, ", "1", "", ",", "1,2,3", "1,2,,", "1,2,\r", ",,x",
+        ];
+        let told = |flaw: Option<Flaw>| match flaw {
+            Some(Flaw::TooWide { row, found }) => Some((row, found)),
+            Some(Flaw::OpenQuote { .. }) => Some((0, 0)),
+            None => None,
+        };
+        let mut flaws = 0;
+        for (a, b) in rows.iter().flat_map(|a| rows.map(|b| (a, b))) {
+            for end in ["", "\n"] {
+                let text = format!("a,b\n{a}\n{b}{end}");
+                let header = header(text.as_bytes(), Style::default(), None);
+                let plain = told(flaw(text.as_bytes(), &header));
+                // A quote that closes in the header changes nothing of the rows.
+                let quoted = text.replacen('a', "\"a\"", 1);
+                assert_eq!(plain, told(flaw(quoted.as_bytes(), &header)), "{text:?}");
+                flaws += usize::from(plain.is_some());
+            }
+        }
+        assert!(flaws > 50, "{flaws}");
+    }
 }
