@@ -225,7 +225,11 @@ fn is_broken_pipe(failed: &Failed) -> bool {
     failed
         .cause
         .downcast_ref::<std::io::Error>()
-        .is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+        .is_some_and(|e| {
+            // Windows has a second number for it, that no process is at the other end, without a kind of its own.
+            let nobody_reads = cfg!(windows) && e.raw_os_error() == Some(233);
+            nobody_reads || e.kind() == std::io::ErrorKind::BrokenPipe
+        })
 }
 
 /// `plain`: without colours and line breaks, for where no person reads.
