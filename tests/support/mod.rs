@@ -22,17 +22,22 @@ pub fn root() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
 }
 
-/// Recordings that stand beside the checkout, where they do.
-pub fn shared(path: &str) -> Option<PathBuf> {
+/// Recordings that stand beside the checkout; else which are missing.
+pub fn shared(path: &str) -> Result<PathBuf, String> {
     let found = root().join("../shared/data").join(path);
     if found.exists() {
-        return Some(found);
+        return Ok(found);
     }
-    eprintln!(
-        "note: {} is not there, so this test has nothing to hold the program against",
-        found.display()
-    );
-    None
+    Err(format!("{} is not there", found.display()))
+}
+
+/// Whether a program is on the PATH; else that it is not.
+pub fn runs(program: &str) -> Result<(), String> {
+    let ran = Command::new(program).arg("--version").output();
+    match ran {
+        Ok(ran) if ran.status.success() => Ok(()),
+        _ => Err(format!("`{program}` is not on the PATH")),
+    }
 }
 
 /// A folder with this project's `study_data` and `pipelines`, in which pipelines run.

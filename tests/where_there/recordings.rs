@@ -1,20 +1,48 @@
 //! Real recordings, where they stand beside the checkout.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at the first surprise"
-)]
+use crate::support::{TempStudy, shared};
+use crate::trial;
+use libtest_mimic::Trial;
 
-mod support;
+/// The tests, each with the recording that it needs.
+pub(crate) fn tests() -> Vec<Trial> {
+    let of = |name, path, test: fn()| trial(name, shared(path).err(), test);
+    vec![
+        of(
+            "openacc_goes_from_csv_to_the_table_of_errors",
+            "openacc_astazero",
+            openacc_goes_from_csv_to_the_table_of_errors,
+        ),
+        of(
+            "ngsim_pairs_in_feet_go_to_the_same_table",
+            "ngsim_i80_pairs",
+            ngsim_pairs_in_feet_go_to_the_same_table,
+        ),
+        of(
+            "people_are_judged_by_what_was_learned_from_others",
+            "ngsim_i80_pairs",
+            people_are_judged_by_what_was_learned_from_others,
+        ),
+        of(
+            "every_shipped_recording_can_be_inspected",
+            "mcap",
+            every_shipped_recording_can_be_inspected,
+        ),
+        trial(
+            "without_the_recordings_the_message_says_how_to_get_them",
+            None,
+            without_the_recordings_the_message_says_how_to_get_them,
+        ),
+        of(
+            "a_pose_recording_ingests_without_a_lead_vehicle",
+            "mcap/cub_pose_flight.mcap",
+            a_pose_recording_ingests_without_a_lead_vehicle,
+        ),
+    ]
+}
 
-use support::{TempStudy, shared};
-
-#[test]
 fn openacc_goes_from_csv_to_the_table_of_errors() {
-    let Some(data) = shared("openacc_astazero") else {
-        return;
-    };
+    let data = shared("openacc_astazero").unwrap();
     let study = TempStudy::new();
     let data = format!("data={}", std::fs::canonicalize(data).unwrap().display());
     let ran = study
@@ -45,11 +73,8 @@ fn openacc_goes_from_csv_to_the_table_of_errors() {
     );
 }
 
-#[test]
 fn ngsim_pairs_in_feet_go_to_the_same_table() {
-    let Some(data) = shared("ngsim_i80_pairs") else {
-        return;
-    };
+    let data = shared("ngsim_i80_pairs").unwrap();
     let study = TempStudy::new();
     let data = format!("data={}", std::fs::canonicalize(data).unwrap().display());
     let ran = study
@@ -69,7 +94,7 @@ fn ngsim_pairs_in_feet_go_to_the_same_table() {
         "harmed by personalising",
         "Gipps",
         "driven by default",
-        "shrinkage of the own time gap",
+        "Shrunken is the own time gap",
         "mean of network and IDM, both shrunken",
     ] {
         assert!(ran.stdout.contains(said), "{said}: {}", ran.stdout);
@@ -93,11 +118,8 @@ fn ngsim_pairs_in_feet_go_to_the_same_table() {
     }
 }
 
-#[test]
 fn people_are_judged_by_what_was_learned_from_others() {
-    let Some(data) = shared("ngsim_i80_pairs") else {
-        return;
-    };
+    let data = shared("ngsim_i80_pairs").unwrap();
     let study = TempStudy::new();
     for group in ["learned", "judged"] {
         std::fs::create_dir(study.path(group)).unwrap();
@@ -161,7 +183,6 @@ fn people_are_judged_by_what_was_learned_from_others() {
     assert!(interval.is_sorted(), "{pair}");
 }
 
-#[test]
 fn without_the_recordings_the_message_says_how_to_get_them() {
     let study = TempStudy::new();
     study
@@ -169,15 +190,24 @@ fn without_the_recordings_the_message_says_how_to_get_them() {
         .failed(1, &["nowhere", "CC BY 4.0", "Joint Research Centre"]);
 }
 
-#[test]
 fn a_pose_recording_ingests_without_a_lead_vehicle() {
-    let Some(log) = shared("mcap/cub_pose_flight.mcap") else {
-        return;
-    };
+    let log = shared("mcap/cub_pose_flight.mcap").unwrap();
     let study = TempStudy::new();
     study
         .maveric(&["ingest", log.to_str().unwrap(), "--out", "drives"])
         .ok();
     let list = std::fs::read_to_string(study.path("drives/drives.csv")).unwrap();
     assert_eq!(list.lines().count(), 2, "{list}");
+}
+
+fn every_shipped_recording_can_be_inspected() {
+    let folder = shared("mcap").unwrap();
+    let study = TempStudy::new();
+    let mut files = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        study.maveric(&["inspect", path.to_str().unwrap()]).ok();
+        files += 1;
+    }
+    assert!(files >= 11);
 }

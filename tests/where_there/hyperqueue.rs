@@ -1,18 +1,21 @@
 //! A real HyperQueue, where `hq` is on the PATH: the small study on two workers, one of which is killed while it works; and many
 //! tasks, as many as `MAVERIC_HQ_TASKS` says.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-#![cfg(target_os = "linux")]
-
-mod support;
-
+use crate::support::{Ran, TempStudy, runs};
+use crate::trial;
+use libtest_mimic::Trial;
 use std::{
     collections::BTreeMap,
     path::Path,
     process::{Child, Command, Stdio},
     time::{Duration, Instant},
 };
-use support::{Ran, TempStudy};
+
+/// The test, with the program that it needs.
+pub(crate) fn tests() -> Vec<Trial> {
+    let name = "the_small_study_comes_out_the_same_when_a_worker_is_killed_at_work";
+    vec![trial(name, runs("hq").err(), killed_at_work)]
+}
 
 /// A server and its workers, which end with it.
 struct Cluster {
@@ -22,17 +25,8 @@ struct Cluster {
 }
 
 impl Cluster {
-    /// None where there is no `hq`.
-    fn start(workers: usize) -> Option<Self> {
+    fn start(workers: usize) -> Self {
         let folder = tempfile::tempdir().unwrap();
-        let there = Command::new("hq")
-            .arg("--version")
-            .stdout(Stdio::null())
-            .status();
-        if !there.is_ok_and(|s| s.success()) {
-            eprintln!("skipped: `hq` is not on the PATH");
-            return None;
-        }
         let server = started(folder.path(), &["server", "start", "--host", "localhost"]);
         let until = Instant::now() + Duration::from_secs(30);
         while !folder.path().join("hq-current/access.json").exists() {
@@ -41,11 +35,11 @@ impl Cluster {
         }
         let worker = ["worker", "start", "--cpus", "1", "--heartbeat", "1s"];
         let workers = (0..workers).map(|_| started(folder.path(), &worker));
-        Some(Self {
+        Self {
             workers: workers.collect(),
             server,
             folder,
-        })
+        }
     }
 
     fn maveric(&self, study: &TempStudy, args: &[&str]) -> Command {
@@ -113,11 +107,8 @@ fn made(study: &TempStudy) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
-#[test]
-fn the_small_study_comes_out_the_same_when_a_worker_is_killed_at_work() {
-    let Some(mut cluster) = Cluster::start(2) else {
-        return;
-    };
+fn killed_at_work() {
+    let mut cluster = Cluster::start(2);
     let study = TempStudy::new();
     let run = ["run", "pipelines/smoke.toml", "--executor", "hq"];
     let running = cluster
