@@ -6,7 +6,7 @@ use crate::{
     error::DomainError,
     ids::{DriveId, ParticipantId},
 };
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// One participant in one condition.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -34,7 +34,7 @@ pub struct ConditionRow {
 }
 
 /// One point of a sweep, or one move along an attribute.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SweepPoint {
     /// Name of the simulated drive: several points of one participant may be the same condition.
     pub drive: DriveId,

@@ -10,7 +10,10 @@ use maveric_seat_page::{Record, Replayed};
 use maveric_study::{
     DesignFile, StudyError,
     atomic_write::{atomic_write, atomic_write_bytes, read_text},
-    tables::{TableBuilder, dial::ENDING},
+    tables::{
+        dial::{ENDING, Turn},
+        write_rows,
+    },
 };
 use std::{collections::BTreeSet, path::PathBuf};
 
@@ -152,14 +155,20 @@ impl Files {
         let Some(place) = &self.0 else {
             return Ok(());
         };
-        let same = |value: f64| turned.iter().map(move |_| Some(value));
-        let table = TableBuilder::default()
-            .text("participant", turned.iter().map(|_| participant))
-            .numbers("time_s", turned.iter().map(|(time, _)| Some(*time)))
-            .numbers("points", turned.iter().map(|(_, points)| Some(*points)))
-            .numbers("step", same(step))
-            .numbers("duration_s", same(duration_s));
-        Ok(table.write(&place.records.join(format!("{name}{ENDING}")))?)
+        let participant =
+            ParticipantId::new(participant).map_err(maveric_study::StudyError::from)?;
+        let turns = turned.iter().map(|&(time_s, points)| Turn {
+            participant: participant.clone(),
+            time_s,
+            points,
+            step,
+            duration_s,
+        });
+        let turns: Vec<Turn> = turns.collect();
+        Ok(write_rows(
+            &place.records.join(format!("{name}{ENDING}")),
+            &turns,
+        )?)
     }
 
     /// Removes the logs and records of somebody who wants nothing kept.

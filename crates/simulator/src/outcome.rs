@@ -2,6 +2,7 @@
 
 use crate::{collision::Collision, control::Intervention, error::SimulatorError};
 use maveric_domain::{Recording, TraceRow};
+use serde::{Deserialize, Serialize};
 
 /// A drive and what is to be said about it.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,7 +35,7 @@ impl Rollout {
 }
 
 /// Counts over one drive; an episode is counted once, however long it lasts.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct RolloutReport {
     /// Episodes in which ego and another vehicle overlapped.
     pub collisions: u32,
@@ -53,9 +54,11 @@ pub struct RolloutReport {
     /// Lane changes started; 0 for a person's hands, whose changes are read from the recording.
     pub started_changes: u32,
     /// Episodes in which a person's car slid along a barrier; 0 for everybody else, who never comes near one.
+    #[serde(skip)]
     pub barrier_touches: u32,
     /// Lead vehicles that came.
     pub leads: u32,
     /// Encounters among them in which the passing lane was taken.
+    #[serde(skip)]
     pub blocked_encounters: u32,
 }

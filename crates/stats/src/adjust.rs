@@ -52,11 +52,7 @@ pub struct Adjusted {
 /// ```
 pub fn adjust(p: &[f64]) -> Result<Adjusted, StatsError> {
     if let Some(&found) = p.iter().find(|p| !(0.0..=1.0).contains(*p)) {
-        return Err(StatsError::BadParameter {
-            name: "p".to_owned(),
-            expected: "from 0 to 1".to_owned(),
-            found,
-        });
+        return Err(StatsError::parameter("p", "from 0 to 1", found));
     }
     Ok(Adjusted {
         holm: Adjustment::Holm.apply(p),

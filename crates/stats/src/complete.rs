@@ -46,13 +46,7 @@ pub(crate) fn rows(
 ) -> Result<Complete, StatsError> {
     let total = columns.first().map_or(0, |(_, c)| c.len());
     for (name, column) in columns {
-        if column.len() != total {
-            return Err(StatsError::LengthMismatch {
-                name: (*name).to_owned(),
-                found: column.len(),
-                expected: total,
-            });
-        }
+        StatsError::same_length(name, column.len(), total)?;
         all_usable(column, name)?;
     }
     let mut complete = Complete {

@@ -179,24 +179,17 @@ pub(crate) fn less(values: &[Option<f64>], mu: f64) -> Result<(Vec<f64>, bool), 
 
 fn finite(name: &str, found: f64) -> Result<(), StatsError> {
     let fine = found.is_finite();
-    fine.then_some(()).ok_or_else(|| StatsError::BadParameter {
-        name: name.to_owned(),
-        expected: "a finite number".to_owned(),
-        found,
-    })
+    fine.then_some(())
+        .ok_or_else(|| StatsError::parameter(name, "a finite number", found))
 }
 
 fn check(bounds: Bounds) -> Result<(), StatsError> {
     let (Bounds::Raw { low, high } | Bounds::Standardized { low, high }) = bounds;
     finite("lower bound", low)?;
     finite("upper bound", high)?;
-    (low < high)
-        .then_some(())
-        .ok_or_else(|| StatsError::BadParameter {
-            name: "upper bound".to_owned(),
-            expected: format!("above the lower one, {low}"),
-            found: high,
-        })
+    (low < high).then_some(()).ok_or_else(|| {
+        StatsError::parameter("upper bound", &format!("above the lower one, {low}"), high)
+    })
 }
 
 fn tost(differences: &[f64], constant: bool, bounds: Bounds) -> (Tost, Reasons) {

@@ -172,6 +172,27 @@ pub enum StatsError {
 }
 
 impl StatsError {
+    /// Refuses a column that is not as long as the first.
+    pub(crate) fn same_length(name: &str, found: usize, expected: usize) -> Result<(), Self> {
+        if found == expected {
+            return Ok(());
+        }
+        Err(Self::LengthMismatch {
+            name: name.to_owned(),
+            found,
+            expected,
+        })
+    }
+
+    /// A parameter outside its range.
+    pub(crate) fn parameter(name: &str, expected: &str, found: f64) -> Self {
+        Self::BadParameter {
+            name: name.to_owned(),
+            expected: expected.to_owned(),
+            found,
+        }
+    }
+
     /// The next step, where one is known.
     pub fn suggestion(&self) -> Option<&'static str> {
         match self {

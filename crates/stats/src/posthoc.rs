@@ -144,11 +144,7 @@ pub fn posthoc(
     alpha: f64,
 ) -> Result<Posthoc, StatsError> {
     if !(alpha > 0.0 && alpha < 1.0) {
-        return Err(StatsError::BadParameter {
-            name: "alpha".to_owned(),
-            expected: "between 0 and 1".to_owned(),
-            found: alpha,
-        });
+        return Err(StatsError::parameter("alpha", "between 0 and 1", alpha));
     }
     Ok(all_pairs(data, test, adjust, alpha))
 }

@@ -117,11 +117,8 @@ pub fn power(questions: &[PowerQuestion]) -> Result<PowerAnalysis, StatsError> {
 fn check(question: &PowerQuestion) -> Result<(), StatsError> {
     let inside = |name: &str, found: f64, low: f64, high: f64| {
         let fine = found > low && found < high;
-        fine.then_some(()).ok_or_else(|| StatsError::BadParameter {
-            name: name.to_owned(),
-            expected: format!("between {low} and {high}"),
-            found,
-        })
+        fine.then_some(())
+            .ok_or_else(|| StatsError::parameter(name, &format!("between {low} and {high}"), found))
     };
     inside("alpha", question.alpha, 0.0, 1.0)?;
     match question.test {

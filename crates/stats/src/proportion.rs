@@ -31,11 +31,7 @@ pub struct Proportion {
 /// # Ok::<(), maveric_stats::StatsError>(())
 /// ```
 pub fn proportion(successes: usize, n: usize, confidence: f64) -> Result<Proportion, StatsError> {
-    let bad = |name: &str, expected: &str, found: f64| StatsError::BadParameter {
-        name: name.to_owned(),
-        expected: expected.to_owned(),
-        found,
-    };
+    let bad = |name: &str, expected: &str, found: f64| StatsError::parameter(name, expected, found);
     if n == 0 {
         return Err(bad("n", "at least 1", 0.0));
     }

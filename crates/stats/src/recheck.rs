@@ -61,20 +61,12 @@ pub fn recheck(reported: &[ReportedCorrelation]) -> Result<RecheckAnalysis, Stat
 
 fn one(row: usize, printed: &ReportedCorrelation) -> Result<Recheck, StatsError> {
     if printed.df == 0 {
-        return Err(StatsError::BadParameter {
-            name: "df".to_owned(),
-            expected: "at least 1".to_owned(),
-            found: 0.0,
-        });
+        return Err(StatsError::parameter("df", "at least 1", 0.0));
     }
     let df = printed.df as f64;
     let (r, half) = number(row, "coefficient", &printed.coefficient)?;
     if r.abs() > 1.0 {
-        return Err(StatsError::BadParameter {
-            name: "coefficient".to_owned(),
-            expected: "from -1 to 1".to_owned(),
-            found: r,
-        });
+        return Err(StatsError::parameter("coefficient", "from -1 to 1", r));
     }
     let text = printed.p.trim();
     let (relation, digits) = match text.chars().next() {

@@ -76,11 +76,11 @@ pub fn linear_fit(x: &[Option<f64>], y: &[Option<f64>]) -> Result<LinearFit, Sta
     let (x, y) = (&complete.columns[0], &complete.columns[1]);
     let (mean_x, ss_x) = mean_and_square_sum(x.iter().copied());
     if is_constant(x) || ss_x <= 0.0 {
-        return Err(StatsError::BadParameter {
-            name: "x".to_owned(),
-            expected: "at least two different values".to_owned(),
-            found: x[0],
-        });
+        return Err(StatsError::parameter(
+            "x",
+            "at least two different values",
+            x[0],
+        ));
     }
     let n = x.len() as f64;
     let (mean_y, ss_y) = mean_and_square_sum(y.iter().copied());

@@ -83,13 +83,7 @@ pub struct VarianceTests {
 /// # Ok::<(), maveric_stats::StatsError>(())
 /// ```
 pub fn levene(groups: &[String], values: &[Option<f64>]) -> Result<VarianceTests, StatsError> {
-    if groups.len() != values.len() {
-        return Err(StatsError::LengthMismatch {
-            name: "group".to_owned(),
-            found: groups.len(),
-            expected: values.len(),
-        });
-    }
+    StatsError::same_length("group", groups.len(), values.len())?;
     let complete = complete::rows(&[("value", values)], "value", 2)?;
     let names: Vec<String> = complete
         .kept

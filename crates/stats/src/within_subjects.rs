@@ -45,13 +45,7 @@ impl WithinSubjects {
         values: &[Option<f64>],
     ) -> Result<Self, StatsError> {
         for (name, found) in [("condition", conditions.len()), ("value", values.len())] {
-            if found != subjects.len() {
-                return Err(StatsError::LengthMismatch {
-                    name: name.to_owned(),
-                    found,
-                    expected: subjects.len(),
-                });
-            }
+            StatsError::same_length(name, found, subjects.len())?;
         }
         let subject_of = Index::of(subjects);
         let condition_of = Index::of(conditions);
@@ -109,13 +103,7 @@ impl WithinSubjects {
         let owned =
             |names: &[S]| -> Vec<String> { names.iter().map(|s| s.as_ref().to_owned()).collect() };
         let (conditions, subjects) = (owned(conditions), owned(subjects));
-        if rows.len() != subjects.len() {
-            return Err(StatsError::LengthMismatch {
-                name: "rows".to_owned(),
-                found: rows.len(),
-                expected: subjects.len(),
-            });
-        }
+        StatsError::same_length("rows", rows.len(), subjects.len())?;
         for (what, names) in [("condition", &conditions), ("subject", &subjects)] {
             if let Some(name) = Index::of(names).repeated {
                 return Err(StatsError::DoubleName {
@@ -125,13 +113,7 @@ impl WithinSubjects {
             }
         }
         for (row, values) in rows.iter().enumerate() {
-            if values.len() != conditions.len() {
-                return Err(StatsError::LengthMismatch {
-                    name: subjects[row].clone(),
-                    found: values.len(),
-                    expected: conditions.len(),
-                });
-            }
+            StatsError::same_length(&subjects[row], values.len(), conditions.len())?;
             for (value, name) in values.iter().zip(&conditions) {
                 complete::usable(*value, name, row)?;
             }
@@ -169,13 +151,7 @@ impl WithinSubjects {
         let n = columns.first().map_or(0, |(_, values)| values.len());
         let (mut subjects, mut conditions, mut cells) = (Vec::new(), Vec::new(), Vec::new());
         for (at, (name, values)) in columns.iter().enumerate() {
-            if values.len() != n {
-                return Err(StatsError::LengthMismatch {
-                    name: name.clone(),
-                    found: values.len(),
-                    expected: n,
-                });
-            }
+            StatsError::same_length(name, values.len(), n)?;
             if columns[..at].iter().any(|(other, _)| other == name) {
                 return Err(StatsError::DoubleName {
                     what: "condition".to_owned(),
@@ -222,13 +198,7 @@ impl WithinSubjects {
     /// [`StatsError::UnknownCondition`] if a condition is missing from `order`;
     /// [`StatsError::LengthMismatch`] if `order` names others too.
     pub fn reordered<S: AsRef<str>>(&self, order: &[S]) -> Result<Self, StatsError> {
-        if order.len() != self.k() {
-            return Err(StatsError::LengthMismatch {
-                name: "order of conditions".to_owned(),
-                found: order.len(),
-                expected: self.k(),
-            });
-        }
+        StatsError::same_length("order of conditions", order.len(), self.k())?;
         let mut from = Vec::with_capacity(self.k());
         for condition in &self.conditions {
             if !order.iter().any(|name| name.as_ref() == condition) {

@@ -5,7 +5,6 @@ pub mod atomic_write;
 pub mod design;
 pub mod design_check;
 pub mod design_pipeline;
-pub mod dictionary;
 pub mod error;
 pub mod gate;
 pub mod outcome;

@@ -21,6 +21,7 @@ use maveric_measures::parse_scale;
 use maveric_model::{Model, model_file};
 use maveric_participants::Effects;
 use maveric_simulator::Scenario;
+use serde::Deserialize;
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
@@ -254,13 +255,19 @@ fn drives_kept_out(folder: &Path) -> Result<Vec<Driven>, StudyError> {
     Ok(found)
 }
 
+/// What of a list of drives says how long each took.
+#[derive(Deserialize)]
+struct Listed {
+    drive: DriveId,
+    duration_s: f64,
+}
+
 /// How long each drive took, from the lists of drives among the results.
 pub(crate) fn durations(folder: &Path) -> Result<BTreeMap<DriveId, f64>, StudyError> {
     let mut found = BTreeMap::new();
     for path in lists(folder) {
-        let table = Table::read(&path)?;
-        let drives: Vec<DriveId> = table.ids("drive")?;
-        found.extend(drives.into_iter().zip(table.all_numbers("duration_s")?));
+        let rows: Vec<Listed> = Table::read(&path)?.records()?;
+        found.extend(rows.into_iter().map(|row| (row.drive, row.duration_s)));
     }
     Ok(found)
 }

@@ -5,7 +5,7 @@ use super::load::{DfSource, Quantity, Rule};
 use super::self_check::SelfCheck;
 use crate::apa;
 use crate::markup::literal;
-use crate::tables::{Cell, Column, Table};
+use crate::tables::{Cell, Table};
 use std::collections::BTreeMap;
 
 /// How many claims got each verdict, in the order of [`Verdict`].
@@ -23,49 +23,37 @@ pub fn ledger_table(rows: &[LedgerRow]) -> Table {
         .into_iter()
         .map(|(verdict, count)| format!("{}: {count}", verdict.text()))
         .collect();
-    Table {
-        name: "claims".to_owned(),
-        title: "Every number that the paper reports, and ours".to_owned(),
-        columns: vec![
-            Column::left("Claim"),
-            Column::left("Part"),
-            Column::left("Paper"),
-            Column::left("Here"),
-            Column::left("Verdict"),
-            Column::left("Rule"),
-            Column::left("*p* < .05?"),
-            Column::left("Does the paper agree with itself?"),
-            Column::left("Stage"),
-            Column::left("Shown in"),
-            Column::left("Remark"),
-        ],
-        rows: rows
-            .iter()
-            .map(|row| {
-                vec![
-                    Cell::text(&row.claim.text),
-                    Cell::text(&row.claim.section),
-                    Cell::Marked(theirs(row)),
-                    ours(row).map_or(Cell::Missing, Cell::Marked),
-                    Cell::text(row.verdict.text()),
-                    Cell::text(rule(row.claim.rule)),
-                    row.clear().map_or(Cell::Missing, Cell::text),
-                    own_figures(row).map_or(Cell::Missing, Cell::Marked),
-                    row.made
-                        .as_ref()
-                        .map_or(Cell::Missing, |m| Cell::text(&m.stage)),
-                    shown_in(row).map_or(Cell::Missing, Cell::text),
-                    row.claim.note.as_ref().map_or(Cell::Missing, Cell::text),
-                ]
-            })
-            .collect(),
-        notes: vec![
-            format!("{}.", counts.join("; ")),
-            "The paper’s participants are real people, ours may be synthetic: a verdict compares \
-             direction and size, and is no replication."
-                .to_owned(),
-        ],
-    }
+    let missing = |text: Option<String>| text.map_or(Cell::Missing, Cell::Text);
+    let marked = |text: Option<String>| text.map_or(Cell::Missing, Cell::Marked);
+    Table::of(
+        "claims",
+        "Every number that the paper reports, and ours",
+        rows,
+    )
+    .text("Claim", |row| &row.claim.text)
+    .text("Part", |row| &row.claim.section)
+    .left("Paper", |row| Cell::Marked(theirs(row)))
+    .left("Here", |row| marked(ours(row)))
+    .text("Verdict", |row| row.verdict.text())
+    .text("Rule", |row| rule(row.claim.rule))
+    .left("*p* < .05?", |row| {
+        row.clear().map_or(Cell::Missing, Cell::text)
+    })
+    .left("Does the paper agree with itself?", |row| {
+        marked(own_figures(row))
+    })
+    .left("Stage", |row| {
+        missing(row.made.as_ref().map(|m| m.stage.clone()))
+    })
+    .left("Shown in", |row| {
+        shown_in(row).map_or(Cell::Missing, Cell::text)
+    })
+    .left("Remark", |row| missing(row.claim.note.clone()))
+    .noted(format!("{}.", counts.join("; ")))
+    .noted(
+        "The paper’s participants are real people, ours may be synthetic: a verdict compares \
+             direction and size, and is no replication.",
+    )
 }
 
 fn shown_in(row: &LedgerRow) -> Option<&str> {

@@ -1,15 +1,7 @@
 //! What each part of the model is worth on drivers it has not seen.
 
-use super::axes::{Frame, Labels, Scale};
-use super::canvas::Pen;
-use super::check::Check;
 use super::fit;
-use super::theme::{GREY, INK, MUTED, Marker, TWO_COLUMNS_MM, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
-use crate::apa::number;
-use crate::error::ReportError;
-use crate::markup;
-use serde::{Deserialize, Serialize};
+use super::prelude::*;
 
 /// Variants of the model on the same unseen drivers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

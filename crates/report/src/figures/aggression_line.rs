@@ -1,15 +1,8 @@
 //! Where drivers lie on the style line, against what they do and say.
 
-use super::axes::{Frame, Labels, Scale};
-use super::check::Check;
 use super::crowd;
-use super::grid::{Grid, draw_panels};
+use super::prelude::*;
 use super::regression::{Regression, y_scale};
-use super::theme::{INK, Marker, TWO_COLUMNS_MM};
-use super::{Context, Figure, Plan, Shows};
-use crate::error::ReportError;
-use crate::markup;
-use serde::{Deserialize, Serialize};
 
 /// Panels of the same people, one a measure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -67,17 +60,8 @@ pub fn aggression_line(input: &AggressionLine, context: &Context) -> Result<Figu
     } else {
         format!("{low} to {high}, by panel (not every drive has a value of every measure)")
     };
-    let found: Vec<String> = input
-        .panels
-        .iter()
-        .map(|panel| {
-            format!(
-                "{}: {}.",
-                panel.title,
-                markup::plain(&panel.statistic).replace('\n', "; ")
-            )
-        })
-        .collect();
+    let panels = input.panels.iter();
+    let found = told(panels.map(|p| (p.title.as_str(), p.statistic.as_str())));
     let plan = Plan {
         name: NAME.to_owned(),
         size_mm: (
@@ -92,18 +76,13 @@ pub fn aggression_line(input: &AggressionLine, context: &Context) -> Result<Figu
              95% band. *n* = {n}. The correlation and its test stand below each title.{}",
             crowd::words(high)
         ),
-        alt: found.join(" "),
+        alt: found,
         shows: Shows::Participants,
     };
     draw_panels(
         plan,
         context,
-        Grid {
-            count: input.panels.len(),
-            columns,
-            gap: (10.0, 9.0),
-        },
-        |_, whole| whole,
+        Grid::new(input.panels.len(), columns, (10.0, 9.0)),
         |canvas, index, place| {
             let panel = &input.panels[index];
             let x = Scale::over(panel.points.iter().map(|point| point.0), 4);

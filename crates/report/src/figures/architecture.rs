@@ -1,13 +1,6 @@
 //! The five sub-networks, with the sizes of their actual layers.
 
-use super::axes::Place;
-use super::canvas::{Canvas, Look, Pen};
-use super::check::Check;
-use super::theme::{GREY, INK, MUTED, PALE, PAPER, PURPLE, TWO_COLUMNS_MM, size, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
-use crate::error::ReportError;
-use plotters::style::RGBColor;
-use serde::{Deserialize, Serialize};
+use super::prelude::*;
 
 /// Layer sizes, each list from the input to the output of one part.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -35,15 +35,7 @@ impl Scale {
         let ticks: Vec<f64> = (first..=last).map(|k| k as f64 * step).collect();
         let decimals = (-libm::log10(step) - 1e-9).ceil().clamp(0.0, 6.0) as usize;
         let labels = ticks.iter().map(|&tick| number(tick, decimals)).collect();
-        Self {
-            low,
-            high,
-            ticks,
-            labels,
-            from: 0.0,
-            to: 1.0,
-            logarithmic: false,
-        }
+        Self::of((low, high), ticks, labels, false)
     }
 
     /// A logarithmic scale over positive values.
@@ -67,21 +59,22 @@ impl Scale {
                 }
             }
         }
-        Self {
-            low,
-            high,
-            ticks,
-            labels,
-            from: 0.0,
-            to: 1.0,
-            logarithmic: true,
-        }
+        Self::of((low, high), ticks, labels, true)
     }
 
     /// A scale whose ticks are given: value and label.
     pub(crate) fn labelled(low: f64, high: f64, ticks: Vec<(f64, String)>) -> Self {
         let (low, high) = widened(low, high);
         let (ticks, labels) = ticks.into_iter().unzip();
+        Self::of((low, high), ticks, labels, false)
+    }
+
+    fn of(
+        (low, high): (f64, f64),
+        ticks: Vec<f64>,
+        labels: Vec<String>,
+        logarithmic: bool,
+    ) -> Self {
         Self {
             low,
             high,
@@ -89,7 +82,7 @@ impl Scale {
             labels,
             from: 0.0,
             to: 1.0,
-            logarithmic: false,
+            logarithmic,
         }
     }
 

@@ -1,14 +1,7 @@
 //! Whether a predicted probability of a lane change means what it says.
 
-use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Look, Pen};
-use super::check::Check;
-use super::theme::{GREY, INK, MUTED, Marker, ONE_COLUMN_MM, size, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
-use crate::apa::number;
-use crate::error::ReportError;
+use super::prelude::*;
 use maveric_stats::proportion;
-use serde::{Deserialize, Serialize};
 
 /// Predicted probabilities, binned, beside how often the event came.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

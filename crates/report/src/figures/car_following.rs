@@ -1,16 +1,7 @@
 //! One driver's unseen last third, driven again by the models.
 
-use super::axes::{Frame, Labels, Place, Scale};
-use super::canvas::Pen;
-use super::check::Check;
-use super::legend::Key;
-use super::theme::{BLUE, GREEN, GREY, INK, MUTED, Marker, OCHRE, PURPLE, TWO_COLUMNS_MM, stroke};
+use super::prelude::*;
 use super::thin::thinned;
-use super::{Context, Figure, Plan, Shows, draw};
-use crate::error::ReportError;
-use crate::markup;
-use plotters::style::RGBColor;
-use serde::{Deserialize, Serialize};
 
 /// Who is at the wheel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

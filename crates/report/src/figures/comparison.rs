@@ -1,15 +1,10 @@
 //! Groups or conditions of any design side by side: rainclouds with their contrasts.
 
-use super::check::Check;
 use super::crowd::MOST_POINTS;
-use super::grid::{Grid, draw_panels};
+use super::prelude::*;
 use super::rainclouds::{self, Panel, Slot};
-use super::theme::{TWO_COLUMNS_MM, nth_look};
-use super::{Context, Figure, Plan, Shows};
+use super::theme::nth_look;
 use crate::apa;
-use crate::error::ReportError;
-use crate::markup;
-use serde::{Deserialize, Serialize};
 
 /// What is compared, an outcome a panel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -128,12 +123,7 @@ pub fn comparison(input: &Comparison, context: &Context) -> Result<Figure, Repor
     draw_panels(
         plan,
         context,
-        Grid {
-            count: input.panels.len(),
-            columns,
-            gap: (10.0, 11.0),
-        },
-        |_, whole| whole,
+        Grid::new(input.panels.len(), columns, (10.0, 11.0)),
         |canvas, index, place| {
             let panel = &input.panels[index];
             rainclouds::paint(canvas, place, &drawn(panel));

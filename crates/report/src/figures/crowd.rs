@@ -1,9 +1,6 @@
 //! Participants as points while they can be told apart, as a density when they cannot.
 
-use super::axes::Frame;
-use super::canvas::Canvas;
-use super::theme::Marker;
-use plotters::style::RGBColor;
+use super::prelude::*;
 use std::collections::BTreeMap;
 
 /// Above this many, single participants are not drawn.

@@ -1,14 +1,6 @@
 //! Curves with intervals against a number, panel by panel: power against participants, errors against trials.
 
-use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Pen, cap_height};
-use super::check::Check;
-use super::grid::{Grid, draw_panels};
-use super::legend::Key;
-use super::theme::{BLUE, GREEN, GREY, INK, MUTED, Marker, ORANGE, TWO_COLUMNS_MM, size, stroke};
-use super::{Context, Figure, Plan, Shows};
-use crate::error::ReportError;
-use serde::{Deserialize, Serialize};
+use super::prelude::*;
 
 /// Curves to be drawn, and everything said about them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -105,14 +97,10 @@ pub fn curves(input: &Curves, context: &Context) -> Result<Figure, ReportError> 
     };
     let points = || input.panels.iter().flat_map(|p| &p.curves).flatten();
     let x_ends = points().map(|p| p.x).collect::<Vec<_>>();
-    draw_panels(
+    draw_panels_below(
         plan,
         context,
-        Grid {
-            count: input.panels.len(),
-            columns,
-            gap: (10.0, 9.0),
-        },
+        Grid::new(input.panels.len(), columns, (10.0, 9.0)),
         |canvas, mut whole| {
             let names = input.curves.iter().enumerate();
             let keys: Vec<(Key, &str)> = names

@@ -1,16 +1,7 @@
 //! What turning the dial does: each measure over the shift in aggression.
 
-use super::axes::{Frame, Labels, Scale};
-use super::canvas::Pen;
-use super::check::Check;
 use super::fit;
-use super::grid::{Grid, draw_panels};
-use super::theme::{BLUE, GREY, INK, Marker, ORANGE, PURPLE, TWO_COLUMNS_MM, stroke};
-use super::{Context, Figure, Plan, Shows};
-use crate::apa::number;
-use crate::error::ReportError;
-use crate::markup;
-use serde::{Deserialize, Serialize};
+use super::prelude::*;
 
 /// Drives of the same drivers at several shifts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -75,17 +66,8 @@ pub fn dial_sweep(input: &DialSweep, context: &Context) -> Result<Figure, Report
             format!("{whole} of {all} ({})", panel.title.to_lowercase())
         })
         .collect();
-    let found: Vec<String> = input
-        .panels
-        .iter()
-        .map(|panel| {
-            format!(
-                "{}: {}.",
-                panel.title,
-                markup::plain(&panel.statistic).replace('\n', "; ")
-            )
-        })
-        .collect();
+    let panels = input.panels.iter();
+    let found = told(panels.map(|p| (p.title.as_str(), p.statistic.as_str())));
     let most = input.panels.iter().map(|panel| panel.drivers.len()).max();
     let lines = if most.is_some_and(|most| most > MOST_LINES) {
         format!("Grey: the first {MOST_LINES} drivers")
@@ -109,18 +91,13 @@ pub fn dial_sweep(input: &DialSweep, context: &Context) -> Result<Figure, Report
             input.unit,
             counted.join(", ")
         ),
-        alt: found.join(" "),
+        alt: found,
         shows: Shows::Participants,
     };
     draw_panels(
         plan,
         context,
-        Grid {
-            count: input.panels.len(),
-            columns,
-            gap: (12.0, 9.0),
-        },
-        |_, whole| whole,
+        Grid::new(input.panels.len(), columns, (12.0, 9.0)),
         |canvas, index, place| {
             let panel = &input.panels[index];
             let labels = Labels {

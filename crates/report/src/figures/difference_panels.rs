@@ -1,16 +1,11 @@
 //! Every outcome, condition by condition: rainclouds.
 
-use super::check::Check;
 use super::crowd::MOST_POINTS;
 use super::fit;
-use super::grid::{Grid, draw_panels};
+use super::prelude::*;
 use super::rainclouds::{self, Panel, Slot};
-use super::theme::TWO_COLUMNS_MM;
-use super::{Context, Figure, Plan, Shows};
 use crate::apa;
-use crate::error::ReportError;
 use maveric_domain::ConditionId;
-use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
 /// The panels of the figure, in reading order.
@@ -118,12 +113,7 @@ pub fn difference_panels(
     draw_panels(
         plan,
         context,
-        Grid {
-            count: input.panels.len(),
-            columns,
-            gap: (10.0, 11.0),
-        },
-        |_, whole| whole,
+        Grid::new(input.panels.len(), columns, (10.0, 11.0)),
         |canvas, index, place| {
             let panel = &input.panels[index];
             rainclouds::paint(canvas, place, &drawn(panel, context));
@@ -252,7 +242,7 @@ fn alternative(input: &DifferencePanels, context: &Context) -> String {
                 Some(format!(
                     "{} {}",
                     context.look(*condition).label,
-                    super::axes::number(mean, 2)
+                    number(mean, 2)
                 ))
             })
             .collect();

@@ -1,10 +1,8 @@
 //! The domain: light traffic on two lanes, and what the model reads of it.
 
-use super::canvas::{Canvas, Look, Pen, cap_height};
-use super::theme::{GREY, INK, LANE_LINE, MUTED, PAPER, PURPLE, ROAD, size, stroke};
+use super::prelude::*;
+use super::theme::{LANE_LINE, ROAD};
 use super::vehicle::paint_vehicle;
-use super::{Context, Figure, Plan, Shows, draw};
-use crate::error::ReportError;
 
 const LANE: f64 = 30.0;
 

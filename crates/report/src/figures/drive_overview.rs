@@ -1,14 +1,7 @@
 //! A drive at a glance: speed, gap and lane over time.
 
-use super::axes::{Frame, Labels, Place, Scale};
-use super::canvas::Pen;
-use super::check::Check;
-use super::theme::{GREY, INK, PURPLE, TWO_COLUMNS_MM};
+use super::prelude::*;
 use super::thin::thinned;
-use super::{Context, Figure, Plan, Shows, draw};
-use crate::error::ReportError;
-use crate::markup;
-use serde::{Deserialize, Serialize};
 
 /// A drive's signals; every column has one entry a row.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,10 +1,9 @@
 //! What is drawn of a style space, and how one drive and one condition look in it.
 
 use super::ConditionLook;
-use super::canvas::{Canvas, Pen};
-use super::theme::{PAPER, stroke, viridis};
+use super::prelude::*;
+use super::theme::viridis;
 use maveric_domain::ConditionId;
-use serde::{Deserialize, Serialize};
 
 /// Drivers in the style space.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

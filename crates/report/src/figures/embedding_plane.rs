@@ -1,14 +1,11 @@
 //! The plane of the style gradient and of the direction across it in which drivers differ most.
 
-use super::Context;
-use super::axes::{Frame, Labels, Place, Scale};
-use super::canvas::{Canvas, Pen};
 use super::crowd::{self, MOST_POINTS};
 use super::embedding_drives::{
     EmbeddingPoint, EmbeddingSpace, ExampleConditions, Palette, dot, norm, paint_condition,
     paint_point,
 };
-use super::theme::{GREEN, INK, stroke};
+use super::prelude::*;
 
 /// The unit direction across `unit` in which the points vary most, sign fixed by its largest part.
 fn first_perpendicular(points: &[EmbeddingPoint], unit: &[f64]) -> Vec<f64> {

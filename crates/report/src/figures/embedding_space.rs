@@ -1,17 +1,12 @@
 //! The style space: who lies where, and which way is "more aggressive".
 
-use super::axes::{Place, Scale};
-use super::canvas::{Canvas, Look, Pen, cap_height};
-use super::check::Check;
+use super::ConditionLook;
 use super::crowd::MOST_POINTS;
 use super::embedding_drives::{MPH_PER_MPS, Palette, norm, paint_condition, paint_point, radius};
 use super::embedding_plane;
-use super::legend::Key;
+use super::prelude::*;
 use super::projection::{View, paint_box};
-use super::theme::{GREEN, GREY, INK, MUTED, TWO_COLUMNS_MM, size, stroke, viridis};
-use super::{ConditionLook, Context, Figure, Plan, Shows, draw};
-use crate::apa::number;
-use crate::error::ReportError;
+use super::theme::viridis;
 
 pub use super::embedding_drives::{EmbeddingPoint, EmbeddingSpace, ExampleConditions};
 

@@ -1,13 +1,6 @@
 //! How often each test says yes where there is nothing to find.
 
-use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Pen, cap_height};
-use super::check::Check;
-use super::legend::Key;
-use super::theme::{GREY, INK, MUTED, Marker, PALE, PURPLE, TWO_COLUMNS_MM, size, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
-use crate::error::ReportError;
-use serde::{Deserialize, Serialize};
+use super::prelude::*;
 
 /// False-positive rates by part of the report.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,16 +1,8 @@
 //! A declared family of correlations: a panel a rating, a line a trait, intervals that hold for all of them at once.
 
-use super::axes::{Frame, Labels, Place, Scale};
-use super::canvas::{Canvas, Look, Pen, cap_height};
-use super::check::Check;
-use super::legend::Key;
-use super::theme::{GREY, TWO_COLUMNS_MM, size, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
+use super::prelude::*;
 use crate::apa::bounded;
-use crate::error::ReportError;
-use crate::markup;
 use maveric_domain::ConditionId;
-use serde::{Deserialize, Serialize};
 
 /// Coefficients with their intervals.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

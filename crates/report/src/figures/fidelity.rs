@@ -1,15 +1,6 @@
 //! How near the car's own drive comes to its driver's, beside how near drivers come to themselves.
 
-use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Pen, cap_height};
-use super::check::Check;
-use super::legend::Key;
-use super::theme::{GREY, GRID, INK, Marker, OCHRE, PURPLE, size, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
-use crate::apa::number;
-use crate::error::ReportError;
-use crate::markup;
-use serde::{Deserialize, Serialize};
+use super::prelude::*;
 
 /// Accuracies measure by measure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,13 +1,6 @@
 //! The flow of participants: how many there were at each step, and why the others were left out.
 
-use super::axes::Place;
-use super::canvas::{Canvas, Look, Pen};
-use super::check::Check;
-use super::theme::{INK, MUTED, PALE, TWO_COLUMNS_MM, size, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
-use crate::error::ReportError;
-use crate::markup;
-use serde::{Deserialize, Serialize};
+use super::prelude::*;
 
 /// Counts of people.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,16 +1,8 @@
 //! How far from the recorded gap each model drove, driver by driver.
 
-use super::axes::{Frame, Labels, Scale};
-use super::canvas::Pen;
-use super::check::Check;
 use super::fit;
 use super::following_spread as spread;
-use super::legend::Key;
-use super::theme::{GRID, MUTED, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
-use crate::apa::number;
-use crate::error::ReportError;
-use serde::{Deserialize, Serialize};
+use super::prelude::*;
 
 pub use super::following_spread::ModelErrors;
 

@@ -1,11 +1,8 @@
 //! The errors of many drivers at once: a row a model.
 
-use super::axes::{Frame, Labels, Place, Scale};
-use super::canvas::{Canvas, Pen};
 use super::car_following::Follower;
 use super::fit;
-use super::theme::{GREY, stroke};
-use serde::{Deserialize, Serialize};
+use super::prelude::*;
 
 /// One model's error for every driver.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

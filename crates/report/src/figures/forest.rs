@@ -1,14 +1,7 @@
 //! Many contrasts under each other: estimates with their intervals.
 
-use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Canvas, Look, Pen};
-use super::check::Check;
-use super::theme::{GREY, INK, PALE, TWO_COLUMNS_MM, size, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
+use super::prelude::*;
 use crate::apa;
-use crate::error::ReportError;
-use crate::markup;
-use serde::{Deserialize, Serialize};
 
 /// Contrasts or coefficients, from top to bottom.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -5,16 +5,34 @@ use super::canvas::Canvas;
 use super::theme::ONE_COLUMN_MM;
 use super::{Context, Figure, Plan, draw};
 use crate::error::ReportError;
+use crate::markup;
 
 /// Panels in rows, from left to right.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Grid {
-    /// Panels.
-    pub(crate) count: usize,
-    /// Panels a row.
-    pub(crate) columns: usize,
-    /// Room between columns and between rows, in points.
-    pub(crate) gap: (f64, f64),
+    count: usize,
+    columns: usize,
+    gap: (f64, f64),
+}
+
+impl Grid {
+    /// So many panels, so many a row, with room between columns and between rows in points.
+    pub(crate) fn new(count: usize, columns: usize, gap: (f64, f64)) -> Self {
+        Self {
+            count,
+            columns,
+            gap,
+        }
+    }
+}
+
+/// Each panel's title and what its statistic says, in words.
+pub(crate) fn told<'a>(panels: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
+    let told = panels.into_iter().map(|(title, statistic)| {
+        let statistic = markup::plain(statistic).replace('\n', "; ");
+        format!("{title}: {statistic}.")
+    });
+    told.collect::<Vec<_>>().join(" ")
 }
 
 /// The letter of a panel: a, b … z; none after that.
@@ -22,9 +40,19 @@ fn letter(index: usize) -> Option<char> {
     (b'a'..=b'z').nth(index).map(char::from)
 }
 
+/// As [`draw_panels_below`], with nothing above the panels.
+pub(crate) fn draw_panels(
+    plan: Plan,
+    context: &Context,
+    grid: Grid,
+    paint: impl Fn(&mut Canvas<'_>, usize, Place),
+) -> Result<Figure, ReportError> {
+    draw_panels_below(plan, context, grid, |_, whole| whole, paint)
+}
+
 /// Draws all panels into one figure, and each again as a figure of one column's width: `head` draws what stands above them and gives the place
 /// below it.
-pub(crate) fn draw_panels(
+pub(crate) fn draw_panels_below(
     plan: Plan,
     context: &Context,
     grid: Grid,

@@ -1,14 +1,7 @@
 //! A few estimates with their intervals, small: the picture of an answer.
 
-use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Canvas, Look, Pen};
-use super::check::Check;
-use super::theme::{GREY, INK, MUTED, ONE_COLUMN_MM, PALE, size, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
+use super::prelude::*;
 use crate::apa;
-use crate::error::ReportError;
-use crate::markup;
-use serde::{Deserialize, Serialize};
 
 /// Estimates under each other on one axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,15 +1,7 @@
 //! How well the car changes lane, at every speed it does so.
 
-use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Look, Pen};
-use super::check::Check;
 use super::crowd;
-use super::grid::{Grid, draw_panels};
-use super::theme::{GREY, INK, MUTED, Marker, TWO_COLUMNS_MM, size, stroke};
-use super::{Context, Figure, Plan, Shows};
-use crate::apa::number;
-use crate::error::ReportError;
-use serde::{Deserialize, Serialize};
+use super::prelude::*;
 use std::fmt::Write as _;
 
 /// Lane changes at several speeds, judged by several quantities.
@@ -104,12 +96,7 @@ pub fn lane_change_quality(
     draw_panels(
         plan,
         context,
-        Grid {
-            count: input.panels.len(),
-            columns,
-            gap: (11.0, 10.0),
-        },
-        |_, whole| whole,
+        Grid::new(input.panels.len(), columns, (11.0, 10.0)),
         |canvas, index, place| {
             let panel = &input.panels[index];
             let labels = Labels {

@@ -1,15 +1,6 @@
 //! How much of a drive it takes to know a driver.
 
-use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Pen, cap_height};
-use super::check::Check;
-use super::grid::{Grid, draw_panels};
-use super::legend::Key;
-use super::theme::{GREY, INK, Marker, TWO_COLUMNS_MM, size, stroke};
-use super::{Context, Figure, Plan, Shows};
-use crate::apa::number;
-use crate::error::ReportError;
-use serde::{Deserialize, Serialize};
+use super::prelude::*;
 
 /// What personalising reaches after some minutes of driving, panel by panel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -100,14 +91,10 @@ pub fn learning_curve(input: &LearningCurve, context: &Context) -> Result<Figure
     };
     let known = input.panels.iter().any(|panel| panel.before.is_some());
     let dashed = Pen::new(GREY, stroke::STRONG).dashed(3.0, 2.0);
-    draw_panels(
+    draw_panels_below(
         plan,
         context,
-        Grid {
-            count: input.panels.len(),
-            columns,
-            gap: (10.0, 9.0),
-        },
+        Grid::new(input.panels.len(), columns, (10.0, 9.0)),
         |canvas, mut whole| {
             if known {
                 let keys = [

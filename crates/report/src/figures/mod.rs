@@ -19,6 +19,7 @@ mod parsed;
 mod pdf;
 #[cfg(feature = "png")]
 mod png;
+mod prelude;
 mod projection;
 mod raincloud;
 mod rainclouds;
@@ -94,7 +95,7 @@ pub use style::{Style, use_style};
 pub use time_space::time_space;
 pub use training_curves::training_curves;
 
-pub(crate) use figure::{Plan, Shows, draw};
+pub(crate) use figure::{Plan, draw};
 pub(crate) use font::font_face_css;
 pub(crate) use style::{current as current_style, hex_on_dark};
 pub(crate) use theme::{DARK, hex, on_dark};

@@ -1,17 +1,9 @@
 //! What changes on the way round the perpendicular ellipse.
 
-use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Canvas, Pen};
-use super::check::Check;
 use super::crowd;
 use super::fit;
-use super::grid::{Grid, draw_panels};
-use super::theme::{GREEN, GREY, Marker, PAPER, TWO_COLUMNS_MM, stroke};
-use super::{Context, Figure, Plan, Shows};
-use crate::error::ReportError;
-use crate::markup;
+use super::prelude::*;
 use maveric_domain::ConditionId;
-use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Panels side by side, one a measure.
@@ -86,17 +78,8 @@ pub fn perpendicular(
         .iter()
         .map(|panel| format!("{} ({})", panel.points.len(), panel.title.to_lowercase()))
         .collect();
-    let found: Vec<String> = input
-        .panels
-        .iter()
-        .map(|panel| {
-            format!(
-                "{}: {}.",
-                panel.title,
-                markup::plain(&panel.statistic).replace('\n', "; ")
-            )
-        })
-        .collect();
+    let panels = input.panels.iter();
+    let found = told(panels.map(|p| (p.title.as_str(), p.statistic.as_str())));
     let repeated = if most > crowd::MOST_POINTS {
         ""
     } else {
@@ -116,18 +99,13 @@ pub fn perpendicular(
             from = context.look(input.from).words(),
             across = context.look(input.across).words(),
         ),
-        alt: found.join(" "),
+        alt: found,
         shows: Shows::Participants,
     };
     draw_panels(
         plan,
         context,
-        Grid {
-            count,
-            columns: count,
-            gap: (14.0, 0.0),
-        },
-        |_, whole| whole,
+        Grid::new(count, count, (14.0, 0.0)),
         |canvas, index, place| {
             let panel = &input.panels[index];
             paint(canvas, place, panel);

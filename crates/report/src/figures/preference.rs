@@ -1,16 +1,9 @@
 //! How many rated another style above their own.
 
-use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Look, Pen, cap_height};
-use super::check::Check;
-use super::legend::Key;
-use super::theme::{INK, Marker, ONE_COLUMN_MM, size, stroke};
-use super::{ConditionLook, Context, Figure, Plan, Shows, draw};
-use crate::apa::number;
-use crate::error::ReportError;
+use super::ConditionLook;
+use super::prelude::*;
 use maveric_domain::ConditionId;
 use maveric_stats::proportion;
-use serde::{Deserialize, Serialize};
 
 /// One pair of bars a scale.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,8 +1,6 @@
 //! A box in three dimensions on a flat page: orthographic, drawn back to front by the caller.
 
-use super::axes::{Place, Scale};
-use super::canvas::{Canvas, Look, Pen};
-use super::theme::{GREY, GRID, size, stroke};
+use super::prelude::*;
 
 /// Looking from this many degrees above.
 const ELEVATION_DEGREES: f64 = 22.0;

@@ -1,10 +1,7 @@
 //! Half a violin and a box: one condition of a raincloud.
 
-use super::axes::Frame;
-use super::canvas::{Canvas, Pen};
 use super::fit;
-use super::theme::{PAPER, stroke};
-use plotters::style::RGBColor;
+use super::prelude::*;
 
 /// Offset of the box within a slot, as a share of the slot's width.
 pub(crate) const BOX: f64 = 0.02;

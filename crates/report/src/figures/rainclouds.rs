@@ -1,11 +1,8 @@
 //! A panel of rainclouds side by side: half violin, box, points, mean with interval, and contrasts as brackets.
 
-use super::axes::{Frame, Labels, Place, Scale};
-use super::canvas::{Canvas, Look, Pen};
 use super::crowd::MOST_POINTS;
+use super::prelude::*;
 use super::raincloud::{self, BOX, Cloud};
-use super::theme::{GREY, INK, MUTED, Marker, PAPER, size, stroke};
-use plotters::style::RGBColor;
 
 /// One cloud's name, look and mean.
 #[derive(Debug)]

@@ -1,12 +1,6 @@
 //! The recommended shift of the dial against the preferred one.
 
-use super::axes::{Frame, Labels, Scale};
-use super::canvas::Pen;
-use super::check::Check;
-use super::theme::{GREY, INK, MUTED, Marker, ONE_COLUMN_MM, PALE, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
-use crate::error::ReportError;
-use serde::{Deserialize, Serialize};
+use super::prelude::*;
 
 /// People with their preference and what was recommended.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

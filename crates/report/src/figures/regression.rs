@@ -1,11 +1,8 @@
 //! A least-squares line with its band, over a panel's points.
 
-use super::axes::{Frame, Scale};
-use super::canvas::{Canvas, Pen};
 use super::fit;
-use super::theme::stroke;
+use super::prelude::*;
 use maveric_stats::LinearFit;
-use plotters::style::RGBColor;
 
 const STEPS: u32 = 30;
 const LEVEL: f64 = 0.95;

@@ -1,14 +1,6 @@
 //! What the networks' predictions leave over.
 
-use super::axes::{Frame, Labels, Scale};
-use super::canvas::Pen;
-use super::check::Check;
-use super::grid::{Grid, draw_panels};
-use super::theme::{GREY, INK, MUTED, TWO_COLUMNS_MM, stroke};
-use super::{Context, Figure, Plan, Shows};
-use crate::apa::number;
-use crate::error::ReportError;
-use serde::{Deserialize, Serialize};
+use super::prelude::*;
 
 /// Distributions of residuals side by side.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -116,12 +108,7 @@ pub fn residuals(input: &Residuals, context: &Context) -> Result<Figure, ReportE
     draw_panels(
         plan,
         context,
-        Grid {
-            count: input.panels.len(),
-            columns: input.panels.len().max(2),
-            gap: (14.0, 0.0),
-        },
-        |_, whole| whole,
+        Grid::new(input.panels.len(), input.panels.len().max(2), (14.0, 0.0)),
         |canvas, index, place| {
             let panel = &input.panels[index];
             let subtitle = spread(panel);

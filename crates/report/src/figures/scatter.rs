@@ -1,15 +1,8 @@
 //! Two columns against each other, with their line and band.
 
-use super::axes::{Frame, Labels, Scale};
-use super::canvas::Pen;
-use super::check::Check;
 use super::crowd;
+use super::prelude::*;
 use super::regression::{Regression, y_scale};
-use super::theme::{GREY, INK, Marker, ONE_COLUMN_MM, stroke};
-use super::{Context, Figure, Plan, Shows, draw};
-use crate::error::ReportError;
-use crate::markup;
-use serde::{Deserialize, Serialize};
 
 /// Points, and what is said of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,16 +1,9 @@
 //! One moment of a simulated drive, from above.
 
-use super::canvas::{Canvas, Look, Pen, cap_height};
-use super::check::Check;
-use super::theme::{GREY, INK, LANE_LINE, MUTED, PAPER, ROAD, TWO_COLUMNS_MM, size, stroke};
+use super::prelude::*;
+use super::theme::{LANE_LINE, ROAD};
 use super::vehicle::paint_vehicle;
-use super::{Context, Figure, Plan, Shows, draw};
-use crate::apa::number;
-use crate::error::ReportError;
-use crate::markup;
 use maveric_domain::ConditionId;
-use plotters::style::RGBColor;
-use serde::{Deserialize, Serialize};
 
 /// Where everything is at one moment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,17 +1,7 @@
 //! How the car's controllers answer a step: velocity, gap, lane.
 
-use super::axes::{Frame, Labels, Scale};
-use super::canvas::Pen;
-use super::check::Check;
-use super::grid::{Grid, draw_panels};
-use super::legend::Key;
-use super::theme::{GREY, INK, OCHRE, PALE, TWO_COLUMNS_MM, stroke};
+use super::prelude::*;
 use super::thin::thinned;
-use super::{Context, Figure, Plan, Shows};
-use crate::apa::number;
-use crate::error::ReportError;
-use crate::markup;
-use serde::{Deserialize, Serialize};
 
 /// Answers to steps, side by side.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -100,14 +90,10 @@ pub fn step_responses(input: &StepResponses, context: &Context) -> Result<Figure
     let solid = Pen::new(INK, stroke::STRONG);
     let target = Pen::new(GREY, stroke::STRONG).dashed(3.0, 2.0);
     let settled = Pen::new(OCHRE, stroke::BOX);
-    draw_panels(
+    draw_panels_below(
         plan,
         context,
-        Grid {
-            count: input.panels.len(),
-            columns,
-            gap: (11.0, 10.0),
-        },
+        Grid::new(input.panels.len(), columns, (11.0, 10.0)),
         |canvas, whole| {
             let keys = [
                 (Key::Line(solid), "reached"),

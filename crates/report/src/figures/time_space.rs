@@ -1,18 +1,8 @@
 //! One drive as a time-space diagram, with what was decided marked on it.
 
-use super::axes::{Frame, Labels, Scale};
-use super::canvas::{Canvas, Pen};
-use super::check::Check;
-use super::legend::Key;
-use super::theme::{BLUE, GREY, INK, MUTED, Marker, OCHRE, ORANGE, TWO_COLUMNS_MM, stroke};
+use super::prelude::*;
 use super::thin::thinned;
-use super::{Context, Figure, Plan, Shows, draw};
-use crate::apa::number;
-use crate::error::ReportError;
-use crate::markup;
 use maveric_domain::ConditionId;
-use plotters::style::RGBColor;
-use serde::{Deserialize, Serialize};
 
 /// The ego and the vehicles round it over time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

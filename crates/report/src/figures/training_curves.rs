@@ -1,14 +1,6 @@
 //! How the losses fell while training.
 
-use super::axes::{Frame, Labels, Scale};
-use super::canvas::Pen;
-use super::check::Check;
-use super::grid::{Grid, draw_panels};
-use super::legend::Key;
-use super::theme::{GREY, INK, TWO_COLUMNS_MM, stroke};
-use super::{Context, Figure, Plan, Shows};
-use crate::error::ReportError;
-use serde::{Deserialize, Serialize};
+use super::prelude::*;
 
 /// The terms of the loss, epoch by epoch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -96,14 +88,10 @@ pub fn training_curves(input: &TrainingCurves, context: &Context) -> Result<Figu
     };
     let solid = Pen::new(INK, stroke::STRONG);
     let dashed = Pen::new(GREY, stroke::STRONG).dashed(3.0, 2.0);
-    draw_panels(
+    draw_panels_below(
         plan,
         context,
-        Grid {
-            count: input.terms.len(),
-            columns,
-            gap: (12.0, 9.0),
-        },
+        Grid::new(input.terms.len(), columns, (12.0, 9.0)),
         |canvas, mut whole| {
             if validated {
                 let keys = [

@@ -1,6 +1,6 @@
 //! The correlation table of the homophily analysis.
 
-use super::{Cell, Column, Table};
+use super::{Cell, Table};
 use crate::apa;
 use serde::{Deserialize, Serialize};
 
@@ -38,6 +38,13 @@ impl Correlation {
             Coefficient::RepeatedMeasures => apa::r_rm(self.value, self.df, self.p),
         }
     }
+
+    /// The same as a cell of a table; missing where there is none.
+    pub fn cell(found: Option<Self>) -> Cell {
+        found.map_or(Cell::Missing, |c| {
+            Cell::Marked(c.statement().markup().to_owned())
+        })
+    }
 }
 
 /// One pair of variables.
@@ -57,40 +64,19 @@ pub struct CorrelationRow {
 
 /// Builds the table `correlations`.
 pub fn correlations(rows: &[CorrelationRow], participants: usize) -> Table {
-    let cell = |correlation: Option<&Correlation>| {
-        correlation.map_or(Cell::Missing, |c| {
-            Cell::Marked(c.statement().markup().to_owned())
+    let title = "Personality, driving style and similarity against ratings";
+    Table::of("correlations", title, rows)
+        .text("Independent", |row| &row.independent)
+        .text("Dependent", |row| &row.dependent)
+        .left("Here", |row| Correlation::cell(row.ours))
+        .left("Here, repeated measures", |row| {
+            Correlation::cell(row.repeated)
         })
-    };
-    Table {
-        name: "correlations".to_owned(),
-        title: "Personality, driving style and similarity against ratings".to_owned(),
-        columns: [
-            "Independent",
-            "Dependent",
-            "Here",
-            "Here, repeated measures",
-            "Paper",
-        ]
-        .map(Column::left)
-        .to_vec(),
-        rows: rows
-            .iter()
-            .map(|row| {
-                vec![
-                    Cell::text(&row.independent),
-                    Cell::text(&row.dependent),
-                    cell(row.ours.as_ref()),
-                    cell(row.repeated.as_ref()),
-                    cell(row.paper.as_ref()),
-                ]
-            })
-            .collect(),
-        notes: vec![format!(
+        .left("Paper", |row| Correlation::cell(row.paper))
+        .noted(format!(
             "*n* = {participants} participants. Pearson’s *r* where assumptions hold, else \
              Spearman’s *ρ*; *p* values are not adjusted. Rows with more pairs than participants \
              repeat each participant once a condition: *r*_{{rm}} takes that into account. Paper: \
              its own, real participants."
-        )],
-    }
+        ))
 }

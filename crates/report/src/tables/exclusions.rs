@@ -1,6 +1,6 @@
 //! Who and what was left out, and why.
 
-use super::{Cell, Column, Table};
+use super::Table;
 use serde::{Deserialize, Serialize};
 
 /// One thing that was left out.
@@ -16,16 +16,13 @@ pub struct Exclusion {
 
 /// Builds the table `exclusions`.
 pub fn exclusions(rows: &[Exclusion]) -> Table {
-    let cells = |row: &Exclusion| [&row.who, &row.what, &row.why].map(Cell::text).to_vec();
-    Table {
-        name: "exclusions".to_owned(),
-        title: "Exclusions".to_owned(),
-        columns: ["Who", "Left out of", "Why"].map(Column::left).to_vec(),
-        rows: rows.iter().map(cells).collect(),
-        notes: vec![match rows.len() {
+    Table::of("exclusions", "Exclusions", rows)
+        .text("Who", |row| &row.who)
+        .text("Left out of", |row| &row.what)
+        .text("Why", |row| &row.why)
+        .noted(match rows.len() {
             0 => "Nothing was left out.".to_owned(),
             1 => "One exclusion.".to_owned(),
             n => format!("{n} exclusions."),
-        }],
-    }
+        })
 }

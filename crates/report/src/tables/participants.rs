@@ -1,6 +1,6 @@
 //! Who took part.
 
-use super::{Cell, Column, Table};
+use super::{Cell, Table};
 use serde::{Deserialize, Serialize};
 
 /// A group of participants.
@@ -26,48 +26,23 @@ pub struct ParticipantGroup {
 
 /// Builds the table `participants`; `score` is what the dial turns, where there is a dial.
 pub fn participants(groups: &[ParticipantGroup], score: Option<&str>, synthetic: bool) -> Table {
-    let score = score.map(|score| {
-        [
-            Column::right(format!("{}, *M*", crate::markup::literal(score))),
-            Column::right("*SD*"),
-        ]
-    });
-    let width = if score.is_some() { 8 } else { 6 };
-    Table {
-        name: "participants".to_owned(),
-        title: "Participants".to_owned(),
-        columns: vec![
-            Column::left("Group"),
-            Column::right("*n*"),
-            Column::right("Drives"),
-            Column::right("Age, *M* (years)"),
-            Column::right("*SD*"),
-            Column::right("Female (%)"),
-        ]
-        .into_iter()
-        .chain(score.into_iter().flatten())
-        .collect(),
-        rows: groups
-            .iter()
-            .map(|group| {
-                let mut cells = vec![
-                    Cell::text(&group.group),
-                    Cell::count(group.n),
-                    Cell::count(group.drives),
-                    Cell::number(group.mean_age, 1),
-                    Cell::number(group.sd_age, 1),
-                    Cell::number(group.female.map(|share| 100.0 * share), 1),
-                    Cell::number(group.mean_score, 1),
-                    Cell::number(group.sd_score, 1),
-                ];
-                cells.truncate(width);
-                cells
-            })
-            .collect(),
-        notes: if synthetic {
-            vec!["Synthetic participants: none of them exists.".to_owned()]
-        } else {
-            Vec::new()
-        },
+    let mean_of = score.map(|score| format!("{}, *M*", crate::markup::literal(score)));
+    let mut table = Table::of("participants", "Participants", groups)
+        .text("Group", |group| &group.group)
+        .right("*n*", |group| Cell::count(group.n))
+        .right("Drives", |group| Cell::count(group.drives))
+        .right("Age, *M* (years)", |group| Cell::number(group.mean_age, 1))
+        .right("*SD*", |group| Cell::number(group.sd_age, 1))
+        .right("Female (%)", |group| {
+            Cell::number(group.female.map(|share| 100.0 * share), 1)
+        });
+    if let Some(header) = mean_of {
+        table = table
+            .right(header, |group| Cell::number(group.mean_score, 1))
+            .right("*SD*", |group| Cell::number(group.sd_score, 1));
     }
+    if synthetic {
+        return table.noted("Synthetic participants: none of them exists.");
+    }
+    table.done()
 }

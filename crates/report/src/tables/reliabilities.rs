@@ -1,6 +1,7 @@
 //! Whether the items of a scale agree with each other.
 
-use super::{Cell, Column, Table};
+use super::{Cell, Table};
+use crate::apa::bounded;
 use serde::{Deserialize, Serialize};
 
 /// One scale or subscale.
@@ -24,38 +25,18 @@ pub struct Reliability {
 
 /// Builds the table `reliabilities`.
 pub fn reliabilities(rows: &[Reliability]) -> Table {
-    Table {
-        name: "reliabilities".to_owned(),
-        title: "Reliability of the questionnaires".to_owned(),
-        columns: vec![
-            Column::left("Scale"),
-            Column::right("Items"),
-            Column::right("*n*"),
-            Column::right("Cronbach’s *α*"),
-            Column::right("95% CI"),
-            Column::right("McDonald’s *ω*"),
-        ],
-        rows: rows
-            .iter()
-            .map(|row| {
-                let interval = row.interval.map_or(Cell::Missing, |(low, high)| {
-                    use crate::apa::bounded;
-                    Cell::text(format!("[{}, {}]", bounded(low, 2), bounded(high, 2)))
-                });
-                vec![
-                    Cell::text(&row.scale),
-                    Cell::count(row.items),
-                    Cell::count(row.n),
-                    Cell::bounded(row.alpha, 2),
-                    interval,
-                    Cell::bounded(row.omega, 2),
-                ]
-            })
-            .collect(),
-        notes: vec![
+    Table::of("reliabilities", "Reliability of the questionnaires", rows)
+        .text("Scale", |row| &row.scale)
+        .right("Items", |row| Cell::count(row.items))
+        .right("*n*", |row| Cell::count(row.n))
+        .right("Cronbach’s *α*", |row| Cell::bounded(row.alpha, 2))
+        .right("95% CI", |row| {
+            let ends = row.interval.map(|(low, high)| [low, high].map(|v| bounded(v, 2)));
+            ends.map_or(Cell::Missing, |[low, high]| Cell::text(format!("[{low}, {high}]")))
+        })
+        .right("McDonald’s *ω*", |row| Cell::bounded(row.omega, 2))
+        .noted(
             "*n*: answer sheets on which every item of the scale is answered. The interval of *α* is Feldt’s; where people \
-             answered several sheets each, that of a bootstrap which draws whole people."
-                .to_owned(),
-        ],
-    }
+             answered several sheets each, that of a bootstrap which draws whole people.",
+        )
 }

@@ -206,13 +206,8 @@ pub fn bootstrap(
 }
 
 fn check(settings: &BootstrapSettings) -> Result<(), StatsError> {
-    let bad = |name: &str, expected: &str, found: f64| {
-        Err(StatsError::BadParameter {
-            name: name.to_owned(),
-            expected: expected.to_owned(),
-            found,
-        })
-    };
+    let bad =
+        |name: &str, expected: &str, found: f64| Err(StatsError::parameter(name, expected, found));
     if !(100..=MOST_RESAMPLES).contains(&settings.resamples) {
         let expected = format!("100 to {MOST_RESAMPLES}");
         return bad("resamples", &expected, settings.resamples as f64);

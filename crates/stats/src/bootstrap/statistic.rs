@@ -92,13 +92,11 @@ impl Sample {
             }
             (Statistic::Alpha, BootstrapData::Sheets { items, people }) => {
                 let complete = complete::rows(items, "sheet", 2)?;
-                if people.len() != complete.kept.len() + complete.missing {
-                    return Err(StatsError::LengthMismatch {
-                        name: "people".to_owned(),
-                        found: people.len(),
-                        expected: complete.kept.len() + complete.missing,
-                    });
-                }
+                StatsError::same_length(
+                    "people",
+                    people.len(),
+                    complete.kept.len() + complete.missing,
+                )?;
                 let kept: Vec<String> = complete.kept.iter().map(|&i| people[i].clone()).collect();
                 let index = Index::of(&kept);
                 complete::enough("person", index.names.len(), 0, 2)?;

@@ -109,11 +109,11 @@ pub fn compare_by_design(
     choice: &DesignChoice,
 ) -> Result<ByDesign, StatsError> {
     if !(choice.alpha > 0.0 && choice.alpha < 1.0) {
-        return Err(StatsError::BadParameter {
-            name: "alpha".to_owned(),
-            expected: "between 0 and 1".to_owned(),
-            found: choice.alpha,
-        });
+        return Err(StatsError::parameter(
+            "alpha",
+            "between 0 and 1",
+            choice.alpha,
+        ));
     }
     let mut reasons = Vec::new();
     if let Some((name, _)) = data.covariates.first() {

@@ -114,11 +114,7 @@ pub fn compare_without_exact(data: &WithinSubjects, alpha: f64) -> Result<Compar
 
 fn run(data: &WithinSubjects, alpha: f64, exact: Exact) -> Result<Comparison, StatsError> {
     if !(alpha > 0.0 && alpha < 1.0) {
-        return Err(StatsError::BadParameter {
-            name: "alpha".to_owned(),
-            expected: "between 0 and 1".to_owned(),
-            found: alpha,
-        });
+        return Err(StatsError::parameter("alpha", "between 0 and 1", alpha));
     }
     let parts = rm_anova::decompose(data);
     let mut trace = Trace::default();

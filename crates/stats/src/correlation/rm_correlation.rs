@@ -62,13 +62,7 @@ pub fn rm_correlation(
     x: &[Option<f64>],
     y: &[Option<f64>],
 ) -> Result<RmCorrelationAnalysis, StatsError> {
-    if subjects.len() != x.len() {
-        return Err(StatsError::LengthMismatch {
-            name: "subject".to_owned(),
-            found: subjects.len(),
-            expected: x.len(),
-        });
-    }
+    StatsError::same_length("subject", subjects.len(), x.len())?;
     let complete = complete::rows(&[("x", x), ("y", y)], "pair", 1)?;
     let kept: Vec<String> = complete
         .kept

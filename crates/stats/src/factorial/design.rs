@@ -269,13 +269,7 @@ fn check_shape(
     let columns = within.iter().map(|(name, c)| (*name, c.len()));
     let columns = columns.chain(between.iter().map(|(name, c)| (*name, c.len())));
     for (name, found) in columns.chain([("value", values.len())]) {
-        if found != subjects.len() {
-            return Err(StatsError::LengthMismatch {
-                name: name.to_owned(),
-                found,
-                expected: subjects.len(),
-            });
-        }
+        StatsError::same_length(name, found, subjects.len())?;
     }
     for (name, found, least) in [
         ("factors within subjects", within.len(), 0),
@@ -287,11 +281,11 @@ fn check_shape(
         ),
     ] {
         if found < least || found > MOST_FACTORS {
-            return Err(StatsError::BadParameter {
-                name: name.to_owned(),
-                expected: format!("{least} to {MOST_FACTORS} of them"),
-                found: found as f64,
-            });
+            return Err(StatsError::parameter(
+                name,
+                &format!("{least} to {MOST_FACTORS} of them"),
+                found as f64,
+            ));
         }
     }
     let mut names: Vec<&str> = within.iter().map(|(name, _)| *name).collect();

@@ -43,13 +43,7 @@ pub(crate) struct Samples {
 
 impl Samples {
     pub(crate) fn new(groups: &[String], values: &[Option<f64>]) -> Result<Self, StatsError> {
-        if groups.len() != values.len() {
-            return Err(StatsError::LengthMismatch {
-                name: "group".to_owned(),
-                found: groups.len(),
-                expected: values.len(),
-            });
-        }
+        StatsError::same_length("group", groups.len(), values.len())?;
         let kept = complete::rows(&[("value", values)], "value", 1)?;
         let index = Index::of(groups);
         complete::enough("group", index.names.len(), kept.missing, 2)?;

@@ -133,11 +133,11 @@ pub fn hierarchical(
     let start = vec![-1.0; shrunken + q + 1];
     let (theta, _) = minimise(&start, 0.7, 1e-6, value);
     let Some((mean, covariance, ln_evidence)) = evaluate(&theta) else {
-        return Err(StatsError::BadParameter {
-            name: "y".to_owned(),
-            expected: "values for which the columns leave something to explain".to_owned(),
-            found: scale,
-        });
+        return Err(StatsError::parameter(
+            "y",
+            "values for which the columns leave something to explain",
+            scale,
+        ));
     };
     let mean = mean.into_iter().map(|m| m * scale).collect();
     let mut scaled = Matrix::zeros(p, p);
@@ -221,11 +221,7 @@ fn check(people: &[PersonRows], groups: &[Option<usize>]) -> Result<f64, StatsEr
     let mean = y.iter().sum::<f64>() / n;
     let sd = (y.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
     if sd.is_nan() || sd <= 1e-12 * mean.abs() {
-        return Err(StatsError::BadParameter {
-            name: "y".to_owned(),
-            expected: "values that differ".to_owned(),
-            found: mean,
-        });
+        return Err(StatsError::parameter("y", "values that differ", mean));
     }
     Ok(sd)
 }

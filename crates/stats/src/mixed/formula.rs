@@ -36,11 +36,11 @@ impl Formula {
     pub fn crossed(factors: &[&str], covariates: &[&str]) -> Result<Self, StatsError> {
         let names: Vec<&str> = factors.iter().chain(covariates).copied().collect();
         if names.is_empty() {
-            return Err(StatsError::BadParameter {
-                name: "predictors".to_owned(),
-                expected: "at least 1 of them".to_owned(),
-                found: 0.0,
-            });
+            return Err(StatsError::parameter(
+                "predictors",
+                "at least 1 of them",
+                0.0,
+            ));
         }
         if let Some(twice) = (1..names.len()).find(|&i| names[..i].contains(&names[i])) {
             return Err(StatsError::DoubleName {

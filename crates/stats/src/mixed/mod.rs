@@ -121,13 +121,7 @@ pub fn mixed_model(
 ) -> Result<MixedModel, StatsError> {
     let mut columns = vec![("y", y)];
     columns.extend_from_slice(fixed);
-    if subjects.len() != y.len() {
-        return Err(StatsError::LengthMismatch {
-            name: "subject".to_owned(),
-            found: subjects.len(),
-            expected: y.len(),
-        });
-    }
+    StatsError::same_length("subject", subjects.len(), y.len())?;
     let complete = complete::rows(&columns, "row", fixed.len() + 2)?;
     let places = random
         .iter()
@@ -167,11 +161,12 @@ pub fn mixed_model(
         )
     };
     let blocks = Blocks::new(groups.iter().map(block).collect());
-    let fit = fit(&blocks, method).ok_or_else(|| StatsError::BadParameter {
-        name: "fixed".to_owned(),
-        expected: "columns that are not sums of each other, and a y that varies beyond them"
-            .to_owned(),
-        found: p as f64,
+    let fit = fit(&blocks, method).ok_or_else(|| {
+        StatsError::parameter(
+            "fixed",
+            "columns that are not sums of each other, and a y that varies beyond them",
+            p as f64,
+        )
     })?;
     let mut names = vec!["intercept"];
     names.extend(fixed.iter().map(|(name, _)| *name));
@@ -184,13 +179,13 @@ pub fn mixed_model(
 
 fn place_of(name: &str, fixed: &[(&str, &[Option<f64>])]) -> Result<usize, StatsError> {
     let found = fixed.iter().position(|(column, _)| *column == name);
-    found
-        .map(|at| at + 1)
-        .ok_or_else(|| StatsError::BadParameter {
-            name: format!("random slope of {name}"),
-            expected: "the name of one of the fixed columns".to_owned(),
-            found: f64::NAN,
-        })
+    found.map(|at| at + 1).ok_or_else(|| {
+        StatsError::parameter(
+            &format!("random slope of {name}"),
+            "the name of one of the fixed columns",
+            f64::NAN,
+        )
+    })
 }
 
 /// Rows of each subject, in the order in which subjects first occur.

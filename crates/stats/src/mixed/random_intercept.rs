@@ -119,13 +119,7 @@ pub fn random_intercept(
             .map(String::as_str)
             .chain(["subject"]),
     ) {
-        if found != y.len() {
-            return Err(StatsError::LengthMismatch {
-                name: name.to_owned(),
-                found,
-                expected: y.len(),
-            });
-        }
+        StatsError::same_length(name, found, y.len())?;
     }
     for (name, predictor) in formula.predictors().iter().zip(&used) {
         if let Predictor::Covariate(values) = predictor {

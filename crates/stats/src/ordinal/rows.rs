@@ -30,13 +30,7 @@ impl Answers {
         answers: &[Option<f64>],
     ) -> Result<Self, StatsError> {
         for (name, found) in [("condition", conditions.len()), ("value", answers.len())] {
-            if found != subjects.len() {
-                return Err(StatsError::LengthMismatch {
-                    name: name.to_owned(),
-                    found,
-                    expected: subjects.len(),
-                });
-            }
+            StatsError::same_length(name, found, subjects.len())?;
         }
         let kept = complete::rows(&[("value", answers)], "answer", 2)?;
         let mut whole = Vec::with_capacity(kept.kept.len());

@@ -193,13 +193,7 @@ fn several_sheets(
         return Ok(None);
     };
     let expected = complete.kept.len() + complete.missing;
-    if people.len() != expected {
-        return Err(StatsError::LengthMismatch {
-            name: "people".to_owned(),
-            found: people.len(),
-            expected,
-        });
-    }
+    StatsError::same_length("people", people.len(), expected)?;
     let distinct: std::collections::BTreeSet<_> =
         complete.kept.iter().map(|&row| &people[row]).collect();
     Ok((distinct.len() < complete.kept.len()).then_some(distinct.len()))

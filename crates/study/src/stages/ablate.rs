@@ -27,7 +27,7 @@ use maveric_report::{
     },
     html::{Methods, Provenance, Section},
     markup,
-    tables::{Cell, Column, Table},
+    tables::{Cell, Table},
 };
 use maveric_stats::proportion;
 use path_slash::PathExt as _;
@@ -173,46 +173,38 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
 
 fn table(found: &Ablated) -> Table {
     let reference = &found.variants[0];
-    let rows = found.variants.iter().map(|variant| {
-        let mut cells = vec![Cell::text(variant.name.as_str())];
-        for (_, _, of) in LOSSES {
-            let own = values(variant, of);
-            cells.push(Cell::number(mean(own.iter().flatten().copied()), 3));
-            let pairs = || own.iter().zip(values(reference, of));
-            let both: Vec<f64> = pairs().filter_map(|(v, r)| Some((*v)? - r?)).collect();
-            let better = both.iter().filter(|d| **d < 0.0).count();
+    let title = "What each part is worth on unseen drivers";
+    let mut table = Table::of("ablation", title, &found.variants).text("Variant", |v| &v.name);
+    for (title, unit, of) in LOSSES {
+        // Lower than the reference on so many of the drives of both.
+        let beside = |variant: &VariantResult, count: fn(&[f64]) -> usize| {
+            let pairs = values(variant, of).into_iter().zip(values(reference, of));
+            let both: Vec<f64> = pairs.filter_map(|(v, r)| Some(v? - r?)).collect();
             let compared = variant.name != reference.name && !both.is_empty();
-            let count = |n| {
-                if compared {
-                    Cell::count(n)
-                } else {
-                    Cell::Missing
-                }
-            };
-            cells.extend([count(better), count(both.len())]);
-        }
-        cells
-    });
-    let mut columns = vec![Column::left("Variant")];
-    for (title, unit, _) in LOSSES {
-        columns.push(Column::right(format!("{title} ({unit})")));
-        columns.extend(["better on", "of"].map(Column::right));
+            if compared {
+                Cell::count(count(&both))
+            } else {
+                Cell::Missing
+            }
+        };
+        table = table
+            .right(format!("{title} ({unit})"), |variant| {
+                Cell::number(mean(values(variant, of).into_iter().flatten()), 3)
+            })
+            .right("better on", |v| {
+                beside(v, |all| all.iter().filter(|d| **d < 0.0).count())
+            })
+            .right("of", |v| beside(v, <[f64]>::len));
     }
-    Table {
-        name: "ablation".to_owned(),
-        title: "What each part is worth on unseen drivers".to_owned(),
-        columns,
-        rows: rows.collect(),
-        notes: vec![format!(
-            "Drivers in {} folds; networks learn from the other folds, an unseen driver is known by the first {:.0}% of the drive and judged on the \
-             rest. Root-mean-square errors and cross-entropy with both classes weighted to one half, mean over {} drives; better on: drives with \
-             a lower value than {}. A dash: nothing of the kind is predicted.",
-            found.settings.folds,
-            100.0 * found.settings.known_fraction,
-            found.drives.len(),
-            reference.name
-        )],
-    }
+    table.noted(format!(
+        "Drivers in {} folds; networks learn from the other folds, an unseen driver is known by the first {:.0}% of the drive and judged on the \
+         rest. Root-mean-square errors and cross-entropy with both classes weighted to one half, mean over {} drives; better on: drives with \
+         a lower value than {}. A dash: nothing of the kind is predicted.",
+        found.settings.folds,
+        100.0 * found.settings.known_fraction,
+        found.drives.len(),
+        reference.name
+    ))
 }
 
 fn page(

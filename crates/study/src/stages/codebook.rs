@@ -6,11 +6,11 @@ use crate::{
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
     run_folder::read_scales,
-    tables::TableBuilder,
+    tables::write_rows,
 };
-use maveric_domain::{Scale, Subscale, survey::Scoring};
+use maveric_domain::{Scale, survey::Scoring};
 use path_slash::PathExt as _;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::{fmt::Write as _, path::PathBuf};
 
 /// What to describe.
@@ -29,6 +29,19 @@ pub struct Codebook {
     pub scales: usize,
     /// Their items.
     pub items: usize,
+}
+
+/// An item of a subscale: a row of `codebook.csv`.
+#[derive(Serialize, Deserialize)]
+struct ItemRow {
+    scale: String,
+    subscale: String,
+    item: u32,
+    column: String,
+    min: i32,
+    max: i32,
+    reversed: bool,
+    wording: String,
 }
 
 /// Writes the codebook of every scale of a folder: Markdown for people; a CSV row an item of each subscale.
@@ -50,31 +63,28 @@ pub fn codebook(
     for scale in &scales {
         describe(scale, &mut page);
     }
-    let rows: Vec<(&Scale, &Subscale, u32)> = scales
-        .iter()
-        .flat_map(|s| {
-            s.subscales
-                .iter()
-                .flat_map(move |u| u.items.iter().map(move |i| (s, u, *i)))
-        })
-        .collect();
-    let wording = |(scale, _, item): &(&Scale, &Subscale, u32)| {
-        scale
-            .wording
-            .get(*item as usize - 1)
-            .cloned()
-            .unwrap_or_default()
-    };
-    TableBuilder::default()
-        .text("scale", rows.iter().map(|r| r.0.id.as_str()))
-        .text("subscale", rows.iter().map(|r| r.1.id.as_str()))
-        .integers("item", rows.iter().map(|r| Some(i64::from(r.2))))
-        .text("column", rows.iter().map(|r| r.0.column_of(r.2)))
-        .integers("min", rows.iter().map(|r| Some(i64::from(r.0.min))))
-        .integers("max", rows.iter().map(|r| Some(i64::from(r.0.max))))
-        .flags("reversed", rows.iter().map(|r| r.0.is_reversed(r.1, r.2)))
-        .text("wording", rows.iter().map(wording))
-        .write(&csv)?;
+    let mut rows = Vec::new();
+    for scale in &scales {
+        for subscale in &scale.subscales {
+            rows.extend(subscale.items.iter().map(|&item| {
+                ItemRow {
+                    scale: scale.id.clone(),
+                    subscale: subscale.id.clone(),
+                    item,
+                    column: scale.column_of(item),
+                    min: scale.min,
+                    max: scale.max,
+                    reversed: scale.is_reversed(subscale, item),
+                    wording: scale
+                        .wording
+                        .get(item as usize - 1)
+                        .cloned()
+                        .unwrap_or_default(),
+                }
+            }));
+        }
+    }
+    write_rows(&csv, &rows)?;
     atomic_write_bytes(&markdown, page.as_bytes())?;
     let value = Codebook {
         scales: scales.len(),

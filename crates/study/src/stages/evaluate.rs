@@ -1,6 +1,7 @@
 //! `evaluate`: how well each driver's unseen last third is predicted in closed loop.
 
 mod compare;
+pub(crate) mod tables;
 mod text;
 
 use crate::{

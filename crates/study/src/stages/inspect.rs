@@ -6,7 +6,7 @@ use crate::{
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
     run_folder::read_model,
-    tables::drives::write_rows,
+    tables::drives::write_samples,
     watching::{read_watched, write_watch_page},
 };
 use maveric_domain::{Drive, DriveMeta};
@@ -178,7 +178,7 @@ pub fn inspect(
     }
     if let (Some(out), Some(first)) = (&options.csv, options.files.first()) {
         let drive = any_drive(first, &settings)?;
-        write_rows(out, &drive)?;
+        write_samples(out, &drive)?;
         summary.push(format!("{} rows: {}", drive.len(), out.to_slash_lossy()));
     }
     if let Some(out) = &options.watch {

@@ -134,3 +134,21 @@ pub fn measure(
         warnings,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use maveric_measures::objective;
+
+    #[test]
+    fn the_page_of_outputs_says_of_each_measure_what_it_says_of_itself() {
+        let page = include_str!("../../../../docs/outputs.md");
+        let (_, said) = page.split_once("## `measurements.parquet`").unwrap();
+        let said = said.split("\n## ").next().unwrap();
+        let rows = said.lines().filter(|line| line.starts_with("| `"));
+        let own = objective::all().iter().map(|m| {
+            let what = m.description.trim_end_matches('.');
+            format!("| `{}` | {what} ({}) |", m.name, m.unit)
+        });
+        assert!(own.eq(rows.skip(4)));
+    }
+}

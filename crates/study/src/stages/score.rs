@@ -11,6 +11,7 @@ use crate::{
         Table, TableBuilder,
         drives::kept_out,
         surveys::{read_timed_answers, write_scores},
+        write_rows,
     },
 };
 use maveric_domain::{Answer, DriveId, Moment, ParticipantId, Scale, Score, Subscale};
@@ -18,9 +19,10 @@ use maveric_measures::{
     ItemMatrix, ScoreWarning,
     survey::{SheetTime, response_styles, too_fast},
 };
+use maveric_report::tables::Exclusion;
 use maveric_stats::AlphaAnalysis;
 use path_slash::PathExt as _;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
@@ -56,7 +58,7 @@ pub enum Moments {
 }
 
 /// Reliability of one subscale, and how its scores lie.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Reliability {
     /// Code name of the scale.
     pub scale: String,
@@ -86,12 +88,13 @@ pub struct Reliability {
     pub floor: usize,
     /// Scores at the highest.
     pub ceiling: usize,
-    /// Each item and the others.
+    /// Each item and the others; a table of their own.
+    #[serde(skip_deserializing)]
     pub item: Vec<ItemReliability>,
 }
 
 /// One item of a subscale, as scored (after reversal); complete respondents.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ItemReliability {
     /// Its number.
     pub item: u32,
@@ -280,31 +283,18 @@ pub fn score(
         .collect();
     write_scores(&options.out, &scored.scores)?;
     write_reliabilities(&options.out, &reliabilities)?;
-    TableBuilder::default()
-        .text(
-            "who",
-            warnings
-                .iter()
-                .map(ScoreWarning::participant)
-                .chain(left_out.keys().map(|(who, ..)| who))
-                .map(ParticipantId::as_str),
-        )
-        .text(
-            "what",
-            warnings.iter().map(|_| "questionnaires".to_owned()).chain(
-                left_out
-                    .keys()
-                    .map(|(_, moment, _)| format!("answers ({moment})")),
-            ),
-        )
-        .text(
-            "why",
-            warnings
-                .iter()
-                .map(ToString::to_string)
-                .chain(left_out.keys().map(|(.., why)| why.to_string())),
-        )
-        .write(&exclusions_path(&options.out))?;
+    let doubted = warnings.iter().map(|warning| Exclusion {
+        who: warning.participant().to_string(),
+        what: "questionnaires".to_owned(),
+        why: warning.to_string(),
+    });
+    let kept_out = left_out.keys().map(|(who, moment, why)| Exclusion {
+        who: who.to_string(),
+        what: format!("answers ({moment})"),
+        why: why.to_string(),
+    });
+    let exclusions: Vec<Exclusion> = doubted.chain(kept_out).collect();
+    write_rows(&exclusions_path(&options.out), &exclusions)?;
     let missing = scored.scores.iter().filter(|s| s.value.is_none()).count();
     let mut summary = vec![format!(
         "{} scores ({missing} missing): {}",
@@ -386,43 +376,21 @@ fn let_in(
     Ok(left_out)
 }
 
-fn count(found: usize) -> Option<i64> {
-    i64::try_from(found).ok()
-}
-
 fn write_reliabilities(out: &Path, rows: &[Reliability]) -> Result<(), StudyError> {
-    TableBuilder::default()
-        .text("scale", rows.iter().map(|r| r.scale.as_str()))
-        .text("subscale", rows.iter().map(|r| r.subscale.as_str()))
-        .integers("items", rows.iter().map(|r| count(r.items)))
-        .integers("n", rows.iter().map(|r| count(r.n)))
-        .integers("dropped", rows.iter().map(|r| count(r.dropped)))
-        .integers("people", rows.iter().map(|r| r.people.and_then(count)))
-        .numbers("alpha", rows.iter().map(|r| r.alpha))
-        .numbers("ci_low", rows.iter().map(|r| r.ci_low))
-        .numbers("ci_high", rows.iter().map(|r| r.ci_high))
-        .numbers("omega", rows.iter().map(|r| r.omega))
-        .numbers("mean", rows.iter().map(|r| r.mean))
-        .numbers("sd", rows.iter().map(|r| r.sd))
-        .integers("floor", rows.iter().map(|r| count(r.floor)))
-        .integers("ceiling", rows.iter().map(|r| count(r.ceiling)))
-        .write(&reliabilities_path(out))?;
+    write_rows(&reliabilities_path(out), rows)?;
     let items: Vec<(&Reliability, &ItemReliability)> = rows
         .iter()
         .flat_map(|r| r.item.iter().map(move |i| (r, i)))
         .collect();
+    let answered = |n: usize| i64::try_from(n).ok();
     TableBuilder::default()
         .text("scale", items.iter().map(|i| i.0.scale.as_str()))
         .text("subscale", items.iter().map(|i| i.0.subscale.as_str()))
-        .integers("item", items.iter().map(|i| Some(i64::from(i.1.item))))
-        .flags("reversed", items.iter().map(|i| i.1.reversed))
-        .integers("n", items.iter().map(|i| count(i.0.n)))
-        .numbers("mean", items.iter().map(|i| i.1.mean))
-        .numbers("sd", items.iter().map(|i| i.1.sd))
-        .numbers("r_rest", items.iter().map(|i| i.1.r_rest))
-        .numbers("alpha_dropped", items.iter().map(|i| i.1.alpha_dropped))
-        .integers("floor", items.iter().map(|i| count(i.1.floor)))
-        .integers("ceiling", items.iter().map(|i| count(i.1.ceiling)))
+        .beside(TableBuilder::of(items.iter().map(|i| i.1))?)
+        .with(
+            4,
+            TableBuilder::default().integers("n", items.iter().map(|i| answered(i.0.n))),
+        )
         .write(&items_path(out))
 }
 

@@ -235,25 +235,9 @@ pub fn simulate(
         remove_former(&log)?;
     }
     write_drive_list(&drives, &list)?;
-    let counts =
-        |of: fn(&RolloutReport) -> u32| driven.iter().map(move |d| Some(i64::from(of(&d.3))));
     TableBuilder::default()
         .text("drive", driven.iter().map(|d| d.0.drive.as_str()))
-        .integers("collisions", counts(|r| r.collisions))
-        .integers("rule_violations", counts(|r| r.rule_violations))
-        .numbers(
-            "inside_safe_distance_s",
-            driven.iter().map(|d| Some(d.3.inside_safe_distance_s)),
-        )
-        .numbers(
-            "least_safe_distance_share",
-            driven.iter().map(|d| Some(d.3.least_safe_distance_share)),
-        )
-        .integers("interventions", counts(|r| r.interventions))
-        .integers("held_changes", counts(|r| r.held_changes))
-        .integers("given_up_changes", counts(|r| r.given_up_changes))
-        .integers("started_changes", counts(|r| r.started_changes))
-        .integers("leads", counts(|r| r.leads))
+        .beside(TableBuilder::of(driven.iter().map(|d| &d.3))?)
         .write(&options.out.join("rollouts.csv"))?;
     if let Some(page) = &options.watch {
         write_page(options, page, &driven)?;

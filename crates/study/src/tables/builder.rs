@@ -52,6 +52,22 @@ impl TableBuilder {
         self
     }
 
+    /// Adds the columns of another table behind these.
+    #[must_use]
+    pub fn beside(mut self, other: Self) -> Self {
+        self.columns.extend(other.columns);
+        self
+    }
+
+    /// Puts the columns of another table before the one at `at`, in place of those here that have their names.
+    #[must_use]
+    pub(crate) fn with(mut self, at: usize, other: Self) -> Self {
+        let replaced = |column: &Column| other.columns.iter().any(|o| o.name() == column.name());
+        self.columns.retain(|column| !replaced(column));
+        self.columns.splice(at..at, other.columns);
+        self
+    }
+
     /// The table, under a name for messages.
     ///
     /// # Errors

@@ -5,72 +5,49 @@ use super::{
     embeddings::{read_coordinates, with_coordinates},
 };
 use crate::error::StudyError;
-use maveric_domain::{ConditionId, DriveId, Embedding, ParticipantId};
+use maveric_domain::{ConditionId, Embedding, ParticipantId};
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 pub use maveric_domain::{ConditionRow, SweepPoint};
 
-/// Writes conditions, one row each.
+/// What of a condition has a column in every table.
+#[derive(Serialize, Deserialize)]
+struct Steered {
+    participant: ParticipantId,
+    condition: ConditionId,
+    adb_hat: Option<f64>,
+    moved_points: Option<f64>,
+    moved_points_sd: Option<f64>,
+    clamped: bool,
+    angle_rad: Option<f64>,
+    beyond_training: bool,
+}
+
+/// Writes conditions, one row each; those of a sweep with its points.
 ///
 /// # Errors
 /// [`StudyError::Io`], [`StudyError::BadTable`].
 pub fn write_conditions(path: &Path, rows: &[ConditionRow]) -> Result<(), StudyError> {
-    let builder = TableBuilder::default()
-        .text("participant", rows.iter().map(|r| r.participant.as_str()))
-        .text("condition", rows.iter().map(|r| r.condition.as_str()))
-        .numbers("adb_hat", rows.iter().map(|r| r.adb_hat))
-        .numbers("moved_points", rows.iter().map(|r| r.moved_points))
-        .numbers("moved_points_sd", rows.iter().map(|r| r.moved_points_sd))
-        .flags("clamped", rows.iter().map(|r| r.clamped))
-        .numbers("angle_rad", rows.iter().map(|r| r.angle_rad))
-        .flags("beyond_training", rows.iter().map(|r| r.beyond_training));
+    let steered = rows.iter().map(|r| Steered {
+        participant: r.participant.clone(),
+        condition: r.condition,
+        adb_hat: r.adb_hat,
+        moved_points: r.moved_points,
+        moved_points_sd: r.moved_points_sd,
+        clamped: r.clamped,
+        angle_rad: r.angle_rad,
+        beyond_training: r.beyond_training,
+    });
+    let steered: Vec<Steered> = steered.collect();
     let embeddings: Vec<&Embedding> = rows.iter().map(|r| &r.embedding).collect();
-    let builder = with_coordinates(builder, &embeddings);
-    if rows.iter().all(|r| r.sweep.is_none()) {
-        return builder.write(path);
+    let mut table = with_coordinates(TableBuilder::of(&steered)?, &embeddings);
+    if rows.iter().any(|r| r.sweep.is_some()) {
+        table = table.beside(TableBuilder::of(
+            rows.iter().filter_map(|r| r.sweep.as_ref()),
+        )?);
     }
-    let text = |of: fn(&SweepPoint) -> &str| -> Vec<&str> {
-        rows.iter()
-            .map(|r| r.sweep.as_ref().map_or("", of))
-            .collect()
-    };
-    let number = |of: fn(&SweepPoint) -> f64| -> Vec<Option<f64>> {
-        rows.iter().map(|r| r.sweep.as_ref().map(of)).collect()
-    };
-    builder
-        .text("drive", text(|p| p.drive.as_str()))
-        .text("attribute", text(|p| p.attribute.as_str()))
-        .numbers("requested_points", number(|p| p.requested_points))
-        .numbers("attribute_points", number(|p| p.attribute_points))
-        .write(path)
-}
-
-fn read_sweep(table: &Table) -> Result<Vec<Option<SweepPoint>>, StudyError> {
-    if !table.has("drive") {
-        return Ok(vec![None; table.rows()]);
-    }
-    let drive = table.text("drive")?;
-    let attribute = table.text("attribute")?;
-    let requested = table.numbers("requested_points")?;
-    let moved = table.numbers("attribute_points")?;
-    (0..table.rows())
-        .map(|row| {
-            let Some(name) = &drive[row] else {
-                return Ok(None);
-            };
-            let number = |column: &str, cell: Option<f64>| {
-                cell.ok_or_else(|| table.bad_cell(row, column, "", "a number"))
-            };
-            let drive = DriveId::new(name.clone())
-                .map_err(|e| table.bad_cell(row, "drive", name, e.to_string()))?;
-            Ok(Some(SweepPoint {
-                drive,
-                attribute: attribute[row].clone().unwrap_or_default(),
-                requested_points: number("requested_points", requested[row])?,
-                attribute_points: number("attribute_points", moved[row])?,
-            }))
-        })
-        .collect()
+    table.write(path)
 }
 
 /// Reads conditions back.
@@ -79,33 +56,27 @@ fn read_sweep(table: &Table) -> Result<Vec<Option<SweepPoint>>, StudyError> {
 /// As [`Table`] does, naming row and column.
 pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
     let table = Table::read(path)?;
-    let sweep = read_sweep(&table)?;
-    if sweep.iter().all(Option::is_none) {
-        table.each_once(&["participant", "condition"])?;
-    } else {
+    let sweep: Vec<Option<SweepPoint>> = if table.has("drive") {
         table.each_once(&["participant", "condition", "drive"])?;
-    }
-    let participant: Vec<ParticipantId> = table.ids("participant")?;
-    let condition: Vec<ConditionId> = table.parsed("condition")?;
-    let adb_hat = table.numbers("adb_hat")?;
-    let moved_points = table.numbers("moved_points")?;
-    let moved_points_sd = table.numbers("moved_points_sd")?;
-    let clamped: Vec<bool> = table.parsed("clamped")?;
-    let angle_rad = table.numbers("angle_rad")?;
-    let beyond_training: Vec<bool> = table.parsed("beyond_training")?;
-    let embedding = read_coordinates(&table)?;
-    Ok((0..table.rows())
-        .map(|i| ConditionRow {
-            sweep: sweep[i].clone(),
-            participant: participant[i].clone(),
-            condition: condition[i],
-            adb_hat: adb_hat[i],
-            moved_points: moved_points[i],
-            moved_points_sd: moved_points_sd[i],
-            clamped: clamped[i],
-            angle_rad: angle_rad[i],
-            beyond_training: beyond_training[i],
-            embedding: embedding[i].clone(),
+        table.records()?.into_iter().map(Some).collect()
+    } else {
+        table.each_once(&["participant", "condition"])?;
+        vec![None; table.rows()]
+    };
+    let rows = table.records::<Steered>()?.into_iter();
+    Ok(rows
+        .zip(read_coordinates(&table)?.into_iter().zip(sweep))
+        .map(|(row, (embedding, sweep))| ConditionRow {
+            participant: row.participant,
+            condition: row.condition,
+            adb_hat: row.adb_hat,
+            moved_points: row.moved_points,
+            moved_points_sd: row.moved_points_sd,
+            clamped: row.clamped,
+            angle_rad: row.angle_rad,
+            beyond_training: row.beyond_training,
+            sweep,
+            embedding,
         })
         .collect())
 }
@@ -113,6 +84,7 @@ pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use maveric_domain::DriveId;
 
     #[test]
     fn a_sweep_comes_back_with_its_drives_and_a_study_without() {

@@ -4,12 +4,28 @@ use super::Table;
 use crate::error::StudyError;
 use maveric_analysis::Turns;
 use maveric_domain::ParticipantId;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// How the files end.
 pub const ENDING: &str = ".dial.csv";
 
-/// Reads every file of turns in a folder, in the order of their names: `participant`, `time_s`, `points`, `step`, `duration_s`, a row a turn.
+/// One turn of the dial: a row of such a file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Turn {
+    /// Who rode.
+    pub participant: ParticipantId,
+    /// When, in s of the ride.
+    pub time_s: f64,
+    /// Where the dial stood then, in the study's points.
+    pub points: f64,
+    /// How far one turn goes, in points.
+    pub step: f64,
+    /// How long the ride was, in s.
+    pub duration_s: f64,
+}
+
+/// Reads every file of turns in a folder, in the order of their names.
 /// A folder that is not there has none.
 ///
 /// # Errors
@@ -29,25 +45,14 @@ pub fn read_turns(folder: &Path) -> Result<Vec<Turns>, StudyError> {
 }
 
 fn read(path: &Path) -> Result<Option<Turns>, StudyError> {
-    let table = Table::read(path)?;
-    let ids: Vec<ParticipantId> = table.ids("participant")?;
-    let whole = |column: &str| -> Result<Vec<f64>, StudyError> {
-        let cells = table.numbers(column)?.into_iter().enumerate();
-        cells
-            .map(|(row, cell)| {
-                cell.ok_or_else(|| table.bad_cell(row, column, "nothing", "a number"))
-            })
-            .collect()
-    };
-    let (times, points) = (whole("time_s")?, whole("points")?);
-    let (steps, durations) = (whole("step")?, whole("duration_s")?);
-    let Some(participant) = ids.first() else {
+    let turns: Vec<Turn> = Table::read(path)?.records()?;
+    let Some(first) = turns.first() else {
         return Ok(None);
     };
     Ok(Some(Turns {
-        participant: participant.clone(),
-        turned: times.into_iter().zip(points).collect(),
-        duration_s: durations[0],
-        step: steps[0],
+        participant: first.participant.clone(),
+        duration_s: first.duration_s,
+        step: first.step,
+        turned: turns.iter().map(|t| (t.time_s, t.points)).collect(),
     }))
 }

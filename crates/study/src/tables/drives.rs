@@ -6,6 +6,7 @@ use maveric_analysis::Driven;
 use maveric_domain::{Drive, DriveId, DriveMeta, ParticipantId};
 use maveric_ingest::{Provenance, read_drive_from, write_drive_to};
 use path_slash::PathExt as _;
+use serde::{Deserialize, Serialize};
 use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
@@ -40,7 +41,7 @@ pub fn write_drive_of(
 ///
 /// # Errors
 /// [`StudyError::Io`], [`StudyError::BadTable`].
-pub(crate) fn write_rows(path: &Path, drive: &Drive) -> Result<(), StudyError> {
+pub(crate) fn write_samples(path: &Path, drive: &Drive) -> Result<(), StudyError> {
     let rows = drive.rows();
     let all = |of: &[f64]| of.iter().copied().map(Some).collect::<Vec<_>>();
     // Without a reference vehicle its columns hold values of a free road, which nobody measured.
@@ -155,6 +156,20 @@ fn drive_files(folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
     Ok(paths)
 }
 
+/// What was repaired or left out as a folder of drives was made: a row of its `exclusions.csv`. Which drive it would have been is
+/// known where a rule of the design kept it out.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(crate) struct ExclusionRow {
+    pub(crate) drive: String,
+    pub(crate) log: String,
+    pub(crate) what: String,
+    pub(crate) count: usize,
+    pub(crate) participant: String,
+    pub(crate) condition: String,
+    pub(crate) rule: String,
+    pub(crate) duration_s: Option<f64>,
+}
+
 /// The drives that a rule of the design keeps out of a folder, each with the rule, as `exclusions.csv` there lists them.
 ///
 /// # Errors
@@ -168,25 +183,17 @@ pub(crate) fn kept_out(folder: &Path) -> Result<Vec<(String, Driven)>, StudyErro
     if !table.has("rule") {
         return Ok(Vec::new());
     }
-    let text = |column: &str| table.text(column);
-    let (drive, participant) = (text("drive")?, text("participant")?);
-    let (condition, rule) = (text("condition")?, text("rule")?);
-    let duration_s = table.numbers("duration_s")?;
     let mut found = Vec::new();
-    for row in 0..table.rows() {
-        let cell = |column: &[Option<String>]| column[row].clone().unwrap_or_default();
-        let rule = cell(&rule);
-        if !rule.starts_with("exclude.") {
-            continue;
+    for row in table.records::<ExclusionRow>()? {
+        if row.rule.starts_with("exclude.") {
+            let driven = Driven {
+                drive: DriveId::new(row.drive)?,
+                participant: ParticipantId::new(row.participant)?,
+                condition: row.condition.parse()?,
+                duration_s: row.duration_s,
+            };
+            found.push((row.rule, driven));
         }
-        let condition = cell(&condition);
-        let driven = Driven {
-            drive: DriveId::new(cell(&drive))?,
-            participant: ParticipantId::new(cell(&participant))?,
-            condition: condition.parse()?,
-            duration_s: duration_s[row],
-        };
-        found.push((rule, driven));
     }
     Ok(found)
 }
@@ -229,14 +236,7 @@ pub fn write_drive_list(
     for gone in former_drives(folder, drives.iter().map(|d| d.0.drive.as_str())) {
         remove_former(&folder.join(format!("{gone}.parquet")))?;
     }
-    TableBuilder::default()
-        .text("drive", drives.iter().map(|d| d.0.drive.as_str()))
-        .text(
-            "participant",
-            drives.iter().map(|d| d.0.participant.as_str()),
-        )
-        .text("condition", drives.iter().map(|d| d.0.condition.as_str()))
-        .text("driven_by", drives.iter().map(|d| d.0.driven_by.as_str()))
+    TableBuilder::of(drives.iter().map(|d| &d.0))?
         .integers("rows", drives.iter().map(|d| i64::try_from(d.1).ok()))
         .numbers("duration_s", drives.iter().map(|d| Some(d.2)))
         .write(&folder.join(LIST))

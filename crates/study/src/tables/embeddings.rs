@@ -3,9 +3,23 @@
 use super::{Table, TableBuilder};
 use crate::error::StudyError;
 use maveric_domain::{ConditionId, DriveId, Embedding, ParticipantId};
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 pub use maveric_domain::EmbeddingRow;
+
+/// What of a fit has a column in every table.
+#[derive(Serialize, Deserialize)]
+struct Fit {
+    drive: DriveId,
+    participant: ParticipantId,
+    condition: ConditionId,
+    adb_used: bool,
+    adb: Option<f64>,
+    adb_hat: Option<f64>,
+    line_position: Option<f64>,
+    readings: Option<usize>,
+}
 
 /// Names of the covariances of `d` numbers that a table holds, and where they stand: those on and above the diagonal.
 fn covariances(d: usize) -> impl Iterator<Item = (String, usize, usize)> {
@@ -41,19 +55,18 @@ pub(super) fn read_coordinates(table: &Table) -> Result<Vec<Embedding>, StudyErr
 /// # Errors
 /// [`StudyError::Io`], [`StudyError::BadTable`].
 pub fn write_embeddings(path: &Path, rows: &[EmbeddingRow]) -> Result<(), StudyError> {
-    let builder = TableBuilder::default()
-        .text("drive", rows.iter().map(|r| r.drive.as_str()))
-        .text("participant", rows.iter().map(|r| r.participant.as_str()))
-        .text("condition", rows.iter().map(|r| r.condition.as_str()))
-        .flags("adb_used", rows.iter().map(|r| r.adb_used))
-        .numbers("adb", rows.iter().map(|r| r.adb))
-        .numbers("adb_hat", rows.iter().map(|r| r.adb_hat))
-        .numbers("line_position", rows.iter().map(|r| r.line_position))
-        .integers(
-            "readings",
-            rows.iter()
-                .map(|r| r.readings.and_then(|n| i64::try_from(n).ok())),
-        );
+    let fits = rows.iter().map(|r| Fit {
+        drive: r.drive.clone(),
+        participant: r.participant.clone(),
+        condition: r.condition,
+        adb_used: r.adb_used,
+        adb: r.adb,
+        adb_hat: r.adb_hat,
+        line_position: r.line_position,
+        readings: r.readings,
+    });
+    let fits: Vec<Fit> = fits.collect();
+    let builder = TableBuilder::of(&fits)?;
     let embeddings: Vec<&Embedding> = rows.iter().map(|r| &r.embedding).collect();
     let builder = with_coordinates(builder, &embeddings);
     if rows.iter().all(|r| r.covariance.is_none()) {
@@ -77,14 +90,7 @@ pub fn write_embeddings(path: &Path, rows: &[EmbeddingRow]) -> Result<(), StudyE
 pub fn read_embeddings(path: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
     let table = Table::read(path)?;
     table.each_once(&["drive", "adb_used"])?;
-    let drive: Vec<DriveId> = table.ids("drive")?;
-    let participant: Vec<ParticipantId> = table.ids("participant")?;
-    let condition: Vec<ConditionId> = table.parsed("condition")?;
-    let adb_used: Vec<bool> = table.parsed("adb_used")?;
-    let adb = table.numbers("adb")?;
-    let adb_hat = table.numbers("adb_hat")?;
-    let line_position = table.numbers("line_position")?;
-    let readings = table.numbers("readings")?;
+    let fits: Vec<Fit> = table.records()?;
     let embedding = read_coordinates(&table)?;
     let covariance = read_covariances(&table, &embedding)?;
     let line_position_se = if table.has("line_position_se") {
@@ -92,20 +98,25 @@ pub fn read_embeddings(path: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
     } else {
         vec![None; table.rows()]
     };
-    Ok((0..table.rows())
-        .map(|i| EmbeddingRow {
-            drive: drive[i].clone(),
-            participant: participant[i].clone(),
-            condition: condition[i],
-            adb_used: adb_used[i],
-            adb: adb[i],
-            adb_hat: adb_hat[i],
-            line_position: line_position[i],
-            readings: readings[i].map(|n| n as usize),
-            covariance: covariance[i].clone(),
-            line_position_se: line_position_se[i],
-            embedding: embedding[i].clone(),
-        })
+    let found = covariance.into_iter().zip(line_position_se).zip(embedding);
+    Ok(fits
+        .into_iter()
+        .zip(found)
+        .map(
+            |(fit, ((covariance, line_position_se), embedding))| EmbeddingRow {
+                drive: fit.drive,
+                participant: fit.participant,
+                condition: fit.condition,
+                adb_used: fit.adb_used,
+                adb: fit.adb,
+                adb_hat: fit.adb_hat,
+                line_position: fit.line_position,
+                readings: fit.readings,
+                covariance,
+                line_position_se,
+                embedding,
+            },
+        )
         .collect())
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Table, TableBuilder};
 use crate::error::StudyError;
-use maveric_domain::{ConditionId, DriveId, DriveMeta, DrivenBy, ParticipantId};
+use maveric_domain::DriveMeta;
 use std::{collections::BTreeMap, path::Path};
 
 pub use maveric_domain::MeasuredDrive;
@@ -16,20 +16,7 @@ pub fn write_measurements(
     measures: &[&str],
     drives: &[MeasuredDrive],
 ) -> Result<(), StudyError> {
-    let mut builder = TableBuilder::default()
-        .text("drive", drives.iter().map(|d| d.meta.drive.as_str()))
-        .text(
-            "participant",
-            drives.iter().map(|d| d.meta.participant.as_str()),
-        )
-        .text(
-            "condition",
-            drives.iter().map(|d| d.meta.condition.as_str()),
-        )
-        .text(
-            "driven_by",
-            drives.iter().map(|d| d.meta.driven_by.as_str()),
-        );
+    let mut builder = TableBuilder::of(drives.iter().map(|d| &d.meta))?;
     for measure in measures {
         builder = builder.numbers(
             measure,
@@ -48,19 +35,11 @@ pub fn write_measurements(
 pub fn read_measurements(path: &Path) -> Result<Vec<MeasuredDrive>, StudyError> {
     let table = Table::read(path)?;
     table.each_once(&["drive"])?;
-    let drive: Vec<DriveId> = table.ids("drive")?;
-    let participant: Vec<ParticipantId> = table.ids("participant")?;
-    let condition: Vec<ConditionId> = table.parsed("condition")?;
-    let driven_by: Vec<DrivenBy> = table.parsed("driven_by")?;
     let about = ["drive", "participant", "study", "condition", "driven_by"];
-    let mut drives: Vec<MeasuredDrive> = (0..table.rows())
-        .map(|i| MeasuredDrive {
-            meta: DriveMeta {
-                drive: drive[i].clone(),
-                participant: participant[i].clone(),
-                condition: condition[i],
-                driven_by: driven_by[i],
-            },
+    let metas = table.records::<DriveMeta>()?.into_iter();
+    let mut drives: Vec<MeasuredDrive> = metas
+        .map(|meta| MeasuredDrive {
+            meta,
             values: BTreeMap::new(),
         })
         .collect();

@@ -7,13 +7,15 @@ pub mod drives;
 pub mod embeddings;
 pub mod measurements;
 pub mod participants;
+mod rows;
 pub mod surveys;
 
 pub use builder::TableBuilder;
-use path_slash::PathExt as _;
+pub use rows::write_rows;
 
 use crate::error::StudyError;
 use maveric_domain::nearest;
+use path_slash::PathExt as _;
 use polars::prelude::*;
 use std::{
     collections::BTreeMap,

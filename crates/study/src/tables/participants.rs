@@ -4,10 +4,81 @@ use super::{Table, TableBuilder};
 use crate::error::StudyError;
 use maveric_domain::{ConditionId, Design, LatentTraits, ParticipantId};
 use maveric_participants::{Cohort, Gender, Participant, Personality, Population};
+use serde::{Deserialize, Serialize};
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::Path,
 };
+
+/// A synthetic person's row, but for the columns by which the design tells people apart.
+#[derive(Serialize, Deserialize)]
+struct Made {
+    participant: ParticipantId,
+    population: Population,
+    age: u32,
+    gender: Gender,
+    professional: bool,
+    order: String,
+    synthetic: bool,
+    latent_aggressiveness: f64,
+    latent_spacing: f64,
+    latent_pace: f64,
+    latent_extraversion: f64,
+    latent_agreeableness: f64,
+    latent_conscientiousness: f64,
+    latent_neuroticism: f64,
+    latent_openness: f64,
+    latent_high_velocity: f64,
+}
+
+impl Made {
+    fn of(person: &Participant) -> Self {
+        let words: Vec<&str> = person.order.iter().map(ConditionId::as_str).collect();
+        let (traits, personality) = (&person.traits, &person.personality);
+        Self {
+            participant: person.id.clone(),
+            population: person.population,
+            age: person.age_years,
+            gender: person.gender,
+            professional: person.professional,
+            order: words.join(" "),
+            synthetic: true,
+            latent_aggressiveness: traits.aggressiveness,
+            latent_spacing: traits.spacing,
+            latent_pace: traits.pace,
+            latent_extraversion: personality.extraversion,
+            latent_agreeableness: personality.agreeableness,
+            latent_conscientiousness: personality.conscientiousness,
+            latent_neuroticism: personality.neuroticism,
+            latent_openness: personality.openness,
+            latent_high_velocity: person.high_velocity,
+        }
+    }
+
+    fn person(self, order: Vec<ConditionId>) -> Participant {
+        Participant {
+            id: self.participant,
+            population: self.population,
+            age_years: self.age,
+            gender: self.gender,
+            professional: self.professional,
+            order,
+            traits: LatentTraits {
+                aggressiveness: self.latent_aggressiveness,
+                spacing: self.latent_spacing,
+                pace: self.latent_pace,
+            },
+            personality: Personality {
+                extraversion: self.latent_extraversion,
+                agreeableness: self.latent_agreeableness,
+                conscientiousness: self.latent_conscientiousness,
+                neuroticism: self.latent_neuroticism,
+                openness: self.latent_openness,
+            },
+            high_velocity: self.latent_high_velocity,
+        }
+    }
+}
 
 /// Writes `participants.csv`; every `latent_` column exists only because these people are made up. The columns that tell who is
 /// learned from and who is tested are the design's.
@@ -16,57 +87,21 @@ use std::{
 /// [`StudyError::Io`], [`StudyError::BadTable`].
 pub fn write_participants(path: &Path, cohort: &Cohort, design: &Design) -> Result<(), StudyError> {
     let people = &cohort.participants;
-    let numbers = |of: fn(&Participant) -> f64| people.iter().map(move |p| Some(of(p)));
-    let order = |p: &Participant| {
-        let words: Vec<&str> = p.order.iter().map(ConditionId::as_str).collect();
-        words.join(" ")
-    };
-    let mut table =
-        TableBuilder::default().text("participant", people.iter().map(|p| p.id.as_str()));
-    let telling = design.people().columns();
-    for column in &telling {
+    let made: Vec<Made> = people.iter().map(Made::of).collect();
+    let mut telling = TableBuilder::default();
+    for column in design.people().columns() {
         let cell = |at: usize| {
             let wanted = if at < cohort.learners {
                 &design.people().learn
             } else {
                 &design.people().test
             };
-            let word = wanted.as_ref().and_then(|w| w.get(*column));
+            let word = wanted.as_ref().and_then(|w| w.get(column));
             word.cloned().unwrap_or_default()
         };
-        table = table.text(column, (0..people.len()).map(cell));
+        telling = telling.text(column, (0..people.len()).map(cell));
     }
-    if !telling.contains(&"population") {
-        table = table.text("population", people.iter().map(|p| p.population.as_str()));
-    }
-    table
-        .integers("age", people.iter().map(|p| Some(i64::from(p.age_years))))
-        .text("gender", people.iter().map(|p| p.gender.as_str()))
-        .flags("professional", people.iter().map(|p| p.professional))
-        .text("order", people.iter().map(order))
-        .flags("synthetic", people.iter().map(|_| true))
-        .numbers(
-            "latent_aggressiveness",
-            numbers(|p| p.traits.aggressiveness),
-        )
-        .numbers("latent_spacing", numbers(|p| p.traits.spacing))
-        .numbers("latent_pace", numbers(|p| p.traits.pace))
-        .numbers(
-            "latent_extraversion",
-            numbers(|p| p.personality.extraversion),
-        )
-        .numbers(
-            "latent_agreeableness",
-            numbers(|p| p.personality.agreeableness),
-        )
-        .numbers(
-            "latent_conscientiousness",
-            numbers(|p| p.personality.conscientiousness),
-        )
-        .numbers("latent_neuroticism", numbers(|p| p.personality.neuroticism))
-        .numbers("latent_openness", numbers(|p| p.personality.openness))
-        .numbers("latent_high_velocity", numbers(|p| p.high_velocity))
-        .write(path)
+    TableBuilder::of(&made)?.with(1, telling).write(path)
 }
 
 /// Somebody who takes part, made up or real: what a report says of the sample.
@@ -219,47 +254,12 @@ fn conditions(
 pub fn read_participants(path: &Path, design: &Design) -> Result<Vec<Participant>, StudyError> {
     let table = Table::read(path)?;
     table.each_once(&["participant"])?;
-    let id: Vec<ParticipantId> = table.ids("participant")?;
-    let population: Vec<Population> = table.parsed("population")?;
-    let age: Vec<u32> = table.parsed("age")?;
-    let gender: Vec<Gender> = table.parsed("gender")?;
-    let professional: Vec<bool> = table.parsed("professional")?;
-    let order = table.text("order")?;
-    let latent = |name: &str| table.all_numbers(&format!("latent_{name}"));
-    let (aggressiveness, spacing, pace) = (
-        latent("aggressiveness")?,
-        latent("spacing")?,
-        latent("pace")?,
-    );
-    let (extraversion, agreeableness) = (latent("extraversion")?, latent("agreeableness")?);
-    let (conscientiousness, neuroticism) = (latent("conscientiousness")?, latent("neuroticism")?);
-    let (openness, high_velocity) = (latent("openness")?, latent("high_velocity")?);
-    (0..table.rows())
-        .map(|i| {
-            let words = order[i].as_deref().unwrap_or_default();
-            Ok(Participant {
-                id: id[i].clone(),
-                population: population[i],
-                age_years: age[i],
-                gender: gender[i],
-                professional: professional[i],
-                order: conditions(&table, i, words, design)?,
-                traits: LatentTraits {
-                    aggressiveness: aggressiveness[i],
-                    spacing: spacing[i],
-                    pace: pace[i],
-                },
-                personality: Personality {
-                    extraversion: extraversion[i],
-                    agreeableness: agreeableness[i],
-                    conscientiousness: conscientiousness[i],
-                    neuroticism: neuroticism[i],
-                    openness: openness[i],
-                },
-                high_velocity: high_velocity[i],
-            })
-        })
-        .collect()
+    let made = table.records::<Made>()?.into_iter().enumerate();
+    made.map(|(row, made)| {
+        let order = conditions(&table, row, &made.order, design)?;
+        Ok(made.person(order))
+    })
+    .collect()
 }
 
 #[cfg(test)]

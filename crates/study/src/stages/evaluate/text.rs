@@ -1,9 +1,10 @@
 //! The tables of an evaluation as lines of text.
 
+use super::tables::{compared, following_table, shrinkage};
 use maveric_following::{
-    ClosedLoopSeed, ClosedLoopStudy, Compared, FollowingEvaluation, FollowingMethod, MethodMean,
-    Shrinkage,
+    ClosedLoopSeed, ClosedLoopStudy, FollowingEvaluation, FollowingMethod, MethodMean,
 };
+use maveric_report::tables::{Cell, Table};
 
 /// What stands in the table of drivers.
 const BY_DRIVER: [(FollowingMethod, &str); 10] = [
@@ -20,11 +21,17 @@ const BY_DRIVER: [(FollowingMethod, &str); 10] = [
 ];
 
 pub(super) fn lines(found: &FollowingEvaluation) -> Vec<String> {
-    let blocks = [
-        means(found),
+    let of = |table: Table| table.to_text().lines().map(str::to_owned).collect();
+    let whose = format!("{} recorded drivers", found.drivers.len());
+    let blocks: [Vec<String>; 7] = [
+        of(following_table(found, &whose)),
         driven(found),
-        drivers(found),
-        compared(&found.compared),
+        of(drivers(found)),
+        if found.compared.is_empty() {
+            Vec::new()
+        } else {
+            of(compared(found))
+        },
         shrinkage(found),
         found.closed_loop.as_ref().map_or_else(Vec::new, seeds),
         harmed(found),
@@ -53,105 +60,15 @@ fn driven(found: &FollowingEvaluation) -> Vec<String> {
     ]
 }
 
-fn compared(pairs: &[Compared]) -> Vec<String> {
-    if pairs.is_empty() {
-        return Vec::new();
-    }
-    let mut lines = vec![
-        "difference of the gap's RMSE, driver by driver, in m: mean [95 %, drivers drawn with replacement], median; nearer/further off"
-            .to_owned(),
-    ];
-    for pair in pairs {
-        let interval = match (pair.low_m, pair.high_m) {
-            (Some(low), Some(high)) => format!("[{low:.2}, {high:.2}]"),
-            _ => "[no interval]".to_owned(),
-        };
-        lines.push(format!(
-            "{} less {}: {:.2} {interval}, {:.2}; {}/{}",
-            pair.method.label(),
-            pair.beside.label(),
-            pair.mean_m,
-            pair.median_m,
-            pair.better,
-            pair.worse
-        ));
-    }
-    lines
-}
-
-/// How much of what was fitted to a person was believed.
-fn shrinkage(found: &FollowingEvaluation) -> Vec<String> {
-    let one = |what: &str, s: &Shrinkage| {
-        let strength = s.strength_s.map_or_else(
-            || "without bound: their halves differ as much as they do".to_owned(),
-            |k| format!("{k:.0} s"),
-        );
-        format!(
-            "shrinkage of {what}, by how far {} people moved between halves of {:.0} s: strength {strength}; of a fit to {:.0} s \
-             {:.0} % is kept",
-            s.people,
-            s.half_s,
-            2.0 * s.half_s,
-            100.0 * s.share(2.0 * s.half_s)
-        )
-    };
-    let mut lines = vec![one(
-        "the own time gap (its logarithm)",
-        &found.time_gap_shrinkage,
-    )];
-    let network = found.closed_loop.as_ref();
-    if let Some(first) = network.and_then(|study| study.trained.first()) {
-        lines.push(one("the own embedding (first seed)", &first.shrinkage));
-    }
-    lines
-}
-
-fn means(found: &FollowingEvaluation) -> Vec<String> {
-    let mut lines = vec![format!(
-        "{:45} {:>7} {:>7} {:>9} {:>6} {:>6} {:>9}",
-        "mean over drivers", "gap m", "median", "speed m/s", "NRMSE", "mixed", "reached 0"
-    )];
-    for row in &found.means {
-        let mark = if found.is_best(row.method) { '*' } else { ' ' };
-        lines.push(format!(
-            "{:45} {:6.2}{mark} {:7.2} {:9.2} {:6.3} {:6.3} {:>9}",
-            row.method.label(),
-            row.gap_rmse_m,
-            row.gap_rmse_median_m,
-            row.speed_rmse_mps,
-            row.nrmse,
-            row.mixed,
-            format!("{}/{}", row.reached_zero, row.drivers)
-        ));
-    }
-    lines.push(
-        "* best of those that know the driver's first two thirds, and of those that are the same for everybody".to_owned(),
-    );
-    lines
-}
-
-fn drivers(found: &FollowingEvaluation) -> Vec<String> {
-    let tried: Vec<_> = BY_DRIVER
-        .into_iter()
-        .filter(|(method, _)| found.mean(*method).is_some())
-        .collect();
-    let name = |driver: &str| driver.chars().count();
-    let wide = found.drivers.iter().map(|d| name(&d.driver)).max();
-    let wide = wide.unwrap_or(0).max("RMSE of the gap, m".len());
-    let heads: Vec<String> = tried
-        .iter()
-        .map(|(_, head)| format!(" {head:>9}"))
-        .collect();
-    let heads = heads.concat();
-    let mut lines = vec![format!("{:wide$}{heads}", "RMSE of the gap, m")];
-    for driver in &found.drivers {
-        let gaps = tried
-            .iter()
-            .filter_map(|(method, _)| driver.gap_rmse_m(*method));
-        let cells: Vec<String> = gaps.map(|gap| format!(" {gap:9.2}")).collect();
-        lines.push(format!("{:wide$}{}", driver.driver, cells.concat()));
-    }
-    lines
+fn drivers(found: &FollowingEvaluation) -> Table {
+    let table = Table::of("drivers", "RMSE of the gap (m)", &found.drivers)
+        .text("Driver", |driver| &driver.driver);
+    let tried = BY_DRIVER.into_iter();
+    let tried = tried.filter(|(method, _)| found.mean(*method).is_some());
+    let all = tried.fold(table, |table, (method, head)| {
+        table.right(head, |driver| Cell::number(driver.gap_rmse_m(method), 2))
+    });
+    all.done()
 }
 
 fn seeds(study: &ClosedLoopStudy) -> Vec<String> {

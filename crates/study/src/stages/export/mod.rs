@@ -23,7 +23,7 @@ use maveric_domain::{Answer, ConditionId, Design, DriveId, DriveMeta, Participan
 use maveric_ingest::{Beside, IngestSettings, Mapping, log_files, read_log};
 use place::Place;
 use pseudonym::Pseudonyms;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
@@ -275,6 +275,17 @@ fn band(age_years: f64) -> String {
     format!("{low}-{}", low + BAND_YEARS - 1)
 }
 
+/// A person as the table that is given away has them.
+#[derive(Serialize, Deserialize)]
+struct Given {
+    participant: ParticipantId,
+    population: String,
+    age: String,
+    gender: String,
+    professional: bool,
+    order: String,
+}
+
 fn write_people(
     path: &Path,
     people: &[Enrolled],
@@ -285,36 +296,24 @@ fn write_people(
         people.iter().map(|p| (names.of(&p.id), p)).collect();
     rows.sort_by(|a, b| (!a.1.learned_from, &a.0).cmp(&(!b.1.learned_from, &b.0)));
     let order = |p: &Enrolled| {
-        p.order
-            .iter()
-            .map(ConditionId::as_str)
-            .collect::<Vec<_>>()
-            .join(" ")
+        let words: Vec<&str> = p.order.iter().map(ConditionId::as_str).collect();
+        words.join(" ")
     };
-    let mut table = TableBuilder::default().text("participant", rows.iter().map(|r| r.0.as_str()));
+    let given = rows.iter().map(|(name, p)| Given {
+        participant: name.clone(),
+        population: p.population.clone().unwrap_or_default(),
+        age: p.age_years.map_or_else(String::new, band),
+        gender: p.gender.clone().unwrap_or_default(),
+        professional: p.professional,
+        order: order(p),
+    });
+    let given: Vec<Given> = given.collect();
+    let mut telling = TableBuilder::default();
     for column in design.people().columns() {
         let cell = |r: &(ParticipantId, &Enrolled)| r.1.cells.get(column).cloned();
-        table = table.text(column, rows.iter().map(|r| cell(r).unwrap_or_default()));
+        telling = telling.text(column, rows.iter().map(|r| cell(r).unwrap_or_default()));
     }
-    table
-        .text(
-            "population",
-            rows.iter()
-                .map(|r| r.1.population.as_deref().unwrap_or_default()),
-        )
-        .text(
-            "age",
-            rows.iter()
-                .map(|r| r.1.age_years.map_or_else(String::new, band)),
-        )
-        .text(
-            "gender",
-            rows.iter()
-                .map(|r| r.1.gender.as_deref().unwrap_or_default()),
-        )
-        .flags("professional", rows.iter().map(|r| r.1.professional))
-        .text("order", rows.iter().map(|r| order(r.1)))
-        .write(path)
+    TableBuilder::of(&given)?.with(1, telling).write(path)
 }
 
 /// Warns of people whom few others resemble in what the table still says.

@@ -4,7 +4,7 @@ use super::ro_crate::Given;
 use crate::{
     aside::Aside,
     error::StudyError,
-    tables::{Table, TableBuilder},
+    tables::{Table, write_rows},
 };
 use std::{
     collections::BTreeSet,
@@ -53,7 +53,11 @@ impl Place {
         for name in files(&fresh)? {
             let path = fresh.join(&name);
             let bytes = fs::read(&path).map_err(StudyError::read(&path))?;
-            given.push((name, bytes.len(), blake3::hash(&bytes).to_hex().to_string()));
+            given.push(Given {
+                file: name,
+                bytes: bytes.len(),
+                blake3: blake3::hash(&bytes).to_hex().to_string(),
+            });
         }
         Ok(given)
     }
@@ -65,11 +69,7 @@ impl Place {
     pub(super) fn take(self) -> Result<(), StudyError> {
         let fresh = self.fresh();
         let given = self.given()?;
-        TableBuilder::default()
-            .text("file", given.iter().map(|g| &g.0))
-            .integers("bytes", given.iter().map(|g| i64::try_from(g.1).ok()))
-            .text("blake3", given.iter().map(|g| &g.2))
-            .write(&fresh.join(LIST))?;
+        write_rows(&fresh.join(LIST), &given)?;
         let former = self.aside.path().join("former");
         let used = self.out.exists();
         if used {

@@ -4,6 +4,7 @@
 //! RO-Crate 1.1 (Soiland-Reyes et al. 2022) and Workflow Run RO-Crate 0.5 (Leo et al. 2024), profile Workflow Run Crate; without a run
 //! of a pipeline, Process Run Crate.
 
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -49,8 +50,16 @@ pub struct Step {
     pub outputs: BTreeMap<String, String>,
 }
 
-/// A file of the export: its path, size in bytes and BLAKE3.
-pub(super) type Given = (String, usize, String);
+/// A file of the export.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Given {
+    /// Its path.
+    pub(super) file: String,
+    /// Its size.
+    pub(super) bytes: usize,
+    /// Its hash, in hexadecimal.
+    pub(super) blake3: String,
+}
 
 /// Whether a text has an id in it as a word: then it names somebody.
 pub(super) fn names(text: &str, ids: &[String]) -> bool {
@@ -133,7 +142,7 @@ pub(super) fn metadata(title: &str, about: &About, files: &[Given]) -> Value {
         "datePublished": about.date,
         "license": reference(licence),
         "conformsTo": references(profiles.iter().map(|p| p.0)),
-        "hasPart": references(files.iter().map(|f| f.0.as_str())),
+        "hasPart": references(files.iter().map(|f| f.file.as_str())),
     });
     if let Some(run) = &about.run {
         root["mainEntity"] = reference(PIPELINE);
@@ -167,7 +176,7 @@ pub(super) fn metadata(title: &str, about: &About, files: &[Given]) -> Value {
             "description": "The study's files under pseudonyms.",
             "instrument": reference("#maveric"),
             "endTime": about.date,
-            "result": references(files.iter().map(|f| f.0.as_str()).filter(|f| *f != PIPELINE)),
+            "result": references(files.iter().map(|f| f.file.as_str()).filter(|f| *f != PIPELINE)),
         }),
     ];
     graph.extend(profiles.iter().map(|(id, name, version)| {
@@ -195,7 +204,8 @@ fn licence_of(about: &About) -> Value {
     }
 }
 
-fn entity((path, bytes, hash): &Given, about: &About, licence: &str) -> Value {
+fn entity(given: &Given, about: &About, licence: &str) -> Value {
+    let path = given.file.as_str();
     let ending = path.rsplit('.').next().unwrap_or_default();
     let format = match ending {
         "csv" => "text/csv",
@@ -207,9 +217,9 @@ fn entity((path, bytes, hash): &Given, about: &About, licence: &str) -> Value {
         "@id": path,
         "@type": "File",
         "name": path,
-        "contentSize": bytes.to_string(),
+        "contentSize": given.bytes.to_string(),
         "encodingFormat": format,
-        "identifier": format!("blake3:{hash}"),
+        "identifier": format!("blake3:{}", given.blake3),
     });
     if let (true, Some(run)) = (path == PIPELINE, &about.run) {
         file["@type"] = json!(["File", "SoftwareSourceCode", "ComputationalWorkflow"]);

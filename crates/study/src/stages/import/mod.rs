@@ -14,7 +14,7 @@ use crate::{
     tables::{Table, TableBuilder},
 };
 use columns::ColumnMap;
-use maveric_domain::{ConditionId, Moment, ParticipantId, Scale};
+use maveric_domain::{Answer, ConditionId, Moment, ParticipantId, Scale};
 use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{
@@ -225,12 +225,15 @@ fn refuse_twice(file: &Path, rows: &[Row], scales: &[Scale]) -> Result<(), Study
 }
 
 fn write(path: &Path, rows: &[Row], scales: &[Scale]) -> Result<(), StudyError> {
-    let table = TableBuilder::default()
-        .text("participant", rows.iter().map(|r| r.participant.as_str()))
-        .text("moment", rows.iter().map(|r| r.moment.to_string()))
-        .text("scale", rows.iter().map(|r| scales[r.scale].id.as_str()))
-        .integers("item", rows.iter().map(|r| Some(i64::from(r.item))))
-        .integers("answer", rows.iter().map(|r| r.answer.map(i64::from)));
+    let answers = rows.iter().map(|r| Answer {
+        participant: r.participant.clone(),
+        moment: r.moment,
+        scale: scales[r.scale].id.clone(),
+        item: r.item,
+        answer: r.answer,
+    });
+    let answers: Vec<Answer> = answers.collect();
+    let table = TableBuilder::of(&answers)?;
     if rows.iter().any(|r| r.seconds.is_some()) {
         return table
             .numbers("seconds", rows.iter().map(|r| r.seconds))

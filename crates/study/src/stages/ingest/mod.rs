@@ -10,8 +10,8 @@ use crate::{
     outcome::{Outcome, Watch, for_each_on},
     outputs::{put_in_place, spare_inputs},
     tables::{
-        TableBuilder,
-        drives::{refuse_foreign, write_drive_list, write_drive_of},
+        drives::{ExclusionRow, refuse_foreign, write_drive_list, write_drive_of},
+        write_rows,
     },
 };
 use maveric_domain::{Drive, DriveMeta};
@@ -298,8 +298,6 @@ fn write_log((number, log): (usize, &logs::Log), aside: &Path) -> Result<Vec<Wri
 }
 
 /// The drive, its log, what happened how often, and what is known of a drive that was left out whole.
-type Row<'a> = (String, String, String, usize, Option<&'a LeftOutDrive>);
-
 /// Writes what was repaired or left out, in the order of the logs, then the drives that the design does not let in, then the
 /// logs that could not be ingested.
 fn write_exclusions(
@@ -308,41 +306,38 @@ fn write_exclusions(
     left_out: &[LeftOutDrive],
     failed: &[FailedLog],
 ) -> Result<(), StudyError> {
-    let rows: Vec<(&DriveMeta, &Warning)> = drives
-        .iter()
-        .flat_map(|d| d.warnings.iter().map(move |w| (&d.meta, w)))
-        .collect();
     let name = |file: &Path| {
         let name = file.file_name().unwrap_or_default();
         name.to_string_lossy().into_owned()
     };
-    let repaired = rows.iter().map(|(meta, w)| {
-        let drive = meta.drive.to_string();
-        (drive, name(&w.file), w.what.clone(), w.count, None)
-    });
-    let kept_out = left_out.iter().map(|out| {
-        let drive = out.meta.drive.to_string();
-        (drive, String::new(), out.why.to_string(), 1, Some(out))
-    });
-    let lost = failed
+    let warnings = drives
         .iter()
-        .map(|log| (String::new(), name(&log.log), log.to_string(), 1, None));
-    let rows: Vec<Row<'_>> = repaired.chain(kept_out).chain(lost).collect();
-    let out = |of: &dyn Fn(&LeftOutDrive) -> String| -> Vec<String> {
-        rows.iter()
-            .map(|r| r.4.map_or_else(String::new, of))
-            .collect()
-    };
-    TableBuilder::default()
-        .text("drive", rows.iter().map(|r| &r.0))
-        .text("log", rows.iter().map(|r| &r.1))
-        .text("what", rows.iter().map(|r| &r.2))
-        .integers("count", rows.iter().map(|r| i64::try_from(r.3).ok()))
-        .text("participant", out(&|o| o.meta.participant.to_string()))
-        .text("condition", out(&|o| o.meta.condition.to_string()))
-        .text("rule", out(&|o| o.why.rule.clone()))
-        .numbers("duration_s", rows.iter().map(|r| r.4.map(|o| o.duration_s)))
-        .write(&folder.join("exclusions.csv"))
+        .flat_map(|d| d.warnings.iter().map(move |w| (&d.meta, w)));
+    let repaired = warnings.map(|(meta, w)| ExclusionRow {
+        drive: meta.drive.to_string(),
+        log: name(&w.file),
+        what: w.what.clone(),
+        count: w.count,
+        ..ExclusionRow::default()
+    });
+    let kept_out = left_out.iter().map(|out| ExclusionRow {
+        drive: out.meta.drive.to_string(),
+        log: String::new(),
+        what: out.why.to_string(),
+        count: 1,
+        participant: out.meta.participant.to_string(),
+        condition: out.meta.condition.to_string(),
+        rule: out.why.rule.clone(),
+        duration_s: Some(out.duration_s),
+    });
+    let lost = failed.iter().map(|log| ExclusionRow {
+        log: name(&log.log),
+        what: log.to_string(),
+        count: 1,
+        ..ExclusionRow::default()
+    });
+    let rows: Vec<ExclusionRow> = repaired.chain(kept_out).chain(lost).collect();
+    write_rows(&folder.join("exclusions.csv"), &rows)
 }
 
 #[cfg(test)]

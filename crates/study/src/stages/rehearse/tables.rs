@@ -2,22 +2,8 @@
 
 use super::{Cell, Part, Rehearsal, TestRate};
 use maveric_rehearsal::{ALPHA, n_for};
-use maveric_report::tables::{Cell as Entry, Column, Table};
+use maveric_report::tables::{Cell as Entry, Table};
 use maveric_stats::Proportion;
-
-fn table(name: &str, title: String, columns: &[&str], rows: Vec<Vec<Entry>>, note: &str) -> Table {
-    let columns = columns.iter().enumerate().map(|(i, &header)| match i {
-        0 => Column::left(header),
-        _ => Column::right(header),
-    });
-    Table {
-        name: name.to_owned(),
-        title,
-        columns: columns.collect(),
-        rows,
-        notes: vec![note.to_owned()],
-    }
-}
 
 fn rate(share: Option<Proportion>) -> Entry {
     Entry::bounded(share.map(|s| s.estimate), 3)
@@ -50,87 +36,56 @@ fn keeps_level(test: &TestRate) -> bool {
 
 /// The tables of studies without effects.
 pub(super) fn null_tables(cell: &Cell) -> Vec<Table> {
-    let parts = by_part(cell).into_iter().map(|(part, tests)| {
-        let rates: Vec<f64> = tests
-            .iter()
-            .filter_map(|t| t.rate.map(|r| r.estimate))
-            .collect();
-        let mean = (!rates.is_empty()).then(|| rates.iter().sum::<f64>() / rates.len() as f64);
-        let low = rates.iter().copied().reduce(f64::min);
-        let high = rates.iter().copied().reduce(f64::max);
-        vec![
-            Entry::text(part.title()),
-            Entry::count(tests.len()),
-            Entry::bounded(mean, 4),
-            Entry::bounded(low, 4),
-            Entry::bounded(high, 4),
-            Entry::text(format!(
-                "{} of {}",
-                tests.iter().filter(|t| keeps_level(t)).count(),
-                tests.len()
-            )),
-        ]
-    });
-    let parts = table(
-        "null-parts",
-        format!(
-            "False-positive rates by part of the report, {} studies of {}",
-            cell.studies, cell.participants
-        ),
-        &[
-            "Part",
-            "Tests",
-            "Mean rate",
-            "Lowest",
-            "Highest",
-            "Within .05 ± .01",
-        ],
-        parts.collect(),
-        "Share of studies without any effect in which p < .05, uncorrected.",
+    let parts = by_part(cell).into_iter();
+    let parts: Vec<_> = parts
+        .map(|(part, tests)| (part, rates(&tests), tests))
+        .collect();
+    let title = format!(
+        "False-positive rates by part of the report, {} studies of {}",
+        cell.studies, cell.participants
     );
-    let families = cell.families.iter().map(|f| {
-        vec![
-            Entry::text(f.family.as_str()),
-            Entry::count(f.tests),
-            rate(f.any_uncorrected),
-            rate(f.any_holm),
-            interval(f.any_holm),
-        ]
-    });
-    let families = table(
-        "null-families",
-        "Any false positive in a family of tests".to_owned(),
-        &["Family", "Tests", "Uncorrected", "After Holm", "95%"],
-        families.collect(),
-        "Share of studies in which at least one test of the family has p < .05. Holm keeps it at or below .05 whatever the dependence.",
-    );
-    let tests = cell.tests.iter().map(|t| {
-        vec![
-            Entry::text(t.key.as_str()),
-            Entry::text(t.part.title()),
-            Entry::count(t.studies),
-            Entry::count(t.rejected),
-            Entry::bounded(t.rate.map(|r| r.estimate), 4),
-            interval(t.rate),
-            rate(t.holm),
-        ]
-    });
-    let tests = table(
-        "null-tests",
-        "Every test of the report".to_owned(),
-        &[
-            "Test",
-            "Part",
-            "Studies",
-            "p < .05",
-            "Rate",
-            "Monte-Carlo 95%",
-            "After Holm",
-        ],
-        tests.collect(),
-        "Studies: those in which the test had a p. Interval: Wilson's, for the number of studies.",
-    );
+    let reduced = |rates: &[f64], by: fn(f64, f64) -> f64| {
+        Entry::bounded(rates.iter().copied().reduce(by), 4)
+    };
+    let mean =
+        |rates: &[f64]| (!rates.is_empty()).then(|| rates.iter().sum::<f64>() / rates.len() as f64);
+    let parts = Table::of("null-parts", title, &parts)
+        .text("Part", |(part, ..)| part.title())
+        .right("Tests", |(.., tests)| Entry::count(tests.len()))
+        .right("Mean rate", |(_, rates, _)| Entry::bounded(mean(rates), 4))
+        .right("Lowest", |(_, rates, _)| reduced(rates, f64::min))
+        .right("Highest", |(_, rates, _)| reduced(rates, f64::max))
+        .right("Within .05 ± .01", |(.., tests)| {
+            let kept = tests.iter().filter(|t| keeps_level(t)).count();
+            Entry::text(format!("{kept} of {}", tests.len()))
+        })
+        .noted("Share of studies without any effect in which p < .05, uncorrected.");
+    let title = "Any false positive in a family of tests";
+    let families = Table::of("null-families", title, &cell.families)
+        .text("Family", |f| &f.family)
+        .right("Tests", |f| Entry::count(f.tests))
+        .right("Uncorrected", |f| rate(f.any_uncorrected))
+        .right("After Holm", |f| rate(f.any_holm))
+        .right("95%", |f| interval(f.any_holm))
+        .noted("Share of studies in which at least one test of the family has p < .05. Holm keeps it at or below .05 whatever the dependence.");
+    let tests = Table::of("null-tests", "Every test of the report", &cell.tests)
+        .text("Test", |t| &t.key)
+        .right("Part", |t| Entry::text(t.part.title()))
+        .right("Studies", |t| Entry::count(t.studies))
+        .right("p < .05", |t| Entry::count(t.rejected))
+        .right("Rate", |t| Entry::bounded(t.rate.map(|r| r.estimate), 4))
+        .right("Monte-Carlo 95%", |t| interval(t.rate))
+        .right("After Holm", |t| rate(t.holm))
+        .noted("Studies: those in which the test had a p. Interval: Wilson's, for the number of studies.");
     vec![parts, families, tests]
+}
+
+/// The rates of tests that have one.
+fn rates(tests: &[&TestRate]) -> Vec<f64> {
+    tests
+        .iter()
+        .filter_map(|t| Some(t.rate?.estimate))
+        .collect()
 }
 
 /// The rate of a test at each size tried, for one scale of the effects.
@@ -149,26 +104,23 @@ pub(super) fn curve(cells: &[Cell], scale: f64, key: &str) -> Vec<(usize, Propor
 pub(super) fn power_tables(found: &Rehearsal) -> Vec<Table> {
     let mut tables = Vec::new();
     if !found.signs.is_empty() {
-        let rows = found.signs.iter().map(|row| {
-            vec![
-                Entry::text(row.text.as_str()),
-                Entry::bounded(Some(row.paper), 2),
-                Entry::bounded(row.mean, 2),
-                Entry::bounded(row.mean_when_significant, 2),
-                rate(row.same_sign),
-                rate(row.power),
-                row.n_for_80
-                    .map_or_else(|| Entry::text("not reached"), |n| Entry::number(Some(n), 0)),
-            ]
-        });
-        let n = found.signs[0].participants;
-        tables.push(table(
-            "power-signs",
-            format!("The paper’s correlations in synthetic studies of {n}: sign, power, and people needed"),
-            &["Correlation", "Paper", "Mean of ours", "where p < .05", "Same sign", "p < .05", "n for 80% power"],
-            rows.collect(),
-            "Effects as planted (scale 1). Where p < .05: mean over those studies, to which the paper’s rows belong by choice. Same sign: share of studies with the paper’s sign. n: by straight lines between the sizes tried.",
-        ));
+        let title = format!(
+            "The paper’s correlations in synthetic studies of {}: sign, power, and people needed",
+            found.signs[0].participants
+        );
+        let table = Table::of("power-signs", title, &found.signs)
+            .text("Correlation", |row| &row.text)
+            .right("Paper", |row| Entry::bounded(Some(row.paper), 2))
+            .right("Mean of ours", |row| Entry::bounded(row.mean, 2))
+            .right("where p < .05", |row| Entry::bounded(row.mean_when_significant, 2))
+            .right("Same sign", |row| rate(row.same_sign))
+            .right("p < .05", |row| rate(row.power))
+            .right("n for 80% power", |row| {
+                let n = row.n_for_80.map(|n| Entry::number(Some(n), 0));
+                n.unwrap_or_else(|| Entry::text("not reached"))
+            })
+            .noted("Effects as planted (scale 1). Where p < .05: mean over those studies, to which the paper’s rows belong by choice. Same sign: share of studies with the paper’s sign. n: by straight lines between the sizes tried.");
+        tables.push(table);
     }
     let mut scales: Vec<f64> = Vec::new();
     for cell in &found.cells {
@@ -179,33 +131,22 @@ pub(super) fn power_tables(found: &Rehearsal) -> Vec<Table> {
     let Some(first) = found.cells.first() else {
         return tables;
     };
-    let tests = first.tests.iter().map(|test| {
-        let mut row = vec![Entry::text(test.key.as_str())];
-        row.extend(scales.iter().map(|scale| {
-            let points: Vec<(usize, f64)> = curve(&found.cells, *scale, &test.key)
-                .into_iter()
-                .map(|(n, r)| (n, r.estimate))
-                .collect();
-            let lowest = points.first().map(|(n, _)| *n as f64);
-            match n_for(&points, 0.8) {
-                Some(n) if lowest.is_some_and(|low| n <= low) => Entry::text(format!("≤ {n}")),
-                Some(n) => Entry::number(Some(n), 0),
-                None => Entry::Missing,
-            }
-        }));
-        row
+    let needed = |test: &TestRate, scale: f64| {
+        let curve = curve(&found.cells, scale, &test.key).into_iter();
+        let points: Vec<(usize, f64)> = curve.map(|(n, r)| (n, r.estimate)).collect();
+        let lowest = points.first().map(|(n, _)| *n as f64);
+        match n_for(&points, 0.8) {
+            Some(n) if lowest.is_some_and(|low| n <= low) => Entry::text(format!("≤ {n}")),
+            Some(n) => Entry::number(Some(n), 0),
+            None => Entry::Missing,
+        }
+    };
+    let title = "How many people each test needs for a power of 80%";
+    let table = Table::of("power-n", title, &first.tests).text("Test", |test| &test.key);
+    let table = scales.iter().fold(table, |table, &scale| {
+        table.right(format!("effects × {scale}"), |test| needed(test, scale))
     });
-    let headers: Vec<String> = std::iter::once("Test".to_owned())
-        .chain(scales.iter().map(|s| format!("effects × {s}")))
-        .collect();
-    let headers: Vec<&str> = headers.iter().map(String::as_str).collect();
-    tables.push(table(
-        "power-n",
-        "How many people each test needs for a power of 80%".to_owned(),
-        &headers,
-        tests.collect(),
-        "By straight lines between the sizes tried; a dash: not reached at the largest. Uncorrected p < .05.",
-    ));
+    tables.push(table.noted("By straight lines between the sizes tried; a dash: not reached at the largest. Uncorrected p < .05."));
     tables
 }
 
@@ -220,10 +161,7 @@ pub(super) fn summary(found: &Rehearsal) -> Vec<String> {
             cell.tests.len()
         ));
         for (part, tests) in by_part(cell) {
-            let rates: Vec<f64> = tests
-                .iter()
-                .filter_map(|t| t.rate.map(|r| r.estimate))
-                .collect();
+            let rates = rates(&tests);
             let mean = rates.iter().sum::<f64>() / rates.len().max(1) as f64;
             let low = rates.iter().copied().fold(f64::INFINITY, f64::min);
             let high = rates.iter().copied().fold(0.0, f64::max);

@@ -17,7 +17,7 @@ use maveric_report::{
         recommendation::{Recommendations, recommendation},
     },
     html::{Methods, Provenance, Section},
-    tables::{Cell, Column, Table},
+    tables::{Cell, Table},
 };
 use maveric_stats::Proportion;
 
@@ -306,70 +306,39 @@ fn saved(search: &[TrialError]) -> String {
 }
 
 fn scores_table(found: &DialRehearsal) -> Table {
-    let mut rows = Vec::new();
-    for learned in &found.learned_from {
-        for s in &learned.scores {
-            let percents = |p: Option<Proportion>| {
-                let ends = p
-                    .map(|p| [p.estimate, p.low, p.high].map(|v| Cell::number(Some(100.0 * v), 0)));
-                ends.unwrap_or([Cell::Missing, Cell::Missing, Cell::Missing])
-            };
-            let mut cells = vec![
-                Cell::text(s.method.title()),
-                Cell::count(learned.participants),
-                Cell::count(s.people),
-            ];
-            cells.extend(percents(s.within_5));
-            cells.push(Cell::number(Some(s.mean_error), 2));
-            cells.extend(percents(s.covered));
-            rows.push(cells);
-        }
-    }
-    Table {
-        name: "recommendation".to_owned(),
-        title: "Recommended against preferred shift".to_owned(),
-        columns: vec![
-            Column::left("Set by"),
-            Column::right("Learned from"),
-            Column::right("Tried on"),
-            Column::right("Within 5 points (%)"),
-            Column::right("2.5%"),
-            Column::right("97.5%"),
-            Column::right("Mean |error|, points"),
-            Column::right("Interval holds the truth (%)"),
-            Column::right("2.5%"),
-            Column::right("97.5%"),
-        ],
-        rows,
-        notes: vec![
-            "Wilson’s 95% intervals. Where the model has no recommendation the car stays with the own style. Preferences beyond 30 points count as 30.".to_owned(),
-        ],
-    }
+    let all = found.learned_from.iter();
+    let rows = all.flat_map(|learned| learned.scores.iter().map(move |s| (learned, s)));
+    let percent = |share: Option<Proportion>, of: fn(Proportion) -> f64| {
+        Cell::number(share.map(|p| 100.0 * of(p)), 0)
+    };
+    Table::of("recommendation", "Recommended against preferred shift", rows)
+        .text("Set by", |(_, s)| s.method.title())
+        .right("Learned from", |(learned, _)| Cell::count(learned.participants))
+        .right("Tried on", |(_, s)| Cell::count(s.people))
+        .right("Within 5 points (%)", |(_, s)| percent(s.within_5, |p| p.estimate))
+        .right("2.5%", |(_, s)| percent(s.within_5, |p| p.low))
+        .right("97.5%", |(_, s)| percent(s.within_5, |p| p.high))
+        .right("Mean |error|, points", |(_, s)| Cell::number(Some(s.mean_error), 2))
+        .right("Interval holds the truth (%)", |(_, s)| percent(s.covered, |p| p.estimate))
+        .right("2.5%", |(_, s)| percent(s.covered, |p| p.low))
+        .right("97.5%", |(_, s)| percent(s.covered, |p| p.high))
+        .noted("Wilson’s 95% intervals. Where the model has no recommendation the car stays with the own style. Preferences beyond 30 points count as 30.")
 }
 
 fn search_table(search: &[TrialError]) -> Table {
-    let rows = search.iter().map(|t| {
-        vec![
-            Cell::count(t.trials),
-            Cell::number(Some(t.active.0), 2),
-            Cell::number(Some(t.grid.0), 2),
-            Cell::number(Some(100.0 * t.within_5.0), 0),
-            Cell::number(Some(100.0 * t.within_5.1), 0),
-        ]
-    });
-    Table {
-        name: "active-learning".to_owned(),
-        title: "Error after each trial".to_owned(),
-        columns: vec![
-            Column::left("Trials"),
-            Column::right("Active: mean |error|"),
-            Column::right("Grid: mean |error|"),
-            Column::right("Active: within 5 (%)"),
-            Column::right("Grid: within 5 (%)"),
-        ],
-        rows: rows.collect(),
-        notes: vec!["Errors in ADB points.".to_owned()],
-    }
+    Table::of("active-learning", "Error after each trial", search)
+        .left("Trials", |t| Cell::count(t.trials))
+        .right("Active: mean |error|", |t| {
+            Cell::number(Some(t.active.0), 2)
+        })
+        .right("Grid: mean |error|", |t| Cell::number(Some(t.grid.0), 2))
+        .right("Active: within 5 (%)", |t| {
+            Cell::number(Some(100.0 * t.within_5.0), 0)
+        })
+        .right("Grid: within 5 (%)", |t| {
+            Cell::number(Some(100.0 * t.within_5.1), 0)
+        })
+        .noted("Errors in ADB points.")
 }
 
 /// The result in a few lines.

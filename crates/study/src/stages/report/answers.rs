@@ -1,10 +1,11 @@
 //! Cards from verdicts: the one place where a verdict becomes what a page shows.
 
-use maveric_analysis::Verdict;
+use maveric_analysis::{Verdict, verdict::within};
 use maveric_report::{
     Card, CardNumber, Tone, apa,
     figures::intervals::{IntervalRow, Intervals},
 };
+use maveric_stats::proportion;
 
 /// How a verdict looks.
 fn tone(verdict: Verdict) -> Tone {
@@ -68,6 +69,30 @@ pub(crate) fn plot(
         bounds: None,
         what: what.to_owned(),
     })
+}
+
+/// A card of what must never happen, which came `hits` times in `n`: it fails at once, and else says up to which `share` it might be all
+/// the same; and the ends of that share.
+pub(crate) fn never(
+    (name, question): (&str, &str),
+    (hits, n): (usize, usize),
+    share: &str,
+) -> (Card, Option<(f64, f64)>) {
+    let ends = proportion(hits, n, 0.95).ok().map(|s| (s.low, s.high));
+    let verdict = match hits {
+        0 => within(n, ends, (0.0, 1.0)),
+        _ => Verdict::Fails,
+    };
+    let ceiling = ends.map_or_else(
+        || "not known".to_owned(),
+        |(_, high)| {
+            let high = percent(Some(high));
+            format!("a true {share} up to {high} would look the same")
+        },
+    );
+    let mut found = card(name, question, verdict);
+    found.number = number(format!("{hits} of {n}"), "none: any number counts", ceiling);
+    (found, ends)
 }
 
 /// `86.9%`, with a true minus; `no value` where there is none.

@@ -2,7 +2,7 @@
 
 use super::{
     ReportOptions,
-    answers::{card, interval, number, percent, plot},
+    answers::{card, interval, never, number, plot},
     inputs::{hashed, in_folder},
 };
 use crate::{
@@ -10,11 +10,14 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     run_folder::{MODEL_FILE, training_path},
-    stages::train::TrainingSummary,
+    stages::{
+        evaluate::tables::{compared, following_table, shrinkage},
+        train::TrainingSummary,
+    },
 };
 use maveric_analysis::{Verdict, verdict::within};
 use maveric_following::{
-    Compared, DriverEvaluation, FollowingEvaluation, FollowingMethod, Knows, MethodMean, Shrinkage,
+    Compared, DriverEvaluation, FollowingEvaluation, FollowingMethod, Knows, MethodMean,
 };
 use maveric_report::{
     Card, Context, Report, apa,
@@ -24,9 +27,8 @@ use maveric_report::{
         intervals::IntervalRow,
     },
     html::{Methods, Provenance, Section},
-    tables::{self, Cell, Column, FollowingRow, Table},
+    tables::{Cell, Table},
 };
-use maveric_stats::proportion;
 
 /// The methods that the figure of errors shows.
 const COMPARED: [(FollowingMethod, Follower); 7] = [
@@ -69,20 +71,6 @@ pub(super) fn page(options: &ReportOptions) -> Result<(Report, Vec<String>), Stu
     let data_set = titled
         .clone()
         .unwrap_or_else(|| format!("{} recorded drivers", found.drivers.len()));
-    let rows: Vec<FollowingRow> = found
-        .means
-        .iter()
-        .map(|m| FollowingRow {
-            model: m.method.label().to_owned(),
-            gap_rmse_m: Some(m.gap_rmse_m),
-            gap_rmse_median_m: Some(m.gap_rmse_median_m),
-            speed_rmse_mps: Some(m.speed_rmse_mps),
-            gap_nrmse: Some(m.nrmse),
-            mixed: Some(m.mixed),
-            best: found.is_best(m.method),
-            reached_zero: Some(m.reached_zero),
-        })
-        .collect();
     let drivers: Vec<String> = found.drivers.iter().map(|d| d.driver.clone()).collect();
     let errors_of = |method| -> Vec<f64> {
         let of = |d: &DriverEvaluation| d.gap_rmse_m(method);
@@ -157,7 +145,7 @@ pub(super) fn page(options: &ReportOptions) -> Result<(Report, Vec<String>), Stu
         ],
         figures,
         tables: vec![
-            tables::following_errors(&rows, &data_set, drivers.len()),
+            following_table(&found, &data_set),
             by_driver(&found),
             compared(&found),
         ],
@@ -375,111 +363,32 @@ fn reached(found: &FollowingEvaluation) -> Card {
         .map_or(FollowingMethod::ClosedLoopShrunken, |c| c.method);
     let mean = found.mean(driven);
     let (hits, n) = mean.map_or((0, 0), |m| (m.reached_zero, m.drivers));
-    let share = proportion(hits, n, 0.95).ok();
-    let ends = share.as_ref().map(|s| (s.low, s.high));
-    let verdict = if hits > 0 {
-        Verdict::Fails
-    } else {
-        within(n, ends, (0.0, 1.0))
-    };
-    let mut asked = card("reached", "Does it stay behind the leader?", verdict);
+    let question = ("reached", "Does it stay behind the leader?");
+    let (mut asked, _) = never(question, (hits, n), "share");
     asked.answer = format!(
         "What is driven by default ({}) reached the leader in {hits} of {n} drives.",
         driven.label()
     );
     "Shown if the simulated gap reaches 0 in no drive; fails if in one. Below six drivers nothing is said unless one does.".clone_into(&mut asked.rule);
-    asked.number = number(
-        format!("{hits} of {n}"),
-        "none: any number counts",
-        ends.map_or_else(
-            || "not known".to_owned(),
-            |(_, high)| {
-                format!(
-                    "a true share up to {} would look the same",
-                    percent(Some(high))
-                )
-            },
-        ),
-    );
     "The recorded leader does not react to who follows.".clone_into(&mut asked.doubt);
     asked.see = Some("table-following-errors".to_owned());
     asked
 }
 
-/// How much of what was fitted to a person was believed.
-fn shrinkage(found: &FollowingEvaluation) -> Vec<String> {
-    let one = |what: &str, s: &Shrinkage| {
-        let strength = s
-            .strength_s
-            .map_or_else(|| "no bound".to_owned(), |k| format!("{k:.0} s"));
-        format!(
-            "Shrunken is the own {what} towards what people are like, by how far {} people moved between the halves of their fit \
-             rows: strength {strength}; of a fit to {:.0} s {:.0} % is kept.",
-            s.people,
-            2.0 * s.half_s,
-            100.0 * s.share(2.0 * s.half_s)
-        )
-    };
-    let network = found.closed_loop.as_ref().and_then(|c| c.trained.first());
-    std::iter::once(one("time gap", &found.time_gap_shrinkage))
-        .chain(network.map(|n| one("embedding", &n.shrinkage)))
-        .collect()
-}
-
-/// Two methods driver by driver.
-fn compared(found: &FollowingEvaluation) -> Table {
-    let rows = found.compared.iter().map(|pair| {
-        vec![
-            Cell::text(pair.method.label()),
-            Cell::text(pair.beside.label()),
-            Cell::number(Some(pair.mean_m), 2),
-            Cell::number(pair.low_m, 2),
-            Cell::number(pair.high_m, 2),
-            Cell::number(Some(pair.median_m), 2),
-            Cell::count(pair.better),
-            Cell::count(pair.worse),
-        ]
-    });
-    Table {
-        name: "following-compared".to_owned(),
-        title: "Two models driver by driver".to_owned(),
-        columns: vec![
-            Column::left("Model"),
-            Column::left("less"),
-            Column::right("Mean (m)"),
-            Column::right("2.5 %"),
-            Column::right("97.5 %"),
-            Column::right("Median (m)"),
-            Column::right("Nearer"),
-            Column::right("Further"),
-        ],
-        rows: rows.collect(),
-        notes: vec![
-            "Root-mean-square error of the gap under one model less that under the other. Interval of the mean: bootstrap, \
-             drivers drawn with replacement; with a handful of drivers it is too narrow. A few drivers carry a mean: the median \
-             and the counts say how many. No test."
-                .to_owned(),
-        ],
-    }
-}
-
 /// The gap's error of every driver by every method: one row a method, one column a driver.
 fn by_driver(found: &FollowingEvaluation) -> Table {
-    let mut columns = vec![Column::left("Model")];
-    columns.extend(found.drivers.iter().map(|d| Column::right(&d.driver)));
-    let row = |mean: &MethodMean| {
-        let errors = found.drivers.iter().map(|d| d.gap_rmse_m(mean.method));
-        std::iter::once(Cell::text(mean.method.label()))
-            .chain(errors.map(|e| Cell::number(e, 2)))
-            .collect()
-    };
-    Table {
-        name: "following-by-driver".to_owned(),
-        title: "The same, driver by driver".to_owned(),
-        columns,
-        rows: found.means.iter().map(row).collect(),
-        notes: vec!["Root-mean-square error of the gap in closed loop over the unseen last third, in m. No test.".to_owned()],
-    }
+    let table = Table::of(
+        "following-by-driver",
+        "The same, driver by driver",
+        &found.means,
+    )
+    .text("Model", |mean| mean.method.label());
+    let drivers = found.drivers.iter();
+    drivers
+        .fold(table, |table, driver| {
+            table.right(&driver.driver, |mean| Cell::number(driver.gap_rmse_m(mean.method), 2))
+        })
+        .noted("Root-mean-square error of the gap in closed loop over the unseen last third, in m. No test.")
 }
 
 #[cfg(test)]

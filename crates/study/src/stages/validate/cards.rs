@@ -1,12 +1,9 @@
 //! The answers that the page of a validation opens with.
 
 use super::{Examined, Metric, Right, Validated};
-use crate::stages::report::answers::{card, interval, number, percent, plot};
+use crate::stages::report::answers::{card, interval, never, number, percent, plot};
 use maveric_analysis::{Verdict, verdict::within};
-use maveric_report::{
-    Card, apa,
-    figures::intervals::{IntervalRow, Intervals},
-};
+use maveric_report::{Card, apa, figures::intervals::IntervalRow};
 use maveric_stats::proportion;
 
 /// A card a question.
@@ -272,42 +269,22 @@ fn safe(found: &Validated) -> Card {
     let drives: usize = found.models.iter().map(|m| m.drives).sum();
     let collisions: u32 = found.models.iter().map(|m| m.collisions).sum();
     let near: u32 = found.models.iter().map(|m| m.rule_violations).sum();
-    let rate = proportion(collisions as usize, drives, 0.95).ok();
-    let ends = rate.map(|r| (r.low, r.high));
-    let verdict = if collisions > 0 {
-        Verdict::Fails
-    } else {
-        within(drives, ends, (0.0, 1.0))
-    };
-    let mut card = card("safe", "Does the car stay clear of others?", verdict);
+    let question = ("safe", "Does the car stay clear of others?");
+    let (mut card, ends) = never(question, (collisions as usize, drives), "rate");
     card.answer = format!(
         "{collisions} collisions and {near} moments nearer than the safety rule allows in {drives} drives."
     );
     "Shown if no drive of the car has a collision; fails if one has.".clone_into(&mut card.rule);
-    card.number = number(
-        format!("{collisions} of {drives}"),
-        "none: any number counts",
-        ends.map_or_else(
-            || "not known".to_owned(),
-            |(_, high)| {
-                format!(
-                    "a true rate up to {} would look the same",
-                    percent(Some(high))
-                )
-            },
-        ),
-    );
     card.plot = plot(
         "Drives with a collision (%)",
         "Wilson’s 95% CI",
         Some(0.0),
         vec![IntervalRow::new(
             "All models",
-            rate.map(|r| 100.0 * r.estimate),
+            (drives > 0).then(|| 100.0 * (f64::from(collisions) / drives as f64)),
             ends.map(|(l, h)| (100.0 * l, 100.0 * h)),
         )],
-    )
-    .map(|p| Intervals { bounds: None, ..p });
+    );
     "The other cars are simulated and keep to their rules.".clone_into(&mut card.doubt);
     card.see = Some("exclusions".to_owned());
     card

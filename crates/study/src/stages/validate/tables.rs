@@ -1,7 +1,7 @@
 //! What was found, over all models, as tables.
 
 use super::{Agreement, Examined, FULL, Metric, Right, mean};
-use maveric_report::tables::{Cell, Column, Table};
+use maveric_report::tables::{Cell, Table, TableOf};
 
 /// Mean over the models and, in brackets, lowest and highest.
 fn range(values: &[Option<f64>], decimals: usize) -> Cell {
@@ -29,18 +29,9 @@ fn each<T>(models: &[Examined], of: impl Fn(&Examined) -> T) -> Vec<T> {
     models.iter().map(of).collect()
 }
 
-fn table(name: &str, title: &str, columns: &[&str], rows: Vec<Vec<Cell>>, note: String) -> Table {
-    let columns = columns.iter().enumerate().map(|(i, &header)| match i {
-        0 => Column::left(header),
-        _ => Column::right(header),
-    });
-    Table {
-        name: format!("validation-{name}"),
-        title: title.to_owned(),
-        columns: columns.collect(),
-        rows,
-        notes: vec![note],
-    }
+/// A table of the things that every model was asked: each with its place among them.
+fn table<'a, T>(name: &str, title: impl Into<String>, of: &'a [T]) -> TableOf<(usize, &'a T)> {
+    Table::of(format!("validation-{name}"), title, of.iter().enumerate())
 }
 
 /// All tables over `models`, which were examined on the same people.
@@ -59,170 +50,111 @@ pub(super) fn tables(models: &[Examined], points: f64) -> Vec<Table> {
 }
 
 fn identity(models: &[Examined], one: &Examined) -> Table {
-    let rows = one.identity.iter().enumerate().map(|(i, row)| {
-        let rate = each(models, |m| Some(m.identity[i].rate));
-        let hits: f64 = rate.iter().flatten().sum::<f64>() / models.len() as f64 * row.n as f64;
-        let whole = (hits.round() as usize).min(row.n);
-        let interval = maveric_stats::proportion(whole, row.n, 0.95).ok();
-        vec![
-            Cell::text(row.what),
+    let rate = |i: usize| each(models, |m| Some(m.identity[i].rate));
+    let interval = |i: usize, n: usize| {
+        let hits: f64 = rate(i).iter().flatten().sum::<f64>() / models.len() as f64 * n as f64;
+        let whole = (hits.round() as usize).min(n);
+        let interval = maveric_stats::proportion(whole, n, 0.95).ok();
+        interval.map_or(Cell::Missing, |w| {
+            Cell::text(format!("{:.0} to {:.0}", 100.0 * w.low, 100.0 * w.high))
+        })
+    };
+    let n = one.identity.first().map_or(0, |r| r.n);
+    let title = format!("Identity: who of {n} is it? Nearest to the own first drive (%)");
+    table("identity", title, &one.identity)
+        .text("Compared with the first drive", |(_, row)| row.what)
+        .right("Distance", |(_, row)| {
             Cell::text(match row.metric {
                 Metric::Euclidean => "straight",
                 Metric::WithinPerson => "within-person",
                 Metric::Posterior => "posterior",
-            }),
-            percent(&rate),
-            interval.map_or(Cell::Missing, |w| {
-                Cell::text(format!("{:.0} to {:.0}", 100.0 * w.low, 100.0 * w.high))
-            }),
-            range(&each(models, |m| Some(m.identity[i].mean_rank)), 1),
-        ]
-    });
-    let n = one.identity.first().map_or(0, |r| r.n);
-    table(
-        "identity",
-        &format!("Identity: who of {n} is it? Nearest to the own first drive (%)"),
-        &[
-            "Compared with the first drive",
-            "Distance",
-            "Found",
-            "95% of drivers",
-            "Mean rank",
-        ],
-        rows.collect(),
-        format!(
+            })
+        })
+        .right("Found", |(i, _)| percent(&rate(*i)))
+        .right("95% of drivers", |(i, row)| interval(*i, row.n))
+        .right("Mean rank", |(i, _)| {
+            range(&each(models, |m| Some(m.identity[*i].mean_rank)), 1)
+        })
+        .noted(format!(
             "Fitted without the ADB score unless said. By chance {:.1}%, mean rank {:.1}. Mean over {} models, in brackets lowest and highest; \
              the interval is Wilson's for the mean rate of {n} drivers. Within-person: Mahalanobis distance by the covariance of two days of one \
              person over the training people; posterior: by what both fits leave open themselves.",
             100.0 / n as f64,
             f64::midpoint(n as f64, 1.0),
             models.len()
-        ),
-    )
+        ))
 }
 
 fn fidelity(models: &[Examined], one: &Examined) -> Table {
-    let rows = one.fidelity.iter().enumerate().map(|(i, row)| {
-        let of =
-            |value: fn(&super::Fidelity) -> Option<f64>| each(models, |m| value(&m.fidelity[i]));
-        let fixed = |share: Option<f64>| Cell::number(share.map(|s| 100.0 * s), 1);
-        vec![
-            Cell::text(row.title),
-            percent(&of(|f| f.mimic)),
-            fixed(row.test_retest),
-            percent(&of(|f| f.of_test_retest)),
-            fixed(row.paper),
-            fixed(row.population_mean),
-            percent(&of(|f| f.mimic_bias)),
-            fixed(row.test_retest_bias),
-            percent(&of(|f| f.car_again)),
-        ]
-    });
-    table(
-        "fidelity",
-        "Fidelity: the car in the own style against the driver’s own drive (%)",
-        &[
-            "Measure",
-            "Car",
-            "Same driver, second drive",
-            "Car, of that",
-            "Paper",
-            "Training mean as guess",
-            "Bias of the car",
-            "Bias of second drive",
-            "Car on another road",
-        ],
-        rows.collect(),
-        "Accuracy: 1 − |found − own| / own, mean over drivers. Bias: mean of (found − own) / own. The car is driven once, from the embedding fitted \
-         with the ADB score, as in the study; the last column holds it against itself on another road."
-            .to_owned(),
-    )
+    type Of = fn(&super::Fidelity) -> Option<f64>;
+    let each_of = |i: usize, of: Of| percent(&each(models, |m| of(&m.fidelity[i])));
+    let fixed = |share: Option<f64>| Cell::number(share.map(|s| 100.0 * s), 1);
+    let title = "Fidelity: the car in the own style against the driver’s own drive (%)";
+    table("fidelity", title, &one.fidelity)
+        .text("Measure", |(_, row)| row.title)
+        .right("Car", |(i, _)| each_of(*i, |f| f.mimic))
+        .right("Same driver, second drive", |(_, row)| fixed(row.test_retest))
+        .right("Car, of that", |(i, _)| each_of(*i, |f| f.of_test_retest))
+        .right("Paper", |(_, row)| fixed(row.paper))
+        .right("Training mean as guess", |(_, row)| fixed(row.population_mean))
+        .right("Bias of the car", |(i, _)| each_of(*i, |f| f.mimic_bias))
+        .right("Bias of second drive", |(_, row)| fixed(row.test_retest_bias))
+        .right("Car on another road", |(i, _)| each_of(*i, |f| f.car_again))
+        .noted(
+            "Accuracy: 1 − |found − own| / own, mean over drivers. Bias: mean of (found − own) / own. The car is driven once, from the embedding fitted \
+             with the ADB score, as in the study; the last column holds it against itself on another road.",
+        )
 }
 
 fn likeness(models: &[Examined], one: &Examined) -> Table {
-    let rows = one.likeness.iter().enumerate().map(|(i, row)| {
-        let of =
-            |value: fn(&super::Likeness) -> Option<f64>| each(models, |m| value(&m.likeness[i]));
-        vec![
-            Cell::text(row.what),
-            range(&of(|l| l.mmd2), 3),
-            range(&of(|l| l.divergence), 2),
-            percent(&of(|l| l.different)),
-            percent(&of(|l| l.owner_nearest)),
-            range(&of(|l| l.mean_rank), 1),
-        ]
-    });
-    table(
-        "likeness",
-        "Likeness by distribution: windows of 5 s beside the owner’s first drive",
-        &[
-            "Drive",
-            "MMD²",
-            "Divergence (nats)",
-            "Different, p < .05 (%)",
-            "Owner nearest of all (%)",
-            "Mean rank of the owner",
-        ],
-        rows.collect(),
-        "Speed, time gap, acceleration, jerk and lateral place, each in SDs over all windows of people. MMD²: maximum mean discrepancy, Gaussian \
-         kernel, unbiased, so about 0 for two drives of one distribution; p by 99 random splits. Divergence: Kullback-Leibler, from distances to the \
-         fifth-nearest window. Nearest and rank by MMD² among the first drives of all people."
-            .to_owned(),
-    )
+    type Of = fn(&super::Likeness) -> Option<f64>;
+    let of = |i: usize, of: Of| each(models, |m| of(&m.likeness[i]));
+    let title = "Likeness by distribution: windows of 5 s beside the owner’s first drive";
+    table("likeness", title, &one.likeness)
+        .text("Drive", |(_, row)| row.what)
+        .right("MMD²", |(i, _)| range(&of(*i, |l| l.mmd2), 3))
+        .right("Divergence (nats)", |(i, _)| range(&of(*i, |l| l.divergence), 2))
+        .right("Different, p < .05 (%)", |(i, _)| percent(&of(*i, |l| l.different)))
+        .right("Owner nearest of all (%)", |(i, _)| percent(&of(*i, |l| l.owner_nearest)))
+        .right("Mean rank of the owner", |(i, _)| range(&of(*i, |l| l.mean_rank), 1))
+        .noted(
+            "Speed, time gap, acceleration, jerk and lateral place, each in SDs over all windows of people. MMD²: maximum mean discrepancy, Gaussian \
+             kernel, unbiased, so about 0 for two drives of one distribution; p by 99 random splits. Divergence: Kullback-Leibler, from distances to the \
+             fifth-nearest window. Nearest and rank by MMD² among the first drives of all people.",
+        )
 }
 
 fn dial(models: &[Examined], one: &Examined, points: f64) -> Table {
-    let rows = one.dial.iter().enumerate().map(|(i, row)| {
-        let share = |of: fn(&super::Dial) -> &Right| each(models, |m| of(&m.dial[i]).share);
-        let room = |of: fn(&super::Dial) -> &Right| {
-            each(models, |m| {
-                let right = of(&m.dial[i]);
-                let n = right.with_room;
-                (n > 0).then(|| right.right_with_room as f64 / n as f64)
-            })
-        };
-        let tied =
-            |of: fn(&super::Dial) -> &Right| each(models, |m| Some(of(&m.dial[i]).tied as f64));
-        let change = |of: fn(&super::Dial) -> &Right| each(models, |m| of(&m.dial[i]).mean_change);
-        let monotone = each(models, |m| m.dial[i].monotone == Some(true));
-        vec![
-            Cell::text(row.title),
-            percent(&share(|d| &d.aggressive)),
-            percent(&room(|d| &d.aggressive)),
-            percent(&share(|d| &d.cautious)),
-            range(&tied(|d| &d.aggressive), 1),
-            range(&tied(|d| &d.cautious), 1),
-            range(&change(|d| &d.aggressive), 2),
-            range(&change(|d| &d.cautious), 2),
-            percent(&each(models, |m| m.dial[i].rising)),
-            range(&each(models, |m| m.dial[i].mean_tau), 2),
-            Cell::text(format!(
-                "{} of {}",
-                monotone.iter().filter(|m| **m).count(),
-                models.len()
-            )),
-        ]
-    });
+    type Side = fn(&super::Dial) -> &Right;
+    let share = |i: usize, of: Side| percent(&each(models, |m| of(&m.dial[i]).share));
+    let tied = |i: usize, of: Side| range(&each(models, |m| Some(of(&m.dial[i]).tied as f64)), 1);
+    let change = |i: usize, of: Side| range(&each(models, |m| of(&m.dial[i]).mean_change), 2);
+    let with_room = |right: &Right| {
+        let n = right.with_room;
+        (n > 0).then(|| right.right_with_room as f64 / n as f64)
+    };
+    let monotone = |i: usize| {
+        let all = models.iter().filter(|m| m.dial[i].monotone == Some(true));
+        Cell::text(format!("{} of {}", all.count(), models.len()))
+    };
     let beyond: Vec<f64> = models.iter().filter_map(|m| m.beyond_training).collect();
     let ends = (one.steps.first(), one.steps.last());
-    table(
-        "dial",
-        &format!("Dial: drivers for whom ±{points} points do what they should (%)"),
-        &[
-            "Measure",
-            "Aggressive right",
-            "of those with room",
-            "Cautious right",
-            "Aggressive: ties",
-            "Cautious: ties",
-            "Aggressive: change",
-            "Cautious: change",
-            "Rising",
-            "Kendall’s τ",
-            "Mean curve monotone",
-        ],
-        rows.collect(),
-        format!(
+    let title = format!("Dial: drivers for whom ±{points} points do what they should (%)");
+    table("dial", title, &one.dial)
+        .text("Measure", |(_, row)| row.title)
+        .right("Aggressive right", |(i, _)| share(*i, |d| &d.aggressive))
+        .right("of those with room", |(i, _)| {
+            percent(&each(models, |m| with_room(&m.dial[*i].aggressive)))
+        })
+        .right("Cautious right", |(i, _)| share(*i, |d| &d.cautious))
+        .right("Aggressive: ties", |(i, _)| tied(*i, |d| &d.aggressive))
+        .right("Cautious: ties", |(i, _)| tied(*i, |d| &d.cautious))
+        .right("Aggressive: change", |(i, _)| change(*i, |d| &d.aggressive))
+        .right("Cautious: change", |(i, _)| change(*i, |d| &d.cautious))
+        .right("Rising", |(i, _)| percent(&each(models, |m| m.dial[*i].rising)))
+        .right("Kendall’s τ", |(i, _)| range(&each(models, |m| m.dial[*i].mean_tau), 2))
+        .right("Mean curve monotone", |(i, _)| monotone(*i))
+        .noted(format!(
             "No change is a tie and counts as wrong; a driver without a value at a setting is left out there. With room: for more lane changes, \
              those who make fewer than {FULL} of twelve at 0; for the rest everybody. Rising: drivers whose Spearman’s ρ over {} settings \
              from {} to {} points has the right sign; τ: mean over drivers, 1 being a perfect dial. Changes in the measure’s unit. {:.1}% of the \
@@ -231,71 +163,51 @@ fn dial(models: &[Examined], one: &Examined, points: f64) -> Table {
             ends.0.copied().unwrap_or_default(),
             ends.1.copied().unwrap_or_default(),
             100.0 * mean(&beyond).unwrap_or(0.0)
-        ),
-    )
+        ))
 }
 
 fn perpendicular(models: &[Examined], one: &Examined) -> Table {
-    let rows = one.perpendicular.iter().enumerate().map(|(i, row)| {
-        let of =
-            |value: fn(&super::Across) -> Option<f64>| each(models, |m| value(&m.perpendicular[i]));
-        let decimals = if row.measure == "left_lane_fraction" {
+    type Of = fn(&super::Across) -> Option<f64>;
+    let of = |i: usize, of: Of| each(models, |m| of(&m.perpendicular[i]));
+    let decimals = |row: &super::Across| {
+        if row.measure == "left_lane_fraction" {
             3
         } else {
             2
-        };
-        let small = of(|a| a.angle_p)
-            .into_iter()
+        }
+    };
+    let small = |i: usize| {
+        of(i, |a| a.angle_p.filter(|p| *p < 0.05))
+            .iter()
             .flatten()
-            .filter(|p| *p < 0.05)
-            .count();
-        vec![
-            Cell::text(row.title),
-            range(&of(|a| a.mean_change), decimals),
-            range(&of(|a| a.by_chance), decimals),
-            range(&of(|a| a.angle_r), 2),
-            Cell::text(format!("{small} of {}", models.len())),
-        ]
-    });
-    let largest = models
-        .iter()
-        .map(|m| m.perpendicular_moves_s)
-        .fold(0.0, f64::max);
-    table(
-        "perpendicular",
-        "Across the dial: what changes while S does not",
-        &[
-            "Measure",
-            "Mean |change|",
-            "By chance",
-            "R with the angle",
-            "p < .05",
-        ],
-        rows.collect(),
-        format!(
+            .count()
+    };
+    let moves = models.iter().map(|m| m.perpendicular_moves_s);
+    let largest = moves.fold(0.0, f64::max);
+    let title = "Across the dial: what changes while S does not";
+    table("perpendicular", title, &one.perpendicular)
+        .text("Measure", |(_, row)| row.title)
+        .right("Mean |change|", |(i, row)| range(&of(*i, |a| a.mean_change), decimals(row)))
+        .right("By chance", |(i, row)| range(&of(*i, |a| a.by_chance), decimals(row)))
+        .right("R with the angle", |(i, _)| range(&of(*i, |a| a.angle_r), 2))
+        .right("p < .05", |(i, _)| Cell::text(format!("{} of {}", small(*i), models.len())))
+        .noted(format!(
             "S changes by {largest:.1e} points at most. By chance: |change| of the car on another road. R: of the change on cosine and sine of the angle."
-        ),
-    )
+        ))
 }
 
 fn line(models: &[Examined], one: &Examined) -> Table {
-    let rows = one.line.iter().enumerate().map(|(i, row)| {
-        let of = |value: fn(&Agreement) -> Option<f64>| each(models, |m| value(&m.line[i]));
-        vec![
-            Cell::text(row.reading),
-            range(&of(|a| a.adb), 2),
-            range(&of(|a| a.latent), 2),
-        ]
-    });
-    table(
-        "line",
-        "The aggression line against the ADB score and the generator’s aggressiveness (Pearson’s r)",
-        &["Reading", "with ADB", "with the latent"],
-        rows.collect(),
-        "Fitted with ADB, the first is partly circular: the score itself pulled the embedding along the line. The regression learned on the training \
-         drives alone and reads the seven measures of the first drive."
-            .to_owned(),
-    )
+    let of =
+        |i: usize, of: fn(&Agreement) -> Option<f64>| range(&each(models, |m| of(&m.line[i])), 2);
+    let title = "The aggression line against the ADB score and the generator’s aggressiveness (Pearson’s r)";
+    table("line", title, &one.line)
+        .text("Reading", |(_, row)| row.reading)
+        .right("with ADB", |(i, _)| of(*i, |a| a.adb))
+        .right("with the latent", |(i, _)| of(*i, |a| a.latent))
+        .noted(
+            "Fitted with ADB, the first is partly circular: the score itself pulled the embedding along the line. The regression learned on the training \
+             drives alone and reads the seven measures of the first drive.",
+        )
 }
 
 #[cfg(test)]

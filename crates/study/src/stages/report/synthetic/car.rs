@@ -207,24 +207,18 @@ fn population(made: &[Distribution], sources: Option<&Sources>) -> Table {
             row(quantity, &s.unit, &label, [s.mean, s.sd], None, None)
         }));
     }
+    let title = "Synthetic drivers beside published figures and recordings";
     Table {
-        name: "population".to_owned(),
-        title: "Synthetic drivers beside published figures and recordings".to_owned(),
-        columns: vec![
-            Column::left("Quantity"),
-            Column::left("Of"),
-            Column::right("*n*"),
-            Column::right("*M*"),
-            Column::right("*SD*"),
-            Column::right("10%"),
-            Column::right("50%"),
-            Column::right("90%"),
-        ],
+        columns: ["Quantity", "Of"]
+            .map(Column::left)
+            .into_iter()
+            .chain(["*n*", "*M*", "*SD*", "10%", "50%", "90%"].map(Column::right))
+            .collect(),
         rows,
-        notes: vec![format!(
+        ..Table::of::<()>("population", title, []).noted(format!(
             "Synthetic: parameters of {PEOPLE} people drawn from the scenario’s population; retest *r*: the same people on two days. *M* and *SD* over \
              drivers. The population was not fitted to the others: a dash is what a source does not give, or what could not be read."
-        )],
+        ))
     }
 }
 

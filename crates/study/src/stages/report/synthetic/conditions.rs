@@ -2,7 +2,7 @@
 
 use super::{Run, said, watch};
 use crate::{error::StudyError, stages::report::keys::short, watching::WatchedDrive};
-use maveric_analysis::{Contrast, Described, Nearer, Panel, Reproduction};
+use maveric_analysis::{Contrast, Panel, Reproduction};
 use maveric_domain::design::Sign;
 use maveric_report::{
     apa,
@@ -14,7 +14,7 @@ use maveric_report::{
     },
     html::Section,
     markup,
-    tables::{self, AccuracyRow, Cell, Column},
+    tables::{self, AccuracyRow, Cell},
 };
 use maveric_stats::{Adjustment, PosthocTest, apa::Statements};
 use std::collections::BTreeMap;
@@ -250,22 +250,17 @@ pub(super) fn of_group(panel: &Panel) -> String {
 
 /// Which test answered each panel, and why.
 fn omnibus_table(run: &Run) -> tables::Table {
-    let row = |panel: &Panel| {
-        vec![
-            Cell::text(format!("{}{}", panel.title, of_group(panel))),
-            Cell::Marked(omnibus(panel, false)),
-            Cell::text(capital_first(&panel.reasons.join("; "))),
-        ]
-    };
-    tables::Table {
-        name: "omnibus".to_owned(),
-        title: "Do the conditions differ?".to_owned(),
-        columns: ["Measure", "Test over the conditions", "Why this one"]
-            .map(Column::left)
-            .to_vec(),
-        rows: run.analysis.panels.iter().map(row).collect(),
-        notes: Vec::new(),
-    }
+    tables::Table::of("omnibus", "Do the conditions differ?", &run.analysis.panels)
+        .text("Measure", |panel| {
+            format!("{}{}", panel.title, of_group(panel))
+        })
+        .left("Test over the conditions", |panel| {
+            Cell::Marked(omnibus(panel, false))
+        })
+        .text("Why this one", |panel| {
+            capital_first(&panel.reasons.join("; "))
+        })
+        .done()
 }
 
 /// A sentence with its first letter large.
@@ -278,171 +273,101 @@ fn capital_first(text: &str) -> String {
 
 /// Every declared contrast with its test.
 fn contrasts_table(run: &Run) -> tables::Table {
-    let all = || {
-        let panels = run.analysis.panels.iter();
-        panels.flat_map(|panel| panel.contrasts.iter().map(move |pair| (panel, pair)))
+    let panels = run.analysis.panels.iter();
+    let all: Vec<(&Panel, &Contrast)> = panels
+        .flat_map(|panel| panel.contrasts.iter().map(move |pair| (panel, pair)))
+        .collect();
+    let expecting = all.iter().any(|(_, pair)| pair.expected.is_some());
+    let expected = |pair: &Contrast| match pair.expected {
+        Some(Sign::Plus) => Cell::text("above"),
+        Some(Sign::Minus) => Cell::text("below"),
+        None => Cell::Missing,
     };
-    let expecting = all().any(|(_, pair)| pair.expected.is_some());
-    let row = |(panel, pair): (&Panel, &Contrast)| {
-        let expected = pair.expected.map_or(Cell::Missing, |sign| {
-            Cell::text(match sign {
-                Sign::Plus => "above",
-                Sign::Minus => "below",
-            })
-        });
-        let mut cells = vec![
-            Cell::text(format!("{}{}", panel.title, of_group(panel))),
-            Cell::text(format!(
-                "{} − {}",
-                run.design.label(pair.first),
-                run.design.label(pair.second)
-            )),
-        ];
-        cells.extend(expecting.then_some(expected));
-        cells.extend([
-            Cell::number(pair.mean_difference, 2),
-            paired(panel, pair).map_or(Cell::Missing, Cell::Marked),
-        ]);
-        cells
-    };
-    let mut columns = vec![Column::left("Outcome"), Column::left("Contrast")];
-    columns.extend(expecting.then(|| Column::left("Expected")));
-    columns.extend([Column::right("Mean difference"), Column::left("Test")]);
-    let mut notes = vec!["*p* adjusted after Holm over the contrasts of an outcome; those within groups of people are one family of their own.".to_owned()];
-    notes.extend(expecting.then(|| {
-        "Expected: where the design, or the places of the two on the dial and what aggression does to the measure, say so."
-            .to_owned()
-    }));
-    tables::Table {
-        name: "contrasts".to_owned(),
-        title: "The declared contrasts".to_owned(),
-        columns,
-        rows: all().map(row).collect(),
-        notes,
+    let table = tables::Table::of("contrasts", "The declared contrasts", all)
+        .text("Outcome", |(panel, _)| format!("{}{}", panel.title, of_group(panel)))
+        .text("Contrast", |(_, pair)| {
+            let label = |id| run.design.label(id);
+            format!("{} − {}", label(pair.first), label(pair.second))
+        })
+        .and_if(expecting, |table| table.left("Expected", |(_, pair)| expected(pair)))
+        .right("Mean difference", |(_, pair)| Cell::number(pair.mean_difference, 2))
+        .left("Test", |(panel, pair)| paired(panel, pair).map_or(Cell::Missing, Cell::Marked))
+        .noted("*p* adjusted after Holm over the contrasts of an outcome; those within groups of people are one family of their own.");
+    if !expecting {
+        return table;
     }
+    table.noted("Expected: where the design, or the places of the two on the dial and what aggression does to the measure, say so.")
 }
 
 fn nearer_table(run: &Run) -> Option<tables::Table> {
     let label = run.label(run.analysis.nearer.first()?.condition);
-    let row = |r: &Nearer| {
-        vec![
-            Cell::text(r.title.clone()),
-            Cell::text(run.design.label(r.than)),
-            Cell::count(r.n),
-            Cell::count(r.nearer),
-            Cell::count(r.tied),
-            Cell::count(r.farther),
-            Cell::bounded(r.effect, 2),
-            Cell::bounded(r.interval.map(|i| i.0), 2),
-            Cell::bounded(r.interval.map(|i| i.1), 2),
-            Cell::p(r.p_holm),
-        ]
-    };
-    let right = [
-        "*n*",
-        "Nearer",
-        "Tied",
-        "Farther",
-        "Rank-biserial *r*",
-        "2.5%",
-        "97.5%",
-        "*p*_{Holm}",
-    ];
-    let left = ["Measure", "Than"].map(Column::left);
-    Some(tables::Table {
-        name: "nearer".to_owned(),
-        title: format!("Is {label} nearer to the participant's own drive?"),
-        columns: left.into_iter().chain(right.map(Column::right)).collect(),
-        rows: run.analysis.nearer.iter().map(row).collect(),
-        notes: vec![format!(
+    let rows = &run.analysis.nearer;
+    let title = format!("Is {label} nearer to the participant's own drive?");
+    let table = tables::Table::of("nearer", title, rows)
+        .text("Measure", |r| &r.title)
+        .text("Than", |r| run.design.label(r.than))
+        .right("*n*", |r| Cell::count(r.n))
+        .right("Nearer", |r| Cell::count(r.nearer))
+        .right("Tied", |r| Cell::count(r.tied))
+        .right("Farther", |r| Cell::count(r.farther))
+        .right("Rank-biserial *r*", |r| Cell::bounded(r.effect, 2))
+        .right("2.5%", |r| Cell::bounded(r.interval.map(|i| i.0), 2))
+        .right("97.5%", |r| Cell::bounded(r.interval.map(|i| i.1), 2))
+        .right("*p*_{Holm}", |r| Cell::p(r.p_holm))
+        .noted(format!(
             "Wilcoxon’s signed ranks of |{label} − baseline| against |condition − baseline|: above 0 {label} is nearer; ties count for neither. \
              *p* adjusted after Holm over all {} rows.",
-            run.analysis.nearer.len()
-        )],
-    })
+            rows.len()
+        ));
+    Some(table)
 }
 
 /// How far the car at 0 on the dial lies from the person on average; `None` where there is none.
 fn bias_table(run: &Run) -> Option<tables::Table> {
     let label = run.label(run.analysis.reproduction.first()?.condition);
-    let rows = run.analysis.reproduction.iter().filter_map(|r| {
-        let b = r.bias.as_ref()?;
-        let unit = if b.unit.is_empty() {
-            String::new()
-        } else {
-            format!(" ({})", b.unit)
-        };
-        Some(vec![
-            Cell::text(format!("{}{unit}", r.title)),
-            Cell::count(b.n),
-            Cell::number(Some(b.mean), 2),
-            Cell::number(b.interval.map(|i| i.0), 2),
-            Cell::number(b.interval.map(|i| i.1), 2),
-            Cell::number(b.t, 2),
-            Cell::p(b.p_holm),
-            Cell::number(Some(b.same_within), 2),
-            Cell::text(if b.declared { "declared" } else { "half an SD" }),
-            Cell::p(b.p_equivalent),
-            Cell::text(b.verdict.words()),
-        ])
-    });
-    Some(tables::Table {
-        name: "bias".to_owned(),
-        title: format!("{label} minus the own drive, on average"),
-        columns: vec![
-            Column::left("Measure"),
-            Column::right("*n*"),
-            Column::right("*M*"),
-            Column::right("2.5%"),
-            Column::right("97.5%"),
-            Column::right("*t*"),
-            Column::right("*p*_{Holm}, differs"),
-            Column::right("Same within ±"),
-            Column::left("By"),
-            Column::right("*p*, same"),
-            Column::left("Same?"),
-        ],
-        rows: rows.collect(),
-        notes: vec![
+    let all = run.analysis.reproduction.iter();
+    let rows = all.filter_map(|r| Some((r, r.bias.as_ref()?)));
+    let title = format!("{label} minus the own drive, on average");
+    let table = tables::Table::of("bias", title, rows)
+        .text("Measure", |(r, b)| with_unit(&r.title, &b.unit))
+        .right("*n*", |(_, b)| Cell::count(b.n))
+        .right("*M*", |(_, b)| Cell::number(Some(b.mean), 2))
+        .right("2.5%", |(_, b)| Cell::number(b.interval.map(|i| i.0), 2))
+        .right("97.5%", |(_, b)| Cell::number(b.interval.map(|i| i.1), 2))
+        .right("*t*", |(_, b)| Cell::number(b.t, 2))
+        .right("*p*_{Holm}, differs", |(_, b)| Cell::p(b.p_holm))
+        .right("Same within ±", |(_, b)| Cell::number(Some(b.same_within), 2))
+        .text("By", |(_, b)| if b.declared { "declared" } else { "half an SD" })
+        .right("*p*, same", |(_, b)| Cell::p(b.p_equivalent))
+        .text("Same?", |(_, b)| b.verdict.words())
+        .noted(
             "Ordinary 95% intervals and paired *t* tests against no difference, Holm over the measures; then two one-sided *t* tests against the \
              bounds (the larger *p*; all measures have to hold, so it is not adjusted). Both may hold: different, and by too little to count. Half an \
-             SD: half the standard deviation between people’s own drives, where the design declares no bound."
-                .to_owned(),
-        ],
-    })
+             SD: half the standard deviation between people’s own drives, where the design declares no bound.",
+        );
+    Some(table)
+}
+
+/// A quantity with its unit, where it has one.
+fn with_unit(title: &str, unit: &str) -> String {
+    if unit.is_empty() {
+        title.to_owned()
+    } else {
+        format!("{title} ({unit})")
+    }
 }
 
 /// What was measured and answered, by condition.
 fn descriptives_table(run: &Run) -> tables::Table {
-    let row = |d: &Described| {
-        let unit = if d.unit.is_empty() {
-            String::new()
-        } else {
-            format!(" ({})", d.unit)
-        };
-        vec![
-            Cell::text(format!("{}{unit}", d.title)),
-            Cell::text(run.design.label(d.condition)),
-            Cell::count(d.n),
-            Cell::number(d.mean, 2),
-            Cell::number(d.sd, 2),
-            Cell::number(d.median, 2),
-        ]
-    };
-    tables::Table {
-        name: "descriptives".to_owned(),
-        title: "What was measured and answered, by condition".to_owned(),
-        columns: vec![
-            Column::left("Outcome"),
-            Column::left("Condition"),
-            Column::right("*n*"),
-            Column::right("*M*"),
-            Column::right("*SD*"),
-            Column::right("*Mdn*"),
-        ],
-        rows: run.analysis.descriptives.iter().map(row).collect(),
-        notes: vec!["As measured and answered, not as differences; everybody with a value, so *n* may differ from that of a test.".to_owned()],
-    }
+    let title = "What was measured and answered, by condition";
+    tables::Table::of("descriptives", title, &run.analysis.descriptives)
+        .text("Outcome", |d| with_unit(&d.title, &d.unit))
+        .text("Condition", |d| run.design.label(d.condition))
+        .right("*n*", |d| Cell::count(d.n))
+        .right("*M*", |d| Cell::number(d.mean, 2))
+        .right("*SD*", |d| Cell::number(d.sd, 2))
+        .right("*Mdn*", |d| Cell::number(d.median, 2))
+        .noted("As measured and answered, not as differences; everybody with a value, so *n* may differ from that of a test.")
 }
 
 fn panel(run: &Run, panel: &Panel) -> DifferencePanel {

@@ -11,7 +11,7 @@ use crate::{
     },
 };
 use maveric_analysis::{AggressionLine as Line, LineRow};
-use maveric_domain::{ConditionId, DriveId, MetresPerSecond};
+use maveric_domain::{ConditionId, DriveId, MetresPerSecond, design::Condition};
 use maveric_model::Model;
 use maveric_model::style_space::{LinearHead, PerpendicularEllipse};
 use maveric_report::{
@@ -21,7 +21,8 @@ use maveric_report::{
         embedding_space::{EmbeddingPoint, EmbeddingSpace, ExampleConditions, embedding_space},
     },
     html::{Live, LiveContent, Section, SpaceDrive, SpacePerson, StyleSpace},
-    tables::{self, Cell, Column, LineCorrelation, Table},
+    markup,
+    tables::{Cell, Correlation, Table},
 };
 use std::path::Path;
 
@@ -58,21 +59,6 @@ pub(super) fn section_embedding(
         example: example(run, model)?,
     };
     let lines = line_panels(line);
-    let without = run.analysis.line_without_adb.as_ref();
-    let rows: Vec<LineCorrelation> = line
-        .rows
-        .iter()
-        .map(|with| {
-            let is = |r: &&LineRow| r.measure == with.measure;
-            let without = without.and_then(|w| w.rows.iter().find(is));
-            LineCorrelation {
-                measure: with.title.clone(),
-                ours: statement(&with.correlation),
-                without_style_loss: without.and_then(|w| statement(&w.correlation)),
-                paper: printed(ledger, &format!("line.{}.r", short(&with.measure))),
-            }
-        })
-        .collect();
     let mut intro = vec![format!(
         "The embeddings of the test participants were fitted with their {score}; the line’s correlation with \
          it is then partly built in, so the table shows the fit without the score beside it."
@@ -96,15 +82,44 @@ pub(super) fn section_embedding(
     } else {
         figures.push(aggression_line(&lines, &run.context)?);
     }
-    let n = run.analysis.participants;
     Ok(Some(Section {
         title: "Does the embedding hold a driver’s style?".to_owned(),
         intro,
         figures,
-        tables: std::iter::once(tables::embedding_line(&rows, score, n))
+        tables: std::iter::once(line_table(run, line, ledger))
             .chain(steps_table(run))
             .collect(),
     }))
+}
+
+/// The position on the line against each measure.
+fn line_table(run: &Run, line: &Line, ledger: &[LedgerRow]) -> Table {
+    let paper = |row: &LineRow| printed(ledger, &format!("line.{}.r", short(&row.measure)));
+    let without = |row: &LineRow| {
+        let mut others = run.analysis.line_without_adb.as_ref()?.rows.iter();
+        statement(&others.find(|r| r.measure == row.measure)?.correlation)
+    };
+    let reported = line.rows.iter().any(|row| paper(row).is_some());
+    Table::of(
+        "embedding-line",
+        "Position on the line against each measure",
+        &line.rows,
+    )
+    .text("Measure", |row| &row.title)
+    .left("Here", |row| Correlation::cell(statement(&row.correlation)))
+    .left("Here, fitted without *L*_{4}", |row| {
+        Correlation::cell(without(row))
+    })
+    .and_if(reported, |table| {
+        table.left("Paper", |row| Correlation::cell(paper(row)))
+    })
+    .noted(format!(
+        "*n* = {} test participants. With *L*_{{4}} the score itself ({}) takes part in \
+             fitting the embedding, so its own correlation is partly built in: the third column \
+             leaves it out.",
+        run.analysis.participants,
+        markup::literal(run.style_label())
+    ))
 }
 
 /// How far the dial moved people, condition by condition: what was meant, and what was reached before an end of the scale.
@@ -130,48 +145,35 @@ pub(super) fn steps(run: &Run) -> Vec<(ConditionId, Vec<f64>, usize)> {
 }
 
 fn steps_table(run: &Run) -> Option<Table> {
-    let rows: Vec<Vec<Cell>> = steps(run)
-        .into_iter()
-        .map(|(condition, moved, clamped)| {
-            let values: Vec<Option<f64>> = moved.iter().copied().map(Some).collect();
-            let shape = maveric_stats::normality(&values)
-                .ok()
-                .map(|found| found.desc);
-            let meant = run
-                .design
-                .condition(condition)
-                .and_then(maveric_domain::design::Condition::dial);
-            vec![
-                Cell::text(run.design.label(condition)),
-                Cell::number(meant, 0),
-                Cell::count(moved.len()),
-                Cell::count(clamped),
-                Cell::number(shape.as_ref().map(|s| s.mean), 1),
-                Cell::number(shape.as_ref().and_then(|s| s.sd), 1),
-                Cell::number(shape.as_ref().map(|s| s.min), 1),
-                Cell::number(shape.as_ref().map(|s| s.max), 1),
-            ]
-        })
-        .collect();
-    let right = [
-        "Meant",
-        "*n*",
-        "Cut short",
-        "*M*",
-        "*SD*",
-        "Lowest",
-        "Highest",
-    ];
-    (!rows.is_empty()).then(|| Table {
-        name: "dial-steps".to_owned(),
-        title: "How far the dial was turned".to_owned(),
-        columns: std::iter::once(Column::left("Condition")).chain(right.map(Column::right)).collect(),
-        rows,
-        notes: vec![format!(
+    let steps = steps(run).into_iter().map(|(condition, moved, clamped)| {
+        let values: Vec<Option<f64>> = moved.iter().copied().map(Some).collect();
+        let shape = maveric_stats::normality(&values).ok();
+        (
+            condition,
+            moved.len(),
+            clamped,
+            shape.map(|found| found.desc),
+        )
+    });
+    let steps: Vec<_> = steps.collect();
+    if steps.is_empty() {
+        return None;
+    }
+    let meant = |id| run.design.condition(id).and_then(Condition::dial);
+    let table = Table::of("dial-steps", "How far the dial was turned", &steps)
+        .text("Condition", |step| run.design.label(step.0))
+        .right("Meant", |step| Cell::number(meant(step.0), 0))
+        .right("*n*", |step| Cell::count(step.1))
+        .right("Cut short", |step| Cell::count(step.2))
+        .right("*M*", |step| Cell::number(step.3.as_ref().map(|s| s.mean), 1))
+        .right("*SD*", |step| Cell::number(step.3.as_ref().and_then(|s| s.sd), 1))
+        .right("Lowest", |step| Cell::number(step.3.as_ref().map(|s| s.min), 1))
+        .right("Highest", |step| Cell::number(step.3.as_ref().map(|s| s.max), 1))
+        .noted(format!(
             "In points of {}, as the model reads them. Cut short: an end of the scale lay nearer than what was meant.",
             run.style_label()
-        )],
-    })
+        ));
+    Some(table)
 }
 
 /// How sure a step of the dial is, and how often the scale's end cut it short; `None` where nothing is known of that.

@@ -11,7 +11,7 @@ use maveric_report::{
         preference::{Preferences, ScalePreference, preference},
     },
     html::Section,
-    tables::{self, Cell, Column, CorrelationRow, Table},
+    tables::{self, Cell, CorrelationRow, Table},
 };
 
 /// `None` for a study that declared no family and in which nobody can prefer another style.
@@ -134,61 +134,44 @@ fn bars(run: &Run) -> Option<Preferences> {
 fn mixed(run: &Run) -> Option<Table> {
     let fitted = &run.analysis.mixed;
     let unit = fitted.first()?.unit_points;
-    let effect = |row: &MixedRow, name: &str| {
-        let found = row.model.as_ref().and_then(|m| m.fixed.get(name));
-        let Some(found) = found else {
-            return [Cell::Missing, Cell::Missing, Cell::Missing];
-        };
-        let interval = found
-            .ci_low
-            .zip(found.ci_high)
-            .map_or(Cell::Missing, |(low, high)| {
-                Cell::text(format!(
-                    "{} to {}",
-                    apa::number(low, 2),
-                    apa::number(high, 2)
-                ))
-            });
-        let p = found.p.map_or(Cell::Missing, |p| {
+    let of = |row: &MixedRow, name: &str| row.model.as_ref()?.fixed.get(name).cloned();
+    let estimate =
+        |row: &MixedRow, name: &str| Cell::number(of(row, name).map(|found| found.estimate), 2);
+    let interval = |row: &MixedRow, name: &str| {
+        let ends = of(row, name).and_then(|found| found.ci_low.zip(found.ci_high));
+        ends.map_or(Cell::Missing, |(low, high)| {
+            Cell::text(format!(
+                "{} to {}",
+                apa::number(low, 2),
+                apa::number(high, 2)
+            ))
+        })
+    };
+    let p = |row: &MixedRow, name: &str| {
+        let p = of(row, name).and_then(|found| found.p);
+        p.map_or(Cell::Missing, |p| {
             Cell::Marked(apa::p(p).markup().to_owned())
-        });
-        [Cell::number(Some(found.estimate), 2), interval, p]
+        })
     };
-    let row = |row: &MixedRow| {
-        let sd = row
-            .model
-            .as_ref()
-            .and_then(|m| m.random_sd.get("shift").copied());
-        std::iter::once(Cell::text(row.title.clone()))
-            .chain(effect(row, "shift"))
-            .chain(effect(row, "shift_squared"))
-            .chain([Cell::number(sd, 2)])
-            .collect()
-    };
+    let sd = |row: &MixedRow| row.model.as_ref()?.random_sd.get("shift").copied();
+    let mut table = Table::of("mixed", "Ratings on the shift of the dial", fitted)
+        .text("Rating", |row| &row.title)
+        .right("Shift", |row| estimate(row, "shift"))
+        .right("95% CI", |row| interval(row, "shift"))
+        .left("Test", |row| p(row, "shift"))
+        .right("Shift²", |row| estimate(row, "shift_squared"))
+        .right("95% CI", |row| interval(row, "shift_squared"))
+        .left("Test", |row| p(row, "shift_squared"))
+        .right("*SD* of the shift over people", |row| Cell::number(sd(row), 2))
+        .noted(format!(
+            "Linear mixed models (REML, Satterthwaite’s degrees of freedom), intercept and shift at random over people; one unit is {unit} points of {} upwards. A negative shift² means that a rating falls on either side of the own style.",
+            run.style_label()
+        ));
     let missing = fitted
         .iter()
         .filter_map(|r| Some(format!("{}: {}.", r.title, r.why_not.as_ref()?)));
-    Some(Table {
-        name: "mixed".to_owned(),
-        title: "Ratings on the shift of the dial".to_owned(),
-        columns: vec![
-            Column::left("Rating"),
-            Column::right("Shift"),
-            Column::right("95% CI"),
-            Column::left("Test"),
-            Column::right("Shift²"),
-            Column::right("95% CI"),
-            Column::left("Test"),
-            Column::right("*SD* of the shift over people"),
-        ],
-        rows: fitted.iter().map(row).collect(),
-        notes: std::iter::once(format!(
-            "Linear mixed models (REML, Satterthwaite’s degrees of freedom), intercept and shift at random over people; one unit is {unit} points of {} upwards. A negative shift² means that a rating falls on either side of the own style.",
-            run.style_label()
-        ))
-        .chain(missing)
-        .collect(),
-    })
+    table.notes.extend(missing);
+    Some(table)
 }
 
 /// The declared family as a forest; `None` where there is none.

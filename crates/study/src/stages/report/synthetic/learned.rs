@@ -15,7 +15,7 @@ use maveric_report::{
         training_curves::{LossTerm, TrainingCurves, training_curves},
     },
     html::Section,
-    tables::{Cell, Column, Table},
+    tables::{Cell, Table},
 };
 
 /// `None` without a model that was learned here.
@@ -99,22 +99,6 @@ fn kept_back(selection: &Selection) -> String {
 
 /// What each linear head learned from and how it does on driving kept back.
 fn heads_of(training: &TrainingSummary) -> Table {
-    let rows = training.heads.iter().map(|head| {
-        let kept = head.kept_back.as_ref();
-        let unit = if head.unit == "1" {
-            String::new()
-        } else {
-            format!(" ({})", head.unit)
-        };
-        vec![
-            Cell::text(format!("{}{unit}", head.title)),
-            Cell::text(head.events.to_string()),
-            Cell::number(head.explained.map(|e| 100.0 * e), 0),
-            Cell::number(kept.map(|k| k.head), 2),
-            Cell::number(kept.map(|k| k.own_mean), 2),
-            Cell::number(kept.map(|k| k.everybody), 2),
-        ]
-    });
     let style = training
         .style
         .as_ref()
@@ -122,24 +106,24 @@ fn heads_of(training: &TrainingSummary) -> Table {
     let score = style.map_or_else(String::new, |(r, rmse)| {
         format!(" The score of people left out is read with r = {r:.2}, off by {rmse:.1} points.")
     });
-    Table {
-        name: "heads".to_owned(),
-        title: "Habits, and how well a style says them".to_owned(),
-        columns: vec![
-            Column::left("Habit"),
-            Column::right("Events"),
-            Column::right("Explained (%)"),
-            Column::right("Off by"),
-            Column::right("Own mean"),
-            Column::right("Everybody’s"),
-        ],
-        rows: rows.collect(),
-        notes: vec![format!(
+    let title = "Habits, and how well a style says them";
+    Table::of("heads", title, &training.heads)
+        .text("Habit", |head| match head.unit.as_str() {
+            "1" => head.title.clone(),
+            unit => format!("{} ({unit})", head.title),
+        })
+        .right("Events", |head| Cell::text(head.events.to_string()))
+        .right("Explained (%)", |head| Cell::number(head.explained.map(|e| 100.0 * e), 0))
+        .right("Off by", |head| Cell::number(head.kept_back.as_ref().map(|k| k.head), 2))
+        .right("Own mean", |head| Cell::number(head.kept_back.as_ref().map(|k| k.own_mean), 2))
+        .right("Everybody’s", |head| {
+            Cell::number(head.kept_back.as_ref().map(|k| k.everybody), 2)
+        })
+        .noted(format!(
             "Explained: share of how drives differ. Off by: root-mean-square error on the last third of drives of people left out, known by \
              the first two; beside it that driver’s own mean over the first two, and what is said of everybody. A style of few numbers need \
              not beat the own mean: where it does not, it stands here.{score}"
-        )],
-    }
+        ))
 }
 
 fn architecture_of(model: &Model, run: &Run) -> Result<Option<Figure>, StudyError> {

@@ -4,7 +4,10 @@ use super::{Run, conditions::of_group, enumerated};
 use crate::{
     error::StudyError,
     run_folder::lists,
-    stages::report::{people::People, scene},
+    stages::{
+        report::{people::People, scene},
+        score,
+    },
     tables::{Table as File, embeddings::read_embeddings},
 };
 use maveric_domain::{Scale, design::By};
@@ -152,42 +155,21 @@ pub(super) fn reliabilities(
         if !path.is_file() {
             continue;
         }
-        let table = File::read(&path)?;
-        let (scale, subscale) = (table.text("scale")?, table.text("subscale")?);
-        let (items, n) = (table.all_numbers("items")?, table.all_numbers("n")?);
-        let (alpha, low, high) = (
-            table.numbers("alpha")?,
-            table.numbers("ci_low")?,
-            table.numbers("ci_high")?,
-        );
-        let omega = table.numbers("omega")?;
-        for i in 0..table.rows() {
-            let when = if file.starts_with("rating") {
-                " (after a condition)"
-            } else {
-                ""
-            };
-            rows.push(Reliability {
-                id: format!(
-                    "{}.{}{when}",
-                    scale[i].as_deref().unwrap_or_default(),
-                    subscale[i].as_deref().unwrap_or_default()
-                ),
-                scale: format!(
-                    "{}{when}",
-                    titled(
-                        scales,
-                        scale[i].as_deref().unwrap_or_default(),
-                        subscale[i].as_deref().unwrap_or_default()
-                    )
-                ),
-                items: items[i] as usize,
-                n: n[i] as usize,
-                alpha: alpha[i],
-                interval: low[i].zip(high[i]),
-                omega: omega[i],
-            });
-        }
+        let when = if file.starts_with("rating") {
+            " (after a condition)"
+        } else {
+            ""
+        };
+        let found: Vec<score::Reliability> = File::read(&path)?.records()?;
+        rows.extend(found.into_iter().map(|row| Reliability {
+            id: format!("{}.{}{when}", row.scale, row.subscale),
+            scale: format!("{}{when}", titled(scales, &row.scale, &row.subscale)),
+            items: row.items,
+            n: row.n,
+            alpha: row.alpha,
+            interval: row.ci_low.zip(row.ci_high),
+            omega: row.omega,
+        }));
     }
     Ok(rows)
 }
@@ -252,15 +234,7 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
         if !path.is_file() {
             continue;
         }
-        let table = File::read(&path)?;
-        let (who, what, why) = (table.text("who")?, table.text("what")?, table.text("why")?);
-        for i in 0..table.rows() {
-            found.push(Exclusion {
-                who: who[i].clone().unwrap_or_default(),
-                what: what[i].clone().unwrap_or_default(),
-                why: why[i].clone().unwrap_or_default(),
-            });
-        }
+        found.extend(File::read(&path)?.records::<Exclusion>()?);
     }
     Ok(found)
 }

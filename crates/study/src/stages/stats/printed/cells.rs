@@ -1,10 +1,10 @@
 //! Numbers as cells of a table.
 
-use maveric_report::tables::{Cell, Column, Table};
+use maveric_report::tables::{Cell, Table, TableOf};
 use maveric_stats::apa;
 
-/// An empty table: the first column holds names, the others numbers. Headers with marks.
-pub(super) fn table(title: &str, headers: &[&str]) -> Table {
+/// A table of these rows, named by its title: the columns that are told come after. Headers with marks.
+pub(super) fn table<T>(title: &str, rows: impl IntoIterator<Item = T>) -> TableOf<T> {
     let name: String = title
         .split(|sign: char| !sign.is_ascii_alphanumeric())
         .filter(|word| !word.is_empty())
@@ -12,20 +12,7 @@ pub(super) fn table(title: &str, headers: &[&str]) -> Table {
         .collect::<Vec<_>>()
         .join("-")
         .to_lowercase();
-    let columns = headers.iter().enumerate().map(|(j, header)| {
-        if j == 0 {
-            Column::left(*header)
-        } else {
-            Column::right(*header)
-        }
-    });
-    Table {
-        name,
-        title: title.to_owned(),
-        columns: columns.collect(),
-        rows: Vec::new(),
-        notes: Vec::new(),
-    }
+    Table::of(name, title, rows)
 }
 
 /// A number with four significant digits, or with `e` where that needs too many places.
@@ -83,6 +70,13 @@ pub(super) fn shown(cell: &Cell) -> String {
     }
 }
 
+/// Whether, in a word; a dash where nobody knows.
+pub(super) fn word(whether: Option<bool>, yes: &str, no: &str) -> Cell {
+    whether.map_or(Cell::Missing, |whether| {
+        Cell::text(if whether { yes } else { no })
+    })
+}
+
 /// `[.38, .62]` with the way in which the ends are written.
 pub(super) fn interval(
     low: Option<f64>,
@@ -120,7 +114,7 @@ mod tests {
 
     #[test]
     fn a_table_is_named_by_its_title() {
-        let made = table("Pairs by paired t (A minus B; Holm)", &["", "*p*"]);
+        let made = table::<()>("Pairs by paired t (A minus B; Holm)", []).done();
         assert_eq!(made.name, "pairs-by-paired-t");
     }
 }

@@ -6,7 +6,7 @@ use super::{
     comparison, factorial, groups, mixed, named_sentences, ordinal,
     reasons::{checks, why},
 };
-use maveric_report::tables::{Cell, Table};
+use maveric_report::tables::Table;
 use maveric_stats::{ByDesign, RankCheck};
 
 pub(in crate::stages::stats) fn by_design(found: &ByDesign) -> Printed {
@@ -56,13 +56,12 @@ fn ranks(beside: &RankCheck) -> Table {
         "Rank tests of the {} complete subjects, as a check",
         beside.n
     );
-    let mut table = table(&title, &["", "*p*"]);
     let f = &beside.friedman;
-    let omnibus = p(f.p_exact.or(f.f_p).or(f.p));
-    table.rows.push(vec![Cell::text("Friedman"), omnibus]);
-    for (name, w) in beside.wilcoxon.iter() {
-        let name = Cell::text(format!("Wilcoxon {name}, Holm"));
-        table.rows.push(vec![name, p(w.p_holm)]);
-    }
-    table
+    let omnibus = ("Friedman".to_owned(), f.p_exact.or(f.f_p).or(f.p));
+    let pairs = beside.wilcoxon.iter();
+    let pairs = pairs.map(|(name, w)| (format!("Wilcoxon {name}, Holm"), w.p_holm));
+    table(&title, std::iter::once(omnibus).chain(pairs))
+        .text("", |(name, _)| name.clone())
+        .right("*p*", |(_, value)| p(*value))
+        .done()
 }

@@ -34,32 +34,26 @@ fn sentences(found: &impl Statements) -> Vec<String> {
 }
 
 pub(in crate::stages::stats) fn correlation(found: &Correlation, x: &str, y: &str) -> Printed {
-    let mut table = table("Coefficients", &["", "Coefficient", "95% CI", "*p*", "By"]);
-    if let Some(r) = &found.pearson {
-        let ci = interval(r.ci_low, r.ci_high, share);
+    let pearson = found.pearson.as_ref().map(|r| {
         let by = how(r.p.map(|_| PMethod::T));
-        table
-            .rows
-            .push(vec![Cell::text("Pearson r"), share(r.r), ci, p(r.p), by]);
-    }
-    if let Some(rho) = &found.spearman {
-        let ci = interval(rho.ci_bw_low, rho.ci_bw_high, share);
-        let name = Cell::text("Spearman rho");
-        table
-            .rows
-            .push(vec![name, share(rho.rho), ci, p(rho.p), how(rho.p_method)]);
-    }
-    if let Some(tau) = &found.kendall {
-        let ci = interval(tau.ci_low, tau.ci_high, share);
-        let name = Cell::text("Kendall tau-b");
-        table.rows.push(vec![
-            name,
-            share(tau.tau_b),
-            ci,
-            p(tau.p),
-            how(tau.p_method),
-        ]);
-    }
+        ("Pearson r", r.r, (r.ci_low, r.ci_high), r.p, by)
+    });
+    let spearman = found.spearman.as_ref().map(|rho| {
+        let ends = (rho.ci_bw_low, rho.ci_bw_high);
+        ("Spearman rho", rho.rho, ends, rho.p, how(rho.p_method))
+    });
+    let kendall = found.kendall.as_ref().map(|tau| {
+        let ends = (tau.ci_low, tau.ci_high);
+        ("Kendall tau-b", tau.tau_b, ends, tau.p, how(tau.p_method))
+    });
+    let rows = [pearson, spearman, kendall].into_iter().flatten();
+    let mut table = table("Coefficients", rows)
+        .text("", |row| row.0)
+        .right("Coefficient", |row| share(row.1))
+        .right("95% CI", |row| interval(row.2.0, row.2.1, share))
+        .right("*p*", |row| p(row.3))
+        .right("By", |row| row.4.clone())
+        .done();
     table.notes = sentences(found);
     let reasons = found.reasons.iter().map(|reason| markup::literal(reason));
     who(

@@ -6,7 +6,7 @@ use super::{
     named_sentences,
 };
 use maveric_report::tables::{Cell, Table};
-use maveric_stats::{AlignedRanks, CellContrast, Factorial, MarginalMean, Named};
+use maveric_stats::{AlignedRanks, CellContrast, Factorial, MarginalMean, Named, Sphericity};
 
 pub(in crate::stages::stats) fn factorial(found: &Factorial) -> Printed {
     let factors = found
@@ -25,114 +25,78 @@ pub(in crate::stages::stats) fn factorial(found: &Factorial) -> Printed {
         printed = printed.table(marginal(name, means));
     }
     for (name, pairs) in found.contrast.iter() {
-        printed = printed.table(contrasts(
-            &format!("Pairs of {name} (A minus B, Holm)"),
-            pairs,
-        ));
+        printed = printed.table(contrasts(name, pairs));
     }
-    let mut simple = table(
-        "Simple effects",
-        &["Effect", "*F*", "*df*_{1}", "*df*_{2}", "*p*"],
-    );
-    let mut pairs = Vec::new();
-    for (interaction, all) in found.simple.iter() {
-        for (name, test) in all.iter() {
-            let whole = format!("{interaction}: {name}");
-            let df = [test.df1, test.df2].map(|df| degrees(Some(df as f64)));
-            let [df1, df2] = df;
-            simple.rows.push(vec![
-                Cell::text(&whole),
-                optional(test.f),
-                df1,
-                df2,
-                p(test.p),
-            ]);
-            if test.pairs.len() > 1 {
-                pairs.push(contrasts(
-                    &format!("Pairs of {whole} (A minus B, Holm)"),
-                    &test.pairs,
-                ));
-            }
-        }
-    }
+    let inner = found.simple.iter().flat_map(|(interaction, all)| {
+        all.iter()
+            .map(move |(name, test)| (format!("{interaction}: {name}"), test))
+    });
+    let inner: Vec<_> = inner.collect();
+    let simple = table("Simple effects", &inner)
+        .text("Effect", |(whole, _)| whole)
+        .right("*F*", |(_, test)| optional(test.f))
+        .right("*df*_{1}", |(_, test)| degrees(Some(test.df1 as f64)))
+        .right("*df*_{2}", |(_, test)| degrees(Some(test.df2 as f64)))
+        .right("*p*", |(_, test)| p(test.p))
+        .done();
     printed = printed.table(simple);
-    for table in pairs {
-        printed = printed.table(table);
+    for (whole, test) in inner.iter().filter(|(_, test)| test.pairs.len() > 1) {
+        printed = printed.table(contrasts(whole, &test.pairs));
     }
     printed.undefined(&found.undefined)
 }
 
 fn effects(found: &Factorial) -> Table {
-    let header = [
-        "Effect",
-        "*F*",
-        "*df*_{1}",
-        "*df*_{2}",
-        "*p*",
-        "*ε*_{GG}",
-        "*p*_{GG}",
-        "*η*_{p}^{2}",
-        "90% CI",
-        "*η*_{G}^{2}",
-    ];
-    let mut table = table("Effects", &header);
-    for (name, e) in found.anova.iter() {
-        let sphericity = found.sphericity.get(name);
-        table.rows.push(vec![
-            Cell::text(name),
-            optional(e.f),
-            degrees(Some(e.df1 as f64)),
-            degrees(Some(e.df2 as f64)),
-            p(e.p),
-            sphericity.map_or_else(|| Cell::text(""), |s| share(s.gg)),
-            sphericity.map_or_else(|| Cell::text(""), |s| p(s.p_gg)),
-            share(e.eta2_partial),
-            interval(e.eta2_partial_ci90_low, e.eta2_partial_ci90_high, share),
-            share(e.eta2_generalized),
-        ]);
-    }
-    table
+    let epsilon = |name: &str, of: fn(&Sphericity) -> Cell| {
+        found
+            .sphericity
+            .get(name)
+            .map_or_else(|| Cell::text(""), of)
+    };
+    table("Effects", found.anova.iter())
+        .text("Effect", |(name, _)| *name)
+        .right("*F*", |(_, e)| optional(e.f))
+        .right("*df*_{1}", |(_, e)| degrees(Some(e.df1 as f64)))
+        .right("*df*_{2}", |(_, e)| degrees(Some(e.df2 as f64)))
+        .right("*p*", |(_, e)| p(e.p))
+        .right("*ε*_{GG}", |(name, _)| epsilon(name, |s| share(s.gg)))
+        .right("*p*_{GG}", |(name, _)| epsilon(name, |s| p(s.p_gg)))
+        .right("*η*_{p}^{2}", |(_, e)| share(e.eta2_partial))
+        .right("90% CI", |(_, e)| {
+            interval(e.eta2_partial_ci90_low, e.eta2_partial_ci90_high, share)
+        })
+        .right("*η*_{G}^{2}", |(_, e)| share(e.eta2_generalized))
+        .done()
 }
 
 pub(super) fn marginal(name: &str, means: &Named<MarginalMean>) -> Table {
-    let mut table = table(&format!("Means of {name}"), &["", "*M*", "*SE*", "95% CI"]);
-    for (cell, m) in means.iter() {
-        let ci = interval(m.ci_low, m.ci_high, optional);
-        table
-            .rows
-            .push(vec![Cell::text(cell), number(m.mean), number(m.se), ci]);
-    }
-    table
+    table(&format!("Means of {name}"), means.iter())
+        .text("", |(cell, _)| *cell)
+        .right("*M*", |(_, m)| number(m.mean))
+        .right("*SE*", |(_, m)| number(m.se))
+        .right("95% CI", |(_, m)| interval(m.ci_low, m.ci_high, optional))
+        .done()
 }
 
-fn contrasts(title: &str, pairs: &Named<CellContrast>) -> Table {
-    let header = ["", "Difference", "95% CI", "*t*", "*p*", "*p*_{Holm}"];
-    let mut table = table(title, &header);
-    for (name, c) in pairs.iter() {
-        let ci = interval(c.ci_low, c.ci_high, optional);
-        table.rows.push(vec![
-            Cell::text(name),
-            number(c.estimate),
-            ci,
-            optional(c.t),
-            p(c.p),
-            p(c.p_holm),
-        ]);
-    }
-    table
+fn contrasts(of: &str, pairs: &Named<CellContrast>) -> Table {
+    table(&format!("Pairs of {of} (A minus B, Holm)"), pairs.iter())
+        .text("", |(name, _)| *name)
+        .right("Difference", |(_, c)| number(c.estimate))
+        .right("95% CI", |(_, c)| interval(c.ci_low, c.ci_high, optional))
+        .right("*t*", |(_, c)| optional(c.t))
+        .right("*p*", |(_, c)| p(c.p))
+        .right("*p*_{Holm}", |(_, c)| p(c.p_holm))
+        .done()
 }
 
 pub(in crate::stages::stats) fn aligned(found: &AlignedRanks) -> Printed {
-    let mut table = table(
-        "Effects on aligned ranks",
-        &["Effect", "*F*", "*df*_{1}", "*df*_{2}", "*p*"],
-    );
-    for (name, e) in found.art.iter() {
-        let [df1, df2] = [e.df1, e.df2].map(|df| degrees(Some(df as f64)));
-        table
-            .rows
-            .push(vec![Cell::text(name), optional(e.f), df1, df2, p(e.p)]);
-    }
+    let mut table = table("Effects on aligned ranks", found.art.iter())
+        .text("Effect", |(name, _)| *name)
+        .right("*F*", |(_, e)| optional(e.f))
+        .right("*df*_{1}", |(_, e)| degrees(Some(e.df1 as f64)))
+        .right("*df*_{2}", |(_, e)| degrees(Some(e.df2 as f64)))
+        .right("*p*", |(_, e)| p(e.p))
+        .done();
     table.notes = named_sentences(found);
     let who = format!("Aligned ranks: {} subjects", found.n);
     Printed::headed(who, found.n, &found.dropped)

@@ -80,7 +80,7 @@ impl Printed {
 
     /// Adds a heading with lines below it, with marks.
     fn lines(self, heading: &str, lines: Vec<String>) -> Self {
-        let mut table = cells::table(heading, &[]);
+        let mut table = cells::table::<()>(heading, []).done();
         table.notes = lines;
         self.table(table)
     }

@@ -6,44 +6,37 @@ use super::{
     factors::marginal,
     named_sentences,
 };
-use maveric_report::tables::{Cell, Table};
-use maveric_stats::{
-    FixedEffect, MarginalContrast, Named, Ordinal, OrdinalParameter, RandomIntercept, apa,
-};
+use maveric_report::tables::Table;
+use maveric_stats::{MarginalContrast, Named, Ordinal, OrdinalParameter, RandomIntercept, apa};
 
 pub(in crate::stages::stats) fn mixed(found: &RandomIntercept) -> Printed {
     let who = format!(
         "Mixed model, random intercept of the subject, fixed {}: {} rows of {} subjects",
         found.formula, found.n_obs, found.n_subjects,
     );
-    let mut terms = table(
-        "Terms (type III, Satterthwaite)",
-        &["Term", "*F*", "*df*_{1}", "*df*_{2}", "*p*"],
-    );
-    for (name, t) in found.anova.iter() {
-        terms.rows.push(vec![
-            Cell::text(name),
-            number(t.f),
-            degrees(Some(t.df1 as f64)),
-            degrees(t.df2),
-            p(t.p),
-        ]);
-    }
+    let mut terms = table("Terms (type III, Satterthwaite)", found.anova.iter())
+        .text("Term", |(name, _)| *name)
+        .right("*F*", |(_, t)| number(t.f))
+        .right("*df*_{1}", |(_, t)| degrees(Some(t.df1 as f64)))
+        .right("*df*_{2}", |(_, t)| degrees(t.df2))
+        .right("*p*", |(_, t)| p(t.p))
+        .done();
     terms.notes = named_sentences(found);
-    let header = ["", "Estimate", "*SE*", "95% CI", "*df*", "*t*", "*p*"];
-    let mut coefficients = table(
-        "Coefficients (the first level of a factor is the reference)",
-        &header,
-    );
-    for (name, c) in found.coef.iter() {
-        coefficients.rows.push(coefficient(name, c));
-    }
-    coefficients.notes.push(format!(
-        "variance of the subjects {}, residual {}; ICC = {}",
-        apa::number(found.variance.subject, 3),
-        apa::number(found.variance.residual, 3),
-        apa::bounded(found.icc, 2)
-    ));
+    let title = "Coefficients (the first level of a factor is the reference)";
+    let coefficients = table(title, found.coef.iter())
+        .text("", |(name, _)| *name)
+        .right("Estimate", |(_, c)| number(c.estimate))
+        .right("*SE*", |(_, c)| optional(c.se))
+        .right("95% CI", |(_, c)| interval(c.ci_low, c.ci_high, optional))
+        .right("*df*", |(_, c)| degrees(c.df))
+        .right("*t*", |(_, c)| optional(c.t))
+        .right("*p*", |(_, c)| p(c.p))
+        .noted(format!(
+            "variance of the subjects {}, residual {}; ICC = {}",
+            apa::number(found.variance.subject, 3),
+            apa::number(found.variance.residual, 3),
+            apa::bounded(found.icc, 2)
+        ));
     let mut printed = Printed::headed(who, 0, &[])
         .left_out(found.missing, "rows")
         .table(terms)
@@ -56,42 +49,17 @@ pub(in crate::stages::stats) fn mixed(found: &RandomIntercept) -> Printed {
     printed.undefined(&found.undefined)
 }
 
-fn coefficient(name: &str, c: &FixedEffect) -> Vec<Cell> {
-    vec![
-        Cell::text(name),
-        number(c.estimate),
-        optional(c.se),
-        interval(c.ci_low, c.ci_high, optional),
-        degrees(c.df),
-        optional(c.t),
-        p(c.p),
-    ]
-}
-
 fn contrasts(term: &str, pairs: &Named<MarginalContrast>) -> Table {
     let title = format!("Pairs of {term} (A minus B, Holm)");
-    let header = [
-        "",
-        "Difference",
-        "95% CI",
-        "*t*",
-        "*df*",
-        "*p*",
-        "*p*_{Holm}",
-    ];
-    let mut table = table(&title, &header);
-    for (name, c) in pairs.iter() {
-        table.rows.push(vec![
-            Cell::text(name),
-            number(c.estimate),
-            interval(c.ci_low, c.ci_high, optional),
-            number(c.t),
-            degrees(c.df),
-            p(c.p),
-            p(c.p_holm),
-        ]);
-    }
-    table
+    table(&title, pairs.iter())
+        .text("", |(name, _)| *name)
+        .right("Difference", |(_, c)| number(c.estimate))
+        .right("95% CI", |(_, c)| interval(c.ci_low, c.ci_high, optional))
+        .right("*t*", |(_, c)| number(c.t))
+        .right("*df*", |(_, c)| degrees(c.df))
+        .right("*p*", |(_, c)| p(c.p))
+        .right("*p*_{Holm}", |(_, c)| p(c.p_holm))
+        .done()
 }
 
 pub(in crate::stages::stats) fn ordinal(found: &Ordinal) -> Printed {
@@ -102,19 +70,14 @@ pub(in crate::stages::stats) fn ordinal(found: &Ordinal) -> Printed {
         found.answers.len()
     );
     let rows = |title: &str, all: &Named<OrdinalParameter>| {
-        let mut table = table(title, &["", "Estimate", "*SE*", "95% CI", "*z*", "*p*"]);
-        for (name, o) in all.iter() {
-            let ci = interval(o.ci_low, o.ci_high, optional);
-            table.rows.push(vec![
-                Cell::text(name),
-                optional(o.estimate),
-                optional(o.se),
-                ci,
-                optional(o.z),
-                p(o.p),
-            ]);
-        }
-        table
+        table(title, all.iter())
+            .text("", |(name, _)| *name)
+            .right("Estimate", |(_, o)| optional(o.estimate))
+            .right("*SE*", |(_, o)| optional(o.se))
+            .right("95% CI", |(_, o)| interval(o.ci_low, o.ci_high, optional))
+            .right("*z*", |(_, o)| optional(o.z))
+            .right("*p*", |(_, o)| p(o.p))
+            .done()
     };
     let reference = found.conditions.first().map_or("", String::as_str);
     let mut coefficients = rows(

@@ -8,7 +8,8 @@ use super::{
 };
 use maveric_report::tables::{Cell, Table};
 use maveric_stats::{
-    Adjustment, Comparison, EffectName, OmnibusP, OmnibusTest, PMethod, Posthoc, PosthocTest, apa,
+    Adjustment, Comparison, EffectName, OmnibusP, OmnibusTest, PMethod, Posthoc, PosthocPair,
+    PosthocTest, apa,
 };
 
 pub(super) fn comparison(found: &Comparison) -> Printed {
@@ -92,37 +93,28 @@ fn pairs(found: &Posthoc) -> Table {
     } else {
         ("*d*_{z}", effect)
     };
-    let header = [
-        "",
-        "Difference",
-        "*n*",
-        statistic,
-        "*df*",
-        "*p*",
-        "*p* adjusted",
-        "",
-        size,
-        "95% CI",
-    ];
-    let mut table = table(&heading_of(found), &header);
-    for (name, pair) in found.pairs.iter() {
-        let exact = if pair.p_method == Some(PMethod::Exact) {
-            " exact"
-        } else {
-            ""
-        };
-        table.rows.push(vec![
-            Cell::text(name),
-            number(pair.mean_diff),
-            Cell::count(pair.n_used),
-            optional(pair.statistic),
-            pair.df.map_or_else(|| Cell::text(""), Cell::count),
-            Cell::text(format!("{}{exact}", shown(&p(pair.p)))),
-            p(pair.p_adjusted),
-            Cell::text(if pair.reject == Some(true) { "†" } else { "" }),
-            write(pair.effect.value),
-            interval(pair.effect.ci_low, pair.effect.ci_high, write),
-        ]);
-    }
-    table
+    let exact = |pair: &PosthocPair| match pair.p_method {
+        Some(PMethod::Exact) => " exact",
+        _ => "",
+    };
+    table(&heading_of(found), found.pairs.iter())
+        .text("", |(name, _)| *name)
+        .right("Difference", |(_, pair)| number(pair.mean_diff))
+        .right("*n*", |(_, pair)| Cell::count(pair.n_used))
+        .right(statistic, |(_, pair)| optional(pair.statistic))
+        .right("*df*", |(_, pair)| {
+            pair.df.map_or_else(|| Cell::text(""), Cell::count)
+        })
+        .right("*p*", |(_, pair)| {
+            Cell::text(format!("{}{}", shown(&p(pair.p)), exact(pair)))
+        })
+        .right("*p* adjusted", |(_, pair)| p(pair.p_adjusted))
+        .right("", |(_, pair)| {
+            Cell::text(if pair.reject == Some(true) { "†" } else { "" })
+        })
+        .right(size, |(_, pair)| write(pair.effect.value))
+        .right("95% CI", |(_, pair)| {
+            interval(pair.effect.ci_low, pair.effect.ci_high, write)
+        })
+        .done()
 }

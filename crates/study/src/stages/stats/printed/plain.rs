@@ -37,11 +37,11 @@ fn is_leaf(value: &Value) -> bool {
 
 /// Names and values, a row each.
 fn leaves<'a>(title: &str, leaves: impl Iterator<Item = (&'a String, &'a Value)>) -> Table {
-    let mut table = cells::table(title, &["", "Value"]);
-    for (name, leaf) in leaves.filter(|(_, value)| is_leaf(value)) {
-        table.rows.push(vec![Cell::text(name), cell(leaf)]);
-    }
-    table
+    let leaves = leaves.filter(|(_, value)| is_leaf(value));
+    cells::table(title, leaves)
+        .text("", |(name, _)| *name)
+        .right("Value", |(_, leaf)| cell(leaf))
+        .done()
 }
 
 /// Objects with the same names side by side, those of the first.
@@ -54,45 +54,28 @@ fn rows<'a>(title: &str, rows: impl Iterator<Item = (String, &'a Map<String, Val
         .filter(|(key, value)| *key != "name" && is_leaf(value))
         .map(|(key, _)| key)
         .collect();
-    let headers: Vec<String> = columns.iter().map(|key| markup::literal(key)).collect();
-    let headers: Vec<&str> = [""]
-        .into_iter()
-        .chain(headers.iter().map(String::as_str))
-        .collect();
-    let mut table = cells::table(title, &headers);
-    for (name, row) in &rows {
-        // An item's own name says more than its place.
-        let name = row.get("name").and_then(Value::as_str).unwrap_or(name);
-        let cells = columns
-            .iter()
-            .map(|key| row.get(*key).map_or(Cell::Missing, cell));
-        table
-            .rows
-            .push([Cell::text(name)].into_iter().chain(cells).collect());
-    }
-    table
+    // An item's own name says more than its place.
+    let table = cells::table(title, &rows).text("", |(name, row)| {
+        let own = row.get("name").and_then(Value::as_str);
+        own.unwrap_or(name).to_owned()
+    });
+    let columns = columns.into_iter();
+    let all = columns.fold(table, |table, key| {
+        table.right(markup::literal(key), |(_, row)| {
+            row.get(key).map_or(Cell::Missing, cell)
+        })
+    });
+    all.done()
 }
 
 /// Lists of the same length side by side.
 fn lists(lists: &[(&String, &Vec<Value>)]) -> Table {
-    let headers: Vec<&str> = ["Row"]
-        .into_iter()
-        .chain(lists.iter().map(|(key, _)| key.as_str()))
-        .collect();
-    let mut table = cells::table("Rows", &headers);
     let most = lists.iter().map(|(_, list)| list.len()).max().unwrap_or(0);
-    for i in 0..most {
-        let cells = lists
-            .iter()
-            .map(|(_, list)| list.get(i).map_or(Cell::Missing, cell));
-        table.rows.push(
-            [Cell::text((i + 1).to_string())]
-                .into_iter()
-                .chain(cells)
-                .collect(),
-        );
-    }
-    table
+    let table = cells::table("Rows", 0..most).text("Row", |i| (i + 1).to_string());
+    let all = lists.iter().fold(table, |table, (key, list)| {
+        table.right(key.as_str(), |&i| list.get(i).map_or(Cell::Missing, cell))
+    });
+    all.done()
 }
 
 /// A table a group of numbers; `sentences` first.

@@ -1,10 +1,7 @@
 //! Why a test was chosen: the reasons, and the checks behind them.
 
-use super::cells::{p, share, table};
-use maveric_report::{
-    markup,
-    tables::{Cell, Table},
-};
+use super::cells::{p, share, table, word};
+use maveric_report::{markup, tables::Table};
 use maveric_stats::AssumptionCheck;
 
 /// The reasons, numbered, with marks.
@@ -17,17 +14,10 @@ pub(super) fn why(reasons: &[String]) -> Vec<String> {
 
 /// The assumptions that were looked at.
 pub(super) fn checks(all: &[AssumptionCheck]) -> Table {
-    let mut table = table("Checks", &["Assumption", "*W*", "*p*", "Stands"]);
-    for check in all {
-        let stands = check.passed.map_or(Cell::Missing, |passed| {
-            Cell::text(if passed { "yes" } else { "no" })
-        });
-        table.rows.push(vec![
-            Cell::text(&check.name),
-            share(check.statistic),
-            p(check.p),
-            stands,
-        ]);
-    }
-    table
+    table("Checks", all)
+        .text("Assumption", |check| &check.name)
+        .right("*W*", |check| share(check.statistic))
+        .right("*p*", |check| p(check.p))
+        .right("Stands", |check| word(check.passed, "yes", "no"))
+        .done()
 }

@@ -2,7 +2,7 @@
 
 use super::{
     Printed,
-    cells::{degrees, effect, interval, number, optional, p, share, table},
+    cells::{degrees, effect, interval, number, optional, p, share, shown, table},
     sentences,
 };
 use maveric_report::tables::{Cell, Table};
@@ -60,103 +60,65 @@ pub(super) fn conditions(
     desc: &Named<ConditionSummary>,
     shapiro: Option<&Named<ShapiroWilk>>,
 ) -> Table {
-    let header = [
-        "",
-        "*M*",
-        "*SD*",
-        "95% within-subject CI",
-        "Shapiro-Wilk *W*",
-        "*p*",
-    ];
-    let mut table = table(
-        "Conditions",
-        &header[..if shapiro.is_some() { 6 } else { 4 }],
-    );
-    let normal = |name: &str| {
-        let test = shapiro.and_then(|tests| tests.get(name));
-        test.map_or_else(Vec::new, |test| vec![share(test.w), p(test.p)])
+    let normal = |name: &str| shapiro.and_then(|tests| tests.get(name));
+    let rows = desc.iter().map(|(name, c)| (name, Some(c)));
+    let mean = |of: fn(&ConditionSummary) -> Cell| {
+        move |(_, c): &(&str, Option<&ConditionSummary>)| c.map_or_else(|| Cell::text(""), of)
     };
-    for (name, c) in desc.iter() {
-        let ci = interval(c.within_ci_low, c.within_ci_high, optional);
-        let mut row = vec![Cell::text(name), number(c.mean), number(c.sd), ci];
-        row.extend(normal(name));
-        table.rows.push(row);
-    }
-    if shapiro.is_some() {
-        let mut row = vec![
-            Cell::text("residuals"),
-            Cell::text(""),
-            Cell::text(""),
-            Cell::text(""),
-        ];
-        row.extend(normal("residuals"));
-        table.rows.push(row);
-    }
-    table
+    let residuals = shapiro.is_some().then_some(("residuals", None));
+    table("Conditions", rows.chain(residuals))
+        .text("", |(name, _)| *name)
+        .right("*M*", mean(|c| number(c.mean)))
+        .right("*SD*", mean(|c| number(c.sd)))
+        .right(
+            "95% within-subject CI",
+            mean(|c| interval(c.within_ci_low, c.within_ci_high, optional)),
+        )
+        .and_if(shapiro.is_some(), |table| {
+            table
+                .right("Shapiro-Wilk *W*", |(name, _)| {
+                    normal(name).map_or(Cell::Missing, |test| share(test.w))
+                })
+                .right("*p*", |(name, _)| {
+                    normal(name).map_or(Cell::Missing, |test| p(test.p))
+                })
+        })
+        .done()
 }
 
 fn variance(found: &RmAnova) -> Table {
-    let mut table = table(
-        "Analysis of variance",
-        &["Source", "*SS*", "*df*", "*MS*", "*F*", "*p*"],
-    );
     let (d1, d2) = (found.df1 as f64, found.df2 as f64);
-    for (name, sum, df, f, p_value) in [
-        (
-            "conditions",
-            found.ss_condition,
-            d1,
-            optional(found.f),
-            p(found.p),
-        ),
-        (
-            "subjects",
-            found.ss_subject,
-            d2 / d1,
-            Cell::text(""),
-            Cell::text(""),
-        ),
-        ("error", found.ss_error, d2, Cell::text(""), Cell::text("")),
-    ] {
-        let mean_square = number(sum / df);
-        table.rows.push(vec![
-            Cell::text(name),
-            number(sum),
-            degrees(Some(df)),
-            mean_square,
-            f,
-            p_value,
-        ]);
-    }
-    table
+    let blank = || Cell::text("");
+    let rows = [
+        ("conditions", found.ss_condition, d1, true),
+        ("subjects", found.ss_subject, d2 / d1, false),
+        ("error", found.ss_error, d2, false),
+    ];
+    table("Analysis of variance", rows)
+        .text("Source", |row| row.0)
+        .right("*SS*", |row| number(row.1))
+        .right("*df*", |row| degrees(Some(row.2)))
+        .right("*MS*", |row| number(row.1 / row.2))
+        .right("*F*", |row| if row.3 { optional(found.f) } else { blank() })
+        .right("*p*", |row| if row.3 { p(found.p) } else { blank() })
+        .done()
 }
 
 fn corrections(found: &RmAnova, mauchly: &Mauchly, sphericity: &Sphericity) -> Table {
-    let header = [
-        "Degrees of freedom times",
-        "*ε*",
-        "*df*_{1}",
-        "*df*_{2}",
-        "*p*",
-    ];
-    let mut table = table("Sphericity", &header);
     let (d1, d2) = (found.df1 as f64, found.df2 as f64);
-    let lower = Some(sphericity.lower_bound);
-    for (name, epsilon, value) in [
+    let rows = [
         ("1 (sphericity)", Some(1.0), found.p),
         ("Greenhouse-Geisser", sphericity.gg, sphericity.p_gg),
         ("Huynh-Feldt", sphericity.hf, sphericity.p_hf),
-        ("lower bound", lower, sphericity.p_lb),
-    ] {
-        let times = |df: f64| degrees(epsilon.map(|e| e * df));
-        table.rows.push(vec![
-            Cell::text(name),
-            share(epsilon),
-            times(d1),
-            times(d2),
-            p(value),
-        ]);
-    }
+        ("lower bound", Some(sphericity.lower_bound), sphericity.p_lb),
+    ];
+    let mut table = table("Sphericity", rows)
+        .text("Degrees of freedom times", |row| row.0)
+        .right("*ε*", |row| share(row.1))
+        .right("*df*_{1}", |row| degrees(row.1.map(|e| e * d1)))
+        .right("*df*_{2}", |row| degrees(row.1.map(|e| e * d2)))
+        .right("*p*", |row| p(row.2))
+        .done();
     if let (Some(w), Some(chi2), Some(df), Some(p)) =
         (mauchly.w, mauchly.chi2, mauchly.df, mauchly.p)
     {
@@ -171,8 +133,7 @@ fn corrections(found: &RmAnova, mauchly: &Mauchly, sphericity: &Sphericity) -> T
 }
 
 fn sizes(found: &RmAnova) -> Table {
-    let mut table = table("Effect sizes", &["", "Estimate", "90% CI"]);
-    for (name, value, low, high) in [
+    let rows = [
         (
             "partial eta squared",
             found.eta2_partial,
@@ -191,112 +152,77 @@ fn sizes(found: &RmAnova) -> Table {
             found.omega2_partial_ci90_low,
             found.omega2_partial_ci90_high,
         ),
-    ] {
-        table.rows.push(vec![
-            Cell::text(name),
-            share(value),
-            interval(low, high, share),
-        ]);
-    }
-    table
+    ];
+    table("Effect sizes", rows)
+        .text("", |row| row.0)
+        .right("Estimate", |row| share(row.1))
+        .right("90% CI", |row| interval(row.2, row.3, share))
+        .done()
 }
 
 fn ranks(found: &Friedman) -> Table {
-    let mut table = table("Friedman", &["By", "Statistic", "*df*", "*p*"]);
     let two = match (found.f_df1, found.f_df2) {
         (Some(a), Some(b)) => Cell::text(format!("{a}, {b}")),
         _ => Cell::Missing,
     };
-    let exact = "all orders of the ranks (exact)";
-    table.rows = vec![
-        vec![
-            Cell::text(exact),
-            Cell::text(""),
-            Cell::text(""),
-            p(found.p_exact),
-        ],
-        vec![
-            Cell::text("F (Iman-Davenport)"),
-            optional(found.f),
-            two,
-            p(found.f_p),
-        ],
-        vec![
-            Cell::text("chi-squared"),
-            optional(found.chi2),
-            degrees(found.df.map(|df| df as f64)),
-            p(found.p),
-        ],
+    let (blank, df) = (|| Cell::text(""), degrees(found.df.map(|df| df as f64)));
+    let rows = [
+        (
+            "all orders of the ranks (exact)",
+            blank(),
+            blank(),
+            found.p_exact,
+        ),
+        ("F (Iman-Davenport)", optional(found.f), two, found.f_p),
+        ("chi-squared", optional(found.chi2), df, found.p),
     ];
     let ci = interval(found.kendall_w_ci90_low, found.kendall_w_ci90_high, share);
-    let (w, ci) = (
-        super::cells::shown(&share(found.kendall_w)),
-        super::cells::shown(&ci),
-    );
-    table
-        .notes
-        .push(format!("Kendall's *W* = {w}, 90% CI {ci}"));
-    table
+    let (w, ci) = (shown(&share(found.kendall_w)), shown(&ci));
+    table("Friedman", rows)
+        .text("By", |row| row.0)
+        .right("Statistic", |row| row.1.clone())
+        .right("*df*", |row| row.2.clone())
+        .right("*p*", |row| p(row.3))
+        .noted(format!("Kendall's *W* = {w}, 90% CI {ci}"))
 }
 
 fn t_pairs(found: &WithinAnalysis) -> Table {
-    let header = [
-        "",
-        "Difference",
-        "95% CI",
-        "*t*",
-        "*p*_{Holm}",
-        "*d*_{z}",
-        "95% CI",
-        "*g*_{z}",
-        "*d*_{av}",
-        "pooled *p*_{Holm}",
-    ];
-    let mut table = table("Pairs by paired t (A minus B, Holm)", &header);
-    for ((name, t), pooled) in found.paired.iter().zip(found.pooled.values()) {
-        table.rows.push(vec![
-            Cell::text(name),
-            number(t.mean_diff),
-            interval(t.ci_low, t.ci_high, optional),
-            optional(t.t),
-            p(t.p_holm),
-            effect(t.dz),
-            interval(t.dz_ci_low, t.dz_ci_high, effect),
-            effect(t.gz),
-            effect(t.d_av),
-            p(pooled.p_holm),
-        ]);
-    }
-    table
+    let pairs = found.paired.iter().zip(found.pooled.values());
+    table("Pairs by paired t (A minus B, Holm)", pairs)
+        .text("", |((name, _), _)| *name)
+        .right("Difference", |((_, t), _)| number(t.mean_diff))
+        .right("95% CI", |((_, t), _)| {
+            interval(t.ci_low, t.ci_high, optional)
+        })
+        .right("*t*", |((_, t), _)| optional(t.t))
+        .right("*p*_{Holm}", |((_, t), _)| p(t.p_holm))
+        .right("*d*_{z}", |((_, t), _)| effect(t.dz))
+        .right("95% CI", |((_, t), _)| {
+            interval(t.dz_ci_low, t.dz_ci_high, effect)
+        })
+        .right("*g*_{z}", |((_, t), _)| effect(t.gz))
+        .right("*d*_{av}", |((_, t), _)| effect(t.d_av))
+        .right("pooled *p*_{Holm}", |(_, pooled)| p(pooled.p_holm))
+        .done()
 }
 
 fn rank_pairs(found: &WithinAnalysis) -> Table {
-    let header = [
-        "",
-        "*n*",
-        "*W*_{+}",
-        "*W*_{−}",
-        "Wilcoxon *p*_{Holm}",
-        "*r*_{rb}",
-        "95% CI",
-        "Conover *p*_{Holm}",
-        "Nemenyi *p*",
-    ];
-    let mut table = table("Pairs by ranks (A minus B, Holm)", &header);
-    let tests = found.wilcoxon.iter().zip(found.conover.values());
-    for (((name, w), conover), nemenyi) in tests.zip(found.nemenyi.values()) {
-        let sum = |value: Option<f64>| value.map_or(Cell::Missing, |v| Cell::text(v.to_string()));
-        table.rows.push(vec![
-            Cell::text(name),
-            Cell::count(w.n_used),
-            sum(w.w_plus),
-            sum(w.w_minus),
-            p(w.p_holm),
-            share(w.rank_biserial),
-            interval(w.rank_biserial_ci_low, w.rank_biserial_ci_high, share),
-            p(conover.p_holm),
-            p(Some(nemenyi.p)),
-        ]);
-    }
-    table
+    let sum = |value: Option<f64>| value.map_or(Cell::Missing, |v| Cell::text(v.to_string()));
+    let others = found.conover.values().zip(found.nemenyi.values());
+    table(
+        "Pairs by ranks (A minus B, Holm)",
+        found.wilcoxon.iter().zip(others),
+    )
+    .text("", |((name, _), _)| *name)
+    .right("*n*", |((_, w), _)| Cell::count(w.n_used))
+    .right("*W*_{+}", |((_, w), _)| sum(w.w_plus))
+    .right("*W*_{−}", |((_, w), _)| sum(w.w_minus))
+    .right("Wilcoxon *p*_{Holm}", |((_, w), _)| p(w.p_holm))
+    .right("*r*_{rb}", |((_, w), _)| share(w.rank_biserial))
+    .right("95% CI", |((_, w), _)| {
+        interval(w.rank_biserial_ci_low, w.rank_biserial_ci_high, share)
+    })
+    .right("Conover *p*_{Holm}", |(_, (conover, _))| p(conover.p_holm))
+    .right("Nemenyi *p*", |(_, (_, nemenyi))| p(Some(nemenyi.p)))
+    .done()
 }
