@@ -24,14 +24,14 @@ fn trial(
     missing: Option<String>,
     test: impl FnOnce() + Send + 'static,
 ) -> Trial {
-    if let Some(why) = &missing {
-        eprintln!("skipped: {name}: {why}");
-    }
+    let ignored = missing
+        .inspect(|why| eprintln!("skipped: {name}: {why}"))
+        .is_some();
     let test = || {
         test();
         Ok(())
     };
-    Trial::test(name, test).with_ignored_flag(missing.is_some())
+    Trial::test(name, test).with_ignored_flag(ignored)
 }
 
 fn main() {
