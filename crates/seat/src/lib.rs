@@ -4,6 +4,7 @@
 //! has ended is driven again from its record and written as a log ([`files`]). [`demo`] makes the model of made-up people.
 
 mod above;
+mod among_others;
 mod assets;
 pub mod carried;
 pub mod demo;

@@ -3,6 +3,7 @@
 #[cfg(feature = "tls")]
 use crate::wire::tls::Encrypted;
 use crate::{
+    among_others::AmongOthers,
     assets,
     error::SeatError,
     intake, lab, origin,
@@ -230,6 +231,8 @@ struct PageState<'a> {
     whole: bool,
     scenario: &'a str,
     view: &'a SeatView,
+    /// Their style beside the others', once they are through.
+    styles: Option<AmongOthers>,
 }
 
 async fn state(State(shared): State<Shared>, Path(token): Path<String>) -> Answered<Response> {
@@ -252,6 +255,7 @@ async fn state(State(shared): State<Shared>, Path(token): Path<String>) -> Answe
         whole: begun.last().is_some_and(|b| b.ended),
         scenario: &shared.seat.scenario_json,
         view: &design.protocol().view,
+        styles: shared.seat.among_others(&person)?,
     }))
 }
 

@@ -127,6 +127,8 @@ pub struct Protocol {
     pub thanks: Option<PathBuf>,
     /// A code for the platform that pays.
     pub code: Option<String>,
+    /// Whether people see their own style beside those of the others at the end.
+    pub show_style: bool,
     /// Root of every random choice.
     pub seed: u64,
 }
@@ -146,6 +148,7 @@ impl Default for Protocol {
             view: SeatView::default(),
             thanks: None,
             code: None,
+            show_style: false,
             seed: 1,
         }
     }

@@ -15,9 +15,12 @@ export interface Fit { embedding: number[]; covariance: number[] | null; score: 
 /// turned by so much.
 export interface ViewSettings { eye_m: number; field_deg: number; screens: number; side_deg: number }
 
+/// One's own style beside those of the others (lowest first), in points that the model reads.
+export interface Styles { own: number; others: number[]; sportier_up: boolean }
+
 export interface State {
   title: string; synthetic: boolean; made_up_model: boolean; mph: boolean;
-  at: number; ended: string | null; steps: Step[]; fit: Fit | null; attempts: number; whole: boolean; scenario: string; view: ViewSettings;
+  at: number; ended: string | null; steps: Step[]; fit: Fit | null; attempts: number; whole: boolean; scenario: string; view: ViewSettings; styles: Styles | null;
 }
 
 /// The file that holds the study where no server does.

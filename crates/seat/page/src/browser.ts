@@ -104,7 +104,7 @@ export class Browser implements Keeper {
     const begun = kept.drives.filter((d) => d.step === kept.at);
     const fit = kept.fit === null ? null : JSON.parse(kept.fit) as State["fit"];
     return {
-      ...told, at: kept.at, ended: kept.ended, steps, fit,
+      ...told, styles: null, at: kept.at, ended: kept.ended, steps, fit,
       attempts: begun.reduce((most, d) => Math.max(most, d.attempt), 0), whole: begun.some((d) => d.ended),
     };
   }

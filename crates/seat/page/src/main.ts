@@ -6,6 +6,7 @@ import { choose } from "./controls";
 import { keeper } from "./keeper";
 import { run, type Wanted } from "./drive";
 import { sendLeftovers } from "./outbox";
+import { styles } from "./styles";
 import { make, paragraphs, pressed, sheet, show, text } from "./words";
 
 const minutes = (seconds: number): string => (seconds < 90 ? `${Math.round(seconds)} seconds` : `${Math.round(seconds / 60)} minutes`);
@@ -79,7 +80,7 @@ async function once(state: api.State): Promise<boolean> {
   if (state.ended || !step) {
     leaveButton.hidden = true;
     show(make("h1", [state.ended === "done" || !step ? "Thank you" : "You have left the study"]),
-      ...code(state), ...await keeper.handOver(), make("p", [state.ended === "deleted" ? "What you gave was deleted." : "You can close this page."]));
+      ...code(state), ...(state.styles ? styles(state.styles) : []), ...await keeper.handOver(), make("p", [state.ended === "deleted" ? "What you gave was deleted." : "You can close this page."]));
     return false;
   }
   switch (step.kind) {

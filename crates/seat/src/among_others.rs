@@ -1,0 +1,93 @@
+//! Somebody's style beside those of the others, for who has taken part.
+
+use crate::{error::SeatError, person::Person, seat::Seat};
+use maveric_domain::design::Sign;
+use maveric_seat_page::Fit;
+use serde::Serialize;
+
+/// Fewer others could be told apart by who knows when they drove.
+const FEWEST_OTHERS: usize = 4;
+
+/// Scores that the model reads from how people drove, in the scale's points.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct AmongOthers {
+    /// Their own.
+    pub(crate) own: f64,
+    /// The others' who are through, lowest first.
+    pub(crate) others: Vec<f64>,
+    /// Whether more points are sportier.
+    pub(crate) sportier_up: bool,
+}
+
+fn score(person: &Person) -> Option<f64> {
+    let fit: Fit = serde_json::from_str(person.fit.as_deref()?).ok()?;
+    fit.score.filter(|_| fit.readings > 0)
+}
+
+fn through(person: &Person) -> bool {
+    person.ended.as_deref() == Some("done")
+}
+
+/// The score of `person` and those of the others who are through, lowest first; none before they are through or beside too few.
+fn beside(person: &Person, everybody: &[Person]) -> Option<(f64, Vec<f64>)> {
+    let own = score(person).filter(|_| through(person))?;
+    let others = everybody
+        .iter()
+        .filter(|p| through(p) && p.token != person.token);
+    let mut others: Vec<f64> = others.filter_map(score).collect();
+    others.sort_by(f64::total_cmp);
+    (others.len() >= FEWEST_OTHERS).then_some((own, others))
+}
+
+impl Seat {
+    /// What `person` may see of the others: nothing where the study does not show it.
+    ///
+    /// # Errors
+    /// [`SeatError::Store`].
+    pub(crate) fn among_others(&self, person: &Person) -> Result<Option<AmongOthers>, SeatError> {
+        let design = &self.settings.design;
+        let Some(style) = design.style().filter(|_| design.protocol().show_style) else {
+            return Ok(None);
+        };
+        let found = beside(person, &self.store.everybody()?);
+        Ok(found.map(|(own, others)| AmongOthers {
+            own,
+            others,
+            sportier_up: style.aggression == Sign::Plus,
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn person(token: &str, score: f64, ended: Option<&str>) -> Person {
+        let fit =
+            format!(r#"{{"embedding":[0.0],"covariance":null,"score":{score},"readings":3}}"#);
+        Person {
+            token: token.to_owned(),
+            participant: token.to_owned(),
+            steps: Vec::new(),
+            at: 0,
+            ended: ended.map(str::to_owned),
+            fit: Some(fit),
+        }
+    }
+
+    #[test]
+    fn a_style_is_shown_beside_those_who_are_through_and_not_beside_too_few() {
+        let mut all: Vec<Person> = [31.0, 18.5, 40.0, 25.0]
+            .iter()
+            .enumerate()
+            .map(|(i, score)| person(&i.to_string(), *score, Some("done")))
+            .collect();
+        all.push(person("left", 50.0, Some("left")));
+        let me = person("me", 20.0, Some("done"));
+        let found = beside(&me, &all);
+        assert_eq!(found, Some((20.0, vec![18.5, 25.0, 31.0, 40.0])));
+        assert_eq!(beside(&person("me", 20.0, None), &all), None);
+        // Three others: they could be told apart.
+        assert_eq!(beside(&all[0], &all), None);
+    }
+}
