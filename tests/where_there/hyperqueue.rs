@@ -11,10 +11,14 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// The test, with the program that it needs.
+/// The tests, with the program that they need.
 pub(crate) fn tests() -> Vec<Trial> {
-    let name = "the_small_study_comes_out_the_same_when_a_worker_is_killed_at_work";
-    vec![trial(name, runs("hq").err(), killed_at_work)]
+    let killed = "the_small_study_comes_out_the_same_when_a_worker_is_killed_at_work";
+    let many = "every_one_of_many_tasks_makes_its_own_and_none_is_left_to_do";
+    vec![
+        trial(killed, runs("hq").err(), killed_at_work),
+        trial(many, runs("hq").err(), many_tasks),
+    ]
 }
 
 /// A server and its workers, which end with it.
@@ -141,11 +145,8 @@ fn killed_at_work() {
     assert!(differ.is_empty(), "{differ:?} differ");
 }
 
-#[test]
-fn every_one_of_many_tasks_makes_its_own_and_none_is_left_to_do() {
-    let Some(cluster) = Cluster::start(2) else {
-        return;
-    };
+fn many_tasks() {
+    let cluster = Cluster::start(2);
     let tasks = std::env::var("MAVERIC_HQ_TASKS").map_or(200, |n| n.parse().unwrap());
     let study = TempStudy::new();
     study.write(
