@@ -81,7 +81,10 @@ class Somebody {
     this.page = await this.context.newPage();
     this.page.on("pageerror", (error) => check(false, `no error in the page: ${error.message}`));
     this.page.on("console", (message) => { if (message.type() === "error" && !message.text().includes("Failed to load resource")) check(false, `no error on the console: ${message.text()}`); });
+    const begun = Date.now();
     await this.page.goto(new URL(this.link, base).href);
+    await this.words();
+    if (this.tell) console.log(`  the first page ${Date.now() - begun} ms after the link is opened`);
   }
   heading() { return this.page.locator("main h1").first().textContent(); }
   driving() { return this.page.locator("#drive").isVisible(); }
@@ -115,6 +118,13 @@ class Somebody {
     await page.locator("form button").press("Enter");
   }
 
+  /// Waits for the first picture of a drive that begins, whose speed is shown with it.
+  async pictured() {
+    const begun = Date.now();
+    await this.page.waitForFunction(() => /\d/.test(document.querySelector("#speed").textContent), null, { timeout: 60000 });
+    console.log(`  a picture ${Date.now() - begun} ms after Begin is pressed`);
+  }
+
   /// One step after the other; `upset` comes between where it is given.
   async goThrough(upset) {
     for (let guard = 0; guard < 60; guard++) {
@@ -140,6 +150,7 @@ class Somebody {
         await this.context.setOffline(false);
       } else if (asked) await this.answer(fresh);
       else await this.pressMain();
+      if (fresh && drives) await this.pictured();
       if (drives) await this.drive(title, fresh, upset);
       // Two scales in a row may have one title: that the first is gone shows by what is asked of the server.
       await this.gone(title).catch(() => {});

@@ -5,6 +5,7 @@ use crate::{
     error::BagError,
     record::{self, Channel, HEAD, Record, op},
 };
+use mcap::records::AttachmentIndex;
 use std::{
     collections::BTreeMap,
     fs::File,
@@ -97,27 +98,27 @@ pub fn attachment(path: &Path, name: &str) -> Result<Option<Vec<u8>>, BagError> 
             _ => None,
         }
     });
-    let Some(mut index) = index else {
+    let Some(index) = index else {
         return Ok(None);
     };
-    let damaged = |what: String| BagError::Damaged {
+    let damaged = || BagError::Damaged {
         path: path.to_owned(),
         at_byte: index.offset,
-        what,
+        what: format!("`{name}` is not what the summary says"),
     };
-    if index.length > length {
-        let what = format!("`{name}` is said to have {} bytes", index.length);
-        return Err(damaged(what));
+    let end = index.offset.checked_add(index.length);
+    if end.is_none_or(|end| end > length) {
+        return Err(damaged());
     }
     file.seek(SeekFrom::Start(index.offset)).map_err(io)?;
     let mut record = vec![0; index.length as usize];
     file.read_exact(&mut record).map_err(io)?;
-    let damaged = damaged(format!("`{name}` is not what the summary says"));
-    index.offset = 0;
-    match mcap::read::attachment(&record, &index) {
-        Ok(found) => Ok(Some(found.data.into_owned())),
-        Err(_) => Err(damaged),
-    }
+    let alone = AttachmentIndex {
+        offset: 0,
+        ..index.clone()
+    };
+    let found = mcap::read::attachment(&record, &alone).map_err(|_| damaged())?;
+    Ok(Some(found.data.into_owned()))
 }
 
 #[cfg(test)]

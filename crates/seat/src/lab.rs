@@ -142,7 +142,10 @@ async fn enter(State(shared): State<Shared>, body: Bytes) -> Response {
     if right.is_some_and(|(password, given)| token::same_secret(given, password)) {
         let password = shared.seat.settings.password.as_deref().unwrap_or_default();
         let value = token::sha256(&format!("lab {password}"));
-        let secure = if shared.encrypted { "; Secure" } else { "" };
+        let secure = match shared.wire.scheme() {
+            "https" => "; Secure",
+            _ => "",
+        };
         return to_lab(Some(format!(
             "{COOKIE}={value}; Path=/lab; HttpOnly; SameSite=Strict{secure}"
         )));

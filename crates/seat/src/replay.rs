@@ -5,7 +5,7 @@ use maveric_bag::{MAGIC, attachment};
 use maveric_domain::DrivenBy;
 use maveric_seat_page::Record;
 use serde::Serialize;
-use std::{io::Read as _, path::Path};
+use std::path::Path;
 
 /// What became of a drive that was driven again.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -31,19 +31,12 @@ pub fn repeat(path: &Path) -> Result<Repeated, SeatError> {
         path: path.to_owned(),
         source,
     };
-    let mut first = Vec::new();
-    let mut file = std::fs::File::open(path).map_err(io)?;
-    (&mut file)
-        .take(MAGIC.len() as u64)
-        .read_to_end(&mut first)
-        .map_err(io)?;
-    let text = if first == MAGIC {
+    let mut bytes = std::fs::read(path).map_err(io)?;
+    if bytes.starts_with(MAGIC) {
         let record = attachment(path, RECORD)?;
-        let record = record.ok_or_else(|| SeatError::NoRecord(path.to_owned()))?;
-        String::from_utf8(record).map_err(|e| io(std::io::Error::other(e)))?
-    } else {
-        std::fs::read_to_string(path).map_err(io)?
-    };
+        bytes = record.ok_or_else(|| SeatError::NoRecord(path.to_owned()))?;
+    }
+    let text = String::from_utf8(bytes).map_err(|e| io(std::io::Error::other(e)))?;
     let bad = |source| SeatError::Record {
         path: path.to_owned(),
         source,

@@ -1,6 +1,6 @@
 //! What every request has: the seat, who asks, and how they are answered.
 
-use crate::{error::SeatError, person::Person, seat::Seat, steps::Step, token};
+use crate::{error::SeatError, person::Person, seat::Seat, steps::Step, token, wire::Wire};
 use axum::{
     http::{StatusCode, header},
     response::{IntoResponse, Response},
@@ -13,10 +13,8 @@ use std::{net::SocketAddr, sync::Arc};
 pub(crate) struct Shared {
     pub(crate) seat: Arc<Seat>,
     pub(crate) address: SocketAddr,
-    /// Whether something in front answers for names and encryption.
-    pub(crate) behind_a_proxy: bool,
-    /// Whether the server encrypts.
-    pub(crate) encrypted: bool,
+    /// How what is sent is kept from others.
+    pub(crate) wire: Wire,
     /// Whoever gives a wrong password waits in this line.
     pub(crate) guesses: Arc<tokio::sync::Mutex<()>>,
 }

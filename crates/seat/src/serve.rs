@@ -69,8 +69,7 @@ pub async fn serve(seat: Arc<Seat>, address: SocketAddr, wire: Wire) -> Result<S
     let shared = Shared {
         seat,
         address,
-        behind_a_proxy: matches!(wire, Wire::BehindProxy),
-        encrypted: wire.scheme() == "https",
+        wire: wire.clone(),
         guesses: Arc::default(),
     };
     Ok(Serving {
@@ -172,7 +171,7 @@ fn router(shared: Shared) -> Router {
 /// Refuses what other pages ask for, and says to the browser what a page of ours may do.
 async fn guard(State(shared): State<Shared>, request: Request, next: Next) -> Response {
     let headers = request.headers();
-    if !shared.behind_a_proxy && !origin::host_is_ours(headers, shared.address) {
+    if !matches!(shared.wire, Wire::BehindProxy) && !origin::host_is_ours(headers, shared.address) {
         return (StatusCode::MISDIRECTED_REQUEST, "not this machine's name").into_response();
     }
     if request.method() != axum::http::Method::GET && !origin::own(headers) {

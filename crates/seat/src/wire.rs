@@ -4,7 +4,7 @@ use crate::error::SeatError;
 use std::path::{Path, PathBuf};
 
 /// How what is sent is kept from others on its way.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub enum Wire {
     /// It does not leave this computer.
     Here,
@@ -13,17 +13,6 @@ pub enum Wire {
     /// The server encrypts it.
     #[cfg(feature = "tls")]
     Tls(tls::Identity),
-}
-
-impl std::fmt::Debug for Wire {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Here => "Here",
-            Self::BehindProxy => "BehindProxy",
-            #[cfg(feature = "tls")]
-            Self::Tls(_) => "Tls",
-        })
-    }
 }
 
 impl Wire {
@@ -87,7 +76,7 @@ pub(crate) mod tls {
     const WAITING: usize = 64;
 
     /// A certificate with its key.
-    #[derive(Clone)]
+    #[derive(Debug, Clone)]
     pub struct Identity(Arc<ServerConfig>);
 
     pub(super) fn identity(certificate: &Path, key: &Path) -> Result<Identity, SeatError> {
