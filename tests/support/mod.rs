@@ -22,24 +22,6 @@ pub fn root() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
 }
 
-/// Recordings that stand beside the checkout; else which are missing.
-pub fn shared(path: &str) -> Result<PathBuf, String> {
-    let found = root().join("../shared/data").join(path);
-    if found.exists() {
-        return Ok(found);
-    }
-    Err(format!("{} is not there", found.display()))
-}
-
-/// Whether a program is on the PATH; else that it is not.
-pub fn runs(program: &str) -> Result<(), String> {
-    let ran = Command::new(program).arg("--version").output();
-    match ran {
-        Ok(ran) if ran.status.success() => Ok(()),
-        _ => Err(format!("`{program}` is not on the PATH")),
-    }
-}
-
 /// A folder with this project's `study_data` and `pipelines`, in which pipelines run.
 pub struct TempStudy {
     folder: tempfile::TempDir,

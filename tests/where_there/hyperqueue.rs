@@ -1,8 +1,8 @@
 //! A real HyperQueue, where `hq` is on the PATH: the small study on two workers, one of which is killed while it works; and many
 //! tasks, as many as `MAVERIC_HQ_TASKS` says.
 
-use crate::support::{Ran, TempStudy, runs};
-use crate::trial;
+use crate::support::{Ran, TempStudy};
+use crate::where_there::{runs, trial};
 use libtest_mimic::Trial;
 use std::{
     collections::BTreeMap,

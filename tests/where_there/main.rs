@@ -1,5 +1,4 @@
-//! Tests that need what is not everywhere: recordings, a scheduler, LaTeX, a disk of their own. One whose need is not met is not run: it
-//! counts as ignored, by its name, and the reason is said.
+//! The program with what is not everywhere: recordings, a scheduler, LaTeX, a disk of its own.
 
 #![allow(
     clippy::unwrap_used,
@@ -15,24 +14,8 @@ mod recordings;
 mod small_disk;
 #[path = "../support/mod.rs"]
 mod support;
-
-use libtest_mimic::{Arguments, Trial};
-
-/// A test that runs unless something is missing.
-fn trial(
-    name: &'static str,
-    missing: Option<String>,
-    test: impl FnOnce() + Send + 'static,
-) -> Trial {
-    let ignored = missing
-        .inspect(|why| eprintln!("skipped: {name}: {why}"))
-        .is_some();
-    let test = || {
-        test();
-        Ok(())
-    };
-    Trial::test(name, test).with_ignored_flag(ignored)
-}
+#[path = "../support/where_there.rs"]
+mod where_there;
 
 fn main() {
     let mut tests = recordings::tests();
@@ -42,5 +25,5 @@ fn main() {
         tests.extend(hyperqueue::tests());
         tests.extend(small_disk::tests());
     }
-    libtest_mimic::run(&Arguments::from_args(), tests).exit();
+    where_there::run(tests)
 }

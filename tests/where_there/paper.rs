@@ -1,7 +1,7 @@
 //! A small paper of a study's manuscript, where LaTeX is on the PATH.
 
-use crate::support::{TempStudy, runs};
-use crate::trial;
+use crate::support::TempStudy;
+use crate::where_there::{runs, trial};
 use libtest_mimic::Trial;
 use std::process::Command;
 

@@ -1,7 +1,7 @@
 //! Real recordings, where they stand beside the checkout.
 
-use crate::support::{TempStudy, shared};
-use crate::trial;
+use crate::support::TempStudy;
+use crate::where_there::{shared, trial};
 use libtest_mimic::Trial;
 
 /// The tests, each with the recording that it needs.

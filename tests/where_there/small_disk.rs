@@ -1,7 +1,7 @@
 //! A disk that fills up, where a file system of its own may be mounted.
 
 use crate::support::TempStudy;
-use crate::trial;
+use crate::where_there::trial;
 use libtest_mimic::Trial;
 use std::{fmt::Write as _, path::Path, process::Command};
 

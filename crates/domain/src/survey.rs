@@ -410,4 +410,126 @@ mod tests {
         assert!(AdbScore::new(f64::NAN).is_err());
         assert!(AdbScore::new(55.0).is_ok());
     }
+
+    const TWO_OF_FOUR: &str = r#"
+id = "trust"
+title = "Trust"
+reference = "chosen"
+items = 4
+min = 1
+max = 7
+scoring = "sum"
+reversed = [4]
+min_answered = 1.0
+wording = ["a", "b", "c", "d"]
+column = "q{item}"
+[[subscales]]
+id = "own"
+title = "Own"
+items = [1, 2]
+reversed = [1]
+same = 14.0
+norms = { mean = 8.0, sd = 2.5, alpha = 0.8, source = "chosen" }
+[[subscales]]
+id = "other"
+title = "Other"
+items = [3, 4]
+[[correlations]]
+of = ["own", "other"]
+r = 0.4
+source = "chosen"
+"#;
+
+    /// The scale with one line changed, and what is said of it.
+    fn said(from: &str, to: &str) -> Result<Scale, String> {
+        assert!(TWO_OF_FOUR.contains(from), "{from}");
+        let scale: Scale = toml::from_str(&TWO_OF_FOUR.replacen(from, to, 1)).unwrap();
+        scale.validate().map_err(|e| e.to_string())?;
+        Ok(scale)
+    }
+
+    #[test]
+    fn a_scale_that_agrees_with_itself_is_taken_up_to_its_ends() {
+        let scale = said("alpha = 0.8", "alpha = 0.99").unwrap();
+        assert_eq!(scale.score_range(&scale.subscales[0]), (2.0, 14.0));
+        let reversed = |sub: usize| {
+            let items = 1..=4;
+            let is = |item: &u32| scale.is_reversed(&scale.subscales[sub], *item);
+            items.filter(is).collect::<Vec<u32>>()
+        };
+        assert_eq!((reversed(0), reversed(1)), (vec![1, 4], vec![4]));
+        assert_eq!(scale.column_of(3), "q3");
+        let mean = said(
+            "scoring = \"sum\"\nreversed",
+            "scoring = \"mean\"\nreversed",
+        );
+        assert!(mean.unwrap_err().contains("same is 14, expected 1 to 7"));
+        let plain = said("column = \"q{item}\"\n", "").unwrap();
+        assert_eq!(plain.column_of(3), "trust_3");
+        for (from, to) in [
+            ("same = 14.0", "same = 2.0"),
+            ("wording = [\"a\", \"b\", \"c\", \"d\"]\n", ""),
+            ("min_answered = 1.0", "min_answered = 0.01"),
+            ("mean = 8.0, sd = 2.5", "mean = 2.1, sd = 5.9"),
+            ("r = 0.4", "r = -0.99"),
+        ] {
+            assert!(said(from, to).is_ok(), "{to}");
+        }
+    }
+
+    #[test]
+    fn each_contradiction_of_a_scale_is_named() {
+        let twice =
+            "of = [\"other\", \"own\"]\nr = 0.1\nsource = \"x\"\n[[correlations]]\nof = [\"own\"";
+        for (from, to, word) in [
+            ("items = 4", "items = 0", "at least one item"),
+            ("max = 7", "max = 1", "min 1 is not below max 1"),
+            ("min_answered = 1.0", "min_answered = 0.0", "not in (0, 1]"),
+            ("min_answered = 1.0", "min_answered = 1.1", "not in (0, 1]"),
+            ("\"c\", \"d\"]", "\"c\"]", "3 texts for 4 items"),
+            ("reversed = [4]", "reversed = [5]", "reversed item 5"),
+            ("reversed = [4]", "reversed = [0]", "reversed item 0"),
+            ("items = [1, 2]", "items = []", "`own` has no items"),
+            ("items = [1, 2]", "items = [1, 5]", "names item 5 of 4"),
+            ("reversed = [1]", "reversed = [9]", "names item 9 of 4"),
+            ("items = [1, 2]", "items = [2, 1, 2]", "item 2 twice"),
+            ("same = 14.0", "same = 14.5", "expected 2 to 14"),
+            ("same = 14.0", "same = 1.5", "expected 2 to 14"),
+            ("mean = 8.0", "mean = 14.0", "norms.mean is 14"),
+            ("mean = 8.0", "mean = 2.0", "norms.mean is 2"),
+            ("sd = 2.5", "sd = 6.0", "above 0 and below 6"),
+            ("sd = 2.5", "sd = 0.0", "norms.sd is 0"),
+            ("alpha = 0.8", "alpha = 1.0", "norms.alpha is 1"),
+            ("alpha = 0.8", "alpha = 0.0", "norms.alpha is 0"),
+            ("source = \"chosen\" }", "source = \" \" }", "norms.source"),
+            ("column = \"q{item}\"", "column = \"q\"", "no `{item}`"),
+            (
+                "\"own\", \"other\"]",
+                "\"own\", \"own\"]",
+                "of one subscale",
+            ),
+            (
+                "\"own\", \"other\"]",
+                "\"own\", \"so\"]",
+                "no subscale `so`",
+            ),
+            ("of = [\"own\"", twice, "given twice"),
+            ("r = 0.4", "r = 1.0", "is 1, expected between -1 and 1"),
+            ("r = 0.4", "r = -1.0", "is -1, expected between"),
+            (
+                "0.4\nsource = \"chosen\"",
+                "0.4\nsource = \"\"",
+                "source is empty",
+            ),
+        ] {
+            let error = said(from, to).unwrap_err();
+            assert!(error.contains(word), "{to}: {error}");
+        }
+        let none = toml::from_str::<Scale>(TWO_OF_FOUR).unwrap();
+        let none = Scale {
+            subscales: Vec::new(),
+            ..none
+        };
+        assert!(none.validate().is_err());
+    }
 }

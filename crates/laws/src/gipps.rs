@@ -64,4 +64,20 @@ mod tests {
         assert!(GIPPS.accel_mps2(2.0, 0.0, 0.0).abs() < 1e-9);
         assert!(GIPPS.accel_mps2(0.0, 10.0, 0.0) < -8.0);
     }
+
+    #[test]
+    fn free_and_behind_somebody_it_is_the_speed_worked_out_by_hand() {
+        let gipps = Gipps {
+            desired_speed_mps: 40.0,
+            reaction_s: 0.5,
+            max_accel_mps2: 1.6,
+            ego_braking_mps2: 2.0,
+            lead_braking_mps2: 4.0,
+            ..GIPPS
+        };
+        // 2.5 · 1.6 · 0.5 (1 - 9/40) √(0.025 + 9/40) = 2 · 0.775 · 0.5 faster after half a second.
+        assert!((gipps.accel_mps2(1e4, 9.0, 9.0) - 1.55).abs() < 1e-12);
+        // √(1 + 2 (2 · 10.25 - 10 · 0.5 + 8²/4)) - 1 = 7 m/s after half a second.
+        assert!((gipps.accel_mps2(12.25, 10.0, 8.0) - (7.0 - 10.0) / 0.5).abs() < 1e-12);
+    }
 }

@@ -170,4 +170,37 @@ mod tests {
             assert!(half.abs() < 1e-9);
         }
     }
+
+    #[test]
+    fn every_regime_has_the_value_worked_out_by_hand() {
+        let driver = Idm {
+            desired_speed_mps: 40.0,
+            max_accel_mps2: 2.0,
+            comfortable_braking_mps2: 8.0,
+            ..DRIVER
+        };
+        let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found}");
+        // 2 + 20 · 1.2 + 20 · 8 / (2√16), and of the free road's 1 a sixteenth is gone at half the desired speed.
+        near(driver.desired_gap_m(20.0, 12.0), 46.0);
+        near(
+            driver.accel_mps2(23.0, 20.0, 12.0),
+            2.0 * (1.0 - 1.0 / 16.0 - 4.0),
+        );
+        near(driver.held_back_mps2(23.0, 20.0, 12.0).unwrap(), -6.0);
+        near(driver.improved_accel_mps2(23.0, 20.0, 12.0, 1.0), -6.0);
+        let free = 2.0 * 15.0 / 16.0;
+        let held = 1.0 - 0.5_f64.powf(4.0 / free);
+        near(
+            driver.improved_accel_mps2(92.0, 20.0, 12.0, 1.0),
+            free * held,
+        );
+        // Who draws away is wanted no further than at standstill.
+        near(driver.desired_gap_m(20.0, 40.0), 2.0);
+        // At twice the desired speed: -8 (1 - 2⁻¹), and half the wanted 98 m.
+        near(
+            driver.improved_accel_mps2(49.0, 80.0, 80.0, 1.0),
+            -4.0 - 6.0,
+        );
+        near(driver.improved_accel_mps2(99.0, 80.0, 80.0, 1.0), -4.0);
+    }
 }

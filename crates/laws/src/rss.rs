@@ -144,6 +144,8 @@ mod tests {
         for (speed, lead) in [(5.0, 3.0), (20.0, 18.0), (30.0, 29.0)] {
             let gap = RSS.distance_m(speed, lead);
             assert!((RSS.safe_speed_mps(gap, lead) - speed).abs() < 1e-9);
+            // 0.3 m/s too fast, to be lost within 0.3 s.
+            assert!((RSS.most_accel_mps2(gap, speed + 0.3, lead) + 1.0).abs() < 1e-9);
             let by = 1e-5;
             let rise = RSS.safe_speed_mps(gap + by, lead) - RSS.safe_speed_mps(gap - by, lead);
             assert!((rise / (2.0 * by) - RSS.safe_speed_slope_per_s(gap, lead)).abs() < 1e-6);
@@ -153,8 +155,31 @@ mod tests {
     }
 
     #[test]
-    fn the_needed_braking_just_avoids_the_margin() {
-        assert!((needed_braking_mps2(52.0, 2.0, 30.0, 20.0, 0.0) - 1.0).abs() < 1e-12);
+    fn who_brakes_as_is_needed_comes_to_the_margin_and_no_nearer() {
+        for (gap, speed, lead, lead_brakes) in [
+            (52.0, 30.0, 20.0, 0.0),
+            // The speeds meet while the lead still moves; it stands before that; it stands already.
+            (12.0, 30.0, 20.0, 3.0),
+            (52.0, 30.0, 20.0, 3.0),
+            (52.0, 30.0, 0.0, 0.0),
+        ] {
+            let needed = needed_braking_mps2(gap, 2.0, speed, lead, lead_brakes);
+            let way = |from: f64, braking: f64, t: f64| {
+                let t = if braking > 0.0 {
+                    t.min(from / braking)
+                } else {
+                    t
+                };
+                from * t - 0.5 * braking * t * t
+            };
+            let apart = |tick: u32| {
+                let t = f64::from(tick) * 1e-3;
+                gap + way(lead, lead_brakes, t) - way(speed, needed, t)
+            };
+            let nearest = (0..30_000).map(apart).fold(gap, f64::min);
+            assert!((nearest - 2.0).abs() < 1e-3, "{nearest}");
+        }
+        // Nobody brakes for who is no slower.
         assert!(needed_braking_mps2(52.0, 2.0, 20.0, 20.0, 4.0).abs() < 1e-12);
     }
 

@@ -1,6 +1,8 @@
 //! A cache and inputs on a local S3 server, where `moto_server` is on the PATH.
-#![cfg(all(unix, feature = "object-store"))]
-#![expect(clippy::unwrap_used, reason = "the helpers of tests are tests, too")]
+#![expect(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+
+#[path = "../../../tests/support/where_there.rs"]
+mod where_there;
 
 use std::fs;
 use std::io::{Read, Write};
@@ -9,7 +11,9 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use maveric_pipeline::*;
+use maveric_pipeline::{
+    Pipeline, PipelineError, Place, RunOptions, RunReport, Settings, State, run,
+};
 
 /// The variables by which `object_store` finds the server; this test file is a process of its own.
 const CHILD: &str = "MAVERIC_PIPELINE_TEST_BUCKET";
@@ -24,7 +28,7 @@ struct Server {
 }
 
 impl Server {
-    fn start() -> Option<Self> {
+    fn start() -> Result<Self, String> {
         let port = TcpListener::bind("127.0.0.1:0")
             .unwrap()
             .local_addr()
@@ -36,19 +40,17 @@ impl Server {
             .stderr(Stdio::null())
             .spawn();
         let Ok(mut child) = child else {
-            eprintln!("skipped: `moto_server` is not on the PATH");
-            return None;
+            return Err("`moto_server` is not on the PATH".to_owned());
         };
-        let until = Instant::now() + Duration::from_secs(60);
+        let until = Instant::now() + Duration::from_mins(1);
         while TcpStream::connect(("127.0.0.1", port)).is_err() {
             if child.try_wait().unwrap().is_some() {
-                eprintln!("skipped: `moto_server` does not start");
-                return None;
+                return Err("`moto_server` does not start".to_owned());
             }
             assert!(Instant::now() < until, "the server does not listen");
             std::thread::sleep(Duration::from_millis(100));
         }
-        Some(Self { child, port })
+        Ok(Self { child, port })
     }
 
     /// What the server says to a request.
@@ -110,8 +112,7 @@ fn state(root: &Path, ran: &Path) -> State {
     report.stages[0].state
 }
 
-#[test]
-fn inputs_are_fetched_when_they_change_and_outputs_come_from_the_bucket() {
+fn main() {
     if let Ok(port) = std::env::var(CHILD) {
         let server = Server {
             child: Command::new("true").spawn().unwrap(),
@@ -119,9 +120,19 @@ fn inputs_are_fetched_when_they_change_and_outputs_come_from_the_bucket() {
         };
         return on(&server);
     }
-    let Some(server) = Server::start() else {
-        return;
+    let server = if cfg!(feature = "object-store") {
+        Server::start()
+    } else {
+        Err("the feature `object-store` is off".to_owned())
     };
+    let missing = server.as_ref().err().cloned();
+    let name = "inputs_are_fetched_when_they_change_and_outputs_come_from_the_bucket";
+    let test = move || beside(&server.unwrap());
+    where_there::run(vec![where_there::trial(name, missing, test)]);
+}
+
+/// Runs this file once more, with the variables that name the server.
+fn beside(server: &Server) {
     let itself = std::env::current_exe().unwrap();
     let status = Command::new(itself)
         .env(CHILD, server.port.to_string())

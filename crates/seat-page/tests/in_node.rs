@@ -1,8 +1,10 @@
-//! The committed page's WebAssembly in Node against the same drives here. Where there is no Node, it says so and compares nothing.
+//! The committed page's WebAssembly in Node, where that is on the PATH, against the same drives here.
 
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 mod support;
+#[path = "../../../tests/support/where_there.rs"]
+mod where_there;
 
 use base64::prelude::{BASE64_STANDARD, Engine as _};
 use maveric_domain::{DrivenBy, Embedding, Seconds};
@@ -89,24 +91,23 @@ struct Again {
     states: String,
 }
 
-/// What Node says; nothing where there is none.
-fn in_node(told: &serde_json::Value) -> Option<InNode> {
+/// What Node says.
+fn in_node(told: &serde_json::Value) -> InNode {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/in_node.mjs");
     let mut node = Command::new("node")
         .arg(script)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .spawn()
-        .ok()?;
+        .unwrap();
     let mut input = node.stdin.take().unwrap();
     input.write_all(told.to_string().as_bytes()).unwrap();
     drop(input);
     let output = node.wait_with_output().unwrap();
     assert!(output.status.success(), "the script in Node failed");
-    Some(serde_json::from_slice(&output.stdout).unwrap())
+    serde_json::from_slice(&output.stdout).unwrap()
 }
 
-#[test]
 fn the_page_drives_the_same_states_to_the_byte_and_learns_the_same_style() {
     let paper = Scenario::paper().with_duration(Seconds(90.0)).unwrap();
     let curved =
@@ -116,17 +117,14 @@ fn the_page_drives_the_same_states_to_the_byte_and_learns_the_same_style() {
     let ((record, fit), (on_bends, _)) = (here(&paper), here(&curved));
     let records = [&record, &on_bends, &ride(&paper), &ride(&curved)];
     let lines: Vec<String> = records.iter().map(|r| r.to_lines().unwrap()).collect();
-    let Some(node) = in_node(&serde_json::json!({
+    let node = in_node(&serde_json::json!({
         "scenario": serde_json::to_string(&paper).unwrap(),
         "seconds": 90.0,
         "seed": "41",
         "pressed": pressed(),
         "model": BASE64_STANDARD.encode(model_file::to_bytes(&model()).unwrap()),
         "records": lines,
-    })) else {
-        eprintln!("SKIPPED: the page in Node (no `node` here)");
-        return;
-    };
+    }));
     assert_eq!(node.record, record.to_lines().unwrap());
     for (record, again) in records.iter().zip(&node.again) {
         let here = replay(record).unwrap();
@@ -138,4 +136,11 @@ fn the_page_drives_the_same_states_to_the_byte_and_learns_the_same_style() {
     for (there, here) in node.fit.embedding.iter().zip(&fit.embedding) {
         assert!((there - here).abs() < 1e-5, "{there} {here}");
     }
+}
+
+fn main() {
+    let name = "the_page_drives_the_same_states_to_the_byte_and_learns_the_same_style";
+    let test = the_page_drives_the_same_states_to_the_byte_and_learns_the_same_style;
+    let missing = where_there::runs("node").err();
+    where_there::run(vec![where_there::trial(name, missing, test)]);
 }

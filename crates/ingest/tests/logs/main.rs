@@ -1,4 +1,4 @@
-//! Whole logs in, recordings out: our own, damaged copies of them, and real ones.
+//! Whole logs in, recordings out: our own and damaged copies of them.
 #![expect(
     clippy::unwrap_used,
     clippy::panic,
@@ -8,12 +8,10 @@
 mod clocks;
 mod damage;
 mod fuzz;
-mod independent;
 mod layouts;
 mod other_files;
 mod rigs;
 mod round_trip;
-mod samples;
 mod scene;
 mod simulators;
 mod tables;
@@ -23,7 +21,7 @@ use maveric_domain::{
 };
 use maveric_ingest::write_mcap;
 use mcap::{Message, MessageStream, WriteOptions, read::LinearReader, records::Record};
-use std::{io::Cursor, path::PathBuf};
+use std::io::Cursor;
 
 /// Rows of a minute at 20 Hz.
 const ROWS: usize = 1200;
@@ -124,17 +122,4 @@ fn rewritten<'a>(
     }
     out.finish().unwrap();
     out.into_inner().into_inner()
-}
-
-/// A folder of real recordings beside the repository; says so and gives nothing where it is missing.
-#[expect(clippy::print_stdout, reason = "a test that is passed over says so")]
-fn shared(folder: &str) -> Option<PathBuf> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../../../shared/data")
-        .join(folder);
-    if path.is_dir() {
-        return Some(path);
-    }
-    println!("passed over: {} is not there", path.display());
-    None
 }

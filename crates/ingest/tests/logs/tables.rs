@@ -1,11 +1,7 @@
-//! Tables of pairs, real and made up.
+//! Tables of pairs, made up.
 
-use super::shared;
 use maveric_domain::{Drive, Recording};
-use maveric_ingest::{
-    IngestError, IngestSettings, Ingested, LogFormat, Mapping, WarningKind, inspect, log_files,
-    read_log,
-};
+use maveric_ingest::{IngestError, IngestSettings, Ingested, Mapping, WarningKind, read_log};
 use std::path::Path;
 
 fn shipped(name: &str) -> Mapping {
@@ -33,63 +29,6 @@ const HEADER: &str = "t,x_follower,v_follower,x_leader,v_leader,leader_length,sp
 fn first_gap_m(recording: &Recording) -> f64 {
     let scene = recording.scene(0).unwrap();
     maveric_domain::scene::bumper_distance_m(&scene.ego, &scene.vehicles[0])
-}
-
-#[test]
-fn openacc_has_four_drives_whose_gap_is_the_spacing() {
-    let Some(folder) = shared("openacc_astazero") else {
-        return;
-    };
-    let settings = settings("openacc.toml");
-    let files = log_files(&folder, settings.mapping.as_ref()).unwrap();
-    assert_eq!(files.len(), 4);
-    for path in &files {
-        let found = read_log(path, &settings).unwrap().remove(0);
-        assert!(found.warnings.is_empty(), "{:?}", found.warnings);
-        assert_eq!(
-            (found.recording.rows(), found.recording.others().len()),
-            (12_433, 1)
-        );
-        assert!((found.recording.rate_hz() - 10.0).abs() < 1e-12);
-        let drive = Drive::from_recording(found.meta, &found.recording).unwrap();
-        assert!(drive.rows().lead_present.iter().all(|&p| p));
-    }
-    let first = read_log(&files[0], &settings).unwrap().remove(0);
-    assert_eq!(first.meta.drive.as_str(), "openacc-040719_platoon10-f2");
-    assert!((first_gap_m(&first.recording) - 5.122_082_263_370_74).abs() < 1e-9);
-    assert!(
-        read_log(&folder.join("manifest.csv"), &settings)
-            .unwrap()
-            .is_empty()
-    );
-}
-
-#[test]
-fn ngsim_feet_become_metres() {
-    let Some(folder) = shared("ngsim_i80_pairs") else {
-        return;
-    };
-    let settings = settings("ngsim_pairs.toml");
-    let files = log_files(&folder, settings.mapping.as_ref()).unwrap();
-    assert_eq!(files.len(), 12);
-    let path = folder.join("i80_0500pm_f1278_l1267.csv");
-    let found = read_log(&path, &settings).unwrap().remove(0);
-    assert_eq!(found.meta.participant.as_str(), "i80-0500pm-f1278");
-    assert!((first_gap_m(&found.recording) - 27.792_645_84 * 0.3048).abs() < 1e-9);
-    assert!((found.recording.ego().speed_mps[0] - 25.046_703_11 * 0.3048).abs() < 1e-9);
-    assert!((found.recording.others()[0].length_m - 17.8 * 0.3048).abs() < 1e-12);
-}
-
-#[test]
-fn every_table_of_the_samples_can_be_inspected() {
-    for folder in ["comma2k19_segment", "ngsim_us101_i80", "openacc_astazero"] {
-        let Some(folder) = shared(folder) else { return };
-        for path in log_files(&folder, None).unwrap() {
-            let found = inspect(&path).unwrap();
-            assert_eq!(found.format, LogFormat::Table);
-            assert!(found.rows > 0 && !found.columns.is_empty());
-        }
-    }
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Real tables against a reading of their own: cells split at commas, nothing shared with the program.
 
-use super::shared;
+use crate::{of, settings};
+use libtest_mimic::Trial;
 use maveric_domain::Drive;
 use maveric_ingest::{
     IngestSettings, Ingested, Mapping, Provenance, drive_frame, log_files, read_drive_from,
@@ -10,6 +11,28 @@ use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
 };
+
+/// The tests, with the folders that they need.
+pub(crate) fn tests() -> Vec<Trial> {
+    let mut tests = Vec::from(of!["openacc_astazero":
+        every_row_of_the_openacc_pairs_is_that_of_the_file,
+        the_mapping_proposed_for_openacc_works_as_it_is,
+    ]);
+    tests.extend(of!["ngsim_i80_pairs":
+        every_row_of_the_ngsim_pairs_is_that_of_the_file_in_metres,
+        the_mapping_proposed_for_ngsim_pairs_works_as_it_is,
+    ]);
+    tests.extend(of!["ngsim_us101_i80":
+        every_row_of_the_long_ngsim_table_is_that_of_the_file,
+        the_mapping_proposed_for_the_long_ngsim_table_works_as_it_is,
+        a_drive_comes_back_from_its_file_bit_by_bit_with_its_provenance,
+    ]);
+    tests.extend(of!["comma2k19_segment":
+        the_radar_track_in_the_lane_leads_the_car_of_comma2k19,
+        the_mapping_proposed_for_comma2k19_has_the_radar_among_its_signals,
+    ]);
+    tests
+}
 
 /// Feet to metres.
 const FOOT: f64 = 0.3048;
@@ -42,22 +65,13 @@ impl Plain {
     }
 }
 
-fn settings(mapping: &str) -> IngestSettings {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
-    IngestSettings {
-        mapping: Some(Mapping::read(&folder.join(mapping)).unwrap()),
-        ..IngestSettings::default()
-    }
-}
-
 fn drive_of(found: &Ingested) -> Drive {
     Drive::from_recording(found.meta.clone(), &found.recording).unwrap()
 }
 
-fn pairs(folder: &str, mapping: &str, unit: f64) {
-    let Some(folder) = shared(folder) else { return };
+fn pairs(folder: &Path, mapping: &str, unit: f64) {
     let settings = settings(mapping);
-    for path in log_files(&folder, settings.mapping.as_ref()).unwrap() {
+    for path in log_files(folder, settings.mapping.as_ref()).unwrap() {
         let plain = Plain::read(&path);
         let found = read_log(&path, &settings).unwrap().remove(0);
         let drive = drive_of(&found);
@@ -85,14 +99,12 @@ fn pairs(folder: &str, mapping: &str, unit: f64) {
     }
 }
 
-#[test]
-fn every_row_of_the_openacc_pairs_is_that_of_the_file() {
-    pairs("openacc_astazero", "openacc.toml", 1.0);
+fn every_row_of_the_openacc_pairs_is_that_of_the_file(folder: &Path) {
+    pairs(folder, "openacc.toml", 1.0);
 }
 
-#[test]
-fn every_row_of_the_ngsim_pairs_is_that_of_the_file_in_metres() {
-    pairs("ngsim_i80_pairs", "ngsim_pairs.toml", FOOT);
+fn every_row_of_the_ngsim_pairs_is_that_of_the_file_in_metres(folder: &Path) {
+    pairs(folder, "ngsim_pairs.toml", FOOT);
 }
 
 /// Rows of the long table by drive: time, speed, gap between bumpers.
@@ -145,23 +157,15 @@ fn check_ngsim(path: &Path, settings: &IngestSettings) {
     }
 }
 
-#[test]
-fn every_row_of_the_long_ngsim_table_is_that_of_the_file() {
-    let Some(folder) = shared("ngsim_us101_i80") else {
-        return;
-    };
+fn every_row_of_the_long_ngsim_table_is_that_of_the_file(folder: &Path) {
     check_ngsim(
         &folder.join("vehicles_with_leader.csv"),
         &settings("ngsim.toml"),
     );
 }
 
-#[test]
-fn the_radar_track_in_the_lane_leads_the_car_of_comma2k19() {
-    let Some(folder) = shared("comma2k19_segment") else {
-        return;
-    };
-    let found = read_log(&folder, &settings("comma2k19.toml"))
+fn the_radar_track_in_the_lane_leads_the_car_of_comma2k19(folder: &Path) {
+    let found = read_log(folder, &settings("comma2k19.toml"))
         .unwrap()
         .remove(0);
     let drive = drive_of(&found);
@@ -202,64 +206,53 @@ fn the_radar_track_in_the_lane_leads_the_car_of_comma2k19() {
     );
 }
 
-#[test]
-fn proposed_mappings_work_as_they_are() {
-    let work = |path: &Path| -> IngestSettings {
-        let toml = suggest_mapping(path).unwrap();
-        IngestSettings {
-            mapping: Some(Mapping::from_toml(&toml, Path::new("proposed.toml")).unwrap()),
-            rate_hz: Some(10.0),
-            ..IngestSettings::default()
-        }
-    };
-    for (folder, unit) in [("openacc_astazero", 1.0), ("ngsim_i80_pairs", FOOT)] {
-        let Some(folder) = shared(folder) else {
-            continue;
-        };
-        let files: Vec<PathBuf> = log_files(&folder, None).unwrap();
-        for path in files
-            .iter()
-            .filter(|p| !p.ends_with("manifest.csv"))
-            .step_by(3)
-        {
-            let settings = work(path);
-            let plain = Plain::read(path);
-            let drive = drive_of(&read_log(path, &settings).unwrap()[0]);
-            let rows = drive.rows();
-            let (v, gap) = (plain.column("v_follower"), plain.column("spacing"));
-            for row in 0..v.len() {
-                assert!(
-                    (rows.ego_speed_mps[row] - v[row] * unit).abs() < 1e-7,
-                    "{}",
-                    path.display()
-                );
-                assert!(
-                    (rows.lead_dx_m[row] - (gap[row] * unit).max(0.0)).abs() < 1e-7,
-                    "{}",
-                    path.display()
-                );
-            }
-        }
-    }
-    if let Some(folder) = shared("ngsim_us101_i80") {
-        let path = folder.join("vehicles_with_leader.csv");
-        check_ngsim(&path, &work(&path));
-    }
-    if let Some(folder) = shared("comma2k19_segment") {
-        let drive = drive_of(&read_log(&folder, &work(&folder)).unwrap()[0]);
-        let led = drive.rows().lead_present.iter().filter(|p| **p).count();
-        assert!(
-            led * 10 > drive.len() * 9,
-            "the radar is among its signals: {led}"
-        );
+/// The mapping that is proposed for a table, as it is.
+fn proposed(path: &Path) -> IngestSettings {
+    let toml = suggest_mapping(path).unwrap();
+    IngestSettings {
+        mapping: Some(Mapping::from_toml(&toml, Path::new("proposed.toml")).unwrap()),
+        rate_hz: Some(10.0),
+        ..IngestSettings::default()
     }
 }
 
-#[test]
-fn a_drive_comes_back_from_its_file_bit_by_bit_with_its_provenance() {
-    let Some(folder) = shared("ngsim_us101_i80") else {
-        return;
-    };
+fn proposed_for_pairs(folder: &Path, unit: f64) {
+    let files: Vec<PathBuf> = log_files(folder, None).unwrap();
+    let tables = files.iter().filter(|p| !p.ends_with("manifest.csv"));
+    for path in tables.step_by(3) {
+        let plain = Plain::read(path);
+        let drive = drive_of(&read_log(path, &proposed(path)).unwrap()[0]);
+        let rows = drive.rows();
+        let (v, gap) = (plain.column("v_follower"), plain.column("spacing"));
+        for row in 0..v.len() {
+            let at = format!("{} row {row}", path.display());
+            let (speed, dx) = (v[row] * unit, (gap[row] * unit).max(0.0));
+            assert!((rows.ego_speed_mps[row] - speed).abs() < 1e-7, "{at}");
+            assert!((rows.lead_dx_m[row] - dx).abs() < 1e-7, "{at}");
+        }
+    }
+}
+
+fn the_mapping_proposed_for_openacc_works_as_it_is(folder: &Path) {
+    proposed_for_pairs(folder, 1.0);
+}
+
+fn the_mapping_proposed_for_ngsim_pairs_works_as_it_is(folder: &Path) {
+    proposed_for_pairs(folder, FOOT);
+}
+
+fn the_mapping_proposed_for_the_long_ngsim_table_works_as_it_is(folder: &Path) {
+    let path = folder.join("vehicles_with_leader.csv");
+    check_ngsim(&path, &proposed(&path));
+}
+
+fn the_mapping_proposed_for_comma2k19_has_the_radar_among_its_signals(folder: &Path) {
+    let drive = drive_of(&read_log(folder, &proposed(folder)).unwrap()[0]);
+    let led = drive.rows().lead_present.iter().filter(|p| **p).count();
+    assert!(led * 10 > drive.len() * 9, "{led}");
+}
+
+fn a_drive_comes_back_from_its_file_bit_by_bit_with_its_provenance(folder: &Path) {
     let path = folder.join("vehicles_with_leader.csv");
     let settings = settings("ngsim.toml");
     let out = tempfile::tempdir().unwrap();

@@ -1,17 +1,26 @@
 //! Real recordings: healthy ones open, odd ones are refused by themselves, damaged ones say so.
 
-use super::shared;
-use maveric_ingest::{IngestError, IngestSettings, LogSummary, inspect, log_files, read_log};
+use crate::of;
+use libtest_mimic::Trial;
+use maveric_ingest::{IngestError, IngestSettings, inspect, log_files, read_log};
+use std::path::Path;
 
-fn summary(name: &str) -> Option<LogSummary> {
-    let path = shared("mcap")?.join(name);
-    Some(inspect(&path).unwrap())
+/// The tests, with the folder that they need.
+pub(crate) fn tests() -> Vec<Trial> {
+    of!["mcap":
+        every_recording_opens_and_says_what_it_would_become,
+        every_common_message_type_fits_its_definition,
+        healthy_rosbag2_files_decode_whole,
+        an_unknown_encoding_is_refused_channel_by_channel,
+        ros_1_and_json_channels_fit_and_tell_of_no_ego,
+        a_recording_that_was_killed_is_damaged_and_holds_no_drive,
+        a_flight_of_poses_has_a_differentiated_speed_and_no_lead_vehicle,
+    ]
+    .into()
 }
 
-#[test]
-fn every_recording_opens_and_says_what_it_would_become() {
-    let Some(folder) = shared("mcap") else { return };
-    for path in log_files(&folder, None).unwrap() {
+fn every_recording_opens_and_says_what_it_would_become(folder: &Path) {
+    for path in log_files(folder, None).unwrap() {
         let found = inspect(&path).unwrap();
         assert!(!found.would_ingest.is_empty(), "{}", path.display());
         for channel in &found.channels {
@@ -26,11 +35,8 @@ fn every_recording_opens_and_says_what_it_would_become() {
     }
 }
 
-#[test]
-fn every_common_message_type_fits_its_definition() {
-    let Some(found) = summary("all_common_types_ros2.mcap") else {
-        return;
-    };
+fn every_common_message_type_fits_its_definition(folder: &Path) {
+    let found = inspect(&folder.join("all_common_types_ros2.mcap")).unwrap();
     assert_eq!(found.channels.len(), 94);
     let refused: Vec<String> = found
         .channels
@@ -40,15 +46,14 @@ fn every_common_message_type_fits_its_definition() {
     assert!(refused.is_empty(), "{refused:?}");
 }
 
-#[test]
-fn healthy_rosbag2_files_decode_whole() {
+fn healthy_rosbag2_files_decode_whole(folder: &Path) {
     for name in [
         "rosbag2_cdr_test.mcap",
         "rosbag2_talker.mcap",
         "rosbag2_wbag_0.mcap",
         "rosbag2_seek_schema_name_without_msg.mcap",
     ] {
-        let Some(found) = summary(name) else { return };
+        let found = inspect(&folder.join(name)).unwrap();
         for channel in &found.channels {
             assert!(
                 channel.decodable,
@@ -60,29 +65,23 @@ fn healthy_rosbag2_files_decode_whole() {
     }
 }
 
-#[test]
-fn an_unknown_encoding_is_refused_channel_by_channel() {
-    let Some(found) = summary("rosbag2_wrong_serialization.mcap") else {
-        return;
-    };
+fn an_unknown_encoding_is_refused_channel_by_channel(folder: &Path) {
+    let found = inspect(&folder.join("rosbag2_wrong_serialization.mcap")).unwrap();
     assert_eq!(found.channels.len(), 2);
     for channel in &found.channels {
         assert!(channel.reason.as_ref().unwrap().contains("`wrong_format`"));
     }
-    let path = shared("mcap")
-        .unwrap()
-        .join("rosbag2_wrong_serialization.mcap");
+    let path = folder.join("rosbag2_wrong_serialization.mcap");
     let error = read_log(&path, &IngestSettings::default()).unwrap_err();
     assert!(matches!(&error, IngestError::NoEgo { found, .. } if found.contains("wrong_format")));
 }
 
-#[test]
-fn ros_1_and_json_channels_fit_and_tell_of_no_ego() {
+fn ros_1_and_json_channels_fit_and_tell_of_no_ego(folder: &Path) {
     for (name, messages) in [
         ("ros1_tf_diagnostics_zstd.mcap", 826),
         ("json_schema_log.mcap", 0),
     ] {
-        let Some(found) = summary(name) else { return };
+        let found = inspect(&folder.join(name)).unwrap();
         assert_eq!(found.channels.len(), 2, "{name}");
         for channel in &found.channels {
             assert!(channel.decodable, "{name}: {:?}", channel.reason);
@@ -93,15 +92,13 @@ fn ros_1_and_json_channels_fit_and_tell_of_no_ego() {
             "{name}: {read}"
         );
         assert!(found.damage.is_empty(), "{name}: {:?}", found.damage);
-        let path = shared("mcap").unwrap().join(name);
+        let path = folder.join(name);
         let error = read_log(&path, &IngestSettings::default()).unwrap_err();
         assert!(matches!(&error, IngestError::NoEgo { .. }), "{error}");
     }
 }
 
-#[test]
-fn a_recording_that_was_killed_is_damaged_and_holds_no_drive() {
-    let Some(folder) = shared("mcap") else { return };
+fn a_recording_that_was_killed_is_damaged_and_holds_no_drive(folder: &Path) {
     let path = folder.join("chunk_not_closed.mcap");
     let error = read_log(&path, &IngestSettings::default()).unwrap_err();
     assert!(matches!(error, IngestError::Damaged { .. }), "{error}");
@@ -114,9 +111,7 @@ fn a_recording_that_was_killed_is_damaged_and_holds_no_drive() {
     assert_eq!(inspect(&path).unwrap().damage.len(), 1);
 }
 
-#[test]
-fn a_flight_of_poses_has_a_differentiated_speed_and_no_lead_vehicle() {
-    let Some(folder) = shared("mcap") else { return };
+fn a_flight_of_poses_has_a_differentiated_speed_and_no_lead_vehicle(folder: &Path) {
     let found = read_log(
         &folder.join("cub_pose_flight.mcap"),
         &IngestSettings::default(),
