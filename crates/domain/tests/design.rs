@@ -4,7 +4,10 @@
 
 use maveric_domain::{
     ConditionId, Design, DriveId, ParticipantId,
-    design::{Car, Claim, Compare, Condition, Mappings, ProtocolStep, Sign, Software},
+    design::{
+        Car, Claim, Color, Column, Compare, Condition, Mappings, ProtocolStep, ScoreName, Sign,
+        Software,
+    },
 };
 use serde_json::Value;
 use std::{collections::BTreeSet, fs, path::PathBuf};
@@ -144,6 +147,153 @@ file = "rig2.toml"
     assert_eq!(design.protocol().steps, [ProtocolStep::Practice]);
     assert_eq!(design.protocol().practice.passes, 2);
     assert!(matches!(&design.files().mapping, Mappings::Rigs(rigs) if rigs.len() == 1));
+    let columns = |columns: &[Column]| columns.iter().map(|c| c.column.clone()).collect();
+    let (factors, covariates): (Vec<_>, Vec<_>) =
+        (columns(design.factors()), columns(design.covariates()));
+    assert_eq!(
+        (factors, covariates),
+        (vec!["population".into()], vec!["age".into()])
+    );
+    assert_eq!(design.homophily().unwrap().factors, ["mini_ipip"]);
+    let amended: Vec<&String> = design.amendments().keys().collect();
+    assert_eq!(amended, ["exclude.straight_lined"]);
+    assert_eq!(design.hypotheses()[1].claim, Claim::Equivalent([-0.5, 0.5]));
+    assert!(!design.exclude().is_empty());
+}
+
+#[test]
+fn a_design_says_of_itself_what_stands_in_it() {
+    let text = r##"
+[study]
+title = "Four cars"
+authors = ["A", "B"]
+[people]
+learn = { study = 1, arm = "x" }
+test = { study = 2 }
+[model]
+file = "lab.maveric"
+[style]
+score = "calm.total"
+label = "Calmness"
+range = [1, 7]
+points = 2
+aggression = "-"
+[[condition]]
+id = "mean"
+car = { mean = true }
+color = "#0072B2"
+levels = { traffic = "dense" }
+expected = { speed = "-" }
+[[condition]]
+id = "file"
+car = { embedding = "e.csv" }
+levels = { traffic = "thin" }
+[[condition]]
+id = "free"
+car = { free = true }
+levels = { traffic = "thin" }
+[baseline]
+id = "own"
+label = "By hand"
+[[role]]
+id = "hurried"
+label = "In a hurry"
+"##;
+    let design = read(text).unwrap();
+    assert_eq!((design.title(), design.authors().len()), ("Four cars", 2));
+    assert!(!design.synthetic() && design.clone().made_up().synthetic());
+    assert_eq!(design.people().columns(), ["arm", "study"]);
+    let row = |column: &str| Some(if column == "study" { "1" } else { "y" });
+    assert!(!design.people().learns_from(row), "one of two columns");
+    let style = design.style().unwrap();
+    assert_eq!(
+        (style.label.as_str(), style.aggression),
+        ("Calmness", Sign::Minus)
+    );
+    assert_eq!((style.range, style.points), (Some([1.0, 7.0]), Some(2.0)));
+    let cars: Vec<&Option<Car>> = design.conditions().iter().map(|c| &c.car).collect();
+    let file = Car::Embedding("e.csv".into());
+    assert_eq!(cars, [&Some(Car::Mean), &Some(file), &Some(Car::Free)]);
+    let simulated = design.conditions().iter().map(Condition::simulated);
+    assert!(simulated.eq([true, true, false]));
+    let mean = design.condition(id("mean")).unwrap();
+    assert_eq!(mean.color.unwrap().to_string(), "#0072b2");
+    assert_eq!(mean.expected["speed"], Sign::Minus);
+    assert_eq!((mean.place, design.conditions()[2].place), (0, 2));
+    assert!(design.needs_a_model() && design.has_a_dial() && design.model().is_some());
+    assert!(design.knows(id("hurried")) && design.knows(id("own")) && !design.knows(id("x")));
+    let labels = ["own", "hurried", "mean", "x"].map(|label| design.label(id(label)));
+    assert_eq!(labels, ["By hand", "In a hurry", "mean", "x"]);
+    let bare = read("[study]\ntitle = \"x\"\n[[condition]]\nid = \"a\"").unwrap();
+    assert!(!bare.needs_a_model() && !bare.has_a_dial() && bare.exclude().is_empty());
+    assert!(bare.people().columns().is_empty() && bare.baseline().is_none());
+}
+
+#[test]
+fn signs_multiply_colours_have_six_digits_and_a_score_has_two_names() {
+    use Sign::{Minus, Plus};
+    for (a, b) in [(Plus, Plus), (Plus, Minus), (Minus, Plus), (Minus, Minus)] {
+        let product = a.factor() * b.factor();
+        assert_eq!(Sign::of(product), Some(a * b));
+    }
+    assert_eq!((Plus.factor(), Minus.factor()), (1.0, -1.0));
+    assert_eq!((Sign::of(0.0), Sign::of(f64::NAN)), (None, None));
+    assert_eq!("#0a0B10".parse(), Ok(Color([10, 11, 16])));
+    for text in ["0a0b10", "#0a0b1", "#0a0b100", "#0a0b1g", "#é0b1"] {
+        assert_eq!(text.parse::<Color>(), Err(()), "{text}");
+    }
+    assert_eq!(
+        "adb.total".parse::<ScoreName>().unwrap().to_string(),
+        "adb.total"
+    );
+    for text in ["adb", ".", "adb.", ".total", "adb.total.x"] {
+        assert!(text.parse::<ScoreName>().is_err(), "{text}");
+    }
+}
+
+#[test]
+fn every_length_and_angle_of_the_protocol_ends_where_it_says() {
+    let of = |key: &str, value: f64| {
+        let value = format!("{value:?}").to_lowercase();
+        match key.rsplit_once('.') {
+            Some((table, key)) => with(&format!("[protocol.{table}]\n{key} = {value}")),
+            None => with(&format!("[protocol]\n{key} = {value}")),
+        }
+    };
+    for (key, low, high) in [
+        ("drive_s", 10.0, 7200.0),
+        ("ride_s", 10.0, 7200.0),
+        ("practice.at_most_s", 30.0, 7200.0),
+        ("practice.lane_kept_s", 0.0, 300.0),
+        ("view.eye_m", 0.5, 4.0),
+        ("view.field_deg", 10.0, 100.0),
+        ("view.side_deg", 0.0, 90.0),
+    ] {
+        assert!(of(key, low).is_ok() && of(key, high).is_ok(), "{key}");
+        for beyond in [low - 0.1, high + 0.1, f64::NAN] {
+            let text = of(key, beyond).unwrap_err();
+            assert!(text.contains("`protocol."), "{key} {beyond}: {text}");
+        }
+    }
+    let screens = |n: u32| with(&format!("[protocol.view]\nscreens = {n}"));
+    assert!(screens(1).is_ok() && screens(3).is_ok());
+    assert!(screens(2).unwrap_err().contains("1 or 3"));
+    let steps = |steps: &str| with(&format!("[protocol]\nsteps = {steps}"));
+    assert!(steps("[\"drive\", \"rides\"]").is_ok());
+    assert!(steps("[\"rides\"]").is_err());
+}
+
+#[test]
+fn fifty_conditions_are_a_study_and_one_more_is_none() {
+    let study = |n: usize| {
+        let conditions = (0..n).map(|i| format!("[[condition]]\nid = \"c{i}\"\n"));
+        read(&format!(
+            "[study]\ntitle = \"x\"\n{}",
+            conditions.collect::<String>()
+        ))
+    };
+    assert_eq!(study(50).unwrap().contrasts().len(), 1225);
+    assert!(study(51).unwrap_err().contains("at most 50"));
 }
 
 #[test]
@@ -233,6 +383,36 @@ fn a_fault_is_named_with_its_key_and_what_would_be_possible() {
             "[[hypothesis]]\nsays = \"x\"\noutcome = \"speed\"\ncontrast = [\"calm\", \"sporty\"]",
             "neither `direction` nor `equivalent`",
         ),
+        (
+            "[contrasts]\ncompare = [[\"calm\", \"calm\"]]",
+            "`calm` with itself",
+        ),
+        (
+            "[contrasts]\ncompare = \"against calm\"\n[[condition]]\nid = \"x\"\n[[hypothesis]]\nsays = \"x\"\noutcome = \"speed\"\ncontrast = [\"x\", \"sporty\"]\ndirection = \"+\"",
+            "a pair that `[contrasts]` compares: calm and sporty; calm and x",
+        ),
+        (
+            "[[hypothesis]]\nsays = \"x\"\noutcome = \"speed\"\ncontrast = [\"calm\", \"sporty\"]\ndirection = \"+\"\nequivalent = [0, 1]",
+            "both `direction` and `equivalent`",
+        ),
+        (
+            "[[hypothesis]]\nsays = \"x\"\noutcome = \"speed\"\ncontrast = [\"calm\", \"sporty\"]\nequivalent = [1, 1]",
+            "`hypothesis[1].equivalent`",
+        ),
+        (
+            "[[outcome]]\nmeasure = \"speed\"\nsame_within = 0",
+            "`outcome.same_within`",
+        ),
+        (
+            "[[outcome]]\nmeasure = \"speed\"\n[[outcome]]\nmeasure = \"speed\"",
+            "`outcome`: found `speed` twice",
+        ),
+        (
+            "[[outcome]]\nlabel = \"x\"",
+            "neither `measure` nor `scale`",
+        ),
+        ("[exclude]\ndrive_shorter_than_s = 0", "seconds above 0"),
+        ("[exclude]\ndrives = { d = \" \" }", "`exclude: d`"),
         ("[exclude]\npeople = { P07 = \"\" }", "expected the reason"),
         ("[exclude]\ndrive_shorter_than_s = -1", "seconds above 0"),
         (
@@ -259,6 +439,15 @@ fn a_dial_needs_a_style_and_a_learned_car_somebody_to_learn_from() {
     let no_step = SMALL.replace("points = 15", "range = [11, 66]");
     let error = read(&no_step).unwrap_err();
     assert!(error.contains("points of a step"), "{error}");
+    // The dial reaches from one end of the score to the other, no further, and its steps are above 0.
+    let within = |to: &str| read(&SMALL.replace("points = 15", to));
+    assert!(within("points = 7.5\nrange = [1, 8.5]").is_ok());
+    assert!(within("points = 0").unwrap_err().contains("`style.points`"));
+    assert!(
+        within("points = 1\nrange = [6, 6]")
+            .unwrap_err()
+            .contains("`style.range`")
+    );
     let narrow = SMALL.replace("points = 15", "points = 1\nrange = [1, 6]");
     let error = read(&narrow).unwrap_err();
     let said = "`condition.sporty.car.dial`: found 7.5, expected at most 5";

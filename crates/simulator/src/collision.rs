@@ -157,3 +157,104 @@ pub(crate) fn cause(
         CollisionCause::AssumptionsHeld
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::AT_ONCE;
+    use maveric_domain::{EgoTrack, Road};
+
+    /// A second of ego at `ego_mps` with another vehicle `gap_m` ahead, or behind where that is negative, whose speed changes by
+    /// `gains_mps` a row; one of them is in the other lane before row 5.
+    struct Meeting {
+        gap_m: f64,
+        ego_mps: f64,
+        other_mps: f64,
+        gains_mps: f64,
+        moved: Option<Moved>,
+    }
+
+    #[derive(Clone, Copy, PartialEq)]
+    enum Moved {
+        Ego,
+        Other,
+    }
+
+    impl Meeting {
+        fn cause(&self) -> CollisionCause {
+            let rows = 11;
+            let y_m = |who: Moved| -> Vec<f64> {
+                let away = |row: usize| if row < 5 { 3.66 } else { 0.0 };
+                let moves = self.moved == Some(who);
+                let at = |row| if moves { away(row) } else { 0.0 };
+                (0..rows).map(at).collect()
+            };
+            let ego = EgoTrack {
+                length_m: 5.0,
+                x_m: vec![0.0; rows],
+                y_m: y_m(Moved::Ego),
+                speed_mps: vec![self.ego_mps; rows],
+            };
+            let apart_m = self.gap_m + 5.0_f64.copysign(self.gap_m);
+            let gained = |row: usize| self.gains_mps * row as f64;
+            let track = ObjectTrack {
+                id: VehicleId(1),
+                length_m: 5.0,
+                first_row: 0,
+                x_m: vec![apart_m; rows],
+                y_m: y_m(Moved::Other),
+                speed_mps: (0..rows).map(|row| self.other_mps + gained(row)).collect(),
+            };
+            let time_s = (0..rows).map(|row| row as f64 / 10.0).collect();
+            let segment = vec![0; rows];
+            let road = Road::PAPER;
+            let recording = Recording::new(road, 10.0, time_s, segment, ego, vec![track]).unwrap();
+            let at = (rows - 1, VehicleId(1));
+            cause(&recording, &CentreLine::default(), &AT_ONCE, 1.9, at)
+        }
+    }
+
+    #[test]
+    fn whoever_broke_an_assumption_first_is_named() {
+        use CollisionCause::{
+            AssumptionsHeld, BrakedHarder, CutInside, HitFromBehind, Sideswiped, StartedInside,
+        };
+        // Ego at 20 m/s needs (20² - 12²) / 16 = 16 m to one at 12 m/s, and one at 28 m/s 24 m to ego.
+        let of = |gap_m: f64, other_mps: f64, moved: Option<Moved>| Meeting {
+            gap_m,
+            ego_mps: 20.0,
+            other_mps,
+            gains_mps: 0.0,
+            moved,
+        };
+        let (ego, other) = (Some(Moved::Ego), Some(Moved::Other));
+        for (meeting, expected) in [
+            (of(16.1, 12.0, None), AssumptionsHeld),
+            (of(15.9, 12.0, None), StartedInside),
+            (of(15.9, 12.0, other), CutInside),
+            (of(16.1, 12.0, other), AssumptionsHeld),
+            (of(15.9, 12.0, ego), AssumptionsHeld),
+            // Beside each other, whoever is further on.
+            (of(0.0, 30.0, other), Sideswiped),
+            (of(-0.0, 12.0, other), Sideswiped),
+            (of(0.0, 12.0, ego), AssumptionsHeld),
+            (of(-0.0, 12.0, ego), AssumptionsHeld),
+            // From behind: into the one who was there, who had left room, or who had not.
+            (of(-5.0, 28.0, None), HitFromBehind),
+            (of(-5.0, 28.0, other), HitFromBehind),
+            (of(-24.1, 28.0, ego), HitFromBehind),
+            (of(-23.9, 28.0, ego), AssumptionsHeld),
+        ] {
+            let (gap_m, moved) = (meeting.gap_m, meeting.moved.is_some());
+            assert_eq!(meeting.cause(), expected, "{gap_m} {moved}");
+        }
+        let brakes = |gains_mps: f64| Meeting {
+            gains_mps,
+            ..of(40.0, 20.0, None)
+        };
+        // 8 m/s² are reckoned with, 8.1 are not.
+        assert_eq!(brakes(-0.8).cause(), AssumptionsHeld);
+        assert_eq!(brakes(-0.81).cause(), BrakedHarder);
+        assert_eq!(brakes(0.81).cause(), AssumptionsHeld);
+    }
+}

@@ -15,6 +15,8 @@ pub mod road;
 mod rollout;
 pub mod scenario;
 mod session;
+#[cfg(test)]
+mod testing;
 mod traffic;
 mod vehicle;
 mod watch;

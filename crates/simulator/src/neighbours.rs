@@ -81,3 +81,53 @@ fn closest<'a>(
         })
         .min_by(|a, b| a.gap_m.total_cmp(&b.gap_m))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{other, scene};
+    use maveric_domain::VehicleId;
+
+    #[test]
+    fn the_nearest_is_found_by_lane_by_side_and_by_where_it_means_to_go() {
+        let (road, left) = (Road::PAPER, 3.66);
+        let scene = scene(
+            0.0,
+            20.0,
+            &[
+                other(1, 50.0, 0.0, 20.0),
+                other(2, 30.0, 0.0, 20.0),
+                other(3, 10.0, left, 20.0),
+                other(4, -20.0, left, 20.0),
+                other(5, -10.0, 0.0, 20.0),
+            ],
+        );
+        let found = |n: Option<Neighbour>| n.map(|n| (n.vehicle.id.0, n.gap_m));
+        assert_eq!(found(ahead(&scene, &road, 0)), Some((2, 30.0)));
+        assert_eq!(found(ahead(&scene, &road, 1)), Some((3, 10.0)));
+        assert_eq!(found(behind(&scene, &road, 0)), Some((5, 10.0)));
+        assert_eq!(found(behind(&scene, &road, 1)), Some((4, 20.0)));
+        let nobody = [None; 5];
+        let mut over = nobody;
+        (over[2], over[4]) = (Some(0), Some(1));
+        let ahead = |lane, claims| found(ahead_or_entering(&scene, &road, lane, claims));
+        let behind = |lane, claims| found(behind_or_entering(&scene, &road, lane, claims));
+        assert_eq!(
+            (ahead(0, &nobody), ahead(0, &over)),
+            (Some((2, 30.0)), Some((3, 10.0)))
+        );
+        assert_eq!(
+            (behind(1, &nobody), behind(1, &over)),
+            (Some((4, 20.0)), Some((5, 10.0)))
+        );
+        let mut near = scene.clone();
+        near.vehicles[2].y_m = 2.1;
+        assert_eq!(found(in_the_way(&near, 1.9, 0.2)), Some((2, 30.0)));
+        near.vehicles[2].y_m = 2.09;
+        assert_eq!(found(in_the_way(&near, 1.9, 0.2)), Some((3, 10.0)));
+        near.ego.y_m = -0.1;
+        assert_eq!(found(in_the_way(&near, 1.9, 0.2)), Some((2, 30.0)));
+        near.vehicles.retain(|v| v.id == VehicleId(5));
+        assert!(in_the_way(&near, 1.9, 0.2).is_none());
+    }
+}

@@ -145,7 +145,10 @@ fn needed_for_entering_mps2(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Scenario;
+    use crate::{
+        scenario::Scenario,
+        testing::{AT_ONCE, other, scene},
+    };
     use maveric_domain::{EgoState, VehicleState};
 
     #[test]
@@ -197,5 +200,95 @@ mod tests {
             panic!("{noted:?}");
         };
         assert!(asked_mps2 > 0.4 && given_mps2 < -5.0 && noted[1].vehicle == Some(VehicleId(1)));
+    }
+
+    /// What the car gets where nothing but the scene asks for braking.
+    fn given(brake: &mut EmergencyBrake, scene: &Scene, claims: &[Option<u8>]) -> f64 {
+        let scenario = Scenario::paper();
+        let vehicle = &scenario.settings().vehicle;
+        let asked = (0.5, None);
+        let road = Road::PAPER;
+        brake
+            .override_command(&AT_ONCE, vehicle, scene, &road, claims, asked)
+            .0
+    }
+
+    #[test]
+    fn it_brakes_a_third_harder_than_needed_and_lets_go_at_half_of_what_it_began_at() {
+        let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-9, "{found}");
+        let standing = |gap_m: f64| scene(0.0, 20.0, &[other(1, gap_m, 0.0, 0.0)]);
+        let mut brake = EmergencyBrake::default();
+        // 20² / 2 over what is left before the margin of 2 m: 2 m/s² are no emergency, 4 are, and then 2 are braked for, too.
+        near(given(&mut brake, &standing(102.0), &[None]), 0.5);
+        near(given(&mut brake, &standing(52.0), &[None]), -1.3 * 4.0);
+        near(given(&mut brake, &standing(102.0), &[None]), -1.3 * 2.0);
+        near(given(&mut brake, &standing(127.0), &[None]), 0.5);
+        near(given(&mut brake, &standing(102.0), &[None]), 0.5);
+        // More than the brakes have is not given.
+        near(given(&mut brake, &standing(26.0), &[None]), -8.0);
+    }
+
+    #[test]
+    fn it_reckons_with_the_braking_that_it_sees() {
+        let at = |speed_mps: f64| scene(0.0, 25.0, &[other(1, 40.0, 0.0, speed_mps)]);
+        let mut brake = EmergencyBrake::default();
+        assert!((given(&mut brake, &at(20.0), &[None]) - 0.5).abs() < 1e-12);
+        // 0.2 m/s slower after 1/20 s: ego has 38 m and 19.8² / 8 m to stop in.
+        let needed = 625.0 / (2.0 * (38.0 + 19.8 * 19.8 / 8.0));
+        assert!((given(&mut brake, &at(19.8), &[None]) + 1.3 * needed).abs() < 1e-9);
+        // Somebody else at another speed has not braked.
+        let mut brake = EmergencyBrake::default();
+        given(&mut brake, &at(20.0), &[None]);
+        let other_one = scene(0.0, 25.0, &[other(2, 40.0, 0.0, 19.8)]);
+        assert!((given(&mut brake, &other_one, &[None]) - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn inside_the_safe_distance_it_brakes_by_what_is_missing() {
+        let scenario = Scenario::paper();
+        let vehicle = &scenario.settings().vehicle;
+        // Both at 20 m/s: 0.5 s of 20.5 m/s and 21² / 16 m, less 20² / 16.
+        let rule = ControllerSettings {
+            reaction_s: 0.5,
+            reaction_acceleration_mps2: 2.0,
+            ..AT_ONCE
+        };
+        let safe_m = 0.5 * 20.5 + (441.0 - 400.0) / 16.0;
+        for (share, driven_up_to, expected) in [
+            (1.0, None, 0.5),
+            (0.85, None, -4.0),
+            (0.5, None, -8.0),
+            (0.85, Some(VehicleId(1)), 0.5),
+            (0.85, Some(VehicleId(2)), -4.0),
+        ] {
+            let scene = scene(0.0, 20.0, &[other(1, share * safe_m + 1e-9, 0.0, 20.0)]);
+            let asked = (0.5, driven_up_to);
+            let found = EmergencyBrake::default()
+                .override_command(&rule, vehicle, &scene, &Road::PAPER, &[None], asked)
+                .0;
+            assert!((found - expected).abs() < 1e-6, "{share}: {found}");
+        }
+    }
+
+    #[test]
+    fn who_means_to_come_into_egos_lane_gets_room() {
+        let left = 3.66;
+        let beside = scene(0.0, 20.0, &[other(1, 0.0, left, 20.0)]);
+        let found = given(&mut EmergencyBrake::default(), &beside, &[Some(0)]);
+        assert!((found + 1.3 * 1.1 * 3.5).abs() < 1e-9, "{found}");
+        // Beyond the safe distance of 50 m, where 20² / (2 · 50) is needed; inside that of 9 m, where the rule asks for more.
+        let slower = |ego_mps: f64, gap_m: f64, other_mps: f64| {
+            scene(0.0, ego_mps, &[other(1, gap_m, left, other_mps)])
+        };
+        for (scene, expected) in [
+            (slower(30.0, 52.0, 10.0), -1.3 * 4.0),
+            (slower(20.0, 0.85 * 9.0, 16.0), -4.0),
+        ] {
+            let found = given(&mut EmergencyBrake::default(), &scene, &[Some(0)]);
+            assert!((found - expected).abs() < 1e-9, "{found}");
+        }
+        let slower = slower(30.0, 52.0, 10.0);
+        let stays = given(&mut EmergencyBrake::default(), &slower, &[None]);
+        assert!((stays - 0.5).abs() < 1e-12);
     }
 }

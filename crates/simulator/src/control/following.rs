@@ -88,6 +88,7 @@ fn below_threshold(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::AT_ONCE;
 
     const ASKED: ControllerSettings = ControllerSettings::PAPER;
 
@@ -156,5 +157,45 @@ mod tests {
             }
         }
         assert!(last.unwrap() < -2.0);
+    }
+
+    #[test]
+    fn the_closing_speed_falls_with_what_is_left_of_the_way() {
+        for (gap_m, asked_m, ego, closing) in [
+            // 3 m left, 0.3 of it a second; 48 m left, from where 1.5 m/s² lead to a stop.
+            (33.0, 30.0, 20.0, 0.9),
+            (88.0, 40.0, 30.0, 12.0),
+            // Too near by 5 m, and by 20, for which 3 m/s must do.
+            (25.0, 30.0, 20.0, -1.5),
+            (10.0, 30.0, 20.0, -3.0),
+            // The safe distance is the longer one: (30² - 20²) / 16 and 2 m.
+            (33.25, 10.0, 30.0, 0.0),
+        ] {
+            let speed_mps = 20.0;
+            let wanted =
+                following_acceleration(&AT_ONCE, asked_m, ego, Lead { gap_m, speed_mps }, 9.0);
+            let expected = 1.2 * (speed_mps + closing - ego);
+            assert!((wanted - expected).abs() < 1e-9, "{gap_m}: {wanted}");
+        }
+    }
+
+    #[test]
+    fn the_papers_rule_takes_over_within_its_band() {
+        let rule = AT_ONCE.literal();
+        for (gap_m, asked_m, ego, expected) in [
+            // λ is 15 m, and half a band of 3 m above it half of each counts.
+            (16.5, 20.0, 20.0, 1.0 + 0.5 * (0.04 * -3.5 - 1.0)),
+            // λ is 0.7 of what is asked.
+            (21.0, 30.0, 20.0, 0.04 * -9.0),
+            (24.0, 30.0, 20.0, 1.0),
+            // λ is the safe distance of 11 + 2 m and 4² / 4 + 4 · 0.3 for closing in.
+            (19.7, 20.0, 24.0, 1.0 + 0.5 * (0.04 * -0.3 - 2.0 - 1.0)),
+            (18.2, 20.0, 24.0, 0.04 * -1.8 - 2.0),
+        ] {
+            let speed_mps = 20.0;
+            let wanted =
+                following_acceleration(&rule, asked_m, ego, Lead { gap_m, speed_mps }, 1.0);
+            assert!((wanted - expected).abs() < 1e-9, "{gap_m}: {wanted}");
+        }
     }
 }

@@ -89,6 +89,7 @@ impl ReturnRule {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::{AT_ONCE, other, scene};
     use maveric_domain::{VehicleId, VehicleState};
 
     const SETTINGS: ControllerSettings = ControllerSettings::PAPER;
@@ -114,5 +115,74 @@ mod tests {
         assert!((quick - 3.0).abs() < 1e-9, "{quick}");
         assert_eq!(duration_s(&SETTINGS, 30.0, Some(lead(8.0, 25.0))), None);
         assert_eq!(duration_s(&SETTINGS, 30.0, Some(lead(2.0, 35.0))), None);
+    }
+
+    #[test]
+    fn a_change_lasts_half_again_the_way_to_the_lead_between_its_bounds() {
+        for (gap_m, lead_mps, expected) in [
+            // 20 m to go at 10 m/s; 13 m, for which 2.5 s are the least; 12 m, where ego would be there before half of them.
+            (23.0, 20.0, Some(3.0)),
+            (16.0, 20.0, Some(2.5)),
+            (15.0, 20.0, None),
+            // Who is no slower is never met, but for one that is within the reserve already.
+            (3.1, 30.0, Some(4.8)),
+            (3.0, 40.0, None),
+        ] {
+            let found = duration_s(&SETTINGS, 30.0, Some(lead(gap_m, lead_mps)));
+            assert_eq!(found, expected, "{gap_m}");
+        }
+        assert_eq!(duration_s(&SETTINGS, 30.0, None), Some(4.8));
+    }
+
+    #[test]
+    fn gaps_are_safe_where_both_are_beyond_distance_and_margin() {
+        // Ahead (20² - 12²) / 16 and 3 m, behind (28² - 20²) / 16 and 3 m.
+        let safe = |ahead_m: f64, behind_m: f64, claims: [Option<u8>; 3]| {
+            let left = 3.66;
+            let vehicles = [
+                other(1, ahead_m, left, 12.0),
+                other(2, -behind_m, left, 28.0),
+                other(3, 10.0, 0.0, 12.0),
+            ];
+            let scene = scene(0.0, 20.0, &vehicles);
+            gaps_are_safe(&AT_ONCE, &scene, &Road::PAPER, 1, &claims, 3.0)
+        };
+        assert!(safe(19.1, 27.1, [None; 3]));
+        assert!(!safe(18.9, 27.1, [None; 3]) && !safe(19.1, 26.9, [None; 3]));
+        assert!(
+            !safe(19.1, 27.1, [None, None, Some(1)]),
+            "the third means to go there"
+        );
+    }
+
+    #[test]
+    fn with_nobody_to_pass_the_car_goes_back_after_a_while_where_there_is_room() {
+        let road = Road::PAPER;
+        let free = Reference::free_road(&road);
+        let passed = |dy_m: f64| Reference {
+            vehicle: Some(VehicleId(1)),
+            dy_m,
+            ..free
+        };
+        let steps = |y_m: f64, ahead_m: f64, reference: Reference| {
+            let scene = scene(y_m, 20.0, &[other(1, ahead_m, 0.0, 20.0)]);
+            let mut rule = ReturnRule::default();
+            (1..100).find(|_| rule.due(&SETTINGS, &scene, &road, &reference, 0.5))
+        };
+        // Above 8 s; 4 s at 20 m/s must be free on the right.
+        assert_eq!(steps(3.66, 80.1, free), Some(17));
+        assert_eq!(steps(3.66, 80.0, free), None);
+        assert_eq!(
+            steps(3.66, 80.1, passed(0.0)),
+            Some(17),
+            "ahead in the same lane"
+        );
+        assert_eq!(steps(3.66, 80.1, passed(-3.66)), None);
+        assert_eq!(steps(0.0, 80.1, free), None);
+        // Whoever is passed meanwhile starts the time anew.
+        let scene = scene(3.66, 20.0, &[]);
+        let mut rule = ReturnRule::default();
+        let mut due = |reference: &Reference| rule.due(&SETTINGS, &scene, &road, reference, 5.0);
+        assert!(!due(&free) && !due(&passed(-3.66)) && !due(&free) && due(&free));
     }
 }

@@ -65,7 +65,8 @@ mod tests {
     fn at_thirty_metres_per_second_it_is_the_eighteen_metres_of_calibration() {
         let settings = ControllerSettings::PAPER;
         let bare = safe_distance_m(&settings, 30.0, 30.0);
-        assert!((bare - 18.0).abs() < 0.6, "{bare}");
+        // Reacting 0.3 · 30.15, stopping 30.3² / 14, less the other's 30² / 16.
+        assert!((bare - (9.045 + 918.09 / 14.0 - 56.25)).abs() < 1e-9);
         let v = MetresPerSecond(30.0);
         assert!((safe_distance(&settings, v, v).0 - bare - 2.0).abs() < 1e-12);
     }
@@ -75,5 +76,19 @@ mod tests {
         let settings = ControllerSettings::PAPER;
         let d = safe_distance(&settings, MetresPerSecond(20.0), MetresPerSecond(35.0));
         assert!((d.0 - settings.margin_m).abs() < 1e-12);
+    }
+
+    #[test]
+    fn sideways_both_react_and_both_brake() {
+        let settings = ControllerSettings::PAPER;
+        let (one, other) = (MetresPerSecond(1.0), MetresPerSecond(0.5));
+        let found = lateral_safe_distance(&settings, one, other).0;
+        // Within 0.3 s they are 0.06 m/s faster; then each brakes by 0.8 m/s².
+        let reacting = 0.3 * (1.03 + 0.53);
+        let stopping = (1.06 * 1.06 + 0.56 * 0.56) / 1.6;
+        assert!(
+            (found - (0.2 + reacting + stopping)).abs() < 1e-12,
+            "{found}"
+        );
     }
 }

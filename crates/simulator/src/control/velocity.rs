@@ -99,4 +99,34 @@ mod tests {
         let command = controller.command(&settings, 30.0, 30.0, false, 0.05);
         assert!(command.abs() < 1e-9);
     }
+
+    #[test]
+    fn the_integral_grows_while_it_leads_fades_while_not_and_has_an_end() {
+        let settings = ControllerSettings::PAPER;
+        let mut controller = VelocityController::default();
+        let mut next = |wanted: f64, leads| controller.command(&settings, wanted, 20.0, leads, 0.1);
+        let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found}");
+        near(next(21.0, true), 0.6 + 0.005);
+        near(next(21.0, true), 0.6 + 0.01);
+        near(next(21.0, false), 0.6 + 0.009);
+        // Too far off for the integral to take part.
+        near(next(22.0, true), 1.2 + 0.0081);
+        for (wanted, end) in [(21.9, 1.0), (18.1, -1.0)] {
+            let last = (0..3000).map(|_| next(wanted, true)).last().unwrap();
+            near(last, 0.6 * (wanted - 20.0) + end);
+        }
+    }
+
+    #[test]
+    fn an_acceleration_changes_by_the_bound_at_most() {
+        let settings = ControllerSettings::PAPER;
+        for (last, wanted, expected) in [
+            (0.0, 1.0, 0.2),
+            (0.0, -1.0, -0.2),
+            (0.0, 0.1, 0.1),
+            (1.0, 0.0, 0.8),
+        ] {
+            assert!((bounded_jerk(&settings, last, wanted, 0.05) - expected).abs() < 1e-12);
+        }
+    }
 }

@@ -1,0 +1,37 @@
+//! Scenes for tests by hand: ego at the origin, every vehicle 5 m long.
+
+use crate::scenario::ControllerSettings;
+use maveric_domain::{EgoState, Scene, VehicleId, VehicleState};
+
+/// Numbers of the safety rule that are worked out in the head: without reaction, (v² - v'²) / 16 m.
+pub(crate) const AT_ONCE: ControllerSettings = ControllerSettings {
+    reaction_s: 0.0,
+    own_braking_mps2: 8.0,
+    other_braking_mps2: 8.0,
+    ..ControllerSettings::PAPER
+};
+
+/// Another vehicle `gap_m` ahead of ego's bumper, behind its own where that is negative.
+pub(crate) fn other(id: u32, gap_m: f64, y_m: f64, speed_mps: f64) -> VehicleState {
+    VehicleState {
+        id: VehicleId(id),
+        x_m: gap_m + 5.0_f64.copysign(gap_m),
+        y_m,
+        speed_mps,
+        length_m: 5.0,
+    }
+}
+
+/// Ego at `y_m` with others around it.
+pub(crate) fn scene(y_m: f64, speed_mps: f64, vehicles: &[VehicleState]) -> Scene {
+    Scene {
+        time_s: 0.0,
+        ego: EgoState {
+            x_m: 0.0,
+            y_m,
+            speed_mps,
+            length_m: 5.0,
+        },
+        vehicles: vehicles.to_vec(),
+    }
+}
