@@ -102,6 +102,24 @@ mod tests {
     }
 
     #[test]
+    fn the_spread_of_two_drivers_is_known_and_that_of_one_is_not() {
+        let (near, far) = ((Some(9.0), Some(10.0)), (Some(-6.0), Some(-10.0)));
+        let (two, one) = (mean_accuracy(&[near, far]), mean_accuracy(&[far]));
+        // 0.9 and 0.6.
+        assert!((two.mean.unwrap() - 0.75).abs() < 1e-12);
+        assert!((two.sd.unwrap() - 0.15 * 2_f64.sqrt()).abs() < 1e-12);
+        assert!((one.mean.unwrap() - 0.6).abs() < 1e-12 && one.sd.is_none());
+    }
+
+    #[test]
+    fn a_difference_is_the_cars_less_ones_own_and_needs_both() {
+        assert_eq!(difference_from_own(Some(9.0), Some(6.0)), Some(3.0));
+        assert_eq!(difference_from_own(Some(9.0), None), None);
+        assert_eq!(difference_from_own(None, Some(6.0)), None);
+        assert_eq!(difference_from_own(Some(f64::MAX), Some(f64::MIN)), None);
+    }
+
+    #[test]
     fn nobody_has_no_mean() {
         assert_eq!(mean_accuracy(&[]).mean, None);
         assert_eq!(mean_accuracy(&[(None, None)]).sd, None);

@@ -200,6 +200,8 @@ fn divergence(squares: &[f64], m: usize, n: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::objective::testing::by_rows;
+    use maveric_domain::drive::Rows;
     use rand_distr::{Distribution, StandardNormal};
 
     fn drawn(n: usize, shift: f64, seed: u64) -> Vec<Window> {
@@ -228,6 +230,72 @@ mod tests {
         assert!(far.p.unwrap() < 0.02 && far.mmd2 > 0.05, "{far:?}");
         assert!(far.divergence > 0.5, "{far:?}");
         assert!(between(0.7, 7).mmd2 < far.mmd2);
+    }
+
+    #[test]
+    fn sets_of_unequal_size_are_as_near_and_the_second_may_be_the_nearer() {
+        let (few, many) = (drawn(60, 0.0, 3), drawn(240, 0.0, 4));
+        let spread = Spread::of([few.as_slice(), many.as_slice()].into_iter());
+        let found = discrepancy(&few, &many, &spread, 0, 1).unwrap();
+        assert!(found.mmd2.abs() < 0.01 && found.p.is_none(), "{found:?}");
+        assert!(found.divergence.abs() < 0.4, "{found:?}");
+        let back = discrepancy(&many, &few, &spread, 0, 1).unwrap();
+        assert!((back.mmd2 - found.mmd2).abs() < 1e-12);
+        assert!(back.divergence.abs() < 0.4, "{back:?}");
+        // Half a squared distance of means, for two normal distributions alike but for that.
+        let far = drawn(240, 1.0, 5);
+        let found = discrepancy(&many, &far, &spread, 0, 1).unwrap();
+        assert!((found.divergence - 0.5).abs() < 0.25, "{found:?}");
+    }
+
+    #[test]
+    fn windows_are_whole_and_their_numbers_those_worked_out_by_hand() {
+        let near = |window: Window, expected: Window| {
+            for (found, expected) in window.iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-9, "{window:?}");
+            }
+        };
+        // 20 s at 10 Hz, cut at row 73: 0 to 50, then from 73, and what is left of either piece is not used.
+        let found = windows(&by_rows(10.0, 200, |rows| {
+            rows.segment[73..].fill(1);
+            rows.ego_y_m.fill(1.2);
+            rows.ego_speed_mps[73..123].fill(10.0);
+            rows.ego_speed_mps[123..].fill(0.4);
+        }));
+        assert_eq!(found.len(), 3);
+        near(found[0], [20.0, 2.0, 0.0, 0.0, 1.2]);
+        near(found[1], [10.0, 4.0, 0.0, 0.0, 1.2]);
+        near(found[2], [0.4, 6.0, 0.0, 0.0, 1.2]);
+        // Half of the time nobody ahead, or far, or in another lane, or behind.
+        for change in [
+            |rows: &mut Rows| rows.lead_present[..25].fill(false),
+            |rows: &mut Rows| rows.lead_dx_m[..25].fill(500.0),
+            |rows: &mut Rows| rows.lead_dy_m[..25].fill(-1.83),
+            |rows: &mut Rows| rows.lead_dx_m[..25].fill(-40.0),
+        ] {
+            near(
+                windows(&by_rows(10.0, 50, change))[0],
+                [20.0, 4.0, 0.0, 0.0, 0.0],
+            );
+        }
+        // From 20 m/s at a jerk of 2 m/s³: v = 20 + t², seen each half second.
+        let jerked = windows(&by_rows(10.0, 50, |rows| {
+            for row in 0..50 {
+                rows.ego_speed_mps[row] += (row as f64 / 10.0).powi(2);
+                rows.lead_dx_m[row] = rows.ego_speed_mps[row];
+            }
+        }));
+        let speed = 20.0 + (0..50).map(|r| f64::from(r * r) / 100.0).sum::<f64>() / 50.0;
+        let squares: f64 = (0..9).map(|k| (f64::from(k) + 0.5).powi(2)).sum();
+        near(jerked[0], [speed, 1.0, (squares / 9.0).sqrt(), 2.0, 0.0]);
+    }
+
+    #[test]
+    fn a_unit_of_distance_is_the_spread_over_all_windows() {
+        let (low, high) = ([[0.0, 1.0, 0.0, 0.0, 0.0]], [[2.0, 1.0, 0.0, 0.0, 6.0]]);
+        let spread = Spread::of([low.as_slice(), high.as_slice()].into_iter());
+        assert_eq!(spread, Spread([1.0, 1.0, 1.0, 1.0, 3.0]));
+        assert!((spread.square(&low[0], &high[0]) - (4.0 + 4.0)).abs() < 1e-12);
     }
 
     #[test]

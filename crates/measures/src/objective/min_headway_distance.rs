@@ -129,6 +129,7 @@ fn nearest(drive: &Drive, until: Until) -> Option<f64> {
 mod tests {
     use super::super::testing::*;
     use super::*;
+    use maveric_domain::drive::Rows;
 
     #[test]
     fn passing_without_slowing_is_measured_to_the_start_of_the_change() {
@@ -154,5 +155,81 @@ mod tests {
         let touch = |t: f64| 30.0 - (t - 8.0).clamp(0.0, 0.2);
         let drive = Scripted::new(12.0).speed(touch).lead(90.0, 25.0).drive();
         assert!((MEASURE.of(&drive).unwrap() - TO_CHANGE.of(&drive).unwrap()).abs() < 1e-12);
+    }
+
+    /// Ten seconds at 10 Hz that come a metre nearer a row.
+    fn nearing(change: impl FnOnce(&mut Rows)) -> Drive {
+        by_rows(10.0, 100, |rows| {
+            rows.lead_dx_m = (0..100).map(|row| 100.0 - f64::from(row)).collect();
+            change(rows);
+        })
+    }
+
+    #[test]
+    fn slowing_down_is_half_a_second_of_braking_within_one_piece_of_the_log() {
+        let braked_for = |rows_of_it: usize| {
+            nearing(|rows| {
+                for row in 0..100 {
+                    let braked = row.clamp(20, 20 + rows_of_it) - 20;
+                    rows.ego_speed_mps[row] -= 0.1 * braked as f64;
+                }
+            })
+        };
+        // At 1 m/s² and over 0.4 s: seen from the row where it begins to the one where it ends.
+        assert_eq!(MEASURE.of(&braked_for(3)), Some(1.0));
+        assert_eq!(MEASURE.of(&braked_for(4)), Some(80.0));
+        assert_eq!(TO_CHANGE.of(&braked_for(4)), Some(1.0));
+        // Slower behind a hole is no braking.
+        let hole = nearing(|rows| {
+            rows.segment[50..].fill(1);
+            rows.ego_speed_mps[50..].fill(10.0);
+        });
+        assert_eq!(MEASURE.of(&hole), Some(1.0));
+    }
+
+    #[test]
+    fn an_encounter_ends_with_its_vehicle_a_hole_or_a_change() {
+        let braked = |rows: &mut Rows| {
+            for row in 20..100 {
+                rows.ego_speed_mps[row] -= 0.1 * (row - 20) as f64;
+            }
+        };
+        assert_eq!(MEASURE.of(&nearing(braked)), Some(80.0));
+        // Another one is not met before row 60, and there ego slows down from the start.
+        let other = |rows: &mut Rows| rows.lead_id[60..].fill(Some(2));
+        let hole = |rows: &mut Rows| rows.segment[60..].fill(1);
+        for end in [other, hole] {
+            let both = nearing(|rows| {
+                braked(rows);
+                end(rows);
+            });
+            assert_eq!(MEASURE.of(&both), Some(40.0));
+        }
+        // While changing nothing counts, behind it a new encounter does.
+        let change = |rows: &mut Rows| rows.changing[30..70].fill(1);
+        assert_eq!(
+            TO_CHANGE.of(&nearing(|r| {
+                change(r);
+                r.lead_present[70..].fill(false);
+            })),
+            Some(71.0)
+        );
+        assert_eq!(
+            MEASURE.of(&nearing(|r| {
+                braked(r);
+                change(r);
+            })),
+            Some(30.0)
+        );
+        // Beside ego's lane, or beside ego, is not ahead.
+        let width = maveric_domain::Road::PAPER.lane_width_m;
+        assert_eq!(
+            MEASURE.of(&nearing(|r| r.lead_dy_m[40..].fill(-0.5 * width))),
+            Some(61.0)
+        );
+        assert_eq!(
+            MEASURE.of(&nearing(|r| r.lead_dx_m[40..].fill(0.0))),
+            Some(61.0)
+        );
     }
 }

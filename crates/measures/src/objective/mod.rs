@@ -7,7 +7,7 @@ mod left_lane_fraction;
 mod mean_velocity;
 mod min_headway_distance;
 #[cfg(test)]
-mod testing;
+pub(crate) mod testing;
 
 use maveric_domain::{Drive, Measurement, design::Sign, units::MPS_PER_MPH};
 

@@ -2,7 +2,7 @@
 
 use maveric_domain::{
     Drive, DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording, Road,
-    VehicleId,
+    VehicleId, drive::Rows,
 };
 
 const RATE_HZ: f64 = 20.0;
@@ -100,4 +100,30 @@ impl Scripted {
         };
         Drive::from_recording(meta, &recording).unwrap()
     }
+}
+
+/// A drive of `n` rows at `rate_hz` behind one lead 40 m ahead, both at 20 m/s, changed row by row.
+pub(crate) fn by_rows(rate_hz: f64, n: usize, change: impl FnOnce(&mut Rows)) -> Drive {
+    let mut rows = Rows {
+        time_s: (0..n).map(|row| row as f64 / rate_hz).collect(),
+        segment: vec![0; n],
+        ego_x_m: vec![0.0; n],
+        ego_y_m: vec![0.0; n],
+        ego_speed_mps: vec![20.0; n],
+        lane: vec![0; n],
+        lead_present: vec![true; n],
+        lead_id: vec![Some(1); n],
+        lead_dx_m: vec![40.0; n],
+        lead_dy_m: vec![0.0; n],
+        lead_speed_mps: vec![20.0; n],
+        lane_change: vec![false; n],
+        changing: vec![0; n],
+        change_completes: vec![false; n],
+        following: vec![true; n],
+        gap_behind_left_m: vec![None; n],
+        gap_behind_right_m: vec![None; n],
+    };
+    change(&mut rows);
+    let meta = Scripted::new(1.0).drive().meta().clone();
+    Drive::from_rows(meta, Road::PAPER, rate_hz, rows).unwrap()
 }
