@@ -88,3 +88,45 @@ pub(crate) fn circular(
         Err(error) => Err(error.into()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn too_few_pairs_have_a_count_and_no_number() {
+        let x = [Some(1.0), Some(2.0), None, Some(4.0)];
+        let y = [Some(3.0), None, Some(2.0), None];
+        let found = correlate(&x, &y, CorrelationMethod::Spearman).unwrap();
+        assert_eq!((found.n, found.df, found.r), (1, 0, None));
+        let people = ["a", "a", "b", "b"].map(str::to_owned);
+        let within = correlate_within(&people, &x, &y).unwrap();
+        assert_eq!(
+            (within.method.as_str(), within.n, within.r),
+            ("rm_corr", 1, None)
+        );
+        assert_eq!(circular(&x, &y).unwrap(), (None, None));
+        assert_eq!(
+            correlate(&[None], &[None], CorrelationMethod::Pearson)
+                .unwrap()
+                .n,
+            0
+        );
+    }
+
+    #[test]
+    fn each_method_gives_its_own_coefficient_and_interval() {
+        // Rising, but not in a line.
+        let x: Vec<Option<f64>> = (1..=8).map(|i| Some(f64::from(i))).collect();
+        let y: Vec<Option<f64>> = (1..=8).map(|i| Some(f64::from(i * i * i))).collect();
+        let ranks = correlate(&x, &y, CorrelationMethod::Spearman).unwrap();
+        let line = correlate(&x, &y, CorrelationMethod::Pearson).unwrap();
+        assert_eq!(
+            (ranks.method.as_str(), line.method.as_str()),
+            ("spearman", "pearson")
+        );
+        assert!((ranks.r.unwrap() - 1.0).abs() < 1e-12);
+        assert!(line.r.unwrap() < 0.95 && line.df == 6);
+        assert!(line.ci_low.unwrap() < line.r.unwrap() && line.r.unwrap() < line.ci_high.unwrap());
+    }
+}

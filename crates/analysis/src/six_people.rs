@@ -5,8 +5,8 @@ use crate::{
     analyse,
 };
 use maveric_domain::{
-    ConditionId, Design, DriveId, DriveMeta, DrivenBy, Embedding, EmbeddingRow, MeasuredDrive,
-    Moment, ParticipantId, Scale, Score,
+    ConditionId, ConditionRow, Design, DriveId, DriveMeta, DrivenBy, Embedding, EmbeddingRow,
+    MeasuredDrive, Moment, ParticipantId, Scale, Score,
     design::{ScoreName, Sign},
 };
 use maveric_stats::{ByDesign, FactorialDesign, OmnibusTest, PosthocTest, factorial};
@@ -795,4 +795,84 @@ fn a_score_is_called_by_its_questionnaire() {
     let data = StudyData::new(&design(DESIGN), tables()).unwrap();
     let name: ScoreName = "jian_trust.overall".parse().unwrap();
     assert_eq!(data.score_title(&name), "jian_trust.overall");
+}
+
+fn steered(
+    i: usize,
+    condition: &str,
+    angle_rad: Option<f64>,
+    beyond_training: bool,
+) -> ConditionRow {
+    ConditionRow {
+        participant: person(i),
+        condition: id(condition),
+        adb_hat: None,
+        moved_points: None,
+        moved_points_sd: None,
+        clamped: false,
+        angle_rad,
+        beyond_training,
+        sweep: None,
+        embedding: Embedding::new(vec![0.0]).unwrap(),
+    }
+}
+
+#[test]
+fn of_the_cars_that_were_turned_those_beyond_the_training_are_counted() {
+    let mut turned = tables();
+    assert_eq!(analysed(tables()).beyond_training, None);
+    turned.conditions = vec![
+        steered(0, "fast", None, true),
+        steered(0, "slow", None, false),
+        steered(1, "fast", None, false),
+        // Not turned, and not of the study.
+        steered(1, "same", None, true),
+        steered(9, "fast", None, true),
+    ];
+    near(analysed(turned).beyond_training, 1.0 / 3.0);
+}
+
+#[test]
+fn habits_that_aggression_leaves_alone_are_held_against_the_angle_of_the_move() {
+    const ROOM: &str = "min_headway_distance_m";
+    let angle = |i: usize| 1.1 * i as f64 - 0.5;
+    let off = |i: usize| if i.is_multiple_of(2) { 0.2 } else { -0.2 };
+    let change = |i: usize| 3.0 + 2.0 * angle(i).cos() - angle(i).sin() + off(i);
+    let mut moved = tables();
+    for drive in &mut moved.measurements {
+        let i = (0..6)
+            .find(|i| person(*i) == drive.meta.participant)
+            .unwrap();
+        let room = match drive.meta.condition.as_str() {
+            "own" => 40.0 - 2.0 * i as f64,
+            "same" => 30.0,
+            "across" => 30.0 + change(i),
+            _ => continue,
+        };
+        drive.values.insert(ROOM.to_owned(), Some(room));
+    }
+    moved.conditions = (0..6)
+        .map(|i| steered(i, "across", Some(angle(i)), false))
+        .collect();
+    let a = analysed(moved);
+    let kept = a.kept.iter().find(|k| k.measure == ROOM).unwrap();
+    assert_eq!((kept.across, kept.from), (id("across"), id("same")));
+    near(kept.line.r, -1.0);
+    // A wave once round is nearly all that the angle does.
+    let r = kept.circular_r.unwrap();
+    assert!(r > 0.9 && r < 0.999, "{r}");
+    // The upper tail of F(2, 3) at (R² / 2) / ((1 - R²) / 3).
+    near(kept.circular_p_holm, (1.0 - r * r).powf(1.5));
+    assert!(kept.angle.r.unwrap().abs() < 0.9);
+    let (first, second) = (kept.points[0], kept.points[1]);
+    near(Some(first.0), std::f64::consts::TAU - 0.5);
+    near(Some(second.0), 0.6);
+    near(Some(second.1), change(1));
+    // Nobody's share of time on the left was measured.
+    let left = a
+        .kept
+        .iter()
+        .find(|k| k.measure == "left_lane_fraction")
+        .unwrap();
+    assert!(left.circular_p_holm.is_none() && left.points.is_empty());
 }
