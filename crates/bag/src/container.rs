@@ -11,6 +11,7 @@ use crate::{
     error::BagError,
     record::{self, HEAD, Record, op},
 };
+use mcap::records::Record as Account;
 use resynchronise::{head_of, is_chunk, senseless};
 use std::{
     fs::File,
@@ -198,7 +199,10 @@ impl<R: Read + Seek> Walker<'_, R> {
         );
         if opcode == op::DATA_END {
             self.load(body, length.min(4))?;
-            let claimed = record::data_end(&self.buffer).unwrap_or(0);
+            let claimed = match record::account(opcode, &self.buffer) {
+                Some(Account::DataEnd(end)) => end.data_section_crc,
+                _ => 0,
+            };
             self.data_ended = true;
             let found = self.crc.take().map(crc32fast::Hasher::finalize);
             if claimed != 0 && found.is_some_and(|found| found != claimed) {
@@ -217,7 +221,10 @@ impl<R: Read + Seek> Walker<'_, R> {
         self.hash_buffer();
         let buffer = std::mem::take(&mut self.buffer);
         if opcode == op::STATISTICS {
-            self.claimed_messages = record::statistics(&buffer);
+            self.claimed_messages = match record::account(opcode, &buffer) {
+                Some(Account::Statistics(statistics)) => Some(statistics.message_count),
+                _ => None,
+            };
         } else {
             match record::parse(opcode, &buffer) {
                 Some(record) => self.give(record, visitor),
@@ -232,7 +239,10 @@ impl<R: Read + Seek> Walker<'_, R> {
     fn footer(&mut self, at: u64, length: u64) -> Result<(), BagError> {
         let body = at + HEAD as u64;
         self.load(body, length.min(20))?;
-        let (summary_start, crc) = record::footer(&self.buffer).unwrap_or((0, 0));
+        let (summary_start, crc) = match record::account(op::FOOTER, &self.buffer) {
+            Some(Account::Footer(footer)) => (footer.summary_start, footer.summary_crc),
+            _ => (0, 0),
+        };
         if summary_start > at {
             return self.damaged(at, "the footer points behind the end of the file");
         }

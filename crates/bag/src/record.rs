@@ -170,41 +170,9 @@ pub(crate) fn is_plausible(opcode: u8, start: &[u8], length: u64) -> bool {
     }
 }
 
-/// The end of a file by its footer: where the summary starts (0 without one) and the summary's checksum.
-pub(crate) fn footer(content: &[u8]) -> Option<(u64, u32)> {
-    let mut fields = Fields(content);
-    let start = fields.u64()?;
-    fields.u64()?;
-    Some((start, fields.u32()?))
-}
-
-/// Number of messages by a statistics record.
-pub(crate) fn statistics(content: &[u8]) -> Option<u64> {
-    Fields(content).u64()
-}
-
-/// Number of messages of each channel by a statistics record.
-pub(crate) fn channel_counts(content: &[u8]) -> Option<BTreeMap<u16, u64>> {
-    let mut fields = Fields(content);
-    // Messages, schemas, channels, attachments, metadata, chunks, first and last time.
-    fields.u64()?;
-    fields.u16()?;
-    for _ in 0..4 {
-        fields.u32()?;
-    }
-    fields.u64()?;
-    fields.u64()?;
-    let mut pairs = Fields(fields.block()?);
-    let mut counts = BTreeMap::new();
-    while !pairs.0.is_empty() {
-        counts.insert(pairs.u16()?, pairs.u64()?);
-    }
-    Some(counts)
-}
-
-/// Checksum of all bytes before a data end record; 0 means none.
-pub(crate) fn data_end(content: &[u8]) -> Option<u32> {
-    Fields(content).u32()
+/// What a file says of itself: its footer, its statistics, the end of its data; none where that cannot be read.
+pub(crate) fn account(opcode: u8, content: &[u8]) -> Option<mcap::records::Record<'_>> {
+    mcap::parse_record(opcode, content).ok()
 }
 
 #[cfg(test)]

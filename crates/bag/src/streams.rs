@@ -83,18 +83,13 @@ pub(crate) fn streams_of<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T>
     let mut collector = Collector::new(taker, Vec::new());
     let mut walked = all(&mut collector)?;
     let known = |d: &Declared| !d.channels.is_empty() || !d.doubtful_channels.is_empty();
-    if collector.undeclared > 0 && collector.declared.iter().any(known) {
+    if collector.found.undeclared > 0 && collector.declared.iter().any(known) {
         collector = Collector::new(collector.taker, collector.declared);
         walked = all(&mut collector)?;
     }
     Ok(Streams {
-        streams: collector.streams,
-        writer: collector.writer,
-        metadata: collector.metadata,
         walked,
-        first_ns: collector.first_ns,
-        undeclared: collector.undeclared,
-        too_long: collector.too_long,
+        ..collector.found
     })
 }
 
@@ -110,12 +105,7 @@ struct Declared {
 /// Streams under way.
 pub(crate) struct Collector<T, F> {
     taker: F,
-    streams: Vec<Stream<T>>,
-    writer: Option<String>,
-    metadata: BTreeMap<String, BTreeMap<String, String>>,
-    first_ns: Option<u64>,
-    undeclared: usize,
-    too_long: usize,
+    found: Streams<T>,
     /// Messages so far, with those that were rolled back.
     nth: u32,
     /// By file: what its messages may need before it comes.
@@ -142,12 +132,15 @@ impl<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T> Collector<T, F> {
     fn new(taker: F, declared: Vec<Declared>) -> Self {
         Self {
             taker,
-            streams: Vec::new(),
-            writer: None,
-            metadata: BTreeMap::new(),
-            first_ns: None,
-            undeclared: 0,
-            too_long: 0,
+            found: Streams {
+                streams: Vec::new(),
+                writer: None,
+                metadata: BTreeMap::new(),
+                walked: Vec::new(),
+                first_ns: None,
+                undeclared: 0,
+                too_long: 0,
+            },
             nth: 0,
             declared,
             part: 0,
@@ -179,7 +172,7 @@ impl<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T> Collector<T, F> {
     fn declare(&mut self, channel: Channel) {
         let schema = self.schemas.get(&channel.schema_id);
         let id = channel.id;
-        let same = self.streams.iter().position(|s| {
+        let same = self.found.streams.iter().position(|s| {
             s.channel.topic == channel.topic
                 && s.channel.encoding == channel.encoding
                 && match (&s.schema, schema) {
@@ -191,12 +184,12 @@ impl<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T> Collector<T, F> {
         // Within one file two channels of one topic stay two.
         let same = same.filter(|i| !self.ids.values().any(|j| j == i));
         let index = same.unwrap_or_else(|| {
-            self.streams.push(Stream {
+            self.found.streams.push(Stream {
                 taken: (self.taker)(&channel, schema),
                 schema: schema.cloned(),
                 channel,
             });
-            self.streams.len() - 1
+            self.found.streams.len() - 1
         });
         self.ids.insert(id, index);
     }
@@ -206,7 +199,7 @@ impl<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T> Visitor for Collect
     fn record(&mut self, record: Record<'_>) {
         match record {
             Record::Other => {}
-            Record::Header(_, library) => self.writer = Some(library),
+            Record::Header(_, library) => self.found.writer = Some(library),
             Record::Schema(schema) => {
                 if !self.schemas.contains_key(&schema.id) {
                     let (id, schema) = (schema.id, OwnedSchema::from(schema));
@@ -224,43 +217,44 @@ impl<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T> Visitor for Collect
                 }
             }
             Record::Message(message) => {
-                self.first_ns = Some(self.first_ns.unwrap_or(message.log_ns).min(message.log_ns));
+                let found = &mut self.found;
+                found.first_ns = Some(found.first_ns.unwrap_or(message.log_ns).min(message.log_ns));
                 self.nth = self.nth.saturating_add(1);
                 let index = self.ids.get(&message.channel);
-                match index.and_then(|&i| self.streams.get_mut(i)) {
+                match index.and_then(|&i| found.streams.get_mut(i)) {
                     Some(stream) => stream.taken.take(message, self.nth),
-                    None => self.undeclared += 1,
+                    None => found.undeclared += 1,
                 }
             }
             Record::Metadata(metadata) => {
-                self.metadata
-                    .entry(metadata.name)
-                    .or_insert(metadata.values);
+                let named = self.found.metadata.entry(metadata.name);
+                named.or_insert(metadata.values);
             }
         }
     }
 
     fn passed_over(&mut self) {
-        self.too_long += 1;
+        self.found.too_long += 1;
     }
 
     fn mark(&mut self) {
         self.fresh = Default::default();
+        let found = &mut self.found;
         self.mark = Mark {
-            first_ns: self.first_ns,
-            undeclared: self.undeclared,
-            too_long: self.too_long,
-            streams: self.streams.len(),
+            first_ns: found.first_ns,
+            undeclared: found.undeclared,
+            too_long: found.too_long,
+            streams: found.streams.len(),
         };
-        self.streams.iter_mut().for_each(|s| s.taken.mark());
+        found.streams.iter_mut().for_each(|s| s.taken.mark());
     }
 
     fn roll_back(&mut self) {
-        let mark = self.mark;
-        (self.first_ns, self.undeclared) = (mark.first_ns, mark.undeclared);
-        self.too_long = mark.too_long;
-        self.streams.truncate(mark.streams);
-        self.streams.iter_mut().for_each(|s| s.taken.roll_back());
+        let (mark, found) = (self.mark, &mut self.found);
+        (found.first_ns, found.undeclared) = (mark.first_ns, mark.undeclared);
+        found.too_long = mark.too_long;
+        found.streams.truncate(mark.streams);
+        found.streams.iter_mut().for_each(|s| s.taken.roll_back());
         // What a damaged chunk declares is believed only if nothing else does.
         let declared = &mut self.declared[self.part];
         let (schemas, channels) = std::mem::take(&mut self.fresh);

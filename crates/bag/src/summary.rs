@@ -5,7 +5,7 @@ use crate::{
     error::BagError,
     record::{self, Channel, HEAD, Record, op},
 };
-use mcap::records::AttachmentIndex;
+use mcap::records::{AttachmentIndex, Record as Account};
 use std::{
     collections::BTreeMap,
     fs::File,
@@ -31,7 +31,10 @@ fn summary(file: &mut File) -> Option<Vec<u8>> {
     if end[0] != op::FOOTER || !end.ends_with(mcap::MAGIC) {
         return None;
     }
-    let (start, crc) = record::footer(&end[HEAD..])?;
+    let Some(Account::Footer(footer)) = record::account(op::FOOTER, &end[HEAD..HEAD + 20]) else {
+        return None;
+    };
+    let (start, crc) = (footer.summary_start, footer.summary_crc);
     let size = at
         .checked_sub(start)
         .filter(|n| start > 0 && *n <= MOST_SUMMARY)?;
@@ -67,14 +70,17 @@ pub fn announced(path: &Path) -> Option<Vec<Announced>> {
         match record::parse(opcode, content)? {
             Record::Schema(schema) => drop(schemas.insert(schema.id, OwnedSchema::from(schema))),
             Record::Channel(channel) => drop(channels.insert(channel.id, channel)),
-            _ if opcode == op::STATISTICS => counts = Some(record::channel_counts(content)?),
+            _ if opcode == op::STATISTICS => counts = record::account(opcode, content),
             _ => {}
         }
     }
-    let counts = counts?;
+    let Some(Account::Statistics(counts)) = counts else {
+        return None;
+    };
     let announced = channels.into_values().map(|channel| {
         let schema = schemas.get(&channel.schema_id).cloned();
-        let count = counts.get(&channel.id).copied().unwrap_or(0);
+        let count = counts.channel_message_counts.get(&channel.id);
+        let count = count.copied().unwrap_or(0);
         (channel, schema, count)
     });
     Some(announced.collect())
@@ -93,8 +99,8 @@ pub fn attachment(path: &Path, name: &str) -> Result<Option<Vec<u8>>, BagError> 
     let length = file.metadata().map_err(io)?.len();
     let bytes = summary(&mut file).unwrap_or_default();
     let index = records(&bytes).flatten().find_map(|(opcode, content)| {
-        match mcap::parse_record(opcode, content) {
-            Ok(mcap::records::Record::AttachmentIndex(index)) if index.name == name => Some(index),
+        match record::account(opcode, content) {
+            Some(Account::AttachmentIndex(index)) if index.name == name => Some(index),
             _ => None,
         }
     });

@@ -1,32 +1,33 @@
 //! Writes a recording.
 
 use crate::error::BagError;
-use mcap::{Attachment, Compression, WriteOptions, records};
+use mcap::{Attachment, Compression, McapError, WriteOptions, records, write::NoSeek};
 use std::{
     collections::BTreeMap,
     fmt,
-    io::{Seek, Write},
+    io::{BufWriter, Write},
 };
 
 /// How hard zstd tries: its quickest usual level, by which 96 logs of ten minutes are no larger than by the third (150 MB).
 const LEVEL: u32 = 1;
 
 /// A recording under way: zstd chunks, a checksum each, an index. The same calls give the same bytes.
-pub struct Writer<W: Write + Seek> {
-    out: mcap::Writer<W>,
+pub struct Writer<W: Write> {
+    /// Gathers the small pieces that records are written in; a chunk is one piece.
+    out: mcap::Writer<NoSeek<BufWriter<W>>>,
 }
 
-impl<W: Write + Seek> fmt::Debug for Writer<W> {
+impl<W: Write> fmt::Debug for Writer<W> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Writer").finish_non_exhaustive()
     }
 }
 
-fn failed(source: mcap::McapError) -> BagError {
+fn failed(source: McapError) -> BagError {
     BagError::Write { source }
 }
 
-impl<W: Write + Seek> Writer<W> {
+impl<W: Write> Writer<W> {
     /// Begins a recording of ROS 2 messages, or of others; `library` is who writes it.
     ///
     /// # Errors
@@ -39,7 +40,9 @@ impl<W: Write + Seek> Writer<W> {
             .compression_level(LEVEL)
             // More threads would be faster, but the bytes would depend on them.
             .compression_threads(0)
-            .create(out)
+            // A chunk goes out whole: no head of it is written twice.
+            .disable_seeking(true)
+            .create(NoSeek::new(BufWriter::new(out)))
             .map_err(failed)?;
         Ok(Self { out })
     }
@@ -122,6 +125,7 @@ impl<W: Write + Seek> Writer<W> {
     /// [`BagError::Write`].
     pub fn finish(mut self) -> Result<W, BagError> {
         self.out.finish().map_err(failed)?;
-        Ok(self.out.into_inner())
+        let out = self.out.into_inner().into_inner().into_inner();
+        out.map_err(|e| failed(McapError::Io(e.into_error())))
     }
 }

@@ -12,6 +12,7 @@ use crate::{
     quality::{Warning, WarningKind},
     raw::{EgoSample, ObjectSample, RawDrive},
     resample::{Grid, grid, speeds},
+    settings::IngestSettings,
     synchronise::synchronise,
 };
 use maveric_domain::{EgoTrack, ObjectTrack, Recording, Road, VehicleId};
@@ -52,10 +53,14 @@ pub(crate) struct Target<'a> {
 
 impl<'a> Target<'a> {
     /// The target for a log that does not describe its own road.
-    pub(crate) fn mapped(mapping: Option<&'a Mapping>, rate_hz: f64, max_gap_s: f64) -> Self {
+    ///
+    /// # Errors
+    /// [`IngestError::BadSetting`].
+    pub(crate) fn mapped(settings: &'a IngestSettings) -> Result<Self, IngestError> {
+        let mapping = settings.mapping.as_ref();
         let road = mapping.and_then(|m| m.road).unwrap_or(RoadMapping::UNKNOWN);
         let centre_line = mapping.map_or(&[][..], |m| &m.centre_line);
-        Self {
+        Ok(Self {
             road: road.road(),
             frame: if centre_line.is_empty() {
                 road.frame
@@ -67,9 +72,9 @@ impl<'a> Target<'a> {
             right_lane_centre_y_m: road.right_lane_centre_y_m,
             own_lane_only: road.lanes == 1,
             lane_steps: false,
-            rate_hz,
-            max_gap_s,
-        }
+            rate_hz: settings.rate_hz()?,
+            max_gap_s: settings.max_gap_s()?,
+        })
     }
 }
 
@@ -384,7 +389,8 @@ mod tests {
     }
 
     fn assembled(objects: Vec<ObjectSample>) -> (Recording, Vec<Warning>) {
-        let target = Target::mapped(None, 20.0, 0.5);
+        let settings = IngestSettings::default();
+        let target = Target::mapped(&settings).unwrap();
         assemble(Path::new("log"), drive(objects), &target).unwrap()
     }
 

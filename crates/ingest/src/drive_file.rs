@@ -4,11 +4,11 @@ use crate::{
     error::IngestError,
     parquet::{is_parquet, parquet_bytes, read_parquet},
     provenance::Provenance,
-    raw::mcap::metadata::{LATERAL, UNKNOWN},
+    raw::mcap::metadata::{KEYS, Told, told_of},
 };
-use maveric_domain::{Drive, DriveMeta, Road, drive::Rows};
+use maveric_domain::{Drive, drive::Rows};
 use polars::prelude::{Column, DataFrame, DataType, PolarsError};
-use std::{collections::BTreeMap, io::Write, path::Path, str::FromStr};
+use std::{collections::BTreeMap, io::Write, path::Path};
 
 /// Version of what is written; version 1 also named one of two studies, and neither 1 nor 2 carried a checksum.
 const VERSION: &str = "3";
@@ -72,21 +72,8 @@ pub fn write_drive_to(
     provenance: &Provenance,
 ) -> Result<(), IngestError> {
     let (meta, road) = (drive.meta(), drive.road());
-    let own = [
-        ("version", VERSION.to_owned()),
-        ("drive", meta.drive.to_string()),
-        ("participant", meta.participant.to_string()),
-        ("condition", meta.condition.to_string()),
-        ("driven_by", meta.driven_by.as_str().to_owned()),
-        ("rate_hz", drive.rate_hz().to_string()),
-        ("lanes", road.lanes.to_string()),
-        ("lane_width_m", road.lane_width_m.to_string()),
-        ("posted_speed_mps", road.posted_speed_mps.to_string()),
-    ];
-    let lateral = (LATERAL, UNKNOWN.to_owned());
-    let own = own
-        .into_iter()
-        .chain((!drive.has_lateral()).then_some(lateral));
+    let told = told_of(meta, road, drive.rate_hz(), drive.has_lateral());
+    let own = [("version", VERSION.to_owned())].into_iter().chain(told);
     let own = own.map(|(k, v)| (k.to_owned(), v));
     let entries = own.chain(provenance.entries.iter().cloned());
     let entries = entries.map(|(k, v)| (format!("{PREFIX}{k}"), v)).collect();
@@ -111,40 +98,18 @@ pub fn read_drive_from(path: &Path) -> Result<(Drive, Provenance), IngestError> 
     let file = file.map_err(|why| bad(path, format!("cannot be read: {why}")))?;
     let own = |(key, value): (String, String)| Some((key.strip_prefix(PREFIX)?.to_owned(), value));
     let told: Vec<(String, String)> = file.metadata.into_iter().filter_map(own).collect();
-    let order: Vec<String> = told.iter().map(|(key, _)| key.clone()).collect();
     let read = DriveFile {
         path,
-        entries: told.into_iter().collect(),
+        entries: told.iter().cloned().collect(),
         frame: file.frame,
         checked: file.checked,
     };
     let drive = read.drive()?;
-    let own = |key: &String| OWN_KEYS.contains(&key.as_str());
-    let entries = order.into_iter().filter(|k| !own(k));
-    let value = |key: String| {
-        let value = read.entries.get(&key).cloned().unwrap_or_default();
-        (key, value)
-    };
-    let provenance = Provenance {
-        entries: entries.map(value).collect(),
-    };
-    Ok((drive, provenance))
+    // Version 1 named one of two studies.
+    let own = |key: &str| ["version", "study"].contains(&key) || KEYS.contains(&key);
+    let entries = told.into_iter().filter(|(key, _)| !own(key)).collect();
+    Ok((drive, Provenance { entries }))
 }
-
-/// Keys that say whose drive it is and on which road; the others are its provenance.
-const OWN_KEYS: [&str; 11] = [
-    "version",
-    "drive",
-    "participant",
-    "study",
-    "condition",
-    "driven_by",
-    "rate_hz",
-    "lanes",
-    "lane_width_m",
-    "posted_speed_mps",
-    LATERAL,
-];
 
 fn bad(path: &Path, problem: impl Into<String>) -> IngestError {
     IngestError::BadDrive {
@@ -162,28 +127,18 @@ struct DriveFile<'a> {
 
 impl DriveFile<'_> {
     fn drive(&self) -> Result<Drive, IngestError> {
-        let version = self.entry("version")?;
+        let version = self.entries.get("version").map(String::as_str);
+        let version = version.ok_or_else(|| {
+            let what = "in its metadata, so it is not a drive of this program";
+            self.bad(format!("has no `{PREFIX}version` {what}"))
+        })?;
         if !READ.contains(&version) {
-            let problem = format!(
-                "is a drive of format {version}, expected {}",
-                READ.join(" or ")
-            );
-            return Err(bad(self.path, problem));
+            let read = READ.join(" or ");
+            return Err(self.bad(format!("is a drive of format {version}, expected {read}")));
         }
         if version == VERSION && !self.checked {
             return Err(bad(self.path, "is damaged: its checksum is not there"));
         }
-        let meta = DriveMeta {
-            drive: self.id("drive")?,
-            participant: self.id("participant")?,
-            condition: self.parsed("condition")?,
-            driven_by: self.parsed("driven_by")?,
-        };
-        let road = Road {
-            lanes: self.parsed("lanes")?,
-            lane_width_m: self.parsed("lane_width_m")?,
-            posted_speed_mps: self.parsed("posted_speed_mps")?,
-        };
         let rows = Rows {
             time_s: self.all("time_s")?,
             segment: self.whole("segment")?,
@@ -207,66 +162,39 @@ impl DriveFile<'_> {
             gap_behind_left_m: self.numbers("gap_behind_left_m")?,
             gap_behind_right_m: self.numbers("gap_behind_right_m")?,
         };
-        let rate_hz = self.parsed("rate_hz")?;
-        let drive = Drive::from_rows(meta, road, rate_hz, rows)
-            .map_err(|e| bad(self.path, format!("is no drive: {e}")))?;
-        let unknown = self.entries.get(LATERAL).is_some_and(|v| v == UNKNOWN);
-        Ok(if unknown {
+        let told = Told {
+            path: self.path,
+            values: &self.entries,
+        };
+        let rate_hz = told.positive("rate_hz")?;
+        let drive = Drive::from_rows(told.meta()?, told.road()?, rate_hz, rows)
+            .map_err(|e| self.bad(format!("is no drive: {e}")))?;
+        Ok(if told.without_lateral() {
             drive.without_lateral()
         } else {
             drive
         })
     }
 
-    fn entry(&self, key: &str) -> Result<&str, IngestError> {
-        let found = self.entries.get(key).map(String::as_str);
-        found.ok_or_else(|| {
-            bad(
-                self.path,
-                format!(
-                    "has no `{PREFIX}{key}` in its metadata, so it is not a drive of this program"
-                ),
-            )
-        })
-    }
-
-    fn parsed<T: FromStr>(&self, key: &str) -> Result<T, IngestError> {
-        let text = self.entry(key)?;
-        text.parse().map_err(|_| {
-            bad(
-                self.path,
-                format!("has `{text}` as `{PREFIX}{key}`, which is no such thing"),
-            )
-        })
-    }
-
-    fn id<T: TryFrom<String>>(&self, key: &str) -> Result<T, IngestError> {
-        let text = self.entry(key)?;
-        T::try_from(text.to_owned()).map_err(|_| {
-            let problem = format!("has `{text}` as `{PREFIX}{key}`, which is no id");
-            bad(self.path, problem)
-        })
+    fn bad(&self, problem: String) -> IngestError {
+        bad(self.path, problem)
     }
 
     fn column(&self, name: &str) -> Result<&Column, IngestError> {
         let found = self.frame.column(name);
-        found.map_err(|_| bad(self.path, format!("has no column `{name}`")))
+        found.map_err(|_| self.bad(format!("has no column `{name}`")))
     }
 
     fn numbers(&self, name: &str) -> Result<Vec<Option<f64>>, IngestError> {
-        let column = self.column(name)?;
-        let cast = column
-            .cast(&DataType::Float64)
-            .map_err(|e| self.odd(name, &e))?;
-        Ok(cast.f64().map_err(|e| self.odd(name, &e))?.iter().collect())
+        let numbers = self.column(name)?.cast(&DataType::Float64);
+        let numbers = numbers.and_then(|c| Ok(c.f64()?.iter().collect()));
+        numbers.map_err(|e| self.odd(name, &e))
     }
 
     fn integers(&self, name: &str) -> Result<Vec<Option<i64>>, IngestError> {
-        let column = self.column(name)?;
-        let cast = column
-            .cast(&DataType::Int64)
-            .map_err(|e| self.odd(name, &e))?;
-        Ok(cast.i64().map_err(|e| self.odd(name, &e))?.iter().collect())
+        let numbers = self.column(name)?.cast(&DataType::Int64);
+        let numbers = numbers.and_then(|c| Ok(c.i64()?.iter().collect()));
+        numbers.map_err(|e| self.odd(name, &e))
     }
 
     fn all(&self, name: &str) -> Result<Vec<f64>, IngestError> {
@@ -279,40 +207,24 @@ impl DriveFile<'_> {
     }
 
     fn flags(&self, name: &str) -> Result<Vec<bool>, IngestError> {
-        let column = self.column(name)?;
-        let cells: Vec<Option<bool>> = column
-            .bool()
-            .map_err(|e| self.odd(name, &e))?
-            .iter()
-            .collect();
-        self.filled(name, cells)
+        let flags = self.column(name)?.bool().map_err(|e| self.odd(name, &e))?;
+        self.filled(name, flags.iter().collect())
     }
 
     fn filled<T>(&self, name: &str, cells: Vec<Option<T>>) -> Result<Vec<T>, IngestError> {
-        let cell = |(row, cell): (usize, Option<T>)| {
-            cell.ok_or_else(|| {
-                bad(
-                    self.path,
-                    format!("has nothing in row {} of `{name}`", row + 1),
-                )
-            })
-        };
-        cells.into_iter().enumerate().map(cell).collect()
+        let nothing = |row: usize| self.bad(format!("has nothing in row {row} of `{name}`"));
+        let cells = (1..).zip(cells);
+        cells
+            .map(|(row, cell)| cell.ok_or_else(|| nothing(row)))
+            .collect()
     }
 
     fn fits<T: TryFrom<i64>>(&self, name: &str, value: i64) -> Result<T, IngestError> {
-        T::try_from(value).map_err(|_| {
-            bad(
-                self.path,
-                format!("has {value} in `{name}`, which does not fit"),
-            )
-        })
+        let unfit = |_| self.bad(format!("has {value} in `{name}`, which does not fit"));
+        T::try_from(value).map_err(unfit)
     }
 
     fn odd(&self, name: &str, error: &PolarsError) -> IngestError {
-        bad(
-            self.path,
-            format!("has another kind of column `{name}`: {error}"),
-        )
+        self.bad(format!("has another kind of column `{name}`: {error}"))
     }
 }

@@ -40,10 +40,9 @@ pub(crate) fn into_lanes(
             .windows(2)
             .map(|e| f64::midpoint(e[0], e[1]))
             .collect(),
-        LaneShape::Driven => driven(drive, road).map_err(|reason| IngestError::BadTable {
-            path: path.to_owned(),
-            reason,
-        })?,
+        LaneShape::Driven => {
+            driven(drive, road).map_err(|why| IngestError::bad_table(path, why))?
+        }
     };
     let edges: Vec<f64> = match shape {
         LaneShape::Edges(edges) => edges[1..edges.len() - 1].to_vec(),

@@ -138,7 +138,7 @@ pub(crate) fn parquet_names(bytes: &[u8]) -> Result<Vec<String>, String> {
     })
 }
 
-fn first_line(error: &impl ToString) -> String {
+pub(crate) fn first_line(error: &impl ToString) -> String {
     let text = error.to_string();
     text.lines().next().unwrap_or_default().to_owned()
 }

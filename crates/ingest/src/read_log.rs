@@ -52,21 +52,20 @@ pub fn read_log(path: &Path, settings: &IngestSettings) -> Result<Vec<Ingested>,
     let mapping = settings.mapping.as_ref();
     if let Some(mapping) = mapping {
         // One that was built in code has not been looked at yet.
-        mapping.check().map_err(|reason| IngestError::BadMapping {
-            path: path.to_owned(),
-            reason,
-        })?;
+        let checked = mapping.check();
+        checked.map_err(|why| IngestError::bad_mapping(path, why))?;
     }
-    let (rate_hz, max_gap_s) = (settings.rate_hz()?, settings.max_gap_s()?);
+    settings.rate_hz()?;
+    settings.max_gap_s()?;
     if mapping.is_some_and(Mapping::takes_folders) && path.is_dir() {
-        return read_table(path, mapping, rate_hz, max_gap_s);
+        return read_table(path, settings);
     }
     let format = format_of(path)?;
     if mapping.is_some_and(|m| m.skips(path)) {
         return Ok(Vec::new());
     }
     if format == Format::Table {
-        return read_table(path, mapping, rate_hz, max_gap_s);
+        return read_table(path, settings);
     }
     let parts = parts_of(path)?;
     if let Some(part) = parts
@@ -95,7 +94,7 @@ pub(crate) fn read_recording(
     settings: &IngestSettings,
 ) -> Result<Ingested, IngestError> {
     let mapping = settings.mapping.as_ref();
-    let mapped = Target::mapped(mapping, settings.rate_hz()?, settings.max_gap_s()?);
+    let mapped = Target::mapped(settings)?;
     let topics = mapping.and_then(|m| m.mcap.as_ref());
     let hashes = collected.walked.iter().filter_map(|w| w.blake3.clone());
     let sources = parts.files.iter().zip(hashes);
@@ -247,8 +246,8 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, IngestError> {
         found,
         advice,
     };
-    if let Some(known) = foreign(&head) {
-        return Err(not_a_log(known.what.to_owned(), known.advice));
+    if let Some((what, advice)) = foreign(&head) {
+        return Err(not_a_log(what.to_owned(), advice));
     }
     let text = match std::str::from_utf8(&head) {
         Ok(_) => true,

@@ -9,7 +9,7 @@ use crate::{
         self, TableDrive,
         open::{Kind, Table},
     },
-    settings::Ingested,
+    settings::{IngestSettings, Ingested},
 };
 use std::path::Path;
 
@@ -21,14 +21,12 @@ use std::path::Path;
 /// As [`crate::read_log`].
 pub(crate) fn read_table(
     path: &Path,
-    mapping: Option<&Mapping>,
-    rate_hz: f64,
-    max_gap_s: f64,
+    settings: &IngestSettings,
 ) -> Result<Vec<Ingested>, IngestError> {
     let no_mapping = || IngestError::NoMapping {
         path: path.to_owned(),
     };
-    let mapping = mapping.ok_or_else(no_mapping)?;
+    let mapping = settings.mapping.as_ref().ok_or_else(no_mapping)?;
     let columns = mapping.table.as_ref().ok_or_else(no_mapping)?;
     let mapped = mapping.road.unwrap_or(RoadMapping::UNKNOWN);
     let mut sources = Vec::new();
@@ -37,6 +35,7 @@ pub(crate) fn read_table(
         _ => table::take(path, &mut sources)?,
     };
     let told = told_by_columns(path, &bytes, mapping, columns)?;
+    let max_gap_s = settings.max_gap_s()?;
     let drives = table::read(path, bytes, columns, &mapped, max_gap_s, &mut sources)?;
     let several = columns.layout == Layout::Long;
     let headed = several && columns.columns.heading.is_some();
@@ -54,7 +53,7 @@ pub(crate) fn read_table(
             ..
         } = drive;
         let road = road.unwrap_or(mapped);
-        let world = Target::mapped(Some(mapping), rate_hz, max_gap_s);
+        let world = Target::mapped(settings)?;
         let target = Target {
             road: road.road(),
             right_lane_centre_y_m: road.right_lane_centre_y_m,
@@ -107,11 +106,8 @@ pub(crate) fn read_table(
         }
         (None, Some(error)) => return Err(error),
         (None, None) => {
-            return Err(IngestError::BadTable {
-                path: path.to_owned(),
-                reason: "it has no vehicle with two rows that have time, number and position"
-                    .to_owned(),
-            });
+            let what = "it has no vehicle with two rows that have time, number and position";
+            return Err(IngestError::bad_table(path, what));
         }
         (Some(_), None) => {}
     }
@@ -142,17 +138,12 @@ fn told_by_columns(
         match words.as_slice() {
             [one] => told.push((name.clone(), one.clone())),
             words => {
-                return Err(IngestError::BadTable {
-                    path: path.to_owned(),
-                    reason: format!(
-                        "column `{column}` holds {}, expected one word throughout a file: the names of drives take it from there",
-                        if words.is_empty() {
-                            "nothing".to_owned()
-                        } else {
-                            words.join(", ")
-                        }
-                    ),
-                });
+                let found = words.join(", ");
+                let held = if found.is_empty() { "nothing" } else { &found };
+                let what =
+                    "expected one word throughout a file: the names of drives take it from there";
+                let what = format!("column `{column}` holds {held}, {what}");
+                return Err(IngestError::bad_table(path, what));
             }
         }
     }

@@ -175,6 +175,14 @@ impl<'a> Reader<'a> {
 /// The number at the start of `bytes`; none where they end early.
 #[inline]
 pub(crate) fn number(bytes: &[u8], primitive: Primitive, big_endian: bool) -> Option<f64> {
+    // What almost every number is, before the general case.
+    match (primitive, bytes.first_chunk()) {
+        (Primitive::F64, Some(eight)) if !big_endian => Some(f64::from_le_bytes(*eight)),
+        _ => any_number(bytes, primitive, big_endian),
+    }
+}
+
+fn any_number(bytes: &[u8], primitive: Primitive, big_endian: bool) -> Option<f64> {
     fn of<const N: usize>(bytes: &[u8], big_endian: bool) -> Option<[u8; N]> {
         let mut value = *bytes.first_chunk::<N>()?;
         if big_endian {
@@ -229,20 +237,22 @@ impl Writer {
         self.bytes.truncate(Self::HEAD);
     }
 
+    /// To a power of two.
+    #[inline]
     fn align(&mut self, size: usize) {
-        let written = self.bytes.len() - Self::HEAD;
-        let padding = written.next_multiple_of(size) - written;
-        if padding > 0 {
-            self.bytes.resize(self.bytes.len() + padding, 0);
-        }
+        let behind_head = self.bytes.len() - Self::HEAD;
+        let padding = behind_head.wrapping_neg() & (size - 1);
+        self.bytes.extend_from_slice(&[0; 8][..padding]);
     }
 
     /// A byte, a boolean or a character.
+    #[inline]
     pub fn u8(&mut self, value: u8) {
         self.bytes.push(value);
     }
 
     /// Four bytes: a count, seconds, nanoseconds.
+    #[inline]
     pub fn u32(&mut self, value: u32) {
         self.align(4);
         self.bytes.extend(value.to_le_bytes());
@@ -250,11 +260,11 @@ impl Writer {
 
     /// A number.
     pub fn f64(&mut self, value: f64) {
-        self.align(8);
-        self.bytes.extend(value.to_le_bytes());
+        self.f64s(&[value]);
     }
 
     /// Numbers one after another, without their count.
+    #[inline]
     pub fn f64s(&mut self, values: &[f64]) {
         self.align(8);
         let at = self.bytes.len();
@@ -266,6 +276,7 @@ impl Writer {
     }
 
     /// A text, with its count and its zero.
+    #[inline]
     pub fn string(&mut self, text: &str) {
         self.u32(text.len() as u32 + 1);
         self.bytes.extend(text.as_bytes());

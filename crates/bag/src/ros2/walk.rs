@@ -2,7 +2,6 @@
 
 use super::{
     cdr::{CdrError, Reader, number},
-    definition::Primitive,
     step::{Block, Step},
 };
 use crate::wanted::{MOST_ROWS, name_number};
@@ -112,18 +111,14 @@ fn take_block(block: &Block, reader: &mut Reader<'_>, row: &mut [f64]) -> Result
     let big_endian = reader.layout.big_endian;
     for &(offset, primitive, slot) in &places.takes {
         let value = bytes.get(offset as usize..).ok_or(CdrError::End)?;
-        // What almost every number is, before the general case.
-        let value = match (primitive, value.first_chunk(), value.first_chunk()) {
-            (Primitive::F64, Some(eight), _) if !big_endian => f64::from_le_bytes(*eight),
-            (Primitive::U32, _, Some(four)) if !big_endian => f64::from(u32::from_le_bytes(*four)),
-            _ => number(value, primitive, big_endian).ok_or(CdrError::End)?,
-        };
+        let value = number(value, primitive, big_endian).ok_or(CdrError::End)?;
         *row.get_mut(slot as usize).ok_or(CdrError::End)? = value;
     }
     Ok(())
 }
 
 /// Reads a collection of anything but numbers, which may start with its size and then must have it.
+#[inline]
 fn within_collection<'a>(
     reader: &mut Reader<'a>,
     read: impl FnOnce(&mut Reader<'a>) -> Result<(), CdrError>,

@@ -64,6 +64,25 @@ pub struct LogSummary {
     pub would_ingest: String,
 }
 
+impl LogSummary {
+    /// Of a file of which nothing is known yet.
+    fn of(format: LogFormat) -> Self {
+        Self {
+            format,
+            writer: None,
+            drive: None,
+            channels: Vec::new(),
+            columns: Vec::new(),
+            rows: 0,
+            duration_s: None,
+            gaps: Vec::new(),
+            damage: Vec::new(),
+            warnings: Vec::new(),
+            would_ingest: String::new(),
+        }
+    }
+}
+
 /// One channel of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ChannelSummary {
@@ -187,19 +206,15 @@ fn inspect_mcap(path: &Path, given: &IngestSettings) -> Result<LogSummary, Inges
     channels.sort_by(|a, b| a.topic.cmp(&b.topic));
     let start = first.unwrap_or(0);
     let mut found = LogSummary {
-        format: LogFormat::Mcap,
         writer: collected.writer.clone(),
         drive: collected.metadata.get(metadata::NAME).cloned(),
         channels,
-        columns: Vec::new(),
         rows: all().count(),
         duration_s: first.zip(last).map(|(a, b)| (b - a) as f64 / 1e9),
         gaps: with_times()
             .flat_map(|(s, t)| gaps(&s.channel.topic, &t.log_ns, start))
             .collect(),
-        damage: Vec::new(),
-        warnings: Vec::new(),
-        would_ingest: String::new(),
+        ..LogSummary::of(LogFormat::Mcap)
     };
     let damaged =
         !parts.missing.is_empty() || collected.walked.iter().any(|w| !w.damage.is_empty());

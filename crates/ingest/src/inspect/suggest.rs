@@ -48,12 +48,8 @@ pub fn suggest_mapping(path: &Path) -> Result<String, IngestError> {
         return signals(path);
     }
     if format_of(path)? == Format::Mcap {
-        return Err(IngestError::BadTable {
-            path: path.to_owned(),
-            reason:
-                "it is an MCAP recording, which says itself what is in it: no mapping is needed"
-                    .to_owned(),
-        });
+        let what = "it is an MCAP recording, which says itself what is in it: no mapping is needed";
+        return Err(IngestError::bad_table(path, what));
     }
     let table = columns::read(path, look(path)?)?;
     let guess = guess(&table);
@@ -91,10 +87,13 @@ fn head(path: &Path, guess: &Guess, body: &str) -> String {
         let _ = writeln!(head, "# It is not complete: {missing}. Fill it in by hand.");
         return head;
     }
-    let mapping = Mapping::from_toml(body, Path::new("the proposal"));
-    let settings = IngestSettings::default();
-    let read = mapping
-        .and_then(|m| read_table(path, Some(&m), settings.rate_hz()?, settings.max_gap_s()?));
+    let read = Mapping::from_toml(body, Path::new("the proposal")).and_then(|mapping| {
+        let settings = IngestSettings {
+            mapping: Some(mapping),
+            ..IngestSettings::default()
+        };
+        read_table(path, &settings)
+    });
     match read {
         Ok(drives) => {
             let rows: usize = drives.iter().map(|d| d.recording.rows()).sum();
@@ -318,10 +317,8 @@ fn signals(folder: &Path) -> Result<String, IngestError> {
         }
     }
     let Some((speed, guess)) = speed else {
-        return Err(IngestError::BadTable {
-            path: folder.to_owned(),
-            reason: "no file of it has a time and a speed alone; name one of its tables".to_owned(),
-        });
+        let what = "no file of it has a time and a speed alone; name one of its tables";
+        return Err(IngestError::bad_table(folder, what));
     };
     let mut body = String::from(
         "\n[road]\n# doubt: nothing says how many lanes there are or how fast one may drive.\nlanes = 1\nlane_width_m = 3.66\n\

@@ -43,17 +43,9 @@ pub(super) fn inspect_table(
         .map(|c| summary(c, &mapped, &guess, table_mapping.is_some()));
     let columns: Vec<ColumnSummary> = columns.collect();
     let mut found = LogSummary {
-        format: LogFormat::Table,
-        writer: None,
-        drive: None,
-        channels: Vec::new(),
         columns,
         rows: table.rows,
-        duration_s: None,
-        gaps: Vec::new(),
-        damage: Vec::new(),
-        warnings: Vec::new(),
-        would_ingest: String::new(),
+        ..LogSummary::of(LogFormat::Table)
     };
     if table_mapping.is_some() {
         with_mapping(path, settings, &mut found);
@@ -65,11 +57,7 @@ pub(super) fn inspect_table(
 
 /// Reads the table, the only sure way to know what becomes of it.
 pub(super) fn with_mapping(path: &Path, settings: &IngestSettings, found: &mut LogSummary) {
-    let read = || -> Result<Vec<Ingested>, IngestError> {
-        let mapping = settings.mapping.as_ref();
-        read_table(path, mapping, settings.rate_hz()?, settings.max_gap_s()?)
-    };
-    match read() {
+    match read_table(path, settings) {
         Ok(drives) => {
             let rows: usize = drives.iter().map(|d| d.recording.rows()).sum();
             let rate = drives.first().map_or(0.0, |d| d.recording.rate_hz());

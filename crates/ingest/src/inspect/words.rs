@@ -74,110 +74,52 @@ pub(super) fn words(name: &str) -> Words {
         words.pop();
     }
     let unit = unit_of(name, &words);
-    if unit.is_some() && words.len() > 1 && words.last().is_some_and(|w| is_unit(w)) {
+    if unit.is_some() && words.len() > 1 && words.last().is_some_and(|w| unit_at_end(w).is_some()) {
         // `t_ms` is a time, and `x_m` a position.
         words.pop();
     }
-    let has = |any: &[&str]| words.iter().any(|w| any.contains(&w.as_str()));
-    let is = |exact: &[&str]| words.len() == 1 && exact.contains(&words[0].as_str());
-    let whose = if has(&[
-        "leader",
-        "lead",
-        "lv",
-        "preceding",
-        "front",
-        "pred",
-        "ahead",
-    ]) {
+    let within = |any: &str, word: &String| any.split(' ').any(|a| a == word);
+    let has = |any: &str| words.iter().any(|w| within(any, w));
+    let is = |exact: &str| words.len() == 1 && within(exact, &words[0]);
+    let whose = if has("leader lead lv preceding front pred ahead") {
         Whose::Lead
-    } else if has(&[
-        "following",
-        "rear",
-        "behind",
-        "left",
-        "right",
-        "alongside",
-        "back",
-    ]) {
+    } else if has("following rear behind left right alongside back") {
         Whose::Another
     } else {
         Whose::Ego
     };
-    let differs = has(&[
-        "dv",
-        "diff",
-        "rel",
-        "relative",
-        "delta",
-        "acc",
-        "accel",
-        "acceleration",
-        "class",
-        "total",
-        // Places on a screen or in a picture, and what the driver's hands and eyes do, are no places on the road.
-        "pixel",
-        "pixels",
-        "px",
-        "image",
-        "img",
-        "bbox",
-        "screen",
-        "camera",
-        "cam",
-        "gaze",
-        "eye",
-        "mouse",
-        "steering",
-        "wheel",
-        "pedal",
-        "gps",
-    ]);
-    let what = if differs || has(&["thw", "ttc"]) || has(&["headway", "gap"]) && has(&["time"]) {
+    let differs = has("dv diff rel relative delta acc accel acceleration class total");
+    // Places on a screen or in a picture, and what the driver's hands and eyes do, are no places on the road.
+    let elsewhere = has(
+        "pixel pixels px image img bbox screen camera cam gaze eye mouse steering wheel pedal gps",
+    );
+    let what = if differs || elsewhere || has("thw ttc") || has("headway gap") && has("time") {
         None
-    } else if has(&["frame", "frames"]) {
+    } else if has("frame frames") {
         Some(What::Frame)
-    } else if is(&["t"]) || has(&["time", "timestamp", "stamp", "utc", "seconds"]) {
+    } else if is("t") || has("time timestamp stamp utc seconds") {
         Some(What::Time)
-    } else if has(&["lane"]) {
+    } else if has("lane") {
         Some(What::Lane)
-    } else if has(&[
-        "location",
-        "site",
-        "recording",
-        "run",
-        "scenario",
-        "trial",
-        "period",
-    ]) {
+    } else if has("location site recording run scenario trial period") {
         Some(What::Group)
-    } else if has(&[
-        "spacing",
-        "gap",
-        "ivs",
-        "headway",
-        "dhw",
-        "clearance",
-        "distance",
-    ]) {
+    } else if has("spacing gap ivs headway dhw clearance distance") {
         Some(What::Gap)
-    } else if has(&["length", "len"]) {
+    } else if has("length len") {
         Some(What::Length)
-    } else if has(&["width"]) {
+    } else if has("width") {
         Some(What::Width)
-    } else if has(&["heading", "yaw", "bearing"]) {
+    } else if has("heading yaw bearing") {
         Some(What::Heading)
-    } else if has(&["velocity", "vel", "speed", "spd"])
-        || is(&["v", "vx", "vy"])
-        || has(&["v"]) && words.len() == 2
-    {
+    } else if has("velocity vel speed spd") || is("v vx vy") || has("v") && words.len() == 2 {
         Some(match () {
-            () if has(&["x", "lon"]) || is(&["vx"]) => What::SpeedX,
-            () if has(&["y", "lat"]) || is(&["vy"]) => What::SpeedY,
+            () if has("x lon") || is("vx") => What::SpeedX,
+            () if has("y lat") || is("vy") => What::SpeedY,
             () => What::Speed,
         })
-    } else if has(&["id", "vehicle", "track", "veh"]) || is(&["preceding", "following", "leader"]) {
+    } else if has("id vehicle track veh") || is("preceding following leader") {
         Some(What::Id)
-    } else if has(&["x", "y", "position", "pos", "station"]) || is(&["s"]) {
+    } else if has("x y position pos station") || is("s") {
         Some(What::Position)
     } else {
         None
@@ -192,30 +134,22 @@ pub(super) fn words(name: &str) -> Words {
 
 fn unit_of(name: &str, words: &[String]) -> Option<&'static str> {
     let name = name.to_ascii_lowercase();
-    let written = [
-        ("km/h", "km/h"),
-        ("m/s", "m/s"),
-        ("ft/s", "ft/s"),
-        ("[m]", "m"),
-        ("(m)", "m"),
-        ("[ft]", "ft"),
-        ("(ft)", "ft"),
-        ("[s]", "s"),
-        ("(s)", "s"),
-        ("[ms]", "ms"),
-    ];
-    if let Some((_, unit)) = written.iter().find(|(text, _)| name.contains(text)) {
-        return Some(unit);
-    }
-    if words.len() < 2 {
-        return None;
-    }
-    let last = words.last()?;
-    ENDS.iter().find(|(end, _)| end == last).map(|e| e.1)
+    let within = |unit: &str| [format!("[{unit}]"), format!("({unit})")].map(|u| name.contains(&u));
+    let written = ["km/h", "m/s", "ft/s"]
+        .into_iter()
+        .find(|u| name.contains(u));
+    let bracketed = || {
+        ["m", "ft", "s", "ms"]
+            .into_iter()
+            .find(|u| within(u) != [false; 2])
+    };
+    let last = || unit_at_end(words.get(1..)?.last()?);
+    written.or_else(bracketed).or_else(last)
 }
 
-fn is_unit(word: &str) -> bool {
-    ENDS.iter().any(|(end, _)| *end == word)
+/// The unit that a word at the end of a name is.
+fn unit_at_end(word: &str) -> Option<&'static str> {
+    ENDS.iter().find(|(end, _)| *end == word).map(|e| e.1)
 }
 
 /// Words at the end of a name that are its unit.

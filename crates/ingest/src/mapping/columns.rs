@@ -59,36 +59,21 @@ pub struct Columns {
     pub centre_ahead: Option<String>,
 }
 
+/// The keys of [`Columns`] with their fields, by reference of some kind.
+macro_rules! keys {
+    (one $columns:ident [$($by:tt)+] $key:ident) => { (stringify!($key), $($by)+ $columns.$key) };
+    (all $columns:ident $by:tt $($key:ident)+) => { [$(keys!(one $columns $by $key)),+] };
+    ($columns:ident, $($by:tt)+) => {
+        keys!(all $columns [$($by)+] time ego_x ego_y lead_dy ego_speed ego_length gap lead_x lead_speed lead_length
+            lead_id id x y lane speed speed_x speed_y heading length width centre_ahead)
+    };
+}
+
 impl Columns {
     /// The keys that are given, each with its column.
     pub(crate) fn given(&self) -> Vec<(&'static str, &str)> {
-        let keys = [
-            ("time", &self.time),
-            ("ego_x", &self.ego_x),
-            ("ego_y", &self.ego_y),
-            ("lead_dy", &self.lead_dy),
-            ("ego_speed", &self.ego_speed),
-            ("ego_length", &self.ego_length),
-            ("gap", &self.gap),
-            ("lead_x", &self.lead_x),
-            ("lead_speed", &self.lead_speed),
-            ("lead_length", &self.lead_length),
-            ("lead_id", &self.lead_id),
-            ("id", &self.id),
-            ("x", &self.x),
-            ("y", &self.y),
-            ("lane", &self.lane),
-            ("speed", &self.speed),
-            ("speed_x", &self.speed_x),
-            ("speed_y", &self.speed_y),
-            ("heading", &self.heading),
-            ("length", &self.length),
-            ("width", &self.width),
-            ("centre_ahead", &self.centre_ahead),
-        ];
-        let given = keys
-            .into_iter()
-            .filter_map(|(key, name)| Some((key, name.as_deref()?)));
+        let keys = keys!(self, &).into_iter();
+        let given = keys.filter_map(|(key, name)| Some((key, name.as_deref()?)));
         given
             .chain(self.groups.iter().map(|g| ("groups", g.as_str())))
             .collect()
@@ -102,25 +87,8 @@ impl Columns {
     /// The columns of one vehicle.
     pub(crate) fn of_vehicle(&self, id: &str) -> Self {
         let mut columns = self.clone();
-        let of_vehicles = [
-            &mut columns.x,
-            &mut columns.y,
-            &mut columns.lane,
-            &mut columns.speed,
-            &mut columns.speed_x,
-            &mut columns.speed_y,
-            &mut columns.heading,
-            &mut columns.length,
-            &mut columns.width,
-            &mut columns.centre_ahead,
-            &mut columns.gap,
-            &mut columns.lead_id,
-            &mut columns.lead_x,
-            &mut columns.lead_speed,
-            &mut columns.lead_length,
-        ];
-        for name in of_vehicles.into_iter().flatten() {
-            *name = name.replace(Self::ID, id);
+        for (_, name) in keys!(columns, &mut) {
+            *name = name.take().map(|name| name.replace(Self::ID, id));
         }
         columns
     }

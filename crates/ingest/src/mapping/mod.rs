@@ -117,10 +117,7 @@ impl Mapping {
     /// [`IngestError::BadMapping`] where the text is no TOML, has an unknown or missing key, or a value
     /// outside its range.
     pub fn from_toml(text: &str, path: &Path) -> Result<Self, IngestError> {
-        let bad = |reason: String| IngestError::BadMapping {
-            path: path.to_owned(),
-            reason,
-        };
+        let bad = |reason: String| IngestError::bad_mapping(path, reason);
         let mapping: Self = toml::from_str(text).map_err(|e| bad(with_suggestion(&e)))?;
         mapping.check().map_err(bad)?;
         Ok(mapping)

@@ -316,115 +316,98 @@ impl TableMapping {
     /// Refuses keys that do nothing: somebody thinks that they do.
     fn check_keys(&self) -> Result<(), String> {
         let c = &self.columns;
-        let long = self.layout == Layout::Long;
-        let name = self.layout.as_str();
-        let of_layout = |given: bool, key: &str, applies: bool| {
-            if given && !applies {
-                return Err(format!(
-                    "layout `{name}` has no `table.{key}`: leave it out"
-                ));
-            }
-            Ok(())
-        };
-        of_layout(self.directions != Directions::Along, "directions", long)?;
-        of_layout(self.y_grows.is_some(), "y_grows", long)?;
-        of_layout(self.lanes_from.is_some(), "lanes_from", long)?;
-        of_layout(self.first_lane != one(), "first_lane", long)?;
-        of_layout(
-            self.new_vehicle_after_s.is_some(),
-            "new_vehicle_after_s",
-            long,
-        )?;
-        of_layout(self.recording_meta.is_some(), "recording_meta", long)?;
-        of_layout(self.ego.is_some(), "ego", long)?;
-        of_layout(
-            self.point == Some(Point::Reference),
-            "point = \"reference\"",
-            long,
-        )?;
-        of_layout(
-            self.signals.is_some(),
-            "signals",
-            self.layout == Layout::Signals,
-        )?;
-        let pair = self.layout == Layout::Pair;
-        of_layout(self.forward != Forward::AlongX, "forward", long || pair)?;
-        of_layout(self.point.is_some(), "point", long || pair)?;
-        of_layout(
-            self.gap_kind == Some(GapKind::Signed),
-            "gap_kind = \"signed\"",
-            !long,
-        )?;
-        let without = |given: bool, key: &str, applies: bool, what: &str| {
-            if given && !applies {
-                return Err(format!(
-                    "`table.{key}` does nothing without {what}: leave it out"
-                ));
-            }
-            Ok(())
-        };
-        let gap = c.gap.is_some() || self.signals.as_ref().is_some_and(|s| s.tracks.is_some());
-        without(
-            self.gap_kind.is_some(),
-            "gap_kind",
-            gap,
-            "`table.columns.gap`",
-        )?;
-        let lead = c.lead_x.is_some() && c.gap.is_none();
-        let point = long || lead;
-        without(
-            self.point.is_some(),
-            "point",
-            point,
-            "`table.columns.lead_x`, or beside a `gap`",
-        )?;
-        without(
-            self.y_grows.is_some(),
-            "y_grows",
-            c.y.is_some(),
-            "`table.columns.y`",
-        )?;
+        let [pair, long] = [Layout::Pair, Layout::Long].map(|layout| self.layout == layout);
+        let signals = self.signals.as_ref();
+        let (y_grows, lanes_from) = (self.y_grows.is_some(), self.lanes_from.is_some());
+        let numbered = self.first_lane != one();
         let reference = self.point == Some(Point::Reference);
-        without(
-            self.centre_ahead_m.is_some() || c.centre_ahead.is_some(),
-            "centre_ahead",
-            reference,
-            "`point = \"reference\"`",
-        )?;
-        let lane = c.lane.is_some();
-        without(
-            self.lanes_from.is_some(),
-            "lanes_from",
-            lane,
-            "`table.columns.lane`",
-        )?;
-        without(
-            self.first_lane != one(),
-            "first_lane",
-            lane,
-            "`table.columns.lane`",
-        )?;
-        let patterned = self.units.time == TimeUnit::Pattern;
+        let signed = self.gap_kind == Some(GapKind::Signed);
+        // What is given, its key, and whether the layout has it.
+        let of_layout = [
+            (self.directions != Directions::Along, "directions", long),
+            (y_grows, "y_grows", long),
+            (lanes_from, "lanes_from", long),
+            (numbered, "first_lane", long),
+            (
+                self.new_vehicle_after_s.is_some(),
+                "new_vehicle_after_s",
+                long,
+            ),
+            (self.recording_meta.is_some(), "recording_meta", long),
+            (self.ego.is_some(), "ego", long),
+            (reference, "point = \"reference\"", long),
+            (signals.is_some(), "signals", self.layout == Layout::Signals),
+            (self.forward != Forward::AlongX, "forward", long || pair),
+            (self.point.is_some(), "point", long || pair),
+            (signed, "gap_kind = \"signed\"", !long),
+        ];
+        if let Some((_, key, _)) = of_layout.iter().find(|(given, _, has)| *given && !has) {
+            let name = self.layout.as_str();
+            return Err(format!(
+                "layout `{name}` has no `table.{key}`: leave it out"
+            ));
+        }
+        let gap = c.gap.is_some() || signals.is_some_and(|s| s.tracks.is_some());
+        let point = long || c.lead_x.is_some() && c.gap.is_none();
+        let ahead = self.centre_ahead_m.is_some() || c.centre_ahead.is_some();
         let pattern = self.time_pattern.as_deref();
-        without(
-            pattern.is_some(),
-            "time_pattern",
-            patterned,
-            "`time = \"pattern\"`",
-        )?;
-        if patterned && !pattern.is_some_and(is_pattern) {
+        let time = |unit: TimeUnit| self.units.time == unit;
+        // What is given, its key, whether it does something, and what it needs for that.
+        let of_others = [
+            (
+                self.gap_kind.is_some(),
+                "gap_kind",
+                gap,
+                "`table.columns.gap`",
+            ),
+            (
+                self.point.is_some(),
+                "point",
+                point,
+                "`table.columns.lead_x`, or beside a `gap`",
+            ),
+            (y_grows, "y_grows", c.y.is_some(), "`table.columns.y`"),
+            (ahead, "centre_ahead", reference, "`point = \"reference\"`"),
+            (
+                lanes_from,
+                "lanes_from",
+                c.lane.is_some(),
+                "`table.columns.lane`",
+            ),
+            (
+                numbered,
+                "first_lane",
+                c.lane.is_some(),
+                "`table.columns.lane`",
+            ),
+            (
+                pattern.is_some(),
+                "time_pattern",
+                time(TimeUnit::Pattern),
+                "`time = \"pattern\"`",
+            ),
+            (
+                self.frames_per_s.is_some(),
+                "frames_per_s",
+                time(TimeUnit::Frames),
+                "`time = \"frames\"`",
+            ),
+        ];
+        let mut idle = of_others
+            .iter()
+            .filter(|(given, _, used, _)| *given && !used);
+        if let Some((_, key, _, what)) = idle.next() {
+            return Err(format!(
+                "`table.{key}` does nothing without {what}: leave it out"
+            ));
+        }
+        if time(TimeUnit::Pattern) && !pattern.is_some_and(is_pattern) {
             return Err(format!(
                 "`table.time_pattern` is `{}`, expected one such as `%Y%m%d %H:%M:%S:%f`, with `%f` at the end alone",
                 pattern.unwrap_or_default()
             ));
         }
-        let frames = self.units.time == TimeUnit::Frames;
-        without(
-            self.frames_per_s.is_some(),
-            "frames_per_s",
-            frames,
-            "`time = \"frames\"`",
-        )
+        Ok(())
     }
 }
 
@@ -442,43 +425,18 @@ impl Layout {
     }
 
     /// Keys of the columns that mean something in it.
-    fn columns(self) -> &'static [&'static str] {
-        match self {
-            Self::Pair => &[
-                "time",
-                "ego_x",
-                "ego_y",
-                "ego_speed",
-                "ego_length",
-                "gap",
-                "lead_id",
-                "lead_dy",
-                "lead_x",
-                "lead_speed",
-                "lead_length",
-            ],
-            Self::Long => &[
-                "time",
-                "id",
-                "groups",
-                "x",
-                "y",
-                "lane",
-                "speed",
-                "speed_x",
-                "speed_y",
-                "heading",
-                "length",
-                "width",
-                "centre_ahead",
-                "gap",
-                "lead_id",
-                "lead_x",
-                "lead_speed",
-                "lead_length",
-            ],
-            Self::Platoon => &["time", "x", "speed", "length", "gap"],
-            Self::Signals => &[],
-        }
+    fn columns(self) -> Vec<&'static str> {
+        let keys = match self {
+            Self::Pair => {
+                "time ego_x ego_y ego_speed ego_length gap lead_id lead_dy lead_x lead_speed lead_length"
+            }
+            Self::Long => {
+                "time id groups x y lane speed speed_x speed_y heading length width centre_ahead gap lead_id lead_x \
+                 lead_speed lead_length"
+            }
+            Self::Platoon => "time x speed length gap",
+            Self::Signals => "",
+        };
+        keys.split_whitespace().collect()
     }
 }

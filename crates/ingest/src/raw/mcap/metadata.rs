@@ -1,4 +1,4 @@
-//! Whose drive a recording is: the metadata record that our own logs carry.
+//! Whose drive a file holds and on which road, as texts by key: in the metadata of our own logs, and of drives as Parquet.
 
 use crate::error::IngestError;
 use maveric_domain::{
@@ -6,17 +6,53 @@ use maveric_domain::{
 };
 use std::{collections::BTreeMap, path::Path, str::FromStr};
 
-/// Name of the metadata record.
+/// Name of the metadata record of a log.
 pub(crate) const NAME: &str = "maveric.drive";
 
 /// Key and value where lateral positions stand for none.
-pub(crate) const LATERAL: &str = "lateral";
-pub(crate) const UNKNOWN: &str = "unknown";
+const LATERAL: &str = "lateral";
+const UNKNOWN: &str = "unknown";
 
 /// Key of what whoever made the recording has to say of it.
 const NOTE: &str = "note";
 
-/// What the record says.
+/// Keys that every drive has, in their order; `lateral` may follow.
+pub(crate) const KEYS: [&str; 9] = [
+    "drive",
+    "participant",
+    "condition",
+    "driven_by",
+    "rate_hz",
+    "lanes",
+    "lane_width_m",
+    "posted_speed_mps",
+    LATERAL,
+];
+
+/// What is said of a drive, by [`KEYS`] and in their order.
+pub(crate) fn told_of(
+    meta: &DriveMeta,
+    road: &Road,
+    rate_hz: f64,
+    has_lateral: bool,
+) -> Vec<(&'static str, String)> {
+    let values = [
+        meta.drive.to_string(),
+        meta.participant.to_string(),
+        meta.condition.as_str().to_owned(),
+        meta.driven_by.as_str().to_owned(),
+        rate_hz.to_string(),
+        road.lanes.to_string(),
+        road.lane_width_m.to_string(),
+        road.posted_speed_mps.to_string(),
+    ];
+    let lateral = (!has_lateral).then(|| UNKNOWN.to_owned());
+    KEYS.into_iter()
+        .zip(values.into_iter().chain(lateral))
+        .collect()
+}
+
+/// What a log's record says.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct DriveRecord {
     pub(crate) meta: DriveMeta,
@@ -34,25 +70,11 @@ pub(crate) fn values(
     note: Option<&str>,
 ) -> BTreeMap<String, String> {
     let road = recording.road();
-    let pairs: [(&str, String); 9] = [
-        ("drive", meta.drive.to_string()),
-        ("participant", meta.participant.to_string()),
-        ("condition", meta.condition.as_str().to_owned()),
-        ("driven_by", meta.driven_by.as_str().to_owned()),
-        ("lanes", road.lanes.to_string()),
-        ("lane_width_m", road.lane_width_m.to_string()),
-        ("posted_speed_mps", road.posted_speed_mps.to_string()),
-        ("rate_hz", recording.rate_hz().to_string()),
-        ("ego_length_m", recording.ego().length_m.to_string()),
-    ];
-    let mut values: BTreeMap<String, String> = pairs.map(|(k, v)| (k.to_owned(), v)).into();
-    if !recording.has_lateral() {
-        values.insert(LATERAL.to_owned(), UNKNOWN.to_owned());
-    }
-    if let Some(note) = note {
-        values.insert(NOTE.to_owned(), note.to_owned());
-    }
-    values
+    let told = told_of(meta, road, recording.rate_hz(), recording.has_lateral());
+    let own = [("ego_length_m", recording.ego().length_m.to_string())];
+    let note = note.map(|note| (NOTE, note.to_owned()));
+    let all = told.into_iter().chain(own).chain(note);
+    all.map(|(key, value)| (key.to_owned(), value)).collect()
 }
 
 /// Reads the record's values.
@@ -63,37 +85,49 @@ pub(crate) fn parse(
     path: &Path,
     values: &BTreeMap<String, String>,
 ) -> Result<DriveRecord, IngestError> {
-    let of = Of { path, values };
+    let told = Told { path, values };
     Ok(DriveRecord {
-        meta: DriveMeta {
-            drive: of.id("drive", DriveId::new)?,
-            participant: of.id("participant", ParticipantId::new)?,
-            condition: of.word("condition", "a condition", ConditionId::from_str)?,
-            driven_by: of.word(
-                "driven_by",
-                "human, synthetic or automated",
-                DrivenBy::from_str,
-            )?,
-        },
-        road: Road {
-            lanes: of.word("lanes", "a number from 1 to 255", |text| {
-                text.parse().ok().filter(|&n: &u8| n > 0).ok_or(())
-            })?,
-            lane_width_m: of.positive("lane_width_m")?,
-            posted_speed_mps: of.positive("posted_speed_mps")?,
-        },
-        ego_length_m: of.positive("ego_length_m")?,
-        without_lateral: values.get(LATERAL).is_some_and(|v| v == UNKNOWN),
+        meta: told.meta()?,
+        road: told.road()?,
+        ego_length_m: told.positive("ego_length_m")?,
+        without_lateral: told.without_lateral(),
         note: values.get(NOTE).cloned(),
     })
 }
 
-struct Of<'a> {
-    path: &'a Path,
-    values: &'a BTreeMap<String, String>,
+/// What a file says of its drive; each value that is missing or makes no sense is an [`IngestError::BadMetadata`].
+pub(crate) struct Told<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) values: &'a BTreeMap<String, String>,
 }
 
-impl Of<'_> {
+impl Told<'_> {
+    /// Whose drive it is.
+    pub(crate) fn meta(&self) -> Result<DriveMeta, IngestError> {
+        let driven_by = "human, synthetic or automated";
+        Ok(DriveMeta {
+            drive: self.id("drive", DriveId::new)?,
+            participant: self.id("participant", ParticipantId::new)?,
+            condition: self.word("condition", "a condition", ConditionId::from_str)?,
+            driven_by: self.word("driven_by", driven_by, DrivenBy::from_str)?,
+        })
+    }
+
+    /// On which road.
+    pub(crate) fn road(&self) -> Result<Road, IngestError> {
+        let lanes = |text: &str| text.parse().ok().filter(|&n: &u8| n > 0).ok_or(());
+        Ok(Road {
+            lanes: self.word("lanes", "a number from 1 to 255", lanes)?,
+            lane_width_m: self.positive("lane_width_m")?,
+            posted_speed_mps: self.positive("posted_speed_mps")?,
+        })
+    }
+
+    /// Whether lateral positions stand for none.
+    pub(crate) fn without_lateral(&self) -> bool {
+        self.values.get(LATERAL).is_some_and(|v| v == UNKNOWN)
+    }
+
     fn word<T, E>(
         &self,
         key: &'static str,
@@ -119,7 +153,7 @@ impl Of<'_> {
         })
     }
 
-    fn positive(&self, key: &'static str) -> Result<f64, IngestError> {
+    pub(crate) fn positive(&self, key: &'static str) -> Result<f64, IngestError> {
         self.word(key, "a finite number above 0", |text| {
             let number = text.parse().ok();
             number.filter(|n: &f64| n.is_finite() && *n > 0.0).ok_or(())

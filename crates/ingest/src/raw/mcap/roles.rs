@@ -99,30 +99,22 @@ impl Reading {
 
     /// A row for each transform; behind ego's slots stand the names of the frames.
     fn frames() -> Self {
-        let of = |what: &str| format!("transforms[].{what}");
-        let mut paths = vec![String::new(); EGO_SLOTS.len()];
-        for (slot, what) in [
-            ("sec", "header.stamp.sec"),
-            ("nanosec", "header.stamp.nanosec"),
+        let known = [
             ("x", "transform.translation.x"),
             ("y", "transform.translation.y"),
             ("qx", "transform.rotation.x"),
             ("qy", "transform.rotation.y"),
             ("qz", "transform.rotation.z"),
             ("qw", "transform.rotation.w"),
-        ] {
-            let ros1 = match slot {
-                "sec" => format!("|{}", of("header.stamp.secs")),
-                "nanosec" => format!("|{}", of("header.stamp.nsecs")),
-                _ => String::new(),
-            };
-            fill(
-                &mut paths,
-                &EGO_SLOTS,
-                &[(slot, &format!("{}{ros1}", of(what)))],
-            );
-        }
-        paths.extend(["header.frame_id#?", "child_frame_id#?"].map(of));
+        ];
+        let mut paths = filled(&EGO_SLOTS, &[&HEADER[..], &known].concat());
+        paths.extend(["header.frame_id#?", "child_frame_id#?"].map(str::to_owned));
+        let of_each = |path: &String| {
+            let paths = path.split('|').filter(|p| !p.is_empty());
+            let paths: Vec<String> = paths.map(|p| format!("transforms[].{p}")).collect();
+            paths.join("|")
+        };
+        let paths = paths.iter().map(of_each).collect();
         Self {
             role: Role::Frames,
             paths,

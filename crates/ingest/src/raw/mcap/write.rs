@@ -7,7 +7,7 @@ use super::{
 use crate::error::IngestError;
 use maveric_bag::{BagError, CdrWriter, Writer};
 use maveric_domain::{Drive, DriveMeta, Recording, Scene, TraceRow, VehicleState};
-use std::io::{Seek, Write};
+use std::io::Write;
 
 /// Topic of ego's odometry.
 pub(crate) const EGO_TOPIC: &str = "/carla/ego_vehicle/odometry";
@@ -33,7 +33,7 @@ const STILL_MPS: f64 = 0.5;
 pub fn write_mcap(
     recording: &Recording,
     meta: &DriveMeta,
-    out: impl Write + Seek,
+    out: impl Write,
 ) -> Result<(), IngestError> {
     write_mcap_with(recording, meta, &Beside::default(), out)
 }
@@ -62,7 +62,7 @@ pub fn write_mcap_with(
     recording: &Recording,
     meta: &DriveMeta,
     beside: &Beside<'_>,
-    out: impl Write + Seek,
+    out: impl Write,
 ) -> Result<(), IngestError> {
     let (found, rows) = (beside.trace.len(), recording.rows());
     let refused = |reason: String| IngestError::WriteDrive {
@@ -83,13 +83,13 @@ pub fn write_mcap_with(
 }
 
 /// A file under way.
-struct File<W: Write + Seek> {
+struct File<W: Write> {
     writer: Writer<W>,
     row: usize,
     time_ns: u64,
 }
 
-impl<W: Write + Seek> File<W> {
+impl<W: Write> File<W> {
     fn json_channel(&mut self, channel: scene::Channel) -> Result<u16, BagError> {
         let (name, text) = channel.schema;
         self.writer
@@ -112,7 +112,7 @@ fn write(
         ..
     }: &Beside<'_>,
     scene: Option<&Drive>,
-    out: impl Write + Seek,
+    out: impl Write,
 ) -> Result<(), BagError> {
     let mut file = File {
         writer: Writer::new(out, concat!("maveric ", env!("CARGO_PKG_VERSION")))?,
@@ -164,7 +164,7 @@ struct Decisions {
 }
 
 impl Decisions {
-    fn new<W: Write + Seek>(file: &mut File<W>, trace: &[TraceRow]) -> Result<Self, BagError> {
+    fn new<W: Write>(file: &mut File<W>, trace: &[TraceRow]) -> Result<Self, BagError> {
         let channel = (!trace.is_empty()).then(|| file.json_channel(scene::DECISIONS));
         Ok(Self {
             channel: channel.transpose()?,
@@ -172,11 +172,7 @@ impl Decisions {
         })
     }
 
-    fn row<W: Write + Seek>(
-        &mut self,
-        file: &mut File<W>,
-        meta: &DriveMeta,
-    ) -> Result<(), BagError> {
+    fn row<W: Write>(&mut self, file: &mut File<W>, meta: &DriveMeta) -> Result<(), BagError> {
         let Some(channel) = self.channel else {
             return Ok(());
         };
@@ -206,7 +202,7 @@ struct Beside3d<'a> {
 }
 
 impl<'a> Beside3d<'a> {
-    fn new<W: Write + Seek>(
+    fn new<W: Write>(
         file: &mut File<W>,
         recording: &'a Recording,
         drive: &'a Drive,
@@ -225,7 +221,7 @@ impl<'a> Beside3d<'a> {
         })
     }
 
-    fn row<W: Write + Seek>(
+    fn row<W: Write>(
         &mut self,
         file: &mut File<W>,
         scene: &Scene,

@@ -113,12 +113,9 @@ fn clock(mapping: &TableMapping) -> Clock<'_> {
 
 /// A column that the mapping names; its check has seen to it that it does.
 fn named<'a>(path: &Path, key: &str, column: Option<&'a String>) -> Result<&'a str, IngestError> {
-    column
-        .map(String::as_str)
-        .ok_or_else(|| IngestError::BadMapping {
-            path: path.to_owned(),
-            reason: format!("this table needs `table.columns.{key}`"),
-        })
+    let missing = || format!("this table needs `table.columns.{key}`");
+    let column = column.map(String::as_str);
+    column.ok_or_else(|| IngestError::bad_mapping(path, missing()))
 }
 
 /// Adds a warning if it happened at all.

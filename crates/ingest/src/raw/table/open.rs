@@ -60,10 +60,6 @@ impl Table {
         wanted: &[(&str, Kind)],
         doubled_names: bool,
     ) -> Result<Self, IngestError> {
-        let bad = |reason: String| IngestError::BadTable {
-            path: path.to_owned(),
-            reason,
-        };
         let mut named = wanted.iter().map(|(name, _)| name.trim_end_matches('?'));
         let anchor = named.find(|name| !name.is_empty());
         let mut table = Self {
@@ -78,13 +74,13 @@ impl Table {
             let bytes = without_mark(bytes);
             let header = header(&bytes, style, anchor);
             if header.names.len() > MOST_COLUMNS {
-                return Err(bad(format!("it has more than {MOST_COLUMNS} columns")));
+                return Err(table.bad(format!("it has more than {MOST_COLUMNS} columns")));
             }
             table.names.clone_from(&header.names);
             table.read_text(&bytes, &header, wanted, doubled_names)?;
         }
         if table.frame.height() == 0 {
-            return Err(bad("it has a header and no rows".to_owned()));
+            return Err(table.bad("it has a header and no rows"));
         }
         Ok(table)
     }
@@ -125,10 +121,7 @@ impl Table {
     /// # Errors
     /// [`IngestError::BadTable`].
     pub(crate) fn parquet_names(path: &Path, bytes: &[u8]) -> Result<Vec<String>, IngestError> {
-        parquet::parquet_names(bytes).map_err(|reason| IngestError::BadTable {
-            path: path.to_owned(),
-            reason,
-        })
+        parquet::parquet_names(bytes).map_err(|why| IngestError::bad_table(path, why))
     }
 
     fn read_text(
@@ -144,24 +137,16 @@ impl Table {
             same.count() > 1
         });
         if let (Some((name, _)), false) = (doubled.next(), doubled_names) {
-            return Err(IngestError::BadTable {
-                path: self.path.clone(),
-                reason: format!("its header has the column `{name}` twice"),
-            });
+            return Err(self.bad(format!("its header has the column `{name}` twice")));
         }
         if let Some(flaw) = flaw(bytes, header) {
             let width = header.names.len();
-            return Err(IngestError::BadTable {
-                path: self.path.clone(),
-                reason: match flaw {
-                    Flaw::OpenQuote { row } => {
-                        format!("row {row} opens a quote that is never closed")
-                    }
-                    Flaw::TooWide { row, found } => {
-                        format!("row {row} has {found} cells, expected {width} as in its header")
-                    }
-                },
-            });
+            return Err(self.bad(match flaw {
+                Flaw::OpenQuote { row } => format!("row {row} opens a quote that is never closed"),
+                Flaw::TooWide { row, found } => {
+                    format!("row {row} has {found} cells, expected {width} as in its header")
+                }
+            }));
         }
         let read = |numbers: bool| {
             // The names are ours: the file's may have blanks around them, or stand twice.
@@ -201,23 +186,16 @@ impl Table {
         };
         self.frame = match read(true) {
             Ok(frame) => frame,
-            Err(_) => read(false).map_err(|e| IngestError::BadTable {
-                path: self.path.clone(),
-                reason: first_line(&e),
-            })?,
+            Err(_) => read(false).map_err(|e| self.bad(parquet::first_line(&e)))?,
         };
         Ok(())
     }
 
     fn read_parquet(&mut self, bytes: Vec<u8>, wanted: &[(&str, Kind)]) -> Result<(), IngestError> {
-        let bad = |path: &Path, reason| IngestError::BadTable {
-            path: path.to_owned(),
-            reason,
-        };
-        self.names = parquet::parquet_names(&bytes).map_err(|why| bad(&self.path, why))?;
+        self.names = Self::parquet_names(&self.path, &bytes)?;
         let columns: Vec<String> = self.wanted(wanted)?.into_iter().map(|c| c.0).collect();
         let file = parquet::read_parquet(bytes, Some(&columns));
-        self.frame = file.map_err(|why| bad(&self.path, why))?.frame;
+        self.frame = file.map_err(|why| self.bad(why))?.frame;
         Ok(())
     }
 
@@ -287,10 +265,13 @@ impl Table {
     }
 
     fn unreadable(&self, name: &str, error: &PolarsError) -> IngestError {
-        IngestError::BadTable {
-            path: self.path.clone(),
-            reason: format!("column `{name}` is neither numbers nor text: {error}"),
-        }
+        self.bad(format!(
+            "column `{name}` is neither numbers nor text: {error}"
+        ))
+    }
+
+    fn bad(&self, reason: impl Into<String>) -> IngestError {
+        IngestError::bad_table(&self.path, reason)
     }
 
     /// A column as numbers, shape `(rows,)`; NaN stands for an empty cell and never leaves this module's callers.
@@ -333,6 +314,28 @@ impl Table {
         }
     }
 
+    /// A column that a mapping may name as numbers times a unit, shape `(rows,)`; none where the table has no such column.
+    ///
+    /// # Errors
+    /// As [`Table::numbers`].
+    pub(crate) fn scaled(
+        &self,
+        name: Option<&String>,
+        unit: f64,
+    ) -> Result<Option<Vec<f64>>, IngestError> {
+        let there = name.filter(|name| self.has(name));
+        there.map(|name| self.times(name, unit)).transpose()
+    }
+
+    /// A column as numbers times a unit, shape `(rows,)`.
+    ///
+    /// # Errors
+    /// As [`Table::numbers`].
+    pub(crate) fn times(&self, name: &str, unit: f64) -> Result<Vec<f64>, IngestError> {
+        let numbers = self.numbers(name)?.into_iter();
+        Ok(numbers.map(|v| v * unit).collect())
+    }
+
     /// A column as words, shape `(rows,)`.
     ///
     /// # Errors
@@ -369,15 +372,6 @@ impl Table {
         let list = codes.keys().map(|w| (*w).to_owned()).collect();
         Ok((words.iter().map(of).collect(), list))
     }
-}
-
-fn first_line(error: &PolarsError) -> String {
-    error
-        .to_string()
-        .lines()
-        .next()
-        .unwrap_or_default()
-        .to_owned()
 }
 
 fn without_mark(mut text: Vec<u8>) -> Vec<u8> {

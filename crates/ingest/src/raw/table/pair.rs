@@ -56,17 +56,7 @@ pub(super) fn read(
     wanted.extend(numbers.map(|g| (g.1, Kind::Number)));
     wanted.extend(names.lead_id.iter().map(|n| (n.as_str(), Kind::Word)));
     let table = Table::open(path, bytes, mapping.into(), &wanted)?;
-    let column = |name: &Option<String>, unit: f64| -> Result<Option<Vec<f64>>, IngestError> {
-        match name {
-            Some(name) if table.has(name) => {
-                let values = table.numbers(name)?;
-                Ok(Some(
-                    values.into_iter().map(|v| v * unit).collect::<Vec<f64>>(),
-                ))
-            }
-            _ => Ok(None),
-        }
-    };
+    let column = |name: &Option<String>, unit| table.scaled(name.as_ref(), unit);
     let length = mapping.units.length.metres();
     let speed = mapping.units.speed.metres_per_second();
     let ego_length_m = first_length(column(&names.ego_length, length)?, mapping.ego_length_m);
@@ -108,21 +98,15 @@ pub(super) fn read(
         signed: mapping.gap_kind == Some(GapKind::Signed),
         lead_id,
         lead_dy_m: column(&names.lead_dy, along)?,
-        ego_speed_mps: table
-            .numbers(ego_speed)?
-            .into_iter()
-            .map(|v| v * speed)
-            .collect(),
+        ego_speed_mps: table.times(ego_speed, speed)?,
         ego_length_m,
         gap_m,
         lead_speed_mps: column(&names.lead_speed, speed)?,
         lead_length_m,
     };
     if couple.gap_m.len() != couple.stamp_ns.len() {
-        return Err(IngestError::BadMapping {
-            path: path.to_owned(),
-            reason: "neither `gap` nor `ego_x` with `lead_x` is a column of this table".to_owned(),
-        });
+        let what = "neither `gap` nor `ego_x` with `lead_x` is a column of this table";
+        return Err(IngestError::bad_mapping(path, what));
     }
     Ok(drive(path, &couple, max_gap_s))
 }

@@ -48,16 +48,10 @@ pub(super) fn read(
         mapping.units.length.metres(),
         mapping.units.speed.metres_per_second(),
     );
-    let numbers = |name: &str, unit: f64| -> Result<Vec<f64>, IngestError> {
-        Ok(table.numbers(name)?.into_iter().map(|v| v * unit).collect())
+    let some = |template: Option<&str>, n: usize, unit: f64| {
+        table.scaled(template.map(|t| optional(t, n)).as_ref(), unit)
     };
-    let some = |template: Option<&str>, n: usize, unit: f64| match template
-        .map(|t| optional(t, n))
-        .filter(|name| table.has(name))
-    {
-        Some(name) => numbers(&name, unit).map(Some),
-        None => Ok(None),
-    };
+    let of_car = |template: &str, n: usize, unit: f64| table.times(&of(template, n), unit);
     let length_m = |n: usize, otherwise_m: f64| -> Result<f64, IngestError> {
         let known = some(length, n, to_m)?;
         let first = known.into_iter().flatten().find(|l| *l > 0.0);
@@ -72,12 +66,12 @@ pub(super) fn read(
         }
         let lead_length_m = length_m(lead, mapping.lead_length_m)?;
         let ego_length_m = length_m(ego, mapping.ego_length_m)?;
-        let gaps = numbers(&of(gap, lead), to_m)?.into_iter();
+        let gaps = of_car(gap, lead, to_m)?.into_iter();
         let couple = Couple {
             stamp_ns: stamp_ns.clone(),
             ego_x_m: some(x, ego, to_m)?,
             ego_y_m: None,
-            ego_speed_mps: numbers(&of(speed, ego), to_mps)?,
+            ego_speed_mps: of_car(speed, ego, to_mps)?,
             ego_length_m,
             gap_m: gaps
                 .map(|g| bumper_gap_m(g, mapping.gap_kind, ego_length_m, lead_length_m))
@@ -85,7 +79,7 @@ pub(super) fn read(
             signed: mapping.gap_kind == Some(GapKind::Signed),
             lead_id: None,
             lead_dy_m: None,
-            lead_speed_mps: Some(numbers(&of(speed, lead), to_mps)?),
+            lead_speed_mps: Some(of_car(speed, lead, to_mps)?),
             lead_length_m,
         };
         drives.push(TableDrive {

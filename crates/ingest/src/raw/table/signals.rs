@@ -33,10 +33,8 @@ pub(super) fn read(
     sources: &mut Vec<Source>,
 ) -> Result<TableDrive, IngestError> {
     let Some(signals) = &mapping.signals else {
-        return Err(IngestError::BadMapping {
-            path: folder.to_owned(),
-            reason: "layout `signals` needs `[table.signals.speed]`".to_owned(),
-        });
+        let what = "layout `signals` needs `[table.signals.speed]`";
+        return Err(IngestError::bad_mapping(folder, what));
     };
     let clock = clock(mapping);
     let to_mps = mapping.units.speed.metres_per_second();

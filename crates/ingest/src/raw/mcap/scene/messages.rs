@@ -1,23 +1,11 @@
 //! The messages, field for field as Foxglove's schemas have them.
 
 use maveric_domain::TraceRow;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
-/// Lengths, angles' sines and shares with four decimals: a tenth of a millimetre, and short text.
-#[expect(
-    clippy::trivially_copy_pass_by_ref,
-    reason = "serde gives a field by reference"
-)]
-fn short<S: Serializer>(value: &f64, out: S) -> Result<S::Ok, S::Error> {
-    out.serialize_f64((value * 1e4).round() / 1e4)
-}
-
-#[expect(clippy::ref_option, reason = "serde gives a field by reference")]
-fn short_option<S: Serializer>(value: &Option<f64>, out: S) -> Result<S::Ok, S::Error> {
-    match value {
-        Some(value) => short(value, out),
-        None => out.serialize_none(),
-    }
+/// Lengths, speeds and shares with four decimals: a tenth of a millimetre, and short text.
+fn short(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
 }
 
 #[derive(Debug, Clone, Copy, Serialize)]
@@ -37,16 +25,14 @@ impl Time {
 
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(super) struct Point {
-    #[serde(serialize_with = "short")]
     x: f64,
-    #[serde(serialize_with = "short")]
     y: f64,
-    #[serde(serialize_with = "short")]
     z: f64,
 }
 
 impl Point {
     pub(super) fn new(x: f64, y: f64, z: f64) -> Self {
+        let [x, y, z] = [x, y, z].map(short);
         Self { x, y, z }
     }
 }
@@ -74,7 +60,7 @@ impl Pose {
     pub(super) fn turned(x: f64, y: f64, z: f64, yaw_rad: f64) -> Self {
         let short = |value: f64| (value * 1e6).round() / 1e6;
         Self {
-            position: Point { x, y, z },
+            position: Point::new(x, y, z),
             orientation: Quaternion {
                 x: 0.0,
                 y: 0.0,
@@ -261,35 +247,19 @@ pub(super) struct Log<'a> {
 #[derive(Debug, Serialize)]
 pub(super) struct Signals {
     timestamp: Time,
-    #[serde(serialize_with = "short")]
     speed_mps: f64,
     lane: u8,
-    #[serde(
-        serialize_with = "short_option",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(skip_serializing_if = "Option::is_none")]
     gap_m: Option<f64>,
-    #[serde(
-        serialize_with = "short_option",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(skip_serializing_if = "Option::is_none")]
     lead_speed_mps: Option<f64>,
-    #[serde(
-        serialize_with = "short_option",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(skip_serializing_if = "Option::is_none")]
     asked_speed_mps: Option<f64>,
-    #[serde(
-        serialize_with = "short_option",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(skip_serializing_if = "Option::is_none")]
     asked_gap_m: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     lane_wish: Option<&'static str>,
-    #[serde(
-        serialize_with = "short_option",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(skip_serializing_if = "Option::is_none")]
     acceleration_mps2: Option<f64>,
 }
 
@@ -303,14 +273,14 @@ impl Signals {
     ) -> Self {
         Self {
             timestamp,
-            speed_mps,
+            speed_mps: short(speed_mps),
             lane,
-            gap_m: lead.map(|l| l.0),
-            lead_speed_mps: lead.map(|l| l.1),
-            asked_speed_mps: trace.map(|t| t.asked.speed_mps),
-            asked_gap_m: trace.map(|t| t.asked.following_distance_m),
+            gap_m: lead.map(|l| short(l.0)),
+            lead_speed_mps: lead.map(|l| short(l.1)),
+            asked_speed_mps: trace.map(|t| short(t.asked.speed_mps)),
+            asked_gap_m: trace.map(|t| short(t.asked.following_distance_m)),
             lane_wish: trace.map(|t| t.asked.wish.as_str()),
-            acceleration_mps2: trace.map(|t| t.acceleration_mps2),
+            acceleration_mps2: trace.map(|t| short(t.acceleration_mps2)),
         }
     }
 }

@@ -171,17 +171,7 @@ impl LongColumns {
     ) -> Result<(), IngestError> {
         let length = mapping.units.length.metres();
         let speed = mapping.units.speed.metres_per_second();
-        let column = |name: &Option<String>, unit: f64| -> Result<Option<Vec<f64>>, IngestError> {
-            match name {
-                Some(name) if table.has(name) => {
-                    let values = table.numbers(name)?;
-                    Ok(Some(
-                        values.into_iter().map(|v| v * unit).collect::<Vec<f64>>(),
-                    ))
-                }
-                _ => Ok(None),
-            }
-        };
+        let column = |name: &Option<String>, unit| table.scaled(name.as_ref(), unit);
         let lead_ids = match &c.lead_id {
             Some(name) if table.has(name) => {
                 Some(leads(table, name, &mut self.ids, self.vehicles)?)

@@ -64,14 +64,9 @@ pub(super) fn read(
     let ego = match &mapping.ego {
         None => None,
         Some(name) => Some(ids.iter().position(|id| id == name).ok_or_else(|| {
-            let shown: Vec<&str> = ids.iter().take(20).map(String::as_str).collect();
-            IngestError::BadTable {
-                path: path.to_owned(),
-                reason: format!(
-                    "no vehicle is called `{name}` as in `table.ego`; its vehicles are {}",
-                    shown.join(", ")
-                ),
-            }
+            let shown = ids[..ids.len().min(20)].join(", ");
+            let what = format!("no vehicle is called `{name}` as in `table.ego`");
+            IngestError::bad_table(path, format!("{what}; its vehicles are {shown}"))
         })?),
     };
     let surroundings = Surroundings::new(&fleet.vehicles);
