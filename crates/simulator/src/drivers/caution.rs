@@ -45,3 +45,35 @@ pub(super) fn emergency_braking_mps2(scene: &Scene, width_m: f64) -> Option<f64>
     let needed = closing * closing / (2.0 * (n.gap_m - EMERGENCY_MARGIN_M).max(0.1));
     (needed > EMERGENCY_MPS2).then_some(1.2 * needed)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{other, scene};
+
+    #[test]
+    fn who_moves_out_gets_past_before_it_would_meet_the_lead() {
+        let past = |gap_m: f64, lead_mps: f64| {
+            let vehicle = other(1, gap_m, 0.0, lead_mps);
+            gets_past(&Neighbour { vehicle, gap_m }, 30.0, 4.0)
+        };
+        // 0.7 of 4 s at 10 m/s, and 8 m in any case.
+        assert!(past(28.1, 20.0) && !past(27.9, 20.0));
+        assert!(past(8.1, 35.0) && !past(8.0, 35.0));
+    }
+
+    #[test]
+    fn an_emergency_is_braked_for_by_a_fifth_more_than_needed() {
+        let braking = |gap_m: f64, other_mps: f64| {
+            let scene = scene(0.0, 20.0, &[other(1, gap_m, 1.0, other_mps)]);
+            emergency_braking_mps2(&scene, 1.9)
+        };
+        // 20² / 2 over what is left before the margin of 2 m: 4 m/s² are needed, then 2.
+        assert!((braking(52.0, 0.0).unwrap() - 1.2 * 4.0).abs() < 1e-12);
+        assert_eq!(braking(102.0, 0.0), None);
+        // Within the margin, unless it draws away.
+        assert_eq!(braking(1.9, 20.9), Some(3.5));
+        assert_eq!(braking(1.9, 21.1), None);
+        assert_eq!((braking(10.0, 20.5), braking(-10.0, 0.0)), (None, None));
+    }
+}

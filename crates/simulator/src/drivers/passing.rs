@@ -130,3 +130,89 @@ pub(super) fn is_clear(scene: &Scene, road: &Road, lane: u8) -> bool {
     });
     behind_clear && ahead_clear
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{other, scene};
+    use maveric_domain::LatentTraits;
+    use rand::SeedableRng;
+
+    const LEFT_M: f64 = 3.66;
+
+    /// Somebody who passes at 2 s for 3 m/s, half a m/s less for each second behind, merges back at 1.5 s, and is always the same.
+    fn person() -> (DriverParams, Passing) {
+        let traits = LatentTraits {
+            aggressiveness: 0.0,
+            spacing: 0.0,
+            pace: 0.0,
+        };
+        let mut params = DriverParams::draw(&traits, 1, 1);
+        params.desired_speed_mps = 30.0;
+        params.passing_time_gap_s = 2.0;
+        params.passing_gain_mps = 3.0;
+        params.merge_back_time_gap_s = 1.5;
+        params.noise.passing_time_gap_log_sd = 0.0;
+        params.noise.passing_gain_sd_mps = 0.0;
+        params.noise.merge_back_log_sd = 0.0;
+        params.noise.passing_gain_falls_mps2 = 0.5;
+        let passing = Passing::new(&params, Pcg64Mcg::seed_from_u64(1));
+        (params, passing)
+    }
+
+    #[test]
+    fn a_lead_is_passed_for_a_gain_that_falls_while_waiting_behind_it() {
+        let (params, mut passing) = person();
+        let mut wanted = |id, gap_m, lead_mps| {
+            let vehicle = other(id, gap_m, 0.0, lead_mps);
+            passing.wanted_at(&params, Some(Neighbour { vehicle, gap_m }), 20.0)
+        };
+        assert_eq!(wanted(1, 100.0, 26.9), Some(2.0));
+        // 2.5 m/s will do from above 1 s behind it, which is within 4 s at 20 m/s.
+        assert!((0..100).all(|_| wanted(2, 80.0, 27.5).is_none()));
+        let mut waits = |id| (1..100).find(|_| wanted(id, 79.9, 27.5).is_some());
+        assert_eq!(waits(2), Some(21));
+        assert_eq!(waits(3), Some(21), "another one is waited behind anew");
+        assert_eq!(passing.wanted_at(&params, None, 20.0), None);
+    }
+
+    #[test]
+    fn merging_back_needs_room_behind_as_it_is_seen_and_room_ahead() {
+        let (params, mut passing) = person();
+        passing.begin(&params);
+        let merges = |gap_m: f64, speed_mps: f64, error: f64| {
+            let scene = scene(LEFT_M, 20.0, &[other(1, gap_m, 0.0, speed_mps)]);
+            passing.merges_back(&scene, &Road::PAPER, 0, error)
+        };
+        // 1.5 s at 20 m/s; one who is 10 m/s faster needs 8 m and 3.5 s of that; ahead 5.5 s.
+        for (least_m, speed_mps, error) in [
+            (-30.0, 20.0, 1.0),
+            (-30.0 / 0.9, 20.0, 0.9),
+            (-43.0, 30.0, 1.0),
+            (-43.0, 30.0, 1.5),
+            (110.0, 20.0, 1.0),
+        ] {
+            assert!(merges(1.001 * least_m, speed_mps, error), "{least_m}");
+            assert!(!merges(0.999 * least_m, speed_mps, error), "{least_m}");
+        }
+    }
+
+    #[test]
+    fn moving_out_needs_room_for_who_comes_and_for_who_is_slow() {
+        let clear = |gap_m: f64, speed_mps: f64| {
+            let scene = scene(0.0, 20.0, &[other(1, gap_m, LEFT_M, speed_mps)]);
+            is_clear(&scene, &Road::PAPER, 1)
+        };
+        for (least_m, speed_mps) in [
+            // 8 m, 3.5 s of 6 m/s and a quarter of a second of 20; the same for one who is slower, without the closing.
+            (-34.0, 26.0),
+            (-13.0, 15.0),
+            // 10 m and 4 s of 5 m/s.
+            (30.0, 15.0),
+            (10.0, 25.0),
+        ] {
+            assert!(clear(1.001 * least_m, speed_mps), "{least_m}");
+            assert!(!clear(0.999 * least_m, speed_mps), "{least_m}");
+        }
+    }
+}

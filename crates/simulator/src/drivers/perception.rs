@@ -65,3 +65,45 @@ impl Perception {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::other;
+    use rand::SeedableRng;
+    use rand_pcg::Pcg64Mcg;
+
+    fn wander(sd: f64) -> OrnsteinUhlenbeck {
+        OrnsteinUhlenbeck::new(sd, 2.0, PLANNING_STEP_S, Pcg64Mcg::seed_from_u64(1))
+    }
+
+    #[test]
+    fn a_lead_is_seen_as_it_was_and_one_that_is_new_as_it_is() {
+        let mut perception = Perception::new(wander(0.0), 0.2);
+        assert!((perception.next_error() - 1.0).abs() < 1e-12);
+        let mut see = |id, gap_m: f64, error: f64| {
+            let vehicle = other(id, gap_m, 0.0, gap_m);
+            let seen = perception.see(Some(Neighbour { vehicle, gap_m }), 60.0, error);
+            seen.map(|lead| (lead.gap_m, lead.closing_mps)).unwrap()
+        };
+        // Four rows late: until then as it was at first.
+        let gaps = (0..7).map(|row| see(1, 50.0 - f64::from(row), 1.0));
+        let expected = [50.0, 50.0, 50.0, 50.0, 50.0, 49.0, 48.0].map(|gap| (gap, 60.0 - gap));
+        assert!(gaps.eq(expected));
+        // The error is of the gap alone, and of this moment.
+        assert_eq!(see(2, 20.0, 1.5), (30.0, 40.0));
+        assert_eq!(see(2, 19.0, 0.5), (10.0, 40.0));
+        assert!(perception.see(None, 60.0, 1.0).is_none());
+    }
+
+    #[test]
+    fn no_gap_is_seen_below_half_or_above_twice_what_it_is() {
+        let mut perception = Perception::new(wander(9.0), 0.0);
+        let errors: Vec<f64> = (0..1000).map(|_| perception.next_error()).collect();
+        let (low, high) = (
+            errors.iter().copied().fold(f64::INFINITY, f64::min),
+            errors.iter().copied().fold(0.0, f64::max),
+        );
+        assert_eq!((low, high), (0.5, 2.0));
+    }
+}
