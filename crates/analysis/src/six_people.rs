@@ -59,15 +59,15 @@ const TRUST: [[f64; 6]; 4] = [
     [4.0, 3.0, 5.0, 4.5, 4.0, 4.0],
 ];
 
-fn person(i: usize) -> ParticipantId {
+pub(crate) fn person(i: usize) -> ParticipantId {
     ParticipantId::new(format!("P{}", i + 1)).unwrap()
 }
 
-fn id(text: &str) -> ConditionId {
+pub(crate) fn id(text: &str) -> ConditionId {
     text.parse().unwrap()
 }
 
-fn drive(i: usize, condition: &str, speed: Option<f64>) -> MeasuredDrive {
+pub(crate) fn drive(i: usize, condition: &str, speed: Option<f64>) -> MeasuredDrive {
     MeasuredDrive {
         meta: DriveMeta {
             drive: DriveId::new(format!("P{}-{condition}", i + 1)).unwrap(),
@@ -79,7 +79,7 @@ fn drive(i: usize, condition: &str, speed: Option<f64>) -> MeasuredDrive {
     }
 }
 
-fn score(i: usize, moment: Moment, scale: &str, subscale: &str, value: f64) -> Score {
+pub(crate) fn score(i: usize, moment: Moment, scale: &str, subscale: &str, value: f64) -> Score {
     Score {
         participant: person(i),
         moment,
@@ -91,7 +91,7 @@ fn score(i: usize, moment: Moment, scale: &str, subscale: &str, value: f64) -> S
     }
 }
 
-fn position(i: usize) -> EmbeddingRow {
+pub(crate) fn position(i: usize, position: f64) -> EmbeddingRow {
     EmbeddingRow {
         drive: DriveId::new(format!("P{}-own", i + 1)).unwrap(),
         participant: person(i),
@@ -99,11 +99,11 @@ fn position(i: usize) -> EmbeddingRow {
         adb_used: true,
         adb: None,
         adb_hat: None,
-        line_position: Some(i as f64),
+        line_position: Some(position),
         readings: None,
         covariance: None,
         line_position_se: None,
-        embedding: Embedding::new(vec![i as f64]).unwrap(),
+        embedding: Embedding::new(vec![position]).unwrap(),
     }
 }
 
@@ -111,7 +111,7 @@ fn tables() -> Tables {
     let mut tables = Tables::default();
     for i in 0..6 {
         tables.measurements.push(drive(i, "own", Some(OWN[i])));
-        tables.embeddings.push(position(i));
+        tables.embeddings.push(position(i, i as f64));
         let pre = |scale, subscale, value| score(i, Moment::Pre, scale, subscale, value);
         tables.pre.push(pre("adb", "total", ADB[i]));
         tables
@@ -797,7 +797,7 @@ fn a_score_is_called_by_its_questionnaire() {
     assert_eq!(data.score_title(&name), "jian_trust.overall");
 }
 
-fn steered(
+pub(crate) fn steered(
     i: usize,
     condition: &str,
     angle_rad: Option<f64>,

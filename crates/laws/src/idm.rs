@@ -194,6 +194,9 @@ mod tests {
             driver.improved_accel_mps2(92.0, 20.0, 12.0, 1.0),
             free * held,
         );
+        // Half a second more of 20 m/s.
+        let further = driver.with_time_gap_s(1.7);
+        near(further.desired_gap_m(20.0, 12.0), 56.0);
         // Who draws away is wanted no further than at standstill.
         near(driver.desired_gap_m(20.0, 40.0), 2.0);
         // At twice the desired speed: -8 (1 - 2⁻¹), and half the wanted 98 m.

@@ -96,7 +96,7 @@ fn standard(name: String, values: &[f64]) -> Option<Standard> {
 }
 
 /// Which setting a condition of the study showed.
-fn setting_of(condition: &Condition, moved_points: Option<f64>) -> Option<usize> {
+pub(super) fn setting_of(condition: &Condition, moved_points: Option<f64>) -> Option<usize> {
     condition.dial()?;
     let moved = moved_points?;
     SETTINGS.iter().position(|s| (s - moved).abs() <= 2.5)

@@ -1,5 +1,7 @@
 //! How far to turn the dial for a person: learned from others' ratings of their conditions.
 
+#[cfg(test)]
+mod by_hand;
 mod learned;
 mod percept;
 mod scale;

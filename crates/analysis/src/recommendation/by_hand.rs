@@ -1,0 +1,393 @@
+//! Recommendations worked out by hand, and found again in the ratings of made-up numbers.
+
+use super::{
+    Dial, Learned, OnTheScale, Percept, Preferred, Reason, SETTINGS, Standard, learned::setting_of,
+    reasons, scale::on_the_scale,
+};
+use crate::{
+    Settled, StudyData, Tables, Turns,
+    six_people::{drive, id, person, score, steered},
+};
+use maveric_domain::{
+    ConditionRow, Design, EmbeddingRow, MeasureValues, Moment, design::ScoreName,
+};
+use maveric_stats::{Belief, Hierarchical};
+use std::collections::BTreeMap;
+
+#[track_caller]
+fn near(found: f64, expected: f64, within: f64) {
+    assert!((found - expected).abs() < within, "{found}, not {expected}");
+}
+
+fn named(values: [(&str, f64); 2]) -> BTreeMap<String, f64> {
+    values.map(|(name, v)| (name.to_owned(), v)).into()
+}
+
+#[test]
+fn a_drive_is_perceived_by_its_weighted_differences_in_spreads() {
+    let percept = Percept {
+        shift: named([("speed", 0.5), ("room", -0.2)]),
+        distance: named([("speed", 0.75), ("room", 0.25)]),
+        spread: named([("speed", 2.0), ("room", 10.0)]),
+    };
+    let values = |speed: f64, room: Option<f64>| {
+        MeasureValues::from([("speed".to_owned(), Some(speed)), ("room".to_owned(), room)])
+    };
+    let own = values(25.0, Some(40.0));
+    let seen = |speed, room| percept.of(&own, &values(speed, room));
+    // One spread faster, three nearer.
+    let (shift, distance) = seen(27.0, Some(10.0));
+    near(shift, 0.5 + 0.6, 1e-12);
+    near(distance, (0.75 + 0.25 * 9.0_f64).sqrt(), 1e-12);
+    // What is missing is no part of the comparison, and beyond five spreads all is alike.
+    let (shift, distance) = seen(21.0, None);
+    near(shift, -1.0, 1e-12);
+    near(distance, 2.0, 1e-12);
+    near(seen(99.0, None).0, 2.5, 1e-12);
+    assert_eq!(percept.of(&MeasureValues::new(), &own), (0.0, 0.0));
+}
+
+/// Where a unit of perceived shift is 15 points, below the own style 30; a trait with mean 10 and SD 2; b = 0.6, g = -1.5, and
+/// 0.3 more of b for each SD of the trait.
+fn learned() -> Learned {
+    let score = |name: &str, sign, mean, sd| {
+        let name: ScoreName = name.parse().unwrap();
+        let title = name.to_string();
+        (
+            name,
+            sign,
+            Standard {
+                name: title,
+                mean,
+                sd,
+            },
+        )
+    };
+    Learned {
+        people: 9,
+        percept: Percept {
+            shift: BTreeMap::new(),
+            distance: BTreeMap::new(),
+            spread: BTreeMap::new(),
+        },
+        dial: Dial {
+            points: 15.0,
+            shift: [-0.5, 0.0, 1.0],
+            distance: [0.0; 3],
+        },
+        traits: vec![Standard {
+            name: "pace".to_owned(),
+            mean: 10.0,
+            sd: 2.0,
+        }],
+        ratings: vec![
+            score("calm.total", -1.0, 4.0, 2.0),
+            score("trust.total", 1.0, 3.0, 1.0),
+        ],
+        fit: Hierarchical {
+            coefficients: known(&[]),
+            shrunken_sd: Vec::new(),
+            random_sd: vec![0.0; 3],
+            residual_sd: 0.5,
+            ln_evidence: 0.0,
+        },
+    }
+}
+
+/// The coefficients for sure, but for those with a variance.
+fn known(variances: &[(usize, f64)]) -> Belief {
+    let mean = vec![4.0, 0.6, -1.5, -0.2, 0.3, 0.0];
+    let mut covariance = vec![vec![0.0; 6]; 6];
+    for &(at, variance) in variances {
+        covariance[at][at] = variance;
+    }
+    Belief::new(mean, covariance).unwrap()
+}
+
+fn believed(learned: &Learned) -> Belief {
+    learned.fit.somebody().extended(&[0.0; SETTINGS.len()])
+}
+
+#[test]
+fn the_preferred_setting_is_the_top_of_the_parabola_within_what_was_driven() {
+    let learned = learned();
+    let belief = believed(&learned);
+    let at = |pace: f64| learned.preferred(&belief, &[pace]).unwrap();
+    // b = 1.2 over 2 · 1.5; b = -0.6, where a unit is 30 points; and beyond 30 points nobody has driven.
+    near(at(2.0).points, 6.0, 1e-9);
+    near(at(-4.0).points, -6.0, 1e-9);
+    near(at(30.0).points, 30.0, 1e-9);
+    assert!((at(2.0).within_5 - 1.0).abs() < 1e-12);
+    let mut unsure = self::learned();
+    // An SD of 1 of b is one of 5 points.
+    unsure.fit.coefficients = known(&[(1, 1.0)]);
+    let found = unsure.preferred(&believed(&unsure), &[20.0]).unwrap();
+    near(found.points, 30.0, 1e-9);
+    let found = unsure.preferred(&believed(&unsure), &[8.0]).unwrap();
+    near(found.points, 15.0, 1e-9);
+    near(found.low, 15.0 - 1.96 * 5.0, 0.3);
+    near(found.high, 15.0 + 1.96 * 5.0, 0.3);
+    near(found.within_5, 0.683, 0.02);
+    let mut flat = self::learned();
+    flat.fit.coefficients = Belief::new(vec![0.0; 6], vec![vec![0.0; 6]; 6]).unwrap();
+    assert_eq!(flat.preferred(&believed(&flat), &[0.0]), None);
+}
+
+#[test]
+fn the_reasons_are_what_each_part_adds_in_points() {
+    let learned = learned();
+    let belief = believed(&learned);
+    let points = |traits: &[f64]| {
+        let found = reasons(&learned, [&belief, &belief, &belief], traits);
+        let all = found.into_iter().map(|r| (r.because, r.points));
+        all.collect::<BTreeMap<String, f64>>()
+    };
+    // Everybody's b of 0.6 is 3 points; two SDs of the trait are 0.6 of b and 3 points more.
+    let above = points(&[2.0]);
+    near(above["everybody"], 3.0, 1e-9);
+    near(above["pace"], 3.0, 1e-9);
+    near(above["own ratings"], 0.0, 1e-12);
+    assert!(!above.contains_key("own turns of the dial"));
+    // Below the own style a unit of b is worth twice as much.
+    near(points(&[-4.0])["pace"], -12.0, 1e-9);
+    let mut rated = belief.clone();
+    rated = Belief::new(
+        rated
+            .mean()
+            .iter()
+            .enumerate()
+            .map(|(i, m)| m + if i == 1 { 0.9 } else { 0.0 })
+            .collect(),
+        vec![vec![0.0; belief.len()]; belief.len()],
+    )
+    .unwrap();
+    let found = reasons(&learned, [&belief, &belief, &rated], &[2.0]);
+    assert_eq!(
+        found[0].because, "own turns of the dial",
+        "the largest first"
+    );
+    near(found[0].points, 4.5, 1e-9);
+}
+
+#[test]
+fn a_rating_is_the_mean_of_what_was_answered_in_spreads() {
+    let learned = learned();
+    let rating = |calm: Option<f64>, trust: Option<f64>| {
+        learned.rating(|name| if name.scale == "calm" { calm } else { trust })
+    };
+    // Less calm is better: (4 - 2) / 2, and (5 - 3) / 1.
+    near(rating(Some(2.0), Some(5.0)).unwrap(), 1.5, 1e-12);
+    near(rating(Some(6.0), None).unwrap(), -1.0, 1e-12);
+    assert_eq!(rating(None, None), None);
+}
+
+#[test]
+fn where_the_dial_was_left_the_preference_neither_rises_nor_falls() {
+    let mut learned = learned();
+    learned.fit.coefficients = known(&[(1, 1.0)]);
+    let mut belief = believed(&learned);
+    let settled = Settled {
+        points: 7.5,
+        sd: 1.5,
+    };
+    learned.observe_settled(&mut belief, &[0.0], settled);
+    // At half a shift b + g is 0 instead of -0.9, with an error of 2 · 1.5 · 1.5 / 15 beside the SD of 1.
+    near(belief.mean()[1], 0.6 + 0.9 / 1.09, 1e-9);
+    near(belief.mean()[2], -1.5, 1e-12);
+}
+
+#[test]
+fn a_setting_tells_by_how_far_it_is_shifted() {
+    let mut learned = learned();
+    learned.fit.coefficients = known(&[(1, 1.0)]);
+    let belief = believed(&learned);
+    let nats = |points| learned.information(&belief, &[0.0], points);
+    // Only b is open: a rating at the shift A has a variance of A² beside that of 0.5².
+    near(nats(15.0), 0.5 * 5.0_f64.ln(), 1e-9);
+    near(nats(-15.0), 0.5 * 2.0_f64.ln(), 1e-9);
+    near(nats(0.0), 0.0, 1e-9);
+    let (points, most) = learned.next(&belief, &[0.0]);
+    near(points, 15.0, 1e-12);
+    near(most, 0.5 * 5.0_f64.ln(), 1e-9);
+    // With an open curvature alone, -b / 2g hangs on it by b / 2g², and the rating by A².
+    learned.fit.coefficients = known(&[(2, 1.0)]);
+    near(
+        learned.information(&believed(&learned), &[0.0], 15.0),
+        0.5 * 5.0_f64.ln(),
+        1e-9,
+    );
+    // Both open and alike: the target is (1, 0.4) / 3, the row (1, 1).
+    learned.fit.coefficients = known(&[(1, 1.0), (2, 1.0)]);
+    let share: f64 = 1.4 * 1.4 / (1.16 * (2.0 + 0.25));
+    near(
+        learned.information(&believed(&learned), &[0.0], 15.0),
+        -0.5 * (1.0 - share).ln(),
+        1e-9,
+    );
+}
+
+#[test]
+fn a_condition_shows_the_setting_that_it_came_near_to() {
+    let text = "[study]\ntitle = \"t\"\n[people]\nlearn = { a = 1 }\n[style]\nscore = \"adb.total\"\n\
+                [[condition]]\nid = \"up\"\ncar = { dial = 15 }\n[[condition]]\nid = \"mean\"\ncar = { mean = true }";
+    let design = Design::from_toml(text).unwrap();
+    let [up, mean] = design.conditions() else {
+        panic!("two")
+    };
+    assert_eq!(setting_of(up, Some(15.0)), Some(6));
+    assert_eq!(
+        (setting_of(up, Some(12.6)), setting_of(up, Some(12.4))),
+        (Some(6), Some(5))
+    );
+    assert_eq!(
+        (setting_of(up, Some(17.6)), setting_of(up, None)),
+        (None, None)
+    );
+    assert_eq!(setting_of(mean, Some(15.0)), None);
+}
+
+const PEOPLE: usize = 8;
+const DESIGN: &str = r#"
+[study]
+title = "Eight people"
+[people]
+learn = { group = "drivers" }
+[style]
+score = "adb.total"
+points = 15
+[baseline]
+id = "own"
+[[condition]]
+id = "same"
+car = { dial = 0 }
+[[condition]]
+id = "up"
+car = { dial = 15 }
+[[condition]]
+id = "down"
+car = { dial = -15 }
+[homophily]
+factors = ["ipip.pace"]
+ratings = ["trust.total"]
+"#;
+
+/// The trait of somebody, in SDs from its mean, all but.
+fn pace(i: usize) -> f64 {
+    i as f64 - 3.5
+}
+
+/// What somebody likes: the shift in spreads of speed where their ratings are highest.
+fn liked(i: usize) -> f64 {
+    0.2 + 0.12 * pace(i)
+}
+
+/// People who call a drive half a point more aggressive for each spread of speed, and rate it by how far it is from what they like.
+fn eight() -> StudyData {
+    let mut tables = Tables::default();
+    let own = |i: usize| if i.is_multiple_of(2) { 23.0 } else { 27.0 };
+    let spread = (PEOPLE as f64 * 4.0 / (PEOPLE as f64 - 1.0)).sqrt();
+    for i in 0..PEOPLE {
+        tables.measurements.push(drive(i, "own", Some(own(i))));
+        tables
+            .pre
+            .push(score(i, Moment::Pre, "ipip", "pace", 20.0 + pace(i)));
+        tables.pre.push(score(i, Moment::Pre, "adb", "total", 30.0));
+        let off = if i % 3 == 0 { 0.02 } else { -0.01 };
+        for (condition, shift, moved) in [
+            ("same", off, 0.0),
+            ("up", 1.5 + off, 15.0),
+            ("down", -1.5 - 2.0 * off, -15.0),
+        ] {
+            tables
+                .measurements
+                .push(drive(i, condition, Some(own(i) + shift * spread)));
+            tables.conditions.push(ConditionRow {
+                moved_points: Some(moved),
+                ..steered(i, condition, None, false)
+            });
+            let after = Moment::After(id(condition));
+            let felt = 4.0 + 0.5 * shift + 0.5 * off;
+            tables
+                .post
+                .push(score(i, after, "aggressiveness", "aggressiveness", felt));
+            let trust = 5.0 - (shift - liked(i)).powi(2) + off;
+            tables.post.push(score(i, after, "trust", "total", trust));
+        }
+    }
+    StudyData::new(&Design::from_toml(DESIGN).unwrap(), tables).unwrap()
+}
+
+#[test]
+fn what_eight_people_like_is_found_again_in_their_ratings_and_in_their_trait() {
+    let data = eight();
+    let people: Vec<_> = (0..PEOPLE).map(person).collect();
+    let learned = Learned::from(&data, &people, None).unwrap();
+    let traits: Vec<&str> = learned.traits.iter().map(|t| t.name.as_str()).collect();
+    // Everybody's score is the same.
+    assert_eq!(
+        (learned.people, traits),
+        (PEOPLE, vec!["pace", "own_mean_velocity"])
+    );
+    near(learned.percept.shift["mean_velocity_mps"], 0.5, 0.02);
+    near(learned.percept.distance["mean_velocity_mps"], 1.0, 1e-12);
+    let dial = learned.dial;
+    near(dial.points, 15.0, 1e-12);
+    near(dial.shift[2] - dial.shift[0], 0.5 * 3.0, 0.05);
+    near(dial.distance[2], 1.5, 0.05);
+    for (i, somebody) in people.iter().enumerate() {
+        let found = learned.recommendation(&data, somebody);
+        // 15 points are a spread and a half.
+        let expected = 10.0 * liked(i);
+        near(found.preferred.unwrap().points, expected, 1.5);
+        near(found.before_riding.unwrap().points, expected, 2.5);
+        assert!(SETTINGS.contains(&found.next.0) && found.next.1 >= 0.0);
+        assert!(
+            found.on_the_scale.is_none(),
+            "no model read anybody's score"
+        );
+    }
+    // Who likes more than the own style, and left the dial further up, likes more still.
+    let last = &people[PEOPLE - 1];
+    let turns = Turns {
+        participant: last.clone(),
+        turned: vec![(1.0, 15.0)],
+        duration_s: 100.0,
+        step: 0.5,
+    };
+    let before = learned.recommendation(&data, last).preferred.unwrap();
+    let data = data.with_turns(&[turns]);
+    let found = learned.recommendation(&data, last);
+    assert!(found.preferred.unwrap().points > before.points);
+    let turned = |r: &Reason| r.because == "own turns of the dial";
+    assert!(found.reasons.iter().any(turned));
+    let few = Learned::from(&data, &people[..4], None).unwrap_err();
+    assert!(few.to_string().contains("4 people"), "{few}");
+}
+
+#[test]
+fn on_the_scale_both_uncertainties_add_up_as_squares() {
+    let mut data = eight();
+    let row = |i: usize, position: f64| EmbeddingRow {
+        adb_hat: Some(30.0 + 9.0 * position),
+        line_position_se: Some(0.5),
+        ..crate::six_people::position(i, position)
+    };
+    data.embeddings = vec![row(0, 1.0), row(1, -1.0)];
+    let preferred = Preferred {
+        points: 6.0,
+        low: 0.0,
+        high: 14.0,
+        within_5: 0.5,
+    };
+    let OnTheScale {
+        own,
+        own_sd,
+        at,
+        low,
+        high,
+    } = on_the_scale(&data, &person(0), &preferred).unwrap();
+    // S reads 39; half a step of 9 points is its SD.
+    assert_eq!((own, own_sd, at), (39.0, 4.5, 45.0));
+    near(low, 45.0 - (36.0 + (1.96 * 4.5_f64).powi(2)).sqrt(), 1e-9);
+    near(high, 45.0 + (64.0 + (1.96 * 4.5_f64).powi(2)).sqrt(), 1e-9);
+}
