@@ -2,8 +2,7 @@
 
 use crate::record::{Fields, HEAD};
 use std::io::Read;
-use zstd::bulk::Decompressor;
-use zstd::stream::raw::{DParameter, Decoder, InBuffer, Operation, OutBuffer};
+use zstd::{bulk::Decompressor, stream::read::Decoder};
 
 /// Longest record that is read, in bytes; a longer one can be no message that we want, and is passed over.
 pub const MOST_RECORD: usize = 32 << 20;
@@ -121,8 +120,7 @@ pub(crate) enum Verdict {
 /// Unpacks chunks, one after another, in the same memory.
 #[derive(Default)]
 pub(crate) struct Unpacker {
-    zstd: Option<Decoder<'static>>,
-    zstd_at_once: Option<Decompressor<'static>>,
+    at_once: Option<Decompressor<'static>>,
     room: Vec<u8>,
 }
 
@@ -172,7 +170,9 @@ impl Unpacker {
                 Ok(splitter.split(bytes) == bytes.len())
             }
             Packing::Zstd => self.zstd(&head, data, &mut splitter),
-            Packing::Lz4 => self.lz4(&head, data, &mut splitter),
+            Packing::Lz4 => lz4::Decoder::new(data)
+                .map_err(cannot)
+                .and_then(|unpacked| self.roll(&head, unpacked, &mut splitter)),
         };
         let fits = match unpacked {
             Err(_) if cut => return lost("its end is missing"),
@@ -208,121 +208,71 @@ impl Unpacker {
         }
     }
 
-    fn room_for(&mut self, head: &Head) {
-        let wanted = head.uncompressed_size.min(MOST_ROOM) as usize;
-        if self.room.len() < wanted.max(ROOM) {
-            self.room.resize(wanted.max(ROOM), 0);
-        }
-    }
-
     fn zstd(
         &mut self,
         head: &Head,
         data: &[u8],
         splitter: &mut Splitter<impl FnMut(u8, Option<&[u8]>)>,
     ) -> Result<bool, String> {
-        let cannot = |e: std::io::Error| format!("it cannot be unpacked ({e})");
-        self.room_for(head);
         if (1..=MOST_ROOM).contains(&head.uncompressed_size) {
             // Straight into the room, where the chunk is as it says; else piece by piece, which tells what is wrong.
-            let at_once = match &mut self.zstd_at_once {
+            let at_once = match &mut self.at_once {
                 Some(at_once) => at_once,
                 none => none.insert(Decompressor::new().map_err(cannot)?),
             };
-            let room = &mut self.room[..head.uncompressed_size as usize];
-            let length = room.len();
+            let length = head.uncompressed_size as usize;
+            self.room.resize(self.room.len().max(length), 0);
+            let room = &mut self.room[..length];
             if at_once.decompress_to_buffer(data, room).ok() == Some(length) {
                 return Ok(splitter.take(&self.room[..length]) == length);
             }
         }
-        let decoder = match &mut self.zstd {
-            Some(decoder) => {
-                decoder.reinit().map_err(cannot)?;
-                decoder
-            }
-            none => {
-                let mut decoder = Decoder::new().map_err(cannot)?;
-                decoder
-                    .set_parameter(DParameter::WindowLogMax(MOST_WINDOW_LOG))
-                    .map_err(cannot)?;
-                none.insert(decoder)
-            }
-        };
-        let mut input = InBuffer::around(data);
-        let mut ended = false;
-        roll(&mut self.room, head, splitter, |free| {
-            if ended {
-                return Ok(0);
-            }
-            let mut output = OutBuffer::around(free);
-            while output.pos() < output.capacity() {
-                let (from, to) = (input.pos(), output.pos());
-                let hint = decoder.run(&mut input, &mut output).map_err(cannot)?;
-                if hint == 0 {
-                    ended = true;
-                    break;
-                }
-                if input.pos() == from && output.pos() == to {
-                    if output.pos() == 0 {
-                        return Err("its packed bytes end early".to_owned());
-                    }
-                    break;
-                }
-            }
-            Ok(output.pos())
-        })
+        let mut decoder = Decoder::with_buffer(data).map_err(cannot)?.single_frame();
+        decoder.window_log_max(MOST_WINDOW_LOG).map_err(cannot)?;
+        self.roll(head, decoder, splitter)
     }
 
-    fn lz4(
+    /// Unpacks through the room: what `unpacked` gives is split into records, and a record that is not whole yet moves to the front.
+    ///
+    /// Returns whether nothing was left over.
+    fn roll(
         &mut self,
         head: &Head,
-        data: &[u8],
+        mut unpacked: impl Read,
         splitter: &mut Splitter<impl FnMut(u8, Option<&[u8]>)>,
     ) -> Result<bool, String> {
-        let cannot = |e: std::io::Error| format!("it cannot be unpacked ({e})");
-        self.room_for(head);
-        let mut decoder = lz4::Decoder::new(data).map_err(cannot)?;
-        roll(&mut self.room, head, splitter, |free| {
-            decoder.read(free).map_err(cannot)
-        })
+        let most = head.uncompressed_size.saturating_add(MOST_OVERRUN);
+        let most = most.min(MOST_UNPACKED);
+        let room = &mut self.room;
+        room.resize(room.len().max(ROOM), 0);
+        let mut filled = 0;
+        loop {
+            if filled == room.len() {
+                // One record is longer than the room: it is there byte by byte, so its length is no mere claim.
+                if room.len() > MOST_RECORD {
+                    return Err("a record in it is too long".to_owned());
+                }
+                room.resize(room.len() * 2, 0);
+            }
+            let new = unpacked.read(&mut room[filled..]).map_err(cannot)?;
+            if new == 0 {
+                return Ok(filled == 0);
+            }
+            splitter.count(&room[filled..filled + new]);
+            if splitter.total > most {
+                return Err("it unpacks to more than it claims".to_owned());
+            }
+            filled += new;
+            let used = splitter.split(&room[..filled]);
+            room.copy_within(used..filled, 0);
+            filled -= used;
+        }
     }
 }
 
-/// Unpacks through `room`: what `fill` gives is split into records, and a record that is not whole yet moves to the front.
-///
-/// Returns whether nothing was left over.
-fn roll(
-    room: &mut Vec<u8>,
-    head: &Head,
-    splitter: &mut Splitter<impl FnMut(u8, Option<&[u8]>)>,
-    mut fill: impl FnMut(&mut [u8]) -> Result<usize, String>,
-) -> Result<bool, String> {
-    let most = head
-        .uncompressed_size
-        .saturating_add(MOST_OVERRUN)
-        .min(MOST_UNPACKED);
-    let mut filled = 0;
-    loop {
-        if filled == room.len() {
-            // One record is longer than the room: it is there byte by byte, so its length is no mere claim.
-            if room.len() > MOST_RECORD {
-                return Err("a record in it is too long".to_owned());
-            }
-            room.resize(room.len() * 2, 0);
-        }
-        let new = fill(&mut room[filled..])?;
-        if new == 0 {
-            return Ok(filled == 0);
-        }
-        splitter.count(&room[filled..filled + new]);
-        if splitter.total > most {
-            return Err("it unpacks to more than it claims".to_owned());
-        }
-        filled += new;
-        let used = splitter.split(&room[..filled]);
-        room.copy_within(used..filled, 0);
-        filled -= used;
-    }
+#[expect(clippy::needless_pass_by_value, reason = "what `map_err` takes")]
+fn cannot(error: std::io::Error) -> String {
+    format!("it cannot be unpacked ({error})")
 }
 
 /// Splits unpacked bytes into records.

@@ -1,6 +1,6 @@
 //! Lanes that no number names: told by their edges, or by where everybody drove.
 
-use crate::{error::IngestError, raw::RawDrive};
+use crate::{error::IngestError, median::median, raw::RawDrive};
 use maveric_domain::Road;
 use std::{f64::consts::TAU, path::Path};
 
@@ -71,13 +71,8 @@ pub(crate) fn into_lanes(
 /// The centres of the lanes, from the right one to the left one: the median of those who drove in each.
 fn driven(drive: &RawDrive, road: &Road) -> Result<Vec<f64>, String> {
     let width = road.lane_width_m;
-    let ys = || {
-        drive
-            .ego
-            .iter()
-            .map(|s| s.y_m)
-            .chain(drive.objects.iter().map(|s| s.y_m))
-    };
+    let others = || drive.objects.iter().map(|s| s.y_m);
+    let ys = || drive.ego.iter().map(|s| s.y_m).chain(others());
     // Lanes are a width apart: their place within it is the mean of all directions on a circle of that width.
     let (mut sin, mut cos, mut count) = (0.0, 0.0, 0_usize);
     for y in ys() {
@@ -93,18 +88,13 @@ fn driven(drive: &RawDrive, road: &Road) -> Result<Vec<f64>, String> {
     let first = libm::atan2(sin, cos) / TAU * width;
     let mut lanes: std::collections::BTreeMap<i64, Vec<f64>> = std::collections::BTreeMap::new();
     for y in ys() {
-        lanes
-            .entry(((y - first) / width).round() as i64)
-            .or_default()
-            .push(y);
+        let lane = ((y - first) / width).round() as i64;
+        lanes.entry(lane).or_default().push(y);
     }
     lanes.retain(|_, ys| ys.len() as f64 >= LEAST_SHARE * count as f64);
     let centres: Vec<f64> = lanes
         .into_values()
-        .map(|mut ys| {
-            let middle = ys.len() / 2;
-            *ys.select_nth_unstable_by(middle, f64::total_cmp).1
-        })
+        .filter_map(|mut ys| median(&mut ys))
         .collect();
     let expected = usize::from(road.lanes);
     if centres.len() == expected {

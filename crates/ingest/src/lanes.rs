@@ -2,6 +2,7 @@
 
 use crate::{
     mapping::FrameKind,
+    median::median,
     raw::{EgoSample, ObjectSample, RawDrive},
 };
 
@@ -145,12 +146,7 @@ fn along_line(drive: &mut RawDrive, line: &Line) {
         (s.x_m, s.y_m) = line.along(s.x_m, s.y_m);
         ys.push(s.y_m);
     }
-    let middle = ys.len() / 2;
-    let median = if ys.is_empty() {
-        0.0
-    } else {
-        *ys.select_nth_unstable_by(middle, f64::total_cmp).1
-    };
+    let median = median(&mut ys).unwrap_or(0.0);
     for s in &mut drive.ego {
         s.y_m -= median;
     }

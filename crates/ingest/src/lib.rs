@@ -12,6 +12,7 @@ mod join_speeds;
 mod lane_centres;
 mod lanes;
 mod mapping;
+mod median;
 mod parquet;
 mod plausible;
 mod provenance;

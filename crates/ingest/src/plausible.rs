@@ -2,6 +2,7 @@
 
 use crate::{
     error::IngestError,
+    median::median,
     quality::{Warning, WarningKind},
     raw::{EgoSample, RawDrive},
 };
@@ -100,7 +101,7 @@ pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Result<Vec<Warning>, Ingest
     // Where most are borne out, so is the median.
     if count >= ENOUGH && 2 * borne_out <= count {
         let mut ratios: Vec<f64> = ratios().collect();
-        let (_, &mut ratio, _) = ratios.select_nth_unstable_by(count / 2, f64::total_cmp);
+        let ratio = median(&mut ratios).unwrap_or(1.0);
         if !BORNE_OUT.contains(&ratio) {
             let what = format!(
                 "ego's speed is {ratio:.2} times what its positions change a second: do the units of time, length \

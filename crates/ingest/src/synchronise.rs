@@ -2,6 +2,7 @@
 
 use crate::{
     clock::{by_receipt, separate_restarts},
+    median::median,
     quality::{Warning, WarningKind},
     raw::{EgoSample, RawDrive, Timed},
 };
@@ -64,11 +65,7 @@ fn skew(path: &Path, ego: &[EgoSample]) -> Option<Warning> {
         return None;
     }
     let mut late: Vec<f64> = ego.iter().map(late).collect();
-    if late.is_empty() {
-        return None;
-    }
-    let middle = late.len() / 2;
-    let (_, &mut median, _) = late.select_nth_unstable_by(middle, f64::total_cmp);
+    let median = median(&mut late)?;
     (median.abs() > SKEW_S).then(|| {
         let what = format!(
             "ego's times of receipt are {median:.3} s behind its header stamps (median): stamps are used"

@@ -51,6 +51,8 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<Sheet, IngestError> {
     let style = Style {
         separator,
         decimal_comma,
+        // They cannot be asked for; their first column stands for both.
+        doubled_names: true,
     };
     let mut once: Vec<&str> = Vec::new();
     for name in &names {
@@ -59,8 +61,7 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<Sheet, IngestError> {
         }
     }
     let wanted: Vec<(&str, Kind)> = once.iter().map(|n| (*n, Kind::Word)).collect();
-    // Doubled names cannot be asked for; their first column stands for both.
-    let table = Table::open_first(path, bytes, style, &wanted)?;
+    let table = Table::open(path, bytes, style, &wanted)?;
     let mut columns = Vec::new();
     for name in once {
         let numbers = table.numbers(name);

@@ -5,6 +5,7 @@ use super::{
     units::{LENGTHS, Reason, known_ratio, length_unit, speed_unit, time_unit},
     words::{What, Whose, Words, words},
 };
+use crate::median::median;
 use std::collections::BTreeMap;
 
 /// How far the ratio of speed and movement may be off a known one, as a logarithm: a tenth.
@@ -253,16 +254,11 @@ fn steps(series: &[u32]) -> impl Iterator<Item = (usize, usize)> + '_ {
     })
 }
 
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
-}
-
 /// The usual step of a column between two rows of a vehicle.
 fn step(column: &TableColumn, series: &[u32]) -> Option<f64> {
     let numbers = column.numbers.as_ref()?;
     let changes = steps(series).map(|(a, b)| numbers[b] - numbers[a]);
-    median(changes.filter(|d| *d > 0.0).collect())
+    median(&mut changes.filter(|d| *d > 0.0).collect::<Vec<f64>>())
 }
 
 /// The column that rises along the rows of a vehicle; times go before frames.
@@ -309,7 +305,7 @@ fn ratio(position: &TableColumn, speed: &TableColumn, step_s: f64, series: &[u32
     let (x, v) = (position.numbers.as_ref()?, speed.numbers.as_ref()?);
     let moving = steps(series).filter(|&(a, _)| v[a].abs() > MOVING);
     let ratios = moving.map(|(a, b)| (v[a] * step_s / (x[b] - x[a])).abs());
-    median(ratios.filter(|r| r.is_finite()).collect())
+    median(&mut ratios.filter(|r| r.is_finite()).collect::<Vec<f64>>())
 }
 
 /// The position of the leader along the same axis as ego's.

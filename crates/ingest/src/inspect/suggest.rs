@@ -240,16 +240,15 @@ fn long(out: &mut String, guess: &Guess, has_y: bool, has_lane: bool) {
 /// A mapping for a folder: its file with a speed, one with tracks ahead, one with positions and velocities.
 fn signals(folder: &Path) -> Result<String, IngestError> {
     let wrong = |e| IngestError::io(folder, e);
-    let mut files: Vec<PathBuf> = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(wrong)? {
-        let path = entry.map_err(wrong)?.path();
-        let table = path
-            .extension()
-            .is_some_and(|e| e == "csv" || e == "tsv" || e == "parquet");
-        if table && path.is_file() {
-            files.push(path);
-        }
-    }
+    let entries = std::fs::read_dir(folder).map_err(wrong)?;
+    let files = entries.map(|entry| entry.map(|e| e.path()));
+    let mut files: Vec<PathBuf> = files.collect::<Result<_, _>>().map_err(wrong)?;
+    let tables = ["csv", "tsv", "parquet"];
+    files.retain(|f| {
+        f.extension()
+            .is_some_and(|e| tables.iter().any(|t| e == *t))
+            && f.is_file()
+    });
     files.sort();
     let mut found = String::new();
     let mut speed = None;
@@ -257,63 +256,51 @@ fn signals(folder: &Path) -> Result<String, IngestError> {
         let Ok(table) = look(&path).and_then(|bytes| columns::read(&path, bytes)) else {
             continue;
         };
-        let name = path
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
-        let column = |any: &[&str]| {
+        // The column that has one of some names.
+        let column = |any: &str| {
             let has =
-                |c: &&columns::TableColumn| any.iter().any(|a| c.name.eq_ignore_ascii_case(a));
+                |c: &&columns::TableColumn| any.split(' ').any(|a| c.name.eq_ignore_ascii_case(a));
             table.columns.iter().find(has).map(|c| quoted(&c.name))
         };
+        let every = |names: &[&str]| {
+            names
+                .iter()
+                .map(|n| column(n))
+                .collect::<Option<Vec<String>>>()
+        };
         let guess = guess(&table);
-        let time = guess
-            .columns
-            .iter()
-            .find(|(k, _)| *k == "time")
-            .map(|(_, c)| quoted(c));
-        let Some(time) = time else { continue };
-        let forward = column(&[
-            "forward_m",
-            "forward",
-            "long_dist",
-            "d_rel",
-            "range_m",
-            "x_rel",
-        ]);
-        let left = column(&["left_m", "left", "lat_dist", "y_rel"]);
-        let relative = column(&["rel_speed_mps", "rel_speed", "v_rel", "relative_speed"]);
-        let track = column(&["address", "track", "track_id", "id"]);
-        let (x, y, z) = (column(&["x"]), column(&["y"]), column(&["z"]));
-        let (vx, vy, vz) = (column(&["vx"]), column(&["vy"]), column(&["vz"]));
-        let file = quoted(&name);
-        if let (Some(forward), Some(left), Some(relative), Some(track)) =
-            (forward, left, relative, track)
-        {
-            let renewed =
-                column(&["new_track"]).map_or_else(String::new, |n| format!("new_track = {n}\n"));
+        let time = guess.columns.iter().find(|(k, _)| *k == "time");
+        let Some(time) = time.map(|(_, c)| quoted(c)) else {
+            continue;
+        };
+        let file = quoted(&path.file_name().unwrap_or_default().to_string_lossy());
+        let tracks = [
+            "address track track_id id",
+            "forward_m forward long_dist d_rel range_m x_rel",
+            "left_m left lat_dist y_rel",
+            "rel_speed_mps rel_speed v_rel relative_speed",
+        ];
+        if let Some([track, forward, left, relative]) = every(&tracks).as_deref() {
+            let renewed = column("new_track").map(|n| format!("new_track = {n}\n"));
+            let renewed = renewed.unwrap_or_default();
             let _ = write!(
                 found,
                 "\n[table.signals.tracks]\nfile = {file}\ntime = {time}\ntrack = {track}\n{renewed}forward = {forward}\n\
                  left = {left}\nrelative_speed = {relative}\n"
             );
-        } else if let (Some(x), Some(y), Some(z), Some(vx), Some(vy), Some(vz)) =
-            (x, y, z, vx, vy, vz)
-        {
+        } else if let Some(vectors) = every(&["x", "y", "z", "vx", "vy", "vz"]) {
+            let (position, velocity) = (vectors[..3].join(", "), vectors[3..].join(", "));
             let _ = write!(
                 found,
                 "\n# doubt: positions are taken to be earth-centred, earth-fixed.\n[table.signals.velocity]\nfile = \
-                 {file}\ntime = {time}\nposition = [{x}, {y}, {z}]\nvelocity = [{vx}, {vy}, {vz}]\n"
+                 {file}\ntime = {time}\nposition = [{position}]\nvelocity = [{velocity}]\n"
             );
-        } else if let (Some(value), true) = (
-            column(&["speed_mps", "speed", "v", "velocity"]),
-            table.columns.len() == 2,
-        ) {
-            speed = Some((
-                format!("\n[table.signals.speed]\nfile = {file}\ntime = {time}\nvalue = {value}\n"),
-                guess,
-            ));
+        } else if let Some(value) = column("speed_mps speed v velocity")
+            && table.columns.len() == 2
+        {
+            let signal =
+                format!("\n[table.signals.speed]\nfile = {file}\ntime = {time}\nvalue = {value}\n");
+            speed = Some((signal, guess));
         }
     }
     let Some((speed, guess)) = speed else {

@@ -206,105 +206,93 @@ impl TableMapping {
                 "`table.separator` is `{separator}`, expected a character such as `,`, `;` or a tab"
             ));
         }
-        let need = |given: bool, what: &str| {
-            let missing = || format!("layout `{}` needs {what}", self.layout.as_str());
-            given.then_some(()).ok_or_else(missing)
-        };
         self.check_keys()?;
-        let known = self.layout.columns();
-        if let Some((key, _)) = columns.given().iter().find(|(k, _)| !known.contains(k)) {
+        let (c, name, known) = (columns, self.layout.as_str(), self.layout.columns());
+        if let Some((key, _)) = c.given().iter().find(|(k, _)| !known.contains(k)) {
             return Err(format!(
-                "layout `{}` has no `table.columns.{key}`; its columns are {}",
-                self.layout.as_str(),
+                "layout `{name}` has no `table.columns.{key}`; its columns are {}",
                 known.join(", ")
             ));
         }
-        if self.layout != Layout::Signals {
-            need(columns.time.is_some(), "`table.columns.time`")?;
-        }
-        if columns.gap.is_some() && self.gap_kind.is_none() {
+        if c.gap.is_some() && self.gap_kind.is_none() {
             return Err(
                 "`table.gap_kind` is not given: is the gap `bumper_to_bumper`, `front_to_front` or `centre_to_centre`?"
                     .to_owned(),
             );
         }
-        if self.units.time == TimeUnit::Frames {
-            let meta = self.recording_meta.as_ref();
-            let given =
-                self.frames_per_s.is_some() || meta.is_some_and(|m| m.frames_per_s.is_some());
-            need(given, "`table.frames_per_s`, as its times are frames")?;
+        if self.layout == Layout::Long {
+            c.check_id()?;
         }
-        match self.layout {
-            Layout::Pair => {
-                need(columns.ego_speed.is_some(), "`table.columns.ego_speed`")?;
-                let ahead = columns.gap.is_some() || columns.lead_x.is_some();
-                need(
-                    ahead,
-                    "`table.columns.gap`, or `lead_x` beside `ego_x` and `point`",
-                )?;
-                if columns.gap.is_none() {
-                    need(columns.ego_x.is_some(), "`table.columns.ego_x`")?;
-                    need(self.point.is_some(), POINT)?;
-                }
-            }
-            Layout::Platoon => {
-                let given = [&columns.speed, &columns.gap];
-                let numbered = |c: &&Option<String>| c.as_ref().is_some_and(|c| c.contains("{n}"));
-                need(
-                    given.iter().all(numbered),
-                    "`table.columns.speed` and `gap` with `{n}` where the vehicle's number stands",
-                )?;
-            }
-            Layout::Long => {
-                need(columns.x.is_some(), "`table.columns.x`")?;
-                columns.check_id()?;
-                need(
-                    columns.id.is_some() || columns.around_id().is_some(),
-                    "`table.columns.id`, or `{id}` in the columns of each vehicle",
-                )?;
-                if self.point == Some(Point::Reference) {
-                    need(
-                        columns.centre_ahead.is_some() || self.centre_ahead_m.is_some(),
-                        "`table.columns.centre_ahead` or `table.centre_ahead_m`, as its point is a reference",
-                    )?;
-                }
-                need(self.point.is_some(), POINT)?;
-                if self.point == Some(Point::Corner) {
-                    let sized = columns.length.is_some() && columns.width.is_some();
-                    need(
-                        sized,
-                        "columns `length` and `width`, as its point is a corner",
-                    )?;
-                }
-                if columns.y.is_some() {
-                    need(
-                        self.y_grows.is_some(),
-                        "`table.y_grows`: does y grow to the `left` or to the `right` of x?",
-                    )?;
-                } else if columns.lane.is_some() {
-                    need(
-                        self.lanes_from.is_some(),
-                        "`table.lanes_from`: are lanes numbered from the `left` or the `right`?",
-                    )?;
-                }
-            }
-            Layout::Signals => {
-                let Some(signals) = &self.signals else {
-                    return need(false, "`[table.signals.speed]` and the like");
-                };
-                if signals.tracks.is_some() {
-                    need(
-                        self.gap_kind.is_some(),
-                        "`table.gap_kind`: what is `forward` measured between?",
-                    )?;
-                }
-            }
-        }
-        Ok(())
+        let missing = self.needs().into_iter().find(|(given, _)| !given);
+        missing.map_or(Ok(()), |(_, what)| {
+            Err(format!("layout `{name}` needs {what}"))
+        })
     }
-}
 
-impl TableMapping {
+    /// What the layout needs, and whether it is given.
+    fn needs(&self) -> Vec<(bool, &'static str)> {
+        let (c, signals) = (&self.columns, self.signals.as_ref());
+        let (point, is) = (self.point.is_some(), |point| self.point == Some(point));
+        let numbered = |c: &Option<String>| c.as_ref().is_some_and(|c| c.contains("{n}"));
+        let meta = self.recording_meta.as_ref();
+        let rated = self.frames_per_s.is_some() || meta.is_some_and(|m| m.frames_per_s.is_some());
+        let timed = c.time.is_some() || self.layout == Layout::Signals;
+        let mut needs = vec![
+            (timed, "`table.columns.time`"),
+            (
+                rated || self.units.time != TimeUnit::Frames,
+                "`table.frames_per_s`, as its times are frames",
+            ),
+        ];
+        needs.extend(match self.layout {
+            Layout::Pair => vec![
+                (c.ego_speed.is_some(), "`table.columns.ego_speed`"),
+                (
+                    c.gap.is_some() || c.lead_x.is_some(),
+                    "`table.columns.gap`, or `lead_x` beside `ego_x` and `point`",
+                ),
+                (c.gap.is_some() || c.ego_x.is_some(), "`table.columns.ego_x`"),
+                (c.gap.is_some() || point, POINT),
+            ],
+            Layout::Platoon => vec![(
+                numbered(&c.speed) && numbered(&c.gap),
+                "`table.columns.speed` and `gap` with `{n}` where the vehicle's number stands",
+            )],
+            Layout::Long => vec![
+                (c.x.is_some(), "`table.columns.x`"),
+                (
+                    c.id.is_some() || c.around_id().is_some(),
+                    "`table.columns.id`, or `{id}` in the columns of each vehicle",
+                ),
+                (
+                    !is(Point::Reference) || c.centre_ahead.is_some() || self.centre_ahead_m.is_some(),
+                    "`table.columns.centre_ahead` or `table.centre_ahead_m`, as its point is a reference",
+                ),
+                (point, POINT),
+                (
+                    !is(Point::Corner) || c.length.is_some() && c.width.is_some(),
+                    "columns `length` and `width`, as its point is a corner",
+                ),
+                (
+                    c.y.is_none() || self.y_grows.is_some(),
+                    "`table.y_grows`: does y grow to the `left` or to the `right` of x?",
+                ),
+                (
+                    c.y.is_some() || c.lane.is_none() || self.lanes_from.is_some(),
+                    "`table.lanes_from`: are lanes numbered from the `left` or the `right`?",
+                ),
+            ],
+            Layout::Signals => vec![
+                (signals.is_some(), "`[table.signals.speed]` and the like"),
+                (
+                    self.gap_kind.is_some() || signals.is_none_or(|s| s.tracks.is_none()),
+                    "`table.gap_kind`: what is `forward` measured between?",
+                ),
+            ],
+        });
+        needs
+    }
+
     /// Whether positions are places in the world, so that a line through it can straighten the road.
     pub(super) fn is_of_the_world(&self) -> bool {
         let centre = matches!(self.point, Some(Point::Centre));

@@ -50,16 +50,6 @@ impl Table {
         style: Style,
         wanted: &[(&str, Kind)],
     ) -> Result<Self, IngestError> {
-        Self::open_with(path, bytes, style, wanted, false)
-    }
-
-    fn open_with(
-        path: &Path,
-        bytes: Vec<u8>,
-        style: Style,
-        wanted: &[(&str, Kind)],
-        doubled_names: bool,
-    ) -> Result<Self, IngestError> {
         let mut named = wanted.iter().map(|(name, _)| name.trim_end_matches('?'));
         let anchor = named.find(|name| !name.is_empty());
         let mut table = Self {
@@ -77,26 +67,12 @@ impl Table {
                 return Err(table.bad(format!("it has more than {MOST_COLUMNS} columns")));
             }
             table.names.clone_from(&header.names);
-            table.read_text(&bytes, &header, wanted, doubled_names)?;
+            table.read_text(&bytes, &header, wanted, style)?;
         }
         if table.frame.height() == 0 {
             return Err(table.bad("it has a header and no rows"));
         }
         Ok(table)
-    }
-
-    /// Reads as [`Table::open`] does, below the first line of a header of unknown names: the first wanted name is
-    /// its anchor, and of doubled names the first column is taken.
-    ///
-    /// # Errors
-    /// As [`Table::open`].
-    pub(crate) fn open_first(
-        path: &Path,
-        bytes: Vec<u8>,
-        style: Style,
-        wanted: &[(&str, Kind)],
-    ) -> Result<Self, IngestError> {
-        Self::open_with(path, bytes, style, wanted, true)
     }
 
     /// Names of the columns below the header with `anchor`.
@@ -129,14 +105,14 @@ impl Table {
         bytes: &[u8],
         header: &Header,
         wanted: &[(&str, Kind)],
-        doubled_names: bool,
+        style: Style,
     ) -> Result<(), IngestError> {
         let columns = self.wanted(wanted)?;
         let mut doubled = columns.iter().filter(|c| {
             let same = self.names.iter().filter(|n| **n == c.0);
             same.count() > 1
         });
-        if let (Some((name, _)), false) = (doubled.next(), doubled_names) {
+        if let (Some((name, _)), false) = (doubled.next(), style.doubled_names) {
             return Err(self.bad(format!("its header has the column `{name}` twice")));
         }
         if let Some(flaw) = flaw(bytes, header) {
@@ -395,6 +371,7 @@ mod tests {
         let style = Style {
             separator: None,
             decimal_comma: true,
+            ..Style::default()
         };
         let wanted = [("time", Kind::Number), ("Speed1", Kind::Number)];
         let table = Table::open(Path::new("t.csv"), text.into(), style, &wanted).unwrap();

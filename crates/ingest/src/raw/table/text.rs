@@ -14,6 +14,8 @@ pub(crate) struct Style {
     pub(crate) separator: Option<u8>,
     /// Whether a comma stands before the decimals.
     pub(crate) decimal_comma: bool,
+    /// Whether names may stand twice: the first such column is taken.
+    pub(crate) doubled_names: bool,
 }
 
 impl From<&TableMapping> for Style {
@@ -21,6 +23,7 @@ impl From<&TableMapping> for Style {
         Self {
             separator: mapping.separator.map(|c| c as u8),
             decimal_comma: mapping.decimal_comma,
+            doubled_names: false,
         }
     }
 }

@@ -12,19 +12,9 @@ use messages::{
     Text, Time,
 };
 
-/// Name, text and topic of each channel.
-pub(super) const STATIC: Channel = Channel {
-    topic: "/maveric/scene/road",
-    schema: ("foxglove.SceneUpdate", SCENE_UPDATE),
-};
-pub(super) const CARS: Channel = Channel {
-    topic: "/maveric/scene/cars",
-    schema: ("foxglove.SceneUpdate", SCENE_UPDATE),
-};
-pub(super) const PLAN: Channel = Channel {
-    topic: "/maveric/scene/plan",
-    schema: ("foxglove.SceneUpdate", SCENE_UPDATE),
-};
+pub(super) const STATIC: Channel = Channel::scene("/maveric/scene/road");
+pub(super) const CARS: Channel = Channel::scene("/maveric/scene/cars");
+pub(super) const PLAN: Channel = Channel::scene("/maveric/scene/plan");
 pub(super) const FRAMES: Channel = Channel {
     topic: "/maveric/frames",
     schema: (
@@ -41,14 +31,22 @@ pub(super) const DECISIONS: Channel = Channel {
     schema: ("foxglove.Log", include_str!("schemas/Log.json")),
 };
 
-const SCENE_UPDATE: &str = include_str!("schemas/SceneUpdate.json");
-
 /// A channel of JSON messages.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Channel {
     pub(super) topic: &'static str,
     /// Name and text.
     pub(super) schema: (&'static str, &'static str),
+}
+
+impl Channel {
+    const fn scene(topic: &'static str) -> Self {
+        let schema = (
+            "foxglove.SceneUpdate",
+            include_str!("schemas/SceneUpdate.json"),
+        );
+        Self { topic, schema }
+    }
 }
 
 /// The road's frame, and the one that moves with ego.

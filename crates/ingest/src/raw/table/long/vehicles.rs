@@ -4,6 +4,7 @@ use super::columns::LongRow;
 use crate::{
     differentiate::fill_speeds,
     mapping::{Directions, GapKind, Point, RoadMapping, Side, TableMapping},
+    median::median,
     raw::EgoSample,
 };
 use std::collections::BTreeMap;
@@ -78,13 +79,18 @@ pub(super) fn vehicles(
         };
         for (generation, rows) in (0..).zip(same.chunk_by(|a, b| !renewed(a, b))) {
             vehicles.push(vehicle(
-                rows, generation, mapping, frame, &lane_y, max_gap_s,
+                rows,
+                generation,
+                mapping,
+                frame,
+                lane_y.as_ref(),
+                max_gap_s,
             ));
         }
     }
     Fleet {
         vehicles,
-        lane_steps: matches!(lane_y, LaneCentres::Steps { .. }),
+        lane_steps: lane_y.is_some_and(|lanes| lanes.medians.is_none()),
     }
 }
 
@@ -93,7 +99,7 @@ fn vehicle(
     generation: u32,
     mapping: &TableMapping,
     frame: &Frame,
-    lane_y: &LaneCentres,
+    lane_y: Option<&LaneCentres>,
     max_gap_s: f64,
 ) -> Vehicle {
     let known = rows.iter().map(|r| r.length_m).find(|l| *l > 0.0);
@@ -135,7 +141,7 @@ fn vehicle(
             log_ns: row.stamp_ns,
             nth: 0,
             x_m: x,
-            y_m: lane_y.place(row, y, frame),
+            y_m: lane_y.map_or(y, |lanes| lanes.place(row, y, frame)),
             yaw_rad: if headed {
                 yaw.is_finite().then_some(yaw)
             } else {
@@ -230,78 +236,49 @@ fn lead(
     })
 }
 
-/// Where lanes lie across the road.
+/// Where numbered lanes lie across the road.
 #[derive(Debug)]
-enum LaneCentres {
-    /// y alone says it.
-    Unknown,
-    /// The number of the lane alone says it.
-    Steps { mapping: Numbering },
-    /// Both do: the median y of each group's lanes is its centre.
-    Measured {
-        mapping: Numbering,
-        medians: BTreeMap<(u32, i64), f64>,
-    },
-}
-
-/// How lanes are numbered.
-#[derive(Debug, Clone, Copy)]
-struct Numbering {
-    from: Side,
-    first: i64,
-}
-
-impl Numbering {
-    /// The centre of a lane in the frame of the road before its right lane is taken off.
-    fn centre_m(self, lane: i64, frame: &Frame) -> f64 {
-        let from_edge = lane - self.first;
-        let lane = match self.from {
-            Side::Right => from_edge,
-            Side::Left => i64::from(frame.road.lanes) - 1 - from_edge,
-        };
-        frame.road.right_lane_centre_y_m + lane as f64 * frame.road.lane_width_m
-    }
+struct LaneCentres {
+    /// The side from which lanes are numbered, and the number of the first.
+    numbered: (Side, i64),
+    /// The median y of each group's lanes, which is its centre; none where the number alone says where a vehicle is.
+    medians: Option<BTreeMap<(u32, i64), f64>>,
 }
 
 impl LaneCentres {
-    fn of(rows: &[LongRow], mapping: &TableMapping, frame: &Frame) -> Self {
-        let lanes = rows.iter().any(|r| r.lane.is_finite());
-        let (Some(from), true) = (mapping.lanes_from, lanes) else {
-            return Self::Unknown;
-        };
-        let numbering = Numbering {
-            from,
-            first: mapping.first_lane,
-        };
-        if mapping.columns.y.is_none() {
-            return Self::Steps { mapping: numbering };
-        }
+    /// None where y alone says it.
+    fn of(rows: &[LongRow], mapping: &TableMapping, frame: &Frame) -> Option<Self> {
         let mut ys: BTreeMap<(u32, i64), Vec<f64>> = BTreeMap::new();
         for row in rows.iter().filter(|r| r.lane.is_finite()) {
             let y = frame.y_left * row.y_m;
             ys.entry((row.group, row.lane as i64)).or_default().push(y);
         }
-        let median = |(lane, mut ys): ((u32, i64), Vec<f64>)| {
-            ys.sort_by(f64::total_cmp);
-            (lane, ys[ys.len() / 2])
-        };
-        Self::Measured {
-            mapping: numbering,
-            medians: ys.into_iter().map(median).collect(),
-        }
+        let from = mapping.lanes_from.filter(|_| !ys.is_empty())?;
+        let median = |(lane, mut ys): (_, Vec<f64>)| Some((lane, median(&mut ys)?));
+        let medians = || ys.into_iter().filter_map(median).collect();
+        Some(Self {
+            numbered: (from, mapping.first_lane),
+            medians: mapping.columns.y.is_some().then(medians),
+        })
     }
 
+    /// Across the road before its right lane is taken off, in m.
     fn place(&self, row: &LongRow, y_m: f64, frame: &Frame) -> f64 {
-        let lane = row.lane as i64;
-        match self {
-            Self::Unknown => y_m,
-            _ if !row.lane.is_finite() => y_m,
-            Self::Steps { mapping } => mapping.centre_m(lane, frame),
-            Self::Measured { mapping, medians } => {
-                let median = medians.get(&(row.group, lane)).copied().unwrap_or(y_m);
-                let most = WITHIN_LANE * frame.road.lane_width_m;
-                mapping.centre_m(lane, frame) + (y_m - median).clamp(-most, most)
-            }
+        if !row.lane.is_finite() {
+            return y_m;
         }
+        let (lane, road) = (row.lane as i64, &frame.road);
+        let from_edge = lane - self.numbered.1;
+        let number = match self.numbered.0 {
+            Side::Right => from_edge,
+            Side::Left => i64::from(road.lanes) - 1 - from_edge,
+        };
+        let centre_m = road.right_lane_centre_y_m + number as f64 * road.lane_width_m;
+        let Some(medians) = &self.medians else {
+            return centre_m;
+        };
+        let median = medians.get(&(row.group, lane)).copied().unwrap_or(y_m);
+        let most = WITHIN_LANE * road.lane_width_m;
+        centre_m + (y_m - median).clamp(-most, most)
     }
 }
