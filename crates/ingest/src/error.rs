@@ -53,16 +53,9 @@ pub enum IngestError {
         /// The file.
         part: String,
     },
-    /// A recording with a damaged or missing part.
-    #[error("{} is damaged at byte {at_byte}: {what}", path.to_slash_lossy())]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// Where the damage was met.
-        at_byte: u64,
-        /// What is wrong there.
-        what: String,
-    },
+    /// A recording that is damaged, or cannot be read for another reason.
+    #[error(transparent)]
+    Bag(#[from] BagError),
     /// No channel that says where ego was.
     #[error("no channel of {} says where ego was: {found}", path.to_slash_lossy())]
     NoEgo {
@@ -223,24 +216,6 @@ pub enum IngestError {
     },
 }
 
-impl From<BagError> for IngestError {
-    fn from(error: BagError) -> Self {
-        match error {
-            BagError::Io { path, source } => Self::io(&path, source),
-            BagError::Damaged {
-                path,
-                at_byte,
-                what,
-            } => Self::Damaged {
-                path,
-                at_byte,
-                what,
-            },
-            source => Self::Write { source },
-        }
-    }
-}
-
 impl IngestError {
     /// What to try next, where we know it.
     pub fn suggestion(&self) -> Option<String> {
@@ -254,7 +229,7 @@ impl IngestError {
             Self::MissingPart { .. } => {
                 "copy it into the folder, use --recover to do without it, or name the files one by one".to_owned()
             }
-            Self::Damaged { .. } => "use --recover to keep what is readable".to_owned(),
+            Self::Bag(BagError::Damaged { .. }) => "use --recover to keep what is readable".to_owned(),
             Self::NoEgo { .. } => {
                 "ego needs odometry, a pose, a fix or transforms to `base_link`; a mapping says what other messages mean (`[[mcap.messages]]`)"
                     .to_owned()

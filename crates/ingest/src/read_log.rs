@@ -42,7 +42,7 @@ pub(crate) enum Format {
 ///
 /// # Errors
 /// [`IngestError::NotFound`], [`IngestError::IsDirectory`], [`IngestError::Empty`], [`IngestError::Io`] or
-/// [`IngestError::NotALog`] for what is no log; [`IngestError::Damaged`] and [`IngestError::MissingPart`] for a damaged
+/// [`IngestError::NotALog`] for what is no log; [`IngestError::Bag`] and [`IngestError::MissingPart`] for a damaged
 /// recording without `recover`;
 /// [`IngestError::NoEgo`] or [`IngestError::UnknownTopic`] where no channel tells ego's way;
 /// [`IngestError::NoMapping`], [`IngestError::UnknownColumn`], [`IngestError::BadCell`] or

@@ -2,7 +2,7 @@
 
 use super::{
     columns::{Sheet, TableColumn},
-    units::{LENGTHS, Reason, known_ratio, length_unit, speed_unit, time_unit},
+    units::{Guessed, LENGTHS, known_ratio, length_unit, seconds, speed_unit, time_unit},
     words::{What, Whose, Words, words},
 };
 use crate::median::median;
@@ -30,9 +30,9 @@ pub(super) struct Guess {
     /// Key of the mapping and column.
     pub(super) columns: Vec<(&'static str, String)>,
     pub(super) groups: Vec<String>,
-    pub(super) time: (&'static str, Reason),
-    pub(super) length: (&'static str, Reason),
-    pub(super) speed: (&'static str, Reason),
+    pub(super) time: Guessed,
+    pub(super) length: Guessed,
+    pub(super) speed: Guessed,
     /// Samples a second of one vehicle.
     pub(super) rate_hz: Option<f64>,
     pub(super) gap_kind: Option<(&'static str, String)>,
@@ -99,7 +99,7 @@ pub(super) fn guess(table: &Sheet) -> Guess {
     let time_column = time_column(&reader, &series);
     let step = time_column.and_then(|c| step(c, &series));
     let time = time_unit(time_column, unit_of(time_column), step);
-    let step_s = step.map(|s| s * time.seconds);
+    let step_s = step.map(|s| s * seconds(time.0));
 
     let speed_column = match &platoon {
         Some([speed, ..]) => *speed,
@@ -216,7 +216,7 @@ pub(super) fn guess(table: &Sheet) -> Guess {
         shape,
         unused,
         groups: groups.iter().map(|g| g.name.clone()).collect(),
-        time: (time.unit, time.reason),
+        time,
         length,
         speed,
         rate_hz: step_s.filter(|s| *s > 0.0).map(|s| 1.0 / s),

@@ -18,28 +18,31 @@ pub(super) struct Reason {
     pub(super) doubt: bool,
 }
 
-impl Reason {
-    fn sure(why: impl Into<String>) -> Self {
-        Self {
-            why: why.into(),
-            doubt: false,
-        }
-    }
+/// A unit, and why it is that.
+pub(super) type Guessed = (&'static str, Reason);
 
-    fn doubt(why: impl Into<String>) -> Self {
-        Self {
-            why: why.into(),
-            doubt: true,
-        }
-    }
+fn sure(unit: &'static str, why: impl Into<String>) -> Guessed {
+    let (why, doubt) = (why.into(), false);
+    (unit, Reason { why, doubt })
 }
 
-/// A guess at the unit of time.
-pub(super) struct TimeGuess {
-    pub(super) unit: &'static str,
-    /// Seconds in one.
-    pub(super) seconds: f64,
-    pub(super) reason: Reason,
+fn doubt(unit: &'static str, why: impl Into<String>) -> Guessed {
+    let (why, doubt) = (why.into(), true);
+    (unit, Reason { why, doubt })
+}
+
+/// Units of time, and seconds in one.
+const TIMES: [(&str, f64); 5] = [
+    ("s", 1.0),
+    ("ms", 1e-3),
+    ("us", 1e-6),
+    ("ns", 1e-9),
+    ("frames", 1.0 / 25.0),
+];
+
+/// Seconds in a unit of time.
+pub(super) fn seconds(unit: &str) -> f64 {
+    TIMES.iter().find(|u| u.0 == unit).map_or(1.0, |u| u.1)
 }
 
 /// The unit of time, from its name, its size and its step.
@@ -47,62 +50,38 @@ pub(super) fn time_unit(
     column: Option<&TableColumn>,
     named: Option<&'static str>,
     step: Option<f64>,
-) -> TimeGuess {
-    let units = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
-    let of = |unit: &'static str, reason: Reason| {
-        let seconds = units.iter().find(|u| u.0 == unit).map_or(1.0, |u| u.1);
-        TimeGuess {
-            unit,
-            seconds,
-            reason,
-        }
-    };
+) -> Guessed {
     let Some(column) = column else {
-        return of("s", Reason::doubt("no column looks like a time"));
+        return doubt("s", "no column looks like a time");
     };
     if column.numbers.is_none() {
-        return of("iso8601", Reason::sure("its cells are dates"));
+        return sure("iso8601", "its cells are dates");
     }
     let largest = column.range().map_or(0.0, |(a, b)| a.abs().max(b.abs()));
     let step = step.unwrap_or(0.0);
     // Step in seconds that a unit gives: drives are sampled between once a second and a thousand times.
-    let fits = |seconds: f64| (0.0009..=1.5).contains(&(step * seconds));
-    if let Some((unit, seconds)) = units.iter().find(|u| Some(u.0) == named)
-        && fits(*seconds)
-    {
-        return of(unit, Reason::sure("its name says so"));
+    let fits = |unit: &str| (0.0009..=1.5).contains(&(step * seconds(unit)));
+    let units = || TIMES[..4].iter().map(|u| u.0);
+    if let Some(unit) = units().find(|u| Some(*u) == named && fits(u)) {
+        return sure(unit, "its name says so");
     }
     let since_1970 = [("ns", 1e17), ("us", 1e14), ("ms", 1e11), ("s", 1e8)];
     if let Some((unit, _)) = since_1970.iter().find(|(_, least)| largest >= *least) {
-        return of(unit, Reason::sure("its size is that of a date since 1970"));
+        return sure(unit, "its size is that of a date since 1970");
     }
-    if (step - 1.0).abs() < 1e-9
-        && column.whole()
-        && column.name.to_ascii_lowercase().contains("frame")
-    {
-        let mut guess = of(
-            "frames",
-            Reason::doubt("whole numbers that rise by one: frames, at 25 a second?"),
-        );
-        guess.seconds = 1.0 / 25.0;
-        return guess;
+    let by_one = (step - 1.0).abs() < 1e-9;
+    if by_one && column.whole() && column.name.to_ascii_lowercase().contains("frame") {
+        let why = "whole numbers that rise by one: frames, at 25 a second?";
+        return doubt("frames", why);
     }
-    match units.iter().find(|(_, seconds)| fits(*seconds)) {
-        Some((unit, seconds)) => {
-            let why = format!("its step is {step:.6}, {:.6} s", step * seconds);
-            of(
-                unit,
-                if (step - 1.0).abs() < 1e-9 {
-                    Reason::doubt(why)
-                } else {
-                    Reason::sure(why)
-                },
-            )
-        }
-        None => of(
-            "s",
-            Reason::doubt(format!("its step is {step}, which fits no unit")),
-        ),
+    let Some(unit) = units().find(|u| fits(u)) else {
+        return doubt("s", format!("its step is {step}, which fits no unit"));
+    };
+    let why = format!("its step is {step:.6}, {:.6} s", step * seconds(unit));
+    if by_one {
+        doubt(unit, why)
+    } else {
+        sure(unit, why)
     }
 }
 
@@ -118,14 +97,19 @@ const RATIOS: [(&str, &str, f64); 8] = [
     ("ft", "m/s", FOOT_M),
 ];
 
+/// The units of length and speed of some that give the nearest ratio, that ratio, and how far off it is (0: exactly).
+fn nearest_ratio(
+    ratio: f64,
+    of: impl Fn(&str, &str) -> bool,
+) -> Option<(&'static str, &'static str, f64, f64)> {
+    let fits = RATIOS.iter().filter(|r| of(r.0, r.1));
+    let off = fits.map(|&(length, speed, r)| (length, speed, r, libm::log(ratio / r).abs()));
+    off.min_by(|a, b| a.3.total_cmp(&b.3))
+}
+
 /// The nearest ratio that units can give, and how far off it is (0: exactly).
 pub(super) fn known_ratio(ratio: f64) -> (f64, f64) {
-    let off = |r: f64| libm::log(ratio / r).abs();
-    let nearest = RATIOS
-        .iter()
-        .map(|r| r.2)
-        .min_by(|a, b| off(*a).total_cmp(&off(*b)));
-    nearest.map_or((1.0, f64::INFINITY), |r| (r, off(r)))
+    nearest_ratio(ratio, |_, _| true).map_or((1.0, f64::INFINITY), |r| (r.2, r.3))
 }
 
 /// The unit of length.
@@ -135,9 +119,9 @@ pub(super) fn length_unit(
     named_speed: Option<&'static str>,
     ratio: Option<f64>,
     harshest: Option<f64>,
-) -> (&'static str, Reason) {
+) -> Guessed {
     if let Some(unit) = named {
-        return (unit, Reason::sure("a name says so"));
+        return sure(unit, "a name says so");
     }
     let known = lengths.into_iter().flatten().find_map(|c| {
         let median = c.quantile(0.5).filter(|m| *m > 0.0)?;
@@ -147,44 +131,27 @@ pub(super) fn length_unit(
         let cars = |m: f64| (CARS_M.0..=CARS_M.1).contains(&m);
         let why = |unit: &str| format!("vehicles are {median:.1} long by `{name}`: {unit}");
         return match (cars(median), cars(median * FOOT_M)) {
-            (true, false) => ("m", Reason::sure(why("metres"))),
-            (false, true) => ("ft", Reason::sure(why("feet"))),
+            (true, false) => sure("m", why("metres")),
+            (false, true) => sure("ft", why("feet")),
             // Between 8.2 and 8 nothing lies, so this is neither.
-            _ => (
-                "m",
-                Reason::doubt(why("neither cars in metres nor in feet")),
-            ),
+            _ => doubt("m", why("neither cars in metres nor in feet")),
         };
     }
-    if let (Some(speed), Some(ratio)) = (named_speed, ratio) {
-        let fits = RATIOS.iter().filter(|r| r.1 == speed);
-        let off = |r: f64| libm::log(ratio / r).abs();
-        if let Some(best) = fits.min_by(|a, b| off(a.2).total_cmp(&off(b.2))) {
-            return (
-                best.0,
-                Reason::sure(format!("positions move as a speed in {speed} says")),
-            );
-        }
+    if let (Some(speed), Some(ratio)) = (named_speed, ratio)
+        && let Some((length, ..)) = nearest_ratio(ratio, |_, s| s == speed)
+    {
+        return sure(length, format!("positions move as a speed in {speed} says"));
     }
-    match (ratio, harshest) {
-        (Some(ratio), Some(harshest))
-            if (known_ratio(ratio).0 - 1.0).abs() < 1e-9 && harshest > HARD_MPS2 =>
-        {
-            (
-                "ft",
-                Reason::doubt(format!(
-                    "speeds change by {harshest:.1} a second, which in m/s would be hard braking"
-                )),
-            )
-        }
-        (_, Some(harshest)) => (
-            "m",
-            Reason::doubt(format!(
-                "no name and no vehicle length says it; speeds change by at most {harshest:.1} a second"
-            )),
-        ),
-        _ => ("m", Reason::doubt("nothing says it")),
+    let Some(harshest) = harshest else {
+        return doubt("m", "nothing says it");
+    };
+    let same = |r: f64| (known_ratio(r).0 - 1.0).abs() < 1e-9;
+    if ratio.is_some_and(same) && harshest > HARD_MPS2 {
+        let what = "a second, which in m/s would be hard braking";
+        return doubt("ft", format!("speeds change by {harshest:.1} {what}"));
     }
+    let what = "no name and no vehicle length says it; speeds change by at most";
+    doubt("m", format!("{what} {harshest:.1} a second"))
 }
 
 /// The unit of speed.
@@ -193,28 +160,25 @@ pub(super) fn speed_unit(
     length: &'static str,
     ratio: Option<f64>,
     column: Option<&TableColumn>,
-) -> (&'static str, Reason) {
+) -> Guessed {
     let units = ["m/s", "km/h", "mph", "ft/s"];
     if let Some(unit) = named.filter(|n| units.contains(n)) {
-        return (unit, Reason::sure("its name says so"));
+        return sure(unit, "its name says so");
     }
-    if let Some(ratio) = ratio {
-        let off = |r: f64| libm::log(ratio / r).abs();
-        let fits = RATIOS.iter().filter(|r| r.0 == length);
-        if let Some(best) = fits.min_by(|a, b| off(a.2).total_cmp(&off(b.2)))
-            && off(best.2) < 0.2
-        {
-            let why = format!("it is {ratio:.3} times what positions in {length} change a second");
-            return (best.1, Reason::sure(why));
-        }
+    if let Some(ratio) = ratio
+        && let Some((_, speed, _, off)) = nearest_ratio(ratio, |l, _| l == length)
+        && off < 0.2
+    {
+        let what = format!("times what positions in {length} change a second");
+        return sure(speed, format!("it is {ratio:.3} {what}"));
     }
     let fastest = column.and_then(|c| c.quantile(0.99)).unwrap_or(0.0);
-    let why = |what: &str| Reason::doubt(format!("its 99th percentile is {fastest:.1}: {what}"));
-    match fastest {
-        f if f <= 45.0 => ("m/s", why("m/s is likely, mph possible")),
-        f if f <= 85.0 => ("km/h", why("km/h, mph and ft/s are all possible")),
-        _ => ("km/h", why("km/h is likely")),
-    }
+    let (unit, what) = match fastest {
+        f if f <= 45.0 => ("m/s", "m/s is likely, mph possible"),
+        f if f <= 85.0 => ("km/h", "km/h, mph and ft/s are all possible"),
+        _ => ("km/h", "km/h is likely"),
+    };
+    doubt(unit, format!("its 99th percentile is {fastest:.1}: {what}"))
 }
 
 /// What a gap is measured between, and why.

@@ -1,6 +1,7 @@
 //! Damaged copies of our own log: refused, and salvaged where that is asked for.
 
 use super::{ROWS, bytes_of, recording, repacked};
+use maveric_bag::BagError;
 use maveric_domain::Recording;
 use maveric_ingest::{IngestError, IngestSettings, Ingested, WarningKind, inspect, read_log};
 use mcap::{Compression, WriteOptions};
@@ -55,7 +56,10 @@ fn damages(found: &Ingested) -> usize {
 
 fn refused(bytes: &[u8]) {
     let error = read(bytes, false).unwrap_err();
-    assert!(matches!(error, IngestError::Damaged { .. }), "{error}");
+    assert!(
+        matches!(error, IngestError::Bag(BagError::Damaged { .. })),
+        "{error}"
+    );
     assert!(error.suggestion().unwrap().contains("--recover"));
 }
 
@@ -118,7 +122,7 @@ impl Whole {
             .err()
             .unwrap_or_else(|| panic!("{what}: not noticed"));
         assert!(
-            matches!(error, IngestError::Damaged { .. }),
+            matches!(error, IngestError::Bag(BagError::Damaged { .. })),
             "{what}: {error}"
         );
         let found = read(damaged, true).unwrap_or_else(|e| panic!("{what}: {e}"));

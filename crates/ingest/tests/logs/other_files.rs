@@ -1,6 +1,7 @@
 //! Files that are no logs, and recordings that lack a part: each says what it is and what to do.
 
 use super::{bytes_of, recording, rewritten};
+use maveric_bag::BagError;
 use maveric_ingest::{IngestError, IngestSettings, WarningKind, inspect, log_files, read_log};
 use mcap::WriteOptions;
 use std::path::Path;
@@ -25,7 +26,7 @@ fn files_that_are_no_logs_are_told_apart() {
     ));
     assert!(matches!(
         of("d.mcap", b"\x89MC"),
-        IngestError::Damaged { .. }
+        IngestError::Bag(BagError::Damaged { .. })
     ));
     let missing = read_log(&folder.path().join("none.mcap"), &settings).unwrap_err();
     assert!(matches!(missing, IngestError::NotFound { .. }));

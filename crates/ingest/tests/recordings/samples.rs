@@ -2,6 +2,7 @@
 
 use crate::of;
 use libtest_mimic::Trial;
+use maveric_bag::BagError;
 use maveric_ingest::{IngestError, IngestSettings, inspect, log_files, read_log};
 use std::path::Path;
 
@@ -101,7 +102,10 @@ fn ros_1_and_json_channels_fit_and_tell_of_no_ego(folder: &Path) {
 fn a_recording_that_was_killed_is_damaged_and_holds_no_drive(folder: &Path) {
     let path = folder.join("chunk_not_closed.mcap");
     let error = read_log(&path, &IngestSettings::default()).unwrap_err();
-    assert!(matches!(error, IngestError::Damaged { .. }), "{error}");
+    assert!(
+        matches!(error, IngestError::Bag(BagError::Damaged { .. })),
+        "{error}"
+    );
     let recover = IngestSettings {
         recover: true,
         ..IngestSettings::default()

@@ -35,7 +35,7 @@ pub(crate) type Collected = Streams<Samples>;
 /// or what is found is not as they said, every channel that tells something of a drive is.
 ///
 /// # Errors
-/// [`IngestError::Io`]; [`IngestError::Damaged`] without `recover`.
+/// [`IngestError::Bag`]: damage is one without `recover`.
 pub(crate) fn collect(
     path: &Path,
     parts: &[PathBuf],
