@@ -126,7 +126,7 @@ mod tests {
 
     const RSS: Rss = Rss {
         reaction_s: 0.3,
-        reaction_accel_mps2: 1.0,
+        reaction_accel_mps2: 2.0,
         ego_braking_mps2: 7.0,
         lead_braking_mps2: 8.0,
         standstill_gap_m: 2.0,
@@ -134,9 +134,9 @@ mod tests {
 
     #[test]
     fn the_distance_is_the_one_worked_out_by_hand() {
-        // Reacting 0.3 · 30.15 = 9.045, stopping 30.3²/14 = 65.578, the leader 900/16 = 56.25; and 2 m.
-        assert!((RSS.distance_m(30.0, 30.0) - 20.373).abs() < 1e-3);
-        assert!(RSS.distance_m(0.0, 0.0) < 2.1);
+        // Reacting 0.3 · 30.3 = 9.09, stopping 30.6²/14 = 66.883, the leader 900/16 = 56.25; and 2 m.
+        assert!((RSS.distance_m(30.0, 30.0) - 21.723).abs() < 1e-3);
+        assert!(RSS.distance_m(0.0, 0.0) < 2.2);
     }
 
     #[test]
