@@ -431,6 +431,11 @@ fn a_dial_needs_a_style_and_a_learned_car_somebody_to_learn_from() {
     let error = read(&no_style).unwrap_err();
     let said = "`condition.calm.car`: found a place on the dial, and no `[style]`";
     assert!(error.contains(said), "{error}");
+    for car in ["across", "free"] {
+        let text = no_style.replace("dial = \"-1\"", &format!("{car} = true"));
+        let error = read(&text).unwrap_err();
+        assert!(error.contains(said), "{car}: {error}");
+    }
     let nobody = SMALL.replace("learn = { study = 1 }", "");
     let error = read(&nobody).unwrap_err();
     assert!(error.contains("people to learn from"), "{error}");

@@ -218,6 +218,14 @@ mod tests {
     }
 
     #[test]
+    fn lateral_speed_is_seen_a_fifth_of_a_second_to_both_sides() {
+        // A lane's width from second 5 to 7, evenly: a row on either side tells from 97 on and until 143.
+        let even = |t: f64| 3.66 * ((t - 5.0) / 2.0).clamp(0.0, 1.0);
+        let change = events(&rows(even, 12.0))[0];
+        assert_eq!((change.start, change.end), (97, 144));
+    }
+
+    #[test]
     fn a_crossing_undone_within_three_seconds_is_a_weave() {
         let weave = |t: f64| 2.2 * (1.0 - ((t - 6.0) / 1.5).powi(2)).max(0.0);
         assert!(events(&rows(weave, 12.0)).is_empty());
