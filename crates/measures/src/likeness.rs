@@ -300,8 +300,11 @@ mod tests {
 
     #[test]
     fn too_few_windows_say_nothing() {
-        let few = drawn(5, 0.0, 1);
-        let spread = Spread::of(std::iter::once(few.as_slice()));
-        assert_eq!(discrepancy(&few, &few, &spread, 0, 1), None);
+        for (n, enough) in [(6, false), (7, true)] {
+            let few = drawn(n, 0.0, 1);
+            let spread = Spread::of(std::iter::once(few.as_slice()));
+            let found = discrepancy(&few, &few, &spread, 0, 1);
+            assert_eq!(found.is_some(), enough, "{n}");
+        }
     }
 }
