@@ -1,6 +1,9 @@
 //! Scenes for tests by hand: ego at the origin, every vehicle 5 m long.
 
-use crate::scenario::ControllerSettings;
+use crate::{
+    scenario::ControllerSettings,
+    traffic::{Car, EgoView, Role},
+};
 use maveric_domain::{EgoState, Scene, VehicleId, VehicleState};
 
 /// Numbers of the safety rule that are worked out in the head: without reaction, (v² - v'²) / 16 m.
@@ -33,5 +36,30 @@ pub(crate) fn scene(y_m: f64, speed_mps: f64, vehicles: &[VehicleState]) -> Scen
             length_m: 5.0,
         },
         vehicles: vehicles.to_vec(),
+    }
+}
+
+/// Ego at 20 m/s in the right lane as the traffic sees it, on its way to 30 m/s.
+pub(crate) fn seen_ego() -> EgoView {
+    EgoView {
+        x_m: 0.0,
+        y_m: 0.0,
+        speed_mps: 20.0,
+        length_m: 5.0,
+        lane: 0,
+        bound_for: 0,
+        keeping: true,
+        target_mps: 30.0,
+    }
+}
+
+/// A vehicle of the traffic, its lane's centre taken for where it is.
+pub(crate) fn car(id: u32, gap_m: f64, lane: u8, speed_mps: f64, role: Role) -> Car {
+    Car {
+        state: other(id, gap_m, 3.66 * f64::from(lane), speed_mps),
+        lane,
+        acceleration_mps2: 0.0,
+        role,
+        track: 0,
     }
 }

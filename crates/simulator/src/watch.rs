@@ -69,3 +69,32 @@ impl Watch {
         self.too_near = too_near;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{AT_ONCE, other, scene};
+
+    #[test]
+    fn collisions_and_moments_inside_the_safe_distance_are_counted_by_episode() {
+        let mut watch = Watch::default();
+        let mut look = |row: usize, gap_m: f64, y_m: f64| {
+            // 25 m are safe behind who stands.
+            let scene = scene(0.0, 20.0, &[other(7, gap_m, y_m, 0.0)]);
+            watch.look(row, &scene, &Road::PAPER, &AT_ONCE, 1.9);
+        };
+        for (row, gap_m) in [30.0, 25.0, 20.0, 10.0, 30.0, 24.0].into_iter().enumerate() {
+            look(row, gap_m, 0.0);
+        }
+        // Overlapping along the road: beside each other first, then within a width, and once more after a row apart.
+        for (row, y_m) in [1.9, 1.8, 1.7, 1.9, 1.5].into_iter().enumerate() {
+            look(6 + row, 0.0, y_m);
+        }
+        let rows: Vec<usize> = watch.collisions.iter().map(|c| c.0).collect();
+        assert_eq!(rows, [7, 10]);
+        // Inside: rows 2 and 3, row 5; then whoever is within half a lane and overlaps, rows 7, 8 and 10.
+        assert_eq!(watch.violations, 4);
+        assert!((watch.inside_s - 6.0 * PLANNING_STEP_S).abs() < 1e-12);
+        assert!(watch.least_share.abs() < 1e-12);
+    }
+}

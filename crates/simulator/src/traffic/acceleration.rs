@@ -72,3 +72,54 @@ pub(crate) fn held_back(car: &Car, cars: &[Car], ego: &EgoView) -> f64 {
         .held_back_mps2(gap_m, own.speed_mps, speed_mps)
         .map_or(f64::INFINITY, |wanted| wanted.max(-BRAKING_MPS2))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        scenario::Scenario,
+        testing::{car, seen_ego},
+    };
+
+    #[test]
+    fn a_car_goes_for_its_speed_within_its_limit() {
+        let scenario = Scenario::paper();
+        let towards = |speed_mps: f64| {
+            let role = Role::Steady {
+                speed_mps,
+                passing_by: false,
+            };
+            let mut car = car(1, 50.0, 0, 20.0, role);
+            let line = CentreLine::default();
+            wanted(&mut car, scenario.settings(), &line, &seen_ego(), 0.0)
+        };
+        for (speed, expected) in [(21.0, 1.0), (19.0, -1.0), (30.0, 2.0), (10.0, -2.0)] {
+            assert!((towards(speed) - expected).abs() < 1e-12, "{speed}");
+        }
+    }
+
+    #[test]
+    fn it_is_held_back_by_the_nearest_ahead_in_its_way_ego_among_them() {
+        let role = Role::Steady {
+            speed_mps: 20.0,
+            passing_by: false,
+        };
+        // Behind ego by 12 m, where 2 + 20 · 0.6 = 14 m are wanted.
+        let own = car(1, -12.0, 0, 20.0, role);
+        let law = |gap_m: f64| 1.5 * (1.0 - (14.0 / gap_m).powi(2));
+        let held = |cars: &[Car]| held_back(&own, cars, &seen_ego());
+        assert!((held(&[]) - law(12.0)).abs() < 1e-12);
+        // One between the two, one beside its way, one behind, itself.
+        let mut between = car(2, -2.0, 0, 20.0, role);
+        between.state.x_m = -3.0;
+        assert!((held(&[between.clone(), own.clone()]) - law(9.0)).abs() < 1e-12);
+        between.state.y_m = 2.4;
+        let behind = car(3, -40.0, 0, 20.0, role);
+        assert!((held(&[between, behind]) - law(12.0)).abs() < 1e-12);
+        // Never harder than 8 m/s², and not at all from beyond the wanted gap.
+        let near = car(1, -3.0, 0, 20.0, role);
+        assert!((held_back(&near, &[], &seen_ego()) + 8.0).abs() < 1e-12);
+        let far = car(1, -14.1, 0, 20.0, role);
+        assert!(held_back(&far, &[], &seen_ego()).is_infinite());
+    }
+}

@@ -77,3 +77,61 @@ impl OffLaneTraffic {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{car, seen_ego};
+
+    fn come(ego: &EgoView, cars: &[Car]) -> Vec<(u32, Arrival)> {
+        let mut traffic = OffLaneTraffic::new(&OffLaneSettings::PAPER, 3);
+        let at = |second: u32| Some((second, traffic.next(cars, ego, f64::from(second))?));
+        (0..6000).filter_map(at).collect()
+    }
+
+    #[test]
+    fn somebody_faster_comes_from_either_end_every_minute_or_so() {
+        let found = come(&seen_ego(), &[]);
+        let times: Vec<u32> = found.iter().map(|f| f.0).collect();
+        assert!(times[0] >= 45 && times[0] <= 76);
+        // Asked once a second, so up to one more than 75 s.
+        assert!(times.windows(2).all(|w| (45..=76).contains(&(w[1] - w[0]))));
+        let (behind, ahead): (Vec<_>, Vec<_>) = found.iter().partition(|(_, a)| a.x_m < 0.0);
+        let share = behind.len() as f64 / found.len() as f64;
+        assert!((0.4..0.8).contains(&share), "{share}");
+        let within = |(_, a): &(u32, Arrival), x_m: f64, [low, high]: [f64; 2]| {
+            (a.x_m - x_m).abs() < 1e-12 && (low..=high).contains(&a.speed_mps) && a.lane == 1
+        };
+        assert!(behind.iter().all(|f| within(f, -180.0, [31.5, 35.5])));
+        assert!(ahead.iter().all(|f| within(f, 190.0, [31.8, 36.0])));
+    }
+
+    #[test]
+    fn nobody_comes_while_ego_is_elsewhere_or_where_somebody_is() {
+        let left = EgoView {
+            lane: 1,
+            ..seen_ego()
+        };
+        let changing = EgoView {
+            keeping: false,
+            ..seen_ego()
+        };
+        assert!(come(&left, &[]).is_empty() && come(&changing, &[]).is_empty());
+        let role = Role::Steady {
+            speed_mps: 30.0,
+            passing_by: false,
+        };
+        let at = |x_m: f64, lane| {
+            let mut car = car(1, 1.0, lane, 30.0, role);
+            car.state.x_m = x_m;
+            car
+        };
+        let from = |cars: &[Car]| {
+            let found = come(&seen_ego(), cars);
+            let behind = found.iter().filter(|(_, a)| a.x_m < 0.0).count();
+            (behind > 0, found.len() > behind)
+        };
+        assert_eq!(from(&[at(-140.1, 1), at(190.0, 0)]), (false, true));
+        assert_eq!(from(&[at(-139.9, 1), at(150.1, 1)]), (true, false));
+    }
+}

@@ -186,7 +186,10 @@ impl LeadSchedule {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Scenario;
+    use crate::{
+        scenario::Scenario,
+        testing::{car, seen_ego},
+    };
 
     #[test]
     fn six_speeds_come_without_replacement_in_an_order_of_the_seed() {
@@ -226,5 +229,94 @@ mod tests {
         let schedule = LeadSchedule::new(short.settings(), 24.5872, 3);
         assert_eq!(schedule.slots.len(), 2);
         assert!((schedule.slots[1].opens_s - 60.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_lead_lets_ego_come_near_keeps_its_speed_and_drives_off_in_the_end() {
+        let s = LeadSettings {
+            approach_time_gap_s: 2.0,
+            approach_limit_s: 50.0,
+            drives_off_after_s: 90.0,
+            drives_off_faster_mps: 4.0,
+            ..Scenario::paper().settings().leads.clone()
+        };
+        let ego = seen_ego();
+        let begun = LeadPlan {
+            own_mps: 28.0,
+            approach_mps: 22.0,
+            since_s: 100.0,
+            phase: LeadPhase::Approach,
+        };
+        let after = |steps: &[(f64, Option<f64>)]| {
+            let mut plan = begun;
+            let last = steps
+                .iter()
+                .map(|(age, gap)| plan.wanted_mps(&s, &ego, *gap, 100.0 + age));
+            last.last().unwrap()
+        };
+        // Two seconds at 20 m/s are near; 50 s are long enough.
+        for (steps, expected) in [
+            (&[(1.0, Some(40.0))][..], 22.0),
+            (&[(1.0, Some(39.9))], 28.0),
+            (&[(1.0, Some(39.9)), (2.0, Some(90.0))], 28.0),
+            (&[(50.0, None)], 22.0),
+            (&[(50.1, None)], 28.0),
+            (&[(90.0, Some(90.0))], 28.0),
+            (&[(90.1, Some(90.0))], 24.0),
+            (&[(90.1, None)], 28.0),
+        ] {
+            assert!((after(steps) - expected).abs() < 1e-12, "{steps:?}");
+        }
+    }
+
+    #[test]
+    fn a_lead_comes_when_its_slot_is_open_and_the_last_encounter_is_over() {
+        let scenario = Scenario::paper();
+        let s = &scenario.settings().leads;
+        let role = Role::Steady {
+            speed_mps: 20.0,
+            passing_by: false,
+        };
+        let comes = |cars: &[Car], ego: &EgoView, time_s: f64| {
+            let mut schedule = LeadSchedule::new(scenario.settings(), 24.5872, 3);
+            schedule.arrived(VehicleId(1));
+            schedule.next(cars, ego, 5.0, time_s).is_some()
+        };
+        let opens = LeadSchedule::new(scenario.settings(), 24.5872, 3).slots[0].opens_s;
+        let ego = seen_ego();
+        assert!(comes(&[], &ego, opens) && !comes(&[], &ego, opens - 0.1));
+        assert!(!comes(
+            &[],
+            &EgoView {
+                keeping: false,
+                ..ego
+            },
+            opens
+        ));
+        let (clear, over) = (s.clear_ahead_m, s.over_behind_m);
+        for (gap_m, lane, id, expected) in [
+            // The last lead: ahead, far ahead, behind in ego's lane, just behind and well behind in the other.
+            (clear - 1.0, 1, 1, false),
+            (clear + 1.0, 1, 1, true),
+            (-1.0, 0, 1, true),
+            (1.0 - over, 1, 1, false),
+            (-1.0 - over, 1, 1, true),
+            // Anybody ahead in ego's lane.
+            (clear - 1.0, 0, 2, false),
+            (clear + 1.0, 0, 2, true),
+            (clear - 1.0, 1, 2, true),
+        ] {
+            let cars = [car(id, gap_m, lane, 20.0, role)];
+            assert_eq!(comes(&cars, &ego, opens), expected, "{gap_m} {lane} {id}");
+        }
+        let mut schedule = LeadSchedule::new(scenario.settings(), 24.5872, 3);
+        let (arrival, _) = schedule.next(&[], &ego, 7.0, opens).unwrap();
+        assert_eq!((schedule.count(), arrival.lane), (1, 0));
+        assert!((arrival.x_m - s.appears_ahead_m - 6.0).abs() < 1e-12);
+        let Role::Lead(plan) = arrival.role else {
+            panic!("a lead")
+        };
+        assert!(arrival.speed_mps <= plan.own_mps + 1e-12);
+        assert!(arrival.speed_mps <= s.approach_factor * 30.0 + 1e-12);
     }
 }

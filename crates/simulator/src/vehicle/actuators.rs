@@ -32,3 +32,36 @@ pub(super) fn turn_rad(settings: &VehicleSettings, steering_rad: f64, command: C
     let limit = settings.steering_limit_rad;
     (command.steering_rad.clamp(-limit, limit) - steering_rad).clamp(-most, most)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::Scenario;
+
+    #[test]
+    fn commands_come_late_within_limits_and_at_limited_rates() {
+        let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found}");
+        let scenario = Scenario::paper();
+        let car = &scenario.settings().vehicle;
+        // A lag of 0.3 s to the throttle and of half that to the brake, 100 m/s³ at most.
+        near(jerk_mps3(car, 1.0, 1.6), 2.0);
+        near(jerk_mps3(car, 1.0, 0.7), -2.0);
+        near(jerk_mps3(car, 20.0, -8.0), -100.0);
+        near(within_limits(car, 5.0), 3.0);
+        near(within_limits(car, -9.0), -8.0);
+        near(within_limits(car, -7.9), -7.9);
+        let turn = |from_rad: f64, steering_rad: f64| {
+            let command = Command {
+                acceleration_mps2: 0.0,
+                steering_rad,
+            };
+            turn_rad(car, from_rad, command)
+        };
+        // 0.5 rad/s, and no further than 0.6 rad.
+        let most = 0.5 * car.step_s;
+        near(turn(0.0, 0.5 * most), 0.5 * most);
+        near(turn(0.0, 0.3), most);
+        near(turn(0.0, -0.3), -most);
+        near(turn(0.6, 0.9), 0.0);
+    }
+}
