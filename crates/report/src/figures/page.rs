@@ -274,15 +274,16 @@ impl DrawingBackend for Page<'_> {
                 )
             }
             turned => {
-                let degrees = match turned {
-                    FontTransform::Rotate90 => 90,
-                    FontTransform::Rotate180 => 180,
-                    _ => 270,
+                // Whole numbers, not degrees: whoever draws it would ask the system for their sine, which ends in other digits elsewhere.
+                let axes = match turned {
+                    FontTransform::Rotate90 => "0 1 -1 0",
+                    FontTransform::Rotate180 => "-1 0 0 -1",
+                    _ => "0 -1 1 0",
                 };
                 let (x, y, down) = (Hundredths(x), Hundredths(y), Hundredths(down));
                 write!(
                     self.out,
-                    " transform=\"translate({x} {y}) rotate({degrees})\" y=\"{down}\""
+                    " transform=\"matrix({axes} {x} {y})\" y=\"{down}\""
                 )
             }
         };

@@ -1,6 +1,6 @@
 //! Our results under the keys of the claims ledger.
 
-use super::{people::People, synthetic::Run};
+use super::{people::People, study::Run};
 use maveric_analysis::{Correlation, Preference};
 use maveric_report::claims::Made;
 use std::collections::BTreeMap;

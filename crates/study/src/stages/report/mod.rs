@@ -1,12 +1,12 @@
 //! `report`: figures, tables and the page from the results of a run.
 
 pub(crate) mod answers;
+mod evaluation;
 mod inputs;
 mod keys;
 mod people;
-mod real;
 mod scene;
-mod synthetic;
+mod study;
 pub(crate) mod words;
 
 use crate::{
@@ -62,9 +62,9 @@ pub fn report(options: &ReportOptions, watch: Watch<'_>) -> Result<Outcome<Repor
     // What a page is drawn from has names that the page's own tables have too.
     spare_inputs([&**folder], [&*options.out])?;
     let (page, findings) = if folder.join("analysis.json").exists() {
-        synthetic::page(options, watch)?
+        study::page(options, watch)?
     } else if folder.join("following.json").exists() {
-        real::page(options)?
+        evaluation::page(options)?
     } else {
         return Err(StudyError::BadFile {
             path: folder.clone(),

@@ -178,7 +178,7 @@ pub(super) fn page(options: &ReportOptions) -> Result<(Report, Vec<String>), Stu
         provenance: Provenance {
             seed: Some(training.seed),
             command: options.command.clone(),
-            parameters: super::synthetic::parameters_of(&training),
+            parameters: super::study::parameters_of(&training),
             inputs: hashed(in_folder(
                 folder,
                 &["following.json", "model.maveric", "model_training.json"],
