@@ -392,6 +392,62 @@ mod tests {
     }
 
     #[test]
+    fn what_is_said_of_a_response_is_what_can_be_read_off_it() {
+        // Twelve seconds at 20 rows a second, the step after four of them.
+        let of = |value: &dyn Fn(usize) -> f64, ends: [f64; 2]| {
+            let value: Vec<f64> = (0..240).map(value).collect();
+            response("made up", "m", &value, 4.0, ends)
+        };
+        let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-9, "{found}");
+        // From 4 past the target of 2 to 1.6 for a second, then 2.1 for good: 0.5 of 1.9 too far.
+        let past = |row: usize| match row {
+            0..80 => 4.0,
+            80..100 => 1.6,
+            _ => 2.1,
+        };
+        let found = of(&past, [4.0, 2.0]);
+        near(found.overshoot_percent, 100.0 * 0.5 / 1.9);
+        near(found.settling_time_s.unwrap(), 1.0);
+        near(found.steady_state_error, -0.1);
+        // Two seconds before the step are shown.
+        assert_eq!(
+            (found.time_s.len(), found.target[39], found.target[40]),
+            (200, 4.0, 2.0)
+        );
+        near(found.time_s[0], -2.0);
+        near(found.time_s[40], 0.0);
+        // A lag of a second is within a twentieth after three.
+        let lag = |row: usize| 1.0 - ((80.0 - row.max(80) as f64) / 20.0).exp();
+        let found = of(&|row| lag(row), [0.0, 1.0]);
+        assert!(found.overshoot_percent < 0.1 && found.steady_state_error.abs() < 0.01);
+        near(found.settling_time_s.unwrap(), 3.0);
+        let swings = |row: usize| if row > 80 && row % 10 < 5 { 1.2 } else { 1.0 };
+        assert_eq!(of(&swings, [0.0, 1.0]).settling_time_s, None);
+        // What does not move at all is off by what was asked.
+        let found = of(&|_| 1.0, [1.0, 3.0]);
+        assert_eq!(
+            (found.settling_time_s, found.overshoot_percent),
+            (Some(0.0), 0.0)
+        );
+        near(found.steady_state_error, 2.0);
+    }
+
+    #[test]
+    fn the_change_of_lane_begins_where_it_is_said_to() {
+        let responses = step_responses(&Scenario::paper()).unwrap();
+        let change = responses.iter().find(|r| r.name == "lane_change").unwrap();
+        let at = |seconds: f64| change.value[((BEFORE_S + seconds) * PLANNING_RATE_HZ) as usize];
+        assert!(
+            at(0.0).abs() < 1e-9 && at(0.5) > 0.01,
+            "{} {}",
+            at(0.0),
+            at(0.5)
+        );
+        // Half of the lane after about half of the 4.8 s.
+        assert!((at(2.4) - 1.83).abs() < 0.5, "{}", at(2.4));
+    }
+
+    #[test]
     fn a_dynamic_car_settles_too() {
         let mut settings = Scenario::paper().settings().clone();
         settings.vehicle.model = VehicleModel::Dynamic;

@@ -131,6 +131,41 @@ fn faster_drivers_pass_a_truck_where_there_is_a_second_lane() {
 }
 
 #[test]
+fn a_change_goes_smoothly_from_lane_to_lane_in_its_time() {
+    let mut flow = ring(2, 1500.0, 24, Some(Mobil::PUBLISHED), 4);
+    let mut paths = vec![Vec::new(); 24];
+    for _ in 0..2000 {
+        flow.step();
+        for v in flow.vehicles() {
+            paths[v.id as usize].push((v.lane, v.lateral_lanes));
+        }
+    }
+    // Four seconds at ten steps a second.
+    let mut changes = 0;
+    for path in &paths {
+        for start in 1..path.len() - 40 {
+            let (from, into) = (path[start - 1].0, path[start].0);
+            if from == into {
+                continue;
+            }
+            changes += 1;
+            let way: Vec<f64> = (0..=40)
+                .map(|step| (path[start + step].1 - f64::from(from)).abs())
+                .collect();
+            assert!(way[0] < 0.01 && (way[40] - 1.0).abs() < 1e-9, "{way:?}");
+            assert!((way[20] - 0.5).abs() < 0.06, "{way:?}");
+            // The steepest of the way is 15/8 of its mean.
+            let rises = way.windows(2).map(|w| w[1] - w[0]);
+            assert!(
+                rises.into_iter().all(|r| (0.0..0.05).contains(&r)),
+                "{way:?}"
+            );
+        }
+    }
+    assert!(changes > 20, "{changes}");
+}
+
+#[test]
 fn a_bias_to_the_right_fills_the_right_lane() {
     let share_right = |keep_right_mps2| {
         let mobil = Mobil {
