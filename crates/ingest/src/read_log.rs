@@ -104,6 +104,7 @@ pub(crate) fn read_recording(
     let (drive, record, mut warnings) =
         raw::mcap::read::drive(path, &parts.files, collected, topics, settings.recover)?;
     warnings.extend(without_parts(path, parts));
+    let names = mapping.and_then(|m| m.names.as_ref());
     let (meta, target) = match record {
         Some(record) => {
             let noted = |note| Warning::new(path, WarningKind::Noted, 1, note);
@@ -118,7 +119,7 @@ pub(crate) fn read_recording(
             };
             (record.meta, target)
         }
-        None => (named(path, mapping, &mut warnings)?, mapped),
+        None => (meta_of(path, names, &[], &mut warnings)?, mapped),
     };
     let (recording, more) = assemble(path, drive, &target)?;
     warnings.extend(more);
@@ -139,19 +140,6 @@ pub(crate) fn without_parts(path: &Path, parts: &Parts) -> Vec<Warning> {
     parts.missing.iter().map(without).collect()
 }
 
-fn named(
-    path: &Path,
-    mapping: Option<&Mapping>,
-    warnings: &mut Vec<Warning>,
-) -> Result<maveric_domain::DriveMeta, IngestError> {
-    let (meta, told) = meta_of(path, mapping.and_then(|m| m.names.as_ref()))?;
-    if !told {
-        let what = "the file's name does not fit the mapping's pattern: it is the drive's name";
-        warnings.push(Warning::new(path, WarningKind::Default, 1, what));
-    }
-    Ok(meta)
-}
-
 /// The logs at `path`: itself if it is a file or one recording split over a folder, else the files of the folder that end
 /// in `.mcap`, `.csv`, `.tsv`, `.txt` or `.parquet` and the split recordings in it, sorted by name. Those that the mapping
 /// skips are not among them. Where the mapping says that every signal has its own file, a log is a folder: this one
@@ -168,28 +156,35 @@ pub fn log_files(path: &Path, mapping: Option<&Mapping>) -> Result<Vec<PathBuf>,
     if let Some(signals) = mapping.and_then(|m| m.table.as_ref()?.signals.as_ref()) {
         return folders_with(path, &signals.speed.file);
     }
-    let mut files = Vec::new();
-    let mut others = Vec::new();
-    for entry in std::fs::read_dir(path).map_err(wrong)? {
-        let file = entry.map_err(wrong)?.path();
+    let of_kind = |file: &PathBuf, kinds: &[&str]| {
         let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
-        let known = ["mcap", "csv", "tsv", "txt", "parquet"]
-            .iter()
-            .any(|e| extension == *e);
-        if (known && file.is_file() || is_split(&file)) && !mapping.is_some_and(|m| m.skips(&file))
-        {
-            files.push(file);
-        } else if foreign::EXTENSIONS.iter().any(|e| extension == *e) && file.is_file() {
-            others.push(file);
+        kinds.iter().any(|kind| extension == *kind) && file.is_file()
+    };
+    let tables_and_logs = ["mcap", "csv", "tsv", "txt", "parquet"];
+    let (mut files, mut others) = (entries_of(path)?, Vec::new());
+    files.retain(|file| {
+        let log = of_kind(file, &tables_and_logs) || is_split(file);
+        let taken = log && !mapping.is_some_and(|m| m.skips(file));
+        if !taken && of_kind(file, &foreign::EXTENSIONS) {
+            others.push(file.clone());
         }
-    }
-    files.sort();
-    if files.is_empty()
-        && let Some(other) = others.iter().min()
-    {
+        taken
+    });
+    if let (true, Some(other)) = (files.is_empty(), others.first()) {
         format_of(other)?;
     }
     Ok(files)
+}
+
+/// What a folder holds, sorted by name.
+pub(crate) fn entries_of(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {
+    let entries = std::fs::read_dir(folder).and_then(|entries| {
+        let paths = entries.map(|entry| entry.map(|e| e.path()));
+        paths.collect::<Result<Vec<PathBuf>, _>>()
+    });
+    let mut entries = entries.map_err(|e| IngestError::io(folder, e))?;
+    entries.sort();
+    Ok(entries)
 }
 
 /// The folder itself if it has a file of this name, else the folders in it that have one, sorted by name.
@@ -197,15 +192,8 @@ fn folders_with(path: &Path, file: &str) -> Result<Vec<PathBuf>, IngestError> {
     if path.join(file).is_file() {
         return Ok(vec![path.to_owned()]);
     }
-    let wrong = |e| IngestError::io(path, e);
-    let mut folders = Vec::new();
-    for entry in std::fs::read_dir(path).map_err(wrong)? {
-        let folder = entry.map_err(wrong)?.path();
-        if folder.join(file).is_file() {
-            folders.push(folder);
-        }
-    }
-    folders.sort();
+    let mut folders = entries_of(path)?;
+    folders.retain(|folder| folder.join(file).is_file());
     Ok(folders)
 }
 

@@ -3,7 +3,7 @@
 use crate::{
     assemble::{Target, assemble},
     error::IngestError,
-    mapping::{FrameKind, Layout, Mapping, RoadMapping, TableMapping, names::meta_within},
+    mapping::{FrameKind, Layout, Mapping, RoadMapping, TableMapping, names::meta_of},
     quality::{Warning, WarningKind},
     raw::table::{
         self, TableDrive,
@@ -65,11 +65,7 @@ pub(crate) fn read_table(
             ..world
         };
         captures.extend(told.iter().cloned());
-        let (meta, told) = meta_within(path, mapping.names.as_ref(), &captures)?;
-        if !told {
-            let what = "the file's name does not fit the mapping's pattern: it is the drive's name";
-            warnings.push(Warning::new(path, WarningKind::Default, 1, what));
-        }
+        let meta = meta_of(path, mapping.names.as_ref(), &captures, &mut warnings)?;
         match assemble(path, raw, &target) {
             Ok((recording, more)) => {
                 warnings.extend(more);

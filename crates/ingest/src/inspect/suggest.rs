@@ -8,16 +8,11 @@ use super::{
 use crate::{
     error::IngestError,
     mapping::Mapping,
-    read_log::{Format, format_of},
+    read_log::{Format, entries_of, format_of},
     read_table::read_table,
     settings::IngestSettings,
 };
-use std::{
-    fmt::Write as _,
-    fs::File,
-    io::Read as _,
-    path::{Path, PathBuf},
-};
+use std::{fmt::Write as _, fs::File, io::Read as _, path::Path};
 
 /// Bytes of a text that are looked at.
 const LOOKED_AT: u64 = 32 << 20;
@@ -239,17 +234,13 @@ fn long(out: &mut String, guess: &Guess, has_y: bool, has_lane: bool) {
 
 /// A mapping for a folder: its file with a speed, one with tracks ahead, one with positions and velocities.
 fn signals(folder: &Path) -> Result<String, IngestError> {
-    let wrong = |e| IngestError::io(folder, e);
-    let entries = std::fs::read_dir(folder).map_err(wrong)?;
-    let files = entries.map(|entry| entry.map(|e| e.path()));
-    let mut files: Vec<PathBuf> = files.collect::<Result<_, _>>().map_err(wrong)?;
+    let mut files = entries_of(folder)?;
     let tables = ["csv", "tsv", "parquet"];
     files.retain(|f| {
         f.extension()
             .is_some_and(|e| tables.iter().any(|t| e == *t))
             && f.is_file()
     });
-    files.sort();
     let mut found = String::new();
     let mut speed = None;
     for path in files {

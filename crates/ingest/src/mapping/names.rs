@@ -1,6 +1,9 @@
 //! Ids from file names.
 
-use crate::error::IngestError;
+use crate::{
+    error::IngestError,
+    quality::{Warning, WarningKind},
+};
 use maveric_domain::{ConditionId, DomainError, DriveId, DriveMeta, DrivenBy, ParticipantId};
 use serde::{Deserialize, Serialize};
 use std::{collections::BTreeMap, path::Path};
@@ -48,9 +51,9 @@ fn human() -> DrivenBy {
     DrivenBy::Human
 }
 
-/// Whose drive a file is, and whether its name told.
+/// Whose drive a file is; `within` names one of several drives of it, such as by the vehicle's `id`, and may stand in the templates.
 ///
-/// Without names, or where the pattern does not fit, the file's own name is the drive and the participant: a person
+/// Without names, or with a warning where the pattern does not fit, the file's own name is the drive and the participant: a person
 /// in their own style by hand.
 ///
 /// # Errors
@@ -58,20 +61,9 @@ fn human() -> DrivenBy {
 pub(crate) fn meta_of(
     path: &Path,
     names: Option<&Names>,
-) -> Result<(DriveMeta, bool), IngestError> {
-    meta_within(path, names, &[])
-}
-
-/// The same for one of several drives of a file: `within` names it, such as by the vehicle's `id`, and may stand
-/// in the templates.
-///
-/// # Errors
-/// As [`meta_of`].
-pub(crate) fn meta_within(
-    path: &Path,
-    names: Option<&Names>,
     within: &[(String, String)],
-) -> Result<(DriveMeta, bool), IngestError> {
+    warnings: &mut Vec<Warning>,
+) -> Result<DriveMeta, IngestError> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let within: Vec<(&str, String)> = within.iter().map(|(k, v)| (k.as_str(), safe(v))).collect();
     let refused = |source: DomainError| IngestError::Refused {
@@ -86,14 +78,13 @@ pub(crate) fn meta_within(
         captures.extend(within.iter().map(|(k, v)| (*k, v.as_str())));
         let captures: Vec<(&str, String)> = captures.iter().map(|(k, v)| (*k, safe(v))).collect();
         let captures: Vec<(&str, &str)> = captures.iter().map(|(k, v)| (*k, v.as_str())).collect();
-        let meta = DriveMeta {
+        return Ok(DriveMeta {
             drive: DriveId::new(fill(&names.drive, &captures)).map_err(refused)?,
             participant: ParticipantId::new(fill(&names.participant, &captures))
                 .map_err(refused)?,
             condition: condition(names, &captures).map_err(refused)?,
             driven_by: names.driven_by,
-        };
-        return Ok((meta, true));
+        });
     }
     let parts = within.iter().flat_map(|(_, v)| ["-", v.as_str()]);
     let tail: String = parts.collect();
@@ -104,13 +95,16 @@ pub(crate) fn meta_within(
     if id.is_empty() {
         "drive".clone_into(&mut id);
     }
-    let meta = DriveMeta {
+    if names.is_some() {
+        let what = "the file's name does not fit the mapping's pattern: it is the drive's name";
+        warnings.push(Warning::new(path, WarningKind::Default, 1, what));
+    }
+    Ok(DriveMeta {
         drive: DriveId::new(id.clone()).map_err(refused)?,
         participant: ParticipantId::new(id).map_err(refused)?,
         condition: own().parse().map_err(refused)?,
         driven_by: human(),
-    };
-    Ok((meta, names.is_none()))
+    })
 }
 
 /// What stands in the places of the pattern of the folder's name; nothing without a pattern, none where it does not fit.
@@ -209,8 +203,10 @@ mod tests {
     fn the_condition_may_stand_in_the_files_name_the_folders_or_the_table() {
         let read = |text: &str| toml::from_str::<Names>(text).unwrap();
         let of = |names: &Names, within: &[(String, String)]| {
-            let (meta, told) =
-                meta_within(Path::new("logs/calm/P07_B.csv"), Some(names), within).unwrap();
+            let mut warnings = Vec::new();
+            let path = Path::new("logs/calm/P07_B.csv");
+            let meta = meta_of(path, Some(names), within, &mut warnings).unwrap();
+            let told = warnings.is_empty();
             (meta.drive.to_string(), meta.condition.to_string(), told)
         };
         let file = read(
@@ -243,7 +239,8 @@ mod tests {
 
     #[test]
     fn a_name_with_blanks_becomes_a_safe_id() {
-        let (meta, _) = meta_of(Path::new("logs/my drive #1.mcap"), None).unwrap();
+        let path = Path::new("logs/my drive #1.mcap");
+        let meta = meta_of(path, None, &[], &mut Vec::new()).unwrap();
         assert_eq!(meta.drive.as_str(), "my_drive__1");
     }
 }

@@ -10,7 +10,6 @@ pub(crate) mod read;
 mod rigs;
 mod roles;
 mod scene;
-mod schemas;
 pub(crate) mod signals;
 pub(crate) mod slots;
 pub(crate) mod write;

@@ -21,10 +21,13 @@ use maveric_bag::{
     Damage, MOST_RECORD, Message, Stream, Streams, Take, Walk, announced, read_streams,
 };
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::BTreeMap,
     path::{Path, PathBuf},
     sync::Arc,
 };
+
+/// Bytes of a file for each sample that room is made for before it is read: packed ones seldom take fewer.
+const LEAST_SAMPLE: u64 = 16;
 
 /// What was collected of a recording: its streams with the samples that they hold.
 pub(crate) type Collected = Streams<Samples>;
@@ -46,7 +49,7 @@ pub(crate) fn collect(
         let collected = collect_from(parts, mapping, recover, false, Some(&topics))?;
         let found: Vec<Found<'_>> = collected.streams.iter().map(found).collect();
         let choice = choose(path, mapping, &found);
-        let same = choice.is_ok_and(|c| topics_of(&c, &found) == topics);
+        let same = choice.is_ok_and(|c| topics_of(&c, &found).keys().eq(topics.keys()));
         let whole = collected.walked.iter().all(|w| w.damage.is_empty());
         if same && whole && collected.undeclared == 0 {
             return Ok(collected);
@@ -58,7 +61,7 @@ pub(crate) fn collect(
 /// Reads the samples of every channel that tells something of a drive, when its messages came and whether they fit.
 ///
 /// # Errors
-/// [`IngestError::Io`].
+/// [`IngestError::Bag`].
 pub(crate) fn collect_all(
     parts: &[PathBuf],
     mapping: Option<&McapMapping>,
@@ -69,12 +72,11 @@ pub(crate) fn collect_all(
 /// Role and number of messages by topic and type.
 type Roles = BTreeMap<(String, String), (Result<Option<Role>, String>, u64)>;
 
-/// The topics of the channels that make the drive, by what every part says of itself.
-fn chosen(
-    path: &Path,
-    parts: &[PathBuf],
-    mapping: Option<&McapMapping>,
-) -> Option<BTreeSet<String>> {
+/// Topics of the channels that make the drive, and how many messages each has.
+type Chosen = BTreeMap<String, usize>;
+
+/// The channels that make the drive, by what every part says of itself.
+fn chosen(path: &Path, parts: &[PathBuf], mapping: Option<&McapMapping>) -> Option<Chosen> {
     let mut streams = Roles::new();
     let mut decoders = Decoders::new(mapping.map_or(&[][..], |m| &m.messages));
     for part in parts {
@@ -100,18 +102,15 @@ fn chosen(
 }
 
 /// The topics of a choice.
-fn topics_of(choice: &Choice, found: &[Found<'_>]) -> BTreeSet<String> {
+fn topics_of(choice: &Choice, found: &[Found<'_>]) -> Chosen {
     let places = [
         Some(choice.ego),
         choice.objects,
         choice.speed,
         choice.identity,
     ];
-    let topics = places
-        .into_iter()
-        .flatten()
-        .map(|i| found[i].topic.to_owned());
-    topics.collect()
+    let found = places.into_iter().flatten().map(|i| &found[i]);
+    found.map(|f| (f.topic.to_owned(), f.messages)).collect()
 }
 
 fn collect_from(
@@ -119,8 +118,12 @@ fn collect_from(
     mapping: Option<&McapMapping>,
     recover: bool,
     times: bool,
-    only: Option<&BTreeSet<String>>,
+    only: Option<&Chosen>,
 ) -> Result<Collected, IngestError> {
+    // What files claim of themselves makes no more room than they are long.
+    let lengths = parts.iter().filter_map(|p| Some(p.metadata().ok()?.len()));
+    let most = lengths.sum::<u64>() / LEAST_SAMPLE;
+    let announced = |topic: &str| only.and_then(|only| only.get(topic)).copied();
     let how = Walk {
         recover,
         hash: true,
@@ -139,7 +142,8 @@ fn collect_from(
         frames: None,
         twist: mapping.and_then(|m| m.objects_twist),
         row: Vec::new(),
-        wanted: only.is_none_or(|only| only.contains(&channel.topic)),
+        wanted: only.is_none_or(|only| only.contains_key(&channel.topic)),
+        ahead: announced(&channel.topic).map(|messages| (messages, most as usize)),
         times: times.then(|| Times::new(channel, schema)),
         mark: [0; 4],
     })?;
@@ -377,6 +381,8 @@ pub(crate) struct Samples {
     row: Vec<f64>,
     /// Whether its messages are decoded.
     wanted: bool,
+    /// Messages that are announced, and most samples that room is made for by that; none once it is made.
+    ahead: Option<(usize, usize)>,
     /// When messages came, where that is wanted.
     pub(crate) times: Option<Times>,
     /// Messages, bad ones, and samples of both kinds when the chunk began.
@@ -449,6 +455,12 @@ impl Take for Samples {
             Role::Odometry | Role::Pose | Role::Fix | Role::Speed => {
                 self.ego.push(ego_row(row, receipt));
             }
+        }
+        if let (1.., Some((messages, most))) = (self.ego.len() + self.objects.len(), self.ahead) {
+            let room = |of_first: usize| most.min(messages.saturating_mul(of_first));
+            self.ego.reserve_exact(room(self.ego.len()));
+            self.objects.reserve_exact(room(self.objects.len()));
+            self.ahead = None;
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::{
     decisions::{DecisionKind, decisions},
-    metadata, scene, schemas,
+    metadata, scene,
 };
 use crate::error::IngestError;
 use maveric_bag::{BagError, CdrWriter, Writer};
@@ -13,6 +13,16 @@ use std::io::Write;
 pub(crate) const EGO_TOPIC: &str = "/carla/ego_vehicle/odometry";
 /// Topic of the other vehicles.
 pub(crate) const OBJECTS_TOPIC: &str = "/carla/ego_vehicle/objects";
+
+/// Type name and full `ros2msg` text of ego's odometry, and of the list of the others.
+const ODOMETRY: (&str, &str) = (
+    "nav_msgs/msg/Odometry",
+    include_str!("schemas/odometry.txt"),
+);
+const OBJECT_ARRAY: (&str, &str) = (
+    "derived_object_msgs/msg/ObjectArray",
+    include_str!("schemas/object_array.txt"),
+);
 
 /// Width and height that vehicles are given, in m: recordings do not say them.
 const WIDTH_M: f64 = 1.9;
@@ -124,8 +134,8 @@ fn write(
     let mut channel = |topic: &str, (name, text): (&str, &str)| {
         file.writer.channel(topic, "cdr", (name, "ros2msg", text))
     };
-    let ego_channel = channel(EGO_TOPIC, schemas::ODOMETRY)?;
-    let objects_channel = channel(OBJECTS_TOPIC, schemas::OBJECT_ARRAY)?;
+    let ego_channel = channel(EGO_TOPIC, ODOMETRY)?;
+    let objects_channel = channel(OBJECTS_TOPIC, OBJECT_ARRAY)?;
     let mut decisions = Decisions::new(&mut file, trace)?;
     let mut beside = match scene {
         Some(drive) => Some(Beside3d::new(&mut file, recording, drive, trace)?),
