@@ -28,17 +28,18 @@ pub use suggest::suggest_mapping;
 use survey::{gaps, summary};
 
 /// What kind of file a log is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LogFormat {
     /// An MCAP recording.
+    #[default]
     Mcap,
     /// A table, as text or as Parquet, or a folder of them.
     Table,
 }
 
 /// What is in a log.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct LogSummary {
     /// What kind of file it is.
     pub format: LogFormat,
@@ -62,25 +63,6 @@ pub struct LogSummary {
     pub warnings: Vec<Warning>,
     /// What [`crate::read_log`] makes of it with the default settings and `recover`, in a sentence.
     pub would_ingest: String,
-}
-
-impl LogSummary {
-    /// Of a file of which nothing is known yet.
-    fn of(format: LogFormat) -> Self {
-        Self {
-            format,
-            writer: None,
-            drive: None,
-            channels: Vec::new(),
-            columns: Vec::new(),
-            rows: 0,
-            duration_s: None,
-            gaps: Vec::new(),
-            damage: Vec::new(),
-            warnings: Vec::new(),
-            would_ingest: String::new(),
-        }
-    }
 }
 
 /// One channel of a recording.
@@ -214,7 +196,7 @@ fn inspect_mcap(path: &Path, given: &IngestSettings) -> Result<LogSummary, Inges
         gaps: with_times()
             .flat_map(|(s, t)| gaps(&s.channel.topic, &t.log_ns, start))
             .collect(),
-        ..LogSummary::of(LogFormat::Mcap)
+        ..LogSummary::default()
     };
     let damaged =
         !parts.missing.is_empty() || collected.walked.iter().any(|w| !w.damage.is_empty());

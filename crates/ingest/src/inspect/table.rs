@@ -43,9 +43,10 @@ pub(super) fn inspect_table(
         .map(|c| summary(c, &mapped, &guess, table_mapping.is_some()));
     let columns: Vec<ColumnSummary> = columns.collect();
     let mut found = LogSummary {
+        format: LogFormat::Table,
         columns,
         rows: table.rows,
-        ..LogSummary::of(LogFormat::Table)
+        ..LogSummary::default()
     };
     if table_mapping.is_some() {
         with_mapping(path, settings, &mut found);

@@ -65,7 +65,6 @@ pub(crate) fn meta_of(
     warnings: &mut Vec<Warning>,
 ) -> Result<DriveMeta, IngestError> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let within: Vec<(&str, String)> = within.iter().map(|(k, v)| (k.as_str(), safe(v))).collect();
     let refused = |source: DomainError| IngestError::Refused {
         path: path.to_owned(),
         source,
@@ -75,9 +74,8 @@ pub(crate) fn meta_of(
         && let Some(of_folder) = in_folder(names, path)
     {
         captures.extend(of_folder);
-        captures.extend(within.iter().map(|(k, v)| (*k, v.as_str())));
-        let captures: Vec<(&str, String)> = captures.iter().map(|(k, v)| (*k, safe(v))).collect();
-        let captures: Vec<(&str, &str)> = captures.iter().map(|(k, v)| (*k, v.as_str())).collect();
+        captures.extend(within.iter().map(|(k, v)| (k.as_str(), v.as_str())));
+        let captures: Vec<Capture> = captures.iter().map(|(k, v)| (*k, safe(v))).collect();
         return Ok(DriveMeta {
             drive: DriveId::new(fill(&names.drive, &captures)).map_err(refused)?,
             participant: ParticipantId::new(fill(&names.participant, &captures))
@@ -86,7 +84,7 @@ pub(crate) fn meta_of(
             driven_by: names.driven_by,
         });
     }
-    let parts = within.iter().flat_map(|(_, v)| ["-", v.as_str()]);
+    let parts = within.iter().flat_map(|(_, v)| ["-".to_owned(), safe(v)]);
     let tail: String = parts.collect();
     let tail: String = tail.chars().take(MOST_ID - 1).collect();
     // The end tells drives of one file apart, so the file's name gives way.
@@ -115,7 +113,10 @@ fn in_folder<'a>(names: &'a Names, path: &'a Path) -> Option<Vec<(&'a str, &'a s
     }
 }
 
-fn condition(names: &Names, captures: &[(&str, &str)]) -> Result<ConditionId, DomainError> {
+/// A name in braces, and what stands there.
+type Capture<'a> = (&'a str, String);
+
+fn condition(names: &Names, captures: &[Capture<'_>]) -> Result<ConditionId, DomainError> {
     let word = fill(&names.condition, captures);
     match names.words.get(&word) {
         Some(id) => Ok(*id),
@@ -169,7 +170,7 @@ fn capture<'a>(pattern: &'a str, text: &'a str) -> Option<Vec<(&'a str, &'a str)
     text.is_empty().then_some(captures)
 }
 
-fn fill(template: &str, captures: &[(&str, &str)]) -> String {
+fn fill(template: &str, captures: &[Capture<'_>]) -> String {
     captures
         .iter()
         .fold(template.to_owned(), |text, (name, value)| {
@@ -188,6 +189,7 @@ mod tests {
             found,
             [("run", "0407_p10"), ("place", "2"), ("car", "Audi_A6")]
         );
+        let found: Vec<Capture> = found.iter().map(|(k, v)| (*k, safe(v))).collect();
         assert_eq!(fill("{run}-{place}", &found), "0407_p10-2");
         assert_eq!(capture("oa_{run}_f{place}", "other"), None);
         assert_eq!(capture("fixed", "fixed"), Some(vec![]));

@@ -33,21 +33,14 @@ pub(super) fn read(
 ) -> Result<Meta, IngestError> {
     let path = beside(table, &columns.replace);
     let bytes = take(&path, sources)?;
-    let mut wanted = Vec::new();
     let numbers = [&columns.frames_per_s, &columns.posted_speed];
-    wanted.extend(
-        numbers
-            .into_iter()
-            .flatten()
-            .map(|n| (n.as_str(), Kind::Number)),
-    );
     let words = [&columns.markings_along_x, &columns.markings_against_x];
-    wanted.extend(
-        words
-            .into_iter()
-            .flatten()
-            .map(|n| (n.as_str(), Kind::Word)),
-    );
+    let numbers = numbers.into_iter().flatten().map(|n| (n, Kind::Number));
+    let words = words.into_iter().flatten().map(|n| (n, Kind::Word));
+    let wanted = numbers
+        .chain(words)
+        .map(|(name, kind)| (name.as_str(), kind));
+    let wanted: Vec<(&str, Kind)> = wanted.collect();
     let meta = Table::open(&path, bytes, Style::default(), &wanted)?;
     let number = |name: &Option<String>| match name {
         Some(name) => {

@@ -67,12 +67,13 @@ pub(crate) fn stamps(
         };
         Ok(Some(ns))
     };
-    table
-        .numbers(name)?
-        .into_iter()
-        .enumerate()
-        .map(stamp)
-        .collect()
+    let numbers = table.numbers(name)?;
+    // Into room for all: a collection that may fail does not know how many come.
+    let mut found = Vec::with_capacity(numbers.len());
+    for cell in numbers.into_iter().enumerate() {
+        found.push(stamp(cell)?);
+    }
+    Ok(found)
 }
 
 /// A date and a time of day in ns since 1970; without an offset it is UTC.
