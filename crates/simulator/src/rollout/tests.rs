@@ -2,10 +2,11 @@
 
 use super::*;
 use crate::{
-    control::safe_distance,
+    control::{Hands, safe_distance},
     drivers::DriverParams,
     planner::{Planner, View},
     scenario::{ControllerSettings, Integrator, ScenarioSettings, VehicleModel, VehiclePlacement},
+    session::Session,
 };
 use maveric_domain::{
     Drive, DriveId, DriveMeta, DrivenBy, LaneActivity, LaneWish, LatentTraits, MetresPerSecond,
@@ -302,6 +303,33 @@ fn the_other_vehicles_never_overlap_each_other() {
             }
         }
     }
+}
+
+#[test]
+fn a_car_off_the_road_slides_along_the_barrier_and_is_counted_once() {
+    let scenario = empty_road(10.0, Vec::new());
+    let slides = |steering: f64| {
+        let mut session = Session::new(&scenario, Driver::Hands, 1).unwrap();
+        let hands = Hands {
+            steering,
+            throttle: 0.3,
+            brake: 0.0,
+        };
+        while session.tick(hands) {}
+        let driven = session.finish().unwrap();
+        let ego = driven.recording.ego();
+        assert!(ego.speed_mps.last() < ego.speed_mps.first());
+        assert_eq!(driven.report.barrier_touches, 1);
+        let furthest = ego.y_m.iter().copied();
+        (
+            furthest.clone().fold(0.0, f64::min),
+            furthest.fold(0.0, f64::max),
+        )
+    };
+    // Half a lane and a shoulder of 3 m to the right, one and a half lanes and 1.2 m to the left, less half a car of 1.9 m.
+    let (right, left) = (slides(-0.05).0, slides(0.05).1);
+    assert!((right + 1.83 + 3.0 - 0.95).abs() < 1e-9, "{right}");
+    assert!((left - 5.49 - 1.2 + 0.95).abs() < 1e-9, "{left}");
 }
 
 #[test]
