@@ -117,3 +117,90 @@ impl Trial<'_> {
         (impression, missing.into_iter().collect())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        cohort::Cohort,
+        effects::Perception,
+        person::Trait,
+        settings::CohortSettings,
+        testing::{design, effects, id},
+    };
+
+    fn values<const N: usize>(of: [(&str, f64); N]) -> BTreeMap<String, f64> {
+        of.map(|(name, v)| (name.to_owned(), v)).into()
+    }
+
+    fn measured<const N: usize>(of: [(&str, f64); N]) -> MeasureValues {
+        of.map(|(name, v)| (name.to_owned(), Some(v))).into()
+    }
+
+    /// Effects without chance: the shift weighs speed by 2 and room by -1, the distance both alike.
+    fn certain() -> Effects {
+        let mut found = effects();
+        found.perception = Perception {
+            noise_sd: 0.0,
+            shift: values([("speed", 2.0), ("room", -1.0)]),
+            distance: values([("speed", 0.5), ("room", 0.5), ("nothing", 0.0)]),
+        };
+        found.preference.intercept = 0.25;
+        found.preference.own_sd = 0.0;
+        found.preference.effects = [(Trait::Openness, 0.5)].into();
+        found.homophily.mean = 0.75;
+        found.homophily.own_sd = 0.0;
+        found.homophily.effects = [(Trait::Openness, -0.5)].into();
+        found
+    }
+
+    #[test]
+    fn what_is_made_of_a_drive_is_its_differences_in_spreads_and_the_persons_traits() {
+        let effects = certain();
+        let cohort = Cohort::draw(0, 1, 1, &CohortSettings::default(), &design()).unwrap();
+        let participant = &cohort.participants[0];
+        let openness = participant.latent(Trait::Openness);
+        let own = measured([("speed", 25.0), ("room", 40.0)]);
+        let spread = values([("speed", 2.0), ("room", 10.0)]);
+        let made_of = |drive: &MeasureValues| {
+            let trial = Trial {
+                participant,
+                condition: id("mimic"),
+                label: "mimic",
+                place: 0.0,
+                own: &own,
+                values: drive,
+                spread: &spread,
+            };
+            trial.impression(&effects, 1)
+        };
+        let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found}");
+        // One spread faster, three nearer.
+        let (seen, missing) = made_of(&measured([("speed", 27.0), ("room", 10.0)]));
+        assert!(
+            missing.is_empty(),
+            "a weight of 0 asks for nothing: {missing:?}"
+        );
+        near(seen.shift, 2.0 + 3.0);
+        near(seen.distance, 5.0_f64.sqrt());
+        near(seen.fit, -(5.0 - 0.25 - 0.5 * openness).powi(2));
+        near(seen.likeness, -(0.75 - 0.5 * openness) * 5.0_f64.sqrt());
+        near(
+            preferred_shift(participant, &effects, 1),
+            0.25 + 0.5 * openness,
+        );
+        // What is missing is named, and the rest stands for all of the weight.
+        let (seen, missing) = made_of(&measured([("speed", 23.0)]));
+        assert_eq!(missing, ["room"]);
+        near(seen.shift, -2.0 * 3.0 / 2.0);
+        near(seen.distance, 1.0);
+        // Beyond five spreads all is alike; without anything to compare nothing is seen.
+        near(
+            made_of(&measured([("speed", 99.0), ("room", 40.0)]))
+                .0
+                .shift,
+            10.0,
+        );
+        near(made_of(&measured([])).0.shift, 0.0);
+    }
+}

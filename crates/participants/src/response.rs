@@ -75,6 +75,24 @@ mod tests {
         toml::from_str(maveric_data::SCALES_ADB).unwrap()
     }
 
+    #[test]
+    fn the_nearest_box_is_ticked_and_a_reversed_item_the_other_way() {
+        let mut scale = scale();
+        assert_eq!(
+            [0.4, 2.4, 2.5, 4.6, 9.0].map(|v| grade(&scale, v)),
+            [1, 2, 3, 5, 5]
+        );
+        scale.reversed = vec![2];
+        let subscale = &scale.subscales[0];
+        assert_eq!(as_given(&scale, subscale, 1, 4), 4);
+        assert_eq!(as_given(&scale, subscale, 2, 4), 2);
+        let left_out = (0..4000).filter(|i| {
+            let mut rng = stream(7, &[&i.to_string()]);
+            maybe_left_out(&mut rng, 0.25, 3).is_none()
+        });
+        assert!((900..1100).contains(&left_out.count()));
+    }
+
     proptest! {
         #[test]
         fn items_add_up_to_their_total(total in -20..80_i64, sd in 0.0..3.0_f64, seed: u64) {
