@@ -81,3 +81,58 @@ pub(crate) fn from_zero(
     let found = compare(&tested, ALPHA)?;
     Ok(Contrast::of(&found.posthoc, pair, expected))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use maveric_stats::{Adjustment, posthoc};
+
+    #[test]
+    fn turned_round_a_contrast_has_the_same_p_and_everything_else_negated() {
+        let names = ["calm", "sporty"].map(str::to_owned);
+        let [calm, sporty] = names.clone().map(|n| n.parse().unwrap());
+        let subjects: Vec<String> = (0..6).map(|i| i.to_string()).collect();
+        let above = [1.0, 2.5, -0.5, 3.0, 2.0, 0.25];
+        let rows: Vec<Vec<f64>> = above.iter().map(|d| vec![10.0 + d, 10.0]).collect();
+        let data = WithinSubjects::from_rows(&names, &subjects, &rows).unwrap();
+        for test in [PosthocTest::T, PosthocTest::Wilcoxon] {
+            let tested = posthoc(&data, test, Adjustment::None, ALPHA).unwrap();
+            let one = Contrast::of(&tested, [calm, sporty], None);
+            let other = Contrast::of(&tested, [sporty, calm], Some(Sign::Minus));
+            let difference = above.iter().sum::<f64>() / 6.0;
+            assert!((one.mean_difference.unwrap() - difference).abs() < 1e-12);
+            assert!((other.mean_difference.unwrap() + difference).abs() < 1e-12);
+            assert_eq!((one.p, one.df), (other.p, other.df));
+            assert_eq!((one.expected, other.expected), (None, Some(Sign::Minus)));
+            let sum = one.statistic.unwrap() + other.statistic.unwrap();
+            // The sums of positive and of negative ranks are 1 + 2 + … + 6; two values of t add up to nothing.
+            let expected = if test == PosthocTest::Wilcoxon {
+                21.0
+            } else {
+                0.0
+            };
+            assert!((sum - expected).abs() < 1e-12, "{sum}");
+            let (one, other) = (one.effect.unwrap(), other.effect.unwrap());
+            let negated = |v: Option<f64>| v.map(|v| -v);
+            assert!(one.value.unwrap() > 0.0);
+            assert_eq!(other.value, negated(one.value));
+            assert_eq!(
+                (other.ci_low, other.ci_high),
+                (negated(one.ci_high), negated(one.ci_low))
+            );
+        }
+        let tested = posthoc(&data, PosthocTest::T, Adjustment::None, ALPHA).unwrap();
+        let unknown = Contrast::of(&tested, [calm, "own".parse().unwrap()], None);
+        assert!(unknown.p.is_none() && unknown.effect.is_none());
+        let rows: Vec<Vec<f64>> = above.iter().map(|d| vec![0.0, *d]).collect();
+        let zero = from_zero(
+            &[calm, sporty],
+            &rows,
+            "own".parse().unwrap(),
+            ["own".parse().unwrap(), sporty],
+            None,
+        );
+        let difference = above.iter().sum::<f64>() / 6.0;
+        assert!((zero.unwrap().mean_difference.unwrap() + difference).abs() < 1e-12);
+    }
+}

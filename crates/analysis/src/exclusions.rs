@@ -251,3 +251,40 @@ pub(crate) fn flow(
         drives: drives.into_iter().map(row).collect(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rule_leaves_out_what_lies_below_it_and_nothing_at_it() {
+        let text = "[study]\ntitle = \"t\"\n[[condition]]\nid = \"a\"\n[[condition]]\nid = \"b\"\n\
+                    [exclude]\ndrive_shorter_than_s = 300\nfewer_conditions_than = 2\ndrives = { \"P4-b\" = \"lost\" }";
+        let design = Design::from_toml(text).unwrap();
+        let driven = |who: &str, condition: &str, duration_s| Driven {
+            drive: DriveId::new(format!("{who}-{condition}")).unwrap(),
+            participant: ParticipantId::new(who).unwrap(),
+            condition: condition.parse().unwrap(),
+            duration_s,
+        };
+        let drives = [
+            driven("P1", "a", Some(300.0)),
+            driven("P1", "b", None),
+            driven("P2", "a", Some(299.9)),
+            driven("P2", "b", Some(400.0)),
+            driven("P3", "own", Some(400.0)),
+            driven("P4", "a", Some(400.0)),
+        ];
+        let found = LeftOut::of(&design, &drives, (&[], &[]), &[]);
+        let people: Vec<&str> = found.people.keys().map(ParticipantId::as_str).collect();
+        // One short drive leaves P2 with one condition; P3 sat through none, which is for others to judge.
+        assert_eq!(people, ["P2", "P4"]);
+        assert!(found.people.values().all(|why| *why == Why::FewConditions));
+        let short: Vec<&str> = found.drives.keys().map(DriveId::as_str).collect();
+        assert_eq!(short, ["P2-a", "P4-b"]);
+        let who = |text: &str| ParticipantId::new(text).unwrap();
+        let (a, b) = ("a".parse().unwrap(), "b".parse().unwrap());
+        assert!(found.keeps(&who("P1"), a) && !found.keeps(&who("P2"), b));
+        assert!(found.keeps_person(&who("P3")) && !found.keeps(&who("P4"), b));
+    }
+}
