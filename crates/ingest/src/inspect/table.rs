@@ -24,27 +24,17 @@ pub(super) fn inspect_table(
     let table = columns::read(path, look(path)?)?;
     let guess = guess(&table);
     let table_mapping = settings.mapping.as_ref().and_then(|m| m.table.as_ref());
-    let mapped: Vec<(String, String)> = match table_mapping {
-        Some(mapping) => {
-            let given = mapping.columns.given().into_iter();
-            given
-                .map(|(k, c)| (k.to_owned(), c.trim_end_matches('?').to_owned()))
-                .collect()
-        }
-        None => guess
-            .columns
-            .iter()
-            .map(|(k, c)| ((*k).to_owned(), c.clone()))
-            .collect(),
+    let guessed = || guess.columns.iter().map(|(k, c)| (*k, c.as_str()));
+    let mapped: Vec<(&str, &str)> = match table_mapping {
+        Some(mapping) => mapping.columns.given(),
+        None => guessed().collect(),
     };
-    let columns = table
-        .columns
-        .iter()
-        .map(|c| summary(c, &mapped, &guess, table_mapping.is_some()));
-    let columns: Vec<ColumnSummary> = columns.collect();
+    let sure = table_mapping.is_some();
+    let columns = table.columns.iter();
+    let columns = columns.map(|c| summary(c, &mapped, &guess, sure));
     let mut found = LogSummary {
         format: LogFormat::Table,
-        columns,
+        columns: columns.collect(),
         rows: table.rows,
         ..LogSummary::default()
     };
@@ -111,7 +101,7 @@ fn without_mapping(table: &Sheet, guess: &Guess) -> String {
 
 fn summary(
     column: &TableColumn,
-    mapped: &[(String, String)],
+    mapped: &[(&str, &str)],
     guess: &Guess,
     sure: bool,
 ) -> ColumnSummary {
@@ -119,10 +109,8 @@ fn summary(
     let stem = column.name.trim_end_matches(|d: char| d.is_ascii_digit());
     let is =
         |name: &str| name == column.name || name.strip_suffix("{n}").is_some_and(|s| s == stem);
-    let key = mapped
-        .iter()
-        .find(|(_, name)| is(name))
-        .map(|(key, _)| key.as_str());
+    let named = mapped.iter().find(|m| is(m.1.trim_end_matches('?')));
+    let key = named.map(|m| m.0);
     let unit = match key {
         _ if sure => None,
         Some("time") => Some(guess.time.0),

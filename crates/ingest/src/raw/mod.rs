@@ -107,6 +107,19 @@ impl ObjectSample {
     pub(crate) fn known_length_m(&self) -> Option<f64> {
         (!self.length_m.is_nan()).then_some(self.length_m)
     }
+
+    /// The same of ego.
+    pub(crate) fn as_ego(&self) -> EgoSample {
+        EgoSample {
+            stamp_ns: self.stamp_ns,
+            log_ns: self.log_ns,
+            nth: self.nth,
+            x_m: self.x_m,
+            y_m: self.y_m,
+            yaw_rad: None,
+            speed_mps: Some(self.speed_mps),
+        }
+    }
 }
 
 /// The samples of one drive.

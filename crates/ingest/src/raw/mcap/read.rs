@@ -279,21 +279,16 @@ fn drive_of(
         .filter(|_| told_from_objects || ego_among_objects || choice.mapping.ego_object.is_some())
     {
         let is_ego = |o: &&ObjectSample| o.id == id;
-        ego_length_m = ego_length_m.or(objects
-            .iter()
-            .find(is_ego)
-            .and_then(ObjectSample::known_length_m));
+        let its_length = |o: &ObjectSample| o.known_length_m().filter(|_| o.id == id);
+        ego_length_m = ego_length_m.or_else(|| objects.iter().find_map(its_length));
         if told_from_objects {
-            ego = objects
-                .iter()
-                .filter(is_ego)
-                .map(EgoRow::of_object)
-                .collect();
-            warn(
-                WarningKind::Choice,
-                ego.len(),
-                &format!("ego is object {id} of the others' channel"),
-            );
+            let row = |o: &ObjectSample| EgoRow {
+                sample: o.as_ego(),
+                twist: None,
+            };
+            ego = objects.iter().filter(is_ego).map(row).collect();
+            let what = format!("ego is object {id} of the others' channel");
+            warn(WarningKind::Choice, ego.len(), &what);
         }
         objects.retain(|o| o.id != id);
     }
@@ -344,23 +339,6 @@ pub(crate) fn damage_warnings(
         Warning::new(path, WarningKind::Damage, 1, what).with_spans(span)
     };
     damage.iter().map(warning).collect()
-}
-
-impl EgoRow {
-    fn of_object(object: &ObjectSample) -> Self {
-        Self {
-            sample: EgoSample {
-                stamp_ns: object.stamp_ns,
-                log_ns: object.log_ns,
-                nth: object.nth,
-                x_m: object.x_m,
-                y_m: object.y_m,
-                yaw_rad: None,
-                speed_mps: Some(object.speed_mps),
-            },
-            twist: None,
-        }
-    }
 }
 
 /// The samples of one stream, and what was wrong with its messages.

@@ -221,13 +221,8 @@ fn differentiated(
 ) {
     let count = leader.len();
     let place = |o: &ObjectSample| EgoSample {
-        stamp_ns: o.stamp_ns,
-        log_ns: o.log_ns,
-        nth: o.nth,
-        x_m: o.x_m,
-        y_m: o.y_m,
-        yaw_rad: None,
         speed_mps: None,
+        ..o.as_ego()
     };
     let mut places: Vec<EgoSample> = leader.iter().map(place).collect();
     // Out of order no slope means anything: such samples stay without a speed.

@@ -152,18 +152,11 @@ impl Surroundings {
             .seen
             .partition_point(|s| time(s) < now || time(s) == now && s.x_m < x_m);
         let fits = |s: &&Seen| time(s) == now && (s.x_m - x_m).abs() <= NEAR_M;
-        let behind = self.seen[..here]
-            .iter()
-            .rev()
-            .take(MOST_LOOKED_AT)
-            .take_while(fits)
-            .count();
-        let ahead = self.seen[here..]
-            .iter()
-            .take(MOST_LOOKED_AT)
-            .take_while(fits)
-            .count();
-        &self.seen[here - behind..here + ahead]
+        let (behind, ahead) = self.seen.split_at(here);
+        let behind = behind.iter().rev().take(MOST_LOOKED_AT);
+        let ahead = ahead.iter().take(MOST_LOOKED_AT);
+        let (behind, ahead) = (behind.take_while(fits), ahead.take_while(fits));
+        &self.seen[here - behind.count()..here + ahead.count()]
     }
 }
 
