@@ -331,3 +331,88 @@ impl<F: FnMut(u8, Option<&[u8]>)> Splitter<F> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A chunk's content as far as its data.
+    fn account(uncompressed: u64, compression: &str, compressed: u64) -> Vec<u8> {
+        let mut bytes = [0_u64, 9].map(u64::to_le_bytes).concat();
+        bytes.extend(uncompressed.to_le_bytes());
+        bytes.extend(7_u32.to_le_bytes());
+        bytes.extend((compression.len() as u32).to_le_bytes());
+        bytes.extend(compression.as_bytes());
+        bytes.extend(compressed.to_le_bytes());
+        bytes
+    }
+
+    fn head(uncompressed: u64, compression: &str, compressed: u64) -> Head {
+        Head::read(&account(uncompressed, compression, compressed)).unwrap()
+    }
+
+    #[test]
+    fn an_account_is_as_long_as_it_is_and_its_content_as_it_says() {
+        let found = head(100, "zstd", 40);
+        assert_eq!((found.uncompressed_size, found.crc), (100, 7));
+        assert_eq!(found.length(), account(100, "zstd", 40).len() as u64);
+        assert_eq!(found.content_length(), Some(found.length() + 40));
+        assert_eq!(head(1, "", u64::MAX).content_length(), None);
+        // A name of 16 letters is one, a longer one is none.
+        assert!(Head::read(&account(1, &"x".repeat(16), 1)).is_some());
+        assert!(Head::read(&account(1, &"x".repeat(17), 1)).is_none());
+        let short = account(100, "zstd", 40);
+        assert!((0..short.len()).all(|n| Head::read(&short[..n]).is_none()));
+    }
+
+    #[test]
+    fn what_is_a_chunk_by_accident_of_one_byte_is_told_by_its_account() {
+        for (uncompressed, compression, compressed, telling) in [
+            (100, "zstd", 40, true),
+            (100, "lz4", 40, true),
+            (0, "zstd", 40, false),
+            (40, "", 40, true),
+            (41, "", 40, false),
+            (0, "", 0, false),
+            (100, "gzip", 40, false),
+        ] {
+            let found = head(uncompressed, compression, compressed).is_telling();
+            assert_eq!(found, telling, "{uncompressed} `{compression}`");
+        }
+    }
+
+    #[test]
+    fn a_packing_is_told_by_its_name_else_by_the_first_bytes() {
+        let of = |name: &str, data: &[u8]| head(1, name, 1).packing(data);
+        assert_eq!(of("", b"x"), Some(Packing::None));
+        assert_eq!(
+            (of("zstd", b"x"), of("lz4", b"x")),
+            (Some(Packing::Zstd), Some(Packing::Lz4))
+        );
+        assert_eq!(of("zst?", &[0x28, 0xb5, 0x2f, 0xfd]), Some(Packing::Zstd));
+        assert_eq!(of("?", &[0x04, 0x22, 0x4d, 0x18]), Some(Packing::Lz4));
+        assert_eq!(of("?", &[0x04, 0x22, 0x4d]), None);
+    }
+
+    #[test]
+    fn a_whole_zstd_chunk_has_all_of_its_data_and_a_usual_size() {
+        let of = |uncompressed, name: &str, compressed, data: &[u8]| {
+            let content = [account(uncompressed, name, compressed), data.to_vec()].concat();
+            let head = head(uncompressed, name, compressed);
+            head.whole_zstd(&content).map(<[u8]>::to_vec)
+        };
+        assert_eq!(of(9, "zstd", 3, b"abc"), Some(b"abc".to_vec()));
+        assert_eq!(of(MOST_ROOM, "zstd", 3, b"abc"), Some(b"abc".to_vec()));
+        assert_eq!(
+            (
+                of(0, "zstd", 3, b"abc"),
+                of(MOST_ROOM + 1, "zstd", 3, b"abc")
+            ),
+            (None, None)
+        );
+        assert_eq!(
+            (of(9, "lz4", 3, b"abc"), of(9, "zstd", 4, b"abc")),
+            (None, None)
+        );
+    }
+}
