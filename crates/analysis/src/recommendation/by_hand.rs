@@ -47,8 +47,8 @@ fn a_drive_is_perceived_by_its_weighted_differences_in_spreads() {
     assert_eq!(percept.of(&MeasureValues::new(), &own), (0.0, 0.0));
 }
 
-/// Where a unit of perceived shift is 15 points, below the own style 30; a trait with mean 10 and SD 2; b = 0.6, g = -1.5, and
-/// 0.3 more of b for each SD of the trait.
+/// Where a unit of perceived shift is 15 points, below the own style 30; b = 0.6, g = -1.5, and for each SD of one trait 0.3 more of
+/// b, of another 0.1 less.
 fn learned() -> Learned {
     let score = |name: &str, sign, mean, sd| {
         let name: ScoreName = name.parse().unwrap();
@@ -75,11 +75,7 @@ fn learned() -> Learned {
             shift: [-0.5, 0.0, 1.0],
             distance: [0.0; 3],
         },
-        traits: vec![Standard {
-            name: "pace".to_owned(),
-            mean: 10.0,
-            sd: 2.0,
-        }],
+        traits: ["pace", "calm"].map(trait_of).into(),
         ratings: vec![
             score("calm.total", -1.0, 4.0, 2.0),
             score("trust.total", 1.0, 3.0, 1.0),
@@ -94,10 +90,18 @@ fn learned() -> Learned {
     }
 }
 
+fn trait_of(name: &str) -> Standard {
+    Standard {
+        name: name.to_owned(),
+        mean: 10.0,
+        sd: 2.0,
+    }
+}
+
 /// The coefficients for sure, but for those with a variance.
 fn known(variances: &[(usize, f64)]) -> Belief {
-    let mean = vec![4.0, 0.6, -1.5, -0.2, 0.3, 0.0];
-    let mut covariance = vec![vec![0.0; 6]; 6];
+    let mean = vec![4.0, 0.6, -1.5, -0.2, 0.3, -0.1, 0.0, 0.0];
+    let mut covariance = vec![vec![0.0; 8]; 8];
     for &(at, variance) in variances {
         covariance[at][at] = variance;
     }
@@ -112,7 +116,7 @@ fn believed(learned: &Learned) -> Belief {
 fn the_preferred_setting_is_the_top_of_the_parabola_within_what_was_driven() {
     let learned = learned();
     let belief = believed(&learned);
-    let at = |pace: f64| learned.preferred(&belief, &[pace]).unwrap();
+    let at = |pace: f64| learned.preferred(&belief, &[pace, 0.0]).unwrap();
     // b = 1.2 over 2 · 1.5; b = -0.6, where a unit is 30 points; and beyond 30 points nobody has driven.
     near(at(2.0).points, 6.0, 1e-9);
     near(at(-4.0).points, -6.0, 1e-9);
@@ -121,16 +125,16 @@ fn the_preferred_setting_is_the_top_of_the_parabola_within_what_was_driven() {
     let mut unsure = self::learned();
     // An SD of 1 of b is one of 5 points.
     unsure.fit.coefficients = known(&[(1, 1.0)]);
-    let found = unsure.preferred(&believed(&unsure), &[20.0]).unwrap();
+    let found = unsure.preferred(&believed(&unsure), &[20.0, 0.0]).unwrap();
     near(found.points, 30.0, 1e-9);
-    let found = unsure.preferred(&believed(&unsure), &[8.0]).unwrap();
+    let found = unsure.preferred(&believed(&unsure), &[8.0, 0.0]).unwrap();
     near(found.points, 15.0, 1e-9);
     near(found.low, 15.0 - 1.96 * 5.0, 0.3);
     near(found.high, 15.0 + 1.96 * 5.0, 0.3);
     near(found.within_5, 0.683, 0.02);
     let mut flat = self::learned();
-    flat.fit.coefficients = Belief::new(vec![0.0; 6], vec![vec![0.0; 6]; 6]).unwrap();
-    assert_eq!(flat.preferred(&believed(&flat), &[0.0]), None);
+    flat.fit.coefficients = Belief::new(vec![0.0; 8], vec![vec![0.0; 8]; 8]).unwrap();
+    assert_eq!(flat.preferred(&believed(&flat), &[0.0, 0.0]), None);
 }
 
 #[test]
@@ -143,13 +147,14 @@ fn the_reasons_are_what_each_part_adds_in_points() {
         all.collect::<BTreeMap<String, f64>>()
     };
     // Everybody's b of 0.6 is 3 points; two SDs of the trait are 0.6 of b and 3 points more.
-    let above = points(&[2.0]);
+    let above = points(&[2.0, 0.0]);
     near(above["everybody"], 3.0, 1e-9);
     near(above["pace"], 3.0, 1e-9);
+    near(points(&[2.0, 1.0])["calm"], -0.5, 1e-9);
     near(above["own ratings"], 0.0, 1e-12);
     assert!(!above.contains_key("own turns of the dial"));
     // Below the own style a unit of b is worth twice as much.
-    near(points(&[-4.0])["pace"], -12.0, 1e-9);
+    near(points(&[-4.0, 0.0])["pace"], -12.0, 1e-9);
     let mut rated = belief.clone();
     rated = Belief::new(
         rated
@@ -161,7 +166,7 @@ fn the_reasons_are_what_each_part_adds_in_points() {
         vec![vec![0.0; belief.len()]; belief.len()],
     )
     .unwrap();
-    let found = reasons(&learned, [&belief, &belief, &rated], &[2.0]);
+    let found = reasons(&learned, [&belief, &belief, &rated], &[2.0, 0.0]);
     assert_eq!(
         found[0].because, "own turns of the dial",
         "the largest first"
@@ -190,7 +195,7 @@ fn where_the_dial_was_left_the_preference_neither_rises_nor_falls() {
         points: 7.5,
         sd: 1.5,
     };
-    learned.observe_settled(&mut belief, &[0.0], settled);
+    learned.observe_settled(&mut belief, &[0.0, 0.0], settled);
     // At half a shift b + g is 0 instead of -0.9, with an error of 2 · 1.5 · 1.5 / 15 beside the SD of 1.
     near(belief.mean()[1], 0.6 + 0.9 / 1.09, 1e-9);
     near(belief.mean()[2], -1.5, 1e-12);
@@ -201,18 +206,18 @@ fn a_setting_tells_by_how_far_it_is_shifted() {
     let mut learned = learned();
     learned.fit.coefficients = known(&[(1, 1.0)]);
     let belief = believed(&learned);
-    let nats = |points| learned.information(&belief, &[0.0], points);
+    let nats = |points| learned.information(&belief, &[0.0, 0.0], points);
     // Only b is open: a rating at the shift A has a variance of A² beside that of 0.5².
     near(nats(15.0), 0.5 * 5.0_f64.ln(), 1e-9);
     near(nats(-15.0), 0.5 * 2.0_f64.ln(), 1e-9);
     near(nats(0.0), 0.0, 1e-9);
-    let (points, most) = learned.next(&belief, &[0.0]);
+    let (points, most) = learned.next(&belief, &[0.0, 0.0]);
     near(points, 15.0, 1e-12);
     near(most, 0.5 * 5.0_f64.ln(), 1e-9);
     // With an open curvature alone, -b / 2g hangs on it by b / 2g², and the rating by A².
     learned.fit.coefficients = known(&[(2, 1.0)]);
     near(
-        learned.information(&believed(&learned), &[0.0], 15.0),
+        learned.information(&believed(&learned), &[0.0, 0.0], 15.0),
         0.5 * 5.0_f64.ln(),
         1e-9,
     );
@@ -220,7 +225,7 @@ fn a_setting_tells_by_how_far_it_is_shifted() {
     learned.fit.coefficients = known(&[(1, 1.0), (2, 1.0)]);
     let share: f64 = 1.4 * 1.4 / (1.16 * (2.0 + 0.25));
     near(
-        learned.information(&believed(&learned), &[0.0], 15.0),
+        learned.information(&believed(&learned), &[0.0, 0.0], 15.0),
         -0.5 * (1.0 - share).ln(),
         1e-9,
     );
@@ -328,6 +333,10 @@ fn what_eight_people_like_is_found_again_in_their_ratings_and_in_their_trait() {
         (learned.people, traits),
         (PEOPLE, vec!["pace", "own_mean_velocity"])
     );
+    let standardised = people.iter().map(|p| learned.traits(&data, p)[0]);
+    let (sum, squares) = standardised.fold((0.0, 0.0), |(s, q), t| (s + t, q + t * t));
+    near(sum, 0.0, 1e-9);
+    near(squares, PEOPLE as f64 - 1.0, 1e-9);
     near(learned.percept.shift["mean_velocity_mps"], 0.5, 0.02);
     near(learned.percept.distance["mean_velocity_mps"], 1.0, 1e-12);
     let dial = learned.dial;
