@@ -294,6 +294,17 @@ fn a_panel_holds_the_differences_and_friedmans_test_by_hand() {
 }
 
 #[test]
+fn a_hypothesis_about_a_contrast_the_other_way_round_adds_none() {
+    let hypothesis = format!(
+        "[[hypothesis]]\nsays = \"x\"\noutcome = \"{SPEED}\"\ncontrast = [\"fast\", \"same\"]\ndirection = \"+\"\n"
+    );
+    let a = analysed_by(&format!("{DESIGN}{hypothesis}"), tables());
+    assert_eq!(panel(&a, SPEED).contrasts.len(), 6);
+    near(panel(&a, SPEED).contrasts[0].p_holm, 6.0 * 2.0 / 64.0);
+    assert_eq!(a.hypotheses.len(), 1);
+}
+
+#[test]
 fn where_the_score_of_the_style_counts_calmness_a_car_turned_up_is_expected_to_be_slower() {
     let faster = |aggression: &str| {
         let design = format!(

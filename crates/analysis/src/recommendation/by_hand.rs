@@ -166,6 +166,15 @@ fn the_reasons_are_what_each_part_adds_in_points() {
         vec![vec![0.0; belief.len()]; belief.len()],
     )
     .unwrap();
+    // Where the ratings hardly bend, a bend of 0.05 is reckoned with: 0.6 / 0.1 of the dial.
+    let mut straight = self::learned();
+    let mut mean = straight.fit.coefficients.mean().to_vec();
+    mean[2] = 0.0;
+    straight.fit.coefficients = Belief::new(mean, vec![vec![0.0; 8]; 8]).unwrap();
+    let unbent = believed(&straight);
+    let found = reasons(&straight, [&unbent, &unbent, &unbent], &[0.0, 0.0]);
+    let everybody = found.iter().find(|r| r.because == "everybody").unwrap();
+    near(everybody.points, 90.0, 1e-9);
     let found = reasons(&learned, [&belief, &belief, &rated], &[2.0, 0.0]);
     assert_eq!(
         found[0].because, "own turns of the dial",
@@ -287,7 +296,7 @@ fn liked(i: usize) -> f64 {
 }
 
 /// People who call a drive half a point more aggressive for each spread of speed, and rate it by how far it is from what they like.
-fn eight() -> StudyData {
+fn eight(down: impl Fn(f64) -> f64) -> StudyData {
     let mut tables = Tables::default();
     let own = |i: usize| if i.is_multiple_of(2) { 23.0 } else { 27.0 };
     let spread = (PEOPLE as f64 * 4.0 / (PEOPLE as f64 - 1.0)).sqrt();
@@ -301,7 +310,7 @@ fn eight() -> StudyData {
         for (condition, shift, moved) in [
             ("same", off, 0.0),
             ("up", 1.5 + off, 15.0),
-            ("down", -1.5 - 2.0 * off, -15.0),
+            ("down", down(off), -15.0),
         ] {
             tables
                 .measurements
@@ -322,9 +331,25 @@ fn eight() -> StudyData {
     StudyData::new(&Design::from_toml(DESIGN).unwrap(), tables).unwrap()
 }
 
+/// Where the car turned down is, in spreads.
+fn below(off: f64) -> f64 {
+    -1.5 - 2.0 * off
+}
+
+#[test]
+fn a_dial_that_nobody_sees_turn_down_is_none() {
+    let data = eight(|off| off);
+    let people: Vec<_> = (0..PEOPLE).map(person).collect();
+    let error = Learned::from(&data, &people, None).unwrap_err();
+    assert!(
+        error.to_string().contains("not perceived in this order"),
+        "{error}"
+    );
+}
+
 #[test]
 fn what_eight_people_like_is_found_again_in_their_ratings_and_in_their_trait() {
-    let data = eight();
+    let data = eight(below);
     let people: Vec<_> = (0..PEOPLE).map(person).collect();
     let learned = Learned::from(&data, &people, None).unwrap();
     let traits: Vec<&str> = learned.traits.iter().map(|t| t.name.as_str()).collect();
@@ -375,7 +400,7 @@ fn what_eight_people_like_is_found_again_in_their_ratings_and_in_their_trait() {
 
 #[test]
 fn on_the_scale_both_uncertainties_add_up_as_squares() {
-    let mut data = eight();
+    let mut data = eight(below);
     let row = |i: usize, position: f64| EmbeddingRow {
         adb_hat: Some(30.0 + 9.0 * position),
         line_position_se: Some(0.5),
