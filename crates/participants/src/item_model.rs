@@ -223,6 +223,24 @@ mod tests {
     }
 
     #[test]
+    fn norms_of_a_sum_are_those_of_a_mean_times_the_items() {
+        let mut scale = scale("mdsi");
+        let mean = ItemModel::of(&scale, &scale.subscales[0]).unwrap();
+        scale.scoring = Scoring::Sum;
+        let k = scale.subscales[0].items.len() as f64;
+        let norms = scale.subscales[0].norms.as_mut().unwrap();
+        (norms.mean, norms.sd) = (k * norms.mean, k * norms.sd);
+        let sum = ItemModel::of(&scale, &scale.subscales[0]).unwrap();
+        for (one, other) in [
+            (mean.mean, sum.mean),
+            (mean.sd, sum.sd),
+            (mean.loading, sum.loading),
+        ] {
+            assert!((one - other).abs() < 1e-9, "{one} {other}");
+        }
+    }
+
+    #[test]
     fn a_covariance_without_ends_is_the_latent_one() {
         // Many boxes, far apart ends: ticking only adds Sheppard's twelfth to the variance.
         let item = ItemModel {

@@ -253,6 +253,35 @@ mod tests {
     use crate::testing::*;
     use maveric_domain::spread;
 
+    #[test]
+    fn a_rating_adds_up_what_each_part_of_the_impression_is_worth() {
+        let model = RatingModel {
+            mean: 4.0,
+            preference: 2.0,
+            homophily: 3.0,
+            shift: 5.0,
+            distance: -7.0,
+            order: 11.0,
+            liking: 0.25,
+            halo_condition: 0.5,
+            halo_person: 13.0,
+            person_sd: 9.0,
+            noise_sd: 9.0,
+            item_sd: 9.0,
+        };
+        let found = model.latent(&Impression {
+            fit: -1.0,
+            likeness: -0.1,
+            shift: 0.01,
+            distance: 0.001,
+            place: 1e-4,
+            halo_condition: 2.0,
+            halo_person: 1e-5,
+        });
+        let expected = 4.0 - 2.0 - 0.3 + 0.05 - 0.007 + 0.0011 + 1.5 + 0.000_13;
+        assert!((found - expected).abs() < 1e-12, "{found}");
+    }
+
     /// Mean correlation over studies of 24 of a trait's score with a difference of ratings.
     fn mean_r(
         studies: &[TestStudy],

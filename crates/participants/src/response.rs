@@ -93,6 +93,17 @@ mod tests {
         assert!((900..1100).contains(&left_out.count()));
     }
 
+    #[test]
+    fn without_scatter_the_items_lie_beside_their_mean() {
+        let sorted = |total| {
+            let mut answers = with_total(&scale(), 11, total, 0.0, &mut stream(1, &["x"]));
+            answers.sort_unstable();
+            answers
+        };
+        assert_eq!(sorted(22), [2; 11]);
+        assert_eq!(sorted(25), [2, 2, 2, 2, 2, 2, 2, 2, 3, 3, 3]);
+    }
+
     proptest! {
         #[test]
         fn items_add_up_to_their_total(total in -20..80_i64, sd in 0.0..3.0_f64, seed: u64) {

@@ -185,3 +185,32 @@ impl CohortSettings {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_traits_explain_of_a_habit_adds_up_to_one_at_most() {
+        let with = |aggressiveness: f64, pace: f64| {
+            let settings = CohortSettings {
+                high_velocity_aggressiveness: aggressiveness,
+                high_velocity_pace: pace,
+                ..CohortSettings::default()
+            };
+            settings.check().map_err(|e| e.to_string())
+        };
+        assert!(with(0.6, 0.8).is_ok());
+        let error = with(0.7, 0.8).unwrap_err();
+        assert!(error.contains("high_velocity_pace²"), "{error}");
+        let older = CohortSettings {
+            study1: Group {
+                mean_age_years: 17.9,
+                ..CohortSettings::default().study1
+            },
+            ..CohortSettings::default()
+        };
+        let error = older.check().unwrap_err().to_string();
+        assert!(error.contains("study1.mean_age_years"), "{error}");
+    }
+}
