@@ -38,7 +38,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("import", 1),
         ("codebook", 1),
         ("export", 2),
-        ("ingest", 6),
+        ("ingest", 7),
         ("score", 5),
         ("train", 6),
         ("personalize", 6),
@@ -53,7 +53,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("recommend", 3),
         ("rehearse", 4),
         ("rehearse-dial", 3),
-        ("report", 7),
+        ("report", 8),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()
