@@ -19,7 +19,7 @@ mod recommendation;
 mod reproduction;
 mod result;
 #[cfg(test)]
-mod six_people;
+mod tests;
 mod turned;
 pub mod verdict;
 

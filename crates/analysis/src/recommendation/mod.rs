@@ -1,10 +1,10 @@
 //! How far to turn the dial for a person: learned from others' ratings of their conditions.
 
-#[cfg(test)]
-mod by_hand;
 mod learned;
 mod percept;
 mod scale;
+#[cfg(test)]
+mod tests;
 
 pub use learned::{FURTHEST_POINTS, Learned, Preferred, Standard};
 pub use percept::{Dial, Percept};
