@@ -19,6 +19,8 @@ mod recommendation;
 mod reproduction;
 mod result;
 #[cfg(test)]
+mod testing;
+#[cfg(test)]
 mod tests;
 mod turned;
 pub mod verdict;

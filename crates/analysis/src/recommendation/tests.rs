@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     Settled, StudyData, Tables, Turns,
-    tests::{drive, id, person, score, steered},
+    testing::{drive, id, person, score, steered},
 };
 use maveric_domain::{
     ConditionRow, Design, EmbeddingRow, MeasureValues, Moment, design::ScoreName,
@@ -404,7 +404,7 @@ fn on_the_scale_both_uncertainties_add_up_as_squares() {
     let row = |i: usize, position: f64| EmbeddingRow {
         adb_hat: Some(30.0 + 9.0 * position),
         line_position_se: Some(0.5),
-        ..crate::tests::position(i, position)
+        ..crate::testing::position(i, position)
     };
     data.embeddings = vec![row(0, 1.0), row(1, -1.0)];
     let preferred = Preferred {

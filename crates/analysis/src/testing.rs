@@ -1,0 +1,179 @@
+//! Six people whose drives, scores and answers can be worked out by hand.
+
+use crate::{Analysis, Friedman, Panel, StudyData, Tables, analyse};
+use maveric_domain::{
+    ConditionId, ConditionRow, Design, DriveId, DriveMeta, DrivenBy, Embedding, EmbeddingRow,
+    MeasuredDrive, Moment, ParticipantId, Score,
+};
+use std::collections::BTreeMap;
+
+pub(crate) const CONDITIONS: [&str; 4] = ["same", "fast", "slow", "across"];
+pub(crate) const DESIGN: &str = r#"
+    [study]
+    title = "Six people"
+    [people]
+    learn = { group = "drivers" }
+    [style]
+    score = "adb.total"
+    label = "ADB score"
+    points = 15
+    [baseline]
+    id = "own"
+    [[condition]]
+    id = "same"
+    car = { dial = 0 }
+    [[condition]]
+    id = "fast"
+    car = { dial = "+1" }
+    [[condition]]
+    id = "slow"
+    car = { dial = "-1" }
+    [[condition]]
+    id = "across"
+    car = { across = true }
+    [homophily]
+    factors = ["mini_ipip"]
+    ratings = ["jian_trust.overall"]
+"#;
+
+pub(crate) const SPEED: &str = "mean_velocity_mps";
+/// Mean speed of the own drive, in m/s, and of the four conditions less that.
+pub(crate) const OWN: [f64; 6] = [25.0, 26.0, 27.0, 28.0, 29.0, 30.0];
+pub(crate) const FASTER: [[f64; 6]; 4] = [
+    [0.5, -1.0, 0.9, -0.7, 0.0, 0.3],
+    [3.0, 2.5, 2.0, 3.5, 1.5, 4.0],
+    [-2.0, -3.0, -2.5, -1.5, -3.5, -1.0],
+    [0.1, 1.2, -0.8, 0.4, -0.2, -0.3],
+];
+pub(crate) const ADB: [f64; 6] = [20.0, 25.0, 22.0, 30.0, 28.0, 35.0];
+pub(crate) const CONSCIENTIOUSNESS: [f64; 6] = [3.0, 1.0, 4.0, 2.0, 5.0, 3.5];
+pub(crate) const TRUST: [[f64; 6]; 4] = [
+    [5.0, 4.0, 6.0, 5.0, 4.5, 5.5],
+    [3.0, 4.5, 2.0, 4.0, 3.5, 3.0],
+    [5.0, 4.5, 4.0, 4.0, 2.5, 4.5],
+    [4.0, 3.0, 5.0, 4.5, 4.0, 4.0],
+];
+
+pub(crate) fn person(i: usize) -> ParticipantId {
+    ParticipantId::new(format!("P{}", i + 1)).unwrap()
+}
+
+pub(crate) fn id(text: &str) -> ConditionId {
+    text.parse().unwrap()
+}
+
+pub(crate) fn drive(i: usize, condition: &str, speed: Option<f64>) -> MeasuredDrive {
+    MeasuredDrive {
+        meta: DriveMeta {
+            drive: DriveId::new(format!("P{}-{condition}", i + 1)).unwrap(),
+            participant: person(i),
+            condition: id(condition),
+            driven_by: DrivenBy::Human,
+        },
+        values: BTreeMap::from([(SPEED.to_owned(), speed)]),
+    }
+}
+
+pub(crate) fn score(i: usize, moment: Moment, scale: &str, subscale: &str, value: f64) -> Score {
+    Score {
+        participant: person(i),
+        moment,
+        scale: scale.to_owned(),
+        subscale: subscale.to_owned(),
+        value: Some(value),
+        answered: 1,
+        items: 1,
+    }
+}
+
+pub(crate) fn position(i: usize, position: f64) -> EmbeddingRow {
+    EmbeddingRow {
+        drive: DriveId::new(format!("P{}-own", i + 1)).unwrap(),
+        participant: person(i),
+        condition: id("own"),
+        adb_used: true,
+        adb: None,
+        adb_hat: None,
+        line_position: Some(position),
+        readings: None,
+        covariance: None,
+        line_position_se: None,
+        embedding: Embedding::new(vec![position]).unwrap(),
+    }
+}
+
+pub(crate) fn tables() -> Tables {
+    let mut tables = Tables::default();
+    for i in 0..6 {
+        tables.measurements.push(drive(i, "own", Some(OWN[i])));
+        tables.embeddings.push(position(i, i as f64));
+        let pre = |scale, subscale, value| score(i, Moment::Pre, scale, subscale, value);
+        tables.pre.push(pre("adb", "total", ADB[i]));
+        tables
+            .pre
+            .push(pre("mini_ipip", "conscientiousness", CONSCIENTIOUSNESS[i]));
+        for (k, condition) in CONDITIONS.into_iter().enumerate() {
+            let speed = OWN[i] + FASTER[k][i];
+            tables.measurements.push(drive(i, condition, Some(speed)));
+            let after = Moment::After(id(condition));
+            let trust = score(i, after, "jian_trust", "overall", TRUST[k][i]);
+            tables.post.push(trust);
+        }
+    }
+    tables
+}
+
+pub(crate) fn design(text: &str) -> Design {
+    Design::from_toml(text).unwrap()
+}
+
+pub(crate) fn analysed_by(text: &str, tables: Tables) -> Analysis {
+    let data = StudyData::new(&design(text), tables).unwrap();
+    analyse(&data, Friedman::Exact).unwrap()
+}
+
+pub(crate) fn analysed(tables: Tables) -> Analysis {
+    analysed_by(DESIGN, tables)
+}
+
+/// The shortest design: these conditions, none of them steered, against the own drive.
+pub(crate) fn plain(conditions: &[&str], more: &str) -> String {
+    let conditions: Vec<String> = conditions
+        .iter()
+        .map(|c| format!("[[condition]]\nid = \"{c}\"\n"))
+        .collect();
+    format!(
+        "[study]\ntitle = \"t\"\n[baseline]\nid = \"own\"\n{}{more}",
+        conditions.concat()
+    )
+}
+
+pub(crate) fn panel<'a>(a: &'a Analysis, outcome: &str) -> &'a Panel {
+    a.panels.iter().find(|p| p.outcome == outcome).unwrap()
+}
+
+#[track_caller]
+pub(crate) fn near(found: Option<f64>, expected: f64) {
+    let found = found.expect("a number");
+    assert!((found - expected).abs() < 1e-9, "{found}, not {expected}");
+}
+
+pub(crate) fn steered(
+    i: usize,
+    condition: &str,
+    angle_rad: Option<f64>,
+    beyond_training: bool,
+) -> ConditionRow {
+    ConditionRow {
+        participant: person(i),
+        condition: id(condition),
+        adb_hat: None,
+        moved_points: None,
+        moved_points_sd: None,
+        clamped: false,
+        angle_rad,
+        beyond_training,
+        sweep: None,
+        embedding: Embedding::new(vec![0.0]).unwrap(),
+    }
+}
