@@ -192,3 +192,137 @@ fn unpack(
         at = next;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mcap::{Compression, WriteOptions, records::MessageHeader};
+    use std::{collections::BTreeMap, io::Cursor};
+
+    /// A chunk: where its content begins, how long that is, and what it unpacks to.
+    type Chunk = (u64, u64, Vec<u8>);
+
+    /// Five chunks of 64 KiB that zstd packs to no less.
+    fn log(compression: Option<Compression>) -> (Vec<u8>, Vec<Chunk>) {
+        let options = WriteOptions::new().compression(compression);
+        let mut out = options.create(Cursor::new(Vec::new())).unwrap();
+        let channel_id = out.add_channel(0, "/a", "json", &BTreeMap::new()).unwrap();
+        let mut state = 1_u64;
+        for i in 0..5 {
+            let noise = (0..8192).flat_map(|_| {
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1);
+                (state ^ (state >> 29)).to_le_bytes()
+            });
+            let head = MessageHeader {
+                channel_id,
+                sequence: i,
+                log_time: 1,
+                publish_time: 1,
+            };
+            let noise: Vec<u8> = noise.collect();
+            out.write_to_known_channel(&head, &noise).unwrap();
+            out.flush().unwrap();
+        }
+        out.finish().unwrap();
+        let bytes = out.into_inner().into_inner();
+        let (mut at, mut chunks) = (mcap::MAGIC.len(), Vec::new());
+        while bytes[at] != op::FOOTER {
+            let length = u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap());
+            let content = &bytes[at + HEAD..at + HEAD + length as usize];
+            if bytes[at] == op::CHUNK {
+                let account = Head::read(content).unwrap();
+                let packed = account.whole_zstd(content);
+                let size = account.uncompressed_size as usize;
+                let unpacked = packed.map(|data| zstd::bulk::decompress(data, size).unwrap());
+                chunks.push(((at + HEAD) as u64, length, unpacked.unwrap_or_default()));
+            }
+            at += HEAD + length as usize;
+        }
+        assert_eq!(chunks.len(), 5);
+        (bytes, chunks)
+    }
+
+    fn on_disk(bytes: &[u8]) -> tempfile::NamedTempFile {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), bytes).unwrap();
+        file
+    }
+
+    #[test]
+    fn every_chunk_of_a_long_file_is_there_unpacked_with_its_checksum() {
+        for (compression, is_zstd) in [(Some(Compression::Zstd), true), (None, false)] {
+            let (bytes, chunks) = log(compression);
+            let file = on_disk(&bytes);
+            for hash in [false, true] {
+                let mut ahead = Ahead::start(file.path(), bytes.len() as u64, hash).unwrap();
+                for (body, length, unpacked) in &chunks {
+                    let fetched = ahead.take(*body, *length).unwrap();
+                    let packed = *body as usize..(*body + *length) as usize;
+                    assert!(fetched.packed == bytes[packed]);
+                    let checksum = is_zstd.then(|| crc32fast::hash(unpacked));
+                    assert_eq!(fetched.checksum, checksum);
+                    assert!(!is_zstd || fetched.unpacked == *unpacked);
+                    ahead.give_back(fetched);
+                }
+                let expected = hash.then(|| blake3::hash(&bytes));
+                assert_eq!(ahead.finish().unwrap(), expected);
+            }
+        }
+    }
+
+    #[test]
+    fn a_chunk_is_given_to_who_asks_for_its_place_and_length_and_to_nobody_else() {
+        let (bytes, chunks) = log(Some(Compression::Zstd));
+        let file = on_disk(&bytes);
+        let mut ahead = Ahead::start(file.path(), bytes.len() as u64, false).unwrap();
+        let of = |i: usize| (chunks[i].0, chunks[i].1);
+        // Before the first and between two: what comes next is kept.
+        assert!(ahead.take(8, of(0).1).is_none());
+        assert!(ahead.take(of(0).0, of(0).1).is_some());
+        assert!(ahead.take(of(1).0 - 1, of(1).1).is_none());
+        // A length of its own: passed over, as is what nobody asked for.
+        assert!(ahead.take(of(1).0, of(1).1 + 1).is_none());
+        assert!(ahead.take(of(3).0, of(3).1).is_some());
+        assert!(ahead.take(of(2).0, of(2).1).is_none());
+        assert!(ahead.take(of(4).0, of(4).1).is_some());
+        assert!(ahead.take(of(4).0 + 1, 1).is_none());
+    }
+
+    #[test]
+    fn a_short_file_and_one_that_is_not_there_are_not_read_ahead() {
+        let file = on_disk(b"short");
+        assert!(Ahead::start(file.path(), WORTH_WHILE - 1, true).is_none());
+        assert!(Ahead::start(file.path(), WORTH_WHILE, true).is_some());
+        let none = file.path().join("none");
+        assert!(Ahead::start(&none, WORTH_WHILE, true).is_none());
+    }
+
+    #[test]
+    fn what_is_not_as_it_should_be_ends_the_chunks_and_not_the_hash() {
+        let (mut bytes, chunks) = log(Some(Compression::Zstd));
+        let head = chunks[2].0 as usize - HEAD;
+        bytes[head + 1..head + 9].fill(0xff);
+        let file = on_disk(&bytes);
+        let mut ahead = Ahead::start(file.path(), bytes.len() as u64, true).unwrap();
+        for (body, length, _) in &chunks[..2] {
+            assert!(ahead.take(*body, *length).is_some());
+        }
+        assert!(ahead.take(chunks[2].0, chunks[2].1).is_none());
+        assert!(ahead.take(chunks[3].0, chunks[3].1).is_none());
+        assert_eq!(ahead.finish().unwrap(), Some(blake3::hash(&bytes)));
+        // A checksum is of what was unpacked, so a chunk that does not unpack has none.
+        let (mut bytes, chunks) = log(Some(Compression::Zstd));
+        let (body, length) = (chunks[1].0 as usize, chunks[1].1);
+        bytes[body + 44..body + 60].fill(0);
+        let file = on_disk(&bytes);
+        let mut ahead = Ahead::start(file.path(), bytes.len() as u64, false).unwrap();
+        assert!(ahead.take(chunks[0].0, chunks[0].1).is_some());
+        assert!(
+            ahead
+                .take(body as u64, length)
+                .is_none_or(|f| f.checksum.is_none())
+        );
+    }
+}

@@ -145,3 +145,113 @@ pub fn plain_name(name: &str) -> String {
 pub fn same_type(a: &str, b: &str) -> bool {
     plain_name(a) == plain_name(b)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    fn channel(encoding: &str) -> Channel {
+        Channel {
+            id: 1,
+            schema_id: 3,
+            topic: "/a".to_owned(),
+            encoding: encoding.to_owned(),
+        }
+    }
+
+    fn schema(encoding: &str, text: &[u8]) -> OwnedSchema {
+        OwnedSchema::from(Schema {
+            id: 3,
+            name: "lab/msg/X".to_owned(),
+            encoding: encoding.to_owned(),
+            data: text,
+        })
+    }
+
+    #[test]
+    fn each_encoding_is_read_by_its_own_schema() {
+        let text = b"uint8 a\nfloat64 b";
+        for (encoding, of, message) in [
+            (
+                "cdr",
+                "ros2msg",
+                [
+                    &[0, 1, 0, 0, 5, 0, 0, 0, 0, 0, 0, 0][..],
+                    &2.5_f64.to_le_bytes(),
+                ]
+                .concat(),
+            ),
+            (
+                "ros1",
+                "ros1msg",
+                [&[5][..], &2.5_f64.to_le_bytes()].concat(),
+            ),
+            ("json", "jsonschema", b"{\"b\":2.5}".to_vec()),
+        ] {
+            let codec =
+                Codec::compile(&channel(encoding), Some(&schema(of, text)), &["b"]).unwrap();
+            let mut row = Vec::new();
+            codec
+                .run(&message, &mut row, &mut |_| panic!("no rows"))
+                .unwrap();
+            assert_eq!(row, [2.5], "{encoding}");
+            assert!(
+                codec
+                    .run(&message[..message.len() - 1], &mut row, &mut |_| {})
+                    .is_err()
+            );
+            if encoding == "json" {
+                continue;
+            }
+            let why = |schema: Option<&OwnedSchema>| {
+                Codec::compile(&channel(encoding), schema, &["b"]).unwrap_err()
+            };
+            assert_eq!(why(None), "its schema 3 is missing");
+            let other = why(Some(&schema("ros3msg", text)));
+            assert_eq!(
+                other,
+                format!("schema encoding is `ros3msg`, expected `{of}`")
+            );
+            assert_eq!(
+                why(Some(&schema(of, &[0xff, 0xfe]))),
+                "its schema is not text"
+            );
+        }
+        let why = Codec::compile(&channel("avro"), Some(&schema("avro", b"{}")), &[]).unwrap_err();
+        assert_eq!(
+            why,
+            "message encoding is `avro`, expected cdr, ros1, json or protobuf"
+        );
+    }
+
+    #[test]
+    fn a_schema_fits_a_message_that_it_leaves_no_more_than_padding_of() {
+        let codec =
+            Codec::compile(&channel("cdr"), Some(&schema("ros2msg", b"uint8 a")), &[]).unwrap();
+        let message = |n: usize| [&[0, 1, 0, 0][..], &vec![0; 1 + n]].concat();
+        assert_eq!(codec.fits(&message(0)), Ok(()));
+        assert_eq!(codec.fits(&message(MOST_PADDING)), Ok(()));
+        let over = codec.fits(&message(MOST_PADDING + 1)).unwrap_err();
+        assert_eq!(over, "its schema leaves 8 bytes of a message over");
+        let short = codec.fits(&message(0)[..4]).unwrap_err();
+        assert_eq!(
+            short,
+            "its schema does not fit a message: its bytes end early"
+        );
+        let json = Codec::compile(&channel("json"), None, &[]).unwrap();
+        assert_eq!(json.fits(b"{}"), Ok(()));
+        assert!(
+            json.fits(b"{")
+                .unwrap_err()
+                .starts_with("its schema does not fit a message: it is no JSON")
+        );
+    }
+
+    #[test]
+    fn a_type_is_the_same_however_its_name_is_written() {
+        assert_eq!(plain_name("lab.Cars"), "lab/Cars");
+        assert!(same_type("lab/msg/Cars", "lab/Cars") && same_type("lab.Cars", "lab/msg/Cars"));
+        assert!(!same_type("lab/Cars", "lab/Car"));
+        let (a, b) = (schema("x", b"1"), schema("x", b"2"));
+        assert!(a.has_data(&a.clone()) && a.has_data(&schema("y", b"1")) && !a.has_data(&b));
+    }
+}

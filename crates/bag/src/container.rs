@@ -100,6 +100,7 @@ fn walk_with(
         crc: Some(crc32fast::Hasher::new()),
         data_ended: false,
         resume: 0,
+        lost: 0,
     };
     walker.run(visitor)?;
     Ok(walker.damage)
@@ -122,6 +123,8 @@ struct Walker<'a, R> {
     data_ended: bool,
     /// Behind what is certain: where to look for records when the next one makes no sense.
     resume: u64,
+    /// Where the last chunk that cannot be trusted should end: what chunks hold is none of the file's own before that.
+    lost: u64,
 }
 
 impl<R: Read + Seek> Walker<'_, R> {
@@ -303,6 +306,8 @@ impl<R: Read + Seek> Walker<'_, R> {
             let next = body + length;
             if whole {
                 self.resume = next;
+            } else {
+                self.lost = next;
             }
             return Ok(Some(next));
         }
@@ -322,12 +327,18 @@ impl<R: Read + Seek> Walker<'_, R> {
             "the lengths in a chunk's header contradict each other".to_owned()
         };
         self.damaged(at, &what)?;
-        let end = match end {
-            Some(end) => Some(end),
-            None => self.resynchronise(certain, certain)?,
-        };
+        if end.is_none() {
+            self.lost = body.saturating_add(inner.map_or(length, |inner| inner.min(length)));
+            end = self.resynchronise(certain, certain)?;
+        }
         let until = end.unwrap_or(self.length);
         self.chunk(at, until - body, end.is_none(), visitor)?;
+        if end.is_none()
+            && let Some(damage) = self.damage.last_mut()
+        {
+            // What it lacks stands behind the messages that are left of it.
+            damage.between_ns = (self.last_ns, None);
+        }
         self.resume = end.unwrap_or(self.length);
         Ok(end)
     }
@@ -443,12 +454,12 @@ impl<R: Read + Seek> Walker<'_, R> {
         };
         match verdict {
             Verdict::Whole => Ok(true),
+            // What stands before the cut is whole; the cut itself has been reported.
+            Verdict::Lost(_) | Verdict::Proven(_) if cut => Ok(false),
             Verdict::Proven(why) => {
                 self.damaged(at, &why)?;
                 Ok(true)
             }
-            // What stands before the cut is whole; the cut itself has been reported.
-            Verdict::Lost(_) if cut => Ok(false),
             Verdict::Lost(why) => {
                 visitor.roll_back();
                 self.open_again(before.0);

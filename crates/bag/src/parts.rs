@@ -164,4 +164,40 @@ mod tests {
         assert_eq!(parts.files, [folder.join("run_1.mcap")]);
         assert_eq!(parts.missing, ["gone.mcap"]);
     }
+
+    #[test]
+    fn a_number_in_a_name_that_may_be_a_date_names_only_so_many_missing_parts() {
+        let root = tempfile::tempdir().unwrap();
+        let folder = root.path().join("run");
+        std::fs::create_dir(&folder).unwrap();
+        let touch = |name: &str| std::fs::write(folder.join(name), "").unwrap();
+        touch("run_0.mcap");
+        touch("run_20240131.mcap");
+        touch("notes_3.txt");
+        assert!(is_split(&folder));
+        let parts = parts_of(&folder).unwrap();
+        assert_eq!(
+            parts.files,
+            [folder.join("run_0.mcap"), folder.join("run_20240131.mcap")]
+        );
+        assert_eq!(parts.missing.len() as u64, MOST_PARTS - 1);
+        assert_eq!(parts.missing[0], "run_1.mcap");
+        // Without the first it is no recording that was split, only a folder.
+        std::fs::remove_file(folder.join("run_0.mcap")).unwrap();
+        assert!(!is_split(&folder));
+        let parts = parts_of(&folder).unwrap();
+        assert_eq!((parts.files.len(), parts.missing.len()), (1, 0));
+        // Its list says what belongs to it; an empty one nothing.
+        std::fs::write(folder.join(METADATA), "version: 5\n").unwrap();
+        assert!(is_split(&folder));
+        let parts = parts_of(&folder).unwrap();
+        assert_eq!((parts.files.len(), parts.missing.len()), (1, 0));
+        std::fs::remove_file(folder.join("run_20240131.mcap")).unwrap();
+        assert!(!is_split(&folder));
+        // A file is itself.
+        let file = folder.join("notes_3.txt");
+        assert!(!is_split(&file));
+        let parts = parts_of(&file).unwrap();
+        assert_eq!((parts.files, parts.missing), (vec![file], Vec::new()));
+    }
 }

@@ -188,4 +188,90 @@ mod tests {
         assert_eq!(parse(op::MESSAGE, &[0; 10]), None);
         assert_eq!(parse(op::FOOTER, &[]), Some(Record::Other));
     }
+
+    #[test]
+    fn every_kind_of_record_is_read_and_none_without_its_end() {
+        let text = |t: &str| [&(t.len() as u32).to_le_bytes(), t.as_bytes()].concat();
+        let header = [text("ros2"), text("lib")].concat();
+        let schema = [&[7, 1][..], &text("T"), &text("ros2msg"), &text("x y")].concat();
+        let channel = [&[8, 1, 7, 1][..], &text("/a"), &text("cdr")].concat();
+        let pairs = [text("k"), text("v"), text("a"), text("b")].concat();
+        let metadata = [
+            text("n"),
+            (pairs.len() as u32).to_le_bytes().to_vec(),
+            pairs,
+        ]
+        .concat();
+        let message = [&[8, 1][..], &[9; 4], &5_u64.to_le_bytes(), &[6; 8], b"data"].concat();
+        let values = [("k", "v"), ("a", "b")].map(|(k, v)| (k.to_owned(), v.to_owned()));
+        let cases = [
+            (
+                op::HEADER,
+                header,
+                Record::Header("ros2".to_owned(), "lib".to_owned()),
+            ),
+            (
+                op::SCHEMA,
+                schema,
+                Record::Schema(Schema {
+                    id: 263,
+                    name: "T".to_owned(),
+                    encoding: "ros2msg".to_owned(),
+                    data: b"x y",
+                }),
+            ),
+            (
+                op::CHANNEL,
+                channel,
+                Record::Channel(Channel {
+                    id: 264,
+                    schema_id: 263,
+                    topic: "/a".to_owned(),
+                    encoding: "cdr".to_owned(),
+                }),
+            ),
+            (
+                op::METADATA,
+                metadata,
+                Record::Metadata(Metadata {
+                    name: "n".to_owned(),
+                    values: BTreeMap::from(values),
+                }),
+            ),
+        ];
+        for (opcode, bytes, expected) in &cases {
+            assert_eq!(parse(*opcode, bytes).as_ref(), Some(expected));
+            assert!((0..bytes.len()).all(|n| parse(*opcode, &bytes[..n]).is_none()));
+        }
+        let Some(Record::Message(found)) = parse(op::MESSAGE, &message) else {
+            panic!("a message");
+        };
+        assert_eq!(
+            (found.channel, found.log_ns, found.data),
+            (264, 5, &b"data"[..])
+        );
+        assert!((0..22).all(|n| parse(op::MESSAGE, &message[..n]).is_none()));
+        assert!(
+            matches!(parse(op::MESSAGE, &message[..22]), Some(Record::Message(m)) if m.data.is_empty())
+        );
+    }
+
+    #[test]
+    fn a_record_that_is_not_read_is_plausible_by_its_length() {
+        let index = |array: u32| [&[1, 0][..], &array.to_le_bytes()].concat();
+        for (array, length, plausible) in [
+            (0, 6, true),
+            (32, 38, true),
+            (32, 40, true),
+            (32, 37, false),
+            (33, 100, false),
+            (16, 16, false),
+        ] {
+            let found = is_plausible(op::MESSAGE_INDEX, &index(array), length);
+            assert_eq!(found, plausible, "{array} in {length}");
+        }
+        assert!(!is_plausible(op::MESSAGE_INDEX, &[1, 0, 0], 6));
+        assert!(is_plausible(op::FOOTER, &[], 20) && !is_plausible(op::FOOTER, &[], 19));
+        assert!(is_plausible(op::DATA_END, &[], 4) && !is_plausible(op::DATA_END, &[], 3));
+    }
 }

@@ -172,7 +172,7 @@ impl<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T> Collector<T, F> {
     fn declare(&mut self, channel: Channel) {
         let schema = self.schemas.get(&channel.schema_id);
         let id = channel.id;
-        let same = self.found.streams.iter().position(|s| {
+        let same = self.found.streams.iter().enumerate().position(|(i, s)| {
             s.channel.topic == channel.topic
                 && s.channel.encoding == channel.encoding
                 && match (&s.schema, schema) {
@@ -180,9 +180,9 @@ impl<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T> Collector<T, F> {
                     (None, None) => true,
                     _ => false,
                 }
+                // Within one file two channels of one topic stay two, and so they are over its parts.
+                && !self.ids.values().any(|&j| j == i)
         });
-        // Within one file two channels of one topic stay two.
-        let same = same.filter(|i| !self.ids.values().any(|j| j == i));
         let index = same.unwrap_or_else(|| {
             self.found.streams.push(Stream {
                 taken: (self.taker)(&channel, schema),

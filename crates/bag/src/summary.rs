@@ -161,4 +161,91 @@ mod tests {
         std::fs::write(&path, &bytes).unwrap();
         assert_eq!(attachment(&path, "notes.txt").unwrap(), None);
     }
+
+    #[test]
+    fn channels_are_announced_with_their_counts_by_a_whole_summary_alone() {
+        let mut writer = Writer::new(Cursor::new(Vec::new()), "tests").unwrap();
+        let mut channel = |topic: &str, name: &str| {
+            writer
+                .channel(topic, "cdr", (name, "ros2msg", "string data"))
+                .unwrap()
+        };
+        let (a, _, c) = (
+            channel("/a", "lab/A"),
+            channel("/b", "lab/B"),
+            channel("/c", "lab/A"),
+        );
+        for (channel, n) in [(a, 3), (c, 5)] {
+            (0..n).for_each(|i| writer.message(channel, i, 1, b"x").unwrap());
+        }
+        let bytes = writer.finish().unwrap().into_inner();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.mcap");
+        let of = |bytes: &[u8]| {
+            std::fs::write(&path, bytes).unwrap();
+            announced(&path)
+        };
+        let found = of(&bytes).unwrap();
+        let told: Vec<_> = (found.iter())
+            .map(|(c, s, n)| (&c.topic[..], s.as_ref().map(|s| &s.name[..]), *n))
+            .collect();
+        let (lab_a, lab_b) = (Some("lab/A"), Some("lab/B"));
+        assert_eq!(told, [("/a", lab_a, 3), ("/b", lab_b, 0), ("/c", lab_a, 5)]);
+        // Any byte of the summary, the footer or the magic.
+        let footer = bytes.len() - END as usize;
+        let start = u64::from_le_bytes(bytes[footer + 9..footer + 17].try_into().unwrap()) as usize;
+        for at in start..bytes.len() {
+            let mut changed = bytes.clone();
+            changed[at] ^= 1 << (at % 8);
+            assert!(of(&changed).is_none(), "byte {at}");
+        }
+        assert!(of(&bytes[..bytes.len() - 1]).is_none());
+        assert!(of(&bytes[..20]).is_none() && of(&[]).is_none());
+        assert!(announced(&folder.path().join("none.mcap")).is_none());
+        // Without a checksum it is read, as far as its records go.
+        let mut unchecked = bytes.clone();
+        unchecked[footer + 25..footer + 29].fill(0);
+        assert_eq!(of(&unchecked).unwrap().len(), 3);
+        unchecked[start + 8] = 1;
+        assert!(of(&unchecked).is_none(), "a record longer than the summary");
+        // A footer without a summary, and one that points behind itself.
+        for start in [0, footer as u64 + 1] {
+            let mut without = bytes.clone();
+            without[footer + 9..footer + 17].copy_from_slice(&start.to_le_bytes());
+            without[footer + 25..footer + 29].fill(0);
+            assert!(of(&without).is_none());
+        }
+    }
+
+    #[test]
+    fn an_attachment_that_is_not_where_the_summary_says_is_damage() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.mcap");
+        let bytes = with_attachment(b"seen on the way");
+        let footer = bytes.len() - END as usize;
+        let start = u64::from_le_bytes(bytes[footer + 9..footer + 17].try_into().unwrap()) as usize;
+        // The index of an attachment: opcode 10, then its offset and its length.
+        let mut at = start;
+        while bytes[at] != 10 {
+            at += HEAD + u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap()) as usize;
+        }
+        let (offset, length) = (at + HEAD, at + HEAD + 8);
+        let number = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap());
+        let rest = bytes.len() as u64 - number(offset);
+        for (place, value) in [
+            (length, rest),
+            (length, rest + 1),
+            (length, u64::MAX),
+            (offset, 8),
+        ] {
+            let mut changed = bytes.clone();
+            changed[place..place + 8].copy_from_slice(&value.to_le_bytes());
+            changed[footer + 25..footer + 29].fill(0);
+            std::fs::write(&path, &changed).unwrap();
+            let error = attachment(&path, "notes.txt").unwrap_err();
+            assert!(matches!(error, BagError::Damaged { .. }), "{error}");
+        }
+        let error = attachment(&folder.path().join("none.mcap"), "notes.txt").unwrap_err();
+        assert!(matches!(error, BagError::Io { .. }));
+    }
 }

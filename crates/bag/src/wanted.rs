@@ -225,3 +225,117 @@ impl Taken {
         self.in_row = false;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    fn slots(wanted: &[&str]) -> (Slots, Tree) {
+        let tree = Tree::of(wanted);
+        (Slots::of(wanted, &tree), tree)
+    }
+
+    #[test]
+    fn a_name_s_number_is_the_upper_53_bits_of_its_fnv_1a_without_namespace_and_zero() {
+        // The test vectors of the hash: 85944171f73967e8 for `foobar`, af63dc4c8601ec8c for `a`.
+        let foobar = (0x8594_4171_f739_67e8_u64 >> 11) as f64;
+        for name in [
+            "foobar",
+            "car/foobar",
+            "/lab/car/foobar",
+            "foobar\0",
+            "car/foobar\0",
+        ] {
+            assert_eq!(name_number(name.as_bytes()).to_bits(), foobar.to_bits());
+        }
+        assert_eq!(
+            name_number(b"a").to_bits(),
+            ((0xaf63_dc4c_8601_ec8c_u64 >> 11) as f64).to_bits()
+        );
+        assert_ne!(name_number(b"foobar\0\0").to_bits(), foobar.to_bits());
+    }
+
+    #[test]
+    fn a_path_may_be_missing_if_it_ends_so_and_has_its_alternatives() {
+        assert!(may_be_missing("") && may_be_missing("a?") && !may_be_missing("a"));
+        assert_eq!(alternatives("a|b.c|?").collect::<Vec<_>>(), ["a", "b.c"]);
+        assert_eq!(alternatives("").count(), 0);
+    }
+
+    #[test]
+    fn slots_within_rows_are_those_below_a_sequence() {
+        let (slots, tree) = slots(&[
+            "t",
+            "cars[].id|cars[].id#",
+            "cars[].size[0]",
+            "list[2].x",
+            "a.b[].c",
+        ]);
+        assert_eq!(slots.in_rows, [false, true, true, false, true]);
+        assert_eq!(tree.fields["t"].slots, [0]);
+        let cars = tree.fields["cars"].each.as_ref().unwrap();
+        assert_eq!(
+            (&cars.fields["id"].slots, &cars.fields["id"].names),
+            (&vec![1], &vec![1])
+        );
+        assert_eq!(cars.fields["size"].items[&0].slots, [2]);
+        assert_eq!(tree.fields["list"].items[&2].fields["x"].slots, [3]);
+    }
+
+    #[test]
+    fn rows_are_as_many_as_allowed_whatever_their_width_and_one_more_is_too_many() {
+        let (slots, _) = slots(&["a[].x", "a[].y", "t"]);
+        for (rows, fits) in [(MOST_ROWS, true), (MOST_ROWS + 1, false)] {
+            let mut taken = Taken::new(&slots);
+            taken.set(&[2], 7.0);
+            for _ in 0..rows {
+                if taken.begin_row() {
+                    assert!(!taken.begin_row(), "none within another");
+                    taken.set(&[0, 1], 1.0);
+                    taken.end_row();
+                }
+            }
+            let mut given = 0;
+            let all = slots.give(&mut taken, &mut Vec::new(), &mut |row| {
+                given += 1;
+                assert_eq!(row, [1.0, 1.0, 7.0]);
+            });
+            assert_eq!(
+                (all.is_ok(), given),
+                (fits, if fits { MOST_ROWS } else { 0 })
+            );
+        }
+        assert!(!Taken::new(&Slots::of(&[], &Tree::default())).begin_row());
+    }
+
+    #[test]
+    fn a_missing_number_is_named_and_what_may_be_missing_is_none() {
+        let (slots, _) = slots(&["t", "a[].x", "a[].y?"]);
+        let mut row = Vec::new();
+        let mut taken = Taken::new(&slots);
+        let error = slots.give(&mut taken, &mut row, &mut |_| {}).unwrap_err();
+        assert_eq!(error, "it has no number `t`");
+        taken.set(&[0], 5.0);
+        taken.set_default(&[0], 6.0);
+        slots
+            .give(&mut taken, &mut row, &mut |_| panic!("no row"))
+            .unwrap();
+        assert_eq!(row[0].to_bits(), 5.0_f64.to_bits(), "the first stays");
+        assert!(taken.begin_row());
+        taken.set_default(&[1], 8.0);
+        taken.end_row();
+        assert!(taken.begin_row());
+        taken.drop_row();
+        taken.end_row();
+        let mut rows = Vec::new();
+        slots
+            .give(&mut taken, &mut row, &mut |r| rows.push(r.to_vec()))
+            .unwrap();
+        assert_eq!(rows.len(), 1, "the last was taken back");
+        assert_eq!(rows[0][..2], [5.0, 8.0]);
+        assert!(rows[0][2].is_nan());
+        assert!(taken.begin_row());
+        taken.end_row();
+        let error = slots.give(&mut taken, &mut row, &mut |_| {}).unwrap_err();
+        assert_eq!(error, "it has no number `a[].x`");
+    }
+}

@@ -21,7 +21,9 @@ impl<R: Read + Seek> Walker<'_, R> {
                 // The cheap test first: a known opcode and a length below 1 TiB.
                 let likely = (1..=op::LAST_KNOWN).contains(&head[0]) && head[6..] == [0; 3];
                 let place = at + i as u64;
-                if likely && place != not && self.records_fit(place)? {
+                let of_chunk = matches!(head[0], op::SCHEMA | op::CHANNEL | op::MESSAGE);
+                let of_lost = of_chunk && place < self.lost;
+                if likely && place != not && !of_lost && self.records_fit(place)? {
                     found = Some(place);
                     break;
                 }

@@ -340,4 +340,101 @@ mod tests {
         assert_eq!(found.types["p/A"][1].base, Base::Message(TIME.to_owned()));
         assert_eq!(found.types["p/A"][2].base, Base::Primitive(Primitive::I8));
     }
+
+    #[test]
+    fn every_name_of_a_number_is_its_own_kind() {
+        use Primitive::{F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
+        for (name, ros1, ros2) in [
+            ("bool", U8, U8),
+            ("byte", I8, U8),
+            ("char", U8, U8),
+            ("uint8", U8, U8),
+            ("int8", I8, I8),
+            ("uint16", U16, U16),
+            ("int16", I16, I16),
+            ("uint32", U32, U32),
+            ("int32", I32, I32),
+            ("uint64", U64, U64),
+            ("int64", I64, I64),
+            ("float32", F32, F32),
+            ("float64", F64, F64),
+        ] {
+            for (dialect, expected) in [(Dialect::Ros1, ros1), (Dialect::Ros2, ros2)] {
+                let found = parse("p/A", &format!("{name} x"), dialect).unwrap();
+                let field = &found.types["p/A"][0];
+                assert_eq!(
+                    (&field.base, field.count),
+                    (&Base::Primitive(expected), Count::One),
+                    "{name}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn lines_that_are_none_are_refused_with_the_line() {
+        for line in [
+            "float64",
+            "float64 # x",
+            "float64 a-b",
+            "[3] x",
+            "int32<=3 x",
+            "string[3][2] x",
+            "float64[-1] x",
+            "float64 #x",
+        ] {
+            let error = parse("p/A", line, Dialect::Ros2).unwrap_err();
+            assert_eq!(
+                error,
+                format!("line `{line}` of `p/A` in its schema cannot be read")
+            );
+        }
+        let long = format!("float64 {}", "-".repeat(200));
+        let error = parse("p/A", &long, Dialect::Ros2).unwrap_err();
+        assert!(error.contains(&format!("`{}`", &long[..80])), "{error}");
+        for line in [
+            "# x",
+            "",
+            "float64 x#y",
+            "float64 x #y",
+            "int32 B = 2 # x",
+            "string S=a b",
+        ] {
+            assert!(
+                parse("p/A", &format!("uint8 z\n{line}"), Dialect::Ros2).is_ok(),
+                "{line}"
+            );
+        }
+        assert!(parse("p/Empty", "", Dialect::Ros2).unwrap().types["p/Empty"].is_empty());
+    }
+
+    #[test]
+    fn a_schema_has_so_many_fields_and_no_more() {
+        let of = |n: usize| parse("p/A", &"uint8 f\n".repeat(n), Dialect::Ros2);
+        assert_eq!(of(MOST_FIELDS).unwrap().types["p/A"].len(), MOST_FIELDS);
+        assert_eq!(of(MOST_FIELDS + 1).unwrap_err(), "its schema is too large");
+    }
+
+    #[test]
+    fn a_relative_name_is_of_its_own_package_first_then_the_only_one() {
+        let line = "=".repeat(80);
+        let other = |package: &str| format!("{line}\nMSG: {package}/msg/B\nint8 x\n");
+        let of =
+            |text: &str| parse("p/A", text, Dialect::Ros2).map(|d| d.types["p/A"][0].base.clone());
+        let message = |name: &str| Ok(Base::Message(name.to_owned()));
+        assert_eq!(
+            of(&format!("B b\n{}{}", other("q"), other("p"))),
+            message("p/B")
+        );
+        assert_eq!(
+            of(&format!("B b\n{}{}", other("q"), other("std_msgs"))),
+            message("std_msgs/B")
+        );
+        assert_eq!(of(&format!("B b\n{}", other("q"))), message("q/B"));
+        let error = of(&format!("B b\n{}{}", other("q"), other("r"))).unwrap_err();
+        assert_eq!(error, "type `B` in `p/A` is not in its schema");
+        // A line of 39 is no line between two types.
+        let short = format!("uint8 a\n{}\nuint8 b", "=".repeat(39));
+        assert!(of(&short).is_err());
+    }
 }

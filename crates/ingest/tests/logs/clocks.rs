@@ -1,13 +1,10 @@
 //! Clocks that run backwards, differ, stand still or start anew.
 
-use super::{
-    ROWS, bytes_of,
-    damage::{read, samples},
-    recording,
-};
+use super::{ROWS, bytes_of, damage::read, recording};
+use maveric_domain::Recording;
 use maveric_ingest::{IngestSettings, Ingested, Mapping, WarningKind, read_log};
 use mcap::WriteOptions;
-use std::{fmt::Write as _, path::Path};
+use std::{collections::BTreeSet, fmt::Write as _, path::Path};
 
 /// A minute, in ns.
 const MINUTE: u64 = 60_000_000_000;
@@ -30,6 +27,13 @@ fn with(bytes: &[u8], time: Clock<'_>) -> Vec<u8> {
 
 fn kinds(found: &Ingested) -> Vec<WarningKind> {
     found.warnings.iter().map(|w| w.kind).collect()
+}
+
+/// Ego's positions and speeds, to the bit.
+fn samples(recording: &Recording) -> BTreeSet<[u64; 3]> {
+    let ego = recording.ego();
+    let of = |i: usize| [ego.x_m[i], ego.y_m[i], ego.speed_mps[i]].map(f64::to_bits);
+    (0..recording.rows()).map(of).collect()
 }
 
 #[test]

@@ -156,71 +156,53 @@ fn a_split_recording_that_lacks_a_part_is_refused_and_recovered_with_its_hole() 
 
 #[test]
 fn an_intact_log_with_one_very_large_message_is_read_and_the_message_counted() {
-    for compression in [None, Some(mcap::Compression::Zstd)] {
-        for chunks in [true, false] {
-            let options = mcap::WriteOptions::new()
-                .compression(compression)
-                .use_chunks(chunks);
-            let mut out = options.create(std::io::Cursor::new(Vec::new())).unwrap();
-            let log = super::bytes_of(&super::recording(false));
-            let map = mcap::Channel {
-                id: 77,
-                topic: "/map".to_owned(),
-                schema: None,
-                message_encoding: "json".to_owned(),
-                metadata: std::collections::BTreeMap::new(),
-            };
-            let large = mcap::Message {
-                channel: std::sync::Arc::new(map),
-                sequence: 0,
-                log_time: 1,
-                publish_time: 1,
-                data: vec![b' '; 40 << 20].into(),
-            };
-            out.write(&large).unwrap();
-            for record in mcap::read::LinearReader::new(&log).unwrap() {
-                if let mcap::records::Record::Metadata(metadata) = record.unwrap() {
-                    out.write_metadata(&metadata).unwrap();
-                }
-            }
-            for message in mcap::MessageStream::new(&log).unwrap() {
-                out.write(&message.unwrap()).unwrap();
-            }
-            out.finish().unwrap();
-            let bytes = out.into_inner().into_inner();
-            let found = super::damage::read(&bytes, false).unwrap();
-            assert_eq!(found.recording.rows(), super::ROWS);
-            let said = |w: &maveric_ingest::Warning| w.what.contains("more than 32 MiB");
-            assert_eq!(found.warnings.iter().filter(|w| said(w)).count(), 1);
+    let mut out = WriteOptions::new()
+        .create(std::io::Cursor::new(Vec::new()))
+        .unwrap();
+    let log = super::bytes_of(&super::recording(false));
+    let map = mcap::Channel {
+        id: 77,
+        topic: "/map".to_owned(),
+        schema: None,
+        message_encoding: "json".to_owned(),
+        metadata: std::collections::BTreeMap::new(),
+    };
+    let large = mcap::Message {
+        channel: std::sync::Arc::new(map),
+        sequence: 0,
+        log_time: 1,
+        publish_time: 1,
+        data: vec![b' '; 40 << 20].into(),
+    };
+    out.write(&large).unwrap();
+    for record in mcap::read::LinearReader::new(&log).unwrap() {
+        if let mcap::records::Record::Metadata(metadata) = record.unwrap() {
+            out.write_metadata(&metadata).unwrap();
         }
     }
+    for message in mcap::MessageStream::new(&log).unwrap() {
+        out.write(&message.unwrap()).unwrap();
+    }
+    out.finish().unwrap();
+    let bytes = out.into_inner().into_inner();
+    let found = super::damage::read(&bytes, false).unwrap();
+    assert_eq!(found.recording.rows(), super::ROWS);
+    let said = |w: &maveric_ingest::Warning| w.what.contains("more than 32 MiB");
+    assert_eq!(found.warnings.iter().filter(|w| said(w)).count(), 1);
 }
 
 #[test]
-fn what_was_read_is_known_by_its_hash_whatever_its_length_and_however_it_ends() {
+fn what_was_read_is_known_by_its_name_and_hash_however_it_ends() {
     let folder = tempfile::tempdir().unwrap();
     let settings = IngestSettings {
         recover: true,
         ..IngestSettings::default()
     };
     let whole = bytes_of(&recording(false));
-    let plain = WriteOptions::new().compression(None).use_chunks(false);
-    let plain = rewritten(&whole, plain, Some);
-    assert!(
-        whole.len() > 128 << 10 || plain.len() > 128 << 10,
-        "one is read on a thread of its own"
-    );
-    let mut damaged = plain.clone();
-    let middle = damaged.len() / 2;
-    damaged[middle..middle + 64].fill(0xff);
-    let cases = [
-        whole.clone(),
-        whole[..whole.len() / 2].to_vec(),
-        plain.clone(),
-        plain[..plain.len() - 1000].to_vec(),
-        damaged,
-    ];
-    for (i, bytes) in cases.iter().enumerate() {
+    for (i, bytes) in [&whole[..], &whole[..whole.len() / 2]]
+        .into_iter()
+        .enumerate()
+    {
         let path = folder.path().join(format!("{i}.mcap"));
         std::fs::write(&path, bytes).unwrap();
         let found = read_log(&path, &settings).unwrap();
