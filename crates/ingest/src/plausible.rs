@@ -54,36 +54,6 @@ pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Result<Vec<Warning>, Ingest
             doubts.push(Warning::new(path, WarningKind::Unit, count, what));
         }
     };
-    let (mut known, mut fast, mut back) = (0, 0, 0);
-    for v in raw.ego.iter().filter_map(|s| s.speed_mps) {
-        known += 1;
-        fast += usize::from(v.abs() > FASTEST_MPS);
-        back += usize::from(v < -MOVING_MPS);
-    }
-    let what = format!("speeds of ego are above {FASTEST_MPS} m/s: is their unit right?");
-    refuse_many(path, fast, known, &what)?;
-    doubt(fast, what);
-
-    let (least, most) = LENGTHS_M;
-    let is_odd = |length_m: f64| !(least..=most).contains(&length_m);
-    let mut odd = usize::from(raw.ego_length_m.is_some_and(is_odd));
-    let mut fast = 0;
-    for object in &raw.objects {
-        fast += usize::from(object.speed_mps.abs() > FASTEST_MPS);
-        odd += usize::from(object.known_length_m().is_some_and(is_odd));
-    }
-    let what = format!("speeds of others are above {FASTEST_MPS} m/s: is their unit right?");
-    refuse_many(path, fast, raw.objects.len(), &what)?;
-    doubt(fast, what);
-    if 2 * back > raw.ego.len() {
-        let what = "ego drives backwards most of the time: is the sign of its speed right?";
-        doubt(back, what.to_owned());
-    }
-    doubt(
-        odd,
-        format!("lengths of vehicles are not between {least} and {most} m: is their unit right?"),
-    );
-
     let ratio = |pair: &[EgoSample]| {
         let dt = pair[1].stamp_ns.saturating_sub(pair[0].stamp_ns) as f64 / 1e9;
         let v = pair[0].speed_mps?.abs();
@@ -93,11 +63,39 @@ pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Result<Vec<Warning>, Ingest
         (told && moved > 0.0).then(|| v * dt / moved)
     };
     let ratios = || raw.ego.windows(2).filter_map(ratio);
-    let (mut count, mut borne_out) = (0, 0);
-    for ratio in ratios() {
-        count += 1;
-        borne_out += usize::from(BORNE_OUT.contains(&ratio));
+    let (least, most) = LENGTHS_M;
+    let is_odd = |length_m: f64| !(least..=most).contains(&length_m);
+    let (mut known, mut fast, mut back, mut count, mut borne_out) = (0, 0, 0, 0, 0);
+    let (mut others_fast, mut odd) = (0, usize::from(raw.ego_length_m.is_some_and(is_odd)));
+    for i in 0..raw.ego.len() {
+        if let Some(v) = raw.ego[i].speed_mps {
+            known += 1;
+            fast += usize::from(v.abs() > FASTEST_MPS);
+            back += usize::from(v < -MOVING_MPS);
+        }
+        if let Some(ratio) = raw.ego.get(i..i + 2).and_then(ratio) {
+            count += 1;
+            borne_out += usize::from(BORNE_OUT.contains(&ratio));
+        }
     }
+    for object in &raw.objects {
+        others_fast += usize::from(object.speed_mps.abs() > FASTEST_MPS);
+        odd += usize::from(object.known_length_m().is_some_and(is_odd));
+    }
+    let what = format!("speeds of ego are above {FASTEST_MPS} m/s: is their unit right?");
+    refuse_many(path, fast, known, &what)?;
+    doubt(fast, what);
+    let what = format!("speeds of others are above {FASTEST_MPS} m/s: is their unit right?");
+    refuse_many(path, others_fast, raw.objects.len(), &what)?;
+    doubt(others_fast, what);
+    if 2 * back > raw.ego.len() {
+        let what = "ego drives backwards most of the time: is the sign of its speed right?";
+        doubt(back, what.to_owned());
+    }
+    doubt(
+        odd,
+        format!("lengths of vehicles are not between {least} and {most} m: is their unit right?"),
+    );
     // Where most are borne out, so is the median.
     if count >= ENOUGH && 2 * borne_out <= count {
         let mut ratios: Vec<f64> = ratios().collect();

@@ -1,6 +1,7 @@
 //! The text of a table: where its header stands, how its cells are separated, and what is wrong with its rows.
 
 use crate::mapping::TableMapping;
+use rayon::prelude::*;
 
 /// Lines that may stand above the header.
 const MOST_PREAMBLE: usize = 64;
@@ -104,10 +105,10 @@ pub(super) fn flaw(text: &[u8], header: &Header) -> Option<Flaw> {
     let mut lines = text.split_inclusive(|&b| b == b'\n');
     let above: usize = lines.by_ref().take(header.preamble).map(<[u8]>::len).sum();
     let text = &text[above..];
-    if memchr::memchr(b'"', text).is_none() {
-        return too_wide(text, header);
-    }
     let width = header.names.len();
+    if is_plain(text, header.separator, width) {
+        return None;
+    }
     // Where the cell begins, whether it began with a quote, and whether that is still open.
     let (mut cell, mut quoted, mut inside) = (0, false, false);
     // The row that is being read, its cells so far, and the row in which the last quoted cell began; 0 is the header.
@@ -137,25 +138,30 @@ pub(super) fn flaw(text: &[u8], header: &Header) -> Option<Flaw> {
     (row > 0 && last).then_some(Flaw::TooWide { row, found })
 }
 
-/// The first row with too many cells of a text without quotes: every line of it is a row.
-fn too_wide(text: &[u8], header: &Header) -> Option<Flaw> {
-    let width = header.names.len();
-    let mut start = 0;
-    for (row, end) in memchr::memchr_iter(b'\n', text)
-        .chain([text.len()])
-        .enumerate()
-    {
-        let line = &text[start..end];
-        start = end + 1;
-        let found = memchr::memchr_iter(header.separator, line).count() + 1;
-        if row > 0 && found > width {
-            let last = memchr::memrchr(header.separator, line).map_or(0, |at| at + 1);
-            if found > width + 1 || !line[last..].trim_ascii().is_empty() {
-                return Some(Flaw::TooWide { row, found });
-            }
-        }
-    }
-    None
+/// Bytes of text that a thread looks through at a time.
+const PIECE: usize = 1 << 20;
+
+/// Whether a text has neither quotes nor a line of more cells than `width`, as almost every table: told without looking at cells.
+fn is_plain(text: &[u8], separator: u8, width: usize) -> bool {
+    let line_after =
+        |at: usize| memchr::memchr(b'\n', &text[at..]).map_or(text.len(), |n| at + n + 1);
+    let fits = |line: &[u8]| {
+        let found = memchr::memchr_iter(separator, line).count() + 1;
+        let ends = || line.trim_ascii_end().ends_with(&[separator]);
+        found <= width || (found == width + 1 && ends())
+    };
+    // Lines that begin in a piece are its own.
+    let piece = |start: usize| {
+        let from = start.checked_sub(1).map_or(0, line_after);
+        let lines = &text[from..line_after(text.len().min(start + PIECE) - 1)];
+        let mut ends = memchr::memchr_iter(b'\n', lines).chain([lines.len()]);
+        let mut begin = 0;
+        let line = |end| fits(&lines[std::mem::replace(&mut begin, end + 1)..end]);
+        memchr::memchr(b'"', lines).is_none() && ends.all(line)
+    };
+    (0..text.len().div_ceil(PIECE))
+        .into_par_iter()
+        .all(|i| piece(i * PIECE))
 }
 
 pub(super) fn same_name(a: &str, b: &str) -> bool {
