@@ -5,7 +5,7 @@ use maveric_domain::{
     ConditionId,
     design::{ScoreName, Sign},
 };
-use maveric_stats::{ByDesign, Effect, MixedModel, PosthocTest, Proportion};
+use maveric_stats::{ByDesign, Effect, MixedModel, PosthocTest, Proportion, apa};
 use serde::{Deserialize, Serialize};
 
 /// Every analysis of one study, as its design asks for it (method section 9).
@@ -69,6 +69,18 @@ pub struct Correlation {
     pub ci_low: Option<f64>,
     /// Upper end.
     pub ci_high: Option<f64>,
+}
+
+impl Correlation {
+    /// As APA writes it; `None` where the coefficient does not exist.
+    pub fn statement(&self) -> Option<apa::Statement> {
+        let write = match self.method.as_str() {
+            "spearman" => apa::rho,
+            "rm_corr" => apa::r_rm,
+            _ => apa::r,
+        };
+        Some(write(self.r?, self.df, self.p?))
+    }
 }
 
 /// The position on the aggression line against measures and score.

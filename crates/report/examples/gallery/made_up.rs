@@ -9,45 +9,37 @@ use maveric_report::html::{
     Input, Live, LiveContent, Methods, ParameterFile, Provenance, Section, SpaceDrive, SpacePerson,
     StyleSpace,
 };
-use maveric_report::tables::{
-    AccuracyRow, Coefficient, Correlation, CorrelationRow, Exclusion, Table, accuracy, correlations,
-};
-use maveric_report::{Card, CardNumber, Context, Report, ReportError, Tone};
+use maveric_report::tables::{Cell, Exclusion, Table};
+use maveric_report::{Card, CardNumber, Context, Report, ReportError, Tone, apa};
 use std::collections::BTreeMap;
 
 fn tables() -> Vec<Table> {
-    let correlation = |coefficient, value, df, p| {
-        Some(Correlation {
-            coefficient,
-            value,
-            df,
-            p,
-        })
-    };
-    let rows = [
+    let accuracy = [
         ("Mean velocity", 0.96, 0.936),
         ("Mean headway time", 0.79, 0.802),
-    ]
-    .map(|(measure, ours, paper)| AccuracyRow {
-        measure: measure.into(),
-        n: PARTICIPANTS,
-        ours: Some(ours),
-        paper: Some(paper),
-        population_mean: Some(0.8 * ours),
-        test_retest: None,
-    });
+    ];
+    let percent = |share: f64| Cell::number(Some(100.0 * share), 1);
     vec![
-        accuracy("Mimic", &rows),
-        correlations(
-            &[CorrelationRow {
-                independent: "Conscientiousness <script>".into(),
-                dependent: "M−C competence".into(),
-                ours: correlation(Coefficient::Spearman, -0.51, 22, 0.011),
-                repeated: None,
-                paper: correlation(Coefficient::Spearman, -0.71, 22, 0.0001),
-            }],
-            PARTICIPANTS,
-        ),
+        Table::of(
+            "accuracy",
+            "How near Mimic comes to the own drive (%)",
+            accuracy,
+        )
+        .text("Measure", |row| row.0)
+        .right("*n*", |_| Cell::count(PARTICIPANTS))
+        .right("Accuracy", |row| percent(row.1))
+        .right("Paper", |row| percent(row.2))
+        .noted("Accuracy: 1 − |car − driver| / driver, mean over drivers. No test."),
+        Table::of(
+            "correlations",
+            "Personality against ratings",
+            ["Conscientiousness <script>"],
+        )
+        .text("Independent", |row| *row)
+        .text("Dependent", |_| "M−C competence")
+        .left("Here", |_| Cell::said(Some(&apa::rho(-0.51, 22, 0.011))))
+        .left("Paper", |_| Cell::said(Some(&apa::rho(-0.71, 22, 0.0001))))
+        .noted(format!("*n* = {PARTICIPANTS} participants.")),
     ]
 }
 

@@ -65,8 +65,6 @@ pub enum Cell {
     P(f64),
     /// Not there: an empty field in the CSV, a dash elsewhere.
     Missing,
-    /// Not there, for a reason: a dash with a letter, and the reason below the table.
-    MissingBecause(String),
 }
 
 impl Cell {
@@ -81,14 +79,6 @@ impl Cell {
             value: count as f64,
             decimals: 0,
         }
-    }
-
-    /// A number, or missing for a reason.
-    pub fn number_or(value: Option<f64>, decimals: usize, reason: &str) -> Self {
-        value.map_or_else(
-            || Self::MissingBecause(reason.to_owned()),
-            |value| Self::Number { value, decimals },
-        )
     }
 
     /// A number, or missing.
@@ -106,6 +96,11 @@ impl Cell {
         p.map_or(Self::Missing, Self::P)
     }
 
+    /// What a test says, as APA writes it, or missing.
+    pub fn said(found: Option<&apa::Statement>) -> Self {
+        found.map_or(Self::Missing, |said| Self::Marked(said.markup().to_owned()))
+    }
+
     /// As shown, with marks.
     pub(crate) fn marked(&self) -> String {
         match self {
@@ -114,16 +109,9 @@ impl Cell {
             Self::Number { value, decimals } => apa::number(*value, *decimals),
             Self::Bounded { value, decimals } => apa::bounded(*value, *decimals),
             Self::P(p) => apa::p_cell(*p),
-            Self::Missing | Self::MissingBecause(_) => "–".to_owned(),
+            Self::Missing => "–".to_owned(),
         }
     }
-}
-
-/// The letters `a`, `b` … `z`, `aa` … of the reasons below a table.
-fn letters(index: usize) -> String {
-    let letter = char::from(b'a' + (index % 26) as u8);
-    let before = (index / 26).checked_sub(1).map(letters).unwrap_or_default();
-    format!("{before}{letter}")
 }
 
 impl Column {
@@ -145,46 +133,11 @@ impl Column {
 }
 
 impl Table {
-    /// Why cells are missing, each reason once, in the order of the rows.
-    fn reasons(&self) -> Vec<&str> {
-        let mut reasons: Vec<&str> = Vec::new();
-        for cell in self.rows.iter().flatten() {
-            if let Cell::MissingBecause(reason) = cell
-                && !reasons.contains(&reason.as_str())
-            {
-                reasons.push(reason);
-            }
-        }
-        reasons
-    }
-
-    /// The rows as shown, with marks: a missing cell carries the letter of its reason.
+    /// The rows as shown, with marks.
     pub(crate) fn shown(&self) -> Vec<Vec<String>> {
-        let reasons = self.reasons();
-        let shown = |cell: &Cell| match cell {
-            Cell::MissingBecause(reason) => {
-                let index = reasons.iter().position(|known| known == reason);
-                format!("–^{{{}}}", index.map(letters).unwrap_or_default())
-            }
-            other => other.marked(),
-        };
-        self.rows
-            .iter()
-            .map(|row| row.iter().map(shown).collect())
+        let rows = self.rows.iter();
+        rows.map(|row| row.iter().map(Cell::marked).collect())
             .collect()
-    }
-
-    /// The notes as shown, with marks: the reasons come last.
-    pub(crate) fn shown_notes(&self) -> Vec<String> {
-        let reasons = self.reasons().into_iter().enumerate();
-        let reasons = reasons.map(|(index, reason)| {
-            format!(
-                "^{{{}}} {}.",
-                letters(index),
-                markup::literal(reason.trim_end_matches('.'))
-            )
-        });
-        self.notes.iter().cloned().chain(reasons).collect()
     }
 
     /// Checks that every row fits the columns and every number is finite.

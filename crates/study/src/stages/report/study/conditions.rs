@@ -2,7 +2,7 @@
 
 use super::{Run, said, watch};
 use crate::{error::StudyError, stages::report::keys::short, watching::WatchedDrive};
-use maveric_analysis::{Contrast, Panel, Reproduction};
+use maveric_analysis::{Contrast, Panel};
 use maveric_domain::design::Sign;
 use maveric_report::{
     apa,
@@ -14,10 +14,9 @@ use maveric_report::{
     },
     html::Section,
     markup,
-    tables::{self, AccuracyRow, Cell},
+    tables::{self, Cell},
 };
 use maveric_stats::{Adjustment, PosthocTest, apa::Statements};
-use std::collections::BTreeMap;
 
 pub(super) fn section_conditions(
     run: &Run,
@@ -78,25 +77,38 @@ pub(super) fn section_conditions(
     })
 }
 
-/// How near the car at 0 on the dial comes to the person; `None` where there is none.
+/// How near the car at 0 on the dial comes to the person, beside the paper's number where it printed one; `None` where there is no such car.
 fn accuracy_table(run: &Run, ledger: &[LedgerRow]) -> Option<tables::Table> {
-    let condition = run.analysis.reproduction.first()?.condition;
-    let reported: BTreeMap<&str, f64> = ledger
-        .iter()
-        .map(|row| (row.claim.key.as_str(), row.claim.printed.value))
-        .collect();
-    let row = |r: &Reproduction| AccuracyRow {
-        measure: r.title.clone(),
-        n: r.n,
-        ours: r.mean,
-        paper: reported
-            .get(format!("accuracy.{condition}.{}", short(&r.measure)).as_str())
-            .map(|v| v / 100.0),
-        population_mean: r.population_mean,
-        test_retest: r.second_drive,
+    let rows = &run.analysis.reproduction;
+    let condition = rows.first()?.condition;
+    let paper = |measure: &str| {
+        let key = format!("accuracy.{condition}.{}", short(measure));
+        let row = ledger.iter().rfind(|row| row.claim.key == key)?;
+        Some(row.claim.printed.value / 100.0)
     };
-    let rows: Vec<AccuracyRow> = run.analysis.reproduction.iter().map(row).collect();
-    Some(tables::accuracy(&run.design.label(condition), &rows))
+    let percent = |share: Option<f64>| Cell::number(share.map(|share| 100.0 * share), 1);
+    // Nobody drove twice: then there is no column for it.
+    let twice = rows.iter().any(|r| r.second_drive.is_some());
+    let printed = rows.iter().any(|r| paper(&r.measure).is_some());
+    let label = run.label(condition);
+    let title = format!("How near {label} comes to the own drive (%)");
+    let more = if twice {
+        " The same driver’s second drive is about the ceiling."
+    } else {
+        ""
+    };
+    let table = tables::Table::of("accuracy", title, rows)
+        .text("Measure", |r| &r.title)
+        .right("*n*", |r| Cell::count(r.n))
+        .right("Accuracy", |r| percent(r.mean))
+        .and_if(printed, |table| table.right("Paper", |r| percent(paper(&r.measure))))
+        .right("Mean of the training drivers as guess", |r| percent(r.population_mean))
+        .and_if(twice, |table| table.right("Same driver, two drives", |r| percent(r.second_drive)))
+        .noted(format!(
+            "Accuracy: 1 − |car − driver| / driver, mean over drivers. A driver without a value in one of the two drives \
+             is left out of that row. The guess is the floor: what no personalising gives. No test.{more}"
+        ));
+    Some(table)
 }
 
 /// Which habits a move across the dial changes; `None` where no car moves across it.

@@ -1,6 +1,6 @@
 //! The second section: the embedding space and the aggression line.
 
-use super::{Run, printed, said, statement};
+use super::{Run, printed, said};
 use crate::{
     error::StudyError,
     run_folder::{MODEL_FILE, embeddings_path},
@@ -22,7 +22,7 @@ use maveric_report::{
     },
     html::{Live, LiveContent, Section, SpaceDrive, SpacePerson, StyleSpace},
     markup,
-    tables::{Cell, Correlation, Table},
+    tables::{Cell, Table},
 };
 use std::path::Path;
 
@@ -97,7 +97,8 @@ fn line_table(run: &Run, line: &Line, ledger: &[LedgerRow]) -> Table {
     let paper = |row: &LineRow| printed(ledger, &format!("line.{}.r", short(&row.measure)));
     let without = |row: &LineRow| {
         let mut others = run.analysis.line_without_adb.as_ref()?.rows.iter();
-        statement(&others.find(|r| r.measure == row.measure)?.correlation)
+        let other = others.find(|r| r.measure == row.measure)?;
+        other.correlation.statement()
     };
     let reported = line.rows.iter().any(|row| paper(row).is_some());
     Table::of(
@@ -106,12 +107,14 @@ fn line_table(run: &Run, line: &Line, ledger: &[LedgerRow]) -> Table {
         &line.rows,
     )
     .text("Measure", |row| &row.title)
-    .left("Here", |row| Correlation::cell(statement(&row.correlation)))
+    .left("Here", |row| {
+        Cell::said(row.correlation.statement().as_ref())
+    })
     .left("Here, fitted without *L*_{4}", |row| {
-        Correlation::cell(without(row))
+        Cell::said(without(row).as_ref())
     })
     .and_if(reported, |table| {
-        table.left("Paper", |row| Correlation::cell(paper(row)))
+        table.left("Paper", |row| Cell::said(paper(row).as_ref()))
     })
     .noted(format!(
         "*n* = {} test participants. With *L*_{{4}} the score itself ({}) takes part in \

@@ -1,8 +1,8 @@
 //! The fifth section: who prefers what, and what goes with it.
 
-use super::{Run, printed, statement};
+use super::{Run, printed};
 use crate::error::StudyError;
-use maveric_analysis::{HomophilyRow, MixedRow};
+use maveric_analysis::{Correlation, HomophilyRow, MixedRow};
 use maveric_report::{
     apa,
     claims::LedgerRow,
@@ -11,7 +11,7 @@ use maveric_report::{
         preference::{Preferences, ScalePreference, preference},
     },
     html::Section,
-    tables::{self, Cell, CorrelationRow, Table},
+    tables::{Cell, Table},
 };
 
 /// `None` for a study that declared no family and in which nobody can prefer another style.
@@ -23,54 +23,17 @@ pub(super) fn section_homophily(
     if a.homophily.is_empty() && a.preferences.is_empty() && a.similarity.is_empty() {
         return Ok(None);
     }
-    let shown = |row: &&HomophilyRow| {
-        let key = format!("{}.r", row.key());
-        row.correlation.p.is_some_and(|p| p < 0.05) || ledger.iter().any(|l| l.claim.key == key)
+    let tested = a.homophily.iter().filter(|r| r.correlation.p.is_some());
+    let tested = tested.count();
+    let below = |p: fn(&HomophilyRow) -> Option<f64>| {
+        let low = |row: &&HomophilyRow| p(row).is_some_and(|p| p < 0.05);
+        a.homophily.iter().filter(low).count()
     };
-    let mut rows: Vec<CorrelationRow> = run
-        .analysis
-        .homophily
-        .iter()
-        .filter(shown)
-        .map(|row| CorrelationRow {
-            independent: row.title.clone(),
-            dependent: dependent(run, row),
-            ours: statement(&row.correlation),
-            repeated: None,
-            paper: printed(ledger, &format!("{}.r", row.key())),
-        })
-        .collect();
-    rows.extend(run.analysis.similarity.iter().map(|row| CorrelationRow {
-        independent: "Perceived similarity".to_owned(),
-        dependent: row.title.clone(),
-        ours: statement(&row.pooled),
-        repeated: statement(&row.within),
-        paper: printed(ledger, &format!("similarity.{}.r", row.rating)),
-    }));
-    let tested = run
-        .analysis
-        .homophily
-        .iter()
-        .filter(|r| r.correlation.p.is_some())
-        .count();
-    let low = run
-        .analysis
-        .homophily
-        .iter()
-        .filter(|r| r.correlation.p.is_some_and(|p| p < 0.05))
-        .count();
-    let holm = run
-        .analysis
-        .homophily
-        .iter()
-        .filter(|r| r.p_holm.is_some_and(|p| p < 0.05))
-        .count();
-    let bh = run
-        .analysis
-        .homophily
-        .iter()
-        .filter(|r| r.p_bh.is_some_and(|p| p < 0.05))
-        .count();
+    let (low, holm, bh) = (
+        below(|r| r.correlation.p),
+        below(|r| r.p_holm),
+        below(|r| r.p_bh),
+    );
     let mut figures = Vec::new();
     if let Some(bars) = bars(run) {
         figures.push(preference(&bars, &run.context)?);
@@ -96,10 +59,44 @@ pub(super) fn section_homophily(
         title: "Who wants to be driven as they drive?".to_owned(),
         intro: intro.into_iter().collect(),
         figures,
-        tables: std::iter::once(tables::correlations(&rows, run.analysis.participants))
+        tables: std::iter::once(correlations(run, ledger))
             .chain(mixed(run))
             .collect(),
     }))
+}
+
+/// The pairs of the family that the claims name or that are below .05 here, then similarity.
+fn correlations(run: &Run, ledger: &[LedgerRow]) -> Table {
+    let a = &run.analysis;
+    let shown = |row: &&HomophilyRow| {
+        let key = format!("{}.r", row.key());
+        row.correlation.p.is_some_and(|p| p < 0.05) || ledger.iter().any(|l| l.claim.key == key)
+    };
+    let family = a.homophily.iter().filter(shown).map(|row| {
+        let key = format!("{}.r", row.key());
+        let words = (row.title.as_str(), dependent(run, row));
+        (words, &row.correlation, None::<&Correlation>, key)
+    });
+    let similarity = a.similarity.iter().map(|row| {
+        let key = format!("similarity.{}.r", row.rating);
+        let words = ("Perceived similarity", row.title.clone());
+        (words, &row.pooled, Some(&row.within), key)
+    });
+    let title = "Personality, driving style and similarity against ratings";
+    Table::of("correlations", title, family.chain(similarity))
+        .text("Independent", |(words, ..)| words.0)
+        .text("Dependent", |(words, ..)| words.1.clone())
+        .left("Here", |(_, here, ..)| Cell::said(here.statement().as_ref()))
+        .left("Here, repeated measures", |(.., repeated, _)| {
+            Cell::said(repeated.and_then(Correlation::statement).as_ref())
+        })
+        .left("Paper", |(.., key)| Cell::said(printed(ledger, key).as_ref()))
+        .noted(format!(
+            "*n* = {} participants. Pearson’s *r* where assumptions hold, else Spearman’s *ρ*; *p* values are not adjusted. Rows with more \
+             pairs than participants repeat each participant once a condition: *r*_{{rm}} takes that into account. Paper: its own, real \
+             participants.",
+            a.participants
+        ))
 }
 
 /// What a factor is held against.

@@ -1,14 +1,18 @@
 //! What a paper about a study is written from: its methods, from the design and the results.
 
-use super::{Run, enumerated, methods::Paragraph, setting::done};
+use super::{
+    Run, enumerated,
+    methods::Paragraph,
+    setting::{Reliable, done},
+};
 use maveric_measures::objective;
-use maveric_report::{Manuscript, apa, markup, tables::Reliability};
+use maveric_report::{Manuscript, apa, markup};
 
 /// Methods under the headings that journals ask for, with the questionnaires' references.
 pub(super) fn manuscript(
     run: &Run,
     paragraphs: &[Paragraph],
-    reliabilities: &[Reliability],
+    reliabilities: &[Reliable],
 ) -> Manuscript {
     let about = |wanted: &[&str]| -> Vec<String> {
         let of = paragraphs
@@ -42,7 +46,7 @@ pub(super) fn manuscript(
 }
 
 /// Whether somebody answered a scale.
-fn asked(scale: &str, reliabilities: &[Reliability]) -> bool {
+fn asked(scale: &str, reliabilities: &[Reliable]) -> bool {
     reliabilities
         .iter()
         .any(|r| r.id.split('.').next() == Some(scale))
@@ -64,7 +68,7 @@ fn measures(run: &Run) -> Vec<String> {
 }
 
 /// Each questionnaire with its items and how its scales hold together here.
-fn questionnaires(run: &Run, reliabilities: &[Reliability]) -> Vec<String> {
+fn questionnaires(run: &Run, reliabilities: &[Reliable]) -> Vec<String> {
     let mut found = Vec::new();
     for scale in run.scales.iter().filter(|s| asked(&s.id, reliabilities)) {
         let mine = reliabilities
@@ -74,8 +78,8 @@ fn questionnaires(run: &Run, reliabilities: &[Reliability]) -> Vec<String> {
             .filter_map(|r| {
                 Some(format!(
                     "{} *α* = {}",
-                    markup::literal(&r.scale),
-                    apa::bounded(r.alpha?, 2)
+                    markup::literal(&r.title),
+                    apa::bounded(r.found.alpha?, 2)
                 ))
             })
             .collect();

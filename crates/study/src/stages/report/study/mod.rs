@@ -33,13 +33,13 @@ use conditions::{section_conditions, section_kept};
 use embedding::{live, section_embedding};
 use homophily::section_homophily;
 use learned::section_model;
-use maveric_analysis::Correlation as Found;
+use maveric_analysis::Correlation;
 use maveric_domain::Road;
 use maveric_report::{
-    Report,
+    Report, apa,
     claims::{self, LedgerRow},
     html::{Methods, Provenance, Section},
-    tables::{Coefficient, Correlation, Exclusion},
+    tables::Exclusion,
 };
 pub(in crate::stages::report) use run::Run;
 use setting::{listed_exclusions, reliabilities, section_study};
@@ -330,25 +330,12 @@ fn percent(value: Option<f64>) -> String {
     )
 }
 
-fn said(c: &Found) -> String {
-    match statement(c) {
-        Some(s) => s.statement().markup().to_owned(),
-        None => format!("not computed from {} pairs", c.n),
-    }
-}
-
-fn statement(c: &Found) -> Option<Correlation> {
-    let coefficient = match c.method.as_str() {
-        "spearman" => Coefficient::Spearman,
-        "rm_corr" => Coefficient::RepeatedMeasures,
-        _ => Coefficient::Pearson,
-    };
-    Some(Correlation {
-        coefficient,
-        value: c.r?,
-        df: c.df,
-        p: c.p?,
-    })
+/// A correlation in words with marks.
+fn said(c: &Correlation) -> String {
+    c.statement().map_or_else(
+        || format!("not computed from {} pairs", c.n),
+        |said| said.markup().to_owned(),
+    )
 }
 
 /// The lines that a run ends with.
@@ -385,12 +372,12 @@ fn findings(run: &Run) -> Vec<String> {
     lines
 }
 
-fn printed(ledger: &[LedgerRow], key: &str) -> Option<Correlation> {
+/// The correlation that the paper printed.
+fn printed(ledger: &[LedgerRow], key: &str) -> Option<apa::Statement> {
     let claim = &ledger.iter().find(|row| row.claim.key == key)?.claim;
-    let coefficient = if claim.quantity == claims::Quantity::Rho {
-        Coefficient::Spearman
-    } else {
-        Coefficient::Pearson
+    let write = match claim.quantity {
+        claims::Quantity::Rho => apa::rho,
+        _ => apa::r,
     };
     let printed = claim.printed_p.as_ref()?;
     // "< .001" is printed again as such, not as ".001".
@@ -399,10 +386,5 @@ fn printed(ledger: &[LedgerRow], key: &str) -> Option<Correlation> {
     } else {
         printed.value
     };
-    Some(Correlation {
-        coefficient,
-        value: claim.printed.value,
-        df: claim.df? as usize,
-        p,
-    })
+    Some(write(claim.printed.value, claim.df? as usize, p))
 }

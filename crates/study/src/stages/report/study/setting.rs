@@ -6,19 +6,20 @@ use crate::{
     run_folder::lists,
     stages::{
         report::{people::People, scene},
-        score,
+        score::Reliability,
     },
     tables::{Table as File, embeddings::read_embeddings},
 };
 use maveric_domain::{Scale, design::By};
 use maveric_report::{
+    apa,
     figures::{
         domain,
         flow::{Flow, flow},
         simulator_view,
     },
     html::Section,
-    tables::{self, Exclusion, Reliability},
+    tables::{self, Cell, Exclusion, Table},
 };
 use std::{collections::BTreeSet, path::Path};
 
@@ -26,7 +27,7 @@ pub(super) fn section_study(
     folder: &Path,
     run: &Run,
     people: &People,
-    reliabilities: &[Reliability],
+    reliabilities: &[Reliable],
 ) -> Result<Section, StudyError> {
     let mut figures = vec![flow(&flow_of(run), &run.context)?];
     if run.model.is_some() {
@@ -43,7 +44,7 @@ pub(super) fn section_study(
         run.analysis.synthetic,
     )];
     if !reliabilities.is_empty() {
-        tables.push(tables::reliabilities(reliabilities));
+        tables.push(reliability_table(reliabilities));
     }
     Ok(Section {
         title: "The study".to_owned(),
@@ -142,10 +143,15 @@ fn flow_of(run: &Run) -> Flow {
     }
 }
 
-pub(super) fn reliabilities(
-    folder: &Path,
-    scales: &[Scale],
-) -> Result<Vec<Reliability>, StudyError> {
+/// How well the items of a score agree, and what the page calls it.
+pub(super) struct Reliable {
+    /// `SCALE.SUBSCALE`, to find it by.
+    pub(super) id: String,
+    pub(super) title: String,
+    pub(super) found: Reliability,
+}
+
+pub(super) fn reliabilities(folder: &Path, scales: &[Scale]) -> Result<Vec<Reliable>, StudyError> {
     let mut rows = Vec::new();
     for file in [
         "scores_reliabilities.csv",
@@ -160,18 +166,33 @@ pub(super) fn reliabilities(
         } else {
             ""
         };
-        let found: Vec<score::Reliability> = File::read(&path)?.records()?;
-        rows.extend(found.into_iter().map(|row| Reliability {
-            id: format!("{}.{}{when}", row.scale, row.subscale),
-            scale: format!("{}{when}", titled(scales, &row.scale, &row.subscale)),
-            items: row.items,
-            n: row.n,
-            alpha: row.alpha,
-            interval: row.ci_low.zip(row.ci_high),
-            omega: row.omega,
+        let all: Vec<Reliability> = File::read(&path)?.records()?;
+        rows.extend(all.into_iter().map(|found| Reliable {
+            id: format!("{}.{}{when}", found.scale, found.subscale),
+            title: format!("{}{when}", titled(scales, &found.scale, &found.subscale)),
+            found,
         }));
     }
     Ok(rows)
+}
+
+fn reliability_table(rows: &[Reliable]) -> Table {
+    let interval = |r: &Reliability| {
+        let (low, high) = r.ci_low.zip(r.ci_high)?;
+        let [low, high] = [low, high].map(|v| apa::bounded(v, 2));
+        Some(Cell::text(format!("[{low}, {high}]")))
+    };
+    Table::of("reliabilities", "Reliability of the questionnaires", rows)
+        .text("Scale", |row| &row.title)
+        .right("Items", |row| Cell::count(row.found.items))
+        .right("*n*", |row| Cell::count(row.found.n))
+        .right("Cronbach’s *α*", |row| Cell::bounded(row.found.alpha, 2))
+        .right("95% CI", |row| interval(&row.found).unwrap_or(Cell::Missing))
+        .right("McDonald’s *ω*", |row| Cell::bounded(row.found.omega, 2))
+        .noted(
+            "*n*: answer sheets on which every item of the scale is answered. The interval of *α* is Feldt’s; where people \
+             answered several sheets each, that of a bootstrap which draws whole people.",
+        )
 }
 
 /// What its file calls a subscale: `Mini-IPIP: Openness`; the ids where there is no file.

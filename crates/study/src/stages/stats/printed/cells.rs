@@ -66,7 +66,7 @@ pub(super) fn shown(cell: &Cell) -> String {
         Cell::Number { value, decimals } => apa::number(*value, *decimals),
         Cell::Bounded { value, decimals } => apa::bounded(*value, *decimals),
         Cell::P(p) => apa::p_cell(*p),
-        Cell::Missing | Cell::MissingBecause(_) => "–".to_owned(),
+        Cell::Missing => "–".to_owned(),
     }
 }
 

@@ -6,18 +6,17 @@ mod paper;
 mod people;
 mod style;
 
-use super::Run;
+use super::{Run, setting::Reliable};
 use crate::stages::report::answers::{card, interval, number, plot};
 use maveric_analysis::Judged;
 use maveric_report::claims::LedgerRow;
 use maveric_report::figures::intervals::{IntervalRow, Intervals};
-use maveric_report::tables::Reliability;
 use maveric_report::{Card, apa, markup};
 
 /// A card a question, in the order in which a reader asks: what was declared first, then does it work, for whom, can it be trusted.
 pub(super) fn cards(
     run: &Run,
-    reliabilities: &[Reliability],
+    reliabilities: &[Reliable],
     ledger: Option<&[LedgerRow]>,
 ) -> Vec<Card> {
     let declared = run.analysis.hypotheses.iter().enumerate();

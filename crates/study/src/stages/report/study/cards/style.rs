@@ -1,16 +1,15 @@
 //! What the learned style holds: the score, and habits beside it.
 
-use super::super::{Run, enumerated, said};
+use super::super::{Run, enumerated, said, setting::Reliable};
 use crate::stages::report::answers::{card, interval, number, plot};
 use maveric_analysis::Verdict;
 use maveric_analysis::verdict::directed;
 use maveric_domain::design::Sign;
 use maveric_report::figures::intervals::IntervalRow;
-use maveric_report::tables::Reliability;
 use maveric_report::{Card, apa, markup};
 
 /// Does the learned style hold what the driver's score says?
-pub(super) fn line(run: &Run, reliabilities: &[Reliability]) -> Option<Card> {
+pub(super) fn line(run: &Run, reliabilities: &[Reliable]) -> Option<Card> {
     let a = &run.analysis;
     let score =
         |line: &maveric_analysis::AggressionLine| line.rows.last().map(|r| r.correlation.clone());
@@ -42,7 +41,7 @@ pub(super) fn line(run: &Run, reliabilities: &[Reliability]) -> Option<Card> {
     let alpha = reliabilities
         .iter()
         .find(|r| r.id == wanted)
-        .and_then(|r| r.alpha);
+        .and_then(|r| r.found.alpha);
     let ceiling = alpha.filter(|a| *a > 0.0).map(f64::sqrt);
     let mut rows: Vec<IntervalRow> = without
         .iter()
