@@ -69,6 +69,8 @@ fn train_networks(
     let quality = quality(&model, &data)?;
     let trained = model.training().iter();
     let embeddings = trained.map(|t| (t.drive.clone(), t.embedding.clone()));
+    let left_out = data.left_out.iter();
+    let left_out = left_out.map(|(loss, why)| format!("{loss}: {why}"));
     Ok(Trained {
         embeddings: embeddings.collect(),
         report: TrainingReport {
@@ -83,7 +85,7 @@ fn train_networks(
                 rows: data.rows.len(),
                 following_rows: data.count(|r| r.following_distance_m.is_some()),
                 lane_change_rows: data.count(|r| r.lane_change == Some(true)),
-                left_out: data.left_out,
+                left_out: left_out.collect(),
             }),
             warnings: data.warnings,
         },

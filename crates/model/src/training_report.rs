@@ -4,13 +4,12 @@ use crate::{
     epochs::EpochReport,
     error::ModelWarning,
     heads::{HeadReport, StyleHead},
-    losses::Loss,
     model::Model,
     quality::Quality,
     selection::Selection,
 };
 use maveric_domain::{DriveId, Embedding};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What training makes.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,20 +40,21 @@ pub struct TrainingReport {
 }
 
 /// How the paper's networks were trained.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NetworkReport {
-    /// Every epoch of the run that made the model, in order.
-    pub epochs: Vec<EpochReport>,
-    /// The run that kept people back, unless there was none.
-    pub selection: Option<Selection>,
-    /// How good the predictions of the networks that drive are, on the rows that they learned from.
-    pub quality: Quality,
-    /// Losses without data, and why.
-    pub left_out: Vec<(Loss, &'static str)>,
     /// Rows learned from.
     pub rows: usize,
     /// Rows among them at which ego follows.
     pub following_rows: usize,
     /// Rows among them at which a lane change is being started.
     pub lane_change_rows: usize,
+    /// Losses without data, and why.
+    pub left_out: Vec<String>,
+    /// Every epoch of the run that made the model, in order.
+    pub epochs: Vec<EpochReport>,
+    /// The run that kept people back, unless there was none: its losses on both parts, what stopped it, and how good its predictions
+    /// are for people it has not learned from.
+    pub selection: Option<Selection>,
+    /// How good the predictions of the networks that drive are, on the rows that they learned from.
+    pub quality: Quality,
 }

@@ -1,10 +1,10 @@
 //! Every test that a report prints, by name.
 
 use maveric_analysis::{Analysis, Correlation, Panel};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Which part of the report a test belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Part {
     /// 9.1, aggression line.

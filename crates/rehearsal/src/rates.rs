@@ -2,14 +2,14 @@
 
 use crate::outcomes::{Found, Part};
 use maveric_stats::{Proportion, proportion};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Level of every test.
 pub const ALPHA: f64 = 0.05;
 
 /// One test over the studies of a cell.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct TestRate {
     /// Part of the report.
     pub part: Part,
@@ -32,7 +32,7 @@ pub struct TestRate {
 }
 
 /// One family over the studies of a cell.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FamilyRate {
     /// Name of the family.
     pub family: String,
@@ -45,7 +45,7 @@ pub struct FamilyRate {
 }
 
 /// Studies of one size and one scale of the effects.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Cell {
     /// Participants of each study.
     pub participants: usize,

@@ -150,6 +150,21 @@ pub fn read_text(path: &Path) -> Result<String, StudyError> {
     Ok(text)
 }
 
+/// What a file says, by its reader; nothing where it is not there.
+///
+/// # Errors
+/// As the reader.
+pub(crate) fn if_there<T: Default>(
+    path: &Path,
+    read: impl FnOnce(&Path) -> Result<T, StudyError>,
+) -> Result<T, StudyError> {
+    if path.is_file() {
+        read(path)
+    } else {
+        Ok(T::default())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

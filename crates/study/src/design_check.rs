@@ -1,6 +1,11 @@
 //! A design held against what there is: scales, measures, people, drives and answers.
 
-use crate::{design::DesignFile, error::StudyError, run_folder::read_scales, tables::Table};
+use crate::{
+    design::DesignFile,
+    error::StudyError,
+    run_folder::{read_scales, score_range},
+    tables::Table,
+};
 use maveric_domain::{
     Scale,
     design::{DesignError, Quantity, ScoreName},
@@ -123,12 +128,7 @@ fn style_range(study: &DesignFile, scales: &[Scale]) -> Result<(), DesignError> 
     let Some(style) = study.design.style() else {
         return Ok(());
     };
-    let scale = scales.iter().find(|s| s.id == style.score.scale);
-    let subscale = scale.and_then(|s| s.subscales.iter().find(|u| u.id == style.score.subscale));
-    let Some((low, high)) = scale
-        .zip(subscale)
-        .map(|(scale, sub)| scale.score_range(sub))
-    else {
+    let Some((low, high)) = score_range(scales, &style.score) else {
         return Ok(());
     };
     let [from, to] = style.range.unwrap_or([low, high]);

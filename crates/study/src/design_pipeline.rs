@@ -30,6 +30,11 @@ impl Stage {
         self
     }
 
+    /// The same, if there is that to read.
+    fn and_if(self, wanted: bool, cmd: &str, inputs: &str) -> Self {
+        if wanted { self.and(cmd, inputs) } else { self }
+    }
+
     fn write(&self, out: &mut String) {
         let list = |words: &str| {
             let quoted: Vec<String> = words.split_whitespace().map(|w| format!("{w:?}")).collect();
@@ -148,11 +153,7 @@ fn stages(study: &DesignFile) -> Vec<Stage> {
                 "{answers} {scales}",
                 "{out}/answers.csv",
             );
-            stages.push(if has("columns") {
-                import.and("--columns {columns}", "{columns}")
-            } else {
-                import
-            });
+            stages.push(import.and_if(has("columns"), "--columns {columns}", "{columns}"));
             "{out}/answers.csv"
         }
     };
@@ -200,9 +201,9 @@ fn stages(study: &DesignFile) -> Vec<Stage> {
         } else {
             "{out}/model.maveric"
         };
-        let scored = |stage: Stage| match design.style() {
-            Some(_) => stage.and("--scores {out}/scores.csv", "{out}/scores.csv"),
-            None => stage,
+        let scored = |stage: Stage| {
+            let styled = design.style().is_some();
+            stage.and_if(styled, "--scores {out}/scores.csv", "{out}/scores.csv")
         };
         if learns(study) {
             let beside = "{out}/model_training.json {out}/model_embeddings.csv";
@@ -237,11 +238,7 @@ fn stages(study: &DesignFile) -> Vec<Stage> {
                 &format!("{model} {{out}}/conditions.csv"),
                 "{out}/av",
             );
-            stages.push(if has("scenario") {
-                simulate.and("--scenario {scenario}", "{scenario}")
-            } else {
-                simulate
-            });
+            stages.push(simulate.and_if(has("scenario"), "--scenario {scenario}", "{scenario}"));
             shown.push_str(" {out}/av");
         }
     }
@@ -251,11 +248,8 @@ fn stages(study: &DesignFile) -> Vec<Stage> {
         "{out}/drives {people}",
         "{out}/measurements.parquet",
     );
-    stages.push(if simulates(study) {
-        measure.and("--drives {out}/av/drives", "{out}/av")
-    } else {
-        measure
-    });
+    let simulated = simulates(study);
+    stages.push(measure.and_if(simulated, "--drives {out}/av/drives", "{out}/av"));
     let mut rated = answers;
     if design.synthetic() && simulates(study) && design.baseline().is_some_and(|b| b.by == By::Hand)
     {
@@ -265,11 +259,7 @@ fn stages(study: &DesignFile) -> Vec<Stage> {
             "{out}/measurements.parquet {people} {scales}",
             "{out}/ratings.csv",
         );
-        stages.push(if has("effects") {
-            rate.and("--effects {effects}", "{effects}")
-        } else {
-            rate
-        });
+        stages.push(rate.and_if(has("effects"), "--effects {effects}", "{effects}"));
         rated = "{out}/ratings.csv";
     }
     stages.push(stage(
@@ -291,16 +281,8 @@ fn stages(study: &DesignFile) -> Vec<Stage> {
         "{report}",
     );
     // The page plays a drive by hand beside those of the car.
-    let report = if has("logs") && simulates(study) {
-        report.and("", "{logs}")
-    } else {
-        report
-    };
-    stages.push(if has("claims") {
-        report.and("--claims {claims}", "{claims}")
-    } else {
-        report
-    });
+    let report = report.and_if(has("logs") && simulated, "", "{logs}");
+    stages.push(report.and_if(has("claims"), "--claims {claims}", "{claims}"));
     stages
 }
 

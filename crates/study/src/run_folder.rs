@@ -1,7 +1,7 @@
 //! A run's folder and what a study brings along: every file name and every reader once.
 
 use crate::{
-    atomic_write::read_text,
+    atomic_write::{if_there, read_text},
     design::DesignFile,
     error::StudyError,
     tables::{
@@ -15,7 +15,8 @@ use crate::{
 };
 use maveric_analysis::{Driven, Person, StudyData, Tables};
 use maveric_domain::{
-    AdbScore, Answer, ConditionId, Drive, DriveId, Moment, Scale, Score, Seconds, design::Software,
+    AdbScore, Answer, ConditionId, Drive, DriveId, Moment, Scale, Score, Seconds,
+    design::{ScoreName, Software},
 };
 use maveric_measures::parse_scale;
 use maveric_model::{Model, model_file};
@@ -105,12 +106,31 @@ pub fn read_scales(folder: &Path) -> Result<Vec<Scale>, StudyError> {
     paths.iter().map(read).collect()
 }
 
+/// Lowest and highest value of a score, by its scale's definition; none where no scale has it.
+pub(crate) fn score_range(scales: &[Scale], score: &ScoreName) -> Option<(f64, f64)> {
+    let scale = scales.iter().find(|s| s.id == score.scale)?;
+    let mut subscales = scale.subscales.iter();
+    Some(scale.score_range(subscales.find(|s| s.id == score.subscale)?))
+}
+
 /// Reads the sizes of the effects.
 ///
 /// # Errors
 /// [`StudyError`] naming the file and the key.
 pub fn read_effects(path: &Path) -> Result<Effects, StudyError> {
     effects_of(path, &read_text(path)?)
+}
+
+/// The sizes of the effects on the answers to these questionnaires: what is not asked is not answered.
+///
+/// # Errors
+/// As [`read_effects`].
+pub(crate) fn read_effects_on(path: &Path, scales: &[Scale]) -> Result<Effects, StudyError> {
+    let mut effects = read_effects(path)?;
+    let asked = |id: &String| scales.iter().any(|s| s.id == *id);
+    effects.answers.retain(|id, _| asked(id));
+    effects.ratings.retain(|id, _| asked(id));
+    Ok(effects)
 }
 
 /// The sizes of the effects in a file's text.
@@ -178,11 +198,9 @@ pub(crate) fn read_study(
     let people = study.people_of(folder, participants)?.enrolled;
     let design = &study.design;
     let steered = design.conditions().iter().any(|c| c.car.is_some());
-    let embedded = design.style().is_some() || design.needs_a_model();
-    let in_folder = |name: &str| folder.join(name);
-    // What no stage of this design makes need not be there; what one makes has to be.
-    let made = |name: &str, is_made: bool| is_made || in_folder(name).is_file();
-    let measurements = in_folder("measurements.parquet");
+    let styled = design.style().is_some();
+    let embedded = styled || design.needs_a_model();
+    let measurements = folder.join("measurements.parquet");
     let measured = read_measurements(&measurements)?;
     let of_design = measured.iter().filter(|d| design.knows(d.meta.condition));
     one_drive_a_condition(&measurements, of_design)?;
@@ -197,32 +215,29 @@ pub(crate) fn read_study(
             })
             .collect(),
         measurements: measured,
-        embeddings: if made("embeddings.csv", embedded) {
-            read_embeddings(&in_folder("embeddings.csv"))?
-        } else {
-            Vec::new()
-        },
-        conditions: if made("conditions.csv", steered) {
-            read_conditions(&in_folder("conditions.csv"))?
-        } else {
-            Vec::new()
-        },
-        pre: if made("scores.csv", design.style().is_some()) {
-            read_scores(&in_folder("scores.csv"))?
-        } else {
-            Vec::new()
-        },
-        post: if made("rating_scores.csv", false) {
-            read_scores(&in_folder("rating_scores.csv"))?
-        } else {
-            Vec::new()
-        },
+        embeddings: made(&folder.join("embeddings.csv"), embedded, read_embeddings)?,
+        conditions: made(&folder.join("conditions.csv"), steered, read_conditions)?,
+        pre: made(&folder.join("scores.csv"), styled, read_scores)?,
+        post: if_there(&folder.join("rating_scores.csv"), read_scores)?,
         scales: read_scales(&study.resolve(&design.files().scales))?,
         answers: answers(folder, study)?,
         durations_s: durations(folder)?,
         kept_out: drives_kept_out(folder)?,
     };
     Ok(StudyData::new(design, tables)?)
+}
+
+/// What a stage of the design makes has to be there; what none makes need not.
+fn made<T: Default>(
+    path: &Path,
+    is_made: bool,
+    read: fn(&Path) -> Result<T, StudyError>,
+) -> Result<T, StudyError> {
+    if is_made {
+        read(path)
+    } else {
+        if_there(path, read)
+    }
 }
 
 /// Answers by which the design's rules judge sheets: those among the results, and the design's own table of them.
@@ -237,10 +252,7 @@ fn answers(folder: &Path, study: &DesignFile) -> Result<Vec<Answer>, StudyError>
         found.extend(read_answers(&own)?);
     }
     for name in ["surveys.csv", "answers.csv", "ratings.csv"] {
-        let path = folder.join(name);
-        if path.is_file() {
-            found.extend(read_answers(&path)?);
-        }
+        found.extend(if_there(&folder.join(name), read_answers)?);
     }
     Ok(found)
 }

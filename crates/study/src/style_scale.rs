@@ -3,7 +3,11 @@
 //! The style head is learned on the range of the ADB score, 11 to 55 points; another score is stretched onto it on the way in, and
 //! back on the way out, so that every file has the points of the study's own score.
 
-use crate::{design::DesignFile, error::StudyError, run_folder::read_scales};
+use crate::{
+    design::DesignFile,
+    error::StudyError,
+    run_folder::{read_scales, score_range},
+};
 use maveric_domain::{AdbScore, EmbeddingRow, Scale, Score, Subscale, design::DesignError};
 use std::path::Path;
 
@@ -67,15 +71,7 @@ impl StyleScale {
             return Ok(Self { low, high });
         }
         let scales = read_scales(&study.resolve(&study.design.files().scales))?;
-        let scale = scales.iter().find(|s| s.id == style.score.scale);
-        let found = scale.and_then(|scale| {
-            let sub = scale
-                .subscales
-                .iter()
-                .find(|u| u.id == style.score.subscale)?;
-            Some(scale.score_range(sub))
-        });
-        if let Some((low, high)) = found {
+        if let Some((low, high)) = score_range(&scales, &style.score) {
             return Ok(Self { low, high });
         }
         let of_scale = |s: &Scale| {

@@ -1,6 +1,9 @@
 //! Drives as the watch player wants them.
 
-use crate::{atomic_write::atomic_write_bytes, error::StudyError};
+use crate::{
+    atomic_write::{atomic_write_bytes, if_there},
+    error::StudyError,
+};
 use maveric_domain::{ConditionId, Drive, DriveMeta, DrivenBy, Recording, TraceRow};
 use maveric_ingest::{Decision, DecisionKind, IngestSettings, read_decisions, read_log};
 use maveric_report::{
@@ -71,11 +74,7 @@ pub fn read_watched(
     settings: &IngestSettings,
 ) -> Result<Vec<WatchedDrive>, StudyError> {
     let drives = read_log(log, settings)?;
-    let decisions = if log.is_file() {
-        read_decisions(log)?
-    } else {
-        None
-    };
+    let decisions = if_there(log, |log| Ok(read_decisions(log)?))?;
     let watched = drives.into_iter().map(|found| {
         let end_s = found.recording.time_s().last().copied().unwrap_or(0.0);
         let interventions = decisions.as_ref().map(|list| interventions(list, end_s));

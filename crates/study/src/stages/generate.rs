@@ -6,7 +6,7 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch, for_each_on},
     outputs::spare_inputs,
-    run_folder::{read_effects, read_scales, read_scenario},
+    run_folder::{read_effects_on, read_scales, read_scenario},
     stages::simulate::Scenes,
     tables::{
         Table, drives::remove_former, participants::write_participants, surveys::write_answers,
@@ -114,14 +114,7 @@ pub fn generate(
     let scenario = read_scenario(place.scenario.as_deref(), options.duration_s)?;
     let people = read_people(options.population.as_deref(), &scenario)?;
     let scales = read_scales(&place.scales)?;
-    let mut effects = read_effects(&place.effects)?;
-    // What is not asked is not answered.
-    effects
-        .answers
-        .retain(|id, _| scales.iter().any(|s| s.id == *id));
-    effects
-        .ratings
-        .retain(|id, _| scales.iter().any(|s| s.id == *id));
+    let effects = read_effects_on(&place.effects, &scales)?;
     place.refuse_real_people()?;
     let cohort = Cohort::draw(
         options.learn,

@@ -5,7 +5,7 @@ use crate::{
     error::StudyError,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
-    run_folder::{read_effects, read_scales},
+    run_folder::{read_effects_on, read_scales},
     tables::{
         measurements::{MeasuredDrive, one_drive_a_condition, read_measurements},
         participants::read_participants,
@@ -80,14 +80,7 @@ pub fn rate(options: &RateOptions, watch: Watch<'_>) -> Result<Outcome<Ratings>,
         .map(|c| c.id)
         .collect();
     let scales = read_scales(&options.scales)?;
-    let mut effects = read_effects(&options.effects)?;
-    // What is not asked is not answered.
-    effects
-        .ratings
-        .retain(|id, _| scales.iter().any(|s| s.id == *id));
-    effects
-        .answers
-        .retain(|id, _| scales.iter().any(|s| s.id == *id));
+    let effects = read_effects_on(&options.effects, &scales)?;
     let own = |d: &&MeasuredDrive| d.meta.condition == baseline;
     let by_hand: Vec<&MeasureValues> = drives.iter().filter(own).map(|d| &d.values).collect();
     let spread = spread(&by_hand);

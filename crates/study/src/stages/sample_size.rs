@@ -3,6 +3,7 @@
 use crate::{atomic_write::read_json, design::DesignFile, error::StudyError};
 use maveric_domain::design::{Car, Outcome};
 use maveric_measures::objective;
+use maveric_rehearsal::{Cell, TestRate};
 use path_slash::PathExt as _;
 use serde::Deserialize;
 use std::{collections::BTreeMap, path::Path};
@@ -11,26 +12,6 @@ use std::{collections::BTreeMap, path::Path};
 #[derive(Debug, Deserialize)]
 struct Rehearsed {
     cells: Vec<Cell>,
-}
-
-#[derive(Debug, Deserialize)]
-struct Cell {
-    participants: usize,
-    effect_scale: f64,
-    studies: usize,
-    tests: Vec<Test>,
-}
-
-#[derive(Debug, Deserialize)]
-struct Test {
-    key: String,
-    rate: Option<Share>,
-    holm: Option<Share>,
-}
-
-#[derive(Debug, Deserialize)]
-struct Share {
-    estimate: f64,
 }
 
 /// The sentences of a preregistration about the number of participants.
@@ -109,7 +90,7 @@ fn wanted(study: &DesignFile, cells: &[&Cell]) -> Vec<(String, String, bool)> {
     let mut outcomes: Vec<String> = design.outcomes().iter().map(Outcome::id).collect();
     if outcomes.is_empty() {
         let keys = cells.iter().flat_map(|c| &c.tests);
-        let of = |t: &Test| {
+        let of = |t: &TestRate| {
             let inner = t.key.strip_prefix("panel.")?.strip_suffix(".omnibus")?;
             Some(inner.to_owned())
         };

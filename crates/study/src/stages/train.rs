@@ -16,7 +16,7 @@ use crate::{
 use maveric_domain::{AdbScore, Drive, Score};
 pub use maveric_model::HeadsKind;
 use maveric_model::{
-    EpochReport, HeadReport, ModelError, Quality, Selection, StyleHead, TrainSettings,
+    EpochReport, HeadReport, ModelError, NetworkReport, Selection, StyleHead, TrainSettings,
     TrainingDrive, model_file, style_space::LinearHead, train as learn,
 };
 use maveric_participants::Part;
@@ -79,30 +79,10 @@ pub struct TrainingSummary {
     /// How the linear heads read a score from a style.
     pub style: Option<StyleHead>,
     /// The paper's networks; none for linear heads.
-    pub networks: Option<NetworkSummary>,
+    pub networks: Option<NetworkReport>,
     /// ADB scores in the table that are of nobody who drove here.
     #[serde(default)]
     pub scores_without_drive: usize,
-}
-
-/// How the paper's networks were trained.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct NetworkSummary {
-    /// Rows learned from.
-    pub rows: usize,
-    /// Of them following.
-    pub following_rows: usize,
-    /// Of them with a lane change being started.
-    pub lane_change_rows: usize,
-    /// Losses without data, and why.
-    pub left_out: Vec<String>,
-    /// Every epoch of the run that made the model.
-    pub epochs: Vec<EpochReport>,
-    /// The run that kept people back: its losses on both parts, what stopped it, and how good its predictions are for people it has
-    /// not learned from.
-    pub selection: Option<Selection>,
-    /// How good the predictions of the networks that drive are: calibration of P(change), residuals of F and V.
-    pub quality: Quality,
 }
 
 /// Trains on every drive of a folder; writes the model, the training's report and the training embeddings.
@@ -180,19 +160,7 @@ pub fn train(
         settings,
         heads: report.heads,
         style: report.style,
-        networks: report.networks.map(|n| NetworkSummary {
-            rows: n.rows,
-            following_rows: n.following_rows,
-            lane_change_rows: n.lane_change_rows,
-            left_out: n
-                .left_out
-                .iter()
-                .map(|(l, why)| format!("{l}: {why}"))
-                .collect(),
-            epochs: n.epochs,
-            selection: n.selection,
-            quality: n.quality,
-        }),
+        networks: report.networks,
         scores_without_drive,
     };
     write_json(&training_path(&options.out), &summary)?;

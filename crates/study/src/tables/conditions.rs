@@ -6,13 +6,13 @@ use super::{
 };
 use crate::error::StudyError;
 use maveric_domain::{ConditionId, Embedding, ParticipantId};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use std::path::Path;
 
 pub use maveric_domain::{ConditionRow, SweepPoint};
 
 /// What of a condition has a column in every table.
-#[derive(Serialize, Deserialize)]
+#[derive(Deserialize)]
 struct Steered {
     participant: ParticipantId,
     condition: ConditionId,
@@ -29,19 +29,8 @@ struct Steered {
 /// # Errors
 /// [`StudyError::Io`], [`StudyError::BadTable`].
 pub fn write_conditions(path: &Path, rows: &[ConditionRow]) -> Result<(), StudyError> {
-    let steered = rows.iter().map(|r| Steered {
-        participant: r.participant.clone(),
-        condition: r.condition,
-        adb_hat: r.adb_hat,
-        moved_points: r.moved_points,
-        moved_points_sd: r.moved_points_sd,
-        clamped: r.clamped,
-        angle_rad: r.angle_rad,
-        beyond_training: r.beyond_training,
-    });
-    let steered: Vec<Steered> = steered.collect();
     let embeddings: Vec<&Embedding> = rows.iter().map(|r| &r.embedding).collect();
-    let mut table = with_coordinates(TableBuilder::of(&steered)?, &embeddings);
+    let mut table = with_coordinates(TableBuilder::some_of::<Steered, _>(rows)?, &embeddings);
     if rows.iter().any(|r| r.sweep.is_some()) {
         table = table.beside(TableBuilder::of(
             rows.iter().filter_map(|r| r.sweep.as_ref()),

@@ -3,13 +3,13 @@
 use super::{Table, TableBuilder};
 use crate::error::StudyError;
 use maveric_domain::{ConditionId, DriveId, Embedding, ParticipantId};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use std::path::Path;
 
 pub use maveric_domain::EmbeddingRow;
 
 /// What of a fit has a column in every table.
-#[derive(Serialize, Deserialize)]
+#[derive(Deserialize)]
 struct Fit {
     drive: DriveId,
     participant: ParticipantId,
@@ -55,18 +55,7 @@ pub(super) fn read_coordinates(table: &Table) -> Result<Vec<Embedding>, StudyErr
 /// # Errors
 /// [`StudyError::Io`], [`StudyError::BadTable`].
 pub fn write_embeddings(path: &Path, rows: &[EmbeddingRow]) -> Result<(), StudyError> {
-    let fits = rows.iter().map(|r| Fit {
-        drive: r.drive.clone(),
-        participant: r.participant.clone(),
-        condition: r.condition,
-        adb_used: r.adb_used,
-        adb: r.adb,
-        adb_hat: r.adb_hat,
-        line_position: r.line_position,
-        readings: r.readings,
-    });
-    let fits: Vec<Fit> = fits.collect();
-    let builder = TableBuilder::of(&fits)?;
+    let builder = TableBuilder::some_of::<Fit, _>(rows)?;
     let embeddings: Vec<&Embedding> = rows.iter().map(|r| &r.embedding).collect();
     let builder = with_coordinates(builder, &embeddings);
     if rows.iter().all(|r| r.covariance.is_none()) {

@@ -21,7 +21,6 @@ use std::{
     collections::BTreeMap,
     io::{Cursor, Read as _},
     path::{Path, PathBuf},
-    str::FromStr,
 };
 
 /// A table in memory, with the path it came from for its error messages.
@@ -349,23 +348,6 @@ impl Table {
         cells.into_iter().enumerate().map(filled).collect()
     }
 
-    /// A column in which every cell parses as `T`, such as an id or a condition.
-    ///
-    /// # Errors
-    /// [`StudyError::NoColumn`]; [`StudyError::BadCell`] with what `T` says of the cell.
-    pub fn parsed<T: FromStr>(&self, column: &str) -> Result<Vec<T>, StudyError>
-    where
-        T::Err: std::fmt::Display,
-    {
-        let cells = self.text(column)?;
-        let parse = |(row, cell): (usize, Option<String>)| {
-            let text = cell.unwrap_or_default();
-            text.parse::<T>()
-                .map_err(|e| self.bad_cell(row, column, &text, e.to_string()))
-        };
-        cells.into_iter().enumerate().map(parse).collect()
-    }
-
     /// Refuses two rows that say the same of these columns: which of them counted would depend on their order.
     ///
     /// # Errors
@@ -391,7 +373,7 @@ impl Table {
     /// A column in which every cell makes a `T`, such as a participant id.
     ///
     /// # Errors
-    /// As [`Table::parsed`].
+    /// [`StudyError::NoColumn`]; [`StudyError::BadCell`] with what `T` says of the cell.
     pub fn ids<T: TryFrom<String>>(&self, column: &str) -> Result<Vec<T>, StudyError>
     where
         T::Error: std::fmt::Display,

@@ -20,7 +20,21 @@ impl TableBuilder {
     where
         T: Serialize + Deserialize<'de> + 'r,
     {
-        let names = columns::<T>();
+        Self::some_of::<T, T>(rows)
+    }
+
+    /// A table of a row each that has the fields of `Row` alone, of values that have more.
+    ///
+    /// # Errors
+    /// As [`TableBuilder::of`].
+    pub(super) fn some_of<'r, 'de, Row, T>(
+        rows: impl IntoIterator<Item = &'r T>,
+    ) -> Result<Self, StudyError>
+    where
+        Row: Deserialize<'de>,
+        T: Serialize + 'r,
+    {
+        let names = columns::<Row>();
         let mut cells: Vec<Vec<Value>> = vec![Vec::new(); names.len()];
         for row in rows {
             let row = serde_json::to_value(row).map_err(|e| StudyError::BadTable {

@@ -3,7 +3,10 @@
 use super::{DialRehearsal, LearnedFrom, Method, RehearseDialOptions, TrialError};
 use crate::{
     error::StudyError,
-    stages::report::answers::{card, number, percent, plot},
+    stages::report::{
+        answers::{card, number, percent, plot},
+        words::capital,
+    },
 };
 use maveric_analysis::{
     Verdict,
@@ -163,13 +166,6 @@ fn saves(search: &[TrialError]) -> Option<Card> {
         .clone_into(&mut asked.doubt);
     asked.see = Some("table-active-learning".to_owned());
     Some(asked)
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().chain(letters).collect()
-    })
 }
 
 fn sizes_figure(found: &DialRehearsal, context: &Context) -> Result<Figure, StudyError> {

@@ -1,6 +1,7 @@
 //! Who took part: groups, ages, scores.
 
 use crate::{
+    atomic_write::if_there,
     error::StudyError,
     tables::{
         measurements::MeasuredDrive,
@@ -63,13 +64,8 @@ impl People {
         {
             *recorded.entry(drive.meta.participant.clone()).or_default() += 1;
         }
-        let scores = folder.join("scores.csv");
         Ok(Self {
-            scores: if scores.is_file() {
-                read_scores(&scores)?
-            } else {
-                Vec::new()
-            },
+            scores: if_there(&folder.join("scores.csv"), read_scores)?,
             score: design.style().map(|s| s.score.clone()),
             drives: recorded,
             participants: enrolled,

@@ -34,6 +34,14 @@ pub(crate) fn glossary() -> Vec<(String, String)> {
     found
 }
 
+/// A sentence with its first letter large.
+pub(crate) fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
+}
+
 /// Terms in small letters that a reader may not know.
 const RARE: [&str; 7] = [
     "homophily",

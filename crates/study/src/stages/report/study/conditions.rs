@@ -1,7 +1,11 @@
 //! The third and fourth sections: what the conditions did, and which habits they left alone.
 
 use super::{Run, said, watch};
-use crate::{error::StudyError, stages::report::keys::short, watching::WatchedDrive};
+use crate::{
+    error::StudyError,
+    stages::report::{keys::short, words::capital},
+    watching::WatchedDrive,
+};
 use maveric_analysis::{Contrast, Panel};
 use maveric_domain::design::Sign;
 use maveric_report::{
@@ -131,11 +135,7 @@ pub(super) fn section_kept(run: &Run) -> Result<Option<Section>, StudyError> {
             };
             PerpendicularPanel {
                 title: k.title.clone(),
-                axis: if k.unit.is_empty() {
-                    change.clone()
-                } else {
-                    format!("{change} ({})", k.unit)
-                },
+                axis: with_unit(&change, &k.unit),
                 points: k
                     .points
                     .iter()
@@ -269,18 +269,8 @@ fn omnibus_table(run: &Run) -> tables::Table {
         .left("Test over the conditions", |panel| {
             Cell::Marked(omnibus(panel, false))
         })
-        .text("Why this one", |panel| {
-            capital_first(&panel.reasons.join("; "))
-        })
+        .text("Why this one", |panel| capital(&panel.reasons.join("; ")))
         .done()
-}
-
-/// A sentence with its first letter large.
-fn capital_first(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().chain(letters).collect()
-    })
 }
 
 /// Every declared contrast with its test.
@@ -361,7 +351,7 @@ fn bias_table(run: &Run) -> Option<tables::Table> {
 }
 
 /// A quantity with its unit, where it has one.
-fn with_unit(title: &str, unit: &str) -> String {
+pub(super) fn with_unit(title: &str, unit: &str) -> String {
     if unit.is_empty() {
         title.to_owned()
     } else {
@@ -385,9 +375,8 @@ fn descriptives_table(run: &Run) -> tables::Table {
 fn panel(run: &Run, panel: &Panel) -> DifferencePanel {
     let axis = match (panel.differences_from, panel.unit.as_str()) {
         (None, "") => panel.title.clone(),
-        (None, unit) => capital_first(unit),
-        (Some(from), "") => format!("Difference from {}", run.label(from)),
-        (Some(from), unit) => format!("Difference from {} ({unit})", run.label(from)),
+        (None, unit) => capital(unit),
+        (Some(from), unit) => with_unit(&format!("Difference from {}", run.label(from)), unit),
     };
     let pair = |p: &Contrast| {
         Some(PairTest {

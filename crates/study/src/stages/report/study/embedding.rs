@@ -1,7 +1,8 @@
 //! The second section: the embedding space and the aggression line.
 
-use super::{Run, printed, said};
+use super::{Run, conditions::with_unit, printed, said};
 use crate::{
+    atomic_write::if_there,
     error::StudyError,
     run_folder::{MODEL_FILE, embeddings_path},
     stages::report::keys::short,
@@ -198,12 +199,7 @@ fn step_of_the_dial(conditions: &[ConditionRow], score: &str) -> Option<String> 
 
 /// The embeddings of the training drives; none where the model was learned elsewhere.
 fn trained(folder: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
-    let path = embeddings_path(&folder.join(MODEL_FILE));
-    if path.is_file() {
-        read_embeddings(&path)
-    } else {
-        Ok(Vec::new())
-    }
+    if_there(&embeddings_path(&folder.join(MODEL_FILE)), read_embeddings)
 }
 
 fn speed_of(run: &Run, drive: &DriveId) -> Option<f64> {
@@ -321,11 +317,7 @@ fn example(run: &Run, model: &Model) -> Result<Option<ExampleConditions>, StudyE
 fn line_panels(line: &Line) -> AggressionLine {
     let panel = |row: &LineRow| LinePanel {
         title: row.title.clone(),
-        axis: if row.unit.is_empty() {
-            row.title.clone()
-        } else {
-            format!("{} ({})", row.title, row.unit)
-        },
+        axis: with_unit(&row.title, &row.unit),
         points: row.points.clone(),
         statistic: said(&row.correlation),
     };

@@ -1,11 +1,8 @@
 //! What was learned: heads or networks, and how their training went.
 
 use super::Run;
-use crate::{
-    error::StudyError,
-    stages::train::{NetworkSummary, TrainingSummary},
-};
-use maveric_model::{HeldOut, Model, Selection};
+use crate::{error::StudyError, stages::train::TrainingSummary};
+use maveric_model::{HeldOut, Model, NetworkReport, Selection};
 use maveric_report::{
     Figure,
     figures::{
@@ -155,7 +152,7 @@ fn architecture_of(model: &Model, run: &Run) -> Result<Option<Figure>, StudyErro
 
 fn training_of(
     training: &TrainingSummary,
-    networks: &NetworkSummary,
+    networks: &NetworkReport,
     run: &Run,
 ) -> Result<Vec<Figure>, StudyError> {
     type Of = fn(&maveric_model::LossTerms) -> Option<f64>;

@@ -15,6 +15,7 @@ mod watch;
 
 use super::{
     ReportOptions,
+    answers::percent,
     inputs::{hashed, in_folder, parameter_files, shown_whole},
     keys::{made, results},
     people::People,
@@ -321,13 +322,6 @@ fn flatten(path: &str, value: &serde_json::Value, list: &mut Vec<(String, String
     for (name, value) in fields {
         flatten(&format!("{path}{name}."), value, list);
     }
-}
-
-fn percent(value: Option<f64>) -> String {
-    value.map_or_else(
-        || "no value".to_owned(),
-        |v| format!("{:.1}%", 100.0 * v).replace('-', "−"),
-    )
 }
 
 /// A correlation in words with marks.

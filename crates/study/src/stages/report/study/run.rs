@@ -1,10 +1,10 @@
 //! A run of a study: its design, its results, and what both say together.
 
 use crate::{
-    atomic_write::read_json,
+    atomic_write::{if_there, read_json},
     design::DesignFile,
     error::StudyError,
-    run_folder::{MODEL_FILE, read_model, read_scales, training_path},
+    run_folder::{MODEL_FILE, read_model, read_scales, score_range, training_path},
     stages::train::TrainingSummary,
     tables::{
         conditions::{ConditionRow, read_conditions},
@@ -52,11 +52,8 @@ impl Run {
         };
         let summary = training_path(&folder.join(MODEL_FILE));
         let conditions = folder.join("conditions.csv");
-        let training: Option<TrainingSummary> = if summary.is_file() {
-            Some(read_json(&summary)?)
-        } else {
-            None
-        };
+        let training: Option<TrainingSummary> =
+            if_there(&summary, |path| read_json(path).map(Some))?;
         let context = match (&training, analysis.synthetic) {
             (Some(training), true) => Context::synthetic(training.seed),
             (None, true) => Context {
@@ -70,17 +67,9 @@ impl Run {
         };
         Ok(Self {
             scales: read_scales(&study.resolve(&design.files().scales))?,
-            model: if model.is_file() {
-                Some(read_model(&model)?)
-            } else {
-                None
-            },
+            model: if_there(&model, |path| read_model(path).map(Some))?,
             model_file: model,
-            conditions: if conditions.is_file() {
-                read_conditions(&conditions)?
-            } else {
-                Vec::new()
-            },
+            conditions: if_there(&conditions, read_conditions)?,
             measured: read_measurements(&folder.join("measurements.parquet"))?,
             context: context.with_conditions(ConditionLook::of(design)),
             design: design.clone(),
@@ -102,12 +91,8 @@ impl Run {
     /// Lowest and highest score of the style.
     pub(in crate::stages::report) fn score_range(&self) -> Option<(f64, f64)> {
         let style = self.design.style()?;
-        let of_file = || {
-            let scale = self.scales.iter().find(|s| s.id == style.score.scale)?;
-            let is = |s: &&maveric_domain::Subscale| s.id == style.score.subscale;
-            Some(scale.score_range(scale.subscales.iter().find(is)?))
-        };
-        style.range.map(|[low, high]| (low, high)).or_else(of_file)
+        let declared = style.range.map(|[low, high]| (low, high));
+        declared.or_else(|| score_range(&self.scales, &style.score))
     }
 
     /// The condition at 0 on the dial.

@@ -2,6 +2,7 @@
 
 use super::{Run, conditions::of_group, enumerated};
 use crate::{
+    atomic_write::if_there,
     error::StudyError,
     run_folder::lists,
     stages::{
@@ -157,16 +158,13 @@ pub(super) fn reliabilities(folder: &Path, scales: &[Scale]) -> Result<Vec<Relia
         "scores_reliabilities.csv",
         "rating_scores_reliabilities.csv",
     ] {
-        let path = folder.join(file);
-        if !path.is_file() {
-            continue;
-        }
         let when = if file.starts_with("rating") {
             " (after a condition)"
         } else {
             ""
         };
-        let all: Vec<Reliability> = File::read(&path)?.records()?;
+        let all = |path: &Path| File::read(path)?.records::<Reliability>();
+        let all = if_there(&folder.join(file), all)?;
         rows.extend(all.into_iter().map(|found| Reliable {
             id: format!("{}.{}{when}", found.scale, found.subscale),
             title: format!("{}{when}", titled(scales, &found.scale, &found.subscale)),
@@ -236,26 +234,17 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
             });
         }
     }
-    let embeddings = folder.join("embeddings.csv");
-    if embeddings.is_file() {
-        let rows = read_embeddings(&embeddings)?;
-        let blank: BTreeSet<String> = rows
-            .iter()
-            .filter(|row| row.readings == Some(0))
-            .map(|row| row.drive.to_string())
-            .collect();
-        found.extend(blank.into_iter().map(|who| Exclusion {
-            who,
-            what: "personalize".to_owned(),
-            why: "shows no habit: its driver is taken as anybody".to_owned(),
-        }));
-    }
+    let rows = if_there(&folder.join("embeddings.csv"), read_embeddings)?;
+    let blank = rows.iter().filter(|row| row.readings == Some(0));
+    let blank: BTreeSet<String> = blank.map(|row| row.drive.to_string()).collect();
+    found.extend(blank.into_iter().map(|who| Exclusion {
+        who,
+        what: "personalize".to_owned(),
+        why: "shows no habit: its driver is taken as anybody".to_owned(),
+    }));
     for file in ["scores_exclusions.csv", "rating_scores_exclusions.csv"] {
-        let path = folder.join(file);
-        if !path.is_file() {
-            continue;
-        }
-        found.extend(File::read(&path)?.records::<Exclusion>()?);
+        let listed = |path: &Path| File::read(path)?.records::<Exclusion>();
+        found.extend(if_there(&folder.join(file), listed)?);
     }
     Ok(found)
 }

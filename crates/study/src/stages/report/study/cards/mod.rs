@@ -7,7 +7,10 @@ mod people;
 mod style;
 
 use super::{Run, setting::Reliable};
-use crate::stages::report::answers::{card, interval, number, plot};
+use crate::stages::report::{
+    answers::{card, interval, number, plot},
+    words::capital,
+};
 use maveric_analysis::Judged;
 use maveric_report::claims::LedgerRow;
 use maveric_report::figures::intervals::{IntervalRow, Intervals};
@@ -78,11 +81,4 @@ fn hypothesis(run: &Run, i: usize, h: &Judged) -> Card {
             .into_iter()
             .collect();
     found
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().chain(letters).collect()
-    })
 }
