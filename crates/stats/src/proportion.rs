@@ -15,6 +15,24 @@ pub struct Proportion {
     pub high: f64,
 }
 
+impl Proportion {
+    /// Both ends of its interval.
+    pub fn ends(&self) -> (f64, f64) {
+        (self.low, self.high)
+    }
+
+    /// The same of a hundred.
+    #[must_use]
+    pub fn percent(&self) -> Self {
+        let [estimate, low, high] = [self.estimate, self.low, self.high].map(|v| 100.0 * v);
+        Self {
+            estimate,
+            low,
+            high,
+        }
+    }
+}
+
 /// Wilson's interval of a proportion, which stays inside 0 to 1 and does not collapse there.
 ///
 /// # Errors

@@ -32,6 +32,15 @@ impl Context {
         Self::default()
     }
 
+    /// A context of synthetic participants, or of real recordings.
+    pub fn of(synthetic: bool, seed: u64) -> Self {
+        if synthetic {
+            Self::synthetic(seed)
+        } else {
+            Self::real()
+        }
+    }
+
     /// A context of synthetic participants.
     pub fn synthetic(seed: u64) -> Self {
         Self {
@@ -54,6 +63,15 @@ impl Context {
         match style::current().and_then(|style| style.look(id)) {
             Some(other) => look.dressed(other),
             None => look,
+        }
+    }
+
+    /// What a page's subtitle begins with.
+    pub fn preface(&self) -> &'static str {
+        match (self.synthetic, self.scripted) {
+            (true, _) => "Synthetic participants: ",
+            (false, true) => "Driven by a script: ",
+            (false, false) => "",
         }
     }
 

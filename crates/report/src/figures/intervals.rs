@@ -2,6 +2,7 @@
 
 use super::prelude::*;
 use crate::apa;
+use maveric_stats::Proportion;
 
 /// Estimates under each other on one axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -47,6 +48,13 @@ impl IntervalRow {
             floor: None,
             ceiling: None,
         }
+    }
+
+    /// A share with its interval, in per cent.
+    pub fn share(label: impl Into<String>, share: Option<&Proportion>) -> Self {
+        let share = share.map(Proportion::percent);
+        let ends = share.as_ref().map(Proportion::ends);
+        Self::new(label, share.map(|s| s.estimate), ends)
     }
 
     fn values(&self) -> impl Iterator<Item = f64> {

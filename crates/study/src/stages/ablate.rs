@@ -2,7 +2,7 @@
 
 use super::report::{
     answers::{card, number, percent, plot},
-    hashed, write_page,
+    hashed, page_of, write_page,
 };
 use crate::{
     atomic_write::write_json,
@@ -25,11 +25,11 @@ use maveric_report::{
         ablation::{Ablation, AblationVariant, ablation},
         intervals::IntervalRow,
     },
-    html::{Methods, Provenance, Section},
+    html::{Provenance, Section},
     markup,
     tables::{Cell, Table},
 };
-use maveric_stats::proportion;
+use maveric_stats::{Proportion, proportion};
 use path_slash::PathExt as _;
 use std::{ops::ControlFlow, path::PathBuf};
 
@@ -121,11 +121,7 @@ pub fn ablate(options: &AblateOptions, watch: Watch<'_>) -> Result<Outcome<Ablat
     let synthetic = drives
         .iter()
         .any(|d| d.meta().driven_by == DrivenBy::Synthetic);
-    let context = if synthetic {
-        Context::synthetic(options.seed)
-    } else {
-        Context::real()
-    };
+    let context = Context::of(synthetic, options.seed);
     write_json(&out, &found)?;
     let table = table(&found);
     let text = table.to_markdown();
@@ -231,15 +227,25 @@ fn page(
             .collect(),
         folds: found.settings.folds,
     };
-    let made_up = if context.synthetic {
-        "Synthetic participants: "
-    } else {
-        ""
-    };
-    let subtitle = format!("{made_up}{} drives, drivers held out", found.drives.len());
-    let new = Report::new("What each part of the model is worth", subtitle, context);
+    let subtitle = format!(
+        "{}{} drives, drivers held out",
+        context.preface(),
+        found.drives.len()
+    );
+    let method = format!(
+        "Every variant learns {} times, each time without one part of the drivers, with {} passes; an unseen driver’s embedding is fitted to \
+         the first {:.0}% of the drive.",
+        options.folds,
+        options.epochs,
+        100.0 * found.settings.known_fraction
+    );
+    let new = page_of(
+        ("What each part of the model is worth", subtitle),
+        context,
+        method,
+        (options.seed, &options.command),
+    );
     Ok(Report {
-        glossary: super::report::words::glossary(),
         cards: worth(found).into_iter().collect(),
         sections: vec![Section {
             title: "Ablation and baselines".to_owned(),
@@ -247,21 +253,9 @@ fn page(
             figures: vec![ablation(&figure, context)?],
             tables: vec![table],
         }],
-        methods: Methods {
-            text: vec![format!(
-                "Every variant learns {} times, each time without one part of the drivers, with {} passes; an unseen driver’s embedding is fitted to \
-                 the first {:.0}% of the drive.",
-                options.folds,
-                options.epochs,
-                100.0 * found.settings.known_fraction
-            )],
-            files: Vec::new(),
-        },
         provenance: Provenance {
-            seed: Some(options.seed),
-            command: options.command.clone(),
             inputs: hashed(options.scores.iter().cloned())?,
-            ..new.provenance.clone()
+            ..new.provenance
         },
         ..new
     })
@@ -282,16 +276,13 @@ fn worth(found: &Ablated) -> Option<Card> {
             let differences: Vec<f64> = pairs.filter(|d| *d != 0.0).collect();
             let worse = differences.iter().filter(|d| **d > 0.0).count();
             let share = proportion(worse, differences.len(), 0.95).ok();
-            let ends = share.as_ref().map(|s| (s.low, s.high));
+            let ends = share.as_ref().map(Proportion::ends);
             if differences.is_empty() {
                 continue;
             }
             verdicts.push(within(differences.len(), ends, (0.5, f64::INFINITY)));
-            rows.push(IntervalRow::new(
-                format!("{}: {}", variant.name, markup::plain(title)),
-                share.map(|s| 100.0 * s.estimate),
-                ends.map(|(low, high)| (100.0 * low, 100.0 * high)),
-            ));
+            let label = format!("{}: {}", variant.name, markup::plain(title));
+            rows.push(IntervalRow::share(label, share.as_ref()));
         }
     }
     let count = |v: Verdict| verdicts.iter().filter(|found| **found == v).count();

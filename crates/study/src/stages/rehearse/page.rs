@@ -3,7 +3,10 @@
 use super::{Cell, Part, Rehearsal, RehearseOptions, tables};
 use crate::{
     error::StudyError,
-    stages::report::answers::{card, number, percent, plot},
+    stages::report::{
+        answers::{card, number, percent, plot},
+        page_of,
+    },
 };
 use maveric_analysis::{Verdict, verdict::within};
 use maveric_report::{
@@ -13,7 +16,7 @@ use maveric_report::{
         false_positives::{FalsePositives, PartRates, false_positives},
         intervals::IntervalRow,
     },
-    html::{Methods, Provenance, Section},
+    html::Section,
 };
 use maveric_stats::{Proportion, proportion};
 
@@ -65,25 +68,20 @@ pub(super) fn page(found: &Rehearsal, options: &RehearseOptions) -> Result<Repor
         "Synthetic participants: {} studies of each size and scale of the effects, at the level of measures and ratings, not driven",
         options.studies
     );
-    let new = Report::new(title, subtitle, &context);
+    let method = "Measures and ratings are drawn from a fitted population and analysed by the code that analyses a run; docs/null-and-power.md gives the generator and its sources.";
     Ok(Report {
-        glossary: crate::stages::report::words::glossary(),
         cards: if found.is_null() {
             found.cells.first().map(null_cards).unwrap_or_default()
         } else {
             power_card(found).into_iter().collect()
         },
-        methods: Methods {
-            text: vec!["Measures and ratings are drawn from a fitted population and analysed by the code that analyses a run; docs/null-and-power.md gives the generator and its sources.".to_owned()],
-            files: Vec::new(),
-        },
         sections,
-        provenance: Provenance {
-            seed: Some(options.seed),
-            command: options.command.clone(),
-            ..new.provenance.clone()
-        },
-        ..new
+        ..page_of(
+            (title, subtitle),
+            &context,
+            method,
+            (options.seed, &options.command),
+        )
     })
 }
 
@@ -92,13 +90,9 @@ const LEVEL: f64 = 0.05;
 /// What a study should find of what is there.
 const POWER: f64 = 0.8;
 
-fn percents(p: &Proportion) -> (f64, f64) {
-    (100.0 * p.low, 100.0 * p.high)
-}
-
 /// Is a family kept at its level, and are single tests?
 fn null_cards(cell: &Cell) -> Vec<Card> {
-    let ends = |p: &Option<Proportion>| p.as_ref().map(|p| (p.low, p.high));
+    let ends = |p: &Option<Proportion>| p.as_ref().map(Proportion::ends);
     let families = || cell.families.iter();
     let verdicts = families().map(|f| within(cell.studies, ends(&f.any_holm), (0.0, LEVEL)));
     let mut kept = card(
@@ -130,14 +124,7 @@ fn null_cards(cell: &Cell) -> Vec<Card> {
             "5%, the level that was asked for",
         )
     });
-    let rows = families().map(|f| {
-        let rate = f.any_holm.as_ref();
-        IntervalRow::new(
-            f.family.clone(),
-            rate.map(|r| 100.0 * r.estimate),
-            rate.map(percents),
-        )
-    });
+    let rows = families().map(|f| IntervalRow::share(f.family.clone(), f.any_holm.as_ref()));
     kept.plot = plot(
         "Studies with a false finding (%)",
         "After Holm; Wilson’s 95% CI",
@@ -210,7 +197,7 @@ fn power_card(found: &Rehearsal) -> Option<Card> {
         .collect();
     let verdicts = rows
         .iter()
-        .map(|(_, r)| within(cell.studies, Some((r.low, r.high)), (POWER, f64::INFINITY)));
+        .map(|(_, r)| within(cell.studies, Some(r.ends()), (POWER, f64::INFINITY)));
     let mut asked = card(
         "power",
         format!("Would {} people show what was planted?", cell.participants),
@@ -234,9 +221,9 @@ fn power_card(found: &Rehearsal) -> Option<Card> {
             "100%",
         )
     });
-    let drawn = rows.iter().map(|(title, r)| {
-        IntervalRow::new(title.clone(), Some(100.0 * r.estimate), Some(percents(r)))
-    });
+    let drawn = rows
+        .iter()
+        .map(|(title, r)| IntervalRow::share(title.clone(), Some(r)));
     asked.plot = plot(
         "Power (%)",
         "Uncorrected; Wilson’s 95% CI",

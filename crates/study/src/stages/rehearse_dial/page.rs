@@ -5,6 +5,7 @@ use crate::{
     error::StudyError,
     stages::report::{
         answers::{card, number, percent, plot},
+        page_of,
         words::capital,
     },
 };
@@ -19,7 +20,7 @@ use maveric_report::{
         intervals::IntervalRow,
         recommendation::{Recommendations, recommendation},
     },
-    html::{Methods, Provenance, Section},
+    html::Section,
     tables::{Cell, Table},
 };
 use maveric_stats::Proportion;
@@ -43,18 +44,20 @@ pub(super) fn page(
         "Synthetic participants: {} studies of each size to learn from, new people to recommend to, not driven",
         options.studies
     );
-    let new = Report::new(
-        "How far to turn the dial for this person",
-        subtitle,
+    let new = page_of(
+        ("How far to turn the dial for this person", subtitle),
         &context,
+        "A Bayesian linear regression with shrinkage, learned from one study and tried on people of another; docs/how-far-to-turn-the-dial.md gives the model.",
+        (options.seed, &options.command),
     );
     Ok(Report {
-        glossary: crate::stages::report::words::glossary(),
-        cards: found.learned_from.last().map(known).into_iter().chain(saves(&found.search)).collect(),
-        methods: Methods {
-            text: vec!["A Bayesian linear regression with shrinkage, learned from one study and tried on people of another; docs/how-far-to-turn-the-dial.md gives the model.".to_owned()],
-            files: Vec::new(),
-        },
+        cards: found
+            .learned_from
+            .last()
+            .map(known)
+            .into_iter()
+            .chain(saves(&found.search))
+            .collect(),
         sections: vec![
             section(
                 "After the four conditions",
@@ -70,11 +73,6 @@ pub(super) fn page(
                 vec![search_table(&found.search)],
             ),
         ],
-        provenance: Provenance {
-            seed: Some(options.seed),
-            command: options.command.clone(),
-            ..new.provenance.clone()
-        },
         ..new
     })
 }
@@ -92,7 +90,7 @@ fn known(learned: &LearnedFrom) -> Card {
     );
     let least = floor.map_or(0.0, |(_, p)| p.estimate);
     let verdict = after.map_or(Verdict::NotAsked, |(n, p)| {
-        within(n, Some((p.low, p.high)), (least, f64::INFINITY))
+        within(n, Some(p.ends()), (least, f64::INFINITY))
     });
     let mut asked = card(
         "recommends",
@@ -113,14 +111,8 @@ fn known(learned: &LearnedFrom) -> Card {
         format!("the own style for everybody, {}", share(floor)),
         format!("who knows how people perceive a drive, {}", share(ceiling)),
     );
-    let rows = learned.scores.iter().map(|s| {
-        let p = s.within_5.as_ref();
-        IntervalRow::new(
-            s.method.title(),
-            p.map(|p| 100.0 * p.estimate),
-            p.map(|p| (100.0 * p.low, 100.0 * p.high)),
-        )
-    });
+    let rows = learned.scores.iter();
+    let rows = rows.map(|s| IntervalRow::share(s.method.title(), s.within_5.as_ref()));
     asked.plot = plot(
         "Within 5 points (%)",
         "Wilson’s 95% CI",

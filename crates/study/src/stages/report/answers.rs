@@ -78,7 +78,7 @@ pub(crate) fn never(
     (hits, n): (usize, usize),
     share: &str,
 ) -> (Card, Option<(f64, f64)>) {
-    let ends = proportion(hits, n, 0.95).ok().map(|s| (s.low, s.high));
+    let ends = proportion(hits, n, 0.95).ok().map(|s| s.ends());
     let verdict = match hits {
         0 => within(n, ends, (0.0, 1.0)),
         _ => Verdict::Fails,

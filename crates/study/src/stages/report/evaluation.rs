@@ -4,6 +4,7 @@ use super::{
     ReportOptions,
     answers::{card, interval, never, number, plot},
     inputs::{hashed, in_folder},
+    page_of,
 };
 use crate::{
     atomic_write::read_json,
@@ -26,7 +27,7 @@ use maveric_report::{
         following_errors::{FollowingErrors, ModelErrors, following_errors},
         intervals::IntervalRow,
     },
-    html::{Methods, Provenance, Section},
+    html::{Provenance, Section},
     tables::{Cell, Table},
 };
 
@@ -155,9 +156,16 @@ pub(super) fn page(options: &ReportOptions) -> Result<(Report, Vec<String>), Stu
         "{} drivers recorded on a road or track: speed and gap of each in closed loop over a last third that no fit has seen",
         drivers.len()
     );
-    let new = Report::new(title, subtitle, &context);
+    let method = "Networks learn from the first two thirds of each drive; an embedding is fitted to the same part; the last third \
+         judges. What each method knows of a driver, and how, is in docs/real-data.md.";
+    let new = page_of(
+        (&title, subtitle),
+        &context,
+        method,
+        (training.seed, &options.command),
+    );
+    let inputs = ["following.json", "model.maveric", "model_training.json"];
     let report = Report {
-        glossary: crate::stages::report::words::glossary(),
         cards,
         summary,
         sections,
@@ -166,24 +174,11 @@ pub(super) fn page(options: &ReportOptions) -> Result<(Report, Vec<String>), Stu
             figures: drives,
             ..Section::default()
         }],
-        methods: Methods {
-            text: vec![
-                "Networks learn from the first two thirds of each drive; an embedding is fitted to the same part; the last third \
-                 judges. What each method knows of a driver, and how, is in docs/real-data.md."
-                    .to_owned(),
-            ],
-            files: Vec::new(),
-        },
         warnings: training.warnings.clone(),
         provenance: Provenance {
-            seed: Some(training.seed),
-            command: options.command.clone(),
             parameters: super::study::parameters_of(&training),
-            inputs: hashed(in_folder(
-                folder,
-                &["following.json", "model.maveric", "model_training.json"],
-            ))?,
-            ..new.provenance.clone()
+            inputs: hashed(in_folder(folder, &inputs))?,
+            ..new.provenance
         },
         ..new
     };

@@ -16,7 +16,11 @@ use crate::{
     outputs::spare_inputs,
 };
 pub(crate) use inputs::hashed;
-use maveric_report::{html::RenderedFile, markup};
+use maveric_report::{
+    Context, Report,
+    html::{Methods, Provenance, RenderedFile},
+    markup,
+};
 use path_slash::PathExt as _;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -95,8 +99,32 @@ pub fn report(options: &ReportOptions, watch: Watch<'_>) -> Result<Outcome<Repor
     })
 }
 
+/// A page with its head, the words that it explains, how its numbers were made and the command that repeats them; the results are
+/// still to come.
+pub(crate) fn page_of(
+    head: (&str, String),
+    context: &Context,
+    method: impl Into<String>,
+    (seed, command): (u64, &str),
+) -> Report {
+    let new = Report::new(head.0, head.1, context);
+    Report {
+        glossary: words::glossary(),
+        methods: Methods {
+            text: vec![method.into()],
+            files: Vec::new(),
+        },
+        provenance: Provenance {
+            seed: Some(seed),
+            command: command.to_owned(),
+            ..new.provenance
+        },
+        ..new
+    }
+}
+
 /// Draws a page with its figures and tables into a folder; gives the page's path.
-pub(crate) fn write_page(out: &Path, page: &maveric_report::Report) -> Result<PathBuf, StudyError> {
+pub(crate) fn write_page(out: &Path, page: &Report) -> Result<PathBuf, StudyError> {
     write_all(out, &maveric_report::render(page)?)?;
     Ok(out.join("index.html"))
 }

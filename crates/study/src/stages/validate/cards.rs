@@ -1,6 +1,6 @@
 //! The answers that the page of a validation opens with.
 
-use super::{Examined, Metric, Right, Validated};
+use super::{Examined, Metric, Right, Validated, page::over};
 use crate::stages::report::answers::{card, interval, never, number, percent, plot};
 use maveric_analysis::{Verdict, verdict::within};
 use maveric_report::{Card, apa, figures::intervals::IntervalRow};
@@ -19,14 +19,6 @@ pub(super) fn cards(found: &Validated, points: f64) -> Vec<Card> {
     cards
 }
 
-/// Lowest and highest of the models that have a value, and their mean.
-fn over(models: &[Examined], of: impl Fn(&Examined) -> Option<f64>) -> Option<[f64; 3]> {
-    let values: Vec<f64> = models.iter().filter_map(of).collect();
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    Some([super::mean(&values)?, low, high])
-}
-
 fn like_its_driver(found: &Validated, first: &Examined) -> Card {
     let models = &found.models;
     let rows: Vec<IntervalRow> = first
@@ -40,12 +32,12 @@ fn like_its_driver(found: &Validated, first: &Examined) -> Card {
                 over(models, |m| m.fidelity[k].test_retest),
             ];
             IntervalRow {
-                floor: floor.map(|f| 100.0 * f[0]),
-                ceiling: ceiling.map(|c| 100.0 * c[0]),
+                floor: floor.map(|f| 100.0 * f.mean),
+                ceiling: ceiling.map(|c| 100.0 * c.mean),
                 ..IntervalRow::new(
                     f.title,
-                    car.map(|c| 100.0 * c[0]),
-                    car.map(|c| (100.0 * c[1], 100.0 * c[2])),
+                    car.map(|c| 100.0 * c.mean),
+                    car.map(|c| (100.0 * c.low, 100.0 * c.high)),
                 )
             }
         })
@@ -167,8 +159,7 @@ fn dial(found: &Validated, first: &Examined, points: f64) -> Card {
         .iter()
         .flat_map(|m| &m.dial)
         .flat_map(|d| [&d.aggressive, &d.cautious]);
-    let verdicts =
-        judged.map(|r| within(r.n, share(r).map(|s| (s.low, s.high)), (0.5, f64::INFINITY)));
+    let verdicts = judged.map(|r| within(r.n, share(r).map(|s| s.ends()), (0.5, f64::INFINITY)));
     let mut card = card(
         "dial",
         "Does turning the dial change the driving as it says?",
@@ -179,12 +170,8 @@ fn dial(found: &Validated, first: &Examined, points: f64) -> Card {
         .iter()
         .flat_map(|d| [(d, "+", &d.aggressive), (d, "−", &d.cautious)])
         .map(|(d, sign, right)| {
-            let s = share(right);
-            IntervalRow::new(
-                format!("{} {sign}{points}", d.title),
-                s.as_ref().map(|s| 100.0 * s.estimate),
-                s.map(|s| (100.0 * s.low, 100.0 * s.high)),
-            )
+            let label = format!("{} {sign}{points}", d.title);
+            IntervalRow::share(label, share(right).as_ref())
         })
         .collect();
     let lowest = rows

@@ -1,7 +1,10 @@
 //! The page of a validation: its figures and tables.
 
 use super::{Dial, Examined, Fidelity, ValidateOptions, Validated, cards, mean};
-use crate::{error::StudyError, stages::report::hashed};
+use crate::{
+    error::StudyError,
+    stages::report::{hashed, page_of},
+};
 use maveric_domain::MetresPerSecond;
 use maveric_report::{
     Context, Figure, Report,
@@ -9,7 +12,7 @@ use maveric_report::{
         dial_sweep::{DialPanel, DialSweep, dial_sweep},
         fidelity::{Accuracy, Fidelity as FidelityFigure, FidelityRow, fidelity},
     },
-    html::{Methods, Provenance, Section},
+    html::{Provenance, Section},
     tables::Table,
 };
 
@@ -22,16 +25,7 @@ pub(super) fn page(
     mut tables: Vec<Table>,
     warnings: &[String],
 ) -> Result<Report, StudyError> {
-    let context = if found.synthetic {
-        Context::synthetic(options.seed)
-    } else {
-        Context::real()
-    };
-    let made_up = if found.synthetic {
-        "Synthetic participants: "
-    } else {
-        ""
-    };
+    let context = Context::of(found.synthetic, options.seed);
     let dial_tables = tables.split_off(FIRST_TABLES.min(tables.len()));
     let section = |title: &str, intro: &str, figures, tables| Section {
         title: title.to_owned(),
@@ -40,13 +34,25 @@ pub(super) fn page(
         tables,
     };
     let subtitle = format!(
-        "{made_up}{} drivers who drove twice, {} trained models",
+        "{}{} drivers who drove twice, {} trained models",
+        context.preface(),
         found.drivers,
         found.models.len()
     );
-    let new = Report::new("Is the learned style the driver’s?", subtitle, &context);
+    let method = format!(
+        "Each driver’s two drives were fitted apart, for each model; the car in the own style and {} steps of the dial up to ±{} points drove in {} worlds of \
+         their own seeds. docs/validation.md defines every number.",
+        found.models.first().map_or(0, |m| m.steps.len()),
+        options.points,
+        options.worlds
+    );
+    let new = page_of(
+        ("Is the learned style the driver’s?", subtitle),
+        &context,
+        method,
+        (options.seed, &options.command),
+    );
     Ok(Report {
-        glossary: crate::stages::report::words::glossary(),
         cards: cards::cards(found, options.points),
         sections: vec![
             section(
@@ -62,33 +68,21 @@ pub(super) fn page(
                 dial_tables,
             ),
         ],
-        methods: Methods {
-            text: vec![format!(
-                "Each driver’s two drives were fitted apart, for each model; the car in the own style and {} steps of the dial up to ±{} points drove in {} worlds of \
-                 their own seeds. docs/validation.md defines every number.",
-                found.models.first().map_or(0, |m| m.steps.len()),
-                options.points,
-                options.worlds
-            )],
-            files: Vec::new(),
-        },
         warnings: warnings.to_vec(),
         provenance: Provenance {
-            seed: Some(options.seed),
-            command: options.command.clone(),
             parameters: vec![
                 ("points".to_owned(), options.points.to_string()),
                 ("worlds".to_owned(), options.worlds.to_string()),
             ],
             inputs: hashed(found.models.iter().map(|m| m.model.clone().into()))?,
-            ..new.provenance.clone()
+            ..new.provenance
         },
         ..new
     })
 }
 
 /// Mean, lowest and highest over the models that have a value.
-fn over(models: &[Examined], of: impl Fn(&Examined) -> Option<f64>) -> Option<Accuracy> {
+pub(super) fn over(models: &[Examined], of: impl Fn(&Examined) -> Option<f64>) -> Option<Accuracy> {
     let values: Vec<f64> = models.iter().filter_map(of).collect();
     Some(Accuracy {
         mean: mean(&values)?,

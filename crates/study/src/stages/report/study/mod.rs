@@ -240,11 +240,7 @@ fn driven(folder: &Path, run: &Run) -> Result<(Option<Road>, Option<f64>), Study
 
 /// How many took part in what.
 fn subtitle(run: &Run) -> String {
-    let made_up = match (run.analysis.synthetic, run.analysis.scripted) {
-        (true, _) => "Synthetic participants: ",
-        (false, true) => "Driven by a script: ",
-        (false, false) => "",
-    };
+    let made_up = run.context.preface();
     let learned = run.training.as_ref().map_or_else(String::new, |t| {
         format!("{} drives to learn from, ", t.drives)
     });

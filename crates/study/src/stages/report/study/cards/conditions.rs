@@ -96,13 +96,11 @@ pub(super) fn expected(run: &Run, measured: bool) -> Option<Card> {
             below
         };
         let n = above + tied + below;
-        let p = proportion(hits, n, 0.95).ok().filter(|_| n >= FEWEST)?;
-        Some((100.0 * p.estimate, (100.0 * p.low, 100.0 * p.high)))
+        proportion(hits, n, 0.95).ok().filter(|_| n >= FEWEST)
     };
     let rows = panels.iter().filter_map(|(p, contrasts)| {
-        let found = share(widest(run, contrasts)?);
-        let (estimate, ends) = found.unzip();
-        Some(IntervalRow::new(p.title.clone(), estimate, ends))
+        let share = share(widest(run, contrasts)?);
+        Some(IntervalRow::share(p.title.clone(), share.as_ref()))
     });
     let pair = format!(
         "{} against {}",

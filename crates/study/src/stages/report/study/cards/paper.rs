@@ -5,7 +5,7 @@ use maveric_analysis::verdict::within;
 use maveric_report::Card;
 use maveric_report::claims::{LedgerRow, verdict_counts};
 use maveric_report::figures::intervals::IntervalRow;
-use maveric_stats::proportion;
+use maveric_stats::{Proportion, proportion};
 
 /// How many numbers of the paper come out here, of those that could differ.
 pub(super) fn against_the_paper(ledger: &[LedgerRow]) -> Card {
@@ -19,7 +19,7 @@ pub(super) fn against_the_paper(ledger: &[LedgerRow]) -> Card {
     );
     let could = agree + same + differ;
     let share = proportion(agree, could, 0.95).ok();
-    let ends = share.as_ref().map(|s| (s.low, s.high));
+    let ends = share.as_ref().map(Proportion::ends);
     let mut found = card(
         "paper",
         "Do the paper’s numbers come out here?",
@@ -35,11 +35,7 @@ pub(super) fn against_the_paper(ledger: &[LedgerRow]) -> Card {
         "Agree, of those that could differ (%)",
         "Wilson’s 95% CI",
         Some(50.0),
-        vec![IntervalRow::new(
-            "Agree",
-            share.as_ref().map(|s| 100.0 * s.estimate),
-            ends.map(|(low, high)| (100.0 * low, 100.0 * high)),
-        )],
+        vec![IntervalRow::share("Agree", share.as_ref())],
     );
     "The paper’s participants are real people; where ours are made up, agreement says that the method can do it, and is no replication. \
      Claims share data, so the interval is too narrow."

@@ -6,6 +6,7 @@ use maveric_analysis::Verdict;
 use maveric_analysis::verdict::{FEWEST, within};
 use maveric_report::figures::intervals::IntervalRow;
 use maveric_report::{Card, apa};
+use maveric_stats::Proportion;
 
 /// Would people rather be driven as they drive?
 pub(super) fn preferred(run: &Run) -> Option<Card> {
@@ -21,7 +22,7 @@ pub(super) fn preferred(run: &Run) -> Option<Card> {
             .iter()
             .flat_map(|p| p.others.iter().map(move |o| (*p, o)))
     };
-    let ends = |o: &maveric_analysis::Above| o.share.as_ref().map(|s| (s.low, s.high));
+    let ends = |o: &maveric_analysis::Above| o.share.as_ref().map(Proportion::ends);
     let verdicts = all().map(|(p, o)| within(p.n, ends(o), (0.0, 0.5)));
     let mut found = card(
         "preferred",
@@ -55,12 +56,8 @@ pub(super) fn preferred(run: &Run) -> Option<Card> {
      them more than half do."
         .clone_into(&mut found.rule);
     let rows = all().map(|(p, o)| {
-        let share = o.share.as_ref();
-        IntervalRow::new(
-            format!("{}, {}", p.title, run.design.label(o.condition)),
-            share.map(|s| 100.0 * s.estimate),
-            share.map(|s| (100.0 * s.low, 100.0 * s.high)),
-        )
+        let label = format!("{}, {}", p.title, run.design.label(o.condition));
+        IntervalRow::share(label, o.share.as_ref())
     });
     found.plot = plot(
         "Put the other style above their own (%)",
@@ -95,7 +92,7 @@ pub(super) fn preferred(run: &Run) -> Option<Card> {
                 o.above,
                 p.n,
                 percent(Some(s.estimate)),
-                interval(Some((100.0 * s.low, 100.0 * s.high)), 0)
+                interval(Some(s.percent().ends()), 0)
             ))
         })
         .collect();
