@@ -14,6 +14,7 @@ pub mod stages;
 mod style;
 mod style_scale;
 pub mod tables;
+mod texts;
 pub mod watching;
 
 pub use design::DesignFile;

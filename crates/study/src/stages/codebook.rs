@@ -7,11 +7,13 @@ use crate::{
     outputs::spare_inputs,
     run_folder::read_scales,
     tables::write_rows,
+    texts,
 };
 use maveric_domain::{Scale, survey::Scoring};
+use minijinja::{Value, context};
 use path_slash::PathExt as _;
 use serde::{Deserialize, Serialize};
-use std::{fmt::Write as _, path::PathBuf};
+use std::path::PathBuf;
 
 /// What to describe.
 #[derive(Debug, Clone)]
@@ -57,12 +59,8 @@ pub fn codebook(
     spare_inputs([&*options.scales], [&*csv, &markdown])?;
     let scales = read_scales(&options.scales)?;
     watch.check()?;
-    let mut page = String::from(
-        "# Codebook\n\nGenerated from the scales' files. Answers are stored as ticked; reversal is part of scoring.\n",
-    );
-    for scale in &scales {
-        describe(scale, &mut page);
-    }
+    let described: Vec<Value> = scales.iter().map(described).collect();
+    let page = texts::fill(texts::CODEBOOK, context! { scales => described });
     let mut rows = Vec::new();
     for scale in &scales {
         for subscale in &scale.subscales {
@@ -104,11 +102,6 @@ pub fn codebook(
     })
 }
 
-fn list(items: &[u32]) -> String {
-    let items: Vec<String> = items.iter().map(ToString::to_string).collect();
-    items.join(", ")
-}
-
 /// A text as Markdown shows it: no mark-up of its own, and one line.
 fn shown(text: &str) -> String {
     let mut out = String::new();
@@ -126,106 +119,48 @@ fn shown(text: &str) -> String {
     out
 }
 
-/// A line of Markdown to a `String` cannot fail.
-macro_rules! line {
-    ($page:expr, $($text:tt)*) => {{ let _ = writeln!($page, $($text)*); }};
-}
-
-fn describe(scale: &Scale, page: &mut String) {
-    let Scale {
-        id,
-        title,
-        items,
-        min,
-        max,
-        ..
-    } = scale;
-    let (title, reference) = (shown(title), shown(&scale.reference));
-    line!(page, "\n## {title} (`{id}`)\n\n{reference}\n");
-    let how = match scale.scoring {
-        Scoring::Sum => "sum",
-        Scoring::Mean => "mean",
-    };
-    line!(
-        page,
-        "- {items} items, answers {min} to {max}; columns `{}` to `{}`",
-        scale.column_of(1),
-        scale.column_of(*items)
-    );
-    line!(
-        page,
-        "- Score: {how} of a subscale's items; reversed items count as {} minus the answer",
-        min + max
-    );
-    line!(
-        page,
-        "- Missing: scored when at least {:.0}% of a subscale's items are answered, their mean standing in for the others\n",
-        100.0 * scale.min_answered
-    );
-    line!(
-        page,
-        "| subscale | name | items | reversed | range | mean | SD | alpha | source |"
-    );
-    line!(page, "|---|---|---|---|---|---|---|---|---|");
-    for subscale in &scale.subscales {
-        let reversed: Vec<u32> = subscale
-            .items
-            .iter()
-            .copied()
-            .filter(|i| scale.is_reversed(subscale, *i))
-            .collect();
+/// What the codebook says of a scale.
+fn described(scale: &Scale) -> Value {
+    let subscales = scale.subscales.iter().map(|subscale| {
+        let items = subscale.items.iter().copied();
+        let reversed: Vec<u32> = items.filter(|i| scale.is_reversed(subscale, *i)).collect();
         let (low, high) = scale.score_range(subscale);
         let norms = subscale.norms.as_ref().map_or_else(
             || " | | | ".to_owned(),
             |n| {
-                let alpha = n
-                    .alpha_source
-                    .as_ref()
-                    .map_or_else(String::new, |s| format!("; alpha: {}", shown(s)));
-                format!(
-                    "{} | {} | {} | {}{alpha}",
-                    n.mean,
-                    n.sd,
-                    n.alpha,
-                    shown(&n.source)
-                )
+                let alpha = n.alpha_source.as_ref();
+                let alpha = alpha.map_or_else(String::new, |s| format!("; alpha: {}", shown(s)));
+                let source = shown(&n.source);
+                format!("{} | {} | {} | {source}{alpha}", n.mean, n.sd, n.alpha)
             },
         );
-        line!(
-            page,
-            "| `{}` | {} | {} | {} | {low} to {high} | {norms} |",
-            subscale.id,
-            shown(&subscale.title),
-            list(&subscale.items),
-            list(&reversed)
-        );
-    }
-    if !scale.correlations.is_empty() {
-        let pairs: Vec<String> = scale
-            .correlations
-            .iter()
-            .map(|c| {
-                format!(
-                    "{} with {} {} ({})",
-                    c.of[0],
-                    c.of[1],
-                    c.r,
-                    shown(&c.source)
-                )
-            })
-            .collect();
-        line!(page, "\nUsual correlations: {}.", pairs.join("; "));
-    }
-    if scale.wording.is_empty() {
-        line!(
-            page,
-            "\nWording: in the publication; it is not in the public domain."
-        );
-    } else {
-        line!(page, "\n| item | wording |\n|---|---|");
-        for (item, text) in (1..).zip(&scale.wording) {
-            line!(page, "| {item} | {} |", shown(text));
+        context! {
+            id => subscale.id.clone(), title => shown(&subscale.title), items => subscale.items.clone(), reversed,
+            low => low.to_string(), high => high.to_string(), norms,
         }
+    });
+    let correlations = scale.correlations.iter().map(|c| {
+        let [one, other] = &c.of;
+        format!("{one} with {other} {} ({})", c.r, shown(&c.source))
+    });
+    let wording = scale.wording.iter().map(|text| shown(text));
+    context! {
+        id => scale.id.clone(),
+        title => shown(&scale.title),
+        reference => shown(&scale.reference),
+        items => scale.items,
+        min => scale.min,
+        max => scale.max,
+        first => scale.column_of(1),
+        last => scale.column_of(scale.items),
+        scoring => match scale.scoring {
+            Scoring::Sum => "sum",
+            Scoring::Mean => "mean",
+        },
+        answered => format!("{:.0}", 100.0 * scale.min_answered),
+        subscales => subscales.collect::<Vec<Value>>(),
+        correlations => correlations.collect::<Vec<String>>(),
+        wording => wording.collect::<Vec<String>>(),
     }
 }
 

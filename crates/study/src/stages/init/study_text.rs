@@ -1,7 +1,8 @@
 //! The commented `study.toml` of a new study.
 
+use crate::texts;
 use maveric_domain::{ConditionId, design::ScoreName};
-use std::fmt::Write as _;
+use minijinja::{Value, context};
 
 /// What the text is to say.
 pub(super) struct Wanted<'a> {
@@ -22,84 +23,19 @@ fn step([low, high]: [f64; 2]) -> f64 {
 
 /// The text; it reads as a design.
 pub(super) fn study_text(wanted: &Wanted<'_>) -> String {
-    let mut text = format!(
-        "# What this study is. Every command obeys this file; a key that is not known is an error that names it.\n\n\
-         [study]\n\
-         title = \"A study\"                      # heads the page\n\
-         authors = []\n\
-         synthetic = {}                      # true puts a banner on every page: the people are made up\n\n\
-         [files]                                # paths from this file's folder\n\
-         logs = \"logs\"\n\
-         mapping = \"mapping.toml\"\n\
-         answers = \"surveys/answers.csv\"\n",
-        wanted.synthetic
-    );
-    text.push_str(if wanted.synthetic {
-        "software = \"table\"                     # participant, moment, scale, item, answer; or \"otree\", \"jspsych\"\neffects = \"effects.toml\"\n"
-    } else {
-        "software = \"otree\"                     # any table with a row a participant; or \"jspsych\", or \"table\": participant, moment, scale, item, answer\n\
-         columns = \"surveys/columns.toml\"\n"
+    let style = wanted.style.map(|(score, range)| {
+        let [low, high] = range;
+        context! { score => score.to_string(), range => format!("{low}, {high}"), points => step(range).to_string() }
     });
-    text.push_str("scales = \"scales\"\nscenario = \"scenario.toml\"\n# claims = \"claims.toml\"               # a ledger of what others reported, beside yours\n\n[people]\nfile = \"participants.csv\"               # a row a person; every further column may be a factor or a covariate\n");
-    match wanted.style {
-        None => text.push_str(
-            "# learn = { part = \"learn\" }             # whose drives the networks learn from; left out, nobody's\n\
-             # test = { part = \"test\" }               # who sat through the conditions; left out, everybody else\n\n",
-        ),
-        Some((score, range)) => {
-            let [low, high] = range;
-            let _ = write!(
-                text,
-                "learn = {{ part = \"learn\" }}             # whose drives the networks learn from: column = value\n\
-                 test = {{ part = \"test\" }}               # who sat through the conditions\n\n\
-                 [style]                                # what the dial turns\n\
-                 score = \"{score}\"\n\
-                 range = [{low}, {high}]\n\
-                 points = {}                            # a step of the dial\n\n",
-                step(range)
-            );
-        }
-    }
     let middle = (wanted.conditions.len() as f64 - 1.0) / 2.0;
-    for (place, id) in wanted.conditions.iter().enumerate() {
-        let car = if wanted.style.is_some() {
-            let steps = place as f64 - middle;
-            let sign = if steps > 0.0 { "+" } else { "" };
-            format!(
-                "{{ dial = \"{sign}{steps}\" }}                 # steps from the person's own style; or {{ across = true }}, {{ mean = true }}, {{ recorded = true }}"
-            )
-        } else {
-            "{ recorded = true }               # the car was yours, its logs are read".to_owned()
-        };
-        let _ = write!(
-            text,
-            "[[condition]]\nid = \"{id}\"\nlabel = \"{}\"\ncar = {car}\n\n",
-            label(*id)
-        );
-    }
-    text.push_str(
-        "[baseline]                             # the drive by hand that differences are taken from; leave it out where there is none\nid = \"own\"\nlabel = \"Own\"\nby = \"hand\"\n\n\
-         # [[outcome]]                          # what is tested; left out: all objective measures and every scale asked after a condition\n\
-         # measure = \"mean_headway_time_s\"\n\
-         # [[outcome]]\n\
-         # scale = \"jian_trust.overall\"\n\n\
-         [contrasts]\n\
-         compare = \"all\"                        # or \"against ID\", or [[\"a\", \"b\"], …]\n\n\
-         # [[hypothesis]]\n\
-         # says = \"…\"\n\
-         # outcome = \"mean_headway_time_s\"\n",
-    );
-    if let [first, .., last] = wanted.conditions {
-        let _ = writeln!(text, "# contrast = [\"{last}\", \"{first}\"]");
-    }
-    text.push_str(
-        "# direction = \"-\"                      # or equivalent = [-0.1, 0.1]\n\n\
-         [exclude]                              # before anything is computed, everywhere, listed with its reason\n\
-         # people = { P07 = \"withdrew consent\" }\n\
-         # drives = { \"P03-ID\" = \"simulator sickness\" }\n\
-         # drive_shorter_than_s = 300\n",
-    );
-    text
+    let conditions = wanted.conditions.iter().enumerate().map(|(place, id)| {
+        let steps = place as f64 - middle;
+        let sign = if steps > 0.0 { "+" } else { "" };
+        context! { id => id.as_str(), label => label(*id), steps => format!("{sign}{steps}") }
+    });
+    let conditions: Vec<Value> = conditions.collect();
+    let values = context! { synthetic => wanted.synthetic, style, conditions };
+    texts::fill(texts::STUDY, values)
 }
 
 fn label(id: ConditionId) -> String {
