@@ -42,6 +42,15 @@ pub(crate) fn capital(text: &str) -> String {
     })
 }
 
+/// A quantity with its unit, where it has one.
+pub(crate) fn with_unit(title: &str, unit: &str) -> String {
+    if unit.is_empty() {
+        title.to_owned()
+    } else {
+        format!("{title} ({unit})")
+    }
+}
+
 /// Terms in small letters that a reader may not know.
 const RARE: [&str; 7] = [
     "homophily",

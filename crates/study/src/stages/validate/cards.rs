@@ -1,6 +1,6 @@
 //! The answers that the page of a validation opens with.
 
-use super::{Examined, Metric, Right, Validated, page::over};
+use super::{Examined, Metric, Right, Validated, tables::over};
 use crate::stages::report::answers::{card, interval, never, number, percent, plot};
 use maveric_analysis::{Verdict, verdict::within};
 use maveric_report::{Card, apa, figures::intervals::IntervalRow};

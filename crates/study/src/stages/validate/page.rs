@@ -1,6 +1,6 @@
 //! The page of a validation: its figures and tables.
 
-use super::{Dial, Examined, Fidelity, ValidateOptions, Validated, cards, mean};
+use super::{Dial, Fidelity, ValidateOptions, Validated, cards, tables::over};
 use crate::{
     error::StudyError,
     stages::report::{hashed, page_of},
@@ -10,7 +10,7 @@ use maveric_report::{
     Context, Figure, Report,
     figures::{
         dial_sweep::{DialPanel, DialSweep, dial_sweep},
-        fidelity::{Accuracy, Fidelity as FidelityFigure, FidelityRow, fidelity},
+        fidelity::{Fidelity as FidelityFigure, FidelityRow, fidelity},
     },
     html::{Provenance, Section},
     tables::Table,
@@ -78,16 +78,6 @@ pub(super) fn page(
             ..new.provenance
         },
         ..new
-    })
-}
-
-/// Mean, lowest and highest over the models that have a value.
-pub(super) fn over(models: &[Examined], of: impl Fn(&Examined) -> Option<f64>) -> Option<Accuracy> {
-    let values: Vec<f64> = models.iter().filter_map(of).collect();
-    Some(Accuracy {
-        mean: mean(&values)?,
-        low: values.iter().copied().fold(f64::INFINITY, f64::min),
-        high: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
     })
 }
 

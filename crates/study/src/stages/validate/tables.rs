@@ -1,17 +1,27 @@
 //! What was found, over all models, as tables.
 
 use super::{Agreement, Examined, FULL, Metric, Right, mean};
-use maveric_report::tables::{Cell, Table, TableOf};
+use maveric_report::{
+    figures::fidelity::Accuracy,
+    tables::{Cell, Table, TableOf},
+};
+
+/// Mean, lowest and highest over the models that have a value.
+pub(super) fn over<T>(models: &[T], of: impl Fn(&T) -> Option<f64>) -> Option<Accuracy> {
+    let values: Vec<f64> = models.iter().filter_map(of).collect();
+    Some(Accuracy {
+        mean: mean(&values)?,
+        low: values.iter().copied().fold(f64::INFINITY, f64::min),
+        high: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+    })
+}
 
 /// Mean over the models and, in brackets, lowest and highest.
 fn range(values: &[Option<f64>], decimals: usize) -> Cell {
-    let known: Vec<f64> = values.iter().copied().flatten().collect();
-    let Some(mean) = mean(&known) else {
+    let Some(Accuracy { mean, low, high }) = over(values, |value| *value) else {
         return Cell::Missing;
     };
-    let low = known.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = known.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    if known.len() == 1 || high - low < 1e-9 {
+    if high - low < 1e-9 {
         Cell::number(Some(mean), decimals)
     } else {
         let text = format!("{mean:.decimals$} ({low:.decimals$} to {high:.decimals$})");

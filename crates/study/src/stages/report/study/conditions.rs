@@ -3,7 +3,10 @@
 use super::{Run, said, watch};
 use crate::{
     error::StudyError,
-    stages::report::{keys::short, words::capital},
+    stages::report::{
+        keys::short,
+        words::{capital, with_unit},
+    },
     watching::WatchedDrive,
 };
 use maveric_analysis::{Contrast, Panel};
@@ -348,15 +351,6 @@ fn bias_table(run: &Run) -> Option<tables::Table> {
              SD: half the standard deviation between people’s own drives, where the design declares no bound.",
         );
     Some(table)
-}
-
-/// A quantity with its unit, where it has one.
-pub(super) fn with_unit(title: &str, unit: &str) -> String {
-    if unit.is_empty() {
-        title.to_owned()
-    } else {
-        format!("{title} ({unit})")
-    }
 }
 
 /// What was measured and answered, by condition.

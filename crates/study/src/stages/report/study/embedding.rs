@@ -1,11 +1,11 @@
 //! The second section: the embedding space and the aggression line.
 
-use super::{Run, conditions::with_unit, printed, said};
+use super::{Run, printed, said};
 use crate::{
     atomic_write::if_there,
     error::StudyError,
     run_folder::{MODEL_FILE, embeddings_path},
-    stages::report::keys::short,
+    stages::report::{keys::short, words::with_unit},
     tables::{
         conditions::ConditionRow,
         embeddings::{EmbeddingRow, read_embeddings},
