@@ -244,7 +244,9 @@ impl Unpacker {
         let most = head.uncompressed_size.saturating_add(MOST_OVERRUN);
         let most = most.min(MOST_UNPACKED);
         let room = &mut self.room;
-        room.resize(room.len().max(ROOM), 0);
+        if room.len() < ROOM {
+            *room = vec![0; ROOM];
+        }
         let mut filled = 0;
         loop {
             if filled == room.len() {

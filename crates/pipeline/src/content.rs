@@ -419,6 +419,45 @@ mod tests {
     }
 
     #[test]
+    fn a_file_is_settled_some_ticks_after_its_last_change_and_never_in_the_future() {
+        let at = |ns: i64| UNIX_EPOCH + std::time::Duration::from_nanos(ns.cast_unsigned());
+        let ago = |modified_ns: i64, changed_ns: i64| Look {
+            size: 1,
+            modified_ns,
+            changed_ns,
+            inode: 1,
+        };
+        let last = 5_000_000_000;
+        for look in [ago(last, last), ago(last, 1), ago(1, last)] {
+            let settles = last + SETTLED_AFTER_NS;
+            assert!(look.is_settled_at(at(settles + 1)));
+            assert!(!look.is_settled_at(at(settles)));
+            assert!(!look.is_settled_at(at(0)));
+        }
+        assert!(!ago(i64::MAX, 1).is_settled_at(at(i64::MAX - 1)));
+    }
+
+    #[test]
+    fn a_file_that_has_just_changed_is_not_remembered() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path();
+        let path = root.join("f");
+        fs::write(&path, "one").unwrap();
+        // As if its clock were ahead.
+        let ahead = SystemTime::now() + std::time::Duration::from_hours(1);
+        File::options()
+            .write(true)
+            .open(&path)
+            .unwrap()
+            .set_modified(ahead)
+            .unwrap();
+        let hasher = Hasher::new(root, root.join(".hashes"), &NO);
+        hasher.content("f").unwrap();
+        hasher.save();
+        assert!(!root.join(".hashes").exists());
+    }
+
+    #[test]
     fn a_damaged_cache_is_ignored() {
         let folder = tempfile::tempdir().unwrap();
         let root = folder.path();

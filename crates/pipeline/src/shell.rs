@@ -183,6 +183,17 @@ mod tests {
     }
 
     #[test]
+    fn what_is_typed_is_quoted_for_the_shell_of_this_system() {
+        let line = typed(["echo", "it is", "a/b.csv", "", "100%"]);
+        let expected = if cfg!(windows) {
+            r#"echo "it is" a/b.csv "" "100%""#
+        } else {
+            "echo 'it is' a/b.csv '' 100%"
+        };
+        assert_eq!(line, expected);
+    }
+
+    #[test]
     fn the_script_of_a_shell_is_known_by_the_words_before_it() {
         let script = |line: &str| is_script(line.split(' '));
         for line in [

@@ -159,3 +159,20 @@ impl ReportError {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    #[test]
+    fn a_next_step_is_offered_where_one_is_known() {
+        let name = || "x".to_owned();
+        let says = |error: ReportError, word: &str| {
+            let found = error.suggestion().unwrap_or_default();
+            assert!(found.contains(word), "{error}: {found}");
+        };
+        says(ReportError::DuplicateName { name: name() }, "rename");
+        says(ReportError::BadName { name: name() }, "rename");
+        let reason = name();
+        assert_eq!(ReportError::Template { reason }.suggestion(), None);
+    }
+}

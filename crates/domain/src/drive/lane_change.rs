@@ -226,6 +226,16 @@ mod tests {
     }
 
     #[test]
+    fn a_car_that_drifts_across_changes_from_the_row_before() {
+        // So slowly that no row moves onward.
+        let drift = rows(|t| 1.5 + 0.5 * LATERAL_SPEED_MPS * t, 12.0);
+        let crossing = drift.lane.iter().position(|&l| l != drift.lane[0]).unwrap();
+        let changes = events(&drift);
+        assert_eq!((changes.len(), changes[0].start), (1, crossing - 1));
+        assert!(!changes[0].completed);
+    }
+
+    #[test]
     fn a_crossing_undone_within_three_seconds_is_a_weave() {
         let weave = |t: f64| 2.2 * (1.0 - ((t - 6.0) / 1.5).powi(2)).max(0.0);
         assert!(events(&rows(weave, 12.0)).is_empty());

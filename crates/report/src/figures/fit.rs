@@ -239,4 +239,92 @@ mod tests {
     fn equal_values_have_no_density() {
         assert!(density(&[2.0; 8], 20, (f64::NEG_INFINITY, f64::INFINITY)).is_empty());
     }
+
+    fn close(found: f64, expected: f64) {
+        assert!(
+            (found - expected).abs() < 1e-12,
+            "{found} instead of {expected}"
+        );
+    }
+
+    #[test]
+    fn spread_and_quantiles_are_those_by_hand() {
+        close(
+            standard_deviation(&[2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0]),
+            (32.0_f64 / 7.0).sqrt(),
+        );
+        close(standard_deviation(&[1.0, 3.0]), 2.0_f64.sqrt());
+        close(standard_deviation(&[3.0]), 0.0);
+        close(standard_deviation(&[]), 0.0);
+        assert_eq!(mean(&[]), None);
+        close(mean(&[1.0, 2.0, 6.0]).unwrap(), 3.0);
+        let sorted = [1.0, 2.0, 4.0, 8.0];
+        for (share, expected) in [(0.0, 1.0), (0.25, 1.75), (0.5, 3.0), (0.9, 6.8), (1.0, 8.0)] {
+            close(quantile(&sorted, share), expected);
+        }
+        close(degrees_from_radians(-0.5 * PI), 270.0);
+        close(degrees_from_radians(2.5 * PI), 90.0);
+    }
+
+    #[test]
+    fn t_agrees_with_the_tables_to_the_last_digit_that_is_drawn() {
+        for (degrees, expected) in [
+            (1, 12.706_205),
+            (2, 4.302_653),
+            (3, 3.182_446),
+            (4, 2.776_445),
+            (5, 2.570_582),
+            (7, 2.364_624),
+            (10, 2.228_139),
+            (22, 2.073_873),
+            (100, 1.983_972),
+            (1000, 1.962_339),
+        ] {
+            let found = t_975(degrees);
+            assert!((found / expected - 1.0).abs() < 3e-5, "{degrees}: {found}");
+        }
+        assert!(t_975(0).is_infinite());
+    }
+
+    #[test]
+    fn within_subject_intervals_are_those_by_hand() {
+        // Centred on their own means the first column is −1, 0, 1 and the second the reverse: each with a deviation of 1.
+        let rows = vec![vec![1.0, 3.0], vec![10.0, 10.0], vec![6.0, 4.0]];
+        let widths = within_subject_half_widths(&rows).unwrap();
+        let expected = t_975(2) * 2.0_f64.sqrt() / 3.0_f64.sqrt();
+        assert_eq!(widths.len(), 2);
+        for width in widths {
+            close(width, expected);
+        }
+        assert!(within_subject_half_widths(&rows[..1]).is_none());
+        assert!(within_subject_half_widths(&[vec![1.0], vec![2.0]]).is_none());
+        assert!(within_subject_half_widths(&[]).is_none());
+    }
+
+    #[test]
+    fn a_density_is_a_sum_of_bells_of_silverman_s_width() {
+        let sorted = [0.0, 1.0, 2.0, 3.0, 10.0];
+        let all = (f64::NEG_INFINITY, f64::INFINITY);
+        // The quartiles are 1 and 3, so the spread is 2 / 1.34, less than the standard deviation.
+        let width = 0.9 * (2.0 / 1.34) * 5.0_f64.powf(-0.2);
+        let curve = density(&sorted, 100, all);
+        assert_eq!(curve.len(), 101);
+        assert!((curve[0].0 + 2.0 * width).abs() < 1e-9);
+        assert!((curve[100].0 - 10.0 - 2.0 * width).abs() < 1e-9);
+        let bell = |value: f64| -> f64 {
+            let each = sorted
+                .iter()
+                .map(|x| (-0.5 * ((value - x) / width).powi(2)).exp());
+            each.sum()
+        };
+        let top = curve.iter().map(|p| bell(p.0)).fold(0.0, f64::max);
+        for (value, height) in &curve {
+            assert!((height - bell(*value) / top).abs() < 1e-9, "{value}");
+        }
+        // Where the middle half is one value, the deviation stands in; two values have none.
+        let curve = density(&[0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 2.0], 10, all);
+        let width = 0.9 * (1.0_f64 / 3.0).sqrt() * 7.0_f64.powf(-0.2);
+        assert!((curve[0].0 + 2.0 * width).abs() < 1e-9);
+        assert!(density(&[1.0, 2.0], 10, all).is_empty());
+    }
 }

@@ -258,3 +258,110 @@ pub(crate) fn paint_box(canvas: &mut Canvas<'_>, view: &View, titles: [&str; 3])
         );
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    const PLACE: Place = Place {
+        left: 40.0,
+        top: 20.0,
+        right: 340.0,
+        bottom: 260.0,
+    };
+
+    fn view() -> View {
+        let points = [[0.0, -1.0, 10.0], [4.0, 3.0, 12.0], [2.0, 0.0, 14.0]];
+        View::fit(&points, [1.0, 0.5, 0.25], PLACE)
+    }
+
+    fn near(found: f64, expected: f64) {
+        assert!(
+            (found - expected).abs() < 1e-9,
+            "{found} instead of {expected}"
+        );
+    }
+
+    #[test]
+    fn page_and_depth_keep_every_distance() {
+        let view = view();
+        let scale = view.points_per_unit;
+        let points = [
+            [0.0, 0.0, 10.0],
+            [1.0, 0.0, 10.0],
+            [1.0, 2.0, 10.0],
+            [1.0, 2.0, 13.0],
+            [-3.0, 0.5, 11.0],
+        ];
+        for (i, a) in points.iter().enumerate() {
+            for b in &points[i + 1..] {
+                let ((x, y), depth) = view.project(*a);
+                let ((u, v), far) = view.project(*b);
+                let seen =
+                    ((x - u).powi(2) + (y - v).powi(2)) / (scale * scale) + (depth - far).powi(2);
+                let apart: f64 = (0..3).map(|k| (a[k] - b[k]).powi(2)).sum();
+                near(seen, apart);
+            }
+        }
+        // What is higher lies higher on the page, and nearer for who looks from above.
+        let (low, high) = (
+            view.project([1.0, 1.0, 10.0]),
+            view.project([1.0, 1.0, 11.0]),
+        );
+        assert!(high.0.1 < low.0.1 && high.1 > low.1);
+        near(high.0.0, low.0.0);
+    }
+
+    #[test]
+    fn the_box_fills_its_place_but_for_the_rim_and_shows_what_is_to_be_seen() {
+        let view = view();
+        let corners: Vec<(f64, f64)> = (0..8).map(|k| view.project(view.corner(k)).0).collect();
+        let span = |pick: fn(&(f64, f64)) -> f64| {
+            let low = corners.iter().map(pick).fold(f64::INFINITY, f64::min);
+            (
+                low,
+                corners.iter().map(pick).fold(f64::NEG_INFINITY, f64::max),
+            )
+        };
+        let (x, y) = (span(|c| c.0), span(|c| c.1));
+        let wide = (x.1 - x.0) / (300.0 - 2.0 * RIM);
+        let tall = (y.1 - y.0) / (240.0 - 1.5 * RIM);
+        near(wide.max(tall), 1.0);
+        near(f64::midpoint(x.0, x.1), 190.0 + 0.2 * RIM);
+        near(f64::midpoint(y.0, y.1), 140.0 - 0.4 * RIM);
+        // What is to be seen is drawn as near to 0.8 of its length as one of the eleven turns makes it.
+        let shown = [0.6, 0.8, 0.0];
+        let view = View::fit(&[[0.0; 3], [1.0; 3]], shown, PLACE);
+        let (a, b) = (view.project([0.0; 3]).0, view.project(shown).0);
+        let length = libm::hypot(a.0 - b.0, a.1 - b.1) / view.points_per_unit;
+        let off = |degrees: f64| {
+            let (right, up, _) = axes(degrees);
+            (libm::hypot(dot(right, shown), dot(up, shown)) - 0.8).abs()
+        };
+        let turns = (0..=10).map(|i| off(-70.0 + 5.0 * f64::from(i)));
+        near((length - 0.8).abs(), turns.fold(1.0, f64::min));
+    }
+
+    #[test]
+    fn an_axis_along_which_nothing_lies_apart_still_has_a_length() {
+        let view = View::fit(&[[0.0, 5.0, 1.0], [8.0, 5.0, 3.0]], [1.0, 0.0, 0.0], PLACE);
+        near(view.low[1], 4.0);
+        near(view.high[1], 6.0);
+        near(view.low[2], 1.0 - 0.08);
+        near(view.high[0], 8.0 + 0.32);
+        let sides = [8.64_f64, 2.0, 2.16];
+        near(view.size(), sides.iter().map(|s| s * s).sum::<f64>().sqrt());
+    }
+
+    #[test]
+    fn a_chord_ends_at_the_nearest_faces() {
+        let mut view = view();
+        (view.low, view.high) = ([0.0, 0.0, 0.0], [4.0, 2.0, 10.0]);
+        let ends = |centre, unit| view.chord(centre, unit);
+        assert_eq!(ends([1.0, 1.0, 5.0], [1.0, 0.0, 0.0]), (-1.0, 3.0));
+        assert_eq!(ends([1.0, 1.0, 5.0], [-1.0, 0.0, 0.0]), (-3.0, 1.0));
+        assert_eq!(ends([1.0, 1.0, 5.0], [0.0, 0.0, 2.0]), (-2.5, 2.5));
+        let slanted = ends([1.0, 1.0, 5.0], [0.6, 0.8, 0.0]);
+        near(slanted.0, -1.25);
+        near(slanted.1, 1.25);
+    }
+}

@@ -416,4 +416,50 @@ mod tests {
                         $-$ $\\times$ $\\pm$ $\\leq$ $\\geq$ $\\rightarrow$ \\textsuperscript{2} \\textdegree{}";
         assert!(latex.contains(expected), "{latex}");
     }
+
+    #[test]
+    fn every_sign_that_pdflatex_does_not_take_becomes_its_command() {
+        for (sign, command) in [
+            ('\\', "\\textbackslash{}"),
+            ('~', "\\textasciitilde{}"),
+            ('^', "\\textasciicircum{}"),
+            ('<', "\\textless{}"),
+            ('>', "\\textgreater{}"),
+            ('−', "$-$"),
+            ('×', "$\\times$"),
+            ('±', "$\\pm$"),
+            ('≤', "$\\leq$"),
+            ('≥', "$\\geq$"),
+            ('→', "$\\rightarrow$"),
+            ('α', "$\\alpha$"),
+            ('δ', "$\\delta$"),
+            ('ε', "$\\varepsilon$"),
+            ('η', "$\\eta$"),
+            ('ρ', "$\\rho$"),
+            ('τ', "$\\tau$"),
+            ('∞', "$\\infty$"),
+            ('†', "\\textdagger{}"),
+            ('χ', "$\\chi$"),
+            ('ω', "$\\omega$"),
+            ('²', "\\textsuperscript{2}"),
+            ('°', "\\textdegree{}"),
+            ('\n', " "),
+            ('\r', " "),
+            ('&', "\\&"),
+            ('%', "\\%"),
+            ('$', "\\$"),
+            ('#', "\\#"),
+            ('_', "\\_"),
+            ('{', "\\{"),
+            ('}', "\\}"),
+            ('a', "a"),
+            ('é', "é"),
+        ] {
+            assert_eq!(latex_sign(sign), command, "{sign}");
+        }
+        assert_eq!(
+            latex("*p*_{a} = 10^{2}"),
+            "\\textit{p}\\textsubscript{a} = 10\\textsuperscript{2}"
+        );
+    }
 }

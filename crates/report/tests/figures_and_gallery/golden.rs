@@ -116,7 +116,7 @@ fn the_figures_are_the_committed_ones() {
 }
 
 /// Width, height and RGB.
-fn pixels(png: &[u8]) -> (u32, u32, Vec<u8>) {
+pub(crate) fn pixels(png: &[u8]) -> (u32, u32, Vec<u8>) {
     let mut reader = png::Decoder::new(std::io::Cursor::new(png))
         .read_info()
         .unwrap();

@@ -200,6 +200,26 @@ mod tests {
     }
 
     #[test]
+    fn in_turn_a_step_brings_acceleration_nearer_by_its_share_of_the_lag() {
+        let settings = VehicleSettings {
+            integrator: Integrator::InTurn,
+            ..settings(0.01)
+        };
+        for (wanted, lag) in [(0.1, settings.throttle_lag_s), (-0.1, settings.brake_lag_s)] {
+            let mut car = KinematicBicycle::new(&settings, 0.0, 30.0);
+            let mut left = wanted;
+            for _ in 0..3 {
+                car.step(command(wanted, 0.0), &straight());
+                left *= 1.0 - settings.step_s / lag;
+                assert!(
+                    (car.acceleration_mps2 - (wanted - left)).abs() < 1e-12,
+                    "{wanted}"
+                );
+            }
+        }
+    }
+
+    #[test]
     fn a_held_steering_angle_drives_a_circle_of_the_right_radius() {
         for integrator in [Integrator::InTurn, Integrator::Rk4] {
             let settings = VehicleSettings {

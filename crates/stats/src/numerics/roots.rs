@@ -93,4 +93,12 @@ mod tests {
         assert!((root - 2.0_f64.sqrt()).abs() < 4e-16);
         assert!(brent(|x| x * x + 1.0, 0.0, 1.0).is_none());
     }
+
+    #[test]
+    fn an_end_that_is_itself_the_root_is_one() {
+        for (low, high) in [(1.0, 2.0), (0.0, 1.0)] {
+            assert_eq!(brent(|x| x - 1.0, low, high), Some(1.0), "{low} to {high}");
+        }
+        assert_eq!(upwards(|x| x - 1.0, 1.0, 0.5), Some(1.0));
+    }
 }

@@ -117,3 +117,86 @@ fn line(
     }
     out.push_str("\"/>");
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::pack::Run;
+    use super::*;
+
+    /// A drive of these speeds (mph) and gaps, with a hole from `hole` on of two samples.
+    fn sampled(speed_mph: &[f64], gap_m: &[Option<f64>], hole: usize) -> Sampled {
+        let n = speed_mph.len();
+        let behind = hole + 2;
+        Sampled {
+            samples: n,
+            runs: vec![
+                Run {
+                    first: 0,
+                    count: hole,
+                },
+                Run {
+                    first: behind,
+                    count: n - behind,
+                },
+            ],
+            x_m: vec![0.0; n],
+            y_m: vec![0.0; n],
+            speed_mps: speed_mph.iter().map(|v| v * MPS_PER_MPH).collect(),
+            gap_m: gap_m.to_vec(),
+            reference: vec![None; n],
+            seen: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn all_rows_share_the_longest_time_and_speeds_in_tens() {
+        let short = sampled(&[44.0, 52.0, 1.0, 99.0, 61.0], &[None; 5], 2);
+        let axes = Axes::of(std::slice::from_ref(&short));
+        assert!((axes.duration_s - 0.8).abs() < 1e-12);
+        // Within the hole speeds mean nothing.
+        assert_eq!((axes.speed_mph, axes.step_s), ((40.0, 70.0), 1.0));
+        assert_eq!(axes.ticks(), [0.0]);
+        let long = sampled(&vec![50.0; 5 * 60 + 1], &vec![None; 5 * 60 + 1], 9);
+        let axes = Axes::of(&[short, long.clone()]);
+        assert_eq!((axes.duration_s, axes.step_s), (60.0, 10.0));
+        assert_eq!(axes.ticks(), [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0]);
+        // Even speeds still have a height; nobody has a moment.
+        assert_eq!(Axes::of(&[long]).speed_mph, (50.0, 60.0));
+        assert!((Axes::of(&[]).duration_s - 0.2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn lines_are_drawn_where_time_speed_and_gap_say_and_stop_at_holes() {
+        let speed: Vec<f64> = (0..21).map(|i| 40.0 + f64::from(i)).collect();
+        let mut gap = vec![Some(60.0); 21];
+        (gap[16], gap[18], gap[20]) = (None, Some(121.0), Some(-1.0));
+        let drive = sampled(&speed, &gap, 9);
+        let axes = Axes::of(std::slice::from_ref(&drive));
+        assert_eq!((axes.duration_s, axes.speed_mph), (4.0, (40.0, 60.0)));
+        let svg = timeline(&drive, &axes);
+        let path = |class: &str| {
+            let start = svg.find(&format!("class=\"{class}\" d=\"")).unwrap();
+            let rest = &svg[start..];
+            let from = rest.find(" d=\"").unwrap() + 4;
+            rest[from..from + rest[from..].find('"').unwrap()].to_owned()
+        };
+        // Every second sample, 0.4 s apart: 100 units; speed from 29 up to 3, the hole at samples 9 and 10.
+        let y = |i: f64| 29.0 - 26.0 * i / 20.0;
+        let mut expected = String::new();
+        for i in (0..21).step_by(2).filter(|i| *i != 10) {
+            let letter = if i == 0 || i == 12 { 'M' } else { 'L' };
+            let _ = write!(
+                expected,
+                "{letter}{:.1} {:.1}",
+                50.0 * f64::from(i),
+                y(f64::from(i))
+            );
+        }
+        assert_eq!(path("pl-speed"), expected);
+        let expected =
+            "M0.0 49.0L100.0 49.0L200.0 49.0L300.0 49.0L400.0 49.0M600.0 49.0L700.0 49.0";
+        assert_eq!(path("pl-gaps"), expected);
+        let grid = "M0.0 0V64M250.0 0V64M500.0 0V64M750.0 0V64M1000.0 0V64M0 3H1000M0 29H1000M0 36H1000M0 62H1000";
+        assert_eq!(path("pl-grid"), grid);
+    }
+}

@@ -108,3 +108,112 @@ pub(super) fn stretch(drive: &PlayerDrive) -> f64 {
         STRETCH
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    /// A left-hand bend of 200 m: the line's places are on a circle.
+    fn bend() -> CentreLine {
+        let place = |i: u32| {
+            let angle = f64::from(i) / 200.0;
+            (
+                1000.0 + 200.0 * angle.sin(),
+                50.0 + 200.0 * (1.0 - angle.cos()),
+            )
+        };
+        CentreLine {
+            start_m: 30.0,
+            step_m: 1.0,
+            map_m: (0..=400).map(place).collect(),
+        }
+    }
+
+    fn near(found: (f64, f64, f64), expected: (f64, f64, f64)) {
+        let apart = [
+            found.0 - expected.0,
+            found.1 - expected.1,
+            50.0 * (found.2 - expected.2),
+        ];
+        assert!(
+            apart.iter().all(|d| d.abs() < 0.02),
+            "{found:?} instead of {expected:?}"
+        );
+    }
+
+    #[test]
+    fn along_a_circle_the_line_turns_evenly_and_goes_on_straight_at_its_ends() {
+        let line = bend();
+        for s in [20.0, 100.25, 300.5] {
+            let angle: f64 = s / 200.0;
+            let expected = (
+                1000.0 + 200.0 * angle.sin(),
+                50.0 + 200.0 * (1.0 - angle.cos()),
+                angle,
+            );
+            near(line.at(30.0 + s), expected);
+        }
+        let (east, north, heading) = line.at(20.0);
+        assert!((east - 990.0).abs() < 0.1 && (north - 50.0).abs() < 0.1 && heading.abs() < 0.01);
+        // The last piece's direction is that of its middle.
+        let (end, turned) = (line.at(430.0), 2.0_f64 - 0.5 / 200.0);
+        let beyond = (
+            end.0 + 10.0 * turned.cos(),
+            end.1 + 10.0 * turned.sin(),
+            turned,
+        );
+        near(line.at(440.0), beyond);
+    }
+
+    #[test]
+    fn what_lies_on_a_circle_around_is_seen_forward_and_to_the_left() {
+        let line = bend();
+        let view = |middle_m| View {
+            line: Some(&line),
+            x_m: 130.0,
+            middle_m,
+        };
+        for s in [-60.0, 0.0, 45.0, 200.0] {
+            let angle: f64 = s / 200.0;
+            // A place 2 m to the left of the line is on a circle of 198 m.
+            for (y, middle) in [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 1.5)] {
+                let left = 200.0 - middle - (200.0 - y) * angle.cos();
+                near(
+                    view(middle).see(130.0 + s, y),
+                    ((200.0 - y) * angle.sin(), left, angle),
+                );
+            }
+        }
+        let straight = View {
+            line: None,
+            x_m: 130.0,
+            middle_m: 1.5,
+        };
+        assert_eq!(straight.see(150.0, 4.0), (20.0, 2.5, 0.0));
+    }
+
+    #[test]
+    fn a_line_that_turns_past_west_does_not_turn_back() {
+        // Headings from 3.0 up to 3.3 rad, which is −2.98.
+        let mut at = (0.0, 0.0);
+        let map_m = (0..=30).map(|i| {
+            let heading = 3.0 + 0.01 * f64::from(i);
+            let here = at;
+            at = (at.0 + heading.cos(), at.1 + heading.sin());
+            here
+        });
+        let line = CentreLine {
+            start_m: 0.0,
+            step_m: 1.0,
+            map_m: map_m.collect(),
+        };
+        for x in 1..29 {
+            let (_, _, heading) = line.at(f64::from(x) + 0.5);
+            let expected: f64 = 3.0 + 0.01 * f64::from(x);
+            let apart = (heading - expected + PI).rem_euclid(2.0 * PI) - PI;
+            assert!(apart.abs() < 0.02, "{x}: {heading}");
+        }
+        assert!(FRAC_PI_2 < line.at(1.0).2);
+    }
+}
