@@ -209,3 +209,133 @@ pub fn median(values: &[f64]) -> f64 {
         _ => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use FollowingMethod as M;
+
+    fn errors(gap_rmse_m: f64, reached_zero: bool) -> SimulationErrors {
+        SimulationErrors {
+            gap_rmse_m,
+            speed_rmse_mps: 0.5 * gap_rmse_m,
+            nrmse: 0.1 * gap_rmse_m,
+            mixed: 0.2 * gap_rmse_m,
+            reached_zero,
+        }
+    }
+
+    fn driver(name: &str, methods: &[(M, f64, bool)]) -> DriverEvaluation {
+        let one = |&(method, gap, zero): &(M, f64, bool)| MethodErrors {
+            method,
+            errors: errors(gap, zero),
+        };
+        DriverEvaluation {
+            driver: name.to_owned(),
+            methods: methods.iter().map(one).collect(),
+            series: TestSeries {
+                time_s: Vec::new(),
+                gap_m: Vec::new(),
+                ego_speed_mps: Vec::new(),
+                lead_speed_mps: Vec::new(),
+                simulated: Vec::new(),
+            },
+        }
+    }
+
+    fn evaluation() -> FollowingEvaluation {
+        let drivers = vec![
+            driver(
+                "A",
+                &[
+                    (M::IdmOwn, 2.0, false),
+                    (M::HellyOwn, 3.0, false),
+                    (M::IdmPopulation, 2.5, false),
+                    (M::IdmFloor, 0.5, false),
+                ],
+            ),
+            driver(
+                "B",
+                &[
+                    (M::IdmOwn, 4.0, true),
+                    (M::HellyOwn, 3.0, false),
+                    (M::IdmPopulation, 4.0, false),
+                    (M::IdmFloor, 0.5, false),
+                ],
+            ),
+            driver(
+                "C",
+                &[(M::IdmOwn, 12.0, true), (M::IdmPopulation, 3.0, false)],
+            ),
+        ];
+        let all = [M::HellyOwn, M::IdmOwn, M::IdmPopulation, M::IdmFloor];
+        FollowingEvaluation {
+            learned_from: 3,
+            driven: None,
+            means: all
+                .iter()
+                .filter_map(|m| MethodMean::of(*m, &drivers))
+                .collect(),
+            drivers,
+            compared: Vec::new(),
+            peers: Vec::new(),
+            time_gap_shrinkage: Shrinkage {
+                people: 3,
+                half_s: 1.0,
+                within: 0.0,
+                between: 0.0,
+                strength_s: None,
+                most: 0.0,
+            },
+            closed_loop: None,
+        }
+    }
+
+    #[test]
+    fn a_mean_is_over_the_drivers_on_whom_the_method_was_tried() {
+        let found = evaluation();
+        let mean = found.mean(M::IdmOwn).unwrap();
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} instead of {b}");
+        near(mean.gap_rmse_m, 6.0);
+        near(mean.gap_rmse_median_m, 4.0);
+        near(mean.speed_rmse_mps, 3.0);
+        near(mean.nrmse, 0.6);
+        near(mean.mixed, 1.2);
+        assert_eq!((mean.reached_zero, mean.drivers), (2, 3));
+        let helly = found.mean(M::HellyOwn).unwrap();
+        near(helly.gap_rmse_m, 3.0);
+        assert_eq!((helly.reached_zero, helly.drivers), (0, 2));
+        assert_eq!(found.mean(M::GippsOwn), None);
+    }
+
+    #[test]
+    fn the_best_of_a_kind_has_the_least_error_and_the_floor_is_none() {
+        let found = evaluation();
+        assert!(found.is_best(M::HellyOwn) && !found.is_best(M::IdmOwn));
+        assert!(found.is_best(M::IdmPopulation), "alone of its kind");
+        assert!(!found.is_best(M::IdmFloor) && !found.is_best(M::GippsOwn));
+    }
+
+    #[test]
+    fn differences_and_harm_are_driver_by_driver_where_both_were_tried() {
+        let found = evaluation();
+        assert_eq!(found.differences_m(M::IdmOwn, M::HellyOwn), [-1.0, 1.0]);
+        assert_eq!(found.differences_m(M::IdmOwn, M::GippsOwn), [0.0; 0]);
+        // No better is harm too.
+        assert_eq!(found.harmed(M::IdmOwn, M::IdmPopulation), ["B", "C"]);
+        assert_eq!(found.harmed(M::IdmOwn, M::HellyOwn), ["B"]);
+    }
+
+    #[test]
+    fn a_median_is_the_middle_or_the_mean_of_both() {
+        for (values, expected) in [
+            (&[][..], 0.0),
+            (&[3.0], 3.0),
+            (&[5.0, 1.0], 3.0),
+            (&[9.0, 1.0, 4.0], 4.0),
+            (&[9.0, 1.0, 4.0, 6.0], 5.0),
+        ] {
+            assert!((median(values) - expected).abs() < 1e-12, "{values:?}");
+        }
+    }
+}

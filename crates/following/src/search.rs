@@ -261,4 +261,30 @@ mod tests {
         let found = polish(&[(0.0, 5.0)], start, 100, cost);
         assert!((found.point[0] - 5.0).abs() < 1e-9);
     }
+
+    #[test]
+    fn three_others_are_three_and_others() {
+        let mut rng = Pcg64::seed_from_u64(7);
+        let mut seen = [0; 5];
+        for target in (0..5).cycle().take(500) {
+            let [a, b, c] = three_others(&mut rng, 5, target);
+            assert!(a != b && b != c && a != c, "{a} {b} {c}");
+            assert!(![a, b, c].contains(&target));
+            for i in [a, b, c] {
+                seen[i] += 1;
+            }
+        }
+        // Each of five is one of three in three of five draws.
+        assert!(seen.iter().all(|n| (240..360).contains(n)), "{seen:?}");
+    }
+
+    #[test]
+    fn the_lowest_is_the_first_of_least_cost() {
+        let all = [3.0, 1.0, 2.0, 1.0].map(|cost| Minimum {
+            point: Vec::new(),
+            cost,
+        });
+        assert_eq!(lowest_index(&all), 1);
+        assert_eq!(lowest_index(&all[..1]), 0);
+    }
 }

@@ -195,6 +195,7 @@ mod tests {
         let found = study(&runs, &runs, &settings(2)).unwrap();
         assert_eq!(found.seeds.len(), 2);
         assert_eq!(found.seeds[1].seed, found.seeds[0].seed + 1);
+        assert_eq!(found.strangers.as_ref().unwrap().own.len(), runs.len());
         for seed in found.seeds.iter().chain(&found.strangers) {
             let [own, shrunken, mean] = seed.gap_rmse_m();
             assert!(

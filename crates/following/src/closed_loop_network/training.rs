@@ -299,3 +299,131 @@ impl Adam {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{run::FollowingRun, testing};
+
+    /// Drivers whose recorded gap is the row it stands in.
+    fn runs(rows: &[usize]) -> Vec<FollowingRun> {
+        let run = |(i, rows): (usize, &usize)| {
+            let run = testing::behind(&format!("P{i}"), *rows, 10.0, 5.0, |_| 5.0);
+            let columns = crate::run::FollowingColumns {
+                gap_m: (0..*rows).map(|row| (row + 1) as f64).collect(),
+                ..run.columns().clone()
+            };
+            FollowingRun::new(format!("P{i}"), testing::RATE_HZ, columns).unwrap()
+        };
+        rows.iter().enumerate().map(run).collect()
+    }
+
+    /// Driver, first and last row, and weight of every segment; lanes that only fill up are left out.
+    fn cut(
+        stretches: &[Stretch<'_>],
+        steps: usize,
+        phase: Option<usize>,
+    ) -> Vec<(usize, usize, usize, f64)> {
+        let mut found = Vec::new();
+        for batch in batches(stretches, steps, phase) {
+            assert_eq!(batch.gap_m.len(), steps + 1);
+            for lane in (0..LANES).filter(|l| batch.weights[*l] > 0.0) {
+                let row = |step: usize| batch.gap_m[step][lane] as usize - 1;
+                assert!((0..=steps).all(|step| row(step) == row(0) + step));
+                found.push((batch.drivers[lane], row(0), row(steps), batch.weights[lane]));
+            }
+        }
+        found
+    }
+
+    #[test]
+    fn segments_follow_one_another_from_a_phase_or_overlap_to_the_end() {
+        let runs = runs(&[31, 22]);
+        let stretches: Vec<Stretch<'_>> = (runs.iter())
+            .map(|run| Stretch {
+                run,
+                rows: 1..run.rows(),
+            })
+            .collect();
+        // 29 and 20 steps: from the third on there are two of ten, and one; the second's phase is cut to where one still fits.
+        let found = cut(&stretches, 10, Some(3));
+        let rows: Vec<_> = found.iter().map(|f| (f.0, f.1, f.2)).collect();
+        assert_eq!(rows, [(0, 4, 14), (0, 14, 24), (1, 4, 14)]);
+        // Every driver weighs the same.
+        let weights: Vec<f64> = found.iter().map(|f| f.3).collect();
+        assert_eq!(weights, [0.25, 0.25, 0.5]);
+        let found = cut(&stretches, 10, Some(15));
+        let rows: Vec<_> = found.iter().map(|f| (f.0, f.1)).collect();
+        assert_eq!(rows, [(0, 16), (1, 11)]);
+        // A fifth of a segment apart, the last at the end.
+        let found = cut(&stretches, 10, None);
+        let starts = |driver: usize| -> Vec<usize> {
+            found
+                .iter()
+                .filter(|f| f.0 == driver)
+                .map(|f| f.1)
+                .collect()
+        };
+        assert_eq!(starts(0), [1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 20]);
+        assert_eq!(starts(1), [1, 3, 5, 7, 9, 11]);
+        let total: f64 = found.iter().map(|f| f.3).sum();
+        assert!((total - 1.0).abs() < 1e-12);
+        assert!((found[0].3 - 0.5 / 11.0).abs() < 1e-12);
+        // Short ones move on by a row.
+        assert_eq!(cut(&stretches[1..], 3, None).len(), 18);
+    }
+
+    #[test]
+    fn a_lane_holds_what_was_recorded_and_how_far_the_leader_moved() {
+        let run = testing::behind("P", 12, 20.0, 7.0, |t| 5.0 + t);
+        let whole = Stretch {
+            run: &run,
+            rows: 0..12,
+        };
+        let found = batch(&[whole], &[(0, 0, 1.0), (0, 6, 0.5)], 5);
+        assert_eq!(
+            (found.weights[0], found.weights[1], found.weights[2]),
+            (1.0, 0.5, 0.0)
+        );
+        let columns = run.columns();
+        for step in 0..=5 {
+            for (lane, start) in [(0, 0), (1, 6), (2, 0)] {
+                let row = start + step;
+                let [gap, speed, lead] =
+                    [&found.gap_m, &found.speed_mps, &found.lead_mps].map(|c| c[step][lane]);
+                let expected = [20.0, 7.0, columns.lead_speed_mps[row]];
+                let bits = |values: [f64; 3]| values.map(f64::to_bits);
+                assert_eq!(bits([gap, speed, lead]), bits(expected), "row {row}");
+                let moved = if row == 0 {
+                    0.0
+                } else {
+                    0.5 * (columns.lead_speed_mps[row] + columns.lead_speed_mps[row - 1])
+                        / testing::RATE_HZ
+                };
+                assert!(
+                    (found.lead_moved_m[step][lane] - moved).abs() < 1e-9,
+                    "row {row}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_segment_is_as_long_as_wanted_and_no_longer_than_the_shortest() {
+        let runs = runs(&[401, 101]);
+        let of = |run: usize, segment_s: f64| {
+            let stretches: Vec<Stretch<'_>> = (runs[run..].iter())
+                .map(|run| Stretch {
+                    run,
+                    rows: 0..run.rows(),
+                })
+                .collect();
+            let settings = ClosedLoopSettings {
+                segment_s,
+                ..ClosedLoopSettings::default()
+            };
+            segment_steps(&stretches, &settings)
+        };
+        assert_eq!((of(0, 5.0), of(0, 30.0), of(1, 0.01)), (50, 100, 1));
+    }
+}
