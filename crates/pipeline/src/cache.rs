@@ -237,3 +237,75 @@ impl Cache {
         self.store.write(&name, &json)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    #[test]
+    fn an_entry_is_of_a_run_that_made_just_these_outputs_within_them() {
+        let pipeline = crate::testing::pipeline(&[("a", &[], &["out", "b.csv"])]);
+        let stage = &pipeline.stages()[0];
+        let hash = "0123456789abcdef".repeat(4);
+        let made = || Made {
+            digest: "d".to_owned(),
+            outputs: BTreeMap::from([
+                ("out".to_owned(), format!("{hash} in 2 files")),
+                ("b.csv".to_owned(), hash.clone()),
+            ]),
+            files: vec![CachedFile {
+                output: "out".to_owned(),
+                within: "/x/y".to_owned(),
+                content: hash.clone(),
+                executable: false,
+            }],
+            seconds: 1.0,
+            peak_memory: None,
+            summary: None,
+        };
+        assert!(made().is_of(stage, "d"));
+        assert!(!made().is_of(stage, "e"));
+        let with = |change: &dyn Fn(&mut Made)| {
+            let mut made = made();
+            change(&mut made);
+            made.is_of(stage, "d")
+        };
+        for within in ["", "/x", "/x/y.z", "/.x", "/..x"] {
+            assert!(with(&|m| m.files[0].within = within.to_owned()), "{within}");
+        }
+        for within in ["x", "/", "//x", "/x/", "/../x", "/x/..", "/.", "/x/./y"] {
+            assert!(
+                !with(&|m| m.files[0].within = within.to_owned()),
+                "{within}"
+            );
+        }
+        for content in [
+            "",
+            "0123",
+            &hash[1..],
+            &hash.to_uppercase(),
+            &format!("{hash}0"),
+            &hash.replace('f', "g"),
+        ] {
+            assert!(
+                !with(&|m| m.files[0].content = content.to_owned()),
+                "{content}"
+            );
+            let in_output =
+                |m: &mut Made| drop(m.outputs.insert("b.csv".to_owned(), content.to_owned()));
+            assert!(!with(&in_output), "{content}");
+        }
+        assert!(
+            !with(&|m| m.files[0].output = "c".to_owned()),
+            "of another output"
+        );
+        assert!(
+            !with(&|m| drop(m.outputs.insert("c".to_owned(), hash.clone()))),
+            "one too many"
+        );
+        assert!(!with(&|m| drop(m.outputs.remove("b.csv"))), "one too few");
+        let many = format!("{hash} in some files");
+        assert!(!with(&|m| drop(
+            m.outputs.insert("out".to_owned(), many.clone())
+        )));
+    }
+}

@@ -162,3 +162,65 @@ fn one_spelling(path: &Path) -> PathBuf {
         None => absolute,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    #[test]
+    fn a_run_s_own_files_are_its_ledger_what_stands_beside_it_and_its_logs() {
+        let place = Place {
+            root: PathBuf::from("/study"),
+            ledger: PathBuf::from("/study/own/lock"),
+            log_dir: PathBuf::from("/study/own/logs"),
+            program: None,
+        };
+        for ours in [
+            "/study/own/lock",
+            "/study/own/lock.journal",
+            "/study/own/.lock.writing-x",
+            "/study/own/logs",
+            "/study/own/logs/a.log",
+            "/study/own",
+        ] {
+            assert!(place.is_ours(Path::new(ours)), "{ours}");
+        }
+        for other in [
+            "/study/lock",
+            "/study/own/block",
+            "/study/own/x/lock",
+            "/study/own/logs2",
+            "/study/own/.block",
+        ] {
+            assert!(!place.is_ours(Path::new(other)), "{other}");
+        }
+        assert_eq!(place.hash_cache(), Path::new("/study/own/lock.hashes"));
+        assert_eq!(place.lock(), Path::new("/study/own/lock.running"));
+        assert_eq!(place.jobs(), Path::new("/study/own/lock.jobs"));
+        assert_eq!(place.log_of("a"), Path::new("/study/own/logs/a.log"));
+        assert_ne!(place.stdout_of("a", "one"), place.stdout_of("a", "two"));
+    }
+
+    #[test]
+    fn a_stage_that_calls_the_program_by_name_gets_its_path_and_leading_words() {
+        let pipeline = crate::testing::pipeline(&[("a", &[], &["b"])]);
+        let stage = &pipeline.stages()[0];
+        let mut place = Place::below(Path::new("/study"));
+        assert_eq!(place.ledger, Path::new("/study/.pipeline/lock"));
+        assert_eq!(place.program_of(stage), Path::new("x"));
+        assert_eq!(place.arguments_of(stage, &[]), stage.arguments(&[]));
+        for (name, is_it) in [("x", true), ("y", false)] {
+            place.program = Some(Program {
+                name: name.to_owned(),
+                path: PathBuf::from("/bin/python"),
+                leading: vec!["-m".to_owned(), "x".to_owned()],
+                versions: BTreeMap::new(),
+            });
+            let program = if is_it { "/bin/python" } else { "x" };
+            assert_eq!(place.program_of(stage), Path::new(program));
+            let leading = if is_it { 2 } else { 0 };
+            let arguments = place.arguments_of(stage, &[]);
+            assert_eq!(arguments.len(), stage.arguments(&[]).len() + leading);
+            assert_eq!(arguments[leading..], stage.arguments(&[]));
+        }
+    }
+}

@@ -82,3 +82,51 @@ fn looks(folder: &Path) -> BTreeMap<OsString, Look> {
     };
     entries.flatten().filter_map(look).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    #[test]
+    fn a_file_was_written_between_two_times_a_tick_more_or_less() {
+        let at = |ms: u64| SystemTime::UNIX_EPOCH + Duration::from_millis(ms);
+        for (time, expected) in [
+            (979, false),
+            (980, true),
+            (1000, true),
+            (2020, true),
+            (2021, false),
+        ] {
+            assert_eq!(is_between(at(time), at(1000), at(2000)), expected, "{time}");
+        }
+    }
+
+    #[test]
+    fn what_is_new_or_changed_beside_the_outputs_and_nobody_s_is_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path();
+        let pipeline =
+            crate::testing::pipeline(&[("a", &[], &["data/out.csv"]), ("b", &[], &["all"])]);
+        let graph = Graph::new(&pipeline).unwrap();
+        let place = Place::below(root);
+        let write = |path: &str, text: &str| {
+            let path = root.join(path);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, text).unwrap();
+        };
+        write("data/old.txt", "1");
+        write("same.txt", "1");
+        let before = Surroundings::of(&graph, &place);
+        assert!(before.changes(&place).is_empty());
+        write("data/out.csv", "made");
+        write("all/one.csv", "made");
+        write(".pipeline/lock", "ours");
+        write(&format!("{ASIDE}x"), "put aside");
+        write("data/new.txt", "2");
+        write("data/old.txt", "12");
+        write("beside.txt", "2");
+        let mut found: Vec<PathBuf> = before.changes(&place).into_iter().map(|c| c.0).collect();
+        found.sort();
+        let expected = ["beside.txt", "data/new.txt", "data/old.txt"].map(|path| root.join(path));
+        assert_eq!(found, expected);
+    }
+}

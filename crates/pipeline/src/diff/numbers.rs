@@ -160,4 +160,84 @@ mod tests {
         assert_eq!(a.len(), 4);
         assert!(json_cells(b"{").is_none());
     }
+
+    #[test]
+    fn the_largest_differences_come_first_and_no_more_than_ten_of_a_kind() {
+        let table = |numbers: &[(i32, f64)], text: &str| {
+            let rows = numbers.iter().map(|(i, v)| format!("r{i},{v:?},{text}"));
+            let lines: Vec<String> = std::iter::once("who,x,note".to_owned())
+                .chain(rows)
+                .collect();
+            csv_cells(lines.join("\n").as_bytes(), b',').unwrap()
+        };
+        let first: Vec<(i32, f64)> = (10..40).map(|i| (i, 100.5)).collect();
+        // Row i is off by i percent of the larger; the last three are alone.
+        let second: Vec<(i32, f64)> = (10..37)
+            .map(|i| (i, 100.5 * (1.0 - f64::from(i) / 100.0)))
+            .collect();
+        let (a, b) = (table(&first, "one"), table(&second, "two"));
+        let FileDifference::Numbers {
+            compared,
+            differing,
+            largest,
+            unpaired,
+            texts,
+            ..
+        } = difference("t.csv".to_owned(), &a, &b)
+        else {
+            panic!("these are tables");
+        };
+        assert_eq!((compared, differing, largest.len()), (27, 27, TOLD));
+        let order: Vec<&str> = largest.iter().map(|d| d.at.as_str()).collect();
+        assert_eq!(order[..3], ["r36, x", "r35, x", "r34, x"]);
+        assert_eq!(
+            (texts.len(), texts[0].as_str()),
+            (TOLD, "r10, note: one -> two")
+        );
+        assert_eq!(unpaired.len(), 6);
+        assert!(
+            unpaired
+                .iter()
+                .all(|u| u.ends_with("only in the first run"))
+        );
+        let FileDifference::Numbers { unpaired, .. } = difference(String::new(), &b, &a) else {
+            panic!("these are tables");
+        };
+        assert!(
+            unpaired
+                .iter()
+                .all(|u| u.ends_with("only in the second run"))
+        );
+        // The other way round a distance is as large a part of the larger.
+        let apart = |first, second| {
+            relative(&NumberDifference {
+                at: String::new(),
+                first,
+                second,
+            })
+        };
+        assert!((apart(2.0, 1.0) - 0.5).abs() < 1e-12 && (apart(1.0, 2.0) - 0.5).abs() < 1e-12);
+        assert!((apart(-2.0, 2.0) - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn rows_that_no_first_cells_tell_apart_are_numbered_and_a_measured_value_names_none() {
+        let cells = |text: &str| {
+            csv_cells(text.as_bytes(), b',')
+                .unwrap()
+                .into_keys()
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(
+            cells("a,b\n1,x\n1,y\n"),
+            ["row 1, a", "row 1, b", "row 2, a", "row 2, b"]
+        );
+        assert_eq!(
+            cells("a,b\n1.5,x\n2.5,y\n"),
+            ["row 1, a", "row 1, b", "row 2, a", "row 2, b"]
+        );
+        assert_eq!(cells("a,b,c\n1,x,2.5\n1,y,2.5\n"), ["1 x, c", "1 y, c"]);
+        assert_eq!(cells("a\n1\n2\n"), ["row 1, a", "row 2, a"]);
+        assert!(csv_cells(b"", b',').is_none());
+    }
 }

@@ -37,4 +37,20 @@ mod tests {
         );
         assert_eq!(nearest("banana", ["cmd", "inputs", "outputs"]), None);
     }
+
+    #[test]
+    fn a_word_may_be_one_letter_off_and_one_more_for_every_four_of_its_own() {
+        let near = |word: &str, candidate: &str| nearest(word, [candidate]).is_some();
+        assert!(near("see", "sed") && !near("xee", "sed"));
+        assert!(near("iputz", "input") && !near("ipuxz", "input"));
+        // Of two as near the first by its letters.
+        assert_eq!(nearest("bat", ["cat", "bar"]).as_deref(), Some("bar"));
+        assert_eq!(
+            did_you_mean(Some(&"a".to_owned())).as_deref(),
+            Some("did you mean `a`?")
+        );
+        assert_eq!(did_you_mean(None), None);
+        assert_eq!(listing(&[]), "none");
+        assert_eq!(listing(&["a".to_owned(), "b".to_owned()]), "a, b");
+    }
 }
