@@ -3,7 +3,7 @@
 /// First bytes, what a file is that begins so, and what to do with it.
 type Known = (&'static [u8], &'static str, &'static str);
 
-const KNOWN: [Known; 11] = [
+const KNOWN: [Known; 13] = [
     (
         b"#ROSBAG",
         "it is a ROS 1 bag",
@@ -51,6 +51,8 @@ const KNOWN: [Known; 11] = [
     ),
     (b"\x89PNG", "it is a picture", PLAIN),
     (b"\xff\xd8\xff", "it is a picture", PLAIN),
+    (b"\xff\xfe", "it is a text in UTF-16", UTF_8),
+    (b"\xfe\xff", "it is a text in UTF-16", UTF_8),
 ];
 
 /// What to do with a file of which nothing is known.
@@ -61,6 +63,40 @@ pub(crate) const PLAIN: &str =
 pub(crate) fn foreign(head: &[u8]) -> Option<(&'static str, &'static str)> {
     let known = KNOWN.iter().find(|(start, ..)| head.starts_with(start));
     known.map(|&(_, what, advice)| (what, advice))
+}
+
+/// What to do with a text in another encoding.
+const UTF_8: &str = "save it again as CSV in UTF-8 (spreadsheets call it `CSV UTF-8`)";
+
+/// Why a text, or its beginning, cannot be read: what is wrong with its bytes, and what to do.
+pub(crate) fn foreign_text(text: &[u8]) -> Option<(String, &'static str)> {
+    let line = |at: usize| 1 + memchr::memchr_iter(b'\n', &text[..at]).count();
+    if let Some(at) = memchr::memchr(0, text) {
+        let found = format!("its line {} holds a zero byte, expected text", line(at));
+        return Some((found, UTF_8));
+    }
+    if let Err(e) = std::str::from_utf8(text)
+        && e.error_len().is_some()
+    {
+        let at = e.valid_up_to();
+        let found = format!(
+            "its line {} holds the byte {:02x}, which is not UTF-8",
+            line(at),
+            text[at]
+        );
+        return Some((found, UTF_8));
+    }
+    let returns = || memchr::memchr(b'\r', text.trim_ascii_end()).is_some();
+    (memchr::memchr(b'\n', text).is_none() && returns()).then(|| {
+        let found = "its lines end in a carriage return alone, expected a line feed";
+        (found.to_owned(), "save it again as CSV")
+    })
+}
+
+/// Why bytes are no table of text: another kind of file, or a text that cannot be read. A sentence, and what to do.
+pub fn no_table(bytes: &[u8]) -> Option<(String, &'static str)> {
+    let other = foreign(bytes).map(|(what, advice)| (what.to_owned(), advice));
+    other.or_else(|| foreign_text(bytes))
 }
 
 /// Extensions of files that are worth opening to say why they are no logs, where a folder holds no log.

@@ -27,6 +27,7 @@ mod synchronise;
 
 pub use drive_file::{drive_frame, read_drive_from, write_drive_to};
 pub use error::IngestError;
+pub use foreign::no_table;
 pub use inspect::{
     ChannelSummary, ColumnSummary, Gap, LogFormat, LogSummary, inspect, inspect_with,
     suggest_mapping,

@@ -3,7 +3,7 @@
 use crate::{
     assemble::{Target, assemble},
     error::IngestError,
-    foreign::{self, foreign},
+    foreign::{self, foreign, foreign_text},
     lane_centres::LaneShape,
     mapping::{FrameKind, Mapping, names::meta_of},
     parquet::is_parquet,
@@ -266,9 +266,12 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, IngestError> {
         let advice = "give a table the name that it should have (`.csv`), and a mapping";
         return Err(not_a_log(found, advice));
     }
-    if let (true, Some(at)) = (text, head.iter().position(|&b| b == 0)) {
-        let found = format!("it is a text with a zero byte at byte {at}, expected a table");
-        return Err(not_a_log(found, "export it again as CSV in UTF-8"));
+    // What begins as a text.
+    let printed = |b: &u8| !b.is_ascii_control() || b.is_ascii_whitespace();
+    if head.iter().take(8).all(printed)
+        && let Some((found, advice)) = foreign_text(&head)
+    {
+        return Err(not_a_log(found, advice));
     }
     let first = head.iter().take(8).map(|b| format!("{b:02x}"));
     let first = first.collect::<Vec<String>>().join(" ");

@@ -5,8 +5,8 @@ use super::{
     units::{Guessed, LENGTHS, known_ratio, length_unit, seconds, speed_unit, time_unit},
     words::{What, Whose, Words, words},
 };
-use crate::median::median;
-use std::collections::BTreeMap;
+use crate::{median::median, raw::table::time::written};
+use std::{borrow::Cow, collections::BTreeMap};
 
 /// How far the ratio of speed and movement may be off a known one, as a logarithm: a tenth.
 const SURE: f64 = 0.1;
@@ -31,6 +31,8 @@ pub(super) struct Guess {
     pub(super) columns: Vec<(&'static str, String)>,
     pub(super) groups: Vec<String>,
     pub(super) time: Guessed,
+    /// How times are written, where that is not ISO 8601.
+    pub(super) time_pattern: Option<&'static str>,
     pub(super) length: Guessed,
     pub(super) speed: Guessed,
     /// Samples a second of one vehicle.
@@ -97,8 +99,10 @@ pub(super) fn guess(table: &Sheet) -> Guess {
     };
     let series = series(table, id.filter(|_| platoon.is_none()), &groups);
     let time_column = time_column(&reader, &series);
-    let step = time_column.and_then(|c| step(c, &series));
-    let time = time_unit(time_column, unit_of(time_column), step);
+    let step = time_column.and_then(|c| step(&times(c)?, &series));
+    let words = time_column.filter(|c| c.numbers.is_none());
+    let time_pattern = words.and_then(|c| written(&c.words)?.pattern);
+    let time = time_unit(time_column, time_pattern, unit_of(time_column), step);
     let step_s = step.map(|s| s * seconds(time.0));
 
     let speed_column = match &platoon {
@@ -217,6 +221,7 @@ pub(super) fn guess(table: &Sheet) -> Guess {
         unused,
         groups: groups.iter().map(|g| g.name.clone()).collect(),
         time,
+        time_pattern,
         length,
         speed,
         rate_hz: step_s.filter(|s| *s > 0.0).map(|s| 1.0 / s),
@@ -254,9 +259,16 @@ fn steps(series: &[u32]) -> impl Iterator<Item = (usize, usize)> + '_ {
     })
 }
 
-/// The usual step of a column between two rows of a vehicle.
-fn step(column: &TableColumn, series: &[u32]) -> Option<f64> {
-    let numbers = column.numbers.as_ref()?;
+/// The cells of a column as numbers, or the times that they are.
+fn times(column: &TableColumn) -> Option<Cow<'_, [f64]>> {
+    match &column.numbers {
+        Some(numbers) => Some(numbers.into()),
+        None => Some(written(&column.words)?.seconds.into()),
+    }
+}
+
+/// The usual step of numbers between two rows of a vehicle.
+fn step(numbers: &[f64], series: &[u32]) -> Option<f64> {
     let changes = steps(series).map(|(a, b)| numbers[b] - numbers[a]);
     median(&mut changes.filter(|d| *d > 0.0).collect::<Vec<f64>>())
 }
@@ -264,9 +276,8 @@ fn step(column: &TableColumn, series: &[u32]) -> Option<f64> {
 /// The column that rises along the rows of a vehicle; times go before frames.
 fn time_column<'a>(reader: &Reader<'a>, series: &[u32]) -> Option<&'a TableColumn> {
     let rising = |column: &&TableColumn| {
-        let Some(numbers) = &column.numbers else {
-            let dated = column.words.iter().flatten().next();
-            return dated.is_some_and(|w| w.len() >= 16 && w.contains(':'));
+        let Some(numbers) = times(column) else {
+            return false;
         };
         // Rows may come in bursts of one time, but hardly ever go back.
         let (mut up, mut down, mut all) = (0, 0, 0);

@@ -176,6 +176,9 @@ fn body(table: &Sheet, guess: &Guess) -> String {
     if guess.time.0 == "frames" {
         out.push_str("# doubt: nothing says how many frames make a second.\nframes_per_s = 25.0\n");
     }
+    if let Some(pattern) = guess.time_pattern {
+        let _ = writeln!(out, "time_pattern = {}", quoted(pattern));
+    }
     out.push_str("\n[table.units]\n");
     for (key, (unit, reason)) in [
         ("time", &guess.time),

@@ -48,6 +48,7 @@ pub(super) fn seconds(unit: &str) -> f64 {
 /// The unit of time, from its name, its size and its step.
 pub(super) fn time_unit(
     column: Option<&TableColumn>,
+    pattern: Option<&str>,
     named: Option<&'static str>,
     step: Option<f64>,
 ) -> Guessed {
@@ -55,7 +56,10 @@ pub(super) fn time_unit(
         return doubt("s", "no column looks like a time");
     };
     if column.numbers.is_none() {
-        return sure("iso8601", "its cells are dates");
+        return match pattern {
+            Some(_) => sure("pattern", "its cells are times as `time_pattern` says"),
+            None => sure("iso8601", "its cells are dates"),
+        };
     }
     let largest = column.range().map_or(0.0, |(a, b)| a.abs().max(b.abs()));
     let step = step.unwrap_or(0.0);

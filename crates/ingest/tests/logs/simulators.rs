@@ -261,3 +261,44 @@ fn a_proposal_abstains_where_no_position_moves_as_the_speed_says() {
     );
     assert!(!unsure.contains("x = \"x_m\""), "{unsure}");
 }
+
+#[test]
+fn times_of_day_and_dates_are_proposed_as_they_are_written_and_doubtful_ones_are_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("drive.csv");
+    let proposed = |time: &dyn Fn(u32) -> String| {
+        let row = |i: u32| {
+            let v = 20.0 + (0.01 * f64::from(i)).sin();
+            format!("{},{v},{},{v}\n", time(i), 30.0 + 0.01 * f64::from(i))
+        };
+        let rows: String = (0..600).map(row).collect();
+        let header = "Time,speed [m/s],gap [m],lead speed [m/s]\n";
+        std::fs::write(&path, format!("{header}{rows}")).unwrap();
+        suggest_mapping(&path).unwrap()
+    };
+    let clock = |i: u32| format!("08:{:02}:{:02}.{}", i / 600, i / 10 % 60, i % 10);
+    for (date, pattern) in [
+        ("", "%H:%M:%S.%f"),
+        ("20220702 ", "%Y%m%d %H:%M:%S.%f"),
+        ("2.7.2022 ", "%d.%m.%Y %H:%M:%S.%f"),
+    ] {
+        let found = proposed(&|i| format!("{date}{}", clock(i)));
+        assert!(
+            found.contains(&format!("time_pattern = \"{pattern}\"\n"))
+                && found.contains("time = \"pattern\"")
+                && found.contains("10.000 Hz")
+                && found.contains("Read by it: 1 drive"),
+            "{found}"
+        );
+    }
+    let iso = proposed(&|i| format!("2022-07-02T{}Z", clock(i)));
+    assert!(
+        iso.contains("time = \"iso8601\"") && iso.contains("Read by it: 1 drive"),
+        "{iso}"
+    );
+    let month_or_day = proposed(&|i| format!("02/07/2022 {}", clock(i)));
+    assert!(
+        month_or_day.contains("no column looks like a time"),
+        "{month_or_day}"
+    );
+}

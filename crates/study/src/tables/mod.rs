@@ -107,11 +107,9 @@ impl Table {
         } else if is_parquet(path) {
             return Err(StudyError::file(path, "does not start like Parquet (PAR1)"));
         } else {
-            if bytes.contains(&0) {
-                return Err(StudyError::file(
-                    path,
-                    "is not text: found a zero byte, expected CSV",
-                ));
+            if let Some((found, advice)) = maveric_ingest::no_table(&bytes) {
+                let problem = format!("is no table that can be read: {found}; {advice}");
+                return Err(StudyError::file(path, problem));
             }
             // Everything as text: this module converts, and can then name the row.
             CsvReadOptions::default()
@@ -409,6 +407,20 @@ mod tests {
     }
 
     #[test]
+    fn what_is_no_text_in_utf_8_says_what_it_is_and_what_to_do() {
+        for (bytes, what) in [
+            (&b"a,b\n1,K\xf6ln\n"[..], "line 2 holds the byte f6"),
+            (b"\xff\xfea\0,\0b\0", "UTF-16"),
+            (b"a,b\r1,2\r", "carriage return alone"),
+            (b"PK\x03\x04\x14\0", "spreadsheet"),
+        ] {
+            let error = Table::parse(Path::new("t.csv"), bytes.to_vec()).unwrap_err();
+            let error = error.to_string();
+            assert!(error.contains(what) && error.contains("CSV"), "{error}");
+        }
+    }
+
+    #[test]
     fn infinities_are_refused_and_missing_cells_are_not() {
         assert!(table("a\ninf\n").unwrap().numbers("a").is_err());
         assert_eq!(
@@ -456,11 +468,7 @@ mod tests {
     #[test]
     fn an_empty_file_and_a_binary_one_say_so() {
         assert!(table(" \n").unwrap_err().to_string().contains("is empty"));
-        assert!(
-            table("a\u{0}b")
-                .unwrap_err()
-                .to_string()
-                .contains("not text")
-        );
+        let binary = table("a\u{0}b").unwrap_err().to_string();
+        assert!(binary.contains("zero byte"), "{binary}");
     }
 }

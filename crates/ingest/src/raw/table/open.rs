@@ -1,7 +1,7 @@
 //! Opens a table, CSV or Parquet, and gives its columns as numbers and words.
 
 use super::text::{Flaw, Header, MOST_COLUMNS, Style, flaw, header, same_name};
-use crate::{error::IngestError, parquet};
+use crate::{error::IngestError, foreign::foreign_text, parquet};
 use maveric_domain::nearest;
 use polars::prelude::{
     Column, CsvParseOptions, CsvReadOptions, DataFrame, DataType, Field, PlSmallStr, PolarsError,
@@ -62,6 +62,11 @@ impl Table {
             table.read_parquet(bytes, wanted)?;
         } else {
             let bytes = without_mark(bytes);
+            if memchr::memchr(b'\n', &bytes).is_none()
+                && let Some((found, advice)) = foreign_text(&bytes)
+            {
+                return Err(table.bad(format!("{found}: {advice}")));
+            }
             let header = header(&bytes, style, anchor);
             if header.names.len() > MOST_COLUMNS {
                 return Err(table.bad(format!("it has more than {MOST_COLUMNS} columns")));
@@ -162,7 +167,12 @@ impl Table {
         };
         self.frame = match read(true) {
             Ok(frame) => frame,
-            Err(_) => read(false).map_err(|e| self.bad(parquet::first_line(&e)))?,
+            Err(_) => read(false).map_err(|e| {
+                self.bad(match foreign_text(bytes) {
+                    Some((found, advice)) => format!("{found}: {advice}"),
+                    None => parquet::first_line(&e),
+                })
+            })?,
         };
         Ok(())
     }
@@ -325,8 +335,10 @@ impl Table {
         let word = |cell: Option<&str>| {
             let cell = cell.map(str::trim).unwrap_or_default();
             let empty = EMPTY.iter().any(|e| cell.eq_ignore_ascii_case(e));
-            // A number that went through a table of floats is still the same number.
-            (!empty).then(|| cell.strip_suffix(".0").unwrap_or(cell).to_owned())
+            // A whole number that went through a table of floats is still the same number.
+            let whole = cell.strip_suffix(".0");
+            let whole = whole.filter(|n| n.bytes().all(|b| b.is_ascii_digit() || b == b'-'));
+            (!empty).then(|| whole.unwrap_or(cell).to_owned())
         };
         Ok(texts.iter().map(word).collect())
     }
@@ -425,6 +437,22 @@ mod tests {
         );
         let error = open("t,t\n0,1\n", &[("t", Kind::Number)]).unwrap_err();
         assert!(error.to_string().contains("twice"));
+    }
+
+    #[test]
+    fn a_text_in_another_encoding_or_with_other_line_ends_says_so_with_its_line() {
+        let refused = |text: &[u8]| {
+            let wanted = [("t", Kind::Number), ("w", Kind::Word)];
+            let found = Table::open(Path::new("t.csv"), text.into(), Style::default(), &wanted);
+            found.unwrap_err().to_string()
+        };
+        let error = refused(b"t,w\n0,a\n1,K\xf6ln\n");
+        assert!(
+            error.contains("line 3 holds the byte f6") && error.contains("UTF-8"),
+            "{error}"
+        );
+        let error = refused(b"t,w\r0,a\r1,b\r");
+        assert!(error.contains("carriage return alone"), "{error}");
     }
 
     #[test]

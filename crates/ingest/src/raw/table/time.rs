@@ -76,6 +76,46 @@ pub(crate) fn stamps(
     Ok(found)
 }
 
+/// Times that are words.
+pub(crate) struct Written {
+    /// How they are written; none for ISO 8601.
+    pub(crate) pattern: Option<&'static str>,
+    /// In s, shape `(rows,)`; NaN for an empty cell.
+    pub(crate) seconds: Vec<f64>,
+}
+
+/// Patterns that leave no doubt which number is what: of two before a year, between slashes, either may be the month.
+const PATTERNS: [&str; 10] = [
+    "%H:%M:%S",
+    "%H:%M:%S.%f",
+    "%H:%M:%S:%f",
+    "%H:%M:%S,%f",
+    "%Y%m%d %H:%M:%S.%f",
+    "%Y%m%d %H:%M:%S:%f",
+    "%Y/%m/%d %H:%M:%S",
+    "%Y/%m/%d %H:%M:%S.%f",
+    "%d.%m.%Y %H:%M:%S",
+    "%d.%m.%Y %H:%M:%S.%f",
+];
+
+/// The times that words are, if all of them are written alike.
+pub(crate) fn written(words: &[Option<String>]) -> Option<Written> {
+    let read = |pattern: Option<&str>, word: &str| {
+        pattern.map_or_else(|| date(word), |p| patterned(word, p))
+    };
+    let first = words.iter().flatten().next()?;
+    let of = |pattern: Option<&'static str>| {
+        read(pattern, first)?;
+        let second = |word: &Option<String>| match word {
+            None => Some(f64::NAN),
+            Some(word) => Some(read(pattern, word)? as f64 / 1e9),
+        };
+        let seconds = words.iter().map(second).collect::<Option<_>>()?;
+        Some(Written { pattern, seconds })
+    };
+    [None].into_iter().chain(PATTERNS.map(Some)).find_map(of)
+}
+
 /// A date and a time of day in ns since 1970; without an offset it is UTC.
 fn date(text: &str) -> Option<i64> {
     if let Ok(time) = DateTime::parse_from_rfc3339(text) {
