@@ -6,13 +6,16 @@ mod table;
 
 use super::print_outcome;
 use crate::{args::Format, diagnostics::Failure};
-use choices::{AdjustArg, CorrelationArg, PosthocArg, StatisticArg};
+use choices::{ADJUST, CORRELATION, POSTHOC, STATISTIC, one_of};
 use clap::{Args, CommandFactory as _, FromArgMatches as _, Subcommand};
 use maveric_study::{
     Outcome,
     stages::{
         analyse::{self, AnalyseOptions},
-        stats::{self, Request, Resampled, Test, WithinColumns},
+        stats::{
+            self, Adjustment, CorrelationMethod, PosthocTest, Request, Resampled, Statistic, Test,
+            WithinColumns,
+        },
     },
     tables::TableBuilder,
 };
@@ -63,11 +66,11 @@ Example: maveric stats posthoc data.csv --subject id --within condition --value 
         #[command(flatten)]
         within: Within,
         /// Test of a pair
-        #[arg(long, value_enum, default_value = "t")]
-        test: PosthocArg,
+        #[arg(long, value_parser = one_of(&POSTHOC), default_value = "t")]
+        test: PosthocTest,
         /// Adjustment for the number of pairs
-        #[arg(long, value_enum, default_value = "holm")]
-        adjust: AdjustArg,
+        #[arg(long, value_parser = one_of(&ADJUST), default_value = "holm")]
+        adjust: Adjustment,
     },
     /// Correlation of two columns
     #[command(after_help = "\
@@ -83,8 +86,8 @@ Example: maveric stats correlate data.csv --x age --y speed --method auto --figu
         #[arg(long)]
         y: String,
         /// Which coefficient
-        #[arg(long, value_enum, default_value = "auto")]
-        method: CorrelationArg,
+        #[arg(long, value_parser = one_of(&CORRELATION), default_value = "auto")]
+        method: CorrelationMethod,
         /// Column that says whose row it is: warns where one subject has several rows
         #[arg(long)]
         subject: Option<String>,
@@ -169,8 +172,8 @@ Examples: maveric stats bootstrap data.csv --statistic median --value score --re
         #[command(flatten)]
         input: Input,
         /// What to estimate
-        #[arg(long, value_enum)]
-        statistic: StatisticArg,
+        #[arg(long, value_parser = one_of(&STATISTIC))]
+        statistic: Statistic,
         /// Column with the value
         #[arg(long)]
         value: Option<String>,
@@ -315,8 +318,8 @@ impl TestArgs {
                     input,
                     Test::Posthoc {
                         columns,
-                        test: test.into(),
-                        adjust: adjust.into(),
+                        test,
+                        adjust,
                     },
                 )
             }
@@ -331,7 +334,7 @@ impl TestArgs {
                 Test::Correlate {
                     x,
                     y,
-                    method: method.into(),
+                    method,
                     subject,
                 },
             ),
@@ -391,18 +394,17 @@ fn with(within: Within, test: impl FnOnce(WithinColumns) -> Test) -> (Input, Tes
 }
 
 fn resampled(
-    arg: StatisticArg,
+    statistic: Statistic,
     value: Option<String>,
     (x, y): (Option<String>, Option<String>),
     conditions: Conditions,
 ) -> Result<Resampled, Failure> {
-    let statistic = arg.into();
-    Ok(match arg {
-        StatisticArg::Mean | StatisticArg::Median => Resampled::Column {
+    Ok(match statistic {
+        Statistic::Mean | Statistic::Median => Resampled::Column {
             statistic,
             value: value.ok_or_else(|| needs("--value"))?,
         },
-        StatisticArg::Pearson | StatisticArg::Spearman => {
+        Statistic::Pearson | Statistic::Spearman => {
             let (x, y) = x.zip(y).ok_or_else(|| needs("--x and --y"))?;
             Resampled::Pair { statistic, x, y }
         }

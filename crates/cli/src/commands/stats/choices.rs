@@ -1,129 +1,76 @@
 //! What can be chosen by name.
 
-use clap::ValueEnum;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use maveric_study::stages::stats::{
     Adjustment, CorrelationMethod, FactorialMethod, MissingCells, PosthocTest, Statistic,
 };
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(super) enum PosthocArg {
-    T,
-    PooledT,
-    Wilcoxon,
-    Conover,
-    Nemenyi,
-}
+/// A word, what `--help` says of it, and what it stands for.
+type Choice<T> = (&'static str, Option<&'static str>, T);
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(super) enum AdjustArg {
-    Holm,
-    Bonferroni,
-    Hochberg,
-    Bh,
-    None,
-}
+pub(super) const POSTHOC: [Choice<PosthocTest>; 5] = [
+    ("t", None, PosthocTest::T),
+    ("pooled-t", None, PosthocTest::PooledT),
+    ("wilcoxon", None, PosthocTest::Wilcoxon),
+    ("conover", None, PosthocTest::Conover),
+    ("nemenyi", None, PosthocTest::Nemenyi),
+];
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(super) enum CorrelationArg {
-    Pearson,
-    Spearman,
-    Kendall,
-    Auto,
-    All,
-}
+pub(super) const ADJUST: [Choice<Adjustment>; 5] = [
+    ("holm", None, Adjustment::Holm),
+    ("bonferroni", None, Adjustment::Bonferroni),
+    ("hochberg", None, Adjustment::Hochberg),
+    ("bh", None, Adjustment::Bh),
+    ("none", None, Adjustment::None),
+];
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub(super) enum StatisticArg {
-    Mean,
-    Median,
-    Pearson,
-    Spearman,
-    Eta2Partial,
-    Eta2Generalized,
-    Omega2Partial,
-    KendallW,
-}
+pub(super) const CORRELATION: [Choice<CorrelationMethod>; 5] = [
+    ("pearson", None, CorrelationMethod::Pearson),
+    ("spearman", None, CorrelationMethod::Spearman),
+    ("kendall", None, CorrelationMethod::Kendall),
+    ("auto", None, CorrelationMethod::Auto),
+    ("all", None, CorrelationMethod::All),
+];
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(super) enum FactorialArg {
-    Anova,
-    Art,
-}
+pub(super) const STATISTIC: [Choice<Statistic>; 8] = [
+    ("mean", None, Statistic::Mean),
+    ("median", None, Statistic::Median),
+    ("pearson", None, Statistic::Pearson),
+    ("spearman", None, Statistic::Spearman),
+    ("eta2_partial", None, Statistic::Eta2Partial),
+    ("eta2_generalized", None, Statistic::Eta2Generalized),
+    ("omega2_partial", None, Statistic::Omega2Partial),
+    ("kendall_w", None, Statistic::KendallW),
+];
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(super) enum MissingArg {
-    /// Left out whole, and named
-    Listwise,
-    /// Kept, with the cells that are there, in a mixed model
-    Mixed,
-}
+pub(super) const FACTORIAL: [Choice<FactorialMethod>; 2] = [
+    ("anova", None, FactorialMethod::Anova),
+    ("art", None, FactorialMethod::Art),
+];
 
-impl From<PosthocArg> for PosthocTest {
-    fn from(arg: PosthocArg) -> Self {
-        match arg {
-            PosthocArg::T => Self::T,
-            PosthocArg::PooledT => Self::PooledT,
-            PosthocArg::Wilcoxon => Self::Wilcoxon,
-            PosthocArg::Conover => Self::Conover,
-            PosthocArg::Nemenyi => Self::Nemenyi,
-        }
-    }
-}
+pub(super) const MISSING: [Choice<MissingCells>; 2] = [
+    (
+        "listwise",
+        Some("Left out whole, and named"),
+        MissingCells::Listwise,
+    ),
+    (
+        "mixed",
+        Some("Kept, with the cells that are there, in a mixed model"),
+        MissingCells::Mixed,
+    ),
+];
 
-impl From<AdjustArg> for Adjustment {
-    fn from(arg: AdjustArg) -> Self {
-        match arg {
-            AdjustArg::Holm => Self::Holm,
-            AdjustArg::Bonferroni => Self::Bonferroni,
-            AdjustArg::Hochberg => Self::Hochberg,
-            AdjustArg::Bh => Self::Bh,
-            AdjustArg::None => Self::None,
-        }
-    }
-}
-
-impl From<CorrelationArg> for CorrelationMethod {
-    fn from(arg: CorrelationArg) -> Self {
-        match arg {
-            CorrelationArg::Pearson => Self::Pearson,
-            CorrelationArg::Spearman => Self::Spearman,
-            CorrelationArg::Kendall => Self::Kendall,
-            CorrelationArg::Auto => Self::Auto,
-            CorrelationArg::All => Self::All,
-        }
-    }
-}
-
-impl From<StatisticArg> for Statistic {
-    fn from(arg: StatisticArg) -> Self {
-        match arg {
-            StatisticArg::Mean => Self::Mean,
-            StatisticArg::Median => Self::Median,
-            StatisticArg::Pearson => Self::Pearson,
-            StatisticArg::Spearman => Self::Spearman,
-            StatisticArg::Eta2Partial => Self::Eta2Partial,
-            StatisticArg::Eta2Generalized => Self::Eta2Generalized,
-            StatisticArg::Omega2Partial => Self::Omega2Partial,
-            StatisticArg::KendallW => Self::KendallW,
-        }
-    }
-}
-
-impl From<FactorialArg> for FactorialMethod {
-    fn from(arg: FactorialArg) -> Self {
-        match arg {
-            FactorialArg::Anova => Self::Anova,
-            FactorialArg::Art => Self::Art,
-        }
-    }
-}
-
-impl From<MissingArg> for MissingCells {
-    fn from(arg: MissingArg) -> Self {
-        match arg {
-            MissingArg::Listwise => Self::Listwise,
-            MissingArg::Mixed => Self::Mixed,
-        }
-    }
+/// Reads one of these words.
+pub(super) fn one_of<T: Copy + Send + Sync + 'static>(
+    choices: &'static [Choice<T>],
+) -> impl TypedValueParser<Value = T> {
+    let words = choices.iter().map(|(word, help, _)| {
+        let value = PossibleValue::new(*word);
+        help.map_or(value.clone(), |help| value.help(help))
+    });
+    PossibleValuesParser::new(words).try_map(|word| {
+        let chosen = choices.iter().find(|(known, ..)| *known == word);
+        chosen.map(|(.., value)| *value).ok_or("none of the words")
+    })
 }

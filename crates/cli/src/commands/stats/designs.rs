@@ -1,12 +1,12 @@
 //! `maveric stats` of groups, factors, bounds and models.
 
 use super::{
-    choices::{FactorialArg, MissingArg},
+    choices::{FACTORIAL, MISSING, one_of},
     table::{Conditions, Factors, Input, Within, needs},
 };
 use crate::diagnostics::Failure;
 use clap::Subcommand;
-use maveric_study::stages::stats::{Bounds, DesignTest, Formula, Test};
+use maveric_study::stages::stats::{Bounds, FactorialMethod, Formula, MissingCells, Test};
 
 #[derive(Debug, Subcommand)]
 pub(super) enum DesignArgs {
@@ -29,8 +29,8 @@ Examples: maveric stats compare data.csv --subject id --within condition --value
         #[arg(long)]
         ordinal: bool,
         /// What becomes of a person without every cell
-        #[arg(long, value_enum, default_value = "listwise")]
-        missing: MissingArg,
+        #[arg(long, value_parser = one_of(&MISSING), default_value = "listwise")]
+        missing: MissingCells,
     },
     /// Up to two factors within subjects and two between: F, corrected; means, contrasts, simple effects; or aligned ranks
     #[command(after_help = "\
@@ -41,8 +41,8 @@ Examples: maveric stats factorial data.csv --subject id --within style,load --be
         #[command(flatten)]
         factors: Factors,
         /// Analysis of variance, or aligned ranks
-        #[arg(long, value_enum, default_value = "anova")]
-        method: FactorialArg,
+        #[arg(long, value_parser = one_of(&FACTORIAL), default_value = "anova")]
+        method: FactorialMethod,
     },
     /// A linear model with a random intercept: coefficients, terms, marginal means; Satterthwaite's degrees of freedom
     #[command(after_help = "\
@@ -158,7 +158,7 @@ fn two_numbers(text: &str) -> Result<(f64, f64), String> {
 
 impl DesignArgs {
     pub(super) fn split(self) -> Result<(Input, Test), Failure> {
-        let (input, test) = match self {
+        Ok(match self {
             Self::Compare {
                 factors,
                 covariate,
@@ -167,8 +167,7 @@ impl DesignArgs {
             } => {
                 let (input, mut columns) = factors.split();
                 columns.covariates = covariate;
-                let missing = missing.into();
-                let test = DesignTest::Compare {
+                let test = Test::Compare {
                     columns,
                     ordinal,
                     missing,
@@ -177,8 +176,7 @@ impl DesignArgs {
             }
             Self::Factorial { factors, method } => {
                 let (input, columns) = factors.split();
-                let method = method.into();
-                (input, DesignTest::Factorial { columns, method })
+                (input, Test::Factorial { columns, method })
             }
             Self::Mixed {
                 input,
@@ -186,7 +184,7 @@ impl DesignArgs {
                 fixed,
                 value,
             } => {
-                let test = DesignTest::Mixed {
+                let test = Test::Mixed {
                     subject,
                     fixed,
                     value,
@@ -195,13 +193,13 @@ impl DesignArgs {
             }
             Self::Ordinal(within) => {
                 let (input, columns) = within.split();
-                (input, DesignTest::Ordinal(columns))
+                (input, Test::Ordinal(columns))
             }
             Self::Groups {
                 input,
                 group,
                 value,
-            } => (input, DesignTest::Groups { group, value }),
+            } => (input, Test::Groups { group, value }),
             Self::Equivalence {
                 input,
                 conditions,
@@ -216,8 +214,8 @@ impl DesignArgs {
                     Bounds::Raw { low, high }
                 };
                 let test = match (conditions.columns(&value), mu) {
-                    (Some(columns), _) => DesignTest::Equivalence { columns, bounds },
-                    (None, Some(mu)) => DesignTest::EquivalenceOne { value, mu, bounds },
+                    (Some(columns), _) => Test::Equivalence { columns, bounds },
+                    (None, Some(mu)) => Test::EquivalenceOne { value, mu, bounds },
                     (None, None) => return Err(needs("--subject and --within, or --mu")),
                 };
                 (input, test)
@@ -232,18 +230,17 @@ impl DesignArgs {
                 y,
             } => {
                 let test = match (x.zip(y), value) {
-                    (Some((x, y)), _) => DesignTest::BayesCorrelation { x, y },
+                    (Some((x, y)), _) => Test::BayesCorrelation { x, y },
                     (None, Some(value)) => match (conditions.columns(&value), mu, group) {
-                        (Some(columns), ..) => DesignTest::BayesPaired(columns),
-                        (_, Some(mu), _) => DesignTest::BayesOne { value, mu },
-                        (_, _, Some(group)) => DesignTest::BayesGroups { group, value },
+                        (Some(columns), ..) => Test::BayesPaired(columns),
+                        (_, Some(mu), _) => Test::BayesOne { value, mu },
+                        (_, _, Some(group)) => Test::BayesGroups { group, value },
                         _ => return Err(needs("--subject and --within, --group or --mu")),
                     },
                     (None, None) => return Err(needs("--value, or --x and --y")),
                 };
                 (input, test)
             }
-        };
-        Ok((input, Test::Design(test)))
+        })
     }
 }

@@ -11,11 +11,12 @@ mod run;
 mod test;
 
 pub use columns::WithinColumns;
-pub use designs::{Bounds, DesignTest, FactorialMethod, Formula, MissingCells};
 pub use input::{Input, ROW};
-pub use maveric_stats::{Adjustment, CorrelationMethod, PosthocTest, Statistic};
+pub use maveric_stats::{
+    Adjustment, Bounds, CorrelationMethod, Formula, MissingCells, PosthocTest, Statistic,
+};
 pub use rows::FactorColumns;
-pub use test::{Resampled, Test};
+pub use test::{FactorialMethod, Resampled, Test};
 
 use crate::{error::StudyError, outcome::Outcome, outputs::spare_inputs, tables::Table};
 use serde_json::{Map, Value, json};

@@ -3,7 +3,8 @@
 use super::{
     columns, designs, pictures, printed,
     ran::{ALPHA, Ran, plain},
-    test::{Resampled, Test},
+    rows::DesignRows,
+    test::{FactorialMethod, Resampled, Test},
 };
 use crate::{error::StudyError, tables::Table};
 use maveric_stats::{self as tests, Bootstrap, BootstrapData, BootstrapSettings, apa::Statements};
@@ -118,7 +119,74 @@ pub(super) fn run(table: &Table, test: &Test) -> Result<Ran, StudyError> {
         } => Ran::plainly(&bootstrap(table, resampled, *resamples, *seed)?),
         Test::Power => Ran::numbers(plain(&tests::power(&columns::power_questions(table)?)?)),
         Test::Recheck => Ran::numbers(plain(&tests::recheck(&columns::reported(table)?)?)),
-        Test::Design(design) => designs::run(table, design)?,
+        Test::Compare {
+            columns,
+            ordinal,
+            missing,
+        } => designs::compare(table, columns, *ordinal, *missing)?,
+        Test::Factorial { columns, method } => {
+            let rows = DesignRows::read(table, columns)?;
+            let design = rows.design()?;
+            match method {
+                FactorialMethod::Anova => {
+                    let found = tests::factorial(&design);
+                    let picture = pictures::factorial(&rows, &columns.value, &found, None);
+                    Ran::of(&found, printed::factorial(&found)).drawn(picture)
+                }
+                FactorialMethod::Art => {
+                    let found = tests::aligned_ranks(&design);
+                    let picture = pictures::aligned(&rows, &columns.value, &found);
+                    Ran::of(&found, printed::aligned(&found)).drawn(picture)
+                }
+            }
+        }
+        Test::Mixed {
+            subject,
+            fixed,
+            value,
+        } => designs::mixed(table, subject, fixed, value)?,
+        Test::Ordinal(c) => {
+            let people = columns::labels(table, &c.subject)?;
+            let conditions = columns::labels(table, &c.within)?;
+            let found = tests::ordinal(&people, &conditions, &table.numbers(&c.value)?)?;
+            let rows = DesignRows::one_factor(table, Some(&c.subject), &c.within, &c.value)?;
+            let picture = pictures::ordinal(&rows, &c.value, &found, None);
+            Ran::of(&found, printed::ordinal(&found)).drawn(picture)
+        }
+        Test::Groups { group, value } => {
+            let found = tests::groups(&columns::labels(table, group)?, &table.numbers(value)?)?;
+            let rows = DesignRows::one_factor(table, None, group, value)?;
+            let picture = pictures::groups(&rows, value, &found, None);
+            Ran::of(&found, printed::groups(&found)).drawn(picture)
+        }
+        Test::Equivalence { columns: c, bounds } => {
+            let found = tests::equivalence(&columns::within(table, c)?, *bounds)?;
+            let picture = pictures::equivalence(&c.value, &found);
+            Ran::of(&found, printed::equivalence(&found)).drawn(picture)
+        }
+        Test::EquivalenceOne { value, mu, bounds } => {
+            let found = tests::equivalence_one(&table.numbers(value)?, *mu, *bounds)?;
+            let picture = pictures::equivalence(value, &found);
+            Ran::of(&found, printed::equivalence(&found)).drawn(picture)
+        }
+        Test::BayesPaired(c) => {
+            let found = tests::bayes_paired(&columns::within(table, c)?);
+            designs::bayes(table, &found, Some(&c.subject), &c.within, &c.value)?
+        }
+        Test::BayesOne { value, mu } => {
+            Ran::plainly(&tests::bayes_one(&table.numbers(value)?, *mu)?)
+        }
+        Test::BayesGroups { group, value } => {
+            let found =
+                tests::bayes_groups(&columns::labels(table, group)?, &table.numbers(value)?)?;
+            designs::bayes(table, &found, None, group, value)?
+        }
+        Test::BayesCorrelation { x, y } => {
+            let (of_x, of_y) = (table.numbers(x)?, table.numbers(y)?);
+            let found = tests::bayes_correlation(&of_x, &of_y)?;
+            let said = pictures::first(&found);
+            Ran::plainly(&found).drawn(pictures::correlation((x, &of_x), (y, &of_y), said))
+        }
     })
 }
 

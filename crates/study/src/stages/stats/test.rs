@@ -1,8 +1,10 @@
 //! The tests by name, and the columns that each reads.
 
-use super::{columns::WithinColumns, designs::DesignTest, input::Long};
+use super::{columns::WithinColumns, input::Long, rows::FactorColumns};
 use crate::tables::Table;
-use maveric_stats::{Adjustment, CorrelationMethod, PosthocTest, Statistic};
+use maveric_stats::{
+    Adjustment, Bounds, CorrelationMethod, Formula, MissingCells, PosthocTest, Statistic,
+};
 
 /// What to bootstrap, and from which columns.
 #[derive(Debug, Clone)]
@@ -30,6 +32,15 @@ pub enum Resampled {
         /// Its columns.
         columns: WithinColumns,
     },
+}
+
+/// How a factorial design is tested.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FactorialMethod {
+    /// Analysis of variance, with means, contrasts and simple effects.
+    Anova,
+    /// Aligned ranks.
+    Art,
 }
 
 /// A test and the columns that it reads.
@@ -109,8 +120,79 @@ pub enum Test {
     Power,
     /// Do printed p values follow from printed coefficients?
     Recheck,
-    /// Any design, groups, factors, bounds and models.
-    Design(DesignTest),
+    /// The test that the design calls for: what was varied, within whom and between whom, and what was answered.
+    Compare {
+        /// Columns of the design.
+        columns: FactorColumns,
+        /// Whether the values are ordered answers.
+        ordinal: bool,
+        /// What becomes of a subject with a missing cell.
+        missing: MissingCells,
+    },
+    /// Up to two factors within subjects and two between.
+    Factorial {
+        /// Columns of the design.
+        columns: FactorColumns,
+        /// How it is tested.
+        method: FactorialMethod,
+    },
+    /// A linear model with a random intercept.
+    Mixed {
+        /// Whose row it is.
+        subject: String,
+        /// The fixed effects; a predictor whose values are all numbers is a covariate, any other a factor.
+        fixed: Formula,
+        /// The value.
+        value: String,
+    },
+    /// A cumulative logit model of whole numbers of which the order counts, with a random intercept.
+    Ordinal(WithinColumns),
+    /// Independent groups.
+    Groups {
+        /// The groups.
+        group: String,
+        /// The value.
+        value: String,
+    },
+    /// Whether conditions differ by less than bounds.
+    Equivalence {
+        /// Columns of the design.
+        columns: WithinColumns,
+        /// What counts as no difference.
+        bounds: Bounds,
+    },
+    /// Whether the mean of one sample differs by less than bounds from a value.
+    EquivalenceOne {
+        /// The column.
+        value: String,
+        /// What its mean is compared with.
+        mu: f64,
+        /// What counts as no difference.
+        bounds: Bounds,
+    },
+    /// Bayes factors of paired t tests.
+    BayesPaired(WithinColumns),
+    /// Bayes factor of a t test of one sample.
+    BayesOne {
+        /// The column.
+        value: String,
+        /// What its mean is compared with.
+        mu: f64,
+    },
+    /// Bayes factors of t tests of independent groups.
+    BayesGroups {
+        /// The groups.
+        group: String,
+        /// The value.
+        value: String,
+    },
+    /// Bayes factor of a correlation.
+    BayesCorrelation {
+        /// First column.
+        x: String,
+        /// Second column.
+        y: String,
+    },
 }
 
 impl Test {
@@ -130,29 +212,53 @@ impl Test {
             Self::Bootstrap { .. } => "bootstrap",
             Self::Power => "power",
             Self::Recheck => "recheck",
-            Self::Design(design) => design.name(),
+            Self::Compare { .. } => "compare",
+            Self::Factorial { .. } => "factorial",
+            Self::Mixed { .. } => "mixed",
+            Self::Ordinal(_) => "ordinal",
+            Self::Groups { .. } => "groups",
+            Self::Equivalence { .. } | Self::EquivalenceOne { .. } => "equivalence",
+            Self::BayesPaired(_)
+            | Self::BayesOne { .. }
+            | Self::BayesGroups { .. }
+            | Self::BayesCorrelation { .. } => "bayes",
         }
     }
 
     /// The columns that a wide table becomes; `None` if the test compares no conditions.
     pub(super) fn long(&self) -> Option<Long<'_>> {
         match self {
-            Self::Within(c) | Self::RmAnova(c) | Self::Friedman(c) => Some(c.long()),
-            Self::Posthoc { columns, .. }
+            Self::Within(c)
+            | Self::RmAnova(c)
+            | Self::Friedman(c)
+            | Self::Posthoc { columns: c, .. }
             | Self::Bootstrap {
-                resampled: Resampled::Design { columns, .. },
+                resampled: Resampled::Design { columns: c, .. },
                 ..
-            } => Some(columns.long()),
+            }
+            | Self::Ordinal(c)
+            | Self::BayesPaired(c)
+            | Self::Equivalence { columns: c, .. } => Some(c.long()),
             Self::Levene { group, value }
             | Self::Normality {
                 value,
                 group: Some(group),
-            } => Some(Long {
+            }
+            | Self::Groups { group, value }
+            | Self::BayesGroups { group, value } => Some(Long {
                 subject: None,
                 within: group,
                 value,
             }),
-            Self::Design(design) => design.long(),
+            Self::Compare { columns, .. } | Self::Factorial { columns, .. }
+                if columns.within.len() == 1 =>
+            {
+                Some(Long {
+                    subject: columns.subject.as_deref(),
+                    within: &columns.within[0],
+                    value: &columns.value,
+                })
+            }
             _ => None,
         }
     }
@@ -160,19 +266,31 @@ impl Test {
     /// The column of values, if there is one.
     fn value(&mut self) -> Option<&mut String> {
         match self {
-            Self::Within(c) | Self::RmAnova(c) | Self::Friedman(c) => Some(&mut c.value),
-            Self::Posthoc { columns, .. }
+            Self::Within(c)
+            | Self::RmAnova(c)
+            | Self::Friedman(c)
+            | Self::Posthoc { columns: c, .. }
             | Self::Bootstrap {
-                resampled: Resampled::Design { columns, .. },
+                resampled: Resampled::Design { columns: c, .. },
                 ..
-            } => Some(&mut columns.value),
+            }
+            | Self::Ordinal(c)
+            | Self::BayesPaired(c)
+            | Self::Equivalence { columns: c, .. } => Some(&mut c.value),
+            Self::Compare { columns, .. } | Self::Factorial { columns, .. } => {
+                Some(&mut columns.value)
+            }
             Self::Bootstrap {
                 resampled: Resampled::Column { value, .. },
                 ..
             }
             | Self::Normality { value, .. }
-            | Self::Levene { value, .. } => Some(value),
-            Self::Design(design) => design.value(),
+            | Self::Levene { value, .. }
+            | Self::Mixed { value, .. }
+            | Self::Groups { value, .. }
+            | Self::EquivalenceOne { value, .. }
+            | Self::BayesOne { value, .. }
+            | Self::BayesGroups { value, .. } => Some(value),
             _ => None,
         }
     }
@@ -196,16 +314,16 @@ impl Test {
 
     /// Whether there is something to draw: conditions, groups, contrasts, or two columns.
     pub(super) fn has_figure(&self) -> bool {
-        match self {
-            Self::Design(design) => design.has_figure(),
+        !matches!(
+            self,
             Self::Normality { .. }
-            | Self::Levene { .. }
-            | Self::Alpha { .. }
-            | Self::Adjust { .. }
-            | Self::Bootstrap { .. }
-            | Self::Power
-            | Self::Recheck => false,
-            _ => true,
-        }
+                | Self::Levene { .. }
+                | Self::Alpha { .. }
+                | Self::Adjust { .. }
+                | Self::Bootstrap { .. }
+                | Self::Power
+                | Self::Recheck
+                | Self::BayesOne { .. }
+        )
     }
 }
