@@ -15,12 +15,13 @@ use crate::{
     watching::{WatchedDrive, braking, read_watched, write_watch_page},
 };
 use maveric_domain::{
-    Drive, DriveId, DriveMeta, DrivenBy, ParticipantId, Recording, design::Condition, stream_seed,
+    Drive, DriveId, DriveMeta, DrivenBy, Embedding, ParticipantId, Recording, design::Condition,
+    stream_seed,
 };
 use maveric_ingest::{Beside, IngestSettings};
 use maveric_model::Model;
 use maveric_report::html::CentreLine;
-use maveric_simulator::{Driver, RolloutReport, Scenario, SimulatorError, rollout};
+use maveric_simulator::{Driver, Rollout, RolloutReport, Scenario, SimulatorError, rollout};
 use maveric_steering::ModelPlanner;
 use path_slash::PathExt as _;
 use serde::Serialize;
@@ -306,6 +307,23 @@ fn write_page(
     write_watch_page(&page.page, drives, Some(options.seed), &provenance)
 }
 
+/// The car with a style in a world of the scenario.
+pub(crate) fn drive_style(
+    model: &Model,
+    style: &Embedding,
+    scenario: &Scenario,
+    world: u64,
+) -> Result<Rollout, StudyError> {
+    let mut planner = ModelPlanner::new(model, style, &scenario.settings().controllers)?;
+    let controllers = planner.controllers();
+    let driver = Driver::Automated(&mut planner, &controllers);
+    let driven = rollout(scenario, driver, world)?;
+    match planner.failure() {
+        Some(error) => Err(error.into()),
+        None => Ok(driven),
+    }
+}
+
 /// A drive that ended early, and why.
 type Stopped = (DriveId, SimulatorError);
 
@@ -316,18 +334,9 @@ fn drive(
     row: &ConditionRow,
     watched: bool,
 ) -> Result<Result<Driven, Stopped>, StudyError> {
-    let mut planner = ModelPlanner::new(model, &row.embedding, &scenario.settings().controllers)?;
-    let controllers = planner.controllers();
     let id = row.drive()?;
     let seed = stream_seed(options.seed, &[id.as_str(), "world"]);
-    let driven = rollout(
-        scenario,
-        Driver::Automated(&mut planner, &controllers),
-        seed,
-    )?;
-    if let Some(error) = planner.failure() {
-        return Err(error.into());
-    }
+    let driven = drive_style(model, &row.embedding, scenario, seed)?;
     if let Some(why) = driven.stopped {
         return Ok(Err((id, why)));
     }

@@ -4,6 +4,7 @@ use super::people::{People, Person};
 use crate::{
     error::StudyError,
     outcome::{Watch, for_each_on},
+    stages::simulate::drive_style,
 };
 use maveric_domain::{AdbScore, Drive, DriveId, DriveMeta, DrivenBy, Embedding, stream_seed};
 use maveric_measures::likeness::{Window, windows};
@@ -16,8 +17,7 @@ use maveric_rehearsal::validation::{
     agreement, dial, fidelity, identify, identify_posteriors, likeness, mean, regression,
     standardiser, values, within_person,
 };
-use maveric_simulator::{Driver, Scenario, rollout};
-use maveric_steering::ModelPlanner;
+use maveric_simulator::Scenario;
 use rand_pcg::{Pcg64Mcg, rand_core::SeedableRng};
 use serde::Serialize;
 
@@ -107,7 +107,7 @@ impl Examination<'_> {
         let axis = LinearHead::aggression(model)?;
         let known = |people: &[Person], of: Day, with: bool| {
             for_each_on(self.jobs, people, watch, "embeddings", |p| {
-                known_style(model, of(p), p.adb.filter(|_| with))
+                Ok(personalize(model, of(p), p.adb.filter(|_| with))?)
             })
         };
         let fit = |people: &[Person], of: Day, with: bool| -> Result<Vec<Embedding>, StudyError> {
@@ -159,21 +159,17 @@ impl Examination<'_> {
         let of = |ridden: &[Ridden]| -> Vec<Values> { ridden.iter().map(|r| r.values).collect() };
         let sweep = self.averaged(settings);
         // One drive a person, as in the study: fidelity is not helped by averaging roads.
-        let mimic: Vec<Values> = settings
-            .chunks_exact(STEPS.len() * self.worlds)
-            .map(|d| d[ZERO * self.worlds].values)
-            .collect();
+        let of_each = || settings.chunks_exact(STEPS.len() * self.worlds);
+        let own_style = || of_each().map(|d| &d[ZERO * self.worlds]);
         let shown = |ridden: &[Ridden]| ridden.iter().map(|r| r.windows.clone()).collect();
         let seen = |of: Day| test.iter().map(|p| windows(of(p))).collect();
         let like = Driven {
             own: seen(first),
             again: seen(again),
-            mimic: settings
-                .chunks_exact(STEPS.len() * self.worlds)
-                .map(|d| d[ZERO * self.worlds].windows.clone())
-                .collect(),
+            mimic: own_style().map(|r| r.windows.clone()).collect(),
             average: shown(average),
         };
+        let mimic: Vec<Values> = own_style().map(|r| r.values).collect();
         let own_values: Vec<Values> = test.iter().map(|p| values(&p.first)).collect();
         let again_values: Vec<Values> = test.iter().map(|p| values(&p.again)).collect();
         let measured: Vec<Values> = trained_on.iter().map(|(v, _)| *v).collect();
@@ -318,18 +314,7 @@ impl Examination<'_> {
     fn drive(&self, model: &Model, ride: &Ride<'_>) -> Result<Ridden, StudyError> {
         let id = ride.person.participant.as_str();
         let world = stream_seed(self.seed, &[id, "validate", &ride.world.to_string()]);
-        let settings = &self.scenario.settings().controllers;
-        let mut planner = ModelPlanner::new(model, &ride.embedding, settings)?;
-        let controllers = planner.controllers();
-        let driven = rollout(
-            self.scenario,
-            Driver::Automated(&mut planner, &controllers),
-            world,
-        )?
-        .completed()?;
-        if let Some(error) = planner.failure() {
-            return Err(error.into());
-        }
+        let driven = drive_style(model, &ride.embedding, self.scenario, world)?.completed()?;
         let meta = DriveMeta {
             drive: DriveId::new(format!("{id}-validate"))?,
             participant: ride.person.participant.clone(),
@@ -339,7 +324,7 @@ impl Examination<'_> {
         let drive = Drive::from_recording(meta, &driven.recording)?;
         let read_back = ride
             .read_back
-            .then(|| known_style(model, &drive, None))
+            .then(|| personalize(model, &drive, None))
             .transpose()?
             .map(|k| k.embedding);
         Ok(Ridden {
@@ -350,15 +335,6 @@ impl Examination<'_> {
             read_back,
         })
     }
-}
-
-/// A style solved from a drive, with the score where one is given.
-fn known_style(
-    model: &Model,
-    drive: &Drive,
-    adb: Option<AdbScore>,
-) -> Result<Personalized, StudyError> {
-    Ok(personalize(model, drive, adb)?)
 }
 
 /// Styles with their covariances; `None` where one has none.
