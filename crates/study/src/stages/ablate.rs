@@ -1,7 +1,7 @@
 //! `ablate`: what each part of the model is worth on drivers that it has not seen.
 
 use super::report::{
-    answers::{card, number, percent, plot},
+    card::{card, number, percent, plot},
     hashed, page_of, write_page,
 };
 use crate::{

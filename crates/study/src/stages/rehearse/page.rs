@@ -4,7 +4,7 @@ use super::{Cell, Part, Rehearsal, RehearseOptions, tables};
 use crate::{
     error::StudyError,
     stages::report::{
-        answers::{card, number, percent, plot},
+        card::{card, number, percent, plot},
         page_of,
     },
 };

@@ -4,7 +4,7 @@ use super::{DialRehearsal, LearnedFrom, Method, RehearseDialOptions, TrialError}
 use crate::{
     error::StudyError,
     stages::report::{
-        answers::{card, number, percent, plot},
+        card::{card, number, percent, plot},
         page_of,
         words::capital,
     },

@@ -2,7 +2,7 @@
 
 use super::{
     ReportOptions,
-    answers::{card, interval, never, number, plot},
+    card::{card, interval, must_not_happen, number, plot},
     inputs::{hashed, in_folder},
     page_of,
 };
@@ -359,7 +359,7 @@ fn reached(found: &FollowingEvaluation) -> Card {
     let mean = found.mean(driven);
     let (hits, n) = mean.map_or((0, 0), |m| (m.reached_zero, m.drivers));
     let question = ("reached", "Does it stay behind the leader?");
-    let (mut asked, _) = never(question, (hits, n), "share");
+    let (mut asked, _) = must_not_happen(question, (hits, n), "share");
     asked.answer = format!(
         "What is driven by default ({}) reached the leader in {hits} of {n} drives.",
         driven.label()

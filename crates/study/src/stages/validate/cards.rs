@@ -1,7 +1,7 @@
 //! The answers that the page of a validation opens with.
 
 use super::{Examined, Metric, Right, Validated, tables::over};
-use crate::stages::report::answers::{card, interval, never, number, percent, plot};
+use crate::stages::report::card::{card, interval, must_not_happen, number, percent, plot};
 use maveric_analysis::{Verdict, verdict::within};
 use maveric_report::{Card, apa, figures::intervals::IntervalRow};
 use maveric_stats::proportion;
@@ -257,7 +257,7 @@ fn safe(found: &Validated) -> Card {
     let collisions: u32 = found.models.iter().map(|m| m.collisions).sum();
     let near: u32 = found.models.iter().map(|m| m.rule_violations).sum();
     let question = ("safe", "Does the car stay clear of others?");
-    let (mut card, ends) = never(question, (collisions as usize, drives), "rate");
+    let (mut card, ends) = must_not_happen(question, (collisions as usize, drives), "rate");
     card.answer = format!(
         "{collisions} collisions and {near} moments nearer than the safety rule allows in {drives} drives."
     );

@@ -1,6 +1,6 @@
 //! The third and fourth sections: what the conditions did, and which habits they left alone.
 
-use super::{Run, said, watch};
+use super::{Run, correlation_words, watch};
 use crate::{
     error::StudyError,
     stages::report::{
@@ -166,7 +166,7 @@ pub(super) fn section_kept(run: &Run) -> Result<Option<Section>, StudyError> {
              cosine and sine (a habit a panel, Holm over the habits).",
             k.title,
             run.style_label(),
-            said(&k.line)
+            correlation_words(&k.line)
         )
     });
     Ok(Some(Section {

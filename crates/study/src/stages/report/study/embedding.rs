@@ -1,6 +1,6 @@
 //! The second section: the embedding space and the aggression line.
 
-use super::{Run, printed, said};
+use super::{Run, correlation_words, printed};
 use crate::{
     atomic_write::if_there,
     error::StudyError,
@@ -319,7 +319,7 @@ fn line_panels(line: &Line) -> AggressionLine {
         title: row.title.clone(),
         axis: with_unit(&row.title, &row.unit),
         points: row.points.clone(),
-        statistic: said(&row.correlation),
+        statistic: correlation_words(&row.correlation),
     };
     AggressionLine {
         panels: line

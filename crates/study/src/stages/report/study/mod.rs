@@ -15,7 +15,7 @@ mod watch;
 
 use super::{
     ReportOptions,
-    answers::percent,
+    card::percent,
     inputs::{hashed, in_folder, parameter_files, shown_whole},
     keys::{made, results},
     people::People,
@@ -321,7 +321,7 @@ fn flatten(path: &str, value: &serde_json::Value, list: &mut Vec<(String, String
 }
 
 /// A correlation in words with marks.
-fn said(c: &Correlation) -> String {
+fn correlation_words(c: &Correlation) -> String {
     c.statement().map_or_else(
         || format!("not computed from {} pairs", c.n),
         |said| said.markup().to_owned(),
@@ -347,7 +347,7 @@ fn findings(run: &Run) -> Vec<String> {
             lines.push(format!(
                 "Position on the line against {}: {} (embedding fitted {fitted} the score)",
                 score.title,
-                said(&score.correlation)
+                correlation_words(&score.correlation)
             ));
         }
     }

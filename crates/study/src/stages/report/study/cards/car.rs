@@ -1,7 +1,7 @@
 //! Does the car at 0 on the dial drive as its driver does, and nearer than the other cars?
 
 use super::super::{Run, enumerated};
-use crate::stages::report::answers::{card, interval, number, percent, plot};
+use crate::stages::report::card::{card, interval, number, percent, plot};
 use maveric_analysis::verdict::directed;
 use maveric_analysis::{Nearer, Reproduction, Verdict};
 use maveric_domain::design::Sign;

@@ -1,7 +1,7 @@
 //! Do the conditions differ, and the way that was expected?
 
 use super::super::{Run, enumerated};
-use crate::stages::report::answers::{card, number, plot};
+use crate::stages::report::card::{card, number, plot};
 use maveric_analysis::verdict::{FEWEST, directed};
 use maveric_analysis::{Contrast, Panel, Verdict};
 use maveric_domain::ConditionId;

@@ -8,7 +8,7 @@ mod style;
 
 use super::{Run, setting::Reliable};
 use crate::stages::report::{
-    answers::{card, interval, number, plot},
+    card::{card, interval, number, plot},
     words::capital,
 };
 use maveric_analysis::Judged;

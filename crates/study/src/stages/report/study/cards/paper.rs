@@ -1,6 +1,6 @@
 //! How many of the paper's numbers come out.
 
-use crate::stages::report::answers::{card, number, plot};
+use crate::stages::report::card::{card, number, plot};
 use maveric_analysis::verdict::within;
 use maveric_report::Card;
 use maveric_report::claims::{LedgerRow, verdict_counts};

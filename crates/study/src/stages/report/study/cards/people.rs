@@ -1,7 +1,7 @@
 //! What people want: their own style or another, and whether their traits tell.
 
-use super::super::{Run, enumerated, said};
-use crate::stages::report::answers::{card, interval, number, percent, plot};
+use super::super::{Run, correlation_words, enumerated};
+use crate::stages::report::card::{card, interval, number, percent, plot};
 use maveric_analysis::Verdict;
 use maveric_analysis::verdict::{FEWEST, within};
 use maveric_report::figures::intervals::IntervalRow;
@@ -144,7 +144,7 @@ pub(super) fn homophily(run: &Run) -> Option<Card> {
             "strongest: {} and {}, {}",
             top.title.to_lowercase(),
             top.rating_title.to_lowercase(),
-            said(&top.correlation)
+            correlation_words(&top.correlation)
         ),
         "0, nothing to tell",
         "1",
@@ -171,7 +171,7 @@ pub(super) fn homophily(run: &Run) -> Option<Card> {
                 r.rating_title,
                 run.label(r.own),
                 run.label(r.versus),
-                said(&r.correlation),
+                correlation_words(&r.correlation),
                 holm.markup()
             ))
         })

@@ -1,7 +1,7 @@
 //! What the learned style holds: the score, and habits beside it.
 
-use super::super::{Run, enumerated, said, setting::Reliable};
-use crate::stages::report::answers::{card, interval, number, plot};
+use super::super::{Run, correlation_words, enumerated, setting::Reliable};
+use crate::stages::report::card::{card, interval, number, plot};
 use maveric_analysis::Verdict;
 use maveric_analysis::verdict::directed;
 use maveric_domain::design::Sign;
@@ -77,7 +77,7 @@ pub(super) fn line(run: &Run, reliabilities: &[Reliable]) -> Option<Card> {
             Some(format!(
                 "Position on the line of {}, fitted {how}: {}",
                 run.style_label(),
-                said(c.as_ref()?)
+                correlation_words(c.as_ref()?)
             ))
         })
         .collect();

@@ -73,7 +73,7 @@ pub(crate) fn plot(
 
 /// A card of what must never happen, which came `hits` times in `n`: it fails at once, and else says up to which `share` it might be all
 /// the same; and the ends of that share.
-pub(crate) fn never(
+pub(crate) fn must_not_happen(
     (name, question): (&str, &str),
     (hits, n): (usize, usize),
     share: &str,
