@@ -7,6 +7,7 @@ pub mod design_check;
 pub mod design_pipeline;
 pub mod error;
 pub mod gate;
+mod mean;
 pub mod outcome;
 mod outputs;
 pub mod run_folder;

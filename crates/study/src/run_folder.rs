@@ -1,4 +1,4 @@
-//! A run's folder and what a study brings along: every file name and every reader once.
+//! A run's folder and what a study brings along: the readers of what several commands read, and the names of files beside others.
 
 use crate::{
     atomic_write::{if_there, read_text},

@@ -8,6 +8,7 @@ use crate::{
     atomic_write::write_json,
     design::DesignFile,
     error::StudyError,
+    mean::mean,
     outcome::{Outcome, Watch, threads},
     outputs::spare_inputs,
     run_folder::adb_of,
@@ -162,11 +163,6 @@ fn values(variant: &VariantResult, of: Of) -> Vec<Option<f64>> {
         .collect()
 }
 
-fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (n, sum) = values.fold((0.0, 0.0), |(n, sum), v| (n + 1.0, sum + v));
-    (n > 0.0).then(|| sum / n)
-}
-
 fn table(found: &Ablated) -> Table {
     let reference = &found.variants[0];
     let title = "What each part is worth on unseen drivers";
@@ -185,7 +181,8 @@ fn table(found: &Ablated) -> Table {
         };
         table = table
             .right(format!("{title} ({unit})"), |variant| {
-                Cell::number(mean(values(variant, of).into_iter().flatten()), 3)
+                let known: Vec<f64> = values(variant, of).into_iter().flatten().collect();
+                Cell::number(mean(&known), 3)
             })
             .right("better on", |v| {
                 beside(v, |all| all.iter().filter(|d| **d < 0.0).count())

@@ -4,6 +4,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     gate::{Gate, LeftOut, TOO_SHORT, counted},
+    mean::{mean, sd},
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
     run_folder::{exclusions_path, items_path, read_scales, reliabilities_path},
@@ -167,9 +168,6 @@ fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Relia
         .zip(subscale)
         .map(|(scale, subscale)| scale.score_range(subscale));
     let at = |end: f64| values.iter().filter(|v| (*v - end).abs() < 1e-9).count();
-    let n = values.len() as f64;
-    let mean = (!values.is_empty()).then(|| values.iter().sum::<f64>() / n);
-    let squares = |m: f64| values.iter().map(|v| (v - m).powi(2)).sum::<f64>();
     Reliability {
         scale: matrix.scale.clone(),
         subscale: matrix.subscale.clone(),
@@ -181,10 +179,8 @@ fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Relia
         ci_low: alpha.and_then(|a| a.ci_low),
         ci_high: alpha.and_then(|a| a.ci_high),
         omega: alpha.and_then(|a| a.omega),
-        mean,
-        sd: mean
-            .filter(|_| values.len() > 1)
-            .map(|m| (squares(m) / (n - 1.0)).sqrt()),
+        mean: mean(&values),
+        sd: sd(&values),
         floor: ends.map_or(0, |(low, _)| at(low)),
         ceiling: ends.map_or(0, |(_, high)| at(high)),
         item: scale

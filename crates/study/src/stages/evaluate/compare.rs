@@ -1,8 +1,7 @@
 //! Two methods driver by driver.
 
-use crate::error::StudyError;
+use crate::{error::StudyError, mean::mean_interval};
 use maveric_following::{Compared, FollowingEvaluation, FollowingMethod, median};
-use maveric_stats::{BootstrapData, BootstrapSettings, Statistic, bootstrap};
 
 /// Every pair of methods of which both were tried, with intervals from drivers drawn with replacement.
 pub(super) fn pairs(found: &FollowingEvaluation, seed: u64) -> Result<Vec<Compared>, StudyError> {
@@ -20,17 +19,8 @@ fn compared(
     differences: &[f64],
     seed: u64,
 ) -> Result<Compared, StudyError> {
-    let interval = if differences.len() < 2 {
-        None
-    } else {
-        let values: Vec<Option<f64>> = differences.iter().copied().map(Some).collect();
-        let settings = BootstrapSettings {
-            seed,
-            ..BootstrapSettings::default()
-        };
-        let data = BootstrapData::Values(&values);
-        Some(bootstrap(Statistic::Mean, data, &settings)?.percentile)
-    };
+    let values: Vec<Option<f64>> = differences.iter().copied().map(Some).collect();
+    let interval = mean_interval(&values, seed)?;
     Ok(Compared {
         method,
         beside,

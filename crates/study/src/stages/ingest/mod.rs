@@ -297,7 +297,6 @@ fn write_log((number, log): (usize, &logs::Log), aside: &Path) -> Result<Vec<Wri
     Ok(written)
 }
 
-/// The drive, its log, what happened how often, and what is known of a drive that was left out whole.
 /// Writes what was repaired or left out, in the order of the logs, then the drives that the design does not let in, then the
 /// logs that could not be ingested.
 fn write_exclusions(

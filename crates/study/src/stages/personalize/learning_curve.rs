@@ -4,6 +4,7 @@ use super::PersonalizeOptions;
 use crate::{
     atomic_write::write_json,
     error::StudyError,
+    mean::{mean, mean_interval},
     outcome::{Outcome, Watch, for_each_on},
     tables::TableBuilder,
 };
@@ -11,7 +12,6 @@ use maveric_domain::{Drive, stream_seed};
 use maveric_model::{
     CurvePoint, CurveSettings, LearningCurve, ModelError, Personalizer, learning_curve,
 };
-use maveric_stats::{BootstrapData, BootstrapSettings, Statistic, bootstrap};
 use serde::Serialize;
 use std::path::Path;
 
@@ -160,25 +160,12 @@ fn row(minutes: Option<f64>, points: &[&CurvePoint], seed: u64) -> Result<CurveR
 
 fn interval(values: &[Option<f64>], seed: u64) -> Result<MeanWithInterval, StudyError> {
     let known: Vec<f64> = values.iter().flatten().copied().collect();
-    let n = known.len();
-    let mean = (n > 0).then(|| known.iter().sum::<f64>() / n as f64);
-    if n < 2 {
-        return Ok(MeanWithInterval {
-            n,
-            mean,
-            ..MeanWithInterval::default()
-        });
-    }
-    let settings = BootstrapSettings {
-        seed,
-        ..BootstrapSettings::default()
-    };
-    let found = bootstrap(Statistic::Mean, BootstrapData::Values(values), &settings)?;
+    let ends = mean_interval(values, seed)?;
     Ok(MeanWithInterval {
-        n,
-        mean,
-        low: found.percentile.low,
-        high: found.percentile.high,
+        n: known.len(),
+        mean: mean(&known),
+        low: ends.and_then(|e| e.low),
+        high: ends.and_then(|e| e.high),
     })
 }
 

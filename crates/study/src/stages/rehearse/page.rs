@@ -3,6 +3,7 @@
 use super::{Cell, Part, Rehearsal, RehearseOptions, tables};
 use crate::{
     error::StudyError,
+    mean::mean,
     stages::report::{
         card::{card, number, percent, plot},
         page_of,
@@ -173,8 +174,7 @@ fn null_cards(cell: &Cell) -> Vec<Card> {
             .copied()
             .reduce(f64::min)
             .zip(rates.iter().copied().reduce(f64::max));
-        let mean = rates.iter().sum::<f64>() / rates.len().max(1) as f64;
-        IntervalRow::new(part.title(), (!rates.is_empty()).then_some(mean), ends)
+        IntervalRow::new(part.title(), mean(&rates), ends)
     });
     single.plot = plot(
         "Studies with *p* < .05 (%)",

@@ -1,6 +1,7 @@
 //! What was found, as tables and as lines.
 
 use super::{Cell, Part, Rehearsal, TestRate};
+use crate::mean::mean;
 use maveric_rehearsal::{ALPHA, n_for};
 use maveric_report::tables::{Cell as Entry, Table};
 use maveric_stats::Proportion;
@@ -47,8 +48,6 @@ pub(super) fn null_tables(cell: &Cell) -> Vec<Table> {
     let reduced = |rates: &[f64], by: fn(f64, f64) -> f64| {
         Entry::bounded(rates.iter().copied().reduce(by), 4)
     };
-    let mean =
-        |rates: &[f64]| (!rates.is_empty()).then(|| rates.iter().sum::<f64>() / rates.len() as f64);
     let parts = Table::of("null-parts", title, &parts)
         .text("Part", |(part, ..)| part.title())
         .right("Tests", |(.., tests)| Entry::count(tests.len()))
@@ -162,7 +161,7 @@ pub(super) fn summary(found: &Rehearsal) -> Vec<String> {
         ));
         for (part, tests) in by_part(cell) {
             let rates = rates(&tests);
-            let mean = rates.iter().sum::<f64>() / rates.len().max(1) as f64;
+            let mean = mean(&rates).unwrap_or(0.0);
             let low = rates.iter().copied().fold(f64::INFINITY, f64::min);
             let high = rates.iter().copied().fold(0.0, f64::max);
             lines.push(format!(

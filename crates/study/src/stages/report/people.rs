@@ -3,6 +3,7 @@
 use crate::{
     atomic_write::if_there,
     error::StudyError,
+    mean::{mean, sd},
     tables::{
         measurements::MeasuredDrive,
         participants::{Enrolled, read_enrolled},
@@ -23,16 +24,6 @@ pub(super) struct People {
     score: Option<ScoreName>,
     /// Drives of each person that the program did not drive.
     drives: BTreeMap<ParticipantId, usize>,
-}
-
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
-fn sd(values: &[f64]) -> Option<f64> {
-    let m = mean(values)?;
-    let squares: f64 = values.iter().map(|v| (v - m).powi(2)).sum();
-    (values.len() > 1).then(|| (squares / (values.len() - 1) as f64).sqrt())
 }
 
 /// Whether somebody takes part in this.

@@ -1,4 +1,4 @@
-//! The third and fourth sections: what the conditions did, and which habits they left alone.
+//! What the conditions did, and which habits they left alone.
 
 use super::{Run, correlation_words, watch};
 use crate::{

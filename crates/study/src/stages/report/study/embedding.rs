@@ -1,4 +1,4 @@
-//! The second section: the embedding space and the aggression line.
+//! The embedding space and the aggression line.
 
 use super::{Run, correlation_words, printed};
 use crate::{

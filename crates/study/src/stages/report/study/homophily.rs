@@ -1,4 +1,4 @@
-//! The fifth section: who prefers what, and what goes with it.
+//! Who prefers what, and what goes with it.
 
 use super::{Run, printed};
 use crate::error::StudyError;

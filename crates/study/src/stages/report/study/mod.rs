@@ -24,6 +24,7 @@ use crate::{
     atomic_write::read_text,
     design::DesignFile,
     error::StudyError,
+    mean::mean,
     outcome::Watch,
     run_folder::{durations, lists, read_scenario},
     stages::{declare::declared, train::TrainingSummary},
@@ -225,7 +226,7 @@ fn driven(folder: &Path, run: &Run) -> Result<(Option<Road>, Option<f64>), Study
         .filter(mine)
         .filter_map(|d| Some(durations.get(&d.meta.drive)? / 60.0))
         .collect();
-    let mean = (!minutes.is_empty()).then(|| minutes.iter().sum::<f64>() / minutes.len() as f64);
+    let mean = mean(&minutes);
     for drive in run.measured.iter().filter(mine) {
         let name = format!("{}.parquet", drive.meta.drive);
         let beside = lists(folder)

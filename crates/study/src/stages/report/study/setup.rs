@@ -1,7 +1,7 @@
 //! What the study was set to, as far as the paper gives it too: for the claims ledger.
 
 use super::Run;
-use crate::{error::StudyError, tables::conditions::ConditionRow};
+use crate::{error::StudyError, mean::mean, tables::conditions::ConditionRow};
 use maveric_domain::{ConditionId, MetresPerSecond, Road};
 use maveric_model::style_space::PerpendicularEllipse;
 use maveric_simulator::Scenario;
@@ -103,6 +103,5 @@ fn across_sd(run: &Run) -> Result<Option<f64>, StudyError> {
         .filter_map(distance)
         .filter(|d| d.is_finite())
         .collect();
-    let n = distances.len() as f64;
-    Ok((n > 0.0).then(|| distances.iter().sum::<f64>() / n))
+    Ok(mean(&distances))
 }

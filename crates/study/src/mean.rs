@@ -1,0 +1,35 @@
+//! Means of values as they are, and how sure a mean is.
+
+use crate::error::StudyError;
+use maveric_stats::{BootstrapData, BootstrapSettings, Interval, Statistic, bootstrap};
+
+/// Mean of the values; `None` without any.
+pub(crate) fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// Standard deviation, n − 1; `None` for fewer than two values.
+pub(crate) fn sd(values: &[f64]) -> Option<f64> {
+    let m = mean(values)?;
+    let squares: f64 = values.iter().map(|v| (v - m).powi(2)).sum();
+    (values.len() > 1).then(|| (squares / (values.len() - 1) as f64).sqrt())
+}
+
+/// 95% interval of the mean of the values that are there: percentiles of bootstrap resamples; `None` for fewer than two.
+///
+/// # Errors
+/// As [`bootstrap`].
+pub(crate) fn mean_interval(
+    values: &[Option<f64>],
+    seed: u64,
+) -> Result<Option<Interval>, StudyError> {
+    if values.iter().flatten().count() < 2 {
+        return Ok(None);
+    }
+    let settings = BootstrapSettings {
+        seed,
+        ..BootstrapSettings::default()
+    };
+    let found = bootstrap(Statistic::Mean, BootstrapData::Values(values), &settings)?;
+    Ok(Some(found.percentile))
+}
