@@ -81,4 +81,56 @@ mod tests {
         }
         assert_eq!(ego[49].speed_mps, None);
     }
+
+    #[test]
+    fn a_speed_is_the_slope_over_a_fifth_of_a_second_to_both_sides_and_never_over_a_hole() {
+        let at = |ms: i64, x_m: f64| EgoSample {
+            stamp_ns: ms * 1_000_000,
+            log_ns: 0,
+            nth: 0,
+            x_m,
+            y_m: 0.0,
+            yaw_rad: None,
+            speed_mps: None,
+        };
+        let speeds = |samples: &[EgoSample], hole_s: f64| {
+            let mut ego = samples.to_vec();
+            fill_speeds(&mut ego, hole_s);
+            ego.iter().map(|s| s.speed_mps).collect::<Vec<_>>()
+        };
+        // x = t³ every 60 ms: over three samples to both sides the slope at t is 3t² and a part that follows from the window alone.
+        let time = |i: usize| 0.06 * i as f64;
+        let cubic: Vec<EgoSample> = (0..=20_u8)
+            .map(|i| at(60 * i64::from(i), time(i.into()).powi(3)))
+            .collect();
+        let window: [f64; 7] = [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0].map(|i| 0.06 * i);
+        let sum = |power: i32| window.iter().map(|t| t.powi(power)).sum::<f64>();
+        let part = sum(4) / sum(2);
+        let found = speeds(&cubic, 0.5);
+        for (i, speed) in found.iter().enumerate().skip(3).take(15) {
+            let expected = 3.0 * time(i) * time(i) + part;
+            assert!((speed.unwrap() - expected).abs() < 1e-9, "row {i}");
+        }
+        // One sample to either side, however far, but for a hole.
+        let sparse = [at(0, 0.0), at(400, 4.0), at(1000, 16.0), at(1900, 16.9)];
+        let found = speeds(&sparse, 0.7);
+        assert!((found[0].unwrap() - 10.0).abs() < 1e-9);
+        let (mean_t, mean_x) = (1.4 / 3.0, 20.0 / 3.0);
+        let points = [(0.0, 0.0), (0.4, 4.0), (1.0, 16.0)];
+        let both: f64 = points
+            .iter()
+            .map(|(t, x)| (t - mean_t) * (x - mean_x))
+            .sum();
+        let square: f64 = points
+            .iter()
+            .map(|(t, _)| (t - mean_t) * (t - mean_t))
+            .sum();
+        assert!((found[1].unwrap() - both / square).abs() < 1e-9);
+        assert!((found[2].unwrap() - 20.0).abs() < 1e-9);
+        assert_eq!(found[3], None);
+        // What was recorded stays.
+        let mut known = sparse;
+        known[1].speed_mps = Some(-3.0);
+        assert_eq!(speeds(&known, 0.7)[1], Some(-3.0));
+    }
 }

@@ -225,3 +225,210 @@ pub(super) fn gap_kind(
     );
     ("bumper_to_bumper", why)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn column(name: &str, numbers: impl IntoIterator<Item = f64>) -> TableColumn {
+        TableColumn {
+            name: name.to_owned(),
+            numbers: Some(numbers.into_iter().collect()),
+            words: Vec::new(),
+        }
+    }
+
+    /// The unit, and whether there is a doubt.
+    fn told((unit, reason): Guessed) -> (&'static str, bool) {
+        (unit, reason.doubt)
+    }
+
+    #[test]
+    fn a_unit_of_time_follows_from_the_name_the_size_and_the_step() {
+        let of = |name: &str, numbers: [f64; 3], named, step| {
+            told(time_unit(Some(&column(name, numbers)), named, Some(step)))
+        };
+        let small = [0.0, 1.0, 2.0];
+        assert_eq!(of("t_ms", small, Some("ms"), 50.0), ("ms", false));
+        // A name that the step denies says nothing.
+        assert_eq!(of("t_ms", small, Some("ms"), 0.05), ("s", false));
+        for (unit, largest, step) in [
+            ("ns", 1.7e18, 1e8),
+            ("us", 1.7e15, 1e5),
+            ("ms", 1.7e12, 100.0),
+            ("s", 1.7e9, 0.1),
+        ] {
+            assert_eq!(of("t", [largest, largest, -1.0], None, step), (unit, false));
+        }
+        assert_eq!(of("Frame_ID", small, None, 1.0), ("frames", true));
+        assert_eq!(of("frame", [0.0, 0.5, 2.0], None, 1.0), ("s", true));
+        // By one second, or by one of a number: a doubt.
+        assert_eq!(of("t", small, None, 1.0), ("s", true));
+        for (step, unit) in [
+            (0.0009, "s"),
+            (1.5, "s"),
+            (1.6, "ms"),
+            (1500.0, "ms"),
+            (1600.0, "us"),
+            (2e6, "ns"),
+        ] {
+            assert_eq!(of("t", small, None, step), (unit, false), "{step}");
+        }
+        assert_eq!(of("t", small, None, 2e9), ("s", true));
+        assert_eq!(told(time_unit(None, None, None)), ("s", true));
+        let dates = TableColumn {
+            numbers: None,
+            ..column("t", [])
+        };
+        assert_eq!(
+            told(time_unit(Some(&dates), None, None)),
+            ("iso8601", false)
+        );
+        let all = ["s", "ms", "us", "ns", "frames", "?"].map(seconds);
+        let expected = [1.0, 1e-3, 1e-6, 1e-9, 0.04, 1.0];
+        assert_eq!(all.map(f64::to_bits), expected.map(f64::to_bits));
+    }
+
+    #[test]
+    fn a_unit_of_length_follows_from_a_name_the_cars_the_speed_and_the_braking() {
+        let cars = |median: f64| column("len", [median; 3]);
+        let by_cars = |median: f64| {
+            told(length_unit(
+                None,
+                [None, Some(&cars(median))],
+                None,
+                None,
+                None,
+            ))
+        };
+        assert_eq!(
+            told(length_unit(
+                Some("ft"),
+                [Some(&cars(4.5)), None],
+                None,
+                None,
+                None
+            )),
+            ("ft", false)
+        );
+        for (median, unit, doubt) in [
+            (4.5, "m", false),
+            (2.5, "m", false),
+            (8.0, "m", false),
+            (15.0, "ft", false),
+            (26.0, "ft", false),
+            (8.1, "m", true),
+            (60.0, "m", true),
+        ] {
+            assert_eq!(by_cars(median), (unit, doubt), "{median}");
+        }
+        // Without a length the speed's unit tells, by how fast positions move.
+        let by_speed = |speed, ratio| {
+            told(length_unit(
+                None,
+                [Some(&cars(0.0)), None],
+                Some(speed),
+                Some(ratio),
+                None,
+            ))
+        };
+        assert_eq!(by_speed("km/h", 3.6), ("m", false));
+        assert_eq!(by_speed("km/h", 1.1), ("ft", false));
+        assert_eq!(by_speed("mph", 2.2), ("m", false));
+        assert_eq!(by_speed("mph", 0.7), ("ft", false));
+        assert_eq!(by_speed("m/s", 0.31), ("ft", false));
+        let by_braking =
+            |ratio, harshest| told(length_unit(None, [None, None], None, ratio, harshest));
+        assert_eq!(by_braking(Some(1.0), Some(HARD_MPS2 + 0.1)), ("ft", true));
+        assert_eq!(by_braking(Some(1.0), Some(HARD_MPS2)), ("m", true));
+        assert_eq!(by_braking(Some(3.6), Some(20.0)), ("m", true));
+        assert_eq!(by_braking(Some(1.0), None), ("m", true));
+    }
+
+    #[test]
+    fn a_unit_of_speed_follows_from_the_name_the_positions_and_how_fast_the_fastest_are() {
+        let fast = |v: f64| column("v", [v; 4]);
+        let of =
+            |named, length, ratio, v: f64| told(speed_unit(named, length, ratio, Some(&fast(v))));
+        assert_eq!(of(Some("mph"), "m", Some(1.0), 30.0), ("mph", false));
+        assert_eq!(of(Some("s"), "m", Some(1.0), 30.0), ("m/s", false));
+        for (length, ratio, unit) in [
+            ("m", 3.5, "km/h"),
+            ("m", 2.3, "mph"),
+            ("m", 3.3, "ft/s"),
+            ("ft", 1.0, "ft/s"),
+            ("ft", 0.67, "mph"),
+            ("ft", 1.12, "km/h"),
+            ("ft", 0.3, "m/s"),
+        ] {
+            assert_eq!(
+                of(None, length, Some(ratio), 30.0),
+                (unit, false),
+                "{length} {ratio}"
+            );
+        }
+        // Too far off from any.
+        assert_eq!(of(None, "m", Some(10.0), 30.0), ("m/s", true));
+        for (v, unit) in [
+            (45.0, "m/s"),
+            (45.1, "km/h"),
+            (85.0, "km/h"),
+            (120.0, "km/h"),
+        ] {
+            assert_eq!(of(None, "m", None, v), (unit, true), "{v}");
+        }
+        assert!(
+            speed_unit(None, "m", None, Some(&fast(80.0)))
+                .1
+                .why
+                .contains("all possible")
+        );
+        assert!(
+            speed_unit(None, "m", None, Some(&fast(90.0)))
+                .1
+                .why
+                .contains("is likely")
+        );
+        let (ratio, off) = known_ratio(3.6 * 1.1);
+        assert!((ratio - 3.6).abs() < 1e-12 && (off - 1.1_f64.ln()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_gap_is_told_by_the_positions_and_the_length_else_by_its_name() {
+        let n = 20;
+        let ego = column("x", (0..n).map(f64::from));
+        let lead = column(
+            "lead_x",
+            (0..n).map(|i| f64::from(i) + 30.0 + 0.1 * f64::from(i)),
+        );
+        let long = column("lead_length", vec![5.0; 20]);
+        let gap =
+            |name: &str, less: f64| column(name, (0..n).map(|i| 30.0 + 0.1 * f64::from(i) - less));
+        let of = |gap: &TableColumn, length: Option<&TableColumn>| {
+            gap_kind(gap, Some(&ego), Some(&lead), length, "m")
+        };
+        for (less, kind) in [
+            (5.0, "bumper_to_bumper"),
+            (4.8, "bumper_to_bumper"),
+            (0.0, "front_to_front"),
+            (0.2, "front_to_front"),
+        ] {
+            let (found, why) = of(&gap("headway", less), Some(&long));
+            assert_eq!(found, kind, "{less}");
+            assert!(!why.starts_with("doubt"));
+        }
+        // Neither: then the name says it, and it may be wrong.
+        for (name, less, kind) in [
+            ("gap", 2.5, "bumper_to_bumper"),
+            ("Headway", 2.5, "front_to_front"),
+            ("DHW", 2.5, "front_to_front"),
+        ] {
+            let (found, why) = of(&gap(name, less), Some(&long));
+            assert_eq!(found, kind, "{name}");
+            assert!(why.starts_with("doubt"));
+        }
+        let (found, why) = of(&gap("gap", 0.0), None);
+        assert_eq!(found, "bumper_to_bumper");
+        assert!(why.contains("the smallest is 30.0 m"), "{why}");
+    }
+}

@@ -69,3 +69,47 @@ pub(super) fn blocks(
 pub(super) fn mean(column: &[f64], rows: &Range<usize>) -> f64 {
     column[rows.clone()].iter().sum::<f64>() / rows.len() as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use maveric_domain::{DriveId, DriveMeta, DrivenBy, EgoTrack, ParticipantId, Recording, Road};
+
+    /// Ten seconds at 20 Hz with a hole of two seconds before row 150.
+    fn drive() -> Drive {
+        let time_s = (0..200).map(|i| f64::from(i) / 20.0 + if i < 150 { 0.0 } else { 2.0 });
+        let time_s: Vec<f64> = time_s.collect();
+        let ego = EgoTrack {
+            length_m: 4.8,
+            x_m: time_s.iter().map(|t| 20.0 * t).collect(),
+            y_m: vec![0.0; 200],
+            speed_mps: vec![20.0; 200],
+        };
+        let segment = (0..200).map(|i| u32::from(i >= 150)).collect();
+        let recording = Recording::new(Road::PAPER, 20.0, time_s, segment, ego, Vec::new());
+        let meta = DriveMeta {
+            drive: DriveId::new("P01-baseline").unwrap(),
+            participant: ParticipantId::new("P01").unwrap(),
+            condition: "baseline".parse().unwrap(),
+            driven_by: DrivenBy::Human,
+        };
+        Drive::from_recording(meta, &recording.unwrap()).unwrap()
+    }
+
+    #[test]
+    fn runs_are_cut_into_blocks_behind_what_settles_and_half_a_block_is_one() {
+        let drive = drive();
+        let of = |settle_s, block_s, holds: &dyn Fn(usize) -> bool| {
+            blocks(&drive, settle_s, block_s, holds)
+        };
+        let some = |row: usize| (20..100).contains(&row) || row >= 120;
+        // Of 80 rows 20 settle, and 40 and 20 are left; of 30 before the hole 10; of 50 behind it 30.
+        assert_eq!(of(1.0, 2.0, &some), [40..80, 80..100, 170..200]);
+        // One more to settle, and 19 rows are no half of a block.
+        assert_eq!(of(1.05, 2.0, &some), [41..81, 171..200]);
+        assert_eq!(of(2.5, 1.0, &some), [70..90, 90..100]);
+        assert_eq!(of(0.0, 10.0, &|row| row == 7), [0..0; 0]);
+        assert_eq!(of(0.0, 0.0, &|row| (7..10).contains(&row)), [8..9, 9..10]);
+        assert!(of(1.0, 1.0, &|_| false).is_empty());
+    }
+}

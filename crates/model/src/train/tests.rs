@@ -100,9 +100,10 @@ fn losses_fall_and_drivers_are_ordered_by_their_style() {
         assert!((read(&moved.embedding) - read(w)).abs() < 1e-5);
     }
     let far = Embedding::new(vec![50.0; 3]).unwrap();
-    let both = [w.clone(), far];
-    let share = share_outside_training(&trained.model, &both).unwrap();
-    assert!((share.unwrap() - 0.5).abs() < 1e-12);
+    let three = [w.clone(), w.clone(), far];
+    let share = share_outside_training(&trained.model, &three).unwrap();
+    assert!((share.unwrap() - 1.0 / 3.0).abs() < 1e-12);
+    assert_eq!(share_outside_training(&trained.model, &[]).unwrap(), None);
 }
 
 #[test]

@@ -344,4 +344,45 @@ mod tests {
         assert!((ego[1].x_m - 71.696).abs() < 0.01, "{}", ego[1].x_m);
         assert!((ego[2].y_m - 111.229).abs() < 0.01, "{}", ego[2].y_m);
     }
+
+    #[test]
+    fn a_stamp_is_its_seconds_and_nanoseconds_whole_or_not() {
+        for (sec, nanosec, expected) in [
+            (3.0, 5.0, 3_000_000_005),
+            (-3.0, 5.0, -2_999_999_995),
+            (1.25, 0.0, 1_250_000_000),
+            (1.5, 7.0, 1_500_000_007),
+            (-1.25, 0.0, -1_250_000_000),
+            (f64::NAN, 9.0, 9),
+            (2.0, f64::NAN, 2_000_000_000),
+            (1e300, 0.0, i64::MAX),
+        ] {
+            assert_eq!(stamp_ns(&[sec, nanosec]), expected, "{sec} {nanosec}");
+        }
+    }
+
+    #[test]
+    fn a_heading_comes_from_a_quaternion_or_a_yaw_and_is_east_where_neither_is() {
+        let half = |yaw: f64| [0.0, 0.0, (0.5 * yaw).sin(), (0.5 * yaw).cos()];
+        for yaw in [-3.0, -1.0, 0.0, 0.4, 2.5] {
+            let quaternion = half(yaw);
+            assert!((heading(&quaternion).unwrap() - yaw).abs() < 1e-12);
+            let mut row = [f64::NAN; 11];
+            row[4..8].copy_from_slice(&quaternion);
+            let (x, y) = direction(&row);
+            assert!((y.atan2(x) - yaw).abs() < 1e-12, "{yaw}");
+            // A yaw goes before a quaternion.
+            (row[4], row[5], row[6], row[7], row[10]) = (0.0, 0.0, 0.0, 1.0, yaw);
+            let (x, y) = direction(&row);
+            assert!((y.atan2(x) - yaw).abs() < 1e-12 && (x.hypot(y) - 1.0).abs() < 1e-12);
+        }
+        // Banked by a little: x and y count too.
+        let banked = [0.1, 0.2, 0.6, 0.768];
+        let (x, y, z, w) = (0.1_f64, 0.2, 0.6, 0.768);
+        let expected = (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z));
+        assert!((heading(&banked).unwrap() - expected).abs() < 1e-3);
+        let mut row = [f64::NAN; 11];
+        row[4..8].fill(0.0);
+        assert_eq!((heading(&[0.0; 4]), direction(&row)), (None, (1.0, 0.0)));
+    }
 }

@@ -317,3 +317,39 @@ fn object(bytes: &mut CdrWriter, vehicle: &VehicleState, time_ns: i64) {
     bytes.u8(255);
     bytes.u32(1);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_heading_is_where_ego_moves_from_the_row_before_to_the_row_after_and_none_at_standstill() {
+        let recording = Recording::new(
+            maveric_domain::Road::PAPER,
+            20.0,
+            (0..5).map(|i| f64::from(i) / 20.0).collect(),
+            vec![0; 5],
+            maveric_domain::EgoTrack {
+                length_m: 4.8,
+                x_m: vec![100.0, 103.0, 104.0, 104.5, 104.6],
+                y_m: vec![0.0, 0.5, 1.5, 1.75, 1.8],
+                speed_mps: vec![20.0, 20.0, 20.0, 20.0, STILL_MPS - 0.01],
+            },
+            Vec::new(),
+        )
+        .unwrap();
+        let expected = [
+            0.5_f64.atan2(3.0),
+            1.5_f64.atan2(4.0),
+            1.25_f64.atan2(1.5),
+            0.3_f64.atan2(0.6),
+            0.0,
+        ];
+        for (found, expected) in headings(&recording).iter().zip(expected) {
+            assert!(
+                (found - expected).abs() < 1e-9,
+                "{found} instead of {expected}"
+            );
+        }
+    }
+}
