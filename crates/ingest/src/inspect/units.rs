@@ -246,7 +246,12 @@ mod tests {
     #[test]
     fn a_unit_of_time_follows_from_the_name_the_size_and_the_step() {
         let of = |name: &str, numbers: [f64; 3], named, step| {
-            told(time_unit(Some(&column(name, numbers)), named, Some(step)))
+            told(time_unit(
+                Some(&column(name, numbers)),
+                None,
+                named,
+                Some(step),
+            ))
         };
         let small = [0.0, 1.0, 2.0];
         assert_eq!(of("t_ms", small, Some("ms"), 50.0), ("ms", false));
@@ -275,15 +280,17 @@ mod tests {
             assert_eq!(of("t", small, None, step), (unit, false), "{step}");
         }
         assert_eq!(of("t", small, None, 2e9), ("s", true));
-        assert_eq!(told(time_unit(None, None, None)), ("s", true));
+        assert_eq!(told(time_unit(None, None, None, None)), ("s", true));
         let dates = TableColumn {
             numbers: None,
             ..column("t", [])
         };
         assert_eq!(
-            told(time_unit(Some(&dates), None, None)),
+            told(time_unit(Some(&dates), None, None, None)),
             ("iso8601", false)
         );
+        let written = time_unit(Some(&dates), Some("%H:%M"), None, None);
+        assert_eq!(told(written), ("pattern", false));
         let all = ["s", "ms", "us", "ns", "frames", "?"].map(seconds);
         let expected = [1.0, 1e-3, 1e-6, 1e-9, 0.04, 1.0];
         assert_eq!(all.map(f64::to_bits), expected.map(f64::to_bits));
