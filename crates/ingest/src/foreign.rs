@@ -94,7 +94,7 @@ pub(crate) fn foreign_text(text: &[u8]) -> Option<(String, &'static str)> {
 }
 
 /// Why bytes are no table of text: another kind of file, or a text that cannot be read. A sentence, and what to do.
-pub fn no_table(bytes: &[u8]) -> Option<(String, &'static str)> {
+pub(crate) fn no_table(bytes: &[u8]) -> Option<(String, &'static str)> {
     let other = foreign(bytes).map(|(what, advice)| (what.to_owned(), advice));
     other.or_else(|| foreign_text(bytes))
 }

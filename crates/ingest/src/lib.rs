@@ -3,6 +3,7 @@
 mod assemble;
 mod centre_line;
 mod clock;
+mod csv;
 mod differentiate;
 mod drive_file;
 mod error;
@@ -25,9 +26,9 @@ mod settings;
 mod source;
 mod synchronise;
 
+pub use csv::{Csv, read_csv};
 pub use drive_file::{drive_frame, read_drive_from, write_drive_to};
 pub use error::IngestError;
-pub use foreign::no_table;
 pub use inspect::{
     ChannelSummary, ColumnSummary, Gap, LogFormat, LogSummary, inspect, inspect_with,
     suggest_mapping,

@@ -1,9 +1,20 @@
 //! Tables being made, column by column.
 
-use super::{Table, is_formula, is_parquet, separator};
+use super::{Table, is_formula, is_parquet};
 use crate::{atomic_write::atomic_write_bytes, error::StudyError};
 use polars::prelude::*;
 use std::path::{Path, PathBuf};
+
+fn separator(path: &Path) -> u8 {
+    if path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("tsv"))
+    {
+        b'\t'
+    } else {
+        b','
+    }
+}
 
 /// A table being made, column by column.
 #[derive(Debug, Default)]
@@ -83,6 +94,7 @@ impl TableBuilder {
         Ok(Table {
             path,
             frame,
+            decimal_comma: false,
             origin: None,
         })
     }

@@ -1,4 +1,4 @@
-//! Tables as files: CSV, TSV or Parquet by the file's name, read with errors that name the row.
+//! Tables as files: Parquet, or text with commas, semicolons or tabs between its cells, read with errors that name the row.
 
 mod builder;
 pub mod conditions;
@@ -19,7 +19,8 @@ use path_slash::PathExt as _;
 use polars::prelude::*;
 use std::{
     collections::BTreeMap,
-    io::{Cursor, Read as _},
+    io::Read as _,
+    num::ParseFloatError,
     path::{Path, PathBuf},
 };
 
@@ -28,6 +29,8 @@ use std::{
 pub struct Table {
     path: PathBuf,
     frame: DataFrame,
+    /// Whether numbers may have a comma before their decimals.
+    decimal_comma: bool,
     /// Which rows of the file its rows were, where these are not all of them in order.
     origin: Option<Vec<usize>>,
 }
@@ -47,17 +50,6 @@ fn without_guard(cell: &str) -> &str {
     cell.strip_prefix('\'')
         .filter(|rest| is_formula(rest))
         .unwrap_or(cell)
-}
-
-fn separator(path: &Path) -> u8 {
-    if path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("tsv"))
-    {
-        b'\t'
-    } else {
-        b','
-    }
 }
 
 impl Table {
@@ -91,37 +83,24 @@ impl Table {
                 "is empty, expected a table with a header line",
             ));
         }
-        let bad = |e: PolarsError| StudyError::BadTable {
+        let bad = |format, problem| StudyError::BadTable {
             path: path.to_owned(),
-            format: "CSV",
-            problem: e.to_string(),
+            format,
+            problem,
         };
-        let frame = if maveric_ingest::is_parquet(&bytes) {
+        let (frame, decimal_comma) = if maveric_ingest::is_parquet(&bytes) {
             let file = maveric_ingest::read_parquet(bytes, None);
-            let bad = |problem| StudyError::BadTable {
-                path: path.to_owned(),
-                format: "Parquet",
-                problem,
-            };
-            file.map_err(bad)?.frame
+            (file.map_err(|e| bad("Parquet", e))?.frame, false)
         } else if is_parquet(path) {
             return Err(StudyError::file(path, "does not start like Parquet (PAR1)"));
         } else {
-            if let Some((found, advice)) = maveric_ingest::no_table(&bytes) {
-                let problem = format!("is no table that can be read: {found}; {advice}");
-                return Err(StudyError::file(path, problem));
-            }
-            // Everything as text: this module converts, and can then name the row.
-            CsvReadOptions::default()
-                .with_infer_schema_length(Some(0))
-                .map_parse_options(|o| o.with_separator(separator(path)))
-                .into_reader_with_file_handle(Cursor::new(bytes))
-                .finish()
-                .map_err(bad)?
+            let csv = maveric_ingest::read_csv(&bytes).map_err(|e| bad("CSV", e))?;
+            (csv.frame, csv.decimal_comma)
         };
         Ok(Self {
             path: path.to_owned(),
             frame,
+            decimal_comma,
             origin: None,
         })
     }
@@ -185,6 +164,7 @@ impl Table {
         Ok(Self {
             path: self.path.clone(),
             frame,
+            decimal_comma: self.decimal_comma,
             origin: Some(origin),
         })
     }
@@ -229,6 +209,7 @@ impl Table {
         Ok(Self {
             path: self.path.clone(),
             frame,
+            decimal_comma: self.decimal_comma,
             origin: Some((0..rows * k).map(|i| self.origin(i / k)).collect()),
         })
     }
@@ -303,6 +284,14 @@ impl Table {
         }
     }
 
+    fn number(&self, text: &str) -> Result<f64, ParseFloatError> {
+        if self.decimal_comma {
+            text.replace(',', ".").parse()
+        } else {
+            text.parse()
+        }
+    }
+
     /// A column as finite numbers; a missing cell (empty, `NA`, `null`) is `None`.
     ///
     /// # Errors
@@ -314,7 +303,7 @@ impl Table {
             let number = |(row, cell): (usize, Option<String>)| match cell.as_deref().map(str::trim)
             {
                 None | Some("" | "NA" | "null") => Ok(None),
-                Some(text) => match text.parse::<f64>() {
+                Some(text) => match self.number(text) {
                     Ok(value) if value.is_finite() => Ok(Some(value)),
                     _ => Err(self.bad_cell(row, column, text, "a finite number")),
                 },
@@ -393,6 +382,10 @@ mod tests {
         Table::parse(Path::new("t.csv"), text.as_bytes().to_vec())
     }
 
+    fn table_of(text: &str) -> Table {
+        table(text).unwrap()
+    }
+
     #[test]
     fn a_bad_cell_is_named_by_row_and_column() {
         let error = table("a,b\n1,2\n3,x\n")
@@ -404,6 +397,36 @@ mod tests {
             error,
             "t.csv: row 2, column `b`: found `x`, expected a finite number"
         );
+    }
+
+    #[test]
+    fn commas_semicolons_and_tabs_separate_cells_and_beside_semicolons_a_comma_is_decimal() {
+        for text in [
+            "a,b\n1.5,x\n2,y\n",
+            "\u{feff}a;b\r\n1,5;x\r\n2;y\r\n",
+            "a\tb\n1.5\tx\n2\ty\n",
+            "\n\na;b\n1.5;x\n2;y\n",
+            "\"a\",\"b\"\n\"1.5\",\"x\"\n2,y,\n",
+        ] {
+            let table = table(text).unwrap();
+            assert_eq!(table.columns(), ["a", "b"], "{text}");
+            assert_eq!(table.all_numbers("a").unwrap(), [1.5, 2.0], "{text}");
+        }
+        // A semicolon within a name, beside more commas, and a comma that separates nothing.
+        assert_eq!(table_of("a;c,b,d\n1,2,3\n").columns(), ["a;c", "b", "d"]);
+        let error = table_of("a,b\n\"1,5\",2\n").numbers("a").unwrap_err();
+        assert!(error.to_string().contains("found `1,5`"), "{error}");
+    }
+
+    #[test]
+    fn a_row_of_too_many_cells_and_an_open_quote_are_named_and_a_second_name_is_kept_apart() {
+        let error = table("a,b\n1,2\n1,2,3\n").unwrap_err().to_string();
+        assert!(error.contains("row 2 has 3 cells, expected 2"), "{error}");
+        let error = table("a,b\n1,\"2\n3,4\n").unwrap_err().to_string();
+        assert!(error.contains("row 1 opens a quote"), "{error}");
+        let twice = table_of("a,b,a\n1,2,3\n");
+        assert_eq!(twice.columns(), ["a", "b", "a (column 3)"]);
+        assert_eq!(twice.all_numbers("a").unwrap(), [1.0]);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Opens a table, CSV or Parquet, and gives its columns as numbers and words.
 
-use super::text::{Flaw, Header, MOST_COLUMNS, Style, flaw, header, same_name};
+use super::text::{Header, MOST_COLUMNS, Style, flaw, header, same_name};
 use crate::{error::IngestError, foreign::foreign_text, parquet};
 use maveric_domain::nearest;
 use polars::prelude::{
@@ -17,7 +17,7 @@ use std::{
 /// Words that stand for an empty cell.
 const EMPTY: [&str; 6] = ["", "nan", "na", "null", "none", "-"];
 /// What some programs begin a text in UTF-8 with.
-const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+pub(crate) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// What a column is read as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -121,49 +121,15 @@ impl Table {
             return Err(self.bad(format!("its header has the column `{name}` twice")));
         }
         if let Some(flaw) = flaw(bytes, header) {
-            let width = header.names.len();
-            return Err(self.bad(match flaw {
-                Flaw::OpenQuote { row } => format!("row {row} opens a quote that is never closed"),
-                Flaw::TooWide { row, found } => {
-                    format!("row {row} has {found} cells, expected {width} as in its header")
-                }
-            }));
+            return Err(self.bad(flaw.sentence(header.names.len())));
         }
+        let names: Vec<&str> = columns.iter().map(|c| c.0.as_str()).collect();
         let read = |numbers: bool| {
-            // The names are ours: the file's may have blanks around them, or stand twice.
-            let own_name = |i: usize| {
-                let name = &self.names[i];
-                if self.names.iter().position(|n| n == name) == Some(i) {
-                    name.clone()
-                } else {
-                    format!("{name}\u{1}{i}")
-                }
+            let kind = |name: &str| match columns.iter().find(|(c, _)| c == name) {
+                Some((_, Kind::Number)) if numbers => DataType::Float64,
+                _ => DataType::String,
             };
-            let field = |(i, name): (usize, &String)| {
-                let kind = columns.iter().find(|(c, _)| c == name).map(|c| c.1);
-                let number = numbers && kind == Some(Kind::Number);
-                let kind = if number {
-                    DataType::Float64
-                } else {
-                    DataType::String
-                };
-                Field::new(own_name(i).into(), kind)
-            };
-            let schema: Schema = self.names.iter().enumerate().map(field).collect();
-            let names: Vec<PlSmallStr> = columns.iter().map(|c| c.0.as_str().into()).collect();
-            // What is too wide was refused above; a separator at the end of a line is nothing.
-            let parse = CsvParseOptions::default()
-                .with_separator(header.separator)
-                .with_decimal_comma(self.decimal_comma)
-                .with_truncate_ragged_lines(true);
-            CsvReadOptions::default()
-                .with_infer_schema_length(Some(0))
-                .with_skip_lines(header.preamble)
-                .with_schema(Some(Arc::new(schema)))
-                .with_columns(Some(names.into()))
-                .with_parse_options(parse)
-                .into_reader_with_file_handle(Cursor::new(bytes))
-                .finish()
+            parse(bytes, header, kind, Some(&names), self.decimal_comma)
         };
         self.frame = match read(true) {
             Ok(frame) => frame,
@@ -360,6 +326,41 @@ impl Table {
         let list = codes.keys().map(|w| (*w).to_owned()).collect();
         Ok((words.iter().map(of).collect(), list))
     }
+}
+
+/// Reads the rows of a text below its header, in which [`flaw`] found none: `names` of its columns, or all.
+///
+/// # Errors
+/// What polars says.
+pub(crate) fn parse(
+    text: &[u8],
+    header: &Header,
+    kind: impl Fn(&str) -> DataType,
+    names: Option<&[&str]>,
+    decimal_comma: bool,
+) -> Result<DataFrame, PolarsError> {
+    // The names are ours: the file's may have blanks around them, or stand twice.
+    let field = |(i, name): (usize, &String)| {
+        let first = header.names.iter().position(|n| n == name) == Some(i);
+        let own = (!first).then(|| format!("{name} (column {})", i + 1));
+        let own = own.as_deref().unwrap_or(name);
+        Field::new(own.into(), kind(name))
+    };
+    let schema: Schema = header.names.iter().enumerate().map(field).collect();
+    let names = names.map(|names| names.iter().map(|n| PlSmallStr::from_str(n)).collect());
+    // What is too wide was refused before; a separator at the end of a line is nothing.
+    let options = CsvParseOptions::default()
+        .with_separator(header.separator)
+        .with_decimal_comma(decimal_comma)
+        .with_truncate_ragged_lines(true);
+    CsvReadOptions::default()
+        .with_infer_schema_length(Some(0))
+        .with_skip_lines(header.preamble)
+        .with_schema(Some(Arc::new(schema)))
+        .with_columns(names)
+        .with_parse_options(options)
+        .into_reader_with_file_handle(Cursor::new(text))
+        .finish()
 }
 
 fn without_mark(mut text: Vec<u8>) -> Vec<u8> {

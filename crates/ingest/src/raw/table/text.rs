@@ -43,7 +43,9 @@ pub(crate) struct Header {
 /// Finds the header of a text: the first line with a cell `anchor`, else the first line.
 pub(crate) fn header(text: &[u8], style: Style, anchor: Option<&str>) -> Header {
     let read = |(preamble, line): (usize, &[u8])| {
-        let separator = style.separator.unwrap_or_else(|| separator_of(line));
+        let separator = style
+            .separator
+            .unwrap_or_else(|| separator_of(line, SEPARATORS));
         let names = cells(line, separator);
         Header {
             preamble,
@@ -66,10 +68,10 @@ pub(crate) fn header(text: &[u8], style: Style, anchor: Option<&str>) -> Header 
 /// Characters that may stand between cells; of two that are as frequent the last counts, so the comma stands there.
 pub(crate) const SEPARATORS: &[u8] = b"#|\t;,";
 
-/// The most frequent of the separators.
-fn separator_of(line: &[u8]) -> u8 {
-    let count = |c: u8| line.split(|&b| b == c).count();
-    let likely = SEPARATORS.iter().copied().max_by_key(|&c| count(c));
+/// The most frequent of some separators, outside quotes.
+pub(crate) fn separator_of(line: &[u8], separators: &[u8]) -> u8 {
+    let likely = separators.iter().copied();
+    let likely = likely.max_by_key(|&c| cells(line, c).len());
     likely.unwrap_or(b',')
 }
 
@@ -93,15 +95,27 @@ fn cells(line: &[u8], separator: u8) -> Vec<String> {
 }
 
 /// What is wrong with the rows of a text: polars would read on.
-pub(super) enum Flaw {
+pub(crate) enum Flaw {
     /// A cell's quote is never closed: what stands behind it would be one cell, its last character lost.
     OpenQuote { row: usize },
     /// More cells than the header has, and something in the last of them.
     TooWide { row: usize, found: usize },
 }
 
+impl Flaw {
+    /// A sentence, for a header of so many names.
+    pub(crate) fn sentence(&self, width: usize) -> String {
+        match self {
+            Self::OpenQuote { row } => format!("row {row} opens a quote that is never closed"),
+            Self::TooWide { row, found } => {
+                format!("row {row} has {found} cells, expected {width} as in its header")
+            }
+        }
+    }
+}
+
 /// The first flaw of a text; rows are counted from 1 below the header.
-pub(super) fn flaw(text: &[u8], header: &Header) -> Option<Flaw> {
+pub(crate) fn flaw(text: &[u8], header: &Header) -> Option<Flaw> {
     let mut lines = text.split_inclusive(|&b| b == b'\n');
     let above: usize = lines.by_ref().take(header.preamble).map(<[u8]>::len).sum();
     let text = &text[above..];
