@@ -82,6 +82,21 @@ fn the_answers_stand_before_everything_else_and_the_supplement_is_folded_behind(
 }
 
 #[test]
+fn every_paragraph_that_was_given_stands_on_the_page() {
+    let report = made_up::report(&Context::synthetic(3)).unwrap();
+    let page = index(files());
+    let intros = report.sections.iter().flat_map(|section| &section.intro);
+    let given = report.summary.iter().chain(&report.methods.text);
+    let mut paragraphs = 0;
+    for text in given.chain(intros) {
+        let marked = maveric_report::markup::html(text);
+        assert!(page.contains(&marked), "{marked}");
+        paragraphs += 1;
+    }
+    assert!(paragraphs > 3, "{paragraphs}");
+}
+
+#[test]
 fn a_card_links_to_nothing_that_the_page_has_not_and_two_of_one_name_are_refused() {
     let mut report = short(&Context::synthetic(3));
     report.cards[0].see = Some("table-nowhere".into());

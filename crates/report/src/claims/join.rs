@@ -252,6 +252,21 @@ mod tests {
     }
 
     #[test]
+    fn a_rank_correlation_has_the_wider_interval() {
+        // From 24 pairs -.80 reaches to -.59 as Pearson's r and to -.54 as Spearman's rho.
+        let results = [("x.r", -0.8), ("x.n", 24.0), ("n", 24.0)].map(|(k, v)| (k.to_owned(), v));
+        let results = BTreeMap::from(results);
+        let mut claims = claim("-.56", "{ direction = { tolerance = 0.01 } }");
+        for (quantity, verdict) in [
+            (Quantity::R, Verdict::SameDirection),
+            (Quantity::Rho, Verdict::Agrees),
+        ] {
+            claims[0].quantity = quantity;
+            assert_eq!(join(&claims, &results).unwrap()[0].verdict, verdict);
+        }
+    }
+
+    #[test]
     fn what_was_tuned_for_is_no_finding_however_near_it_comes() {
         let mut claims = claim("-.46", "{ direction = { tolerance = 0.1 } }");
         claims[0].tuned = true;

@@ -93,3 +93,57 @@ pub(crate) fn cells(frame: &Frame, points: impl IntoIterator<Item = (f64, f64, f
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A panel of 100 by 40 points on the page, of which x is 0 to 100 and y 0 to 40 upwards.
+    fn frame() -> Frame {
+        Frame {
+            x: Scale::between(0.0, 100.0, 5).placed(20.0, 120.0),
+            y: Scale::between(0.0, 40.0, 4).placed(50.0, 10.0),
+            place: Place {
+                left: 20.0,
+                top: 10.0,
+                right: 120.0,
+                bottom: 50.0,
+            },
+        }
+    }
+
+    #[test]
+    fn points_are_counted_in_the_cells_where_they_lie_row_by_row() {
+        let frame = frame();
+        let points = [
+            (1.0, 39.0, 2.0),
+            (50.0, 1.0, 5.0),
+            (4.4, 36.0, 4.0),
+            (4.6, 39.0, 9.0),
+        ];
+        let found = cells(&frame, points);
+        let told: Vec<_> = found.iter().map(|c| (c.column, c.row, c.count)).collect();
+        assert_eq!(told, [(0, 0, 2), (1, 0, 1), (11, 8, 1)]);
+        let means: Vec<u64> = found.iter().map(|c| c.mean().to_bits()).collect();
+        assert_eq!(means, [3.0, 9.0, 5.0].map(f64::to_bits));
+        let corners = |i: usize| {
+            let ((a, b), (c, d)) = found[i].corners(&frame);
+            [a, b, c, d].map(|v| (100.0 * v).round() as i32)
+        };
+        assert_eq!(corners(0), [2000, 1000, 2450, 1450]);
+        assert_eq!(corners(1), [2450, 1000, 2900, 1450]);
+        // The last row is cut at the frame.
+        assert_eq!(corners(2), [6950, 4600, 7400, 5000]);
+        // So is the last column.
+        let ((left, _), (right, _)) = cells(&frame, [(99.9, 20.0, 0.0)])[0].corners(&frame);
+        assert!((left - 119.0).abs() < 1e-9 && (right - 120.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_cell_is_as_dark_as_the_root_of_its_share_and_never_invisible() {
+        for (count, shaded) in [(400, 0.9), (100, 0.5), (4, 0.18), (0, 0.1)] {
+            assert!((shade(count, 400) - shaded).abs() < 1e-12, "{count}");
+        }
+        assert!(words(MOST_POINTS).is_empty() && words(MOST_POINTS + 1).contains("Shade"));
+    }
+}
