@@ -411,6 +411,32 @@ mod tests {
     }
 
     #[test]
+    fn ego_beside_the_road_is_refused_where_the_log_says_where_its_lanes_are() {
+        let refused = |frame, lanes| {
+            let settings = IngestSettings::default();
+            let unknown = Target::mapped(&settings).unwrap();
+            let road = Road {
+                lanes,
+                ..unknown.road
+            };
+            let target = Target {
+                road,
+                frame,
+                own_lane_only: lanes == 1,
+                ..unknown
+            };
+            let mut beside = drive(Vec::new());
+            beside.ego.iter_mut().for_each(|s| s.y_m = 40.0);
+            assemble(Path::new("log"), beside, &target).is_err()
+        };
+        assert!(refused(FrameKind::Map, 3));
+        // Of one lane nothing but ego says where it is, and along ego's own path or line ego is never beside it.
+        assert!(!refused(FrameKind::Map, 1));
+        assert!(!refused(FrameKind::Path, 3));
+        assert!(!refused(FrameKind::Auto, 1));
+    }
+
+    #[test]
     fn a_vehicle_that_returns_has_two_tracks_and_none_bridges_its_absence() {
         let objects = (0..100)
             .filter(|i| !(40..60).contains(i))

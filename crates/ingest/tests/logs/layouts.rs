@@ -349,3 +349,90 @@ fn wrong_units_are_doubted_and_a_clock_that_jumps_back_is_counted() {
         .unwrap();
     assert!(doubt.what.contains("3.60 times"), "{}", doubt.what);
 }
+
+/// Ego of 4 m, and 40 m ahead of its centre that of a leader of 6 m, both at 20 m/s: 35 m between their bumpers.
+fn gaps_m(
+    layout: &str,
+    keys: &str,
+    columns: &str,
+    x_m: [f64; 2],
+    gap_m: f64,
+    along: f64,
+) -> Vec<f64> {
+    let (id, speed) = if layout == "long" {
+        (
+            "id = \"id\"\nx = \"x\"\nlength = \"l\"\nwidth = \"b\"\n",
+            "speed",
+        )
+    } else {
+        ("ego_x = \"x\"\nego_length = \"l\"\n", "ego_speed")
+    };
+    let toml = format!(
+        "[table]\nlayout = \"{layout}\"\n{keys}\n[table.units]\ntime = \"s\"\nlength = \"m\"\nspeed = \"m/s\"\n[table.columns]\n\
+         time = \"t\"\n{id}{speed} = \"v\"\nlead_speed = \"w\"\nlead_length = \"k\"\n{columns}\n"
+    );
+    let mut text = "t,id,x,v,l,b,lead,w,k,gap\n".to_owned();
+    for i in 0..60 {
+        let t = f64::from(i) / 10.0;
+        let [x, lead] = x_m.map(|x| along * (x + 20.0 * t));
+        writeln!(text, "{t},1,{x},20,4,1.8,{lead},20,6,{gap_m}").unwrap();
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = write(&folder, "pair.csv", &text);
+    let settings = IngestSettings {
+        mapping: Some(Mapping::from_toml(&toml, Path::new("m.toml")).unwrap()),
+        ..IngestSettings::default()
+    };
+    let found = read_log(&path, &settings).unwrap();
+    assert_eq!(found.len(), 1, "{toml}");
+    drive_of(&found[0]).rows().lead_dx_m.clone()
+}
+
+#[test]
+fn the_same_gap_comes_of_every_point_of_a_vehicle_and_of_every_kind_of_gap() {
+    let lead = "lead_x = \"lead\"";
+    let points = [
+        ("front", [2.0, 43.0]),
+        ("rear", [-2.0, 37.0]),
+        ("centre", [0.0, 40.0]),
+        ("corner", [-2.0, 37.0]),
+        ("reference", [-1.3, 38.7]),
+    ];
+    let all_35 = |dx_m: Vec<f64>, what: &str| {
+        assert!(
+            dx_m.len() > 100 && dx_m.iter().all(|dx| near(*dx, 35.0)),
+            "{what}: {dx_m:?}"
+        );
+    };
+    for (point, x_m) in points {
+        let reference = if point == "reference" {
+            "centre_ahead_m = 1.3"
+        } else {
+            ""
+        };
+        let keys = format!("point = \"{point}\"\n{reference}");
+        all_35(gaps_m("long", &keys, lead, x_m, 0.0, 1.0), &keys);
+        if ["front", "rear", "centre"].contains(&point) {
+            all_35(gaps_m("pair", &keys, lead, x_m, 0.0, 1.0), &keys);
+            let keys = format!("{keys}\nforward = \"-x\"");
+            all_35(gaps_m("long", &keys, lead, x_m, 0.0, -1.0), &keys);
+            all_35(gaps_m("pair", &keys, lead, x_m, 0.0, -1.0), &keys);
+        }
+    }
+    for (kind, gap_m) in [
+        ("bumper_to_bumper", 35.0),
+        ("front_to_front", 41.0),
+        ("centre_to_centre", 40.0),
+    ] {
+        let keys = format!("gap_kind = \"{kind}\"");
+        all_35(
+            gaps_m("pair", &keys, "gap = \"gap\"", [0.0, 0.0], gap_m, 1.0),
+            &keys,
+        );
+        let keys = format!("{keys}\npoint = \"centre\"");
+        all_35(
+            gaps_m("long", &keys, "gap = \"gap\"", [0.0, 0.0], gap_m, 1.0),
+            &keys,
+        );
+    }
+}

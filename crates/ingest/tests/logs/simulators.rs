@@ -287,6 +287,7 @@ fn times_of_day_and_dates_are_proposed_as_they_are_written_and_doubtful_ones_are
             found.contains(&format!("time_pattern = \"{pattern}\"\n"))
                 && found.contains("time = \"pattern\"")
                 && found.contains("10.000 Hz")
+                && found.contains("# its name says so\nspeed = \"m/s\"")
                 && found.contains("Read by it: 1 drive"),
             "{found}"
         );
