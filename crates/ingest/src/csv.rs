@@ -48,3 +48,30 @@ pub fn read_csv(bytes: &[u8]) -> Result<Csv, String> {
         decimal_comma: separator == b';',
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_header_says_what_separates_and_semicolons_what_is_decimal() {
+        for (text, decimal_comma) in [
+            ("a,b\n1,2\n", false),
+            ("a;b\n1,5;2\n", true),
+            ("a\tb\n1\t2\n", false),
+        ] {
+            let csv = read_csv(text.as_bytes()).unwrap();
+            assert_eq!(csv.decimal_comma, decimal_comma, "{text}");
+            assert_eq!((csv.frame.width(), csv.frame.height()), (2, 1), "{text}");
+        }
+        for (bytes, what) in [
+            (&b"a,b\n1,2,3\n"[..], "row 1 has 3 cells"),
+            (b"a,b\n1,\"2\n", "row 1 opens a quote"),
+            (b"\x1f\x8b\x08\0", "gzip"),
+            (b"a,b\n\xe9,2\n", "line 2 holds the byte e9"),
+        ] {
+            let error = read_csv(bytes).unwrap_err();
+            assert!(error.contains(what), "{error}");
+        }
+    }
+}

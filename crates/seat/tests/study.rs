@@ -386,7 +386,8 @@ fn the_laboratory_asks_its_password_and_shows_text_as_text() {
     for path in ["/lab/above/P001", "/lab/answers.csv"] {
         assert_eq!(server.ask("GET", path, "", &[]).0, 303, "{path}");
     }
-    server.post("/lab/stop", "");
+    let (status, stopped) = server.post("/lab/stop", "");
+    assert!(status == 303 && !stopped.contains("is closed"), "{stopped}");
     while go_on(&server, &token) {}
     let entered = &[("Cookie", cookie)];
     let (_, above) = server.ask("GET", "/lab/above/P001", "", entered);

@@ -436,3 +436,28 @@ fn the_same_gap_comes_of_every_point_of_a_vehicle_and_of_every_kind_of_gap() {
         );
     }
 }
+
+#[test]
+fn a_leader_is_as_far_beside_ego_as_its_column_says_wherever_ego_is() {
+    let toml = "[road]\nlanes = 3\nlane_width_m = 3.5\nposted_speed_mps = 30.0\nframe = \"map\"\n[table]\nlayout = \"pair\"\n\
+        gap_kind = \"bumper_to_bumper\"\n[table.units]\ntime = \"s\"\nlength = \"m\"\nspeed = \"m/s\"\n[table.columns]\n\
+        time = \"t\"\nego_x = \"x\"\nego_y = \"y\"\nego_speed = \"v\"\ngap = \"gap\"\nlead_speed = \"v\"\nlead_dy = \"dy\"\n";
+    let mut text = "t,x,y,v,gap,dy\n".to_owned();
+    for i in 0..60 {
+        let t = f64::from(i) / 10.0;
+        writeln!(text, "{t},{},3.5,20,30,0.75", 20.0 * t).unwrap();
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = write(&folder, "pair.csv", &text);
+    let settings = IngestSettings {
+        mapping: Some(Mapping::from_toml(toml, Path::new("m.toml")).unwrap()),
+        ..IngestSettings::default()
+    };
+    let found = read_log(&path, &settings).unwrap();
+    let recording = &found[0].recording;
+    assert!(recording.ego().y_m.iter().all(|y| near(*y, 3.5)));
+    assert!(recording.others()[0].y_m.iter().all(|y| near(*y, 4.25)));
+    let rows = drive_of(&found[0]).rows().clone();
+    assert!(rows.lead_dy_m.iter().all(|dy| near(*dy, 0.75)));
+    assert!(rows.lead_dx_m.iter().all(|dx| near(*dx, 30.0)));
+}

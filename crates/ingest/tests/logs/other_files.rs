@@ -81,6 +81,7 @@ fn what_is_often_taken_for_a_log_is_named_with_what_makes_one_of_it() {
             "line 3 holds a zero byte",
             "UTF-8",
         ),
+        ("n.csv", b"\xc3", "starts with c3", "MCAP"),
         ("f.xlsx", b"PK\x03\x04\x14\0", "spreadsheet", "CSV"),
         ("g.h5", b"\x89HDF\r\n\x1a\n\0", "HDF5", "CSV"),
         ("h.png", b"\x89PNG\r\n\x1a\n\0\0", "picture", "MCAP"),

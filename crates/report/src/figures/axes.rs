@@ -367,6 +367,41 @@ mod tests {
     }
 
     #[test]
+    fn a_rule_crosses_its_panel_at_its_value_and_none_is_drawn_beside_it() {
+        let head = crate::figures::page::Head {
+            name: "x".into(),
+            shown_mm: (50.0, 50.0),
+            size_mm: (50.0, 50.0),
+            title: String::new(),
+            description: String::new(),
+            metadata: String::new(),
+        };
+        let frame = Frame {
+            x: Scale::between(0.0, 1.0, 2).placed(10.0, 110.0),
+            y: Scale::between(0.0, 10.0, 5).placed(80.0, 30.0),
+            place: Place {
+                left: 10.0,
+                top: 30.0,
+                right: 110.0,
+                bottom: 80.0,
+            },
+        };
+        let drawn = |y: f64| {
+            let sketch = crate::figures::canvas::sketch(&head, |canvas| frame.rule(canvas, y));
+            sketch.unwrap().svg
+        };
+        let nothing = drawn(11.0);
+        assert_eq!(drawn(-0.1), nothing);
+        for (value, y) in [(0.0, "80"), (2.0, "70"), (10.0, "30")] {
+            let svg = drawn(value);
+            assert!(
+                svg.len() > nothing.len() && svg.contains(y),
+                "{value}: {svg}"
+            );
+        }
+    }
+
+    #[test]
     fn equal_values_get_a_range_around_them() {
         let scale = Scale::over([5.0, 5.0], 4).placed(0.0, 100.0);
         assert!((scale.at(5.0) - 50.0).abs() < 1e-9);

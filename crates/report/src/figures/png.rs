@@ -76,3 +76,41 @@ pub(crate) fn render(
     writer.finish().map_err(|error| failed(error.to_string()))?;
     Ok(out)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_coarse_picture_is_packed_tightly_and_both_show_the_same_ink() {
+        let svg = r##"<svg xmlns="http://www.w3.org/2000/svg" width="300" height="200" viewBox="0 0 300 200"><rect x="30" y="20" width="240" height="160" fill="#336699"/></svg>"##;
+        let of = |dots| render("x", svg, "a box", dots).unwrap();
+        let (coarse, fine) = (of(96.0), of(600.0));
+        let read = |bytes: &[u8]| {
+            let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
+                .read_info()
+                .unwrap();
+            let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+            let info = reader.next_frame(&mut pixels).unwrap();
+            let blue = pixels
+                .chunks_exact(3)
+                .filter(|p| *p == [0x33, 0x66, 0x99])
+                .count();
+            let share = blue as f64 / f64::from(info.width * info.height);
+            (info.width, info.height, share)
+        };
+        assert_eq!(read(&coarse).0, 300);
+        assert_eq!((read(&fine).0, read(&fine).1), (1875, 1250));
+        for picture in [&coarse, &fine] {
+            assert!((read(picture).2 - 0.64).abs() < 0.01);
+        }
+        // The same picture packed quickly would be larger.
+        let just_fine = of(COARSE_BELOW).len() as f64 / (COARSE_BELOW * COARSE_BELOW);
+        let just_coarse =
+            of(COARSE_BELOW - 1.0).len() as f64 / ((COARSE_BELOW - 1.0) * (COARSE_BELOW - 1.0));
+        assert!(just_coarse < just_fine, "{just_coarse} {just_fine}");
+        for refused in [0.0, 1e6] {
+            assert!(render("x", svg, "", refused).is_err());
+        }
+    }
+}

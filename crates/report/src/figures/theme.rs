@@ -233,3 +233,28 @@ fn luminance(colour: RGBColor) -> f64 {
     };
     0.2126 * channel(colour.0) + 0.7152 * channel(colour.1) + 0.0722 * channel(colour.2)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn on_the_dark_page_a_colour_is_that_of_the_list_or_stands_out_from_the_ground() {
+        assert_eq!(on_dark(INK), "#ffffff");
+        assert_eq!(on_dark(BLUE), "#5aa9ff");
+        for (r, g, b) in [
+            (0, 0, 0x40),
+            (0x40, 0, 0),
+            (0x22, 0x22, 0x22),
+            (0xf0, 0xe0, 0x10),
+        ] {
+            let dark = on_dark(RGBColor(r, g, b));
+            let part = |at: usize| u8::from_str_radix(&dark[at..at + 2], 16).unwrap();
+            let found = RGBColor(part(1), part(3), part(5));
+            // Contrast as WCAG has it, with a ground of luminance 0.0086.
+            assert!((luminance(found) + 0.05) / (0.0086 + 0.05) >= 4.5, "{dark}");
+            let is_light = luminance(RGBColor(r, g, b)) >= 0.214;
+            assert_eq!(found == RGBColor(r, g, b), is_light, "{dark}");
+        }
+    }
+}
