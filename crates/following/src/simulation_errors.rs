@@ -54,18 +54,18 @@ mod tests {
 
     #[test]
     fn errors_are_those_worked_out_by_hand() {
-        // Test rows 4 and 5: only the second counts, gap 20 m for 17 m and 10 m/s for 11 m/s.
-        let run = testing::behind("P01", 6, 20.0, 10.0, |_| 10.0);
+        // Test rows 6 to 8: all but the first count, gaps of 20 m for 17 and 24 m, and 10 m/s for 11 and 12 m/s.
+        let run = testing::behind("P01", 9, 20.0, 10.0, |_| 10.0);
         let simulated = ClosedLoop {
-            gap_m: vec![99.0, 17.0],
-            speed_mps: vec![99.0, 11.0],
+            gap_m: vec![99.0, 17.0, 24.0],
+            speed_mps: vec![99.0, 11.0, 12.0],
             reached_zero: false,
         };
         let errors = SimulationErrors::of(&run.test(), &simulated);
-        assert!((errors.gap_rmse_m - 3.0).abs() < 1e-12);
-        assert!((errors.speed_rmse_mps - 1.0).abs() < 1e-12);
-        assert!((errors.nrmse - 0.15).abs() < 1e-12);
-        // √((9/20)/20)
-        assert!((errors.mixed - 0.15).abs() < 1e-12);
+        assert!((errors.gap_rmse_m - 12.5_f64.sqrt()).abs() < 1e-12);
+        assert!((errors.speed_rmse_mps - 2.5_f64.sqrt()).abs() < 1e-12);
+        // 25 of 2 times 20²; and (25/20) of 2 times 20.
+        assert!((errors.nrmse - (25.0_f64 / 800.0).sqrt()).abs() < 1e-12);
+        assert!((errors.mixed - (1.25_f64 / 40.0).sqrt()).abs() < 1e-12);
     }
 }
