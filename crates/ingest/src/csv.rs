@@ -5,7 +5,7 @@ use crate::{
     parquet::first_line,
     raw::table::{
         open::{BYTE_ORDER_MARK, parse},
-        text::{Style, flaw, header, separator_of},
+        text::{Header, cells, flaw, separator_of},
     },
 };
 use polars::prelude::{DataFrame, DataType};
@@ -22,23 +22,31 @@ pub struct Csv {
     pub decimal_comma: bool,
 }
 
-/// Reads a table of words: CSV separated by commas, semicolons or tabs, whichever its header has most of.
+/// Reads a table of words, separated by `separator`; without it by commas, semicolons or tabs, whichever its header has most of.
 ///
 /// # Errors
 /// A sentence that names the row of a quote that is never closed or of too many cells, or says what the bytes are instead of a table.
-pub fn read_csv(bytes: &[u8]) -> Result<Csv, String> {
+pub fn read_csv(bytes: &[u8], separator: Option<u8>) -> Result<Csv, String> {
     if let Some((found, advice)) = no_table(bytes) {
         return Err(format!("{found}: {advice}"));
     }
     let text = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
-    let mut lines = text.split(|&b| b == b'\n');
-    let first = lines.find(|line| !line.trim_ascii().is_empty());
-    let separator = separator_of(first.unwrap_or_default(), SEPARATORS);
-    let style = Style {
-        separator: Some(separator),
-        ..Style::default()
+    let blank = |line: &&[u8]| line.trim_ascii().is_empty();
+    let above = || text.split_inclusive(|&b| b == b'\n').take_while(blank);
+    let rest = &text[above().map(<[u8]>::len).sum()..];
+    // A name in quotes may go on in the next line.
+    let mut quoted = false;
+    let ends = |b: &u8| {
+        quoted ^= *b == b'"';
+        *b == b'\n' && !quoted
     };
-    let header = header(text, style, None);
+    let line = &rest[..rest.iter().position(ends).unwrap_or(rest.len())];
+    let separator = separator.unwrap_or_else(|| separator_of(line, SEPARATORS));
+    let header = Header {
+        preamble: above().count(),
+        separator,
+        names: cells(line, separator),
+    };
     if let Some(flaw) = flaw(text, &header) {
         return Err(flaw.sentence(header.names.len()));
     }
@@ -60,17 +68,20 @@ mod tests {
             ("a;b\n1,5;2\n", true),
             ("a\tb\n1\t2\n", false),
         ] {
-            let csv = read_csv(text.as_bytes()).unwrap();
+            let csv = read_csv(text.as_bytes(), None).unwrap();
             assert_eq!(csv.decimal_comma, decimal_comma, "{text}");
             assert_eq!((csv.frame.width(), csv.frame.height()), (2, 1), "{text}");
         }
+        let long = read_csv(b"\n\"a\nb\",c\n1,2\n", None).unwrap().frame;
+        assert_eq!(long.get_column_names(), ["a\nb", "c"]);
+        assert_eq!(long.height(), 1);
         for (bytes, what) in [
             (&b"a,b\n1,2,3\n"[..], "row 1 has 3 cells"),
             (b"a,b\n1,\"2\n", "row 1 opens a quote"),
             (b"\x1f\x8b\x08\0", "gzip"),
             (b"a,b\n\xe9,2\n", "line 2 holds the byte e9"),
         ] {
-            let error = read_csv(bytes).unwrap_err();
+            let error = read_csv(bytes, None).unwrap_err();
             assert!(error.contains(what), "{error}");
         }
     }

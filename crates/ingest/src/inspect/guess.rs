@@ -98,10 +98,11 @@ pub(super) fn guess(table: &Sheet) -> Guess {
         _ => Vec::new(),
     };
     let series = series(table, id.filter(|_| platoon.is_none()), &groups);
-    let time_column = time_column(&reader, &series);
-    let step = time_column.and_then(|c| step(&times(c)?, &series));
-    let words = time_column.filter(|c| c.numbers.is_none());
-    let time_pattern = words.and_then(|c| written(&c.words)?.pattern);
+    let found = time_column(&reader, &series);
+    let time_column = found.as_ref().map(|f| f.0);
+    let (step, time_pattern) = found.map_or((None, None), |(_, (times, pattern))| {
+        (step(&times, &series), pattern)
+    });
     let time = time_unit(time_column, time_pattern, unit_of(time_column), step);
     let step_s = step.map(|s| s * seconds(time.0));
 
@@ -259,12 +260,15 @@ fn steps(series: &[u32]) -> impl Iterator<Item = (usize, usize)> + '_ {
     })
 }
 
-/// The cells of a column as numbers, or the times that they are.
-fn times(column: &TableColumn) -> Option<Cow<'_, [f64]>> {
-    match &column.numbers {
-        Some(numbers) => Some(numbers.into()),
-        None => Some(written(&column.words)?.seconds.into()),
+/// The cells of a column as numbers, or the times that they are, and how those are written where that is not ISO 8601.
+type Times<'a> = (Cow<'a, [f64]>, Option<&'static str>);
+
+fn times(column: &TableColumn) -> Option<Times<'_>> {
+    if let Some(numbers) = &column.numbers {
+        return Some((numbers.into(), None));
     }
+    let written = written(&column.words)?;
+    Some((written.seconds.into(), written.pattern))
 }
 
 /// The usual step of numbers between two rows of a vehicle.
@@ -273,12 +277,11 @@ fn step(numbers: &[f64], series: &[u32]) -> Option<f64> {
     median(&mut changes.filter(|d| *d > 0.0).collect::<Vec<f64>>())
 }
 
-/// The column that rises along the rows of a vehicle; times go before frames.
-fn time_column<'a>(reader: &Reader<'a>, series: &[u32]) -> Option<&'a TableColumn> {
-    let rising = |column: &&TableColumn| {
-        let Some(numbers) = times(column) else {
-            return false;
-        };
+/// The column that rises along the rows of a vehicle, and its times; times go before frames.
+fn time_column<'a>(reader: &Reader<'a>, series: &[u32]) -> Option<(&'a TableColumn, Times<'a>)> {
+    let rising = |column: &'a TableColumn| {
+        let times = times(column)?;
+        let numbers = &times.0;
         // Rows may come in bursts of one time, but hardly ever go back.
         let (mut up, mut down, mut all) = (0, 0, 0);
         for (a, b) in steps(series) {
@@ -286,11 +289,11 @@ fn time_column<'a>(reader: &Reader<'a>, series: &[u32]) -> Option<&'a TableColum
             down += usize::from(numbers[b] < numbers[a]);
             all += 1;
         }
-        up * 10 >= all && up > 0 && down * 20 <= all
+        (up * 10 >= all && up > 0 && down * 20 <= all).then_some((column, times))
     };
     let times = reader.all(Whose::Ego, What::Time);
     let frames = reader.all(Whose::Ego, What::Frame);
-    times.chain(frames).find(rising)
+    times.chain(frames).find_map(rising)
 }
 
 /// The position that moves as the speed says, with the speed's ratio to that movement.

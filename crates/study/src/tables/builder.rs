@@ -1,20 +1,9 @@
 //! Tables being made, column by column.
 
-use super::{Table, is_formula, is_parquet};
+use super::{Table, is_formula, is_parquet, is_tsv};
 use crate::{atomic_write::atomic_write_bytes, error::StudyError};
 use polars::prelude::*;
 use std::path::{Path, PathBuf};
-
-fn separator(path: &Path) -> u8 {
-    if path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("tsv"))
-    {
-        b'\t'
-    } else {
-        b','
-    }
-}
 
 /// A table being made, column by column.
 #[derive(Debug, Default)]
@@ -148,7 +137,7 @@ impl TableBuilder {
         // In memory first: what is wrong with a disk is told by whoever writes to it.
         let mut bytes = Vec::new();
         CsvWriter::new(&mut bytes)
-            .with_separator(separator(path))
+            .with_separator(if is_tsv(path) { b'\t' } else { b',' })
             .finish(&mut frame)
             .map_err(|e| bad(e.to_string()))?;
         atomic_write_bytes(path, &bytes)

@@ -40,6 +40,11 @@ fn is_parquet(path: &Path) -> bool {
         .is_some_and(|e| e.eq_ignore_ascii_case("parquet"))
 }
 
+fn is_tsv(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("tsv"))
+}
+
 /// Whether a spreadsheet takes a cell for a formula; a number is none.
 fn is_formula(cell: &str) -> bool {
     cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && cell.parse::<f64>().is_err()
@@ -94,7 +99,8 @@ impl Table {
         } else if is_parquet(path) {
             return Err(StudyError::file(path, "does not start like Parquet (PAR1)"));
         } else {
-            let csv = maveric_ingest::read_csv(&bytes).map_err(|e| bad("CSV", e))?;
+            let told = is_tsv(path).then_some(b'\t');
+            let csv = maveric_ingest::read_csv(&bytes, told).map_err(|e| bad("CSV", e))?;
             (csv.frame, csv.decimal_comma)
         };
         Ok(Self {
@@ -412,6 +418,9 @@ mod tests {
             assert_eq!(table.columns(), ["a", "b"], "{text}");
             assert_eq!(table.all_numbers("a").unwrap(), [1.5, 2.0], "{text}");
         }
+        // A file's name says it, whatever the header has.
+        let tsv = Table::parse(Path::new("t.tsv"), b"a, b\tc\n1\t2\n".to_vec()).unwrap();
+        assert_eq!(tsv.columns(), ["a, b", "c"]);
         // A semicolon within a name, beside more commas, and a comma that separates nothing.
         assert_eq!(table_of("a;c,b,d\n1,2,3\n").columns(), ["a;c", "b", "d"]);
         let error = table_of("a,b\n\"1,5\",2\n").numbers("a").unwrap_err();

@@ -75,7 +75,7 @@ pub(crate) fn separator_of(line: &[u8], separators: &[u8]) -> u8 {
     likely.unwrap_or(b',')
 }
 
-fn cells(line: &[u8], separator: u8) -> Vec<String> {
+pub(crate) fn cells(line: &[u8], separator: u8) -> Vec<String> {
     let line = line.strip_suffix(b"\r").unwrap_or(line);
     let mut quoted = false;
     let cells = line.split(|&b| {
