@@ -77,7 +77,7 @@ pub use groups::{
 pub use hierarchical::{Belief, Hierarchical, PersonRows, hierarchical};
 pub use mixed::{
     FixedEffect, Formula, InterceptVariance, MarginalContrast, MixedMethod, MixedModel, Predictor,
-    RandomIntercept, TermTest, mixed_model, random_intercept,
+    RandomIntercept, TermTest, mixed_model, random_by_factor, random_intercept,
 };
 pub use named::Named;
 pub use normality::{Normality, SampleShape, ShapiroWilk, normality};

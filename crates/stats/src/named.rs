@@ -14,6 +14,12 @@ use serde::{
 #[derive(Debug, Clone, PartialEq)]
 pub struct Named<T>(Vec<(String, T)>);
 
+impl<T> Default for Named<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
 impl<T> Named<T> {
     /// The result of that name.
     pub fn get(&self, name: &str) -> Option<&T> {

@@ -48,6 +48,25 @@ struct Column {
     parts: Vec<(usize, usize)>,
 }
 
+/// The levels of a factor in the rows that are used.
+pub(super) struct FactorRows<'a> {
+    /// How many there are.
+    pub(super) levels: usize,
+    /// That of each row.
+    pub(super) of_row: &'a [usize],
+}
+
+impl FactorRows<'_> {
+    /// Whether no subject has two rows at one level: subject × factor cannot be told from a row.
+    pub(super) fn is_residual(&self, people: &[Vec<usize>]) -> bool {
+        people.iter().all(|rows| {
+            let mut levels: Vec<usize> = rows.iter().map(|&row| self.of_row[row]).collect();
+            levels.sort_unstable();
+            levels.windows(2).all(|pair| pair[0] != pair[1])
+        })
+    }
+}
+
 /// How one predictor enters a combination of coefficients.
 #[derive(Debug, Clone)]
 pub(super) enum Weight {
@@ -119,6 +138,18 @@ impl<'a> Columns<'a> {
             Coded::Factor { of_row, .. } => f64::from(u8::from(of_row[i] == level)),
         };
         column.parts.iter().map(part).product()
+    }
+
+    /// The factor of this name; none if it is no predictor, or a covariate.
+    pub(super) fn factor(&self, name: &str) -> Option<FactorRows<'_>> {
+        let at = self.formula.predictors().iter().position(|p| p == name)?;
+        match &self.coded[at] {
+            Coded::Covariate { .. } => None,
+            Coded::Factor { levels, of_row } => Some(FactorRows {
+                levels: levels.len(),
+                of_row,
+            }),
+        }
     }
 
     /// `(Intercept)`, `x`, `a[a2]`, `a[a2]:x`.

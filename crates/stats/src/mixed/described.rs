@@ -4,6 +4,7 @@ use super::{
     Fit,
     blocks::Blocks,
     columns::Columns,
+    components::{AtZero, Components},
     satterthwaite::{Information, Satterthwaite},
 };
 use crate::numerics::moments::dot;
@@ -23,15 +24,20 @@ impl<'a> Described<'a> {
         fit: &'a Fit,
         columns: &'a Columns<'a>,
         offset: f64,
+        components: &Components,
+        at_zero: AtZero,
     ) -> Self {
         let psi = fit.l.times(&fit.l.transposed());
-        let observed = Information::Observed(&fit.beta);
+        let kind = match at_zero {
+            AtZero::Strata if components.some_is_zero(&fit.l) => Information::Expected,
+            _ => Information::Observed(&fit.beta),
+        };
         Self {
             blocks,
             fit,
             columns,
             offset,
-            freedom: Satterthwaite::new(blocks, &psi, fit.variance, observed),
+            freedom: Satterthwaite::new(blocks, &psi, fit.variance, kind, &components.entries()),
         }
     }
 

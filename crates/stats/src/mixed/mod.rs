@@ -2,6 +2,7 @@
 
 pub(crate) mod blocks;
 mod columns;
+mod components;
 mod described;
 mod formula;
 mod marginal;
@@ -11,7 +12,9 @@ mod satterthwaite;
 pub use columns::Predictor;
 pub use formula::Formula;
 pub use marginal::MarginalContrast;
-pub use random_intercept::{InterceptVariance, RandomIntercept, TermTest, random_intercept};
+pub use random_intercept::{
+    InterceptVariance, RandomIntercept, TermTest, random_by_factor, random_intercept,
+};
 
 use serde::{Deserialize, Serialize};
 
@@ -303,7 +306,10 @@ fn describe(
 ) -> MixedModel {
     let mut undefined = Reasons::default();
     let psi = fit.l.times(&fit.l.transposed());
-    let freedom = Satterthwaite::new(blocks, &psi, fit.variance, Information::Expected);
+    let entries: Vec<Vec<(usize, usize)>> = (0..blocks.q)
+        .flat_map(|i| (0..=i).map(move |j| vec![(i, j)]))
+        .collect();
+    let freedom = Satterthwaite::new(blocks, &psi, fit.variance, Information::Expected, &entries);
     let mut effect = |j: usize, name: &str| {
         let estimate = fit.beta[(j, 0)] + if j == 0 { offset } else { 0.0 };
         let se = Some((fit.variance * fit.xx_inverse[(j, j)]).sqrt())

@@ -1,17 +1,18 @@
 //! People who differ in their level: a mixed model with a random intercept, tested term by term.
 
+use std::cmp::Ordering;
+
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Fit, FixedEffect, MixedMethod,
+    FixedEffect,
     blocks::{Block, Blocks},
-    columns::{Columns, Predictor, Weight},
+    columns::{Columns, FactorRows, Predictor, Weight},
+    components::{AtZero, Components},
     described::Described,
-    fit,
     formula::Formula,
     groups,
     marginal::{MarginalContrast, NO_FREEDOM},
-    profile,
 };
 use crate::{
     MarginalMean, Named, Reasons, StatsError, complete,
@@ -46,7 +47,7 @@ pub struct TermTest {
     pub p: Option<f64>,
 }
 
-/// A linear model with a random intercept of the subject.
+/// A linear model with a random intercept of the subject, and where asked one of the subject at each level of some factors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RandomIntercept {
     /// The fixed effects, written out.
@@ -59,6 +60,9 @@ pub struct RandomIntercept {
     pub missing: usize,
     /// Both variances.
     pub variance: InterceptVariance,
+    /// Of the subjects at each level of a factor, by factor: none with a random intercept alone.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub variance_by: Named<f64>,
     /// Share of the subjects in the sum of both: the correlation of two values of one subject.
     pub icc: f64,
     /// -2 ln of the restricted likelihood at its top.
@@ -110,6 +114,54 @@ pub fn random_intercept(
     predictors: &[(&str, Predictor)],
     y: &[Option<f64>],
 ) -> Result<RandomIntercept, StatsError> {
+    restricted(subjects, formula, &[], predictors, y, AtZero::Pooled)
+}
+
+/// The same with a variance of the subjects at each level of some factors too: y = X β + u + Σ u_f + ε, all uncorrelated.
+///
+/// `by` names factors of the formula that change within subjects: each has a variance of subject × factor, so that a factor is tested
+/// over the spread of its own effect between people. A factor of which no subject has two rows at one level has none: it is the residual.
+/// No variance is dropped: one whose top is at 0 is 0 in the result, and then degrees of freedom come from the expected information of
+/// all variances, which in complete data is that of the strata. In complete data without a variance at 0, F, degrees of freedom and p
+/// are those of the analysis of variance by strata.
+///
+/// # Errors
+/// Those of [`random_intercept`]; [`StatsError::Formula`] if a name of `by` is not that of a factor of the formula.
+///
+/// # Source
+/// Barr, Levy, Scheepers and Tily (2013) on slopes by person; Giesbrecht and Burns (1985) with the information of Searle, Casella and
+/// McCulloch (1992), section 6.6, for the degrees of freedom.
+///
+/// # Example
+/// ```
+/// use maveric_stats::{Predictor, random_by_factor};
+/// let people: Vec<String> = (0..24).map(|i| (i / 4).to_string()).collect();
+/// let label = |names: [&str; 2], of: fn(usize) -> usize| -> Vec<_> { (0..24).map(|i| Some(names[of(i) % 2].to_owned())).collect() };
+/// let (style, light) = (label(["calm", "sporty"], |i| i), label(["day", "night"], |i| i / 2));
+/// let y: Vec<_> = (0..24).map(|i| Some(((i * 7) % 5 + i / 4 + 2 * (i % 2) + (i / 4) * (i % 2)) as f64)).collect();
+/// let predictors = [("style", Predictor::Factor(&style)), ("light", Predictor::Factor(&light))];
+/// let fit = random_by_factor(&people, &"style*light".parse()?, &["style", "light"], &predictors, &y)?;
+/// assert!((fit.anova.get("style").unwrap().df2.unwrap() - 5.0).abs() < 1e-6);
+/// # Ok::<(), maveric_stats::StatsError>(())
+/// ```
+pub fn random_by_factor(
+    subjects: &[String],
+    formula: &Formula,
+    by: &[&str],
+    predictors: &[(&str, Predictor)],
+    y: &[Option<f64>],
+) -> Result<RandomIntercept, StatsError> {
+    restricted(subjects, formula, by, predictors, y, AtZero::Strata)
+}
+
+fn restricted(
+    subjects: &[String],
+    formula: &Formula,
+    by: &[&str],
+    predictors: &[(&str, Predictor)],
+    y: &[Option<f64>],
+    at_zero: AtZero,
+) -> Result<RandomIntercept, StatsError> {
     let used = find(formula, predictors)?;
     let lengths = used.iter().map(Predictor::rows).chain([subjects.len()]);
     for (found, name) in lengths.zip(
@@ -140,27 +192,62 @@ pub fn random_intercept(
     if let Some(name) = columns.collinear(n) {
         return Err(StatsError::Collinear { name });
     }
+    let by: Vec<(&str, FactorRows)> = by
+        .iter()
+        .map(|name| {
+            columns
+                .factor(name)
+                .map(|rows| (*name, rows))
+                .ok_or_else(|| StatsError::Formula {
+                    text: (*name).to_owned(),
+                    expected: "the name of a factor of the formula".to_owned(),
+                })
+        })
+        .filter(|factor| {
+            !factor
+                .as_ref()
+                .is_ok_and(|(_, rows)| rows.is_residual(&people))
+        })
+        .collect::<Result<_, StatsError>>()?;
     let given: Vec<f64> = kept.iter().filter_map(|&row| y[row]).collect();
     let offset = given[0] + given.iter().map(|v| v - given[0]).sum::<f64>() / n as f64;
+    let sizes: Vec<usize> = std::iter::once(1)
+        .chain(by.iter().map(|(_, rows)| rows.levels))
+        .collect();
+    let places: Vec<(usize, usize)> = (0..by.len())
+        .flat_map(|f| (0..by[f].1.levels).map(move |level| (f, level)))
+        .collect();
     let block = |rows: &Vec<usize>| {
         Block::new(
             Matrix::from(rows.len(), p, |i, j| columns.value(rows[i], j)),
-            Matrix::from(rows.len(), 1, |_, _| 1.0),
+            Matrix::from(rows.len(), 1 + places.len(), |i, j| {
+                // The intercept, then each level of each factor.
+                let at = |(f, level): (usize, usize)| by[f].1.of_row[rows[i]] == level;
+                f64::from(u8::from(j == 0 || at(places[j - 1])))
+            }),
             Matrix::from(rows.len(), 1, |i, _| given[rows[i]] - offset),
         )
     };
     let blocks = Blocks::new(people.iter().map(block).collect());
-    let no_fit = || {
-        StatsError::NoFit {
-        reason: "the predictors explain all of the values, so nothing is left to estimate a variance from".to_owned(),
-    }
-    };
-    let found = if alone {
-        at(&blocks, 0.0).ok_or_else(no_fit)?
+    let components = Components::of_sizes(&sizes);
+    let fit = if alone {
+        components.at(&blocks, &vec![0.0; sizes.len()])
     } else {
-        to_the_top(&blocks, fit(&blocks, MixedMethod::Reml).ok_or_else(no_fit)?)
+        components.top(&blocks)
     };
-    let mut result = Described::new(&blocks, &found, &columns, offset).result(formula);
+    let fit = fit.ok_or_else(|| StatsError::NoFit {
+        reason: "the predictors explain all of the values, so nothing is left to estimate a variance from".to_owned(),
+    })?;
+    // With a single row of each subject nothing is within subjects.
+    let at_zero = if alone { AtZero::Pooled } else { at_zero };
+    let described = Described::new(&blocks, &fit, &columns, offset, &components, at_zero);
+    let mut result = described.result(formula);
+    let ratios = components.ratios(&fit.l);
+    result.variance_by = by
+        .iter()
+        .zip(&ratios[1..])
+        .map(|((name, _), ratio)| ((*name).to_owned(), fit.variance * ratio))
+        .collect();
     (result.n_subjects, result.missing) = (people.len(), missing);
     Ok(result)
 }
@@ -180,43 +267,6 @@ fn find<'a>(
     formula.predictors().iter().map(one).collect()
 }
 
-/// The fit at a ratio of the standard deviations of u and ε.
-fn at(blocks: &Blocks, theta: f64) -> Option<Fit> {
-    let l = Matrix::from(1, 1, |_, _| theta);
-    let (beta, xx_inverse, variance, deviance) = profile(blocks, &l, MixedMethod::Reml)?;
-    Some(Fit {
-        l,
-        beta,
-        xx_inverse,
-        variance,
-        deviance,
-    })
-}
-
-/// The same fit to the last digits: exactly 0 where that is the top, else by parabolas through three points.
-fn to_the_top(blocks: &Blocks, start: Fit) -> Fit {
-    if let Some(zero) = at(blocks, 0.0).filter(|zero| zero.deviance <= start.deviance + 1e-9) {
-        return zero;
-    }
-    let mut best = start;
-    for _ in 0..4 {
-        let theta = best.l[(0, 0)].abs();
-        let step = 1e-4 * theta;
-        let (Some(low), Some(high)) = (at(blocks, theta - step), at(blocks, theta + step)) else {
-            return best;
-        };
-        let slope = (high.deviance - low.deviance) / (2.0 * step);
-        let curvature = (high.deviance - 2.0 * best.deviance + low.deviance) / (step * step);
-        let next = at(blocks, theta - slope / curvature).filter(|_| curvature > 0.0);
-        // Rounding of the deviance may hide which of the two is lower.
-        match next.filter(|next| next.deviance <= best.deviance + 1e-9) {
-            Some(next) => best = next,
-            None => return best,
-        }
-    }
-    best
-}
-
 impl Described<'_> {
     fn result(&self, formula: &Formula) -> RandomIntercept {
         let mut undefined = Reasons::default();
@@ -228,6 +278,7 @@ impl Described<'_> {
             n_subjects: 0,
             missing: 0,
             variance: InterceptVariance { subject, residual },
+            variance_by: Named::default(),
             icc: subject / (subject + residual),
             reml_criterion: self.fit.deviance,
             log_likelihood: -0.5 * self.fit.deviance,
@@ -278,21 +329,16 @@ impl Described<'_> {
         formula.terms().iter().map(one).collect()
     }
 
-    /// Contrasts of the levels of the term's factors, in the slope of its covariates.
+    /// Contrasts of the levels of the term's factors, in the slope of its covariates; orthonormal, so that the principal axes of several
+    /// do not depend on which level comes first.
     fn hypothesis(&self, term: &[usize]) -> Vec<Vec<f64>> {
         let mut rows = vec![self.columns.at_zero()];
         for &p in term {
             let choices: Vec<Weight> = match self.columns.levels(p) {
                 None => vec![Weight::Slope],
-                Some(levels) => (1..levels.len())
-                    .map(|i| {
-                        let weight = |j: usize| match j {
-                            0 => -1.0,
-                            j if j == i => 1.0,
-                            _ => 0.0,
-                        };
-                        Weight::Levels((0..levels.len()).map(weight).collect())
-                    })
+                Some(levels) => helmert(levels.len())
+                    .into_iter()
+                    .map(Weight::Levels)
                     .collect(),
             };
             rows = choices
@@ -356,6 +402,20 @@ impl Described<'_> {
             p: df2.map(|df2| f_upper(f, q as f64, df2)),
         }
     }
+}
+
+/// Orthonormal contrasts of `k` levels: each against those before it.
+fn helmert(k: usize) -> Vec<Vec<f64>> {
+    let one = |i: usize| {
+        let size = ((i * (i + 1)) as f64).sqrt();
+        let weight = |j: usize| match j.cmp(&i) {
+            Ordering::Less => -1.0 / size,
+            Ordering::Equal => i as f64 / size,
+            Ordering::Greater => 0.0,
+        };
+        (0..k).map(weight).collect()
+    };
+    (1..k).map(one).collect()
 }
 
 /// Degrees of freedom of an F from those of its axes.

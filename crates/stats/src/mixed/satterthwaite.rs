@@ -8,14 +8,14 @@ use crate::numerics::matrix::Matrix;
 pub(super) enum Information<'a> {
     /// ½ tr(P V̇ P V̇): positive definite at the edge too.
     Expected,
-    /// yᵀ P V̇ P V̇ P y - ½ tr(P V̇ P V̇), given β; without the variances of u where those are zero, as the likelihood is flat in
-    /// their square roots there.
+    /// yᵀ P V̇ P V̇ P y - ½ tr(P V̇ P V̇), given β; without the variances of u where all of them are zero, as the likelihood is flat
+    /// in their square roots there.
     Observed(&'a Matrix),
 }
 
 /// What Satterthwaite's degrees of freedom of any combination of coefficients need.
 ///
-/// With C = (XᵀV⁻¹X)⁻¹ and the variances ω (the entries of Ψ σ², and σ²), I the information of the restricted likelihood.
+/// With C = (XᵀV⁻¹X)⁻¹ and the variances ω (each shared by some entries of Ψ σ²; and σ²), I the information of the restricted likelihood.
 ///
 /// # Source
 /// Giesbrecht and Burns (1985); Searle, Casella and McCulloch (1992), section 6.6 for the information.
@@ -28,20 +28,18 @@ pub(super) struct Satterthwaite {
 }
 
 impl Satterthwaite {
-    /// `None` if the variances have no information at all.
+    /// `shared` has the entries (i, j), j ≤ i, of Ψ that each variance stands at. `None` if the variances have no information at all.
     pub(super) fn new(
         blocks: &Blocks,
         psi: &Matrix,
         variance: f64,
         kind: Information,
+        shared: &[Vec<(usize, usize)>],
     ) -> Option<Self> {
-        let (p, q) = (blocks.p, blocks.q);
-        let mut pairs: Vec<(usize, usize)> =
-            (0..q).flat_map(|i| (0..=i).map(move |j| (i, j))).collect();
-        if matches!(kind, Information::Observed(_)) && psi.trace_of_product(psi) <= 0.0 {
-            pairs.clear();
-        }
-        let count = pairs.len() + 1;
+        let p = blocks.p;
+        let flat = matches!(kind, Information::Observed(_)) && psi.trace_of_product(psi) <= 0.0;
+        let shared = if flat { &[] } else { shared };
+        let count = shared.len() + 1;
         let mut information = Matrix::zeros(count, count);
         let mut observed = Matrix::zeros(count, count);
         let mut first = vec![Matrix::zeros(p, p); count];
@@ -56,14 +54,17 @@ impl Satterthwaite {
             inverse.add(&v.cholesky()?.inverse(), 1.0 / variance);
             let xv = block.x.transposed_times(&inverse);
             xx.add(&xv.times(&block.x), 1.0);
-            let derivative = |k: usize| match pairs.get(k) {
-                Some(&(i, j)) => Matrix::from(rows, rows, |a, b| {
-                    let product = block.z[(a, i)] * block.z[(b, j)];
-                    if i == j {
-                        product
-                    } else {
-                        product + block.z[(a, j)] * block.z[(b, i)]
-                    }
+            let derivative = |k: usize| match shared.get(k) {
+                Some(entries) => Matrix::from(rows, rows, |a, b| {
+                    let one = |&(i, j): &(usize, usize)| {
+                        let product = block.z[(a, i)] * block.z[(b, j)];
+                        if i == j {
+                            product
+                        } else {
+                            product + block.z[(a, j)] * block.z[(b, i)]
+                        }
+                    };
+                    entries.iter().map(one).sum()
                 }),
                 None => Matrix::identity(rows),
             };
