@@ -242,8 +242,14 @@ fn random_intercept(case: &Value, table: &Table) -> Value {
         })
         .collect();
     let (people, y) = (table.text("subject"), table.numbers("value"));
-    let found = stats::random_intercept(&people, &formula, &predictors, &y);
-    serde_json::to_value(found.unwrap()).unwrap()
+    let by: Option<Vec<&str>> = case["by"]
+        .as_array()
+        .map(|names| names.iter().filter_map(Value::as_str).collect());
+    let fit = match by {
+        None => stats::random_intercept(&people, &formula, &predictors, &y),
+        Some(by) => stats::random_by_factor(&people, &formula, &by, &predictors, &y),
+    };
+    serde_json::to_value(fit.unwrap()).unwrap()
 }
 
 /// Both likelihoods of one model, under `reml` and `ml`.
