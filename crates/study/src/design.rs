@@ -3,6 +3,7 @@
 use crate::{
     atomic_write::read_text,
     error::StudyError,
+    forgotten::ForgottenList,
     tables::{
         drives::read_drives,
         participants::{Enrolled, read_enrolled},
@@ -98,9 +99,26 @@ impl DesignFile {
     pub fn people(&self, given: Option<&Path>) -> Result<People, StudyError> {
         let own = self.resolve(&self.design.people().file);
         let path = given.unwrap_or(&own);
-        Ok(People {
-            enrolled: read_enrolled(path, &self.design)?,
-        })
+        let enrolled = read_enrolled(path, &self.design)?;
+        self.forgotten()?
+            .refuse(path, enrolled.iter().map(|p| &p.id))?;
+        Ok(People { enrolled })
+    }
+
+    /// The folder of the study.
+    pub fn folder(&self) -> PathBuf {
+        self.resolve(Path::new("")).components().collect()
+    }
+
+    /// Whoever was forgotten; nobody of the paper's design that is built in.
+    ///
+    /// # Errors
+    /// As [`ForgottenList::read`].
+    pub fn forgotten(&self) -> Result<ForgottenList, StudyError> {
+        if self.path.is_none() {
+            return Ok(ForgottenList::default());
+        }
+        ForgottenList::read(&self.folder())
     }
 
     /// Who takes part, of a run: `given`, or `participants.csv` among its results, or the design's own table.

@@ -61,15 +61,9 @@ pub(super) struct Given {
     pub(super) blake3: String,
 }
 
-/// Whether a text has an id in it as a word: then it names somebody.
+/// Whether a text names somebody of `ids`.
 pub(super) fn names(text: &str, ids: &[String]) -> bool {
-    let inside = |c: Option<char>| c.is_some_and(char::is_alphanumeric);
-    ids.iter().any(|id| {
-        text.match_indices(id.as_str()).any(|(at, _)| {
-            let (before, after) = (&text[..at], &text[at + id.len()..]);
-            !inside(before.chars().next_back()) && !inside(after.chars().next())
-        })
-    })
+    ids.iter().any(|id| crate::named::names(text, id))
 }
 
 impl PipelineRun {

@@ -190,6 +190,21 @@ pub fn import(options: &ImportOptions, watch: Watch<'_>) -> Result<Outcome<Impor
     })
 }
 
+/// The column that says whose each row of an export is; none where it has none.
+///
+/// # Errors
+/// [`StudyError`] for a map of columns that is none.
+pub(crate) fn participant_column(
+    table: &Table,
+    columns: Option<&Path>,
+) -> Result<Option<String>, StudyError> {
+    let map = columns
+        .map(ColumnMap::read)
+        .transpose()?
+        .unwrap_or_default();
+    Ok(otree::people_column(table, &map).filter(|column| table.has(column)))
+}
+
 /// Takes out the answers about conditions that the design does not have: how many, by condition and place.
 fn unknown_moments(rows: &mut Vec<Row>, study: &DesignFile) -> BTreeMap<(Moment, String), usize> {
     let mut unknown = BTreeMap::new();

@@ -177,18 +177,20 @@ fn complete(table: &Table, page: &str, scale: &Scale, sheet: &Sheet) -> Result<(
     ))
 }
 
-/// Whose row it is: the map's column, else oTree's label where anybody has one, else its code.
+/// Whose row it is.
 fn people(table: &Table, map: &ColumnMap) -> Result<Cells, StudyError> {
-    if let Some(column) = &map.participant {
-        return table.text(column);
-    }
-    for column in ["participant.label", "participant.code", "participant"] {
-        if table.has(column) {
-            let cells = table.text(column)?;
-            if cells.iter().any(|c| filled(c.as_deref())) {
-                return Ok(cells);
-            }
-        }
-    }
-    table.text("participant.label")
+    let column = people_column(table, map);
+    table.text(column.as_deref().unwrap_or("participant.label"))
+}
+
+/// The column that says whose each row is: the map's, else oTree's label where anybody has one, else its code.
+pub(super) fn people_column(table: &Table, map: &ColumnMap) -> Option<String> {
+    let any = |column: &&str| {
+        let cells = table.text(column).unwrap_or_default();
+        cells.iter().any(|c| filled(c.as_deref()))
+    };
+    map.participant.clone().or_else(|| {
+        let known = ["participant.label", "participant.code", "participant"];
+        known.iter().find(|c| any(c)).map(|c| (*c).to_owned())
+    })
 }

@@ -2,8 +2,8 @@
 
 use super::IngestOptions;
 use crate::{design::DesignFile, error::StudyError};
-use maveric_domain::design::Mappings;
-use maveric_ingest::{IngestSettings, Mapping, log_files};
+use maveric_domain::{ParticipantId, design::Mappings};
+use maveric_ingest::{IngestSettings, Mapping, log_files, read_log};
 use std::path::{Path, PathBuf};
 
 /// A log, and how it is read.
@@ -22,6 +22,52 @@ pub(super) fn of(
     options: &IngestOptions,
     study: Option<&DesignFile>,
 ) -> Result<Vec<Log>, StudyError> {
+    gathered(options, study, true)
+}
+
+/// The logs of somebody, and those that hold drives of others beside theirs. A log that cannot be read is nobody's.
+///
+/// # Errors
+/// [`StudyError::Ingest`] for a mapping that is none; [`StudyError::Io`].
+pub(crate) fn logs_of(
+    study: &DesignFile,
+    id: &ParticipantId,
+) -> Result<(Vec<PathBuf>, Vec<PathBuf>), StudyError> {
+    let (mut theirs, mut shared) = (Vec::new(), Vec::new());
+    for log in gathered(&IngestOptions::default(), Some(study), false)? {
+        let Ok(drives) = read_log(&log.path, &log.settings) else {
+            continue;
+        };
+        let count = drives.iter().filter(|d| d.meta.participant == *id).count();
+        if count > 0 && count == drives.len() {
+            theirs.push(log.path);
+        } else if count > 0 {
+            shared.push(log.path);
+        }
+    }
+    Ok((theirs, shared))
+}
+
+/// As [`of`]; a folder without logs is an error where some are `needed`.
+fn gathered(
+    options: &IngestOptions,
+    study: Option<&DesignFile>,
+    needed: bool,
+) -> Result<Vec<Log>, StudyError> {
+    let some = |folder: &Path, logs| {
+        if needed {
+            refuse_none(folder, logs)
+        } else {
+            Ok(logs)
+        }
+    };
+    let standing = |folder: &Path, mapping: Option<&Mapping>, apart: &[PathBuf]| {
+        if needed || folder.is_dir() {
+            below(folder, mapping, apart)
+        } else {
+            Ok(Vec::new())
+        }
+    };
     let mut found = Vec::new();
     let own = || match (&options.mapping, study) {
         (Some(given), _) => Some(given.clone()),
@@ -35,11 +81,7 @@ pub(super) fn of(
         let (mapping, settings) = settings(options, own())?;
         for path in &options.logs {
             let logs = log_files(path, settings.mapping.as_ref())?;
-            found.extend(read_by(
-                refuse_none(path, logs)?,
-                mapping.as_ref(),
-                &settings,
-            ));
+            found.extend(read_by(some(path, logs)?, mapping.as_ref(), &settings));
         }
         return Ok(found);
     }
@@ -58,20 +100,16 @@ pub(super) fn of(
             let file = options.mapping.clone();
             let file = file.or_else(|| rig.file.as_ref().map(|f| study.resolve(f)));
             let (mapping, settings) = settings(options, file)?;
-            let logs = below(&folder, settings.mapping.as_ref(), &rigs)?;
-            found.extend(read_by(
-                refuse_none(&folder, logs)?,
-                mapping.as_ref(),
-                &settings,
-            ));
+            let logs = standing(&folder, settings.mapping.as_ref(), &rigs)?;
+            found.extend(read_by(some(&folder, logs)?, mapping.as_ref(), &settings));
             rigs.push(folder);
         }
     }
     let (mapping, settings) = settings(options, own())?;
     if all.is_dir() || rigs.is_empty() {
-        let logs = below(&all, settings.mapping.as_ref(), &rigs)?;
+        let logs = standing(&all, settings.mapping.as_ref(), &rigs)?;
         if rigs.is_empty() {
-            refuse_none(&all, logs.clone())?;
+            some(&all, logs.clone())?;
         }
         found.extend(read_by(logs, mapping.as_ref(), &settings));
     }

@@ -2,6 +2,8 @@
 
 mod logs;
 
+pub(crate) use logs::logs_of;
+
 use crate::{
     aside::Aside,
     design::DesignFile,
@@ -25,7 +27,7 @@ use std::{
 };
 
 /// What to ingest.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct IngestOptions {
     /// Logs, or folders of logs; none for all that the design names.
     pub logs: Vec<PathBuf>,

@@ -1,0 +1,215 @@
+//! Everything of somebody's, taken out of a study's folder.
+
+use super::{made, models, rows};
+use crate::{
+    design::DesignFile,
+    error::StudyError,
+    forgotten::FORGOTTEN_FILE,
+    named::names,
+    run_folder::{embeddings_path, training_path},
+    stages::{import::participant_column, ingest::logs_of},
+    tables::Table,
+};
+use maveric_domain::{ParticipantId, design::Software};
+use serde::Serialize;
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
+
+/// Folder of what the seat keeps of drives and rides.
+const SEAT: &str = "seat";
+
+/// What became of somebody's data.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct Forgotten {
+    /// Files that were removed, in order: their logs and drives, and whatever runs had made of anybody's.
+    pub removed: Vec<PathBuf>,
+    /// Tables that lost rows, and how many.
+    pub rows: Vec<(PathBuf, usize)>,
+    /// Models that had learned from them: removed, and refused wherever a copy of one is met, until there is one that was trained anew.
+    pub models: Vec<PathBuf>,
+    /// Files that name them still and that no command of ours may change: to be looked at by hand.
+    pub left: Vec<PathBuf>,
+}
+
+/// Removes all that a study's folder holds of a person: logs, rows of people, answers and other tables, and everything that runs made of
+/// it (drives, scores, embeddings, pages: `maveric run` makes them anew without the person). Their id goes into
+/// [`crate::forgotten::FORGOTTEN_FILE`], first of all, so that what was begun can be ended by the same call.
+///
+/// A person of whom nothing is there is forgotten too. Of the design itself nothing is changed; what was given away before is not
+/// undone; a folder or bucket of `maveric run --cache` outside the study's folder is not looked into.
+///
+/// # Errors
+/// [`StudyError`] where a file cannot be read, changed or removed, a run is under way, or the study is no folder; calling again goes on.
+pub fn forget_person(study: &DesignFile, id: &ParticipantId) -> Result<Forgotten, StudyError> {
+    if study.path.is_none() {
+        return Err(StudyError::NotPossible {
+            problem: format!("{id} cannot be forgotten: there is no study's folder"),
+            help: Some("stand in the folder of its study.toml, or name that file".to_owned()),
+        });
+    }
+    let folder = study.folder();
+    let made = made::by_runs(&folder)?;
+    let (logs, shared) = logs_of(study, id)?;
+    let inputs = inputs(study);
+    let learned = models_of(study, &folder, id)?;
+    let mut known = study.forgotten()?;
+    let hashes: Result<Vec<String>, StudyError> =
+        learned.iter().map(|model| models::hash_of(model)).collect();
+    known.add(id, hashes?);
+    known.write(&folder)?;
+
+    let mut forgotten = Forgotten::default();
+    let beside = learned
+        .iter()
+        .flat_map(|model| [model.clone(), training_path(model), embeddings_path(model)]);
+    let made = made.into_iter().filter(|path| !inputs.contains(path));
+    let named = files_below(&folder)?
+        .into_iter()
+        .filter(|path| is_kept_under(study, path, id));
+    for path in made.chain(beside).chain(logs).chain(named) {
+        remove(&path, &folder, &mut forgotten.removed)?;
+    }
+    for path in files_below(&folder)? {
+        if path.file_name().is_some_and(|name| name == FORGOTTEN_FILE) {
+            continue;
+        }
+        if let Some(column) = column_of_people(study, &path)? {
+            let count = rows::take_out(&path, &column, id)?;
+            if count > 0 {
+                forgotten.rows.push((path.clone(), count));
+            }
+        }
+        if names_still(&path, &folder, id)? {
+            forgotten.left.push(path);
+        }
+    }
+    forgotten.removed.sort();
+    forgotten.models = learned;
+    forgotten.left.extend(shared);
+    forgotten.left.sort();
+    forgotten.left.dedup();
+    Ok(forgotten)
+}
+
+/// Whether a file among the logs, or of the seat, has its name of somebody: one that cannot be read says whose it is by that alone.
+fn is_kept_under(study: &DesignFile, path: &Path, id: &ParticipantId) -> bool {
+    let folders = [study.design.files().logs.as_path(), Path::new(SEAT)];
+    let inside = folders.into_iter().any(|folder| {
+        let folder: PathBuf = study.resolve(folder).components().collect();
+        path.starts_with(folder)
+    });
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let rest = name.strip_prefix(id.as_str());
+    inside && rest.is_some_and(|rest| rest.starts_with(['-', '.']))
+}
+
+/// What the design reads, which no ledger may give away for removal.
+fn inputs(study: &DesignFile) -> BTreeSet<PathBuf> {
+    let files = study.design.files();
+    let read = [
+        &study.design.people().file,
+        &files.answers,
+        &files.logs,
+        &files.scales,
+    ];
+    let whole = |path: &PathBuf| study.resolve(path).components().collect();
+    read.into_iter().map(whole).collect()
+}
+
+/// The models below the folder that learned from somebody; not one that `[model]` names, which was learned elsewhere.
+fn models_of(
+    study: &DesignFile,
+    folder: &Path,
+    id: &ParticipantId,
+) -> Result<Vec<PathBuf>, StudyError> {
+    let named = study.design.model().map(|model| study.resolve(&model.file));
+    let mut models = Vec::new();
+    for path in files_below(folder)? {
+        let is_model = path.extension().is_some_and(|e| e == "maveric");
+        if is_model && Some(&path) != named.as_ref() && models::learned_from(&path)?.contains(id) {
+            models.push(path);
+        }
+    }
+    Ok(models)
+}
+
+/// The column of a table of words that says whose each row is; none for any other file.
+fn column_of_people(study: &DesignFile, path: &Path) -> Result<Option<String>, StudyError> {
+    let is_table = path
+        .extension()
+        .is_some_and(|e| ["csv", "tsv"].iter().any(|t| e.eq_ignore_ascii_case(t)));
+    if !is_table {
+        return Ok(None);
+    }
+    // What is no table names nobody by a column.
+    let Ok(table) = Table::read(path) else {
+        return Ok(None);
+    };
+    let files = study.design.files();
+    let answers: PathBuf = study.resolve(&files.answers).components().collect();
+    if *path == answers && files.software == Software::Otree {
+        let columns = files.columns.as_ref().map(|file| study.resolve(file));
+        return participant_column(&table, columns.as_deref());
+    }
+    Ok(table.has("participant").then(|| "participant".to_owned()))
+}
+
+/// Whether a file names somebody, in its path or as a word of its text.
+fn names_still(path: &Path, folder: &Path, id: &ParticipantId) -> Result<bool, StudyError> {
+    let within = path.strip_prefix(folder).unwrap_or(path);
+    if names(&within.to_string_lossy(), id.as_str()) {
+        return Ok(true);
+    }
+    let bytes = std::fs::read(path).map_err(StudyError::read(path))?;
+    Ok(names(&String::from_utf8_lossy(&bytes), id.as_str()))
+}
+
+/// Every file of a folder and of the folders in it, in order; links are not followed.
+fn files_below(folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
+    let mut found = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).map_err(StudyError::read(&folder))? {
+            let entry = entry.map_err(StudyError::read(&folder))?;
+            let kind = entry.file_type().map_err(StudyError::read(entry.path()))?;
+            if kind.is_dir() {
+                folders.push(entry.path());
+            } else if kind.is_file() {
+                found.push(entry.path().components().collect());
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// Removes a file, or a folder with all that is in it, and the folders above it that are empty then.
+fn remove(path: &Path, folder: &Path, removed: &mut Vec<PathBuf>) -> Result<(), StudyError> {
+    let failed = |path: &Path| {
+        let path = path.to_owned();
+        move |source| StudyError::Io {
+            action: "remove",
+            path,
+            source,
+        }
+    };
+    let Ok(metadata) = std::fs::symlink_metadata(path) else {
+        return Ok(());
+    };
+    if metadata.is_dir() {
+        removed.extend(files_below(path)?);
+        std::fs::remove_dir_all(path).map_err(failed(path))?;
+    } else {
+        std::fs::remove_file(path).map_err(failed(path))?;
+        removed.push(path.to_owned());
+    }
+    let above = path.ancestors().skip(1);
+    for empty in above.take_while(|above| above.starts_with(folder) && *above != folder) {
+        if std::fs::remove_dir(empty).is_err() {
+            break;
+        }
+    }
+    Ok(())
+}
