@@ -3,6 +3,7 @@
 use crate::{
     design::{DesignFile, People},
     error::StudyError,
+    forgotten::ForgottenList,
 };
 use maveric_domain::{ConditionId, Design, DriveId, DriveMeta, Moment, ParticipantId};
 use std::{collections::BTreeMap, fmt, path::Path};
@@ -12,6 +13,9 @@ use std::{collections::BTreeMap, fmt, path::Path};
 pub struct Gate {
     design: Design,
     people: People,
+    /// Whether there is a table of people: then nobody else is let in.
+    listed: bool,
+    forgotten: ForgottenList,
 }
 
 /// The rule for drives that did not last long enough.
@@ -68,6 +72,25 @@ impl Gate {
         Ok(Self {
             people: study.people(given)?,
             design: study.design.clone(),
+            listed: true,
+            forgotten: study.forgotten()?,
+        })
+    }
+
+    /// As [`Gate::of`]; where no table is `given` and the design's own is not there, whoever is not left out by name is let in.
+    ///
+    /// # Errors
+    /// As [`DesignFile::people`].
+    pub fn where_listed(study: &DesignFile, given: Option<&Path>) -> Result<Self, StudyError> {
+        let own = study.resolve(&study.design.people().file);
+        if given.is_some() || own.is_file() {
+            return Self::of(study, given);
+        }
+        Ok(Self {
+            people: People::default(),
+            design: study.design.clone(),
+            listed: false,
+            forgotten: study.forgotten()?,
         })
     }
 
@@ -112,11 +135,15 @@ impl Gate {
         Some(LeftOut::by("exclude.drives", why))
     }
 
-    fn person(&self, id: &ParticipantId) -> Option<LeftOut> {
+    /// Why somebody is left out by name, or as unknown.
+    pub fn person(&self, id: &ParticipantId) -> Option<LeftOut> {
+        if self.forgotten.has(id) {
+            return Some(LeftOut::by("forgotten", "the person was forgotten"));
+        }
         if let Some(why) = self.design.exclude().person(id) {
             return Some(LeftOut::by("exclude.people", why));
         }
-        let stranger = self.people.find(id).is_none();
+        let stranger = self.listed && self.people.find(id).is_none();
         stranger.then(|| {
             let why = format!("{id} is not in the table of people");
             LeftOut::by("unknown participant", why)

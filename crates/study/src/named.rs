@@ -1,10 +1,47 @@
-//! Whether a text names somebody.
+//! Whether a text names somebody, and what it says without the names.
+
+/// What stands in the place of a name that is not given away.
+const HIDDEN: &str = "…";
+
+/// Where an id stands in a text as a word of its own.
+fn places(text: &str, id: &str) -> impl Iterator<Item = usize> {
+    let inside = |c: Option<char>| c.is_some_and(char::is_alphanumeric);
+    let alone = move |at: &usize| {
+        let (before, after) = (&text[..*at], &text[*at + id.len()..]);
+        !inside(before.chars().next_back()) && !inside(after.chars().next())
+    };
+    text.match_indices(id).map(|(at, _)| at).filter(alone)
+}
 
 /// Whether an id stands in a text as a word of its own.
 pub(crate) fn names(text: &str, id: &str) -> bool {
-    let inside = |c: Option<char>| c.is_some_and(char::is_alphanumeric);
-    text.match_indices(id).any(|(at, _)| {
-        let (before, after) = (&text[..at], &text[at + id.len()..]);
-        !inside(before.chars().next_back()) && !inside(after.chars().next())
-    })
+    places(text, id).next().is_some()
+}
+
+/// The text with `…` for each of these ids.
+pub(crate) fn without<'a>(text: &str, ids: impl IntoIterator<Item = &'a str>) -> String {
+    let mut text = text.to_owned();
+    for id in ids {
+        let found: Vec<usize> = places(&text, id).collect();
+        for at in found.into_iter().rev() {
+            text.replace_range(at..at + id.len(), HIDDEN);
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_id_is_found_as_a_word_and_not_inside_another() {
+        assert!(names("logs/P1-own.mcap", "P1") && names("P1", "P1"));
+        assert!(!names("logs/P12.mcap", "P1") && !names("xP1", "P1"));
+        let text = "people = { P1 = \"gone\" } # P12, P1-own, P1";
+        assert_eq!(
+            without(text, ["P1-own", "P1"]),
+            "people = { … = \"gone\" } # P12, …, …"
+        );
+    }
 }

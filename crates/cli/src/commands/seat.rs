@@ -323,6 +323,7 @@ fn model(
         None => return Ok((None, None)),
     };
     if path.is_file() {
+        maveric_study::forget::refuse_learned_from_gone(study, &path)?;
         run_folder::read_model(&path)?;
         let learned = study.design.model().is_none();
         let said = format!("phase 2 of 2: people ride, by {}", path.to_slash_lossy());

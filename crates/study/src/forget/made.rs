@@ -1,6 +1,7 @@
 //! What runs made in a study's folder: all of it can be made again, and any of it may hold what somebody did.
 
 use crate::{atomic_write::read_text, error::StudyError};
+use path_slash::PathExt as _;
 use std::path::{Component, Path, PathBuf};
 
 /// Folders of a study that hold ledgers: beside the pipelines of its own, and where the one that follows from its design is written.
@@ -42,7 +43,7 @@ fn refuse_running(ledger: &Path) -> Result<(), StudyError> {
     };
     match file.try_lock() {
         Err(std::fs::TryLockError::WouldBlock) => Err(StudyError::NotPossible {
-            problem: format!("a run is under way ({})", held.display()),
+            problem: format!("a run is under way ({})", held.to_slash_lossy()),
             help: Some("wait until it has ended, or end it; nothing was removed".to_owned()),
         }),
         _ => Ok(()),

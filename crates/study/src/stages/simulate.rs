@@ -4,6 +4,7 @@ use crate::{
     atomic_write::write_recording,
     design::DesignFile,
     error::StudyError,
+    forget::refuse_learned_from_gone,
     outcome::{Outcome, Watch, for_each_on},
     outputs::spare_inputs,
     run_folder::{read_model, read_scenario},
@@ -172,9 +173,13 @@ pub fn simulate(
             .chain([&*options.model, &options.conditions]),
         tables.iter().map(|path| &**path).chain(page),
     )?;
+    let study = DesignFile::here(options.design.as_deref())?;
+    if let Some(study) = &study {
+        refuse_learned_from_gone(study, &options.model)?;
+    }
     let model = read_model(&options.model)?;
     let mut conditions = read_conditions(&options.conditions)?;
-    if let Some(study) = DesignFile::here(options.design.as_deref())? {
+    if let Some(study) = study {
         // A sweep drives what the design does not name; of what it names, only what is not recorded elsewhere.
         let simulated = |id| study.design.condition(id).is_some_and(Condition::simulated);
         conditions.retain(|row| row.sweep.is_some() || simulated(row.condition));

@@ -1,5 +1,6 @@
 //! `export`: a study without the people's names, to give away.
 
+mod left_out;
 mod place;
 mod pseudonym;
 mod ro_crate;
@@ -12,6 +13,7 @@ use crate::{
     atomic_write::{atomic_write_bytes, write_json, write_recording},
     design::DesignFile,
     error::StudyError,
+    forget::refuse_learned_from_gone,
     outcome::{Outcome, Watch, for_each_on},
     tables::{
         TableBuilder,
@@ -19,6 +21,7 @@ use crate::{
         surveys::{read_answers, write_answers},
     },
 };
+use left_out::LeftOut;
 use maveric_domain::{Answer, ConditionId, Design, DriveId, DriveMeta, ParticipantId, Recording};
 use maveric_ingest::{Beside, IngestSettings, Mapping, log_files, read_log};
 use place::Place;
@@ -77,7 +80,9 @@ const FEWEST_ALIKE: usize = 3;
 ///   neither direction can be computed. No table of who is who is written.
 /// - Of a log only the recording is kept: who was where on the road, from time 0 and position 0 on. Dates, positions on a map, other
 ///   channels and file names are gone.
-/// - The folder is new, or holds nothing but an earlier export, which goes: who has withdrawn since is in none of its files.
+/// - Whoever the design leaves out by name, was forgotten or has no row in the table of people is in no file of it, and is counted.
+/// - The folder is new, or holds nothing but an earlier export, which goes: who has withdrawn since is in none of its files. What
+///   was handed out before is not undone, which is said.
 /// - `ro-crate-metadata.json` says what it is as a Workflow Run RO-Crate: files with hashes, licence, the pipeline and its stages; no
 ///   path that names somebody.
 /// - Of `participants.csv` only who is learned from and who is tested, population, age in bands of ten years, gender, professional and order; of answers only
@@ -92,7 +97,12 @@ const FEWEST_ALIKE: usize = 3;
 pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Exported>, StudyError> {
     let study = DesignFile::find(options.design.as_deref())?;
     let design = &study.design;
-    let people = options
+    if let Some(run) = &options.about.run {
+        for model in run.models() {
+            refuse_learned_from_gone(&study, &study.resolve(Path::new(model)))?;
+        }
+    }
+    let mut people = options
         .participants
         .as_deref()
         .map(|path| read_enrolled(path, design))
@@ -124,17 +134,31 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
     let read = for_each_on(options.jobs, &logs, watch, "logs read", |log| {
         Ok(read_log(log, &settings)?)
     })?;
-    let found: Vec<(DriveMeta, Recording)> = read
+    let mut found: Vec<(DriveMeta, Recording)> = read
         .into_iter()
         .flatten()
         .map(|d| (d.meta, d.recording))
         .collect();
+    let left_out = match DesignFile::here(options.design.as_deref())? {
+        Some(study) => LeftOut::of(
+            &study,
+            options.participants.as_deref(),
+            (&mut people, &mut answers, &mut found),
+        )?,
+        None => LeftOut::default(),
+    };
     let ids = people
         .iter()
         .map(|p| &p.id)
         .chain(answers.iter().map(|a| &a.participant));
     for id in ids.chain(found.iter().map(|d| &d.0.participant)) {
         names.add(id)?;
+    }
+    if names.len() == 0 {
+        return Err(StudyError::NotPossible {
+            problem: "nobody is left to export".to_owned(),
+            help: Some(left_out.lines().join("; ")),
+        });
     }
     let mut drives = Vec::new();
     let mut numbers: BTreeMap<(ParticipantId, String), usize> = BTreeMap::new();
@@ -194,7 +218,8 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
     }
     let mut about = options.about.clone();
     if let Some(run) = about.run.take() {
-        let originals: Vec<String> = names.originals().map(ToString::to_string).collect();
+        let originals = names.originals().map(ToString::to_string);
+        let originals: Vec<String> = originals.chain(left_out.names.iter().cloned()).collect();
         if ro_crate::names(&run.text, &originals) {
             warnings.push(
                 "the pipeline names somebody, so it and its run are not in the export".to_owned(),
@@ -211,6 +236,14 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
             about.run = Some(run);
         }
     }
+    let gone = place.gone(|name| names.has(name))?;
+    if gone > 0 {
+        warnings.push(format!(
+            "{gone} people of the export that stood in {} are not in this one: whoever was given the earlier one has them still, and has to \
+             be asked to delete it",
+            options.out.to_slash_lossy()
+        ));
+    }
     let metadata = ro_crate::metadata(design.title(), &about, &place.given()?);
     write_json(&out.join(ro_crate::METADATA), &metadata)?;
     place.take()?;
@@ -219,7 +252,7 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
         drives: drives.len(),
         answers: answers.len(),
     };
-    let summary = vec![
+    let mut summary = vec![
         format!(
             "{} participants under pseudonyms, {} drives, {} answers: {}",
             value.participants,
@@ -232,6 +265,7 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
             options.key.to_slash_lossy()
         ),
     ];
+    summary.extend(left_out.lines());
     Ok(Outcome {
         value,
         summary,

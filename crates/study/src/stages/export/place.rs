@@ -62,6 +62,27 @@ impl Place {
         Ok(given)
     }
 
+    /// How many people of the earlier export are not among those `now`; none where it was made with another key, or there is none.
+    ///
+    /// # Errors
+    /// As [`Table`] does.
+    pub(super) fn gone(&self, now: impl Fn(&str) -> bool) -> Result<usize, StudyError> {
+        let mut former = BTreeSet::new();
+        for name in ["participants.csv", "surveys.csv"] {
+            let path = self.out.join(name);
+            if path.is_file() {
+                former.extend(
+                    Table::read(&path)?
+                        .text("participant")?
+                        .into_iter()
+                        .flatten(),
+                );
+            }
+        }
+        let gone = former.iter().filter(|name| !now(name)).count();
+        Ok(if gone < former.len() { gone } else { 0 })
+    }
+
     /// Lists the files and puts the folder in its place; an earlier export goes.
     ///
     /// # Errors

@@ -72,6 +72,11 @@ impl Pseudonyms {
         self.names.get(id).expect("everybody was added").clone()
     }
 
+    /// Whether this is the pseudonym of somebody who was added.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.names.values().any(|n| n.as_str() == name)
+    }
+
     /// Everybody who was added, under their own names.
     pub(super) fn originals(&self) -> impl Iterator<Item = &ParticipantId> {
         self.names.keys()

@@ -67,6 +67,17 @@ pub(super) fn names(text: &str, ids: &[String]) -> bool {
 }
 
 impl PipelineRun {
+    /// Paths of the models that were learned or used.
+    pub(super) fn models(&self) -> impl Iterator<Item = &str> {
+        let files = self
+            .steps
+            .iter()
+            .flat_map(|s| s.inputs.keys().chain(s.outputs.keys()));
+        files
+            .map(String::as_str)
+            .filter(|path| path.ends_with(".maveric"))
+    }
+
     /// The run without what names somebody of `ids`, and how many paths and command lines that are.
     #[must_use]
     pub(super) fn without(mut self, ids: &[String]) -> (Self, usize) {

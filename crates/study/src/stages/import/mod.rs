@@ -8,13 +8,15 @@ use crate::{
     atomic_write::read_text,
     design::DesignFile,
     error::StudyError,
+    gate::{Gate, LeftOut, counted},
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
-    run_folder::read_scales,
-    tables::{Table, TableBuilder},
+    run_folder::{exclusions_path, read_scales},
+    tables::{Table, TableBuilder, write_rows},
 };
 use columns::ColumnMap;
 use maveric_domain::{Answer, ConditionId, Moment, ParticipantId, Scale};
+use maveric_report::tables::Exclusion;
 use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{
@@ -45,7 +47,7 @@ pub struct ImportOptions {
     pub scales: PathBuf,
     /// What its columns mean (TOML), where they do not follow the convention.
     pub columns: Option<PathBuf>,
-    /// Answers to write.
+    /// Answers to write; who is left out is listed beside them.
     pub out: PathBuf,
 }
 
@@ -94,7 +96,7 @@ pub fn import(options: &ImportOptions, watch: Watch<'_>) -> Result<Outcome<Impor
     let given = given.into_iter().filter_map(Option::as_deref);
     spare_inputs(
         given.chain([&*options.file, &options.scales]),
-        [&*options.out],
+        [&*options.out, &exclusions_path(&options.out)],
     )?;
     let scales = read_scales(&options.scales)?;
     let map = options
@@ -126,6 +128,15 @@ pub fn import(options: &ImportOptions, watch: Watch<'_>) -> Result<Outcome<Impor
         )
     }));
     refuse_twice(&options.file, &rows, &scales)?;
+    let nobody = rows.is_empty();
+    let kept_out = let_in(&mut rows, options.design.as_deref())?;
+    if rows.is_empty() && !nobody {
+        return Err(StudyError::BadFile {
+            path: options.file.clone(),
+            problem: "holds no answers of anybody who is let in".to_owned(),
+            help: Some(counted("answers", kept_out.values().flatten()).join("; ")),
+        });
+    }
     if rows.is_empty() {
         let patterns: Vec<String> = scales.iter().map(|s| map.pattern(s)).collect();
         return Err(StudyError::BadFile {
@@ -145,6 +156,15 @@ pub fn import(options: &ImportOptions, watch: Watch<'_>) -> Result<Outcome<Impor
         ))
     });
     write(&options.out, &rows, &scales)?;
+    let listed = kept_out.iter().map(|((who, moment), why)| Exclusion {
+        who: who.to_string(),
+        what: format!("answers ({moment})"),
+        why: why[0].to_string(),
+    });
+    write_rows(
+        &exclusions_path(&options.out),
+        &listed.collect::<Vec<Exclusion>>(),
+    )?;
     let participants: BTreeSet<&ParticipantId> = rows.iter().map(|r| &r.participant).collect();
     let mut sheets: BTreeMap<String, usize> = BTreeMap::new();
     for row in rows.iter().filter(|r| r.item == 1) {
@@ -177,6 +197,7 @@ pub fn import(options: &ImportOptions, watch: Watch<'_>) -> Result<Outcome<Impor
     if left_out > 0 {
         summary.push(format!("{left_out} answers left out by unknown condition"));
     }
+    summary.extend(counted("answers", kept_out.values().flatten()));
     let value = Imported {
         participants: participants.len(),
         answers: rows.len(),
@@ -216,6 +237,27 @@ fn unknown_moments(rows: &mut Vec<Row>, study: &DesignFile) -> BTreeMap<(Moment,
         _ => true,
     });
     unknown
+}
+
+/// Whose answers, and when → why each is left out.
+type LeftOutAnswers = BTreeMap<(ParticipantId, Moment), Vec<LeftOut>>;
+
+/// Takes out the answers of whoever the design leaves out by name, or who is nobody of its people.
+fn let_in(rows: &mut Vec<Row>, design: Option<&Path>) -> Result<LeftOutAnswers, StudyError> {
+    let mut left_out = LeftOutAnswers::new();
+    let Some(study) = DesignFile::here(design)? else {
+        return Ok(left_out);
+    };
+    let gate = Gate::where_listed(&study, None)?;
+    rows.retain(|row| match gate.answer(&row.participant, row.moment) {
+        None => true,
+        Some(why) => {
+            let sheet = (row.participant.clone(), row.moment);
+            left_out.entry(sheet).or_default().push(why);
+            false
+        }
+    });
+    Ok(left_out)
 }
 
 /// Refuses a sheet that is there twice: one row of a person too many, or a condition rated twice.

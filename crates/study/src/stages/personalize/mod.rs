@@ -8,6 +8,7 @@ use path_slash::PathExt as _;
 use crate::{
     design::{DesignFile, drives_of},
     error::StudyError,
+    forget::refuse_learned_from_gone,
     outcome::{Outcome, Watch, for_each_on},
     outputs::spare_inputs,
     run_folder::{adb_of, read_model},
@@ -91,9 +92,11 @@ pub fn personalize(
         .into_iter()
         .chain(options.learning_curve.as_deref());
     spare_inputs(given.chain([&*options.model, &options.drives]), outputs)?;
-    let model = read_model(&options.model)?;
     let design = options.design.as_deref();
-    let baseline = DesignFile::find(design)?.design.baseline_id();
+    let study = DesignFile::find(design)?;
+    refuse_learned_from_gone(&study, &options.model)?;
+    let model = read_model(&options.model)?;
+    let baseline = study.design.baseline_id();
     let drives = drives_of(
         &options.drives,
         design,

@@ -9,6 +9,7 @@ pub use attribute_scores::AttributeSummary;
 use crate::{
     design::DesignFile,
     error::StudyError,
+    forget::refuse_learned_from_gone,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
     run_folder::read_model,
@@ -86,9 +87,10 @@ pub fn steer(options: &SteerOptions, watch: Watch<'_>) -> Result<Outcome<Steered
         named.chain([&*options.model, &options.embeddings]),
         [&*options.out],
     )?;
+    let study = DesignFile::find(options.design.as_deref())?;
+    refuse_learned_from_gone(&study, &options.model)?;
     let model = read_model(&options.model)?;
     let rows = read_embeddings(&options.embeddings)?;
-    let study = DesignFile::find(options.design.as_deref())?;
     let sweeps = !options.sweep.is_empty() || options.attribute.is_some();
     let axis = match LinearHead::aggression(&model) {
         Err(ModelError::NoAggressionAxis) if !sweeps && !study.design.has_a_dial() => None,

@@ -8,6 +8,7 @@ mod homophily;
 mod learned;
 mod manuscript;
 mod methods;
+mod nameless;
 mod run;
 mod setting;
 mod setup;
@@ -43,6 +44,7 @@ use maveric_report::{
     html::{Methods, Provenance, Section},
     tables::Exclusion,
 };
+use nameless::Nameless;
 pub(in crate::stages::report) use run::Run;
 use setting::{listed_exclusions, reliabilities, section_study};
 use setup::setup;
@@ -132,7 +134,8 @@ pub(super) fn page(
     sections.extend(undeclared(section_kept(&run)?));
     sections.extend(section_homophily(&run, claimed)?);
     sections.push(section_study(folder, &run, &people, &reliabilities)?);
-    let exclusions: Vec<Exclusion> = left_out(&run).chain(listed_exclusions(folder)?).collect();
+    let nameless = Nameless::of(&study, folder, participants)?;
+    let exclusions = nameless.counted(left_out(&run).chain(listed_exclusions(folder)?));
     let mut warnings: Vec<String> = run
         .training
         .iter()
@@ -173,14 +176,14 @@ pub(super) fn page(
         supplement,
         methods: Methods {
             text: methods::on_page(&paragraphs),
-            files: shown_whole(
+            files: nameless.files(shown_whole(
                 &study
                     .path
                     .iter()
                     .cloned()
                     .chain(files.clone())
                     .collect::<Vec<_>>(),
-            )?,
+            )?),
         },
         ledger,
         exclusions,

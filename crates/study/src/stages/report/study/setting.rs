@@ -242,7 +242,11 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
         what: "personalize".to_owned(),
         why: "shows no habit: its driver is taken as anybody".to_owned(),
     }));
-    for file in ["scores_exclusions.csv", "rating_scores_exclusions.csv"] {
+    for file in [
+        "answers_exclusions.csv",
+        "scores_exclusions.csv",
+        "rating_scores_exclusions.csv",
+    ] {
         let listed = |path: &Path| File::read(path)?.records::<Exclusion>();
         found.extend(if_there(&folder.join(file), listed)?);
     }

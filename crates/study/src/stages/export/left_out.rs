@@ -1,0 +1,94 @@
+//! Who and what of a study is not given away.
+
+use crate::{
+    design::DesignFile,
+    error::StudyError,
+    gate::{self, Gate, counted},
+    tables::participants::Enrolled,
+};
+use maveric_domain::{Answer, DriveMeta, ParticipantId, Recording};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
+
+/// What was left out, and whatever would name somebody who was.
+#[derive(Default)]
+pub(super) struct LeftOut {
+    people: BTreeMap<ParticipantId, gate::LeftOut>,
+    drives: Vec<gate::LeftOut>,
+    answers: Vec<gate::LeftOut>,
+    /// Ids of people and of drives.
+    pub(super) names: BTreeSet<String>,
+}
+
+/// People, answers and drives of a study.
+type Study<'a> = (
+    &'a mut Vec<Enrolled>,
+    &'a mut Vec<Answer>,
+    &'a mut Vec<(DriveMeta, Recording)>,
+);
+
+impl LeftOut {
+    /// Takes out what the study does not let in.
+    ///
+    /// # Errors
+    /// As [`Gate::where_listed`].
+    pub(super) fn of(
+        study: &DesignFile,
+        participants: Option<&Path>,
+        (people, answers, drives): Study<'_>,
+    ) -> Result<Self, StudyError> {
+        let gate = Gate::where_listed(study, participants)?;
+        let exclude = study.design.exclude();
+        let named = exclude.people.keys().map(ToString::to_string);
+        let named = named.chain(exclude.drives.keys().map(ToString::to_string));
+        let forgotten = study.forgotten()?;
+        let mut found = Self {
+            names: named
+                .chain(forgotten.ids().map(ToString::to_string))
+                .collect(),
+            ..Self::default()
+        };
+        people.retain(|p| found.person(&gate, &p.id));
+        answers.retain(|a| match gate.answer(&a.participant, a.moment) {
+            None => true,
+            Some(why) => {
+                found.person(&gate, &a.participant);
+                found.answers.push(why);
+                false
+            }
+        });
+        drives.retain(|(meta, recording)| {
+            let time = recording.time_s();
+            let duration_s = time.last().zip(time.first()).map_or(0.0, |(b, a)| b - a);
+            match gate.drive(meta, duration_s) {
+                None => true,
+                Some(why) => {
+                    found.person(&gate, &meta.participant);
+                    found.names.insert(meta.drive.to_string());
+                    found.drives.push(why);
+                    false
+                }
+            }
+        });
+        Ok(found)
+    }
+
+    /// Whether somebody is let in; who is not is noted.
+    fn person(&mut self, gate: &Gate, id: &ParticipantId) -> bool {
+        let Some(why) = gate.person(id) else {
+            return true;
+        };
+        self.names.insert(id.to_string());
+        self.people.insert(id.clone(), why);
+        false
+    }
+
+    /// How much each rule left out.
+    pub(super) fn lines(&self) -> Vec<String> {
+        let people = counted("people", self.people.values());
+        let drives = counted("drives", &self.drives);
+        [people, drives, counted("answers", &self.answers)].concat()
+    }
+}

@@ -1,0 +1,127 @@
+//! Whom a page counts and does not name: who is left out by name, was forgotten or is nobody of the study's people.
+
+use crate::{
+    design::DesignFile, error::StudyError, named::without, run_folder::lists, tables::Table,
+};
+use maveric_domain::ParticipantId;
+use maveric_report::{html::ParameterFile, tables::Exclusion};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
+
+/// Rules that leave a drive out for who drove it, or by its own name.
+const BY_NAME: [&str; 4] = [
+    "exclude.people",
+    "exclude.drives",
+    "forgotten",
+    "unknown participant",
+];
+
+/// Between the names of a row.
+const BETWEEN: &str = ", ";
+
+/// Ids that stand on no page.
+pub(super) struct Nameless {
+    /// Of people and drives, longer ones first: a drive's holds its person's.
+    ids: Vec<String>,
+    /// Everybody whom the table of people names.
+    known: BTreeSet<ParticipantId>,
+}
+
+impl Nameless {
+    /// Of a run's results.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a table cannot be read.
+    pub(super) fn of(
+        study: &DesignFile,
+        folder: &Path,
+        participants: &Path,
+    ) -> Result<Self, StudyError> {
+        let exclude = study.design.exclude();
+        let people = exclude.people.keys().map(ToString::to_string);
+        let drives = exclude.drives.keys().map(ToString::to_string);
+        let mut ids: BTreeSet<String> = people.chain(drives).collect();
+        for list in lists(folder) {
+            let path = list.with_file_name("exclusions.csv");
+            if !path.is_file() {
+                continue;
+            }
+            let table = Table::read(&path)?;
+            if !table.has("rule") || !table.has("participant") {
+                continue;
+            }
+            let (rule, drive) = (table.text("rule")?, table.text("drive")?);
+            let participant = table.text("participant")?;
+            for (row, rule) in rule.iter().enumerate() {
+                let rule = rule.as_deref().unwrap_or_default();
+                if BY_NAME.contains(&rule) {
+                    ids.extend(drive[row].clone());
+                    ids.extend(
+                        participant[row]
+                            .clone()
+                            .filter(|_| rule != "exclude.drives"),
+                    );
+                }
+            }
+        }
+        let mut ids: Vec<String> = ids.into_iter().collect();
+        ids.sort_by_key(|id| std::cmp::Reverse(id.len()));
+        let people = study.people_of(folder, Some(participants))?.enrolled;
+        Ok(Self {
+            ids,
+            known: people.into_iter().map(|p| p.id).collect(),
+        })
+    }
+
+    /// What was left out: of those who are not named how many, by what from which and why.
+    pub(super) fn counted(&self, rows: impl IntoIterator<Item = Exclusion>) -> Vec<Exclusion> {
+        let mut named = Vec::new();
+        let mut counted: BTreeMap<(String, String), BTreeSet<String>> = BTreeMap::new();
+        for row in rows {
+            let (hidden, shown): (Vec<&str>, Vec<&str>) = row
+                .who
+                .split(BETWEEN)
+                .partition(|who| self.hides(who, &row.what));
+            if !hidden.is_empty() {
+                let why = without(&row.why, hidden.iter().copied());
+                let why = without(&why, self.ids.iter().map(String::as_str));
+                let who = hidden.iter().map(|who| (*who).to_owned());
+                counted
+                    .entry((row.what.clone(), why))
+                    .or_default()
+                    .extend(who);
+            }
+            if !shown.is_empty() {
+                let who = shown.join(BETWEEN);
+                named.push(Exclusion { who, ..row });
+            }
+        }
+        let counted = counted.into_iter().map(|((what, why), who)| Exclusion {
+            who: format!("{}, not named", who.len()),
+            what,
+            why,
+        });
+        counted.chain(named).collect()
+    }
+
+    fn hides(&self, who: &str, what: &str) -> bool {
+        let is_stranger = || {
+            // Of the lists those of answers name people, all others drives.
+            let of_people = what.starts_with("answers") || what == "questionnaires";
+            let id = ParticipantId::new(who.trim());
+            of_people && id.is_ok_and(|id| !self.known.contains(&id))
+        };
+        self.ids.iter().any(|id| id == who) || is_stranger()
+    }
+
+    /// Files that are shown whole, without the names.
+    pub(super) fn files(&self, files: Vec<ParameterFile>) -> Vec<ParameterFile> {
+        let hidden = |file: ParameterFile| ParameterFile {
+            text: without(&file.text, self.ids.iter().map(String::as_str)),
+            ..file
+        };
+        files.into_iter().map(hidden).collect()
+    }
+}
