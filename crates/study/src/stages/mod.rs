@@ -35,9 +35,9 @@ use std::collections::BTreeMap;
 pub fn versions() -> BTreeMap<String, String> {
     [
         ("generate", 4),
-        ("import", 1),
+        ("import", 2),
         ("codebook", 1),
-        ("export", 2),
+        ("export", 3),
         ("ingest", 8),
         ("score", 5),
         ("train", 6),
@@ -53,7 +53,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("recommend", 3),
         ("rehearse", 4),
         ("rehearse-dial", 3),
-        ("report", 8),
+        ("report", 9),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()
