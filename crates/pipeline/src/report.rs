@@ -189,6 +189,19 @@ pub enum Warning {
         /// Where they are now, relative to the root.
         folders: Vec<String>,
     },
+    /// The pipeline no longer makes what an earlier run of it had made.
+    #[error(
+        "the pipeline no longer has stage `{stage}` there: {}",
+        no_longer_made(removed, kept)
+    )]
+    NoLongerMade {
+        /// The stage that had made it.
+        stage: String,
+        /// Outputs that were removed, relative to the root.
+        removed: Vec<String>,
+        /// What stays, since it was changed by hand or no run had made it.
+        kept: Vec<String>,
+    },
     /// The cache held something else for a stage than what it had made.
     #[error("the cache is damaged for stage `{stage}`, which runs instead")]
     CacheDamaged {
@@ -219,6 +232,20 @@ pub struct Setting {
 fn settings(changes: &[Setting]) -> String {
     let change = |s: &Setting| format!("{}={}, now {}", s.name, s.before, s.now);
     changes.iter().map(change).collect::<Vec<_>>().join("; ")
+}
+
+fn no_longer_made(removed: &[String], kept: &[String]) -> String {
+    let mut parts = Vec::new();
+    if !removed.is_empty() {
+        parts.push(format!("{} removed", names(removed)));
+    }
+    if !kept.is_empty() {
+        parts.push(format!(
+            "{} changed by hand or made by no run, so it stays; remove it, or run with --move-aside",
+            names(kept)
+        ));
+    }
+    parts.join("; ")
 }
 
 fn counted(files: usize) -> String {

@@ -278,6 +278,7 @@ fn remark(state: FileState) -> &'static str {
         FileState::Same => "",
         FileState::Changed => " (changed since)",
         FileState::Missing => " (no longer there)",
+        FileState::NoLongerMade => " (no longer made by any stage)",
     }
 }
 
