@@ -71,14 +71,13 @@ pub(crate) fn write_people(path: &Path, design: &Design, given: &[Given]) -> Res
         .filter(|(p, _)| !p.kept())
         .map(|(p, _)| p.participant.as_str())
         .collect();
-    let declared = design.factors().iter().chain(design.covariates());
     let mut columns = vec!["participant"];
     for column in design
         .people()
         .columns()
         .into_iter()
         .chain(["order"])
-        .chain(declared.map(|c| c.column.as_str()))
+        .chain(design.tested_columns())
     {
         if !columns.contains(&column) {
             columns.push(column);

@@ -47,7 +47,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("measure", 2),
         ("rate", 2),
         ("evaluate", 4),
-        ("stats", 8),
+        ("stats", 9),
         ("ablate", 5),
         ("validate", 7),
         ("recommend", 3),
