@@ -101,6 +101,20 @@ pub enum FailureCause {
         /// The files, relative to the root.
         paths: Vec<String>,
     },
+    /// Behind a link stands something else than what the last run had made.
+    #[error(
+        "`{path}` lies behind the link `{link}` to {}, where something else stands than its last run had made: \
+         remove the link, or what is there",
+        target.to_slash_lossy()
+    )]
+    BehindLink {
+        /// The output, relative to the root.
+        path: String,
+        /// The link: the output or a directory above it, relative to the root.
+        link: String,
+        /// Where the link leads.
+        target: PathBuf,
+    },
     /// The stages upstream ran but an input is not there.
     #[error("the stages before it did not make {}", paths.join(", "))]
     InputsMissing {

@@ -881,3 +881,93 @@ fn an_output_of_a_stage_that_is_gone_stays_where_it_is_a_source_now() {
     assert!(project.run().warnings.is_empty());
     assert!(project.root().join("one.txt").exists() && project.root().join("parts/1").exists());
 }
+
+#[cfg(unix)]
+#[test]
+fn what_stands_behind_a_link_that_took_the_place_of_an_output_is_never_replaced() {
+    for (link, other, output) in [
+        ("out", "two.txt", "out/two.txt"),
+        ("parts", "1", "parts"),
+        ("one.txt", "", "one.txt"),
+    ] {
+        let mut project = chain();
+        project.run();
+        let elsewhere = tempfile::tempdir().unwrap();
+        let target = elsewhere.path().join("target");
+        fs::rename(project.root().join(link), project.root().join("before")).unwrap();
+        let file = if other.is_empty() {
+            target.clone()
+        } else {
+            fs::create_dir(&target).unwrap();
+            target.join(other)
+        };
+        fs::write(&file, "somebody's").unwrap();
+        std::os::unix::fs::symlink(&target, project.root().join(link)).unwrap();
+        project.options.keep_going = true;
+        let report = project.run();
+        assert_eq!(report.failures.len(), 1, "{link}");
+        let message = report.failures[0].cause.to_string();
+        let start = format!("`{output}` lies behind the link `{link}` to ");
+        assert!(
+            message.starts_with(&start) && message.contains("/target,"),
+            "{message}"
+        );
+        assert_eq!(fs::read_to_string(&file).unwrap(), "somebody's");
+        // The outputs themselves may be kept elsewhere.
+        if !other.is_empty() {
+            fs::remove_dir_all(&target).unwrap();
+            fs::rename(project.root().join("before"), &target).unwrap();
+            assert!(project.ran().is_empty());
+            project.write("source.txt", "1\n2\n3\n");
+            assert_eq!(project.ran(), ["one", "two", "folder"]);
+        }
+    }
+}
+
+#[test]
+fn a_trace_says_that_what_it_traces_was_edited_since() {
+    let project = chain();
+    project.run();
+    let ledger = Ledger::read(&project.place().ledger, "test").unwrap();
+    let lines = || {
+        trace(&ledger, &project.place(), "out/two.txt")
+            .unwrap()
+            .lines()
+    };
+    assert!(!lines().join("\n").contains("changed since"));
+    project.write("out/two.txt", "by hand\n");
+    assert!(lines().contains(&"     made out/two.txt (changed since)".to_owned()));
+}
+
+#[test]
+fn files_that_differ_in_texts_alone_do_not_count_numbers() {
+    let line = |compared| {
+        let difference = FileDifference::Numbers {
+            path: "a.csv".to_owned(),
+            compared,
+            differing: 0,
+            largest: Vec::new(),
+            unpaired: Vec::new(),
+            texts: Vec::new(),
+        };
+        let stages = vec![StageDifference {
+            stage: "a".to_owned(),
+            made_from: Vec::new(),
+            outputs: vec![difference],
+        }];
+        let (only_first, only_second, same) = (Vec::new(), Vec::new(), 0);
+        RunDifference {
+            only_first,
+            only_second,
+            stages,
+            same,
+        }
+        .lines()[1]
+            .clone()
+    };
+    assert_eq!(line(0), "  a.csv: has other texts");
+    assert_eq!(
+        line(3),
+        "  a.csv: all 3 numbers are the same, other parts differ"
+    );
+}
