@@ -23,7 +23,6 @@ mod ledger;
 mod lock;
 mod manifest;
 mod memory;
-mod orphans;
 mod own;
 mod params;
 mod paths;

@@ -48,9 +48,9 @@ fn main() -> Result<(), Failed> {
         .enable_all()
         .build()?;
     let any = SocketAddr::from(([127, 0, 0, 1], 0));
-    let serving = runtime.block_on(serve(Arc::clone(&seat), any, Wire::Here))?;
+    let serving = runtime.block_on(serve(Arc::clone(&seat), any, Wire::Here, |_| {}))?;
     let address = serving.address;
-    runtime.spawn(serving.until(std::future::pending()));
+    runtime.spawn(serving.forever());
 
     let begun = Instant::now();
     let drivers: Vec<_> = (links.into_iter().zip(0_u64..))

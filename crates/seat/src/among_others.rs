@@ -1,6 +1,6 @@
 //! Somebody's style beside those of the others, for who has taken part.
 
-use crate::{error::SeatError, person::Person, seat::Seat};
+use crate::{error::SeatError, listed::Listed, person::Person, seat::Seat};
 use maveric_domain::design::Sign;
 use maveric_seat_page::Fit;
 use serde::Serialize;
@@ -40,6 +40,14 @@ fn beside(person: &Person, everybody: &[Person]) -> Option<(f64, Vec<f64>)> {
 }
 
 impl Seat {
+    /// Those of whom others may see something: not who was taken out of the study.
+    fn seen(&self, mut everybody: Vec<Person>) -> Vec<Person> {
+        let excluded = &self.settings.design.exclude().people;
+        let out = |p: &Person| excluded.keys().any(|id| id.as_str() == p.participant);
+        everybody.retain(|p| p.listed != Listed::TakenOut && !out(p));
+        everybody
+    }
+
     /// What `person` may see of the others: nothing where the study does not show it.
     ///
     /// # Errors
@@ -49,7 +57,10 @@ impl Seat {
         let Some(style) = design.style().filter(|_| design.protocol().show_style) else {
             return Ok(None);
         };
-        let found = beside(person, &self.store.everybody()?);
+        let seen = self
+            .store
+            .look(|b| b.everybody().map(|all| self.seen(all)))?;
+        let found = beside(person, &seen);
         Ok(found.map(|(own, others)| AmongOthers {
             own,
             others,
@@ -66,12 +77,9 @@ mod tests {
         let fit =
             format!(r#"{{"embedding":[0.0],"covariance":null,"score":{score},"readings":3}}"#);
         Person {
-            token: token.to_owned(),
-            participant: token.to_owned(),
-            steps: Vec::new(),
-            at: 0,
             ended: ended.map(str::to_owned),
             fit: Some(fit),
+            ..Person::new(token.to_owned(), token.to_owned(), Vec::new())
         }
     }
 

@@ -1,12 +1,14 @@
-//! The built page.
+//! The built page: packed once, and named by what it holds, so that a browser keeps it until it changes.
 
 use axum::{
-    http::{StatusCode, header},
+    http::{HeaderMap, HeaderValue, StatusCode, header},
     response::{IntoResponse, Response},
 };
+use flate2::{Compression, write::GzEncoder};
+use std::{io::Write as _, sync::LazyLock};
 
 /// Name, kind and bytes of each file.
-const FILES: [(&str, &str, &[u8]); 4] = [
+const FILES: [(&str, &str, &[u8]); 5] = [
     (
         "index.html",
         "text/html; charset=utf-8",
@@ -27,20 +29,93 @@ const FILES: [(&str, &str, &[u8]); 4] = [
         "application/wasm",
         include_bytes!("../page/built/seat.wasm"),
     ),
+    (
+        "lab.js",
+        "text/javascript; charset=utf-8",
+        include_bytes!("../page/lab.js"),
+    ),
 ];
 
-/// The file of this name, if there is one.
-pub(crate) fn answer(name: &str) -> Response {
-    match FILES.iter().find(|(known, ..)| *known == name) {
-        Some((_, kind, bytes)) => ([(header::CONTENT_TYPE, *kind)], *bytes).into_response(),
-        None => (StatusCode::NOT_FOUND, "no such file").into_response(),
+/// Digits of the digest by which the files are named.
+const DIGITS: usize = 16;
+/// How long a browser may keep a file whose name says what it holds.
+const KEPT: &str = "public, max-age=31536000, immutable";
+
+/// What the files are named by.
+static VERSION: LazyLock<String> = LazyLock::new(|| {
+    let mut all = Vec::new();
+    for (name, _, bytes) in FILES {
+        all.extend_from_slice(name.as_bytes());
+        all.extend_from_slice(bytes);
     }
+    let mut digest = crate::token::digest(&all);
+    digest.truncate(DIGITS);
+    digest
+});
+
+/// The files packed, those that get smaller by it.
+static PACKED: LazyLock<Vec<(&str, Vec<u8>)>> = LazyLock::new(|| {
+    let packed = FILES.iter().filter_map(|(name, _, bytes)| {
+        let mut packer = GzEncoder::new(Vec::new(), Compression::best());
+        packer.write_all(bytes).ok()?;
+        let packed = packer.finish().ok()?;
+        (packed.len() < bytes.len()).then_some((*name, packed))
+    });
+    packed.collect()
+});
+
+/// Where a page finds this file.
+pub(crate) fn address(name: &str) -> String {
+    format!("/page/{}/{name}", *VERSION)
+}
+
+/// The page that everybody with a link opens.
+pub(crate) fn page() -> Response {
+    let page = String::from_utf8_lossy(bytes("index.html"));
+    let page = page.replace("\"/page/", &format!("\"{}", address("")));
+    ([(header::CONTENT_TYPE, "text/html; charset=utf-8")], page).into_response()
+}
+
+/// The file of this name, if it is one of this version; packed for who takes it so.
+pub(crate) fn answer((version, name): (&str, &str), asked: &HeaderMap) -> Response {
+    let file = FILES.iter().find(|(known, ..)| *known == name);
+    let Some((_, kind, bytes)) = file.filter(|_| version == *VERSION) else {
+        return (StatusCode::NOT_FOUND, "no such file").into_response();
+    };
+    let headers = [
+        (header::CONTENT_TYPE, *kind),
+        (header::CACHE_CONTROL, KEPT),
+        (header::VARY, "accept-encoding"),
+    ];
+    let packed = PACKED.iter().find(|(known, _)| *known == name);
+    match packed.filter(|_| takes_gzip(asked)) {
+        Some((_, packed)) => {
+            let mut response = (headers, packed.as_slice()).into_response();
+            let coding = HeaderValue::from_static("gzip");
+            response
+                .headers_mut()
+                .insert(header::CONTENT_ENCODING, coding);
+            response
+        }
+        None => (headers, *bytes).into_response(),
+    }
+}
+
+fn takes_gzip(asked: &HeaderMap) -> bool {
+    let all = asked.get_all(header::ACCEPT_ENCODING).iter();
+    let mut words = all
+        .filter_map(|v| v.to_str().ok())
+        .flat_map(|v| v.split(','));
+    words.any(|word| {
+        let mut parts = word.split(';').map(str::trim);
+        parts.next() == Some("gzip") && !parts.any(|p| p == "q=0" || p == "q=0.0")
+    })
 }
 
 /// The bytes of this file; none where there is no such file.
 pub(crate) fn bytes(name: &str) -> &'static [u8] {
-    let found = FILES.iter().find(|(known, ..)| *known == name);
-    found.map_or(&[], |(.., bytes)| *bytes)
+    let file = FILES.iter().find(|(known, ..)| *known == name);
+    file.map_or(&[], |(.., bytes)| *bytes)
 }
 
 /// The page as a file beside its script and its study, with the policy that the server would send; `sends_to` is where it may send.

@@ -167,6 +167,30 @@ pub struct TakenIn {
     pub ended: String,
 }
 
+/// What is missing of what was given, if something is: all that was asked of who is through, and the consent of whoever gave anything.
+fn missing(steps: &[Step], given: &Carried) -> Option<String> {
+    let sheet = |at: usize| given.sheets.iter().any(|(step, _)| *step == at);
+    let driven = |at: usize| {
+        let mut drives = given.drives.iter().filter(|(step, ..)| *step == at);
+        drives.any(|(.., parts)| parts.end.is_some())
+    };
+    if given.sheets.is_empty() && given.drives.is_empty() {
+        return Some("nothing was given: expected answers or drives from step 1 on".to_owned());
+    }
+    let through = given.ended == "done";
+    let lacks = |(at, step): (usize, &Step)| {
+        let (is_there, what) = match step {
+            Step::Text { agree: true, .. } => (sheet(at), "was not agreed to"),
+            Step::Scale { .. } if through => (sheet(at), "has no answers of its questionnaire"),
+            Step::Drive { .. } if through => (driven(at), "has no drive that came to its end"),
+            Step::Ride { .. } if through => (driven(at), "has no ride that came to its end"),
+            _ => (true, ""),
+        };
+        (!is_there).then(|| format!("step {} of {} {what}", at + 1, steps.len()))
+    };
+    steps.iter().enumerate().find_map(lacks)
+}
+
 /// Takes in what somebody handed back: checked as the server checks what a page sends it; nothing of a file that is wrong anywhere.
 ///
 /// # Errors
@@ -216,10 +240,16 @@ pub fn take_in(seat: &Seat, path: &Path) -> Result<TakenIn, SeatError> {
             format!("token `{token}` and row {row} are none of this study"),
         ));
     }
-    if let Some(before) = seat.store.person(&token)? {
+    if let Some(before) = seat.store.look(|b| b.person(&token))? {
         return Err(bad(
             1,
             format!("taken in before, as {}", before.participant),
+        ));
+    }
+    if seat.store.look(|b| b.link_forgotten(&token))? {
+        return Err(bad(
+            1,
+            "who handed this over is forgotten: it is not taken in again".to_owned(),
         ));
     }
     let steps = seat.steps_in(row, &|what| {
@@ -271,7 +301,7 @@ pub fn take_in(seat: &Seat, path: &Path) -> Result<TakenIn, SeatError> {
                 given.drives.push((step, attempt, parts));
             }
             Line::Fit { fit } => given.style = Some(intake::style(&fit).map_err(wrong)?),
-            Line::Ended { .. } => {}
+            Line::Ended { .. } => missing(&steps, &given).map_or(Ok(()), |why| Err(wrong(why)))?,
             Line::Head { .. } => return Err(wrong("a second head".to_owned())),
         }
     }

@@ -29,6 +29,20 @@ pub enum SeatError {
         /// Ours.
         expected: i64,
     },
+    /// A file of people and answers that another program has open.
+    #[error("{}: another seat has it open", path.to_slash_lossy())]
+    InUse {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Somebody who is to be forgotten and whom nothing knows.
+    #[error("nobody is called `{participant}` here")]
+    Nobody {
+        /// The id that was given.
+        participant: String,
+        /// The id that is nearest to it.
+        nearest: Option<String>,
+    },
     /// A file that cannot be read or written.
     #[error("{}: {source}", path.to_slash_lossy())]
     Io {
@@ -117,6 +131,15 @@ impl SeatError {
                 "give a log that the seat wrote (logs/seat/), or the record beside it (seat/PERSON-CONDITION.jsonl)"
                     .to_owned(),
             ),
+            Self::InUse { .. } => Some(
+                "close the seat that is open (Ctrl-C, or the last button of its page /lab), or do it from that page".to_owned(),
+            ),
+            Self::Nobody { nearest, .. } => {
+                Some(nearest.as_ref().map_or_else(
+                    || "nobody was let in yet: look into the table of people".to_owned(),
+                    |nearest| format!("did you mean `{nearest}`? ids are case-sensitive"),
+                ))
+            }
             Self::Address { .. } => Some("choose another one: --bind 127.0.0.1:PORT".to_owned()),
             Self::Study(error) => error.suggestion(),
             _ => None,

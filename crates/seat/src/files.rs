@@ -2,14 +2,15 @@
 
 use crate::{
     error::SeatError,
-    tables::{self, Given},
+    tables::{self, Given, Standing},
 };
-use maveric_domain::{ConditionId, Design, DriveId, DriveMeta, ParticipantId, design::Software};
+use maveric_domain::{ConditionId, DriveId, DriveMeta, ParticipantId, design::Software};
 use maveric_ingest::{Beside, write_mcap_with};
 use maveric_seat_page::{Record, Replayed};
 use maveric_study::{
     DesignFile, StudyError,
     atomic_write::{atomic_write, atomic_write_bytes, read_text},
+    forget::{Forgotten, forget_person},
     tables::{
         dial::{ENDING, Turn},
         write_rows,
@@ -30,7 +31,9 @@ struct Place {
     records: PathBuf,
     answers: PathBuf,
     people: PathBuf,
-    design: Design,
+    study: DesignFile,
+    /// Whether the table of people was made here, with nobody in it.
+    people_made: bool,
 }
 
 impl Files {
@@ -56,29 +59,52 @@ impl Files {
             records,
             answers: study.resolve(&files.answers),
             people: study.resolve(&design.people().file),
-            design: design.clone(),
+            study: study.clone(),
+            people_made: false,
         })))
     }
 
-    /// Makes the table of people, with nobody in it, where there is none.
+    /// Makes the folder of records, which its owner alone may look into, and the table of people, with nobody in it, where there is none.
     ///
     /// # Errors
     /// [`SeatError::Study`] if it cannot be written.
-    pub fn begin(&self) -> Result<(), SeatError> {
-        match &self.0 {
-            Some(place) if !place.people.exists() => {
-                tables::write_people(&place.people, &place.design, &[])
-            }
-            _ => Ok(()),
+    pub fn begin(&mut self) -> Result<(), SeatError> {
+        let Some(place) = &mut self.0 else {
+            return Ok(());
+        };
+        let io = |source| SeatError::Io {
+            path: place.records.clone(),
+            source,
+        };
+        std::fs::create_dir_all(&place.records).map_err(io)?;
+        #[cfg(unix)]
+        {
+            let owners_alone = std::os::unix::fs::PermissionsExt::from_mode(0o700);
+            std::fs::set_permissions(&place.records, owners_alone).map_err(io)?;
         }
+        if !place.people.exists() {
+            let (people, nobody) = (&place.people, &mut Standing::default());
+            tables::write_people(people, &place.study.design, (&[], false), nobody)?;
+            place.people_made = true;
+        }
+        Ok(())
     }
 
-    /// The people who stand in the study's table.
+    /// What the table of people is called.
+    pub(crate) fn name_of_people(&self) -> String {
+        let path = self.0.as_ref().and_then(|place| place.people.file_name());
+        path.map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+    }
+
+    /// The people who stand in the study's table, or stood there before they were forgotten.
     pub(crate) fn people(&self) -> Result<BTreeSet<String>, SeatError> {
-        self.0.as_ref().map_or_else(
-            || Ok(BTreeSet::new()),
-            |place| tables::people_in(&place.people),
-        )
+        let Some(place) = &self.0 else {
+            return Ok(BTreeSet::new());
+        };
+        let mut people = tables::people_in(&place.people)?;
+        let forgotten = place.study.forgotten()?;
+        people.extend(forgotten.ids().map(ToString::to_string));
+        Ok(people)
     }
 
     /// The table of answers as it stands.
@@ -171,30 +197,24 @@ impl Files {
         )?)
     }
 
-    /// Removes the logs and records of somebody who wants nothing kept.
-    pub(crate) fn forget(&self, participant: &str) -> Result<(), SeatError> {
+    /// Takes everything of somebody out of the study's folder; none where there is no study.
+    pub(crate) fn forget(&self, participant: &str) -> Result<Option<Forgotten>, SeatError> {
         let Some(place) = &self.0 else {
-            return Ok(());
+            return Ok(None);
         };
-        let theirs = format!("{participant}-");
-        for folder in [&place.logs, &place.records] {
-            for file in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-                if file.file_name().to_string_lossy().starts_with(&theirs) {
-                    let path = file.path();
-                    std::fs::remove_file(&path).map_err(|source| SeatError::Io { path, source })?;
-                }
-            }
-        }
-        Ok(())
+        let id = ParticipantId::new(participant).map_err(StudyError::from)?;
+        Ok(Some(forget_person(&place.study, &id)?))
     }
 
-    /// Writes the answers of everybody who wants them kept, and adds to the table of people who is not in it yet.
-    pub(crate) fn write(&self, given: &[Given]) -> Result<(), SeatError> {
-        let Some(place) = &self.0 else {
-            return Ok(());
-        };
-        tables::write_answers(&place.answers, given)?;
-        tables::write_people(&place.people, &place.design, given)
+    /// Adds people and answers to the study's tables that are not in them yet; what stands there then.
+    pub(crate) fn write(&self, given: &[Given]) -> Result<Standing, SeatError> {
+        let mut standing = Standing::default();
+        if let Some(place) = &self.0 {
+            let people = (given, place.people_made);
+            tables::write_people(&place.people, &place.study.design, people, &mut standing)?;
+            tables::write_answers(&place.answers, given, &mut standing)?;
+        }
+        Ok(standing)
     }
 }
 

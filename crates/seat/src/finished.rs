@@ -1,7 +1,7 @@
 //! What becomes of a drive that has ended: it is driven again from its record, so that the log holds what the page went through, and
 //! a drive by hand is learned from here too.
 
-use crate::{error::SeatError, person::Person, seat::Seat, steps::Step};
+use crate::{drives::Begun, error::SeatError, person::Person, seat::Seat, steps::Step};
 use maveric_seat_page::{Fit, Record, Replayed, fit, replay};
 use std::fmt;
 
@@ -21,8 +21,14 @@ impl Seat {
         step: usize,
         found: &Step,
     ) -> Result<bool, SeatError> {
-        let begun = self.store.begun(&person.participant, step)?;
-        let Some(whole) = begun.iter().find(|b| b.ended) else {
+        let read = self.store.look(|b| {
+            let begun = b.begun(&person.participant, step)?;
+            let record = |a: &Begun| b.record(&person.participant, (step, a.attempt));
+            let lines: Result<Vec<String>, SeatError> = begun.iter().map(record).collect();
+            Ok::<_, SeatError>((lines?, begun))
+        });
+        let (lines, begun) = read?;
+        let Some(whole) = begun.iter().position(|b| b.ended) else {
             return Ok(false);
         };
         let Some((condition, by_hand)) = found.drives() else {
@@ -30,24 +36,24 @@ impl Seat {
         };
         let (who, files) = (&person.participant, &self.settings.files);
         let name = format!("{who}-{condition}");
-        for cut in begun.iter().filter(|b| b.attempt != whole.attempt) {
-            let lines = self.store.record(who, (step, cut.attempt))?;
-            files.record(&name, Some(cut.attempt), &lines)?;
+        let mut outcome = Outcome::default();
+        for (place, cut) in begun.iter().enumerate().filter(|(at, _)| *at != whole) {
+            files.record(&name, Some(cut.attempt), &lines[place])?;
         }
-        let lines = self.store.record(who, (step, whole.attempt))?;
-        files.record(&name, None, &lines)?;
-        let driven = Record::from_lines(&lines).and_then(|record| Ok((replay(&record)?, record)));
+        let lines = &lines[whole];
+        files.record(&name, None, lines)?;
+        let driven = Record::from_lines(lines).and_then(|record| Ok((replay(&record)?, record)));
         match driven {
-            Err(error) => self.tell(who, &format!("{name}: cannot be driven again: {error}"))?,
+            Err(error) => outcome.tell(format!("{name}: cannot be driven again: {error}")),
             Ok((again, record)) => {
                 let pictures = Pictures::of(&record);
                 let note = pictures.note();
-                let kept = (&record, &*lines, note.as_deref());
+                let kept = (&record, lines.as_str(), note.as_deref());
                 files.log(&name, (who, condition), kept, &again)?;
-                self.tell(who, &format!("{name}: {pictures}"))?;
+                outcome.tell(format!("{name}: {pictures}"));
                 if !again.same() {
                     let text = "the page came through other states than its record gives here";
-                    self.tell(who, &format!("{name}: {text}"))?;
+                    outcome.tell(format!("{name}: {text}"));
                 }
                 if let Step::Ride {
                     turns: Some(step), ..
@@ -62,51 +68,82 @@ impl Seat {
                     files.turns((&name, who), &turned, step.abs(), seconds)?;
                 }
                 if by_hand {
-                    self.learn(person, &name, &record, &again)?;
+                    self.learn(person, &name, (&record, &again), &mut outcome);
                 }
             }
         }
+        self.keep(person, step, &outcome)?;
         Ok(true)
     }
 
-    fn tell(&self, who: &str, what: &str) -> Result<(), SeatError> {
-        self.store.event(Some(who), what)
+    /// Keeps what came of a drive and goes on, both or neither. Who was forgotten meanwhile has nothing kept, and what was written of
+    /// them goes again.
+    fn keep(&self, person: &Person, step: usize, outcome: &Outcome) -> Result<(), SeatError> {
+        let stays = self.store.within(|b| {
+            let stays = b.person(&person.token)?.is_some();
+            if stays {
+                for text in &outcome.told {
+                    b.event(Some(&person.participant), text)?;
+                }
+                if let Some(style) = &outcome.style {
+                    b.fit(person, style)?;
+                }
+                b.go_on(person, step)?;
+            }
+            Ok::<_, SeatError>(stays)
+        })?;
+        if !stays {
+            self.without_writing(|files| files.forget(&person.participant))?;
+        }
+        Ok(())
     }
 
-    /// Learns of a drive by hand where the page did not come to it, and holds what the page learned against it.
+    /// Learns of a drive by hand: what was driven counts, and what the page learned is held against it.
     fn learn(
         &self,
         person: &Person,
         name: &str,
-        record: &Record,
-        again: &Replayed,
-    ) -> Result<(), SeatError> {
+        (record, again): (&Record, &Replayed),
+        outcome: &mut Outcome,
+    ) {
         let Some(model) = &self.model else {
-            return Ok(());
+            return;
         };
-        let who = &person.participant;
         let here = match fit(model, &again.rollout.recording, record.header.driven_by) {
             Ok(here) => here,
-            Err(error) => return self.tell(who, &format!("{name}: no style learned: {error}")),
+            Err(error) => return outcome.tell(format!("{name}: no style learned: {error}")),
         };
         let page: Option<Fit> = person
             .fit
             .as_deref()
             .and_then(|f| serde_json::from_str(f).ok());
+        outcome.style = serde_json::to_string(&here).ok();
         let Some(page) = page else {
-            let kept = serde_json::to_string(&here).unwrap_or_default();
-            return self.store.fit(&person.token, &kept);
+            return;
         };
         let apart = (page.embedding.iter().zip(&here.embedding))
             .map(|(a, b)| (a - b).abs())
             .fold(0.0, f64::max);
         if page.embedding.len() != here.embedding.len() || apart > SAME_STYLE {
-            let text = format!(
-                "{name}: the page learned another style than its record gives here, {apart:.2e} apart"
-            );
-            self.tell(who, &text)?;
+            outcome.tell(format!(
+                "{name}: the page learned another style than its record gives here, {apart:.2e} apart; the record's is kept"
+            ));
         }
-        Ok(())
+    }
+}
+
+/// What came of a drive, beside its files.
+#[derive(Default)]
+struct Outcome {
+    /// What whoever runs the study is told.
+    told: Vec<String>,
+    /// The style that was learned.
+    style: Option<String>,
+}
+
+impl Outcome {
+    fn tell(&mut self, text: String) {
+        self.told.push(text);
     }
 }
 

@@ -1,6 +1,7 @@
 //! What a page sends of a drive: checked against the step, kept once.
 
 use crate::{
+    drives::{most_bytes, most_bytes_of_step},
     parts::Parts,
     request::{Answered, Refused, Shared, json},
     seat::Seat,
@@ -18,6 +19,9 @@ use maveric_seat_page::{Chunk, End, Fit, Header};
 const TICKS_PER_S: f64 = 100.0;
 /// Longest line, in bytes: a piece of a second has some thousand.
 const LONGEST_LINE: usize = 16 << 10;
+/// Events in a piece, beside one a step; and letters of what happened.
+const MOST_EVENTS: usize = 16;
+const LONGEST_EVENT: usize = 200;
 /// Length of a digest.
 const DIGEST_LEN: usize = 16;
 /// How often one step may be begun.
@@ -31,38 +35,72 @@ pub(crate) async fn drive(
     Path((token, step, attempt, tab)): Path<(String, usize, u32, String)>,
     body: Bytes,
 ) -> Answered<Response> {
-    let (person, found) = shared.at(&token, step)?;
-    let store = &shared.seat.store;
-    let begun = store.begun(&person.participant, step)?;
-    let before = begun.iter().any(|b| b.attempt == attempt);
-    // What a tab kept while the network was gone is taken from whichever tab finds it.
-    if !before && !store.claimed(&token, &tab)? {
-        return Err(Refused::OtherTab);
-    }
-    let expected = begun.last().map_or(1, |b| b.attempt + 1);
-    if !before && (attempt != expected || attempt > MOST_ATTEMPTS) {
-        return Err(Refused::NotThis(format!(
-            "attempt {attempt}, expected {expected}, at most {MOST_ATTEMPTS}"
-        )));
-    }
-    let text = std::str::from_utf8(&body).map_err(|e| Refused::NotThis(e.to_string()))?;
-    let parts = parts(&shared.seat, &found, text).map_err(Refused::NotThis)?;
-    let who = &person.participant;
-    match &parts.header {
-        Some(header) => store.begin(who, step, attempt, header)?,
-        None if !before => {
-            let why = "a piece before the head of its drive";
-            return Err(Refused::NotThis(why.to_owned()));
+    let kept = shared.blocking(move |seat| take(seat, (&token, &tab), (step, attempt), &body));
+    Ok(json(&kept.await?))
+}
+
+/// Takes in what a tab sends of an attempt, all of it or nothing.
+fn take(
+    seat: &Seat,
+    (token, tab): (&str, &str),
+    (step, attempt): (usize, u32),
+    body: &[u8],
+) -> Answered<u64> {
+    let text = std::str::from_utf8(body).map_err(|e| Refused::NotThis(e.to_string()))?;
+    let (_, found) = seat.store.look(|b| b.at(token, step))?;
+    let parts = parts(seat, &found, text).map_err(Refused::NotThis)?;
+    seat.store.within(|b| {
+        let (person, _) = b.at(token, step)?;
+        let (who, place) = (&person.participant, (step, attempt));
+        // What another tab kept while the network was gone is brought by the one that has the page now.
+        if !b.claimed(token, tab)? {
+            return Err(Refused::OtherTab);
         }
-        None => {}
-    }
-    let kept = store.keep(who, (step, attempt), &parts.pieces)?;
-    if let Some((at, end)) = &parts.end
-        && *at == kept
-    {
-        store.end(who, (step, attempt), end)?;
-    }
-    Ok(json(&kept))
+        let begun = b.begun(who, step)?;
+        let before = begun.iter().any(|b| b.attempt == attempt);
+        let expected = begun.last().map_or(1, |b| b.attempt + 1);
+        if !before && (attempt != expected || attempt > MOST_ATTEMPTS) {
+            return Err(Refused::NotThis(format!(
+                "attempt {attempt}, expected {expected}, at most {MOST_ATTEMPTS}"
+            )));
+        }
+        match &parts.header {
+            Some(header) => b.begin(who, place, header)?,
+            None if !before => {
+                let why = "a piece before the head of its drive";
+                return Err(Refused::NotThis(why.to_owned()));
+            }
+            None => {}
+        }
+        // Another drive of the same attempt: of a tab that was open beside this one.
+        let kept = b
+            .keep(who, place, &parts.pieces)?
+            .ok_or(Refused::OtherTab)?;
+        let begun = b.begun(who, step)?;
+        let bytes = begun
+            .iter()
+            .filter(|b| b.attempt == attempt)
+            .map(|b| b.bytes)
+            .sum::<u64>();
+        let ticks = found.world().map_or(0, |(_, s)| most_ticks(s));
+        if bytes > most_bytes(kept)
+            || begun.iter().map(|b| b.bytes).sum::<u64>() > most_bytes_of_step(ticks)
+        {
+            return Err(Refused::NotThis(format!(
+                "{bytes} bytes for {kept} steps: more than a drive can have"
+            )));
+        }
+        if let Some((at, end)) = &parts.end
+            && *at == kept
+        {
+            b.end(who, place, end)?;
+        }
+        Ok(kept)
+    })
+}
+
+fn most_ticks(seconds: f64) -> u64 {
+    (seconds * TICKS_PER_S).ceil() as u64
 }
 
 /// The lines of a drive, each looked at: what is wrong with the first that cannot be of this step.
@@ -70,7 +108,7 @@ pub(crate) fn parts(seat: &Seat, found: &Step, text: &str) -> Result<Parts, Stri
     let Some((seed, seconds)) = found.world() else {
         return Err("nothing is driven here".to_owned());
     };
-    let most = (seconds * TICKS_PER_S).ceil() as u64;
+    let most = most_ticks(seconds);
     let by_hand = !matches!(found, Step::Ride { .. });
     let mut parts = Parts::default();
     for line in text.lines() {
@@ -88,6 +126,12 @@ pub(crate) fn parts(seat: &Seat, found: &Step, text: &str) -> Result<Parts, Stri
             let after = chunk.from_tick.saturating_add(chunk.ticks);
             if after > most || given != if by_hand { chunk.ticks } else { 0 } || chunk.ticks == 0 {
                 return Err("a piece that this drive cannot have".to_owned());
+            }
+            let (events, most) = (chunk.events.len(), MOST_EVENTS + chunk.ticks as usize);
+            if events > most || chunk.events.iter().any(|e| e.what.len() > LONGEST_EVENT) {
+                return Err(format!(
+                    "{events} events in a piece, expected at most {most}, each of at most {LONGEST_EVENT} letters"
+                ));
             }
             parts
                 .pieces
@@ -128,7 +172,10 @@ fn check_header(
 pub(crate) fn style(fit: &Fit) -> Result<String, String> {
     let mut numbers = fit.embedding.iter().chain(fit.covariance.iter().flatten());
     let length = fit.embedding.len();
-    if length == 0 || length > MOST_COORDINATES || !numbers.all(|n| n.is_finite()) {
+    let spread = fit.covariance.as_ref().map_or(0, Vec::len);
+    let most = MOST_COORDINATES * MOST_COORDINATES;
+    let sizes = (1..=MOST_COORDINATES).contains(&length) && spread <= most;
+    if !sizes || !numbers.all(|n| n.is_finite()) {
         return Err("no style".to_owned());
     }
     serde_json::to_string(fit).map_err(|e| e.to_string())

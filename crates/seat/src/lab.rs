@@ -1,113 +1,143 @@
 //! The experimenter's page: who is where, and the link for the next person.
 
 use crate::{
-    above,
-    request::{Refused, Shared},
+    above, assets, entrance,
+    markup::{form_field, html, plain, to_lab},
+    person::Person,
+    refusals::Refusal,
+    request::{Answered, Refused, Shared},
+    seat::Seat,
     steps::Step,
-    token,
+    withdrawal::LASTING,
 };
 use axum::{
     Router,
     body::Bytes,
-    extract::{Path, State},
-    http::{HeaderMap, HeaderValue, StatusCode, header},
+    extract::{Path, Request, State},
+    http::{HeaderValue, header},
+    middleware::{self, Next},
     response::{IntoResponse, Response},
     routing::{get, post},
 };
 use std::fmt::Write as _;
 
-/// Name of the cookie that says that the password was given.
-const COOKIE: &str = "lab";
-
-pub(crate) fn routes() -> Router<Shared> {
-    Router::new()
+/// The pages of the laboratory; all but the door are for whoever gave the password.
+pub(crate) fn routes(shared: &Shared) -> Router<Shared> {
+    let inside = Router::new()
         .route("/lab", get(page))
-        .route("/lab/enter", post(enter))
+        .route("/lab/live", get(live))
         .route("/lab/next", post(next))
         .route("/lab/note", post(note))
-        .route("/lab/stop", post(stop))
+        .route("/lab/stop", get(asks_to_stop).post(stop))
+        .route(
+            "/lab/forget/{participant}",
+            get(asks_to_forget).post(forget),
+        )
         .route("/lab/above/{participant}", get(from_above))
         .route("/lab/answers.csv", get(answers))
+        .route_layer(middleware::from_fn_with_state(shared.clone(), inside));
+    inside.route("/lab/enter", post(entrance::enter))
+}
+
+/// Shows the door to whoever has not given the password.
+async fn inside(State(shared): State<Shared>, request: Request, next: Next) -> Response {
+    if shared.entered(request.headers()).await {
+        next.run(request).await
+    } else if request.uri().path() == "/lab" {
+        entrance::door(false)
+    } else {
+        to_lab()
+    }
 }
 
 /// Things that happened, and letters of a note.
 const SHOWN: u32 = 200;
 const LONGEST_NOTE: usize = 1_000;
 
-/// Whether the cookie is that of the password.
-fn entered(shared: &Shared, headers: &HeaderMap) -> bool {
-    let Some(password) = &shared.seat.settings.password else {
-        return false;
-    };
-    let expected = token::sha256(&format!("lab {password}"));
-    let cookies = headers.get(header::COOKIE).and_then(|c| c.to_str().ok());
-    cookies.is_some_and(|all| {
-        all.split("; ")
-            .filter_map(|c| c.strip_prefix(COOKIE)?.strip_prefix('='))
-            .any(|value| token::same_secret(value, &expected))
-    })
-}
-
-fn html(body: &str) -> Response {
-    let page = format!(
-        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Laboratory</title>\
-         <link rel=\"stylesheet\" href=\"/page/page.css\"><main>{body}</main></html>"
-    );
-    ([(header::CONTENT_TYPE, "text/html; charset=utf-8")], page).into_response()
-}
-
-/// Text that cannot become markup.
-fn plain(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
-}
-
-async fn page(State(shared): State<Shared>, headers: HeaderMap) -> Result<Response, Refused> {
-    if !entered(&shared, &headers) {
-        return Ok(html(
-            "<h1>Laboratory</h1><form method=\"post\" action=\"/lab/enter\">\
-             <label>Password <input type=\"password\" name=\"password\" autofocus></label> <button>Enter</button></form>",
-        ));
-    }
+async fn page(State(shared): State<Shared>) -> Answered<Response> {
     let title = plain(shared.seat.settings.design.title());
-    let mut rows = String::new();
-    for person in shared.seat.store.everybody()? {
-        let order: Vec<String> = person.rides().iter().map(|ride| plain(ride)).collect();
-        let of = person.steps.len();
-        let place = match (&person.ended, person.steps.get(person.at)) {
-            (Some(how), _) => plain(how),
-            (None, Some(step)) => format!("step {} of {of}: {}", person.at + 1, what(step)),
-            (None, None) => "at the end".to_owned(),
-        };
-        let (link, who) = (format!("/p/{}", person.token), plain(&person.participant));
-        let _ = write!(
-            rows,
-            "<tr><td><a href=\"/lab/above/{who}\">{who}</a><td>{place}<td>{}<td><a href=\"{link}\">{link}</a>",
-            order.join(", ")
-        );
-    }
-    let mut happened = String::new();
-    for (who, what) in shared.seat.store.events(SHOWN)? {
-        let who = who.map_or_else(String::new, |who| plain(&who));
-        let _ = write!(happened, "<tr><td>{who}<td>{}", plain(&what));
-    }
     let phase = if shared.seat.rides() {
         ""
     } else {
         "<p>Nobody rides: people drive by hand alone.</p>"
     };
+    let live = what_may_change(&shared).await?;
     Ok(html(&format!(
-        "<h1>{title}</h1>{phase}<form method=\"post\" action=\"/lab/next\"><button>Link for the next person</button></form>\
-         <table><thead><tr><th>Person<th>Where<th>Order<th>Link<tbody>{rows}</table>\
-         <h2>What happened</h2>\
+        "<h1>{title}</h1>{phase}<p id=\"silent\" role=\"alert\" hidden>The seat does not answer: what stands here may be old.</p>\
+         <form method=\"post\" action=\"/lab/next\"><button>Link for the next person</button></form>\
          <form method=\"post\" action=\"/lab/note\"><label>A note of yours <input name=\"note\" maxlength=\"{LONGEST_NOTE}\" size=\"60\"></label> \
-         <button>Write down</button></form>\
-         <table><thead><tr><th>Person<th>What, the newest first<tbody>{happened}</table>\
+         <button>Write down</button></form><div id=\"live\">{live}</div>\
          <h2>The study</h2><p><a href=\"/lab/answers.csv\">Answers so far</a></p>\
-         <form method=\"post\" action=\"/lab/stop\"><button>Close the seat</button></form>"
+         <p><a href=\"/lab/stop\">Close the seat …</a></p><script type=\"module\" src=\"{}\"></script>",
+        assets::address("lab.js")
     )))
+}
+
+async fn live(State(shared): State<Shared>) -> Answered<Response> {
+    let kind = [(header::CONTENT_TYPE, "text/html; charset=utf-8")];
+    Ok((kind, what_may_change(&shared).await?).into_response())
+}
+
+/// Who is where, what was refused, what happened. What was refused is shown even where nothing can be read.
+async fn what_may_change(shared: &Shared) -> Answered<String> {
+    let mut page = refused(&shared.refusals.newest_first());
+    let read = shared.blocking(|seat| {
+        seat.store
+            .look(|b| Ok::<_, Refused>((b.everybody()?, b.events(SHOWN)?)))
+    });
+    let (people, events) = match read.await {
+        Ok(read) => read,
+        Err(Refused::Failed(error)) => {
+            let _ = write!(page, "<p role=\"alert\">{}</p>", plain(&error.to_string()));
+            return Ok(page);
+        }
+        Err(other) => return Err(other),
+    };
+    page += "<table><thead><tr><th>Person<th>Where<th>Order<th>Link<th><tbody>";
+    page.extend(people.iter().map(row));
+    page += "</table><h2>What happened</h2><table><thead><tr><th>Person<th>What, the newest first<tbody>";
+    for (who, what) in events {
+        let who = who.map_or_else(String::new, |who| plain(&who));
+        let _ = write!(page, "<tr><td>{who}<td>{}", plain(&what));
+    }
+    page += "</table>";
+    Ok(page)
+}
+
+/// What the server refused or could not keep.
+fn refused(all: &[Refusal]) -> String {
+    if all.is_empty() {
+        return String::new();
+    }
+    let mut table = "<h2>What was refused, or could not be kept</h2><table><thead><tr><th>Person<th>What<th>How often<th>Last<tbody>".to_owned();
+    for refusal in all {
+        let who = refusal.participant.as_deref().unwrap_or("somebody");
+        let _ = write!(
+            table,
+            "<tr><td>{}<td>{}<td>{} times<td>{} s ago",
+            plain(who),
+            plain(&refusal.why),
+            refusal.times,
+            refusal.ago().as_secs()
+        );
+    }
+    table + "</table>"
+}
+
+fn row(person: &Person) -> String {
+    let order: Vec<String> = person.rides().iter().map(|ride| plain(ride)).collect();
+    let steps = person.steps.len();
+    let place = match (&person.ended, person.steps.get(person.at)) {
+        (Some(how), _) => plain(how),
+        (None, Some(step)) => format!("step {} of {steps}: {}", person.at + 1, what(step)),
+        (None, None) => "at the end".to_owned(),
+    };
+    let (link, who) = (format!("/p/{}", person.token), plain(&person.participant));
+    format!(
+        "<tr><td><a href=\"/lab/above/{who}\">{who}</a><td>{place}<td>{}<td><a href=\"{link}\">{link}</a>\
+         <td><a href=\"/lab/forget/{who}\">Forget …</a>",
+        order.join(", ")
+    )
 }
 
 fn what(step: &Step) -> &'static str {
@@ -122,83 +152,26 @@ fn what(step: &Step) -> &'static str {
     }
 }
 
-fn to_lab(cookie: Option<String>) -> Response {
-    let mut response = (StatusCode::SEE_OTHER, [(header::LOCATION, "/lab")]).into_response();
-    if let Some(value) = cookie.and_then(|c| c.parse().ok()) {
-        response.headers_mut().insert(header::SET_COOKIE, value);
-    }
-    response
-}
-
-async fn enter(State(shared): State<Shared>, body: Bytes) -> Response {
-    // One field of a form; a password of letters, digits and - _ needs no decoding, others are decoded.
-    let given = form_field(&body, "password");
-    let right = shared
-        .seat
-        .settings
-        .password
-        .as_deref()
-        .zip(given.as_deref());
-    if right.is_some_and(|(password, given)| token::same_secret(given, password)) {
-        let password = shared.seat.settings.password.as_deref().unwrap_or_default();
-        let value = token::sha256(&format!("lab {password}"));
-        let secure = match shared.wire.scheme() {
-            "https" => "; Secure",
-            _ => "",
-        };
-        return to_lab(Some(format!(
-            "{COOKIE}={value}; Path=/lab; HttpOnly; SameSite=Strict{secure}"
-        )));
-    }
-    // Whoever guesses waits, and others who guess behind them.
-    let _line = shared.guesses.lock().await;
-    tokio::time::sleep(std::time::Duration::from_millis(500)).await;
-    to_lab(None)
-}
-
-/// A field of a form, as browsers encode it.
-fn form_field(body: &[u8], name: &str) -> Option<String> {
-    let text = std::str::from_utf8(body).ok()?;
-    let field = text
-        .split('&')
-        .find_map(|f| f.strip_prefix(name)?.strip_prefix('='))?;
-    let mut bytes = Vec::new();
-    let mut rest = field.bytes();
-    while let Some(byte) = rest.next() {
-        bytes.push(match byte {
-            b'+' => b' ',
-            b'%' => {
-                let digits = [rest.next()?, rest.next()?];
-                u8::from_str_radix(std::str::from_utf8(&digits).ok()?, 16).ok()?
-            }
-            plain => plain,
-        });
-    }
-    String::from_utf8(bytes).ok()
-}
-
-async fn next(State(shared): State<Shared>, headers: HeaderMap) -> Result<Response, Refused> {
-    if !entered(&shared, &headers) {
-        return Ok(to_lab(None));
-    }
-    shared.seat.let_in()?;
-    Ok(to_lab(None))
+async fn next(State(shared): State<Shared>) -> Answered<Response> {
+    shared
+        .blocking(|seat| seat.let_in().map_err(Refused::from))
+        .await?;
+    Ok(to_lab())
 }
 
 /// What somebody drives now, or drove last.
 async fn from_above(
     State(shared): State<Shared>,
-    headers: HeaderMap,
     Path(participant): Path<String>,
-) -> Result<Response, Refused> {
-    if !entered(&shared, &headers) {
-        return Ok(to_lab(None));
-    }
-    let Some(last) = shared.seat.store.last_drive(&participant)? else {
-        return Err(Refused::NotThis("nothing was driven yet".to_owned()));
-    };
-    let lines = shared.seat.store.record(&participant, last)?;
-    let drawn = shared.blocking(move |_| Ok(above::picture(&lines)));
+) -> Answered<Response> {
+    let who = participant.clone();
+    let drawn = shared.blocking(move |seat| {
+        let lines = seat.store.look(|b| match b.last_drive(&who)? {
+            Some(last) => Ok(b.record(&who, last)?),
+            None => Err(Refused::NotThis("nothing was driven yet".to_owned())),
+        })?;
+        Ok::<_, Refused>(above::picture(&lines))
+    });
     let drawn = drawn
         .await?
         .unwrap_or_else(|error| format!("<p>{}</p>", plain(&error.to_string())));
@@ -211,13 +184,10 @@ async fn from_above(
     Ok(page)
 }
 
-async fn answers(State(shared): State<Shared>, headers: HeaderMap) -> Result<Response, Refused> {
-    if !entered(&shared, &headers) {
-        return Ok(to_lab(None));
-    }
+async fn answers(State(shared): State<Shared>) -> Answered<Response> {
     let text = shared.blocking(|seat| {
         seat.write_files()?;
-        seat.settings.files.answers()
+        Ok::<_, Refused>(seat.settings.files.answers()?)
     });
     let kind = [
         (header::CONTENT_TYPE, "text/csv; charset=utf-8"),
@@ -226,40 +196,64 @@ async fn answers(State(shared): State<Shared>, headers: HeaderMap) -> Result<Res
     Ok((kind, text.await?).into_response())
 }
 
-async fn stop(State(shared): State<Shared>, headers: HeaderMap) -> Response {
-    if !entered(&shared, &headers) {
-        return to_lab(None);
-    }
+async fn asks_to_stop(State(shared): State<Shared>) -> Answered<Response> {
+    let everybody =
+        shared.blocking(|seat| seat.store.look(|b| b.everybody().map_err(Refused::from)));
+    let everybody = everybody.await?;
+    let here = everybody.iter().filter(|p| p.ended.is_none()).count();
+    let who = match here {
+        0 => "Nobody is on the way.".to_owned(),
+        1 => "1 person has not ended, and cannot go on while it is closed.".to_owned(),
+        more => format!("{more} people have not ended, and cannot go on while it is closed."),
+    };
+    Ok(html(&format!(
+        "<h1>Close the seat?</h1><p>{who} Their links go on when it is opened again.</p>\
+         <form method=\"post\" action=\"/lab/stop\"><button>Close the seat</button></form><p><a href=\"/lab\">Back</a></p>"
+    )))
+}
+
+async fn stop(State(shared): State<Shared>) -> Response {
     shared.seat.stop();
     html("<h1>The seat is closed</h1><p>Everything that was given is in the study’s folder.</p>")
 }
 
-async fn note(
-    State(shared): State<Shared>,
-    headers: HeaderMap,
-    body: Bytes,
-) -> Result<Response, Refused> {
-    let text = form_field(&body, "note").unwrap_or_default();
-    let text: String = text.trim().chars().take(LONGEST_NOTE).collect();
-    if entered(&shared, &headers) && !text.is_empty() {
-        shared.seat.store.event(None, &format!("note: {text}"))?;
-    }
-    Ok(to_lab(None))
+async fn asks_to_forget(Path(participant): Path<String>) -> Response {
+    let who = plain(&participant);
+    html(&format!(
+        "<h1>Forget {who}?</h1><p>Everything that {who} gave is deleted: answers, drives, logs, style, and what was written down of them. \
+         Their id is left, so that nobody else gets it. {LASTING}</p>\
+         <form method=\"post\"><button>Forget {who}</button></form><p><a href=\"/lab\">Back</a></p>"
+    ))
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+async fn forget(
+    State(shared): State<Shared>,
+    Path(participant): Path<String>,
+) -> Answered<Response> {
+    let who = participant.clone();
+    let gone = shared.blocking(move |seat: &Seat| match seat.forget(&who) {
+        Err(error @ crate::SeatError::Nobody { .. }) => {
+            let help = error.suggestion().unwrap_or_default();
+            Err(Refused::NotThis(format!("{error}: {help}")))
+        }
+        other => Ok(other?),
+    });
+    let gone = gone.await?;
+    shared.refusals.forget(&participant);
+    Ok(html(&format!(
+        "<h1>{} is forgotten</h1><p>{}</p><p><a href=\"/lab\">Back</a></p>",
+        plain(&participant),
+        plain(gone.lasting)
+    )))
+}
 
-    #[test]
-    fn a_form_is_read_as_browsers_write_it_and_markup_stays_text() {
-        let given = |body: &str| form_field(body.as_bytes(), "password");
-        assert_eq!(given("password=a%26b+c").as_deref(), Some("a&b c"));
-        assert_eq!(given("other=1&password=x").as_deref(), Some("x"));
-        assert_eq!(given("password=%zz"), None);
-        assert_eq!(
-            plain("<b title=\"&\">"),
-            "&lt;b title=&quot;&amp;&quot;&gt;"
-        );
+async fn note(State(shared): State<Shared>, body: Bytes) -> Answered<Response> {
+    let text = form_field(&body, "note").unwrap_or_default();
+    let text: String = text.trim().chars().take(LONGEST_NOTE).collect();
+    if !text.is_empty() {
+        let text = format!("note: {text}");
+        let kept = shared.blocking(move |seat| seat.store.within(|b| b.event(None, &text)));
+        kept.await?;
     }
+    Ok(to_lab())
 }

@@ -1,6 +1,6 @@
 //! Somebody with a link: their steps, and how far they have come.
 
-use crate::steps::Step;
+use crate::{listed::Listed, steps::Step};
 
 /// Somebody with a link.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,16 +11,26 @@ pub(crate) struct Person {
     pub(crate) steps: Vec<Step>,
     /// The step they are at.
     pub(crate) at: usize,
-    /// How their part ended: `done`, `left`, `deleted`.
+    /// How their part ended: `done`, `left`.
     pub(crate) ended: Option<String>,
     /// Their style, as JSON.
     pub(crate) fit: Option<String>,
+    /// What stands of them in the study's table of people.
+    pub(crate) listed: Listed,
 }
 
 impl Person {
-    /// Whether what they gave is kept.
-    pub(crate) fn kept(&self) -> bool {
-        self.ended.as_deref() != Some("deleted")
+    /// Somebody at the first of their steps.
+    pub(crate) fn new(token: String, participant: String, steps: Vec<Step>) -> Self {
+        Self {
+            token,
+            participant,
+            steps,
+            at: 0,
+            ended: None,
+            fit: None,
+            listed: Listed::NotYet,
+        }
     }
 
     /// The conditions that they ride, in their order.
@@ -44,6 +54,7 @@ impl Person {
             at: row.get::<_, i64>(3)? as usize,
             ended: row.get(4)?,
             fit: row.get(5)?,
+            listed: Listed::read(row.get(6)?),
         })
     }
 }

@@ -1,12 +1,19 @@
 //! What every request has: the seat, who asks, and how they are answered.
 
-use crate::{error::SeatError, person::Person, seat::Seat, steps::Step, token, wire::Wire};
+use crate::{
+    books::Books, error::SeatError, person::Person, refusals::Refusals, seat::Seat, steps::Step,
+    wire::Wire,
+};
 use axum::{
     http::{StatusCode, header},
     response::{IntoResponse, Response},
 };
 use serde::{Deserialize, Serialize};
-use std::{net::SocketAddr, sync::Arc};
+use std::{
+    collections::{BTreeMap, VecDeque},
+    net::SocketAddr,
+    sync::{Arc, Mutex},
+};
 
 /// What every request is answered from.
 #[derive(Clone)]
@@ -17,20 +24,29 @@ pub(crate) struct Shared {
     pub(crate) wire: Wire,
     /// Whoever gives a wrong password waits in this line.
     pub(crate) guesses: Arc<tokio::sync::Mutex<()>>,
+    /// The cookies that were given for the right password.
+    pub(crate) entered: Arc<Mutex<VecDeque<String>>>,
+    /// Requests of each person that are not answered yet.
+    pub(crate) unanswered: Arc<Mutex<BTreeMap<String, usize>>>,
+    pub(crate) refusals: Arc<Refusals>,
 }
 
-/// What went wrong with a request, on its way to the list of events.
+/// What went wrong with a request, on its way to whoever runs the study.
 #[derive(Clone)]
 pub(crate) struct Why(pub(crate) String);
 
 /// Why a request is refused.
 pub(crate) enum Refused {
-    /// Nobody has this link, or their part is over.
+    /// Nobody has this link.
     NoSuchPerson,
+    /// Their part is over.
+    Over,
     /// What was sent is not what the step may send.
     NotThis(String),
     /// Another tab has the page.
     OtherTab,
+    /// It can no longer be done.
+    TooLate(String),
     /// Our own fault.
     Failed(SeatError),
 }
@@ -43,20 +59,31 @@ impl From<SeatError> for Refused {
 
 impl IntoResponse for Refused {
     fn into_response(self) -> Response {
-        match self {
-            Self::NoSuchPerson => (StatusCode::NOT_FOUND, "no such link").into_response(),
-            Self::NotThis(why) => (StatusCode::BAD_REQUEST, why).into_response(),
-            Self::OtherTab => {
-                (StatusCode::CONFLICT, "this study is open in another tab").into_response()
-            }
+        let (status, shown, why) = match self {
+            Self::NoSuchPerson => (StatusCode::NOT_FOUND, "no such link".to_owned(), None),
+            Self::Over => (
+                StatusCode::GONE,
+                "this part of the study is over".to_owned(),
+                None,
+            ),
+            Self::NotThis(why) => (StatusCode::BAD_REQUEST, why, None),
+            Self::OtherTab => (
+                StatusCode::CONFLICT,
+                "this study is open in another tab".to_owned(),
+                None,
+            ),
+            Self::TooLate(why) => (StatusCode::FORBIDDEN, why, None),
             // What went wrong here is the experimenter's to read, not the person's.
-            Self::Failed(error) => {
-                let told = "this could not be kept; please tell whoever runs the study";
-                let mut response = (StatusCode::INTERNAL_SERVER_ERROR, told).into_response();
-                response.extensions_mut().insert(Why(error.to_string()));
-                response
-            }
-        }
+            Self::Failed(error) => (
+                StatusCode::INTERNAL_SERVER_ERROR,
+                "this could not be kept; please tell whoever runs the study".to_owned(),
+                Some(error.to_string()),
+            ),
+        };
+        let why = Why(why.unwrap_or_else(|| shown.clone()));
+        let mut response = (status, shown).into_response();
+        response.extensions_mut().insert(why);
+        response
     }
 }
 
@@ -72,34 +99,33 @@ pub(crate) fn read<'a, T: Deserialize<'a>>(body: &'a [u8]) -> Answered<T> {
 }
 
 impl Shared {
-    /// Does what takes longer than a request should keep others waiting.
-    pub(crate) async fn blocking<T: Send + 'static>(
+    /// Does what asks the seat's file or takes long, off the threads that serve connections.
+    pub(crate) async fn blocking<T: Send + 'static, E: From<SeatError> + Send + 'static>(
         &self,
-        work: impl FnOnce(&Seat) -> Result<T, SeatError> + Send + 'static,
-    ) -> Answered<T> {
+        work: impl FnOnce(&Seat) -> Result<T, E> + Send + 'static,
+    ) -> Result<T, E> {
         let seat = Arc::clone(&self.seat);
         let done = tokio::task::spawn_blocking(move || work(&seat)).await;
         // A panic there is a bug, said as such and no further.
-        Ok(done.map_err(|e| SeatError::Unfinished {
+        done.map_err(|e| SeatError::Unfinished {
             problem: e.to_string(),
-        })??)
+        })?
+    }
+}
+
+impl Books<'_> {
+    /// The person of a link.
+    pub(crate) fn somebody(&self, token: &str) -> Answered<Person> {
+        self.person(token)?.ok_or(Refused::NoSuchPerson)
     }
 
-    pub(crate) fn person(&self, token: &str) -> Answered<Person> {
-        let known = token::possible(token).then(|| self.seat.store.person(token));
-        known.transpose()?.flatten().ok_or(Refused::NoSuchPerson)
-    }
-
-    /// Somebody whose part is not over, at the step that they say.
+    /// Somebody at the step that they say. A step that lies behind may come again: the reply was lost.
     pub(crate) fn at(&self, token: &str, step: usize) -> Answered<(Person, Step)> {
-        let person = self.person(token)?;
-        if person.ended.is_some() {
-            return Err(Refused::NoSuchPerson);
-        }
-        let found = person.steps.get(step).cloned();
-        // A step that lies behind may come again: the reply was lost.
-        match found.filter(|_| step <= person.at) {
-            Some(found) => Ok((person, found)),
+        let person = self.somebody(token)?;
+        let there = person.steps.get(step).cloned();
+        match there.filter(|_| step <= person.at) {
+            Some(_) if person.ended.is_some() && step >= person.at => Err(Refused::Over),
+            Some(there) => Ok((person, there)),
             None => Err(Refused::NotThis(format!(
                 "step {step}, expected at most {}",
                 person.at

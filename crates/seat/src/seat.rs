@@ -1,13 +1,17 @@
 //! What the seat is: a study's steps for each person, and where everything is kept.
 
 use crate::{
+    books::Books,
     error::SeatError,
     files::Files,
+    listed::Listed,
     parts::Carried,
     person::Person,
     steps::{self, Step, Texts},
     store::Store,
+    tables::{Given, Standing},
     token,
+    withdrawal::Withdrawal,
 };
 use maveric_domain::{
     Design, Scale,
@@ -17,6 +21,7 @@ use maveric_domain::{
 use maveric_model::{Model, model_file, style_space::LinearHead};
 use maveric_simulator::Scenario;
 use std::{
+    collections::{BTreeMap, BTreeSet},
     path::Path,
     sync::{
         Mutex, MutexGuard, PoisonError,
@@ -46,16 +51,26 @@ pub struct SeatSettings {
     pub password: Option<String>,
 }
 
+/// Whose links there are.
+#[derive(Debug, Default)]
+struct Links {
+    /// Token and id.
+    people: BTreeMap<String, String>,
+    /// Digests of the tokens of who is forgotten.
+    forgotten: BTreeSet<String>,
+}
+
 /// A seat that is open.
 pub struct Seat {
     pub(crate) settings: SeatSettings,
     pub(crate) store: Store,
     pub(crate) scenario_json: String,
     pub(crate) model: Option<Model>,
+    links: Mutex<Links>,
     /// Whether the experimenter has closed it.
     stopping: AtomicBool,
-    /// One at a time lets people in, so that each has an id and a place in the square of their own.
-    door: Mutex<()>,
+    /// Whether the model that rides learned from somebody who is forgotten since.
+    model_refused: AtomicBool,
     /// How often the files were asked for, and which asking the last writing answered.
     asked: AtomicU64,
     written: Mutex<u64>,
@@ -73,6 +88,16 @@ impl Seat {
     /// [`SeatError::Store`] if the file cannot be opened; [`SeatError::Model`] for a model that is none; [`SeatError::Protocol`] if the
     /// study cannot be run in the seat; [`SeatError::Study`] if its tables cannot be read.
     pub fn open(path: &Path, settings: SeatSettings) -> Result<Self, SeatError> {
+        if settings
+            .password
+            .as_ref()
+            .is_some_and(|p| p.trim().is_empty())
+        {
+            return Err(SeatError::Protocol {
+                problem: "the password of the experimenter's page is empty".to_owned(),
+                help: Some("give one, or leave it out: then one is made up and printed".to_owned()),
+            });
+        }
         let model = settings.model.as_deref().map(model_file::from_bytes);
         let seat = Self {
             store: Store::open(path)?,
@@ -84,19 +109,53 @@ impl Seat {
             })?,
             model: model.transpose()?,
             settings,
+            links: Mutex::default(),
             stopping: AtomicBool::new(false),
-            door: Mutex::new(()),
+            model_refused: AtomicBool::new(false),
             asked: AtomicU64::new(0),
             written: Mutex::new(0),
         };
         seat.check()?;
+        *held(&seat.links) = seat.store.look(|b| {
+            let people = b.everybody()?.into_iter();
+            Ok::<_, SeatError>(Links {
+                people: people.map(|p| (p.token, p.participant)).collect(),
+                forgotten: b.links_forgotten()?,
+            })
+        })?;
         // What a killed seat had promised to take away.
-        for person in seat.store.everybody()?.iter().filter(|p| !p.kept()) {
-            seat.settings.files.forget(&person.participant)?;
-        }
+        seat.forget_the_rest()?;
         // What a killed seat had taken in and not written yet.
         seat.write_files()?;
         Ok(seat)
+    }
+
+    /// The id of whoever has a link.
+    pub(crate) fn whose(&self, token: &str) -> Option<String> {
+        held(&self.links).people.get(token).cloned()
+    }
+
+    /// Whether a link leads, or once led, to somebody.
+    pub(crate) fn has_link(&self, token: &str) -> bool {
+        let links = held(&self.links);
+        links.people.contains_key(token)
+            || token::possible(token) && links.forgotten.contains(&token::sha256(token))
+    }
+
+    fn add_link(&self, person: &Person) {
+        let (token, id) = (person.token.clone(), person.participant.clone());
+        held(&self.links).people.insert(token, id);
+    }
+
+    pub(crate) fn forget_link(&self, token: &str) {
+        let mut links = held(&self.links);
+        links.people.remove(token);
+        links.forgotten.insert(token::sha256(token));
+    }
+
+    /// Until when people can take back what they gave.
+    pub(crate) fn withdrawal(&self) -> Withdrawal {
+        Withdrawal::of(self.settings.design.protocol().withdraw_until.as_deref())
     }
 
     /// Closes the seat: whoever serves it ends.
@@ -107,6 +166,28 @@ impl Seat {
     /// Whether it was closed.
     pub(crate) fn stopping(&self) -> bool {
         self.stopping.load(Ordering::Relaxed)
+    }
+
+    /// Nobody rides any more by a model that learned from somebody who is forgotten.
+    pub(crate) fn refuse_model(&self) {
+        self.model_refused.store(true, Ordering::Relaxed);
+    }
+
+    /// The model for a page.
+    ///
+    /// # Errors
+    /// [`SeatError::Protocol`] if it learned from somebody who is forgotten.
+    pub(crate) fn model_for_page(&self) -> Result<Vec<u8>, SeatError> {
+        if self.model_refused.load(Ordering::Relaxed) {
+            return Err(SeatError::Protocol {
+                problem: "the model that rides learned from somebody who is forgotten".to_owned(),
+                help: Some(
+                    "close the seat, learn it anew (`maveric run train`), and open the seat again"
+                        .to_owned(),
+                ),
+            });
+        }
+        Ok(self.settings.model.clone().unwrap_or_default())
     }
 
     /// Whether people ride, or drive by hand alone so that a model can learn from them.
@@ -175,11 +256,14 @@ impl Seat {
         }
     }
 
-    /// The next id that nobody has, here or in the study's table of people.
-    fn next_id(&self, here: &[Person]) -> Result<String, SeatError> {
-        let elsewhere = self.settings.files.people()?;
-        let taken =
-            |id: &String| elsewhere.contains(id) || here.iter().any(|p| p.participant == *id);
+    /// The next id that nobody has or had, here or in the study's table of people.
+    fn next_id(&self, b: &Books<'_>, here: &[Person]) -> Result<String, SeatError> {
+        let (elsewhere, forgotten) = (self.settings.files.people()?, b.forgotten()?);
+        let taken = |id: &String| {
+            elsewhere.contains(id)
+                || forgotten.contains(id)
+                || here.iter().any(|p| p.participant == *id)
+        };
         let mut ids = (here.len() + 1..).map(|number| format!("P{number:03}"));
         Ok(ids.find(|id| !taken(id)).unwrap_or_default())
     }
@@ -191,16 +275,18 @@ impl Seat {
         steps: &[Step],
         given: &Carried,
     ) -> Result<Person, SeatError> {
-        let _alone = held(&self.door);
-        let person = Person {
-            token: token.to_owned(),
-            participant: self.next_id(&self.store.everybody()?)?,
-            steps: steps.to_vec(),
-            at: steps.len(),
-            ended: Some(given.ended.clone()),
-            fit: given.style.clone(),
-        };
-        self.store.take_in(&person, given)?;
+        let person = self.store.within(|b| {
+            let participant = self.next_id(b, &b.everybody()?)?;
+            let person = Person {
+                at: steps.len(),
+                ended: Some(given.ended.clone()),
+                fit: given.style.clone(),
+                ..Person::new(token.to_owned(), participant, steps.to_vec())
+            };
+            b.take_in(&person, given)?;
+            Ok::<_, SeatError>(person)
+        })?;
+        self.add_link(&person);
         Ok(person)
     }
 
@@ -209,16 +295,27 @@ impl Seat {
     /// # Errors
     /// [`SeatError::Store`], [`SeatError::Random`]; [`SeatError::Study`] if the table cannot be read.
     pub fn let_in(&self) -> Result<String, SeatError> {
-        let _alone = held(&self.door);
-        let here = self.store.everybody()?;
-        let participant = self.next_id(&here)?;
-        let riders = here.iter().filter(|p| !p.rides().is_empty()).count();
-        let steps = self.steps_of(&participant, riders)?;
+        if self.rides() {
+            self.model_for_page()?;
+        }
         let token = token::new()?;
-        // Steps are made of what was checked.
-        let steps = serde_json::to_string(&steps).unwrap_or_default();
-        self.store.add(&token, &participant, &steps)?;
+        let person = self.store.within(|b| {
+            let here = b.everybody()?;
+            let participant = self.next_id(b, &here)?;
+            let riders = here.iter().filter(|p| !p.rides().is_empty()).count();
+            let steps = self.steps_of(&participant, riders)?;
+            let person = Person::new(token.clone(), participant, steps);
+            b.add(&person)?;
+            Ok::<_, SeatError>(person)
+        })?;
+        self.add_link(&person);
         Ok(token)
+    }
+
+    /// Does something to the study's files while nobody writes answers and people into them.
+    pub(crate) fn without_writing<T>(&self, work: impl FnOnce(&Files) -> T) -> T {
+        let _alone = held(&self.written);
+        work(&self.settings.files)
     }
 
     /// Writes answers and people as `maveric run` reads them; who asks while they are being written waits for one further writing.
@@ -232,15 +329,51 @@ impl Seat {
             return Ok(());
         }
         let answered = self.asked.load(Ordering::SeqCst);
-        let mut given = Vec::new();
-        for person in self.store.everybody()? {
-            let answers = self.store.answers(&person.participant)?;
-            given.push((person, answers));
-        }
+        let given = self.store.look(|b| {
+            let people = b.everybody()?.into_iter();
+            let with_answers = |p: Person| Ok((b.answers(&p.participant)?, p));
+            people
+                .map(with_answers)
+                .collect::<Result<Vec<_>, SeatError>>()
+        })?;
+        let given = given.into_iter().map(|(answers, person)| (person, answers));
+        let given: Vec<_> = given.collect();
         if !given.is_empty() {
-            self.settings.files.write(&given)?;
+            let listed = self.settings.files.write(&given)?;
+            self.store
+                .within(|b| self.keep_listed(b, &given, &listed))?;
         }
         *written = answered;
+        Ok(())
+    }
+
+    /// Keeps what stands in the study's tables now; says whose rows somebody took out by hand.
+    fn keep_listed(
+        &self,
+        b: &Books<'_>,
+        given: &[Given],
+        listed: &Standing,
+    ) -> Result<(), SeatError> {
+        for (person, sheets) in given {
+            let who = &person.participant;
+            let now = listed.person(person);
+            if now != person.listed {
+                b.list_person(who, now)?;
+                if now == Listed::TakenOut {
+                    let table = self.settings.files.name_of_people();
+                    let text = format!(
+                        "taken out of {table} by hand: not written back; what the seat has of them goes when they are forgotten"
+                    );
+                    b.event(Some(who), &text)?;
+                }
+            }
+            for sheet in sheets {
+                let now = listed.sheet(person, sheet);
+                if now != sheet.listed {
+                    b.list_answer((who, sheet.step), now)?;
+                }
+            }
+        }
         Ok(())
     }
 
@@ -254,12 +387,8 @@ impl Seat {
     /// # Errors
     /// As [`Seat::let_in`].
     pub fn only_person(&self) -> Result<String, SeatError> {
-        match self
-            .store
-            .everybody()?
-            .into_iter()
-            .find(|p: &Person| p.ended.is_none())
-        {
+        let first = |people: Vec<Person>| people.into_iter().find(|p| p.ended.is_none());
+        match self.store.look(|b| b.everybody().map(first))? {
             Some(person) => Ok(person.token),
             None => self.let_in(),
         }

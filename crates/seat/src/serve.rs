@@ -1,25 +1,26 @@
 //! The server: the page, and what it sends.
 
-#[cfg(feature = "tls")]
-use crate::wire::tls::Encrypted;
 use crate::{
     among_others::AmongOthers,
-    assets,
+    assets, connections,
     error::SeatError,
-    intake, lab, origin,
-    request::{Answered, Refused, Shared, Why, json, read},
+    guard, intake, lab, markup,
+    person::Person,
+    refusals::Refusals,
+    request::{Answered, Refused, Shared, json, read},
     seat::Seat,
     sheet::Sheet,
-    steps::Step,
+    steps::{self, Step},
     token,
     wire::Wire,
+    withdrawal::Withdrawal,
 };
 use axum::{
     Router,
     body::{Body, Bytes},
-    extract::{DefaultBodyLimit, Path, Request, State},
-    http::{HeaderValue, StatusCode, header},
-    middleware::{self, Next},
+    extract::{DefaultBodyLimit, Path, State},
+    http::{HeaderMap, header},
+    middleware,
     response::{IntoResponse, Response},
     routing::{get, post},
 };
@@ -35,9 +36,6 @@ use std::{
     time::Duration,
 };
 
-/// Largest body that is taken, in bytes: some minutes of inputs that a page kept while the network was gone.
-const LARGEST_BODY: usize = 2 << 20;
-
 /// A server that listens.
 pub struct Serving {
     listener: tokio::net::TcpListener,
@@ -47,12 +45,17 @@ pub struct Serving {
     pub address: SocketAddr,
 }
 
-/// Listens on `address` for a seat.
+/// Listens on `address` for a seat; `tell` is told of whatever the server refuses or cannot keep.
 ///
 /// # Errors
 /// [`SeatError::Address`] if it cannot be listened on, or leads out of this machine where the wire is [`Wire::Here`]: what people type
 /// would travel in the clear.
-pub async fn serve(seat: Arc<Seat>, address: SocketAddr, wire: Wire) -> Result<Serving, SeatError> {
+pub async fn serve(
+    seat: Arc<Seat>,
+    address: SocketAddr,
+    wire: Wire,
+    tell: impl Fn(&str) + Send + Sync + 'static,
+) -> Result<Serving, SeatError> {
     let refused = |problem: String| SeatError::Address {
         address: address.to_string(),
         problem,
@@ -71,6 +74,9 @@ pub async fn serve(seat: Arc<Seat>, address: SocketAddr, wire: Wire) -> Result<S
         address,
         wire: wire.clone(),
         guesses: Arc::default(),
+        entered: Arc::default(),
+        unanswered: Arc::default(),
+        refusals: Arc::new(Refusals::new(Box::new(tell))),
     };
     Ok(Serving {
         listener,
@@ -80,16 +86,16 @@ pub async fn serve(seat: Arc<Seat>, address: SocketAddr, wire: Wire) -> Result<S
     })
 }
 
-/// Listens and serves until `stop` is set; `ready` is told where.
+/// Listens and serves until `stop` is set; `ready` is told where, and `tell` of whatever is refused or cannot be kept.
 ///
 /// # Errors
-/// As [`serve`] and [`Serving::until`]; [`SeatError::Study`] if the files of what was given cannot be written at the end.
+/// As [`serve`]; [`SeatError::Study`] if the files of what was given cannot be written at the end.
 pub fn run(
     seat: Arc<Seat>,
-    address: SocketAddr,
-    wire: Wire,
+    (address, wire): (SocketAddr, Wire),
     stop: Arc<AtomicBool>,
     ready: impl FnOnce(SocketAddr),
+    tell: impl Fn(&str) + Send + Sync + 'static,
 ) -> Result<(), SeatError> {
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
@@ -100,7 +106,7 @@ pub fn run(
         })?;
     let (kept, watched) = (Arc::clone(&seat), Arc::clone(&seat));
     runtime.block_on(async {
-        let serving = serve(seat, address, wire).await?;
+        let serving = serve(seat, address, wire, tell).await?;
         ready(serving.address);
         let stopped = async move {
             while !stop.load(Ordering::Relaxed) && !watched.stopping() {
@@ -109,48 +115,26 @@ pub fn run(
         };
         // A page that keeps its connection open does not keep the server from ending.
         tokio::select! {
-            served = serving.until(std::future::pending()) => served,
-            () = stopped => Ok(()),
+            () = serving.forever() => {}
+            () = stopped => {}
         }
+        Ok::<_, SeatError>(())
     })?;
     kept.write_files()
 }
 
 impl Serving {
-    /// Serves until `stop` is done.
-    ///
-    /// # Errors
-    /// [`SeatError::Address`] if listening fails.
-    pub async fn until(
-        self,
-        stop: impl Future<Output = ()> + Send + 'static,
-    ) -> Result<(), SeatError> {
-        let address = self.address.to_string();
-        let served = match self.wire {
-            #[cfg(feature = "tls")]
-            Wire::Tls(identity) => {
-                let listener = Encrypted::new(self.listener, identity, self.address);
-                axum::serve(listener, self.router)
-                    .with_graceful_shutdown(stop)
-                    .await
-            }
-            Wire::Here | Wire::BehindProxy => {
-                axum::serve(self.listener, self.router)
-                    .with_graceful_shutdown(stop)
-                    .await
-            }
-        };
-        served.map_err(|e| SeatError::Address {
-            address,
-            problem: e.to_string(),
-        })
+    /// Serves for as long as it is waited for.
+    pub async fn forever(self) {
+        connections::accept(self.listener, self.wire, self.router).await;
     }
 }
 
 fn router(shared: Shared) -> Router {
     Router::new()
-        .route("/p/{token}", get(page))
-        .route("/page/{file}", get(file))
+        .route("/", get(front))
+        .route("/p/{token}", get(|| async { assets::page() }))
+        .route("/page/{version}/{file}", get(file))
         .route("/api/{token}", get(state))
         .route("/api/{token}/model", get(model))
         .route("/api/{token}/open/{tab}", post(open))
@@ -162,51 +146,22 @@ fn router(shared: Shared) -> Router {
         .route("/api/{token}/fit", post(fit))
         .route("/api/{token}/done/{step}", post(done))
         .route("/api/{token}/leave", post(leave))
-        .merge(lab::routes())
-        .layer(DefaultBodyLimit::max(LARGEST_BODY))
-        .layer(middleware::from_fn_with_state(shared.clone(), guard))
+        .merge(lab::routes(&shared))
+        // Bodies are read and measured before.
+        .layer(DefaultBodyLimit::disable())
+        .layer(middleware::from_fn_with_state(shared.clone(), guard::guard))
         .with_state(shared)
 }
 
-/// Refuses what other pages ask for, and says to the browser what a page of ours may do.
-async fn guard(State(shared): State<Shared>, request: Request, next: Next) -> Response {
-    let headers = request.headers();
-    if !matches!(shared.wire, Wire::BehindProxy) && !origin::host_is_ours(headers, shared.address) {
-        return (StatusCode::MISDIRECTED_REQUEST, "not this machine's name").into_response();
-    }
-    if request.method() != axum::http::Method::GET && !origin::own(headers) {
-        return (StatusCode::FORBIDDEN, "from another page").into_response();
-    }
-    let mut response = next.run(request).await;
-    if let Some(Why(text)) = response.extensions().get() {
-        // Where even this cannot be kept there is nobody left to tell.
-        let _ = shared.seat.store.event(None, text);
-    }
-    let said = [
-        (
-            header::CONTENT_SECURITY_POLICY,
-            "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self'; img-src 'self' data:; \
-             base-uri 'none'; form-action 'self'; frame-ancestors 'none'",
-        ),
-        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
-        // Links stay here; with no referrer at all a browser would hide the origin of a form, too.
-        (header::REFERRER_POLICY, "same-origin"),
-        (header::CACHE_CONTROL, "no-store"),
-    ];
-    for (name, value) in said {
-        response
-            .headers_mut()
-            .insert(name, HeaderValue::from_static(value));
-    }
-    response
+async fn front() -> Response {
+    markup::html(
+        "<h1>The seat of a driving study</h1><p>Whoever takes part opens the link that they were given. \
+         Whoever runs the study goes to <a href=\"/lab\">the laboratory</a>.</p>",
+    )
 }
 
-async fn page() -> Response {
-    assets::answer("index.html")
-}
-
-async fn file(Path(name): Path<String>) -> Response {
-    assets::answer(&name)
+async fn file(Path((version, name)): Path<(String, String)>, headers: HeaderMap) -> Response {
+    assets::answer((&version, &name), &headers)
 }
 
 /// What the page begins with.
@@ -222,7 +177,7 @@ struct PageState<'a> {
     mph: bool,
     at: usize,
     ended: Option<&'a str>,
-    steps: &'a [Step],
+    steps: Vec<Step>,
     fit: Option<Fit>,
     /// Drives begun at the present step.
     attempts: u32,
@@ -232,35 +187,48 @@ struct PageState<'a> {
     view: &'a SeatView,
     /// Their style beside the others', once they are through.
     styles: Option<AmongOthers>,
+    withdraw: Withdrawal,
 }
 
 async fn state(State(shared): State<Shared>, Path(token): Path<String>) -> Answered<Response> {
-    let person = shared.person(&token)?;
-    let design = &shared.seat.settings.design;
-    let begun = shared.seat.store.begun(&person.participant, person.at)?;
+    shared.blocking(move |seat| state_of(seat, &token)).await
+}
+
+fn state_of(seat: &Seat, token: &str) -> Answered<Response> {
+    let (person, ended, begun) = seat.store.look(|b| {
+        let Some(person) = b.person(token)? else {
+            if !b.link_forgotten(token)? {
+                return Err(Refused::NoSuchPerson);
+            }
+            let nobody = Person::new(String::new(), String::new(), Vec::new());
+            return Ok((nobody, Some(DELETED), Vec::new()));
+        };
+        let begun = b.begun(&person.participant, person.at)?;
+        Ok((person, None, begun))
+    })?;
+    let design = &seat.settings.design;
+    let rides = steps::coded_rides(&person.steps);
+    let fit = person.fit.as_deref();
     Ok(json(&PageState {
         title: design.title(),
         synthetic: design.synthetic(),
-        made_up_model: shared.seat.settings.made_up_model,
-        mph: shared.seat.mph(),
+        made_up_model: seat.settings.made_up_model,
+        mph: seat.mph(),
         at: person.at,
-        ended: person.ended.as_deref(),
-        steps: &person.steps,
-        fit: person
-            .fit
-            .as_deref()
-            .and_then(|f| serde_json::from_str(f).ok()),
+        ended: ended.or(person.ended.as_deref()),
+        steps: person.steps.iter().map(|s| s.for_page(&rides)).collect(),
+        fit: fit.and_then(|f| serde_json::from_str(f).ok()),
         attempts: begun.last().map_or(0, |b| b.attempt),
         whole: begun.last().is_some_and(|b| b.ended),
-        scenario: &shared.seat.scenario_json,
+        scenario: &seat.scenario_json,
         view: &design.protocol().view,
-        styles: shared.seat.among_others(&person)?,
+        styles: seat.among_others(&person)?,
+        withdraw: seat.withdrawal(),
     }))
 }
 
-async fn model(State(shared): State<Shared>, Path(token): Path<String>) -> Answered<Response> {
-    shared.person(&token)?;
-    let bytes = shared.seat.settings.model.clone().unwrap_or_default();
+async fn model(State(shared): State<Shared>) -> Answered<Response> {
+    let bytes = shared.seat.model_for_page()?;
     let kind = [(header::CONTENT_TYPE, "application/octet-stream")];
     Ok((kind, Body::from(bytes)).into_response())
 }
@@ -269,11 +237,11 @@ async fn open(
     State(shared): State<Shared>,
     Path((token, tab)): Path<(String, String)>,
 ) -> Answered<Response> {
-    shared.person(&token)?;
     if !token::possible(&tab) {
         return Err(Refused::NotThis("no tab".to_owned()));
     }
-    shared.seat.store.claim(&token, &tab)?;
+    let claimed = shared.blocking(move |seat| seat.store.within(|b| b.claim(&token, &tab)));
+    claimed.await?;
     Ok(json(&"open"))
 }
 
@@ -282,11 +250,16 @@ async fn answer(
     Path((token, step)): Path<(String, usize)>,
     body: Bytes,
 ) -> Answered<Response> {
-    let (person, found) = shared.at(&token, step)?;
-    let sheet: Sheet = read(&body)?;
-    let kept = sheet.checked(&found).map_err(Refused::NotThis)?;
-    shared.seat.store.answer(&person, step, &kept)?;
-    Ok(json(&shared.person(&token)?.at))
+    let kept = shared.blocking(move |seat| {
+        seat.store.within(|b| {
+            let (person, found) = b.at(&token, step)?;
+            let sheet: Sheet = read(&body)?;
+            let kept = sheet.checked(&found).map_err(Refused::NotThis)?;
+            b.answer(&person, step, &kept)?;
+            Ok::<_, Refused>(b.somebody(&token)?.at)
+        })
+    });
+    Ok(json(&kept.await?))
 }
 
 async fn fit(
@@ -294,14 +267,19 @@ async fn fit(
     Path(token): Path<String>,
     body: Bytes,
 ) -> Answered<Response> {
-    let person = shared.person(&token)?;
-    let drives = matches!(person.steps.get(person.at), Some(Step::Drive { .. }));
-    if person.ended.is_some() || !drives {
-        return Err(Refused::NotThis("nothing is learned here".to_owned()));
-    }
-    let fit: Fit = read(&body)?;
-    let kept = intake::style(&fit).map_err(Refused::NotThis)?;
-    shared.seat.store.fit(&person.token, &kept)?;
+    let kept = shared.blocking(move |seat| {
+        seat.store.within(|b| {
+            let person = b.somebody(&token)?;
+            let drives = matches!(person.steps.get(person.at), Some(Step::Drive { .. }));
+            if person.ended.is_some() || !drives {
+                return Err(Refused::NotThis("nothing is learned here".to_owned()));
+            }
+            let fit: Fit = read(&body)?;
+            let kept = intake::style(&fit).map_err(Refused::NotThis)?;
+            Ok(b.fit(&person, &kept)?)
+        })
+    });
+    kept.await?;
     Ok(json(&"kept"))
 }
 
@@ -310,29 +288,34 @@ async fn done(
     State(shared): State<Shared>,
     Path((token, step)): Path<(String, usize)>,
 ) -> Answered<Response> {
-    let (person, found) = shared.at(&token, step)?;
-    let seat = &shared.seat;
-    match &found {
-        Step::Scale { .. } | Step::Text { agree: true, .. } => {
-            return Err(Refused::NotThis("answers are asked here".to_owned()));
-        }
-        Step::Drive { .. } | Step::Ride { .. } if step == person.at => {
-            let who = person.clone();
-            let found = found.clone();
-            let ended = shared.blocking(move |seat| seat.finish_drive(&who, step, &found));
-            if !ended.await? {
+    let at = shared.blocking(move |seat| {
+        let (person, found) = seat.store.look(|b| b.at(&token, step))?;
+        match &found {
+            Step::Scale { .. } | Step::Text { agree: true, .. } => {
+                return Err(Refused::NotThis("answers are asked here".to_owned()));
+            }
+            Step::Drive { .. } | Step::Ride { .. }
+                if step == person.at && !seat.finish_drive(&person, step, &found)? =>
+            {
                 return Err(Refused::NotThis("this drive has not ended".to_owned()));
             }
+            _ => {}
         }
-        Step::Thanks { .. } => {
-            seat.store.ended(&person, "done")?;
-            shared.blocking(Seat::write_files).await?;
+        let ends = matches!(found, Step::Thanks { .. });
+        let at = seat.store.within(|b| {
+            let person = b.somebody(&token)?;
+            if ends {
+                b.ended(&person, "done")?;
+            }
+            b.go_on(&person, step)?;
+            Ok::<_, Refused>(b.somebody(&token)?.at)
+        })?;
+        if ends {
+            seat.write_files()?;
         }
-        _ => {}
-    }
-    seat.store.go_on(&token, step)?;
-    let at = shared.person(&token)?.at;
-    Ok(json(&at))
+        Ok(at)
+    });
+    Ok(json(&at.await?))
 }
 
 #[derive(Deserialize)]
@@ -341,24 +324,44 @@ struct Leaving {
     keep: bool,
 }
 
+/// What somebody is told whose link leads to nothing any more.
+const DELETED: &str = "deleted";
+
+/// Leaves the study, or takes back what was given, also after the end.
 async fn leave(
     State(shared): State<Shared>,
     Path(token): Path<String>,
     body: Bytes,
 ) -> Answered<Response> {
-    let person = shared.person(&token)?;
     let leaving: Leaving = read(&body)?;
-    let how = if leaving.keep { "left" } else { "deleted" };
-    if person.ended.is_none() {
-        shared.seat.store.ended(&person, how)?;
-        let who = person.participant;
-        let told = shared.blocking(move |seat| {
-            if !leaving.keep {
-                seat.settings.files.forget(&who)?;
+    let refusals = Arc::clone(&shared.refusals);
+    let how = shared.blocking(move |seat| {
+        let person = seat.store.within(|b| {
+            let person = match b.person(&token)? {
+                None if b.link_forgotten(&token)? => return Ok(None),
+                person => person.ok_or(Refused::NoSuchPerson)?,
+            };
+            if leaving.keep {
+                b.ended(&person, "left")?;
+            } else if person.ended.is_some()
+                && let Some(why) = seat.withdrawal().too_late()
+            {
+                return Err(Refused::TooLate(why));
             }
-            seat.write_files()
-        });
-        told.await?;
-    }
-    Ok(json(&how))
+            b.somebody(&token).map(Some)
+        })?;
+        let Some(person) = person else {
+            // Where it could not be ended before it is now.
+            seat.forget_the_rest()?;
+            return Ok(DELETED.to_owned());
+        };
+        if leaving.keep {
+            seat.write_files()?;
+            return Ok::<_, Refused>(person.ended.unwrap_or_default());
+        }
+        seat.forget(&person.participant)?;
+        refusals.forget(&person.participant);
+        Ok(DELETED.to_owned())
+    });
+    Ok(json(&how.await?))
 }

@@ -1,6 +1,6 @@
 //! What a person is shown, one step after the other: made of a study's design, fixed when the person is let in.
 
-use crate::error::SeatError;
+use crate::{error::SeatError, withdrawal};
 use maveric_domain::{
     ConditionId, Design, Scale,
     design::{Car, Condition, Protocol, ProtocolStep, williams},
@@ -85,6 +85,20 @@ pub enum Step {
     },
 }
 
+/// Each ride of these steps, and what the page calls it.
+pub(crate) fn coded_rides(steps: &[Step]) -> Vec<(ConditionId, ConditionId)> {
+    let coded = |step: &Step| match step {
+        Step::Ride {
+            condition, number, ..
+        } => {
+            let number = ConditionId::new(&format!("ride-{number}"));
+            Some((*condition, number.ok()?))
+        }
+        _ => None,
+    };
+    steps.iter().filter_map(coded).collect()
+}
+
 /// Whose style drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -103,6 +117,29 @@ impl Step {
             Self::Ride { condition, .. } => Some((*condition, false)),
             _ => None,
         }
+    }
+
+    /// This step as the page is told it: a ride is known by its number, since who rides is not to read the condition.
+    pub(crate) fn for_page(&self, rides: &[(ConditionId, ConditionId)]) -> Self {
+        let coded = |id: &str| {
+            rides
+                .iter()
+                .find(|(c, _)| c.as_str() == id)
+                .map(|(_, n)| *n)
+        };
+        let mut step = self.clone();
+        match &mut step {
+            Self::Ride { condition, .. } => {
+                *condition = coded(condition.as_str()).unwrap_or(*condition);
+            }
+            Self::Scale { moment, .. } => {
+                if let Some(number) = coded(moment) {
+                    *moment = number.to_string();
+                }
+            }
+            _ => {}
+        }
+        step
     }
 
     /// Seed and length in s of what is driven here, practice included.
@@ -149,11 +186,15 @@ pub fn of_design(
     let mut steps = Vec::new();
     for step in &protocol.steps {
         match step {
-            ProtocolStep::Consent => steps.extend(texts.consent.as_ref().map(|text| Step::Text {
-                title: design.title().to_owned(),
-                text: text.clone(),
-                agree: true,
-            })),
+            ProtocolStep::Consent => {
+                if let Some(text) = &texts.consent {
+                    steps.push(Step::Text {
+                        title: design.title().to_owned(),
+                        text: withdrawal::in_consent(text, protocol.withdraw_until.as_deref())?,
+                        agree: true,
+                    });
+                }
+            }
             ProtocolStep::Before => {
                 for id in &protocol.before {
                     steps.push(sheet(scales, id, "pre")?);
@@ -240,10 +281,18 @@ fn car(design: &Design, condition: &Condition) -> Result<(RideStyle, f64, Option
         Some(Car::Dial(points)) => Ok((RideStyle::Own, *points, None)),
         Some(Car::Mean) => Ok((RideStyle::Mean, 0.0, None)),
         Some(Car::Free) => Ok((RideStyle::Own, 0.0, Some(step))),
-        other => refused(
-            format!("its car is {other:?}, which the seat cannot drive"),
-            "the seat drives `dial`, `mean` and `free`",
-        ),
+        other => {
+            let car = other.as_ref().map_or("it has no `car`", |car| match car {
+                Car::Embedding(_) => {
+                    "its `car` drives by a file of embeddings, which the seat does not"
+                }
+                _ => "its `car` drives `across` the dial, which the seat does not",
+            });
+            refused(
+                car.to_owned(),
+                "write what it does: the seat drives `car = { dial = 8, recorded = true }`, `mean` and `free`",
+            )
+        }
     }
 }
 

@@ -1,6 +1,12 @@
 //! Answers and people as tables that `maveric run` reads; what others wrote into them stays.
 
-use crate::{error::SeatError, person::Person, sheet::Sheet, steps::Step};
+use crate::{
+    error::SeatError,
+    listed::{KeptSheet, Listed},
+    person::Person,
+    sheet::Sheet,
+    steps::Step,
+};
 use maveric_domain::Design;
 use maveric_study::tables::{Table, TableBuilder};
 use std::{
@@ -8,8 +14,38 @@ use std::{
     path::Path,
 };
 
-/// A person and what they answered: step and body of each sheet.
-pub(crate) type Given = (Person, Vec<(usize, String)>);
+/// A person and what they answered.
+pub(crate) type Given = (Person, Vec<KeptSheet>);
+
+/// What stands in the study's tables once they were written.
+#[derive(Debug, Default)]
+pub(crate) struct Standing {
+    people: BTreeMap<String, Listed>,
+    sheets: BTreeMap<(String, usize), Listed>,
+}
+
+impl Standing {
+    pub(crate) fn person(&self, person: &Person) -> Listed {
+        let now = self.people.get(&person.participant);
+        now.copied().unwrap_or(person.listed)
+    }
+
+    pub(crate) fn sheet(&self, person: &Person, sheet: &KeptSheet) -> Listed {
+        let now = self.sheets.get(&(person.participant.clone(), sheet.step));
+        now.copied().unwrap_or(sheet.listed)
+    }
+}
+
+/// What becomes of a row that was `before`, in a table in which it stands or not; whether it is to be written.
+fn listed(before: Listed, stands: bool, table: bool) -> (Listed, bool) {
+    match before {
+        _ if stands => (Listed::Written, false),
+        Listed::NotYet => (Listed::Written, true),
+        // A table that is not there at all is made anew.
+        Listed::Written if !table => (Listed::Written, true),
+        Listed::Written | Listed::TakenOut => (Listed::TakenOut, false),
+    }
+}
 
 /// Cells of a row, by column.
 type Row = BTreeMap<String, String>;
@@ -33,61 +69,101 @@ pub(crate) fn people_in(path: &Path) -> Result<BTreeSet<String>, SeatError> {
     Ok(ids.into_iter().flatten().collect())
 }
 
-/// Writes the answers of everybody who wants them kept in place of what stood there of them.
-pub(crate) fn write_answers(path: &Path, given: &[Given]) -> Result<(), SeatError> {
-    let ours: BTreeSet<&str> = given.iter().map(|(p, _)| p.participant.as_str()).collect();
+/// Adds to the table of answers each sheet that is not in it yet; what stands there stays as it is, and what was taken out stays out.
+pub(crate) fn write_answers(
+    path: &Path,
+    given: &[Given],
+    standing: &mut Standing,
+) -> Result<(), SeatError> {
+    let there = sheets_in(path)?;
     let mut rows = Vec::new();
-    for (person, answers) in given.iter().filter(|(p, _)| p.kept()) {
-        for (step, body) in answers {
-            let Some(Step::Scale { scale, moment, .. }) = person.steps.get(*step) else {
+    for (person, sheets) in given {
+        if standing.person(person) == Listed::TakenOut {
+            continue;
+        }
+        for kept in sheets {
+            let Some(Step::Scale { scale, moment, .. }) = person.steps.get(kept.step) else {
                 continue;
             };
             // Only what was checked was kept.
-            let Ok(sheet) = serde_json::from_str::<Sheet>(body) else {
+            let Ok(sheet) = serde_json::from_str::<Sheet>(&kept.body) else {
                 continue;
             };
-            let each_s = sheet.seconds / sheet.answers.len().max(1) as f64;
-            for (item, answer) in (1..).zip(&sheet.answers) {
-                let cells = [
-                    person.participant.clone(),
-                    moment.clone(),
-                    scale.clone(),
-                    i32::to_string(&item),
-                    answer.map_or_else(String::new, |a| a.to_string()),
-                    format!("{each_s:.3}"),
-                ];
-                rows.push(ANSWERS.map(str::to_owned).into_iter().zip(cells).collect());
+            let who = &person.participant;
+            let place = [who, moment, scale].map(String::clone);
+            let stands = there.as_ref().is_some_and(|t| t.contains(&place));
+            let (now, written) = listed(kept.listed, stands, there.is_some());
+            standing.sheets.insert((who.clone(), kept.step), now);
+            if written {
+                rows.extend(rows_of(&place, &sheet));
             }
         }
     }
-    merge(path, &ANSWERS, |id| !ours.contains(id), &rows)
+    merge(path, &ANSWERS, &rows)
 }
 
-/// Adds to the table of people who is not in it yet, and takes out who wants nothing kept.
-pub(crate) fn write_people(path: &Path, design: &Design, given: &[Given]) -> Result<(), SeatError> {
+/// Participant, moment and scale of every sheet in a table of answers; none where there is no table.
+fn sheets_in(path: &Path) -> Result<Option<BTreeSet<[String; 3]>>, SeatError> {
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let table = Table::read(path)?;
+    let column = |name| table.text(name);
+    let (who, moment, scale) = (column("participant")?, column("moment")?, column("scale")?);
+    let rows = who.into_iter().zip(moment).zip(scale);
+    let place = |((who, moment), scale)| [who, moment, scale].map(Option::unwrap_or_default);
+    Ok(Some(rows.map(place).collect()))
+}
+
+fn rows_of(place: &[String; 3], sheet: &Sheet) -> Vec<Row> {
+    let [who, moment, scale] = place;
+    let each_s = sheet.seconds / sheet.answers.len().max(1) as f64;
+    let row = |(item, answer): (i32, &Option<i32>)| {
+        let cells = [
+            who.clone(),
+            moment.clone(),
+            scale.clone(),
+            item.to_string(),
+            answer.map_or_else(String::new, |a| a.to_string()),
+            format!("{each_s:.3}"),
+        ];
+        ANSWERS.map(str::to_owned).into_iter().zip(cells).collect()
+    };
+    (1..).zip(&sheet.answers).map(row).collect()
+}
+
+/// Adds to the table of people who is not in it yet; who was taken out by hand stays out.
+pub(crate) fn write_people(
+    path: &Path,
+    design: &Design,
+    (given, made): (&[Given], bool),
+    standing: &mut Standing,
+) -> Result<(), SeatError> {
     let known = people_in(path)?;
-    let gone: BTreeSet<&str> = given
-        .iter()
-        .filter(|(p, _)| !p.kept())
-        .map(|(p, _)| p.participant.as_str())
-        .collect();
+    let declared = design.factors().iter().chain(design.covariates());
     let mut columns = vec!["participant"];
     for column in design
         .people()
         .columns()
         .into_iter()
         .chain(["order"])
-        .chain(design.tested_columns())
+        .chain(declared.map(|c| c.column.as_str()))
     {
         if !columns.contains(&column) {
             columns.push(column);
         }
     }
-    let new = given
-        .iter()
-        .filter(|(p, _)| p.kept() && !known.contains(&p.participant));
-    let rows: Vec<Row> = new.map(|(person, _)| row(design, person)).collect();
-    merge(path, &columns, |id| !gone.contains(id), &rows)
+    let table = path.is_file() && !made;
+    let mut rows: Vec<Row> = Vec::new();
+    for (person, _) in given {
+        let stands = known.contains(&person.participant);
+        let (now, written) = listed(person.listed, stands, table);
+        standing.people.insert(person.participant.clone(), now);
+        if written {
+            rows.push(row(design, person));
+        }
+    }
+    merge(path, &columns, &rows)
 }
 
 fn row(design: &Design, person: &Person) -> Row {
@@ -104,13 +180,8 @@ fn row(design: &Design, person: &Person) -> Row {
     row
 }
 
-/// Writes a table: of what stands there the rows whose participant `keep` keeps, with every column they have, then `added`.
-fn merge(
-    path: &Path,
-    wanted: &[&str],
-    keep: impl Fn(&str) -> bool,
-    added: &[Row],
-) -> Result<(), SeatError> {
+/// Writes a table: what stands there with every column that it has, then `added`.
+fn merge(path: &Path, wanted: &[&str], added: &[Row]) -> Result<(), SeatError> {
     let standing = path.is_file().then(|| Table::read(path)).transpose()?;
     let mut columns = standing.as_ref().map_or_else(Vec::new, Table::columns);
     for column in wanted {
@@ -118,26 +189,20 @@ fn merge(
             columns.push((*column).to_owned());
         }
     }
-    let kept: Vec<bool> = match &standing {
-        Some(table) => {
-            let ids = table.text("participant")?;
-            ids.iter()
-                .map(|id| keep(id.as_deref().unwrap_or_default()))
-                .collect()
-        }
-        None => Vec::new(),
+    let rows = match &standing {
+        Some(table) => table.text("participant")?.len(),
+        None => 0,
     };
     let mut table = TableBuilder::default();
     for column in &columns {
         let before = match &standing {
             Some(there) if there.has(column) => there.text(column)?,
-            _ => vec![None; kept.len()],
+            _ => vec![None; rows],
         };
-        let before = before.into_iter().zip(&kept).filter(|(_, keep)| **keep);
         let new = added
             .iter()
             .map(|row| row.get(column).filter(|c| !c.is_empty()).cloned());
-        table = table.cells(column, before.map(|(cell, _)| cell).chain(new));
+        table = table.cells(column, before.into_iter().chain(new));
     }
     Ok(table.write(path)?)
 }
@@ -147,17 +212,38 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_of_others_and_their_columns_stay_and_those_of_who_left_go() {
+    fn a_row_is_written_once_and_one_that_was_taken_out_stays_out() {
+        use Listed::{NotYet, TakenOut, Written};
+        for (before, stands, table, expected) in [
+            (NotYet, false, true, (Written, true)),
+            (NotYet, true, true, (Written, false)),
+            (Written, true, true, (Written, false)),
+            (Written, false, true, (TakenOut, false)),
+            (Written, false, false, (Written, true)),
+            (TakenOut, false, true, (TakenOut, false)),
+            (TakenOut, false, false, (TakenOut, false)),
+            // Written back by hand.
+            (TakenOut, true, true, (Written, false)),
+        ] {
+            assert_eq!(
+                listed(before, stands, table),
+                expected,
+                "{before:?} {stands} {table}"
+            );
+        }
+    }
+
+    #[test]
+    fn rows_of_others_and_their_columns_stay() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("people.csv");
-        let text = "participant,age,note\nX1,31,\"a, b\"\nP001,40,\nP002,50,z\n";
+        let text = "participant,age,note\nX1,31,\"a, b\"\nP002,50,z\n";
         std::fs::write(&path, text).unwrap();
         let new = Row::from([
             ("participant".to_owned(), "P003".to_owned()),
             ("order".to_owned(), "calm sporty".to_owned()),
         ]);
-        let keep = |id: &str| id != "P001";
-        merge(&path, &["participant", "order"], keep, &[new]).unwrap();
+        merge(&path, &["participant", "order"], &[new]).unwrap();
         assert_eq!(
             std::fs::read_to_string(&path).unwrap(),
             "participant,age,note,order\nX1,31,\"a, b\",\nP002,50,z,\nP003,,,calm sporty\n"

@@ -25,7 +25,12 @@ pub(crate) fn possible(text: &str) -> bool {
 
 /// SHA-256, as hexadecimal digits.
 pub(crate) fn sha256(text: &str) -> String {
-    hex(&Sha256::digest(text.as_bytes()))
+    digest(text.as_bytes())
+}
+
+/// SHA-256 of bytes, as hexadecimal digits.
+pub(crate) fn digest(bytes: &[u8]) -> String {
+    hex(&Sha256::digest(bytes))
 }
 
 /// Whether two secrets are the same; how long it takes says nothing about where they differ.

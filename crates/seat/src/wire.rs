@@ -53,13 +53,12 @@ fn refused(file: &Path, problem: &impl ToString) -> SeatError {
 
 #[cfg(feature = "tls")]
 pub(crate) mod tls {
-    //! A listener whose connections are encrypted.
+    //! Connections that are encrypted.
 
     use super::refused;
     use crate::error::SeatError;
-    use axum::serve::Listener;
-    use std::{net::SocketAddr, path::Path, sync::Arc, time::Duration};
-    use tokio::{net::TcpListener, net::TcpStream, sync::mpsc};
+    use std::{path::Path, sync::Arc, time::Duration};
+    use tokio::net::TcpStream;
     use tokio_rustls::{
         TlsAcceptor,
         rustls::{
@@ -72,8 +71,6 @@ pub(crate) mod tls {
 
     /// A greeting takes no longer.
     const GREETED_WITHIN: Duration = Duration::from_secs(10);
-    /// Connections that were greeted and not yet taken.
-    const WAITING: usize = 64;
 
     /// A certificate with its key.
     #[derive(Debug, Clone)]
@@ -96,47 +93,12 @@ pub(crate) mod tls {
         Ok(Identity(Arc::new(config)))
     }
 
-    /// Hands on connections once they are encrypted; each is greeted by itself, so that nobody waits for a slow one.
-    pub(crate) struct Encrypted {
-        greeted: mpsc::Receiver<(TlsStream<TcpStream>, SocketAddr)>,
-        address: SocketAddr,
-    }
-
-    impl Encrypted {
-        pub(crate) fn new(mut plain: TcpListener, identity: Identity, address: SocketAddr) -> Self {
-            let (done, greeted) = mpsc::channel(WAITING);
-            let acceptor = TlsAcceptor::from(identity.0);
-            tokio::spawn(async move {
-                while !done.is_closed() {
-                    let (stream, from) = Listener::accept(&mut plain).await;
-                    let (acceptor, done) = (acceptor.clone(), done.clone());
-                    tokio::spawn(async move {
-                        let greeting =
-                            tokio::time::timeout(GREETED_WITHIN, acceptor.accept(stream));
-                        if let Ok(Ok(stream)) = greeting.await {
-                            // Nobody takes it when the server has ended.
-                            let _ = done.send((stream, from)).await;
-                        }
-                    });
-                }
-            });
-            Self { greeted, address }
-        }
-    }
-
-    impl Listener for Encrypted {
-        type Io = TlsStream<TcpStream>;
-        type Addr = SocketAddr;
-
-        async fn accept(&mut self) -> (Self::Io, Self::Addr) {
-            match self.greeted.recv().await {
-                Some(greeted) => greeted,
-                None => std::future::pending().await,
-            }
-        }
-
-        fn local_addr(&self) -> std::io::Result<SocketAddr> {
-            Ok(self.address)
+    impl Identity {
+        /// Encrypts a connection; none where the other end does not.
+        pub(crate) async fn greet(&self, stream: TcpStream) -> Option<TlsStream<TcpStream>> {
+            let acceptor = TlsAcceptor::from(Arc::clone(&self.0));
+            let greeting = tokio::time::timeout(GREETED_WITHIN, acceptor.accept(stream));
+            greeting.await.ok()?.ok()
         }
     }
 }

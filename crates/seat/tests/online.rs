@@ -128,7 +128,35 @@ fn a_file_that_is_wrong_anywhere_is_refused_whole_and_names_the_line() {
     let cut = &lines[..lines.len() - 1];
     let cut_off = carried::take_in(&seat, &written(folder.path(), cut)).unwrap_err();
     assert!(cut_off.to_string().contains("cut off"), "{cut_off}");
-    assert!(!folder.path().join("participants.csv").exists());
+    let people = fs::read_to_string(folder.path().join("participants.csv")).unwrap();
+    assert_eq!(people, "participant,study,order\n");
+}
+
+#[test]
+fn who_hands_over_nothing_is_not_somebody_who_is_through() {
+    let folder = folder();
+    let seat = seat(folder.path());
+    let lines = handed_over(&seat, folder.path(), TOKEN, 0);
+    let ended = |how: &str| json!({"ended": how});
+    let nothing = [lines[0].clone(), ended("done")];
+    let refused = |lines: &[Value], word: &str| {
+        let taken = carried::take_in(&seat, &written(folder.path(), lines));
+        let told = taken.unwrap_err().to_string();
+        assert!(told.contains(word), "{told}");
+    };
+    refused(&nothing, "step 1");
+    refused(&[lines[0].clone(), ended("left")], "nothing");
+    // Questionnaires without the consent, and everything but the last ride.
+    let mut without = lines.clone();
+    without.remove(1);
+    refused(&without, "agreed");
+    let last = lines.iter().rposition(|l| l["record"].is_string()).unwrap();
+    let mut without = lines.clone();
+    without.remove(last);
+    refused(&without, "ride");
+    let mut left = lines[..4].to_vec();
+    left.push(ended("left"));
+    assert!(carried::take_in(&seat, &written(folder.path(), &left)).is_ok());
 }
 
 #[test]

@@ -441,7 +441,12 @@ fn other_computers_are_served_only_where_that_was_said() {
     let server = Server::open(folder.path());
     let runtime = server.runtime.as_ref().unwrap();
     let everywhere = SocketAddr::from(([0, 0, 0, 0], 0));
-    let refused = runtime.block_on(serve(Arc::clone(&server.seat), everywhere, Wire::Here));
+    let refused = runtime.block_on(serve(
+        Arc::clone(&server.seat),
+        everywhere,
+        Wire::Here,
+        |_| {},
+    ));
     assert!(refused.is_err_and(|e| e.to_string().contains("--plain-http")));
     let (own, rebound) = (server.address.to_string(), "rebound.example");
     for hosts in [

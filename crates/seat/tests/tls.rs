@@ -35,9 +35,11 @@ fn a_page_comes_encrypted_and_whoever_does_not_greet_keeps_nobody_waiting() {
     let everywhere = SocketAddr::from(([0, 0, 0, 0], 0));
     let wire = wire("certificate.pem", "key.pem").unwrap();
     assert_eq!(wire.scheme(), "https");
-    let serving = runtime.block_on(serve(seat, everywhere, wire)).unwrap();
+    let serving = runtime
+        .block_on(serve(seat, everywhere, wire, |_| {}))
+        .unwrap();
     let address = SocketAddr::from(([127, 0, 0, 1], serving.address.port()));
-    runtime.spawn(serving.until(std::future::pending()));
+    runtime.spawn(serving.forever());
     let _silent = TcpStream::connect(address).unwrap();
 
     let mut roots = RootCertStore::empty();

@@ -18,6 +18,11 @@ use std::{
 };
 
 const OPENING: &str = "could not open the seat";
+/// Where the environment may have the password of the experimenter's page.
+const PASSWORD: &str = "MAVERIC_LAB_PASSWORD";
+/// Where a study's folder keeps what the seat writes, and the file of its state there.
+const RECORDS: &str = "seat";
+const STATE: &str = "seat.db";
 
 /// A driving study in a browser: a real person drives, is learned, and rides
 #[derive(Debug, clap::Args)]
@@ -26,6 +31,7 @@ const OPENING: &str = "could not open the seat";
     after_help = "\
 Examples: maveric seat --demo             drive three minutes, ride in your own style, turn the dial
           maveric seat my_study           the study of that folder: links for people at /lab
+          maveric seat forget P007 --study my_study
           maveric seat replay my_study/logs/seat/P001-own.mcap
           maveric seat export online --study my_study --post https://example.org/answers
           maveric seat import --study my_study handed_over/*.jsonl"
@@ -50,9 +56,12 @@ pub(crate) struct Seat {
     /// Listen for other computers without encryption: a proxy in front encrypts
     #[arg(long)]
     plain_http: bool,
-    /// Password of the experimenter's page; made up and printed when not given
+    /// Password of the experimenter's page; MAVERIC_LAB_PASSWORD of the environment, or made up and printed, when not given
     #[arg(long)]
     password: Option<String>,
+    /// File that holds that password, in its first line; others who use this computer cannot read it as they can a command line
+    #[arg(long, conflicts_with_all = ["password", "demo"])]
+    password_file: Option<PathBuf>,
     /// Open no browser
     #[arg(long)]
     no_open: bool,
@@ -82,6 +91,17 @@ enum Part {
         /// Files, one a person
         #[arg(required = true)]
         files: Vec<PathBuf>,
+        /// Folder of the study
+        #[arg(long, default_value = ".")]
+        study: PathBuf,
+        /// How to print the result
+        #[arg(long, value_enum, default_value_t)]
+        format: Format,
+    },
+    /// Delete all that a person gave, here and in the study's folder; an id is left, which nobody gets again
+    Forget {
+        /// Id of the person
+        person: String,
         /// Folder of the study
         #[arg(long, default_value = ".")]
         study: PathBuf,
@@ -124,6 +144,11 @@ impl Seat {
                 study,
                 format,
             }) => import(&study, &files, format),
+            Some(Part::Forget {
+                person,
+                study,
+                format,
+            }) => forget(&study, &person, format),
             None if self.demo => self.demonstrate(),
             None => self.study(),
         }
@@ -148,7 +173,7 @@ impl Seat {
             let token = seat.only_person().map_err(failure(OPENING))?;
             self.serve(seat, &format!("/p/{token}"), None)
         });
-        for ending in ["", "-wal", "-shm"] {
+        for ending in ["", "-wal", "-shm", "-lock"] {
             let mut path = state.clone().into_os_string();
             path.push(ending);
             // What nobody looks at again; it may never have been there.
@@ -159,18 +184,25 @@ impl Seat {
 
     fn study(&self) -> Result<(), Failure> {
         let folder = self.study.clone().unwrap_or_else(|| PathBuf::from("."));
-        let password = match &self.password {
-            Some(given) => given.clone(),
-            None => maveric_seat::password().map_err(failure(OPENING))?,
+        let given = match (&self.password, &self.password_file) {
+            (_, Some(file)) => Some(first_line(file)?),
+            (Some(given), None) => Some(given.clone()),
+            (None, None) => std::env::var(PASSWORD).ok(),
         };
-        let (seat, phase) = open(&folder, Some(password.clone()))?;
+        let made_up = match given {
+            Some(_) => None,
+            None => Some(maveric_seat::password().map_err(failure(OPENING))?),
+        };
+        let password = given.or_else(|| made_up.clone()).unwrap_or_default();
+        let (seat, phase) = open(&folder, Some(password))?;
         if let Some(line) = phase {
             tell!("{line}");
         }
-        self.serve(seat, "/lab", Some(&password))
+        self.serve(seat, "/lab", made_up.as_deref())
     }
 
-    fn serve(&self, seat: Open, page: &str, password: Option<&str>) -> Result<(), Failure> {
+    /// Serves until it is stopped; a password that was made up is printed, one that was given is known.
+    fn serve(&self, seat: Open, page: &str, made_up: Option<&str>) -> Result<(), Failure> {
         interrupt::be_patient();
         let wire = match (&self.tls_cert, &self.tls_key) {
             (Some(certificate), Some(key)) => Wire::with_certificate(certificate, key),
@@ -182,7 +214,7 @@ impl Seat {
         let ready = |address: SocketAddr| {
             let url = format!("{scheme}://{address}{page}");
             tell!("the seat is open: {url}   (Ctrl-C ends it)");
-            if let Some(password) = password {
+            if let Some(password) = made_up {
                 tell!("password of that page: {password}");
             }
             if !self.no_open {
@@ -190,19 +222,31 @@ impl Seat {
             }
         };
         let stop = Arc::clone(interrupt::flag());
-        maveric_seat::run(Arc::new(seat), self.bind, wire, stop, ready)
+        let refused = |line: &str| tell!("{line}");
+        maveric_seat::run(Arc::new(seat), (self.bind, wire), stop, ready, refused)
             .map_err(failure("could not serve the seat"))
     }
+}
+
+/// The first line of a file.
+fn first_line(file: &Path) -> Result<String, Failure> {
+    let text = std::fs::read_to_string(file).map_err(|e| {
+        let doing = "could not read the password";
+        Failure::io(
+            doing,
+            std::io::Error::new(e.kind(), format!("{}: {e}", file.to_slash_lossy())),
+        )
+    })?;
+    Ok(text.lines().next().unwrap_or_default().trim().to_owned())
 }
 
 /// Opens the seat of the study in `folder`, and says what is to be said of its phase.
 fn open(folder: &Path, password: Option<String>) -> Result<(Open, Option<String>), Failure> {
     let study = DesignFile::read(&folder.join(DESIGN_FILE)).map_err(Failure::study(OPENING))?;
-    let records = folder.join("seat");
-    let files = files::Files::of(&study, records.clone()).map_err(Failure::study(OPENING))?;
+    let records = folder.join(RECORDS);
+    let mut files = files::Files::of(&study, records.clone()).map_err(Failure::study(OPENING))?;
     files.begin().map_err(failure(OPENING))?;
     check_design(&study).map_err(Failure::study(OPENING))?;
-    std::fs::create_dir_all(&records).map_err(|e| Failure::io(OPENING, e))?;
     let named = study.design.files();
     let (model, phase) = model(&study, folder).map_err(Failure::study(OPENING))?;
     let bytes = model.as_deref().map(std::fs::read).transpose();
@@ -221,7 +265,7 @@ fn open(folder: &Path, password: Option<String>) -> Result<(Open, Option<String>
         password,
         design: study.design.clone(),
     };
-    let seat = Open::open(&records.join("seat.db"), settings).map_err(failure(OPENING))?;
+    let seat = Open::open(&records.join(STATE), settings).map_err(failure(OPENING))?;
     Ok((seat, phase))
 }
 
@@ -240,6 +284,43 @@ fn export(study: &Path, folder: &Path, post: Option<&str>, format: Format) -> Re
             written.orders
         )]),
     }
+}
+
+fn forget(folder: &Path, person: &str, format: Format) -> Result<(), Failure> {
+    let doing = "could not forget";
+    let study = DesignFile::read(&folder.join(DESIGN_FILE)).map_err(Failure::study(doing))?;
+    let state = folder.join(RECORDS).join(STATE);
+    let gone = maveric_seat::forget(&study, &state, person).map_err(failure(doing))?;
+    if matches!(format, Format::Json) {
+        return print_json(&gone);
+    }
+    let mut lines = vec![format!("{} is forgotten", gone.participant)];
+    if !gone.in_seat {
+        lines.push("they had given nothing in the seat".to_owned());
+    }
+    if let Some(part) = &gone.study {
+        lines.push(format!("{} files were removed", part.removed.len()));
+        for (table, rows) in &part.rows {
+            lines.push(format!(
+                "{}: {rows} rows were taken out",
+                table.to_slash_lossy()
+            ));
+        }
+        for model in &part.models {
+            let model = model.to_slash_lossy();
+            lines.push(format!(
+                "{model} had learned from them and was removed: `maveric run` learns it anew"
+            ));
+        }
+        for file in &part.left {
+            lines.push(format!(
+                "{} may name them still: look into it",
+                file.to_slash_lossy()
+            ));
+        }
+    }
+    lines.push(gone.lasting.to_owned());
+    print_lines(&lines)
 }
 
 /// A file that was not taken in, and why.

@@ -129,6 +129,9 @@ pub struct Protocol {
     pub code: Option<String>,
     /// Whether people see their own style beside those of the others at the end.
     pub show_style: bool,
+    /// Last day on which people can take back what they gave, such as `2026-12-31`; none where they always can.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub withdraw_until: Option<String>,
     /// Root of every random choice.
     pub seed: u64,
 }
@@ -149,6 +152,7 @@ impl Default for Protocol {
             thanks: None,
             code: None,
             show_style: false,
+            withdraw_until: None,
             seed: 1,
         }
     }
@@ -195,6 +199,10 @@ impl Protocol {
                 ));
             }
         }
+        if let Some(day) = self.withdraw_until.as_ref().filter(|day| !is_day(day)) {
+            let expected = "a day such as 2026-12-31";
+            return Err(DesignError::key("protocol.withdraw_until", day, expected));
+        }
         if ![1, 3].contains(&self.view.screens) {
             let found = self.view.screens;
             return Err(DesignError::key("protocol.view.screens", found, "1 or 3"));
@@ -216,5 +224,64 @@ impl Protocol {
             ));
         }
         Ok(())
+    }
+}
+
+/// Whether a text is a day of the calendar, as `2026-12-31`.
+fn is_day(text: &str) -> bool {
+    let parts: Vec<&str> = text.split('-').collect();
+    let [year, month, day] = parts[..] else {
+        return false;
+    };
+    let digits = |part: &str, many: usize| {
+        (part.len() == many && part.bytes().all(|b| b.is_ascii_digit()))
+            .then(|| part.parse::<u32>().ok())
+            .flatten()
+    };
+    let (Some(year), Some(month), Some(day)) = (digits(year, 4), digits(month, 2), digits(day, 2))
+    else {
+        return false;
+    };
+    let leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+    let days = match month {
+        4 | 6 | 9 | 11 => 30,
+        2 => 28 + u32::from(leap),
+        1..=12 => 31,
+        _ => 0,
+    };
+    (1..=days).contains(&day)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_day_of_taking_back_is_a_day_of_the_calendar() {
+        for day in ["2026-12-31", "2028-02-29", "2000-02-29"] {
+            assert!(is_day(day), "{day}");
+        }
+        for text in [
+            "",
+            "yesterday",
+            "2026-13-01",
+            "2026-02-29",
+            "2100-02-29",
+            "31.12.2026",
+            "2026-1-1",
+            "2026-04-31",
+            "2026-12-31T00",
+        ] {
+            assert!(!is_day(text), "{text}");
+        }
+        let protocol = Protocol {
+            withdraw_until: Some("2026-02-30".to_owned()),
+            ..Protocol::default()
+        };
+        let told = protocol.check().unwrap_err().to_string();
+        assert!(
+            told.contains("withdraw_until") && told.contains("2026-02-30"),
+            "{told}"
+        );
     }
 }

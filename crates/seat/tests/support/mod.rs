@@ -88,6 +88,8 @@ pub(crate) fn folder_of(design: &str) -> tempfile::TempDir {
 /// What the seat of the study in a folder is opened with.
 pub(crate) fn settings(folder: &Path) -> SeatSettings {
     let study = DesignFile::read(&folder.join("study.toml")).unwrap();
+    let mut files = files::Files::of(&study, folder.join("seat")).unwrap();
+    files.begin().unwrap();
     SeatSettings {
         scales: read_scales(&folder.join("scales")).unwrap(),
         texts: files::texts(&study).unwrap(),
@@ -95,7 +97,7 @@ pub(crate) fn settings(folder: &Path) -> SeatSettings {
         model: Some(fs::read(folder.join("lab.maveric")).unwrap()),
         made_up_model: true,
         stretch: 1.0,
-        files: files::Files::of(&study, folder.join("seat")).unwrap(),
+        files,
         password: Some("open & see".to_owned()),
         design: study.design,
     }
@@ -123,10 +125,10 @@ impl Server {
             .unwrap();
         let any = SocketAddr::from(([127, 0, 0, 1], 0));
         let serving = runtime
-            .block_on(serve(Arc::clone(&seat), any, Wire::Here))
+            .block_on(serve(Arc::clone(&seat), any, Wire::Here, |_| {}))
             .unwrap();
         let address = serving.address;
-        runtime.spawn(serving.until(std::future::pending()));
+        runtime.spawn(serving.forever());
         Self {
             runtime: Some(runtime),
             seat,
@@ -293,6 +295,13 @@ pub(crate) fn go_on(server: &Server, token: &str) -> bool {
         _ => sent(format!("/api/{token}/done/{at}"), "null"),
     }
     true
+}
+
+/// The cookie of who gave the password of the experimenter's page.
+pub(crate) fn entered(server: &Server) -> String {
+    let (_, reply) = server.post("/lab/enter", "password=open+%26+see");
+    let cookie = reply.lines().find_map(|l| l.strip_prefix("set-cookie: "));
+    cookie.unwrap().split(';').next().unwrap().to_owned()
 }
 
 pub(crate) fn opened(server: &Server) -> String {

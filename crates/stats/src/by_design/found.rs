@@ -2,9 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::effects::EffectTest;
 use crate::{
-    AssumptionCheck, Comparison, Factorial, Friedman, GroupsAnalysis, Named, Ordinal,
+    AlignedRanks, AssumptionCheck, Comparison, Factorial, Friedman, GroupsAnalysis, Named, Ordinal,
     RandomIntercept, Reasons, Wilcoxon, numerics::distributions::f_upper,
 };
 
@@ -13,10 +12,10 @@ use crate::{
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum ChosenTest {
-    /// F of each effect of several factors, or of one with covariates.
+    /// Factorial analysis of variance.
     Factorial,
-    /// Rank tests of the same effects.
-    Ranks,
+    /// Aligned ranks.
+    AlignedRanks,
     /// Welch's t of two groups.
     WelchT,
     /// Mann and Whitney's test of two groups.
@@ -25,7 +24,7 @@ pub enum ChosenTest {
     WelchAnova,
     /// Kruskal and Wallis' test of several groups.
     KruskalWallis,
-    /// Mixed model.
+    /// Mixed model with a random intercept.
     Mixed,
     /// Cumulative logit with a random intercept.
     Ordinal,
@@ -45,14 +44,15 @@ pub struct Chosen<T> {
     pub found: T,
 }
 
-/// A factorial analysis, and the test that decides about each effect.
+/// A factorial analysis, and the aligned ranks where they were chosen.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FactorialFinding {
-    /// Analysis of variance, means, contrasts and simple effects, without covariates.
+    /// Analysis of variance, means, contrasts and simple effects.
     #[serde(flatten)]
     pub anova: Factorial,
-    /// Each effect's test, covariates last: these count.
-    pub tests: Named<EffectTest>,
+    /// The effects by aligned ranks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ranks: Option<AlignedRanks>,
 }
 
 /// A mixed model, and its tests within subjects without the assumption that all cells covary alike.
@@ -200,10 +200,10 @@ impl ByDesign {
     pub fn effects(&self) -> Vec<(&str, Option<f64>)> {
         match self {
             Self::OneFactor(found) => vec![("omnibus", found.omnibus.p)],
-            Self::Factorial(found) => {
-                let tests = found.found.tests.iter();
-                tests.map(|(name, test)| (name, test.p)).collect()
-            }
+            Self::Factorial(found) => match &found.found.ranks {
+                Some(ranks) => ranks.art.iter().map(|(name, e)| (name, e.p)).collect(),
+                None => found.found.anova.effects(),
+            },
             Self::Groups(found) => vec![("omnibus", group_p(found.chosen, &found.found))],
             Self::Mixed(found) => {
                 let terms = found.found.model.anova.iter();
@@ -214,6 +214,21 @@ impl ByDesign {
                 vec![("omnibus", small_sample.map(|test| test.p))]
             }
         }
+    }
+}
+
+impl Factorial {
+    /// p of each effect, after Greenhouse and Geisser's correction where its within part has more than one degree of freedom.
+    pub fn effects(&self) -> Vec<(&str, Option<f64>)> {
+        let corrected =
+            |(name, effect): (&'_ str, &crate::FactorialEffect)| match self.sphericity.get(name) {
+                Some(sphericity) => sphericity.p_gg,
+                None => effect.p,
+            };
+        self.anova
+            .iter()
+            .map(|(name, effect)| (name, corrected((name, effect))))
+            .collect()
     }
 }
 

@@ -35,9 +35,9 @@ use std::collections::BTreeMap;
 pub fn versions() -> BTreeMap<String, String> {
     [
         ("generate", 4),
-        ("import", 2),
+        ("import", 1),
         ("codebook", 1),
-        ("export", 3),
+        ("export", 2),
         ("ingest", 8),
         ("score", 5),
         ("train", 6),
@@ -47,13 +47,13 @@ pub fn versions() -> BTreeMap<String, String> {
         ("measure", 2),
         ("rate", 2),
         ("evaluate", 4),
-        ("stats", 9),
+        ("stats", 8),
         ("ablate", 5),
         ("validate", 7),
         ("recommend", 3),
         ("rehearse", 4),
         ("rehearse-dial", 3),
-        ("report", 9),
+        ("report", 8),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()

@@ -139,7 +139,12 @@ pub fn read_enrolled(path: &Path, design: &Design) -> Result<Vec<Enrolled>, Stud
     let table = Table::read(path)?;
     let id: Vec<ParticipantId> = table.ids("participant")?;
     let people = design.people();
-    for column in people.columns().into_iter().chain(design.tested_columns()) {
+    let declared = design.factors().iter().chain(design.covariates());
+    for column in people
+        .columns()
+        .into_iter()
+        .chain(declared.map(|c| c.column.as_str()))
+    {
         table.text(column)?;
     }
     let mut columns = Vec::new();

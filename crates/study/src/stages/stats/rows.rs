@@ -85,7 +85,6 @@ impl DesignRows {
             covariates: (self.covariates.iter())
                 .map(|(n, c)| (n.as_str(), &c[..]))
                 .collect(),
-            with: Vec::new(),
             values: &self.values,
         }
     }

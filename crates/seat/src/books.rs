@@ -1,0 +1,278 @@
+//! Questions to the seat's file, within one transaction: people and what they answered.
+
+use crate::{
+    error::SeatError,
+    listed::{KeptSheet, Listed},
+    parts::Carried,
+    person::Person,
+    token,
+};
+use rusqlite::{Connection, OptionalExtension as _, params};
+use std::{collections::BTreeSet, path::Path};
+
+/// What is asked within one transaction.
+pub(crate) struct Books<'a> {
+    pub(crate) connection: &'a Connection,
+    pub(crate) path: &'a Path,
+}
+
+/// A number of a step as SQLite has it: there are never so many.
+pub(crate) fn whole(step: usize) -> i64 {
+    i64::try_from(step).unwrap_or(i64::MAX)
+}
+
+pub(crate) fn now() -> i64 {
+    let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    since.map_or(0, |d| d.as_secs().cast_signed())
+}
+
+const PERSON: &str = "SELECT token, participant, steps, at, ended, fit, listed FROM person";
+
+impl Books<'_> {
+    pub(crate) fn ask<T>(
+        &self,
+        question: impl FnOnce(&Connection) -> rusqlite::Result<T>,
+    ) -> Result<T, SeatError> {
+        question(self.connection).map_err(|source| SeatError::Store {
+            path: self.path.to_owned(),
+            source,
+        })
+    }
+
+    /// Lets somebody in.
+    pub(crate) fn add(&self, person: &Person) -> Result<(), SeatError> {
+        // Steps are made of what was checked.
+        let steps = serde_json::to_string(&person.steps).unwrap_or_default();
+        self.ask(|c| {
+            c.execute(
+                "INSERT INTO person (token, participant, steps, at, ended, fit, made) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)",
+                params![person.token, person.participant, steps, whole(person.at), person.ended, person.fit, now()],
+            )
+        })
+        .map(drop)
+    }
+
+    /// Lets in somebody with all that they gave.
+    pub(crate) fn take_in(&self, person: &Person, given: &Carried) -> Result<(), SeatError> {
+        self.add(person)?;
+        let who = &person.participant;
+        for (step, sheet) in &given.sheets {
+            self.answer(person, *step, sheet)?;
+        }
+        for (step, attempt, parts) in &given.drives {
+            let Some(header) = &parts.header else {
+                continue;
+            };
+            let place = (*step, *attempt);
+            self.begin(who, place, header)?;
+            // What does not follow on what came before is as good as not handed over.
+            let kept = self.keep(who, place, &parts.pieces)?;
+            if let (Some(kept), Some((at, end))) = (kept, &parts.end)
+                && *at == kept
+            {
+                self.end(who, place, end)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The person of a token.
+    pub(crate) fn person(&self, token: &str) -> Result<Option<Person>, SeatError> {
+        self.ask(|c| {
+            c.prepare_cached(&format!("{PERSON} WHERE token = ?1"))?
+                .query_row([token], Person::read)
+                .optional()
+        })
+    }
+
+    /// Everybody, in the order in which they were let in.
+    pub(crate) fn everybody(&self) -> Result<Vec<Person>, SeatError> {
+        self.ask(|c| {
+            let mut rows = c.prepare_cached(&format!("{PERSON} ORDER BY rowid"))?;
+            rows.query_map([], Person::read)?.collect()
+        })
+    }
+
+    /// Takes the page for itself: what another tab sends from now on is refused.
+    pub(crate) fn claim(&self, token: &str, tab: &str) -> Result<(), SeatError> {
+        self.ask(|c| c.execute("UPDATE person SET tab = ?2 WHERE token = ?1", [token, tab]))
+            .map(drop)
+    }
+
+    /// Whether this tab is the one that was opened last.
+    pub(crate) fn claimed(&self, token: &str, tab: &str) -> Result<bool, SeatError> {
+        self.ask(|c| {
+            c.prepare_cached("SELECT tab = ?2 FROM person WHERE token = ?1")?
+                .query_row([token, tab], |row| row.get::<_, Option<bool>>(0))
+        })
+        .map(|same| same.unwrap_or(false))
+    }
+
+    /// Goes on from step `from` to the next; nothing where that was done before.
+    pub(crate) fn go_on(&self, person: &Person, from: usize) -> Result<(), SeatError> {
+        self.ask(|c| {
+            c.execute(
+                "UPDATE person SET at = ?2 + 1 WHERE token = ?1 AND at = ?2",
+                params![person.token, whole(from)],
+            )
+        })
+        .map(drop)
+    }
+
+    /// Keeps the answers of a step and goes on; what was answered before stays.
+    pub(crate) fn answer(&self, person: &Person, step: usize, body: &str) -> Result<(), SeatError> {
+        self.ask(|c| {
+            c.execute(
+                "INSERT OR IGNORE INTO answer (participant, step, body, given) VALUES (?1, ?2, ?3, ?4)",
+                params![person.participant, whole(step), body, now()],
+            )
+        })?;
+        self.go_on(person, step)
+    }
+
+    /// Every sheet of a person, in the order of the steps.
+    pub(crate) fn answers(&self, participant: &str) -> Result<Vec<KeptSheet>, SeatError> {
+        self.ask(|c| {
+            let mut rows = c.prepare_cached(
+                "SELECT step, body, listed FROM answer WHERE participant = ?1 ORDER BY step",
+            )?;
+            let read = |row: &rusqlite::Row<'_>| {
+                Ok(KeptSheet {
+                    step: row.get::<_, i64>(0)? as usize,
+                    body: row.get(1)?,
+                    listed: Listed::read(row.get(2)?),
+                })
+            };
+            rows.query_map([participant], read)?.collect()
+        })
+    }
+
+    /// Says what stands of a person in the study's table of people.
+    pub(crate) fn list_person(&self, participant: &str, listed: Listed) -> Result<(), SeatError> {
+        self.ask(|c| {
+            c.execute(
+                "UPDATE person SET listed = ?2 WHERE participant = ?1",
+                params![participant, listed.number()],
+            )
+        })
+        .map(drop)
+    }
+
+    /// Says what stands of a sheet in the study's table of answers.
+    pub(crate) fn list_answer(
+        &self,
+        (participant, step): (&str, usize),
+        listed: Listed,
+    ) -> Result<(), SeatError> {
+        self.ask(|c| {
+            c.execute(
+                "UPDATE answer SET listed = ?3 WHERE participant = ?1 AND step = ?2",
+                params![participant, whole(step), listed.number()],
+            )
+        })
+        .map(drop)
+    }
+
+    /// Keeps a person's style.
+    pub(crate) fn fit(&self, person: &Person, fit: &str) -> Result<(), SeatError> {
+        self.ask(|c| {
+            c.execute(
+                "UPDATE person SET fit = ?2 WHERE token = ?1",
+                [&*person.token, fit],
+            )
+        })
+        .map(drop)
+    }
+
+    /// Ends a person's part, `done` or `left`; how it ended before stays.
+    pub(crate) fn ended(&self, person: &Person, how: &str) -> Result<(), SeatError> {
+        self.ask(|c| {
+            c.execute(
+                "UPDATE person SET ended = ?2 WHERE token = ?1 AND ended IS NULL",
+                [&*person.token, how],
+            )
+        })
+        .map(drop)
+    }
+
+    /// Takes away all that is kept of a person but the id, which nobody gets again, and the digest of their link, so that it says what
+    /// became of it and no file of theirs is taken in again. Gives their token, if they had one here.
+    pub(crate) fn forget(&self, participant: &str) -> Result<Option<String>, SeatError> {
+        let token: Option<String> = self.ask(|c| {
+            c.query_row(
+                "SELECT token FROM person WHERE participant = ?1",
+                [participant],
+                |row| row.get(0),
+            )
+            .optional()
+        })?;
+        self.ask(|c| {
+            for table in ["person", "answer", "drive", "piece", "event"] {
+                c.execute(
+                    &format!("DELETE FROM {table} WHERE participant = ?1"),
+                    [participant],
+                )?;
+            }
+            c.execute(
+                "INSERT INTO forgotten (participant, link) VALUES (?1, ?2) ON CONFLICT DO UPDATE SET swept = 0",
+                params![participant, token.as_deref().map(token::sha256)],
+            )
+        })?;
+        Ok(token)
+    }
+
+    /// The ids that are not given again.
+    pub(crate) fn forgotten(&self) -> Result<Vec<String>, SeatError> {
+        self.ask(|c| {
+            let mut rows = c.prepare("SELECT participant FROM forgotten ORDER BY participant")?;
+            rows.query_map([], |row| row.get(0))?.collect()
+        })
+    }
+
+    /// Those of whom something may be left, since the seat was stopped on the way.
+    pub(crate) fn not_swept(&self) -> Result<Vec<String>, SeatError> {
+        self.ask(|c| {
+            let mut rows = c.prepare("SELECT participant FROM forgotten WHERE swept = 0")?;
+            rows.query_map([], |row| row.get(0))?.collect()
+        })
+    }
+
+    /// The digests of the links of who is forgotten.
+    pub(crate) fn links_forgotten(&self) -> Result<BTreeSet<String>, SeatError> {
+        self.ask(|c| {
+            let mut rows = c.prepare("SELECT link FROM forgotten WHERE link IS NOT NULL")?;
+            rows.query_map([], |row| row.get(0))?.collect()
+        })
+    }
+
+    /// Whether this was the link of somebody who was forgotten.
+    pub(crate) fn link_forgotten(&self, token: &str) -> Result<bool, SeatError> {
+        self.ask(|c| {
+            c.prepare_cached("SELECT COUNT(*) FROM forgotten WHERE link = ?1")?
+                .query_row([token::sha256(token)], |row| row.get::<_, i64>(0))
+        })
+        .map(|count| count > 0)
+    }
+
+    /// What happened, the newest first, with whom it happened to: at most so many.
+    pub(crate) fn events(&self, most: u32) -> Result<Vec<(Option<String>, String)>, SeatError> {
+        self.ask(|c| {
+            let mut rows = c.prepare_cached(
+                "SELECT participant, what FROM event ORDER BY rowid DESC LIMIT ?1",
+            )?;
+            rows.query_map([most], |row| Ok((row.get(0)?, row.get(1)?)))?
+                .collect()
+        })
+    }
+
+    /// Writes down what happened.
+    pub(crate) fn event(&self, participant: Option<&str>, what: &str) -> Result<(), SeatError> {
+        self.ask(|c| {
+            c.execute(
+                "INSERT INTO event VALUES (?1, ?2, ?3)",
+                params![now(), participant, what],
+            )
+        })
+        .map(drop)
+    }
+}

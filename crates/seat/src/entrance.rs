@@ -1,0 +1,111 @@
+//! Who may see the experimenter's page: whoever gave its password, known from then on by a cookie that nobody can guess.
+
+use crate::{
+    error::SeatError,
+    markup::{form_field, html, to_lab},
+    request::{Refused, Shared},
+    token,
+};
+use axum::{
+    body::Bytes,
+    extract::State,
+    http::{HeaderMap, StatusCode, header},
+    response::{IntoResponse, Response},
+};
+use std::{
+    collections::VecDeque,
+    sync::{MutexGuard, PoisonError},
+    time::Duration,
+};
+
+/// Name of the cookie.
+const COOKIE: &str = "lab";
+/// A wrong guess takes so long, and those behind it wait.
+const WRONG_TAKES: Duration = Duration::from_millis(500);
+/// Cookies that are good at a time; the oldest goes first.
+const MOST_COOKIES: usize = 200;
+
+impl Shared {
+    fn cookies(&self) -> MutexGuard<'_, VecDeque<String>> {
+        // What is guarded is changed in one go.
+        self.entered.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether somebody gave the password. A cookie that nobody was given is a guess, and takes as long as one.
+    pub(crate) async fn entered(&self, headers: &HeaderMap) -> bool {
+        let cookies = headers.get_all(header::COOKIE).iter();
+        let cookies = cookies.filter_map(|c| c.to_str().ok());
+        let given: Vec<&str> = cookies
+            .flat_map(|all| all.split("; "))
+            .filter_map(|c| c.strip_prefix(COOKIE)?.strip_prefix('='))
+            .collect();
+        let known = |value: &&str| self.cookies().iter().any(|c| token::same_secret(value, c));
+        if given.iter().any(known) {
+            return true;
+        }
+        if !given.is_empty() {
+            let _turn = self.guesses.lock().await;
+            tokio::time::sleep(WRONG_TAKES).await;
+        }
+        false
+    }
+
+    /// Whether this is the password. Each is looked at in turn, so that many guesses at once are no faster.
+    async fn is_password(&self, given: Option<&str>) -> bool {
+        let _turn = self.guesses.lock().await;
+        let password = self.seat.settings.password.as_deref();
+        let right = password
+            .zip(given)
+            .is_some_and(|(password, given)| token::same_secret(given, password));
+        if !right {
+            tokio::time::sleep(WRONG_TAKES).await;
+        }
+        right
+    }
+
+    /// A cookie for somebody who gave the password.
+    fn cookie(&self) -> Result<String, SeatError> {
+        let value = token::new()?;
+        let mut cookies = self.cookies();
+        if cookies.len() == MOST_COOKIES {
+            cookies.pop_front();
+        }
+        cookies.push_back(value.clone());
+        let secure = match self.wire.scheme() {
+            "https" => "; Secure",
+            _ => "",
+        };
+        Ok(format!(
+            "{COOKIE}={value}; Path=/lab; HttpOnly; SameSite=Strict{secure}"
+        ))
+    }
+}
+
+/// Asks for the password; `wrong` says that the last one was not it.
+pub(crate) fn door(wrong: bool) -> Response {
+    let (status, said) = if wrong {
+        (
+            StatusCode::UNAUTHORIZED,
+            "<p role=\"alert\">That is not the password. It was printed where the seat was opened.</p>",
+        )
+    } else {
+        (StatusCode::OK, "")
+    };
+    let page = html(&format!(
+        "<h1>Laboratory</h1>{said}<form method=\"post\" action=\"/lab/enter\">\
+         <label>Password <input type=\"password\" name=\"password\" autofocus></label> <button>Enter</button></form>"
+    ));
+    (status, page).into_response()
+}
+
+/// Takes the password.
+pub(crate) async fn enter(State(shared): State<Shared>, body: Bytes) -> Response {
+    let given = form_field(&body, "password");
+    if !shared.is_password(given.as_deref()).await {
+        return door(true);
+    }
+    match shared.cookie() {
+        Ok(cookie) => ([(header::SET_COOKIE, cookie)], to_lab()).into_response(),
+        Err(error) => Refused::from(error).into_response(),
+    }
+}

@@ -1,0 +1,68 @@
+//! Pages that the server writes itself, and the forms in them.
+
+use crate::assets;
+use axum::{
+    http::{StatusCode, header},
+    response::{IntoResponse, Response},
+};
+
+/// A page.
+pub(crate) fn html(body: &str) -> Response {
+    let page = format!(
+        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Laboratory</title>\
+         <link rel=\"stylesheet\" href=\"{}\"><main>{body}</main></html>",
+        assets::address("page.css")
+    );
+    ([(header::CONTENT_TYPE, "text/html; charset=utf-8")], page).into_response()
+}
+
+/// Text that cannot become markup.
+pub(crate) fn plain(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+}
+
+/// A field of a form, as browsers encode it.
+pub(crate) fn form_field(body: &[u8], name: &str) -> Option<String> {
+    let text = std::str::from_utf8(body).ok()?;
+    let field = text
+        .split('&')
+        .find_map(|f| f.strip_prefix(name)?.strip_prefix('='))?;
+    let mut bytes = Vec::new();
+    let mut rest = field.bytes();
+    while let Some(byte) = rest.next() {
+        bytes.push(match byte {
+            b'+' => b' ',
+            b'%' => {
+                let digits = [rest.next()?, rest.next()?];
+                u8::from_str_radix(std::str::from_utf8(&digits).ok()?, 16).ok()?
+            }
+            plain => plain,
+        });
+    }
+    String::from_utf8(bytes).ok()
+}
+
+/// Back to the experimenter's page.
+pub(crate) fn to_lab() -> Response {
+    (StatusCode::SEE_OTHER, [(header::LOCATION, "/lab")]).into_response()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_form_is_read_as_browsers_write_it_and_markup_stays_text() {
+        let given = |body: &str| form_field(body.as_bytes(), "password");
+        assert_eq!(given("password=a%26b+c").as_deref(), Some("a&b c"));
+        assert_eq!(given("other=1&password=x").as_deref(), Some("x"));
+        assert_eq!(given("password=%zz"), None);
+        assert_eq!(
+            plain("<b title=\"&\">"),
+            "&lt;b title=&quot;&amp;&quot;&gt;"
+        );
+    }
+}
