@@ -180,6 +180,17 @@ pub enum PipelineError {
         /// The process that took the lock, where it could be read.
         pid: Option<u32>,
     },
+    /// The run that took the lock is no more, but a stage that it began still is.
+    #[error(
+        "the run of this pipeline in process {pid} was killed, and a stage that it began is still at work after some seconds (lock {})",
+        path.to_slash_lossy()
+    )]
+    StageLeftAtWork {
+        /// The lock file.
+        path: PathBuf,
+        /// The process of the run that was killed.
+        pid: u32,
+    },
     /// A file or directory could not be read or written.
     #[error("cannot {doing} {}", path.to_slash_lossy())]
     Io {
@@ -255,7 +266,9 @@ impl PipelineError {
             Self::HoldsOurs { .. } => {
                 Some("name the files or subdirectories that the stage reads or makes".to_owned())
             }
-            Self::Busy { .. } => Some("wait for it to end, or stop it".to_owned()),
+            Self::Busy { .. } | Self::StageLeftAtWork { .. } => {
+                Some("wait for it to end, or stop it".to_owned())
+            }
             Self::Io { source, .. } if is_held(source) => {
                 Some("another program has it open: close it there, then run again".to_owned())
             }

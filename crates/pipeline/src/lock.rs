@@ -9,6 +9,8 @@ use crate::PipelineError;
 
 /// Stages that were just killed hold the lock until the system has cleared them away.
 const TRIES: u32 = 25;
+/// Stages of a run that was killed outright notice it, or end their work, and let go then.
+const TRIES_AFTER_A_DEAD_RUN: u32 = 500;
 const BETWEEN_TRIES: Duration = Duration::from_millis(10);
 
 /// The right to change a ledger and the outputs that it describes.
@@ -39,9 +41,15 @@ impl RunLock {
         while let Err(error) = file.try_lock() {
             match error {
                 TryLockError::Error(error) => return Err(failed()(error)),
-                TryLockError::WouldBlock if tries == TRIES => {
+                TryLockError::WouldBlock if tries >= TRIES => {
                     let pid = pid_in(&path);
-                    return Err(PipelineError::Busy { path, pid });
+                    match pid.filter(|pid| !is_alive(*pid)) {
+                        None => return Err(PipelineError::Busy { path, pid }),
+                        Some(pid) if tries >= TRIES_AFTER_A_DEAD_RUN => {
+                            return Err(PipelineError::StageLeftAtWork { path, pid });
+                        }
+                        Some(_) => std::thread::sleep(BETWEEN_TRIES),
+                    }
                 }
                 TryLockError::WouldBlock => std::thread::sleep(BETWEEN_TRIES),
             }
@@ -69,6 +77,18 @@ impl RunLock {
         file.seek(SeekFrom::End(0)).map_err(failed())?;
         Ok(file)
     }
+}
+
+/// Whether there is a process of this number; where that cannot be known it counts as alive.
+#[cfg(unix)]
+fn is_alive(pid: u32) -> bool {
+    use nix::{errno::Errno, sys::signal::kill, unistd::Pid};
+    kill(Pid::from_raw(pid.cast_signed()), None) != Err(Errno::ESRCH)
+}
+
+#[cfg(not(unix))]
+fn is_alive(_pid: u32) -> bool {
+    true
 }
 
 fn pid_in(path: &Path) -> Option<u32> {
@@ -102,6 +122,28 @@ mod tests {
         let path = folder.path().join("p.running");
         std::fs::write(&path, "1234567\n").unwrap();
         assert!(RunLock::acquire(path).is_ok());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn the_next_run_waits_for_what_a_killed_run_left_at_work() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.running");
+        let mut gone = std::process::Command::new("true").spawn().unwrap();
+        gone.wait().unwrap();
+        let held = RunLock::acquire(path.clone()).unwrap();
+        let mut stage = std::process::Command::new("sleep")
+            .arg("0.6")
+            .stdin(held.as_stdin().unwrap())
+            .spawn()
+            .unwrap();
+        drop(held);
+        // As if the run that began the stage had been another process, which is no more.
+        std::fs::write(&path, format!("{}\n", gone.id())).unwrap();
+        let next = RunLock::acquire(path.clone());
+        assert!(next.is_ok(), "{next:?}");
+        assert_eq!(pid_in(&path), Some(std::process::id()));
+        stage.wait().unwrap();
     }
 
     #[test]

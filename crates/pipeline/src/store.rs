@@ -68,7 +68,7 @@ impl Store {
     /// Whether there is something of this name.
     fn has(&self, name: &str) -> bool {
         match self {
-            Self::Folder(folder) => folder.join(name).exists(),
+            Self::Folder(folder) => folder.join(name).is_file(),
             #[cfg(feature = "object-store")]
             Self::Bucket(bucket) => bucket.stamp(name).is_ok_and(|stamp| stamp.is_some()),
         }
@@ -78,7 +78,8 @@ impl Store {
     pub(crate) fn fetch(&self, name: &str, target: &Path) -> Result<bool, PipelineError> {
         let found = match self {
             Self::Folder(folder) => match fs::copy(folder.join(name), target) {
-                Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
+                // Something else may have its name: that is no file that was kept.
+                Err(_) if !folder.join(name).is_file() => Ok(false),
                 copied => copied.map(|_| true),
             },
             #[cfg(feature = "object-store")]

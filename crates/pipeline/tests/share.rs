@@ -505,3 +505,50 @@ fn the_schema_beside_the_pipelines_is_that_of_this_version() {
         "UPDATE_SCHEMA=1 cargo test writes it"
     );
 }
+
+#[test]
+fn a_folder_in_the_place_of_a_file_of_the_cache_is_no_file_and_stays() {
+    let cache = tempfile::tempdir().unwrap();
+    let with_cache = || {
+        let mut novels = Novels::new();
+        novels.options.cache = Some(cache.path().to_owned());
+        novels
+    };
+    with_cache().run();
+    let content = fs::read_dir(cache.path().join("v1/content"))
+        .unwrap()
+        .flatten();
+    let mut files = content.flat_map(|e| fs::read_dir(e.path()).unwrap().flatten());
+    let is_table = |path: &std::path::PathBuf| fs::read_to_string(path).unwrap() == TABLE;
+    let blob = files.find_map(|e| Some(e.path()).filter(is_table)).unwrap();
+    fs::remove_file(&blob).unwrap();
+    fs::create_dir(&blob).unwrap();
+    fs::write(blob.join("mine"), "mine").unwrap();
+    let next = with_cache();
+    let report = next.run();
+    assert_eq!(report.outcome, Outcome::Done, "{:?}", report.failures);
+    assert_eq!(next.read("made/table.csv"), TABLE);
+    let warnings: Vec<String> = report.warnings.iter().map(ToString::to_string).collect();
+    assert!(
+        warnings[0].contains("damaged for stage `table`"),
+        "{warnings:?}"
+    );
+    assert!(
+        warnings[1].contains("was not put into the cache"),
+        "{warnings:?}"
+    );
+    assert!(blob.join("mine").exists());
+}
+
+#[test]
+fn a_novel_that_left_the_table_of_books_is_in_no_result() {
+    let novels = Novels::new();
+    novels.run();
+    let books = novels.read("books.csv");
+    let fewer: Vec<&str> = books.lines().filter(|l| !l.starts_with("cities")).collect();
+    fs::write(novels.path("books.csv"), fewer.join("\n")).unwrap();
+    assert_eq!(novels.run_with(State::Done), ["table"]);
+    assert!(!novels.read("made/table.csv").contains("cities"));
+    assert!(!novels.path("made/rows/cities.csv").exists());
+    assert!(!novels.path("made/counts/cities.txt").exists());
+}
