@@ -78,6 +78,10 @@ fn what_is_handed_over_becomes_the_files_that_a_run_reads() {
     // The same again is somebody who was there.
     let again = carried::take_in(&seat, &written(folder.path(), &lines));
     assert!(again.is_err_and(|e| e.to_string().contains("taken in before, as P001")));
+    // Nor is somebody who is forgotten.
+    seat.forget("P001").unwrap();
+    let again = carried::take_in(&seat, &written(folder.path(), &lines));
+    assert!(again.is_err_and(|e| e.to_string().contains("forgotten")));
 }
 
 #[test]

@@ -193,3 +193,24 @@ fn rows_that_somebody_deleted_by_hand_are_not_written_back() {
         );
     }
 }
+
+#[test]
+fn somebody_is_forgotten_while_the_seat_is_closed_and_a_name_misspelt_is_said() {
+    let folder = folder();
+    let state = folder.path().join("seat/seat.db");
+    let study = maveric_study::DesignFile::read(&folder.path().join("study.toml")).unwrap();
+    let server = Server::open(folder.path());
+    let token = opened(&server);
+    while go_on(&server, &token) {}
+    let open = maveric_seat::forget(&study, &state, "P001").unwrap_err();
+    assert!(open.to_string().contains("another seat"), "{open}");
+    drop(server);
+    let misspelt = maveric_seat::forget(&study, &state, "P01").unwrap_err();
+    assert!(misspelt.suggestion().unwrap().contains("`P001`"));
+    let gone = maveric_seat::forget(&study, &state, "P001").unwrap();
+    assert!(gone.in_seat && gone.study.unwrap().left.is_empty());
+    let secrets = [&*token, "P001-", "P001,2", "P001,pre"];
+    assert_eq!(holding(folder.path(), &secrets), Vec::<String>::new());
+    // Again, as after a run that was in the way.
+    assert!(maveric_seat::forget(&study, &state, "P001").is_ok());
+}
