@@ -24,8 +24,15 @@ impl Road {
         posted_speed_mps: 24.5872,
     };
 
-    /// The lane whose centre is nearest to lateral position `y_m`.
-    pub fn lane_at(&self, y_m: f64) -> u8 {
+    /// The lane in which a vehicle at lateral position `y_m` drives; none where its centre is further than half a lane beside the
+    /// road: it is parked there, comes towards ego, or drives on another road.
+    pub fn lane_at(&self, y_m: f64) -> Option<u8> {
+        let (right, left) = (-self.lane_width_m, self.lane_centre_m(self.lanes));
+        (right..=left).contains(&y_m).then(|| self.nearest_lane(y_m))
+    }
+
+    /// The lane whose centre is nearest to lateral position `y_m`: ego has one even where it leaves the road.
+    pub fn nearest_lane(&self, y_m: f64) -> u8 {
         // `as` saturates, so far-off positions end in the outermost lanes.
         ((y_m / self.lane_width_m).round().max(0.0) as u8).min(self.lanes.saturating_sub(1))
     }
@@ -159,8 +166,22 @@ mod tests {
 
     #[test]
     fn lanes_are_counted_from_the_right() {
-        assert_eq!(Road::PAPER.lane_at(-1.0), 0);
-        assert_eq!(Road::PAPER.lane_at(1.84), 1);
-        assert_eq!(Road::PAPER.lane_at(99.0), 1);
+        assert_eq!(Road::PAPER.nearest_lane(-1.0), 0);
+        assert_eq!(Road::PAPER.nearest_lane(1.84), 1);
+        assert_eq!(Road::PAPER.nearest_lane(99.0), 1);
+    }
+
+    #[test]
+    fn a_lane_ends_half_a_lane_beside_the_road() {
+        for (y_m, lane) in [
+            (-3.67, None),
+            (-3.65, Some(0)),
+            (1.84, Some(1)),
+            (7.31, Some(1)),
+            (7.33, None),
+            (f64::NAN, None),
+        ] {
+            assert_eq!(Road::PAPER.lane_at(y_m), lane, "{y_m} m");
+        }
     }
 }

@@ -449,3 +449,62 @@ fn words_for_who_drove_read_back() {
     let refused = "robot".parse::<DrivenBy>().unwrap_err().to_string();
     assert!(refused.contains("robot") && refused.contains("human, scripted, synthetic, automated"));
 }
+
+#[test]
+fn who_is_beside_the_road_is_in_none_of_its_lanes() {
+    // Parked 25 and 200 m to the right, oncoming beyond the left lane: nobody to follow, and nobody to merge back before.
+    let at = |id, y_m: f64, x_m: &[f64]| ObjectTrack {
+        y_m: vec![y_m; x_m.len()],
+        ..other(id, 0, x_m, 0, 0.0)
+    };
+    let time_s = [0.0, 0.5, 1.0, 1.5];
+    let beside = || {
+        vec![
+            at(1, -25.0, &[130.0; 4]),
+            at(2, -200.0, &[90.0; 4]),
+            at(3, 3.1 * WIDTH_M, &[140.0; 4]),
+        ]
+    };
+    let signals = |lane: u8, with: Vec<ObjectTrack>| {
+        let ego_x = [100.0, 105.0, 110.0, 115.0];
+        let ego = ego(&ego_x, &[f64::from(lane) * WIDTH_M; 4], 10.0);
+        drive(Road::PAPER, &time_s, &[0; 4], ego, with)
+    };
+    for lane in [0, 1] {
+        let alone = signals(lane, beside());
+        assert_eq!(alone.rows().lead_id, [None; 4], "lane {lane}");
+        assert_eq!(alone.rows().gap_behind_right_m, [None; 4]);
+        // The one ahead in the lane is the leader, as if nobody stood beside the road.
+        let mut with = beside();
+        with.push(other(7, 0, &[160.0, 165.0, 170.0, 175.0], lane, 10.0));
+        let led = signals(lane, with);
+        assert_eq!(led.rows().lead_id, [Some(7); 4], "lane {lane}");
+    }
+}
+
+#[test]
+fn who_follows_is_in_the_lane_of_the_road_that_it_drives_on() {
+    let following = |lane_width_m: f64, aside_m: f64| {
+        let road = Road {
+            lane_width_m,
+            ..Road::PAPER
+        };
+        let ahead = ObjectTrack {
+            y_m: vec![0.5 * aside_m; 4],
+            ..other(7, 0, &[130.0, 135.0, 140.0, 145.0], 0, 10.0)
+        };
+        let ego = ego(&[100.0, 105.0, 110.0, 115.0], &[-0.5 * aside_m; 4], 10.0);
+        let drive = drive(road, &[0.0, 0.5, 1.0, 1.5], &[0; 4], ego, vec![ahead]);
+        assert_eq!(drive.rows().lead_id, [Some(7); 4]);
+        drive.rows().following.clone()
+    };
+    for (lane_width_m, aside_m, follows) in [
+        (3.66, 1.82, true),
+        (3.66, 1.84, false),
+        (2.8, 1.6, false),
+        (5.0, 2.2, true),
+    ] {
+        let found = following(lane_width_m, aside_m);
+        assert_eq!(found, [follows; 4], "{aside_m} m aside in {lane_width_m} m");
+    }
+}

@@ -100,7 +100,7 @@ fn lanes_have_centres_and_the_nearest_one_counts() {
         (5.6, 2),
         (1e9, 2),
     ] {
-        assert_eq!(road.lane_at(y), lane, "at {y} m");
+        assert_eq!(road.nearest_lane(y), lane, "at {y} m");
     }
 }
 

@@ -120,11 +120,7 @@ pub(crate) fn on_the_road(
     ego: &[EgoSample],
     road: &Road,
 ) -> Result<Option<Warning>, IngestError> {
-    let (right, left) = (
-        -road.lane_width_m,
-        f64::from(road.lanes) * road.lane_width_m,
-    );
-    let off = |s: &&EgoSample| !(right..=left).contains(&s.y_m);
+    let off = |s: &&EgoSample| road.lane_at(s.y_m).is_none();
     let off: Vec<f64> = ego
         .iter()
         .filter(off)

@@ -137,7 +137,7 @@ impl Planner {
             scene: &scene,
             road: &self.road,
             reference: self.tracker.observe(&scene),
-            lane: lane.unwrap_or_else(|| self.road.lane_at(y_m)),
+            lane: lane.unwrap_or_else(|| self.road.nearest_lane(y_m)),
             activity: if changing {
                 LaneActivity::Changing
             } else {

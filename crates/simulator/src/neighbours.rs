@@ -13,14 +13,14 @@ pub(crate) struct Neighbour {
 /// The nearest vehicle ahead in `lane`.
 pub(crate) fn ahead(scene: &Scene, road: &Road, lane: u8) -> Option<Neighbour> {
     nearest(scene, |v| {
-        road.lane_at(v.y_m) == lane && v.x_m > scene.ego.x_m
+        road.lane_at(v.y_m) == Some(lane) && v.x_m > scene.ego.x_m
     })
 }
 
 /// The nearest vehicle behind, or beside with its centre behind, in `lane`.
 pub(crate) fn behind(scene: &Scene, road: &Road, lane: u8) -> Option<Neighbour> {
     nearest(scene, |v| {
-        road.lane_at(v.y_m) == lane && v.x_m <= scene.ego.x_m
+        road.lane_at(v.y_m) == Some(lane) && v.x_m <= scene.ego.x_m
     })
 }
 
@@ -53,7 +53,7 @@ fn in_or_entering(
 ) -> Option<Neighbour> {
     let both = scene.vehicles.iter().zip(claims);
     let there = both.filter(|(v, claim)| {
-        (road.lane_at(v.y_m) == lane || **claim == Some(lane))
+        (road.lane_at(v.y_m) == Some(lane) || **claim == Some(lane))
             && (v.x_m > scene.ego.x_m) == is_ahead
     });
     closest(scene, there.map(|(v, _)| v))

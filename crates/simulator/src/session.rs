@@ -252,7 +252,7 @@ impl<'a> Session<'a> {
     /// lane is where the car is.
     pub fn lane(&self) -> (u8, Option<u8>) {
         match self.seat {
-            Seat::Hands => (self.road.lane_at(self.car.pose().y_m), None),
+            Seat::Hands => (self.road.nearest_lane(self.car.pose().y_m), None),
             _ => (self.steering.lane(), self.steering.coming_from()),
         }
     }
@@ -378,7 +378,7 @@ impl<'a> Session<'a> {
 
     fn decide(&mut self, row: usize) {
         let ego = &self.scene.ego;
-        let lane = self.road.lane_at(ego.y_m);
+        let lane = self.road.nearest_lane(ego.y_m);
         let beside_m = (ego.y_m - self.road.lane_centre_m(lane)).abs();
         let body_inside =
             beside_m + 0.5 * self.settings.vehicle.width_m <= 0.5 * self.road.lane_width_m;

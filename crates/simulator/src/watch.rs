@@ -54,7 +54,7 @@ impl Watch {
         let fresh = touching.iter().filter(|id| !self.touching.contains(id));
         self.collisions.extend(fresh.map(|&id| (row, id)));
         self.touching = touching;
-        let share = ahead(scene, road, road.lane_at(ego.y_m)).map_or(1.0, |n| {
+        let share = ahead(scene, road, road.nearest_lane(ego.y_m)).map_or(1.0, |n| {
             let safe_m = safe_distance_m(rule, ego.speed_mps, n.vehicle.speed_mps);
             if n.gap_m < safe_m {
                 n.gap_m / safe_m

@@ -134,7 +134,7 @@ fn gap_behind(scene: &Scene, road: &Road, lane: Option<u8>) -> Option<f64> {
     let gaps = scene
         .vehicles
         .iter()
-        .filter(|v| road.lane_at(v.y_m) == lane && v.x_m <= scene.ego.x_m);
+        .filter(|v| road.lane_at(v.y_m) == Some(lane) && v.x_m <= scene.ego.x_m);
     gaps.map(|v| -bumper_distance_m(&scene.ego, v))
         .filter(|&g| g <= BEHIND_LIMIT_M)
         .min_by(f64::total_cmp)
@@ -158,7 +158,7 @@ impl Drive {
             ego_x_m: ego.x_m.clone(),
             ego_y_m: ego.y_m.clone(),
             ego_speed_mps: ego.speed_mps.clone(),
-            lane: ego.y_m.iter().map(|&y| road.lane_at(y)).collect(),
+            lane: ego.y_m.iter().map(|&y| road.nearest_lane(y)).collect(),
             ..Rows::default()
         };
         let mut tracker = ReferenceTracker::new(road);
@@ -179,7 +179,7 @@ impl Drive {
                 .push(gap_behind(&scene, &road, lane.checked_sub(1)));
         }
         lane_change::label(&mut rows, &road, recording.rate_hz());
-        following::label(&mut rows);
+        following::label(&mut rows, &road);
         Ok(Self {
             meta,
             road,

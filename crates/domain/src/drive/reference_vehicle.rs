@@ -46,7 +46,7 @@ impl ReferenceTracker {
     pub fn observe(&mut self, scene: &Scene) -> Reference {
         let road = self.road;
         let ego = &scene.ego;
-        let lane = road.lane_at(ego.y_m);
+        let lane = road.nearest_lane(ego.y_m);
         let distance = |v: &VehicleState| bumper_distance_m(ego, v);
         let near = |v: &&VehicleState| distance(v).abs() <= Reference::FREE_ROAD_DX_M;
         let by_distance =
@@ -55,7 +55,7 @@ impl ReferenceTracker {
             .vehicles
             .iter()
             .filter(near)
-            .filter(|v| road.lane_at(v.y_m) == lane && v.x_m > ego.x_m)
+            .filter(|v| road.lane_at(v.y_m) == Some(lane) && v.x_m > ego.x_m)
             .min_by(by_distance);
         let behind_right = || {
             let right = lane.checked_sub(1)?;
@@ -63,7 +63,7 @@ impl ReferenceTracker {
                 .vehicles
                 .iter()
                 .filter(near)
-                .filter(|v| road.lane_at(v.y_m) == right && v.x_m < ego.x_m)
+                .filter(|v| road.lane_at(v.y_m) == Some(right) && v.x_m < ego.x_m)
                 .min_by(by_distance)
         };
 
@@ -76,9 +76,10 @@ impl ReferenceTracker {
             Some((vehicle, tracked.passing))
         });
         let passed = current.filter(|(vehicle, passing)| {
-            let its_lane = road.lane_at(vehicle.y_m);
-            // Ego left its lane just now, or is beside or ahead of it already.
-            let out = its_lane < lane || (its_lane != lane && *passing);
+            // Ego left its lane just now, or is beside or ahead of it already; who left the road is passed by nobody.
+            let out = road
+                .lane_at(vehicle.y_m)
+                .is_some_and(|its| its < lane || (its != lane && *passing));
             let taken_over = ahead.is_some_and(|a| {
                 a.id != vehicle.id
                     && distance(a) < TAKE_OVER_M

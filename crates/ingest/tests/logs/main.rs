@@ -11,6 +11,7 @@ mod round_trip;
 mod scene;
 mod simulators;
 mod tables;
+mod unseen;
 
 use maveric_domain::{
     DriveId, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, ParticipantId, Recording, Road, VehicleId,

@@ -114,7 +114,7 @@ fn openpass_agents_find_their_lanes_where_they_drive_and_go_when_their_cells_are
     let lanes = |row: usize| -> Vec<u8> {
         let scene = recording.scene(row).unwrap();
         let ys = std::iter::once(scene.ego.y_m).chain(scene.vehicles.iter().map(|v| v.y_m));
-        ys.map(|y| road.lane_at(y)).collect()
+        ys.map(|y| road.nearest_lane(y)).collect()
     };
     assert_eq!(lanes(100), [0, 0, 1, 2]);
     assert_eq!(lanes(1100), [1, 0, 2], "agent 02 is gone");
@@ -192,7 +192,7 @@ fn edges_place_lanes_and_keys_that_contradict_them_are_refused() {
         found
             .recording
             .road()
-            .lane_at(found.recording.ego().y_m[50])
+            .nearest_lane(found.recording.ego().y_m[50])
     };
     assert_eq!((lane(-6.5), lane(-4.6)), (0, 1));
     for (keys, words) in [

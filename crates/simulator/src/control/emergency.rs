@@ -110,7 +110,7 @@ fn rule_allows_mps2(
     claims: &[Option<u8>],
     driven_up_to: Option<VehicleId>,
 ) -> f64 {
-    let lane = road.lane_at(scene.ego.y_m);
+    let lane = road.nearest_lane(scene.ego.y_m);
     ahead_or_entering(scene, road, lane, claims).map_or(f64::INFINITY, |n| {
         let safe = safe_distance_m(settings, scene.ego.speed_mps, n.vehicle.speed_mps);
         if n.gap_m >= safe || driven_up_to == Some(n.vehicle.id) {
@@ -129,7 +129,7 @@ fn needed_for_entering_mps2(
     road: &Road,
     claims: &[Option<u8>],
 ) -> f64 {
-    let lane = road.lane_at(scene.ego.y_m);
+    let lane = road.nearest_lane(scene.ego.y_m);
     if claims.iter().all(|claim| *claim != Some(lane)) {
         return 0.0;
     }

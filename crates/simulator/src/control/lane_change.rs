@@ -73,8 +73,8 @@ impl ReturnRule {
         step_s: f64,
     ) -> bool {
         let reference_lane = road.lane_at(scene.ego.y_m + reference.dy_m);
-        let here = road.lane_at(scene.ego.y_m);
-        let passing = reference.vehicle.is_some() && reference_lane < here;
+        let here = road.nearest_lane(scene.ego.y_m);
+        let passing = reference.vehicle.is_some() && reference_lane.is_some_and(|lane| lane < here);
         if here == 0 || passing {
             self.idle_s = 0.0;
             return false;

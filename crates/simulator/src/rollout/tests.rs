@@ -257,7 +257,7 @@ fn a_person_and_the_car_pass_on_the_middle_lanes_of_a_bending_road() {
                 .iter()
                 .copied()
                 .fold(0.0, f64::max);
-            assert_eq!(driven.recording.road().lane_at(reached), lane + 1);
+            assert_eq!(driven.recording.road().nearest_lane(reached), lane + 1);
             assert_eq!(driven.report.collisions, 0);
         }
     }

@@ -89,7 +89,7 @@ impl Script {
                 state.y_m = side.from_y_m + moved * (to_y_m - side.from_y_m);
             }
         }
-        road.lane_at(state.y_m)
+        road.nearest_lane(state.y_m)
     }
 
     /// Acceleration towards the speed of the script, in m/s².
