@@ -50,8 +50,8 @@ pub struct Streams<T> {
 
 /// Reads a recording that is split over `parts`, in their order; `taker` makes who takes the messages of a stream.
 ///
-/// Channels of equal topic, encoding and type are one stream, whichever file they are in; within one file two of them are
-/// two. What a damaged chunk declares is believed only if nothing else declares it; if it was lost, the recording is read
+/// Channels of equal topic, encoding and type are one stream, whichever file they are in and however many of them one file has:
+/// every publisher may have a channel of its own. What a damaged chunk declares is believed only if nothing else declares it; if it was lost, the recording is read
 /// again, knowing what its summary repeats.
 ///
 /// # Errors
@@ -172,7 +172,7 @@ impl<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T> Collector<T, F> {
     fn declare(&mut self, channel: Channel) {
         let schema = self.schemas.get(&channel.schema_id);
         let id = channel.id;
-        let same = self.found.streams.iter().enumerate().position(|(i, s)| {
+        let same = self.found.streams.iter().position(|s| {
             s.channel.topic == channel.topic
                 && s.channel.encoding == channel.encoding
                 && match (&s.schema, schema) {
@@ -180,8 +180,6 @@ impl<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T> Collector<T, F> {
                     (None, None) => true,
                     _ => false,
                 }
-                // Within one file two channels of one topic stay two, and so they are over its parts.
-                && !self.ids.values().any(|&j| j == i)
         });
         let index = same.unwrap_or_else(|| {
             self.found.streams.push(Stream {

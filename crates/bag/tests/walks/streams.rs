@@ -110,7 +110,7 @@ fn file(channels: &[Declared<'_>]) -> Vec<u8> {
 }
 
 #[test]
-fn channels_of_equal_topic_encoding_and_type_are_one_stream_over_files_and_two_within_one() {
+fn channels_of_equal_topic_encoding_and_type_are_one_stream_over_files_and_within_one() {
     let x = Some(("lab/msg/X", "float64 x"));
     let first = file(&[("/a", x, "cdr", &[50, 60])]);
     for (second, same) in [
@@ -151,11 +151,8 @@ fn channels_of_equal_topic_encoding_and_type_are_one_stream_over_files_and_two_w
     // Two channels of one topic in one file, and of its next part.
     let twice = file(&[("/a", x, "cdr", &[1]), ("/a", x, "cdr", &[2])]);
     let found = streams(&[twice.clone(), twice], Walk::default());
-    assert_eq!(found.streams.len(), 2);
-    assert_eq!(
-        (times(&found, 0), times(&found, 1)),
-        (vec![1, 1], vec![2, 2])
-    );
+    assert_eq!(found.streams.len(), 1);
+    assert_eq!(times(&found, 0), [1, 2, 1, 2]);
 }
 
 #[test]
