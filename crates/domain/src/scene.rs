@@ -28,7 +28,9 @@ impl Road {
     /// road: it is parked there, comes towards ego, or drives on another road.
     pub fn lane_at(&self, y_m: f64) -> Option<u8> {
         let (right, left) = (-self.lane_width_m, self.lane_centre_m(self.lanes));
-        (right..=left).contains(&y_m).then(|| self.nearest_lane(y_m))
+        (right..=left)
+            .contains(&y_m)
+            .then(|| self.nearest_lane(y_m))
     }
 
     /// The lane whose centre is nearest to lateral position `y_m`: ego has one even where it leaves the road.

@@ -2,15 +2,16 @@
 
 use crate::{
     centre_line::CentreLine,
-    differentiate::fill_speeds,
+    differentiate::{fill_speeds, fill_speeds_of_others},
     error::IngestError,
     join_speeds::join_speeds,
     lane_centres::{LaneShape, into_lanes},
     lanes::{EgoPath, place},
     mapping::{FrameKind, Mapping, RoadMapping},
-    plausible::{doubts, on_the_road},
+    pair_rows,
+    plausible::{doubts, leave_out_impossible, on_the_road},
     quality::{Warning, WarningKind},
-    raw::{EgoSample, ObjectSample, RawDrive},
+    raw::{EgoSample, ObjectSample, RawDrive, Sighting},
     resample::{Grid, grid, speeds},
     settings::IngestSettings,
     synchronise::synchronise,
@@ -27,6 +28,9 @@ const MOST_ROWS_A_SAMPLE: f64 = 100.0;
 const CAR_LENGTH_M: f64 = 4.7;
 /// Mean distance from ego below which an object is ego itself, in m.
 const EGO_ITSELF_M: f64 = 1.0;
+
+/// Mean speed against the road above which a vehicle comes towards ego, in m/s: some car reverses more slowly.
+const BACKWARDS_MPS: f64 = 2.0;
 
 /// How the samples of a drive become a recording.
 #[derive(Debug, Clone, Copy)]
@@ -91,8 +95,10 @@ pub(crate) fn assemble(
         CentreLine::new(target.centre_line).straighten(&mut drive);
     }
     let mut warnings = synchronise(path, &mut drive, target.max_gap_s);
+    warnings.extend(leave_out_impossible(path, &mut drive)?);
     warnings.extend(join_speeds(path, &mut drive));
-    warnings.extend(doubts(path, &drive)?);
+    pair_rows::in_order(&mut drive);
+    warnings.extend(doubts(path, &drive));
     if drive.ego.iter().any(|s| s.speed_mps.is_none()) {
         let without = drive.ego.iter().filter(|s| s.speed_mps.is_none()).count();
         fill_speeds(&mut drive.ego, target.max_gap_s);
@@ -100,6 +106,11 @@ pub(crate) fn assemble(
         let what = "no speed was recorded: it is differentiated from the positions";
         warnings.push(Warning::new(path, WarningKind::Default, without, what));
     }
+    warnings.extend(fill_speeds_of_others(
+        path,
+        &mut drive.objects,
+        target.max_gap_s,
+    ));
     if drive.ego_among_objects {
         warnings.extend(drop_ego(path, &mut drive));
     }
@@ -128,7 +139,7 @@ pub(crate) fn assemble(
             samples: time_s.len(),
         });
     }
-    let rows = grid(&time_s, target.rate_hz, target.max_gap_s);
+    let mut rows = grid(&time_s, target.rate_hz, target.max_gap_s);
     if !rows.holes_s.is_empty() {
         let what = format!(
             "holes of more than {} s are not bridged: a segment starts after each",
@@ -138,12 +149,23 @@ pub(crate) fn assemble(
         warnings.push(warning.with_spans(rows.holes_s.iter().copied()));
     }
     // Rows that stand alone, each in its own segment, are no drive either.
-    if !rows.rows.windows(2).any(|w| w[0].segment == w[1].segment) {
+    let is_drive = |rows: &Grid| rows.rows.windows(2).any(|w| w[0].segment == w[1].segment);
+    if !is_drive(&rows) {
         return Err(IngestError::TooSparse {
             path: path.to_owned(),
             samples: drive.ego.len(),
             max_gap_s: target.max_gap_s,
         });
+    }
+    if !drive.sightings.is_empty() {
+        warnings.extend(keep_seen(path, &drive.sightings, &mut rows, target));
+        if !is_drive(&rows) {
+            return Err(IngestError::SeldomSeen {
+                path: path.to_owned(),
+                sightings: drive.sightings.len(),
+                max_gap_s: target.max_gap_s,
+            });
+        }
     }
     let ego_length_m = drive.ego_length_m.unwrap_or_else(|| {
         let what = format!("ego's length is not known: {CAR_LENGTH_M} m stands in");
@@ -183,6 +205,25 @@ fn seconds(stamp_ns: &[i64]) -> Vec<f64> {
     stamp_ns.iter().map(|ns| *ns as f64 / 1e9).collect()
 }
 
+/// Leaves out the rows at which nobody looked who else is there: a road is not free because it was not seen.
+fn keep_seen(
+    path: &Path,
+    sightings: &[Sighting],
+    rows: &mut Grid,
+    target: &Target<'_>,
+) -> Option<Warning> {
+    let stamp_ns: Vec<i64> = sightings.iter().map(|s| s.stamp_ns).collect();
+    let seen = grid(&seconds(&stamp_ns), target.rate_hz, target.max_gap_s);
+    let before = rows.rows.len();
+    rows.keep(&seen);
+    let left_out = before - rows.rows.len();
+    (left_out > 0).then(|| {
+        let what = "rows of ego at which the others are not seen are left out: a segment starts after each such hole";
+        let warning = Warning::new(path, WarningKind::Hole, left_out, what);
+        warning.with_spans(seen.holes_s)
+    })
+}
+
 fn ego_track(
     samples: &[EgoSample],
     stamp_ns: &[i64],
@@ -215,8 +256,8 @@ struct Columns {
     x_m: Vec<f64>,
     y_m: Vec<f64>,
     speed_mps: Vec<f64>,
-    /// The first that is known.
-    length_m: Option<f64>,
+    /// From which sample on which length is known, in m: a number may be used again for another vehicle.
+    lengths_m: Vec<(usize, f64)>,
 }
 
 impl Columns {
@@ -225,7 +266,20 @@ impl Columns {
         self.x_m.push(sample.x_m);
         self.y_m.push(sample.y_m);
         self.speed_mps.push(sample.speed_mps);
-        self.length_m = self.length_m.or_else(|| sample.known_length_m());
+        let last = self.lengths_m.last().map(|l| l.1.to_bits());
+        if let Some(length_m) = sample
+            .known_length_m()
+            .filter(|l| last != Some(l.to_bits()))
+        {
+            self.lengths_m.push((self.stamp_ns.len() - 1, length_m));
+        }
+    }
+
+    /// The length of whoever is seen from a sample on: as it is known then, else the first one that is.
+    fn length_m(&self, sample: usize) -> Option<f64> {
+        let known = self.lengths_m.partition_point(|(from, _)| *from <= sample);
+        let known = self.lengths_m.get(known.saturating_sub(1));
+        known.map(|l| l.1)
     }
 }
 
@@ -251,12 +305,9 @@ fn tracks(
         vehicles[place].1.push(object);
     }
     let mut without_length = 0;
-    let mut tracks = Vec::new();
+    let mut tracks: Vec<ObjectTrack> = Vec::new();
     for (id, samples) in vehicles {
-        let length_m = samples.length_m.unwrap_or_else(|| {
-            without_length += 1;
-            CAR_LENGTH_M
-        });
+        without_length += usize::from(samples.lengths_m.is_empty());
         let (rate_hz, max_gap_s) = (target.rate_hz, target.max_gap_s);
         let own = grid(&seconds(&samples.stamp_ns), rate_hz, max_gap_s);
         let (stamp_ns, speed) = (&samples.stamp_ns, &samples.speed_mps);
@@ -279,7 +330,7 @@ fn tracks(
                 let rows = rest.min(ego.rows.len() - at);
                 let fresh = ObjectTrack {
                     id: VehicleId(id),
-                    length_m,
+                    length_m: samples.length_m(row.before).unwrap_or(CAR_LENGTH_M),
                     first_row: at,
                     x_m: Vec::with_capacity(rows),
                     y_m: Vec::with_capacity(rows),
@@ -308,8 +359,23 @@ fn tracks(
             what,
         ));
     }
+    let before = tracks.len();
+    tracks.retain(|track| !comes_towards(track, target.rate_hz));
+    if tracks.len() < before {
+        let what = "vehicles that drive the other way are left out";
+        let count = before - tracks.len();
+        warnings.push(Warning::new(path, WarningKind::OtherLane, count, what));
+    }
     tracks.sort_by_key(|t| (t.first_row, t.id));
     tracks
+}
+
+/// Whether a vehicle drives against the road: nobody follows it, and nobody merges back before it.
+fn comes_towards(track: &ObjectTrack, rate_hz: f64) -> bool {
+    let (first, last) = (track.x_m.first(), track.x_m.last());
+    let moved_m = last.zip(first).map_or(0.0, |(last, first)| last - first);
+    let time_s = track.x_m.len().saturating_sub(1) as f64 / rate_hz;
+    moved_m < -BACKWARDS_MPS * time_s
 }
 
 /// Leaves out the object that is ego: `/carla/objects` holds it too.
@@ -368,10 +434,9 @@ mod tests {
         RawDrive {
             ego: ego.collect(),
             objects,
-            speeds: Vec::new(),
-            without_lateral: false,
             ego_length_m: Some(4.0),
             ego_among_objects: true,
+            ..RawDrive::default()
         }
     }
 

@@ -1,6 +1,9 @@
 //! Clocks that were set back, or that differ.
 
-use crate::raw::{EgoSample, RawDrive, Timed};
+use crate::{
+    median::median,
+    raw::{EgoSample, RawDrive, Timed},
+};
 
 /// How far a clock must go back to count as set anew, in ns.
 const SET_BACK_NS: i64 = 1_000_000_000;
@@ -66,6 +69,7 @@ pub(crate) fn by_receipt(drive: &mut RawDrive) {
     each(&mut drive.ego);
     each(&mut drive.objects);
     each(&mut drive.speeds);
+    each(&mut drive.sightings);
 }
 
 /// How stamps and times of receipt run.
@@ -116,6 +120,26 @@ fn restarts(ego: &[EgoSample]) -> Vec<usize> {
     starts
 }
 
+/// Least step between sorted times, as a share of the median one, of rows of one drive in any order.
+const LEAST_STEP: f64 = 0.5;
+
+/// Whether samples make one drive once they are sorted by time, whatever their order: each time comes once, in steps that are about
+/// even, and ego is never put elsewhere. Of two runs over the same times one of the three fails.
+fn is_one_drive(ego: &[EgoSample]) -> bool {
+    let mut sorted: Vec<&EgoSample> = ego.iter().collect();
+    sorted.sort_by_key(|s| s.stamp_ns);
+    let step_s = |w: &[&EgoSample]| w[1].stamp_ns.saturating_sub(w[0].stamp_ns) as f64 / 1e9;
+    let mut steps: Vec<f64> = sorted.windows(2).map(step_s).collect();
+    let Some(usual) = median(&mut steps) else {
+        return false;
+    };
+    sorted.windows(2).all(|w| {
+        let way = libm::hypot(w[1].x_m - w[0].x_m, w[1].y_m - w[0].y_m);
+        step_s(w) >= LEAST_STEP * usual.max(f64::MIN_POSITIVE)
+            && way <= ELSEWHERE_M + FASTEST_MPS * step_s(w)
+    })
+}
+
 /// Lays what follows a clock that was set back behind what stands before, `hole_ns` apart; gives the holes.
 ///
 /// Only where times come twice: pieces of a file that are merely in another order are left to sorting. Samples are in
@@ -124,7 +148,7 @@ fn restarts(ego: &[EgoSample]) -> Vec<usize> {
 pub(crate) fn separate_restarts(drive: &mut RawDrive, hole_ns: i64) -> Vec<Span> {
     let ego = &mut drive.ego;
     let starts = restarts(ego);
-    if starts.is_empty() {
+    if starts.is_empty() || is_one_drive(ego) {
         return Vec::new();
     }
     let bounds: Vec<usize> = [0]
@@ -169,6 +193,9 @@ pub(crate) fn separate_restarts(drive: &mut RawDrive, hole_ns: i64) -> Vec<Span>
     }
     for speed in &mut drive.speeds {
         speed.stamp_ns = shift(speed.nth, speed.stamp_ns);
+    }
+    for sighting in &mut drive.sightings {
+        sighting.stamp_ns = shift(sighting.nth, sighting.stamp_ns);
     }
     for (b, shift) in bounds.windows(2).zip(shifts) {
         for sample in &mut ego[b[0]..b[1]] {

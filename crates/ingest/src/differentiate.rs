@@ -1,6 +1,10 @@
 //! Speed from positions, where a log has no speed.
 
-use crate::raw::EgoSample;
+use crate::{
+    quality::{Warning, WarningKind},
+    raw::{EgoSample, ObjectSample},
+};
+use std::path::Path;
 
 /// Half the window over which positions are differentiated, in s: long enough to calm a localisation of some
 /// centimetres at 100 Hz, short enough for a car's braking.
@@ -40,6 +44,36 @@ pub(crate) fn fill_speeds(ego: &mut [EgoSample], max_gap_s: f64) {
     for (sample, speed) in ego.iter_mut().zip(speeds) {
         sample.speed_mps = sample.speed_mps.or(speed);
     }
+}
+
+/// Fills in the speeds of others of whom only positions were recorded, each vehicle by its own; one that is seen alone is left out.
+///
+/// Samples are sorted by time.
+pub(crate) fn fill_speeds_of_others(
+    path: &Path,
+    objects: &mut Vec<ObjectSample>,
+    max_gap_s: f64,
+) -> Option<Warning> {
+    let count = objects.iter().filter(|o| o.speed_mps.is_nan()).count();
+    if count == 0 {
+        return None;
+    }
+    let mut places: Vec<usize> = (0..objects.len()).collect();
+    // Stable: each vehicle's samples stay in the order of time.
+    places.sort_by_key(|&i| objects[i].id);
+    let mut samples: Vec<EgoSample> = places.iter().map(|&i| objects[i].as_ego()).collect();
+    let mut first = 0;
+    for same in places.chunk_by(|&a, &b| objects[a].id == objects[b].id) {
+        let end = first + same.len();
+        fill_speeds(&mut samples[first..end], max_gap_s);
+        first = end;
+    }
+    for (&i, sample) in places.iter().zip(&samples) {
+        objects[i].speed_mps = sample.speed_mps.unwrap_or(f64::NAN);
+    }
+    objects.retain(|o| !o.speed_mps.is_nan());
+    let what = "speeds of others were not recorded: they are differentiated from their positions";
+    Some(Warning::new(path, WarningKind::Default, count, what))
 }
 
 /// Length of the velocity that fits some positions best; none for a single one.

@@ -112,8 +112,8 @@ pub enum IngestError {
         /// The columns there are.
         found: String,
     },
-    /// A cell that is not a number.
-    #[error("{} row {row} column `{column}` holds `{found}`, expected a finite number", path.to_slash_lossy())]
+    /// A cell that is not what its column holds.
+    #[error("{} row {row} column `{column}` holds `{found}`, expected {expected}", path.to_slash_lossy())]
     BadCell {
         /// The table.
         path: PathBuf,
@@ -123,6 +123,8 @@ pub enum IngestError {
         column: String,
         /// What was found.
         found: String,
+        /// What was expected, in words.
+        expected: String,
     },
     /// A text that is no table.
     #[error("{} cannot be read as a table: {reason}", path.to_slash_lossy())]
@@ -142,6 +144,20 @@ pub enum IngestError {
         path: PathBuf,
         /// Samples of ego.
         samples: usize,
+        /// The longest hole that is bridged, in s.
+        max_gap_s: f64,
+    },
+    /// The others were looked for too seldom for a single step of the result.
+    #[error(
+        "{} has {sightings} lists of the others, none of them followed by another within {max_gap_s} s: the others are seen too \
+         rarely to say whether the road is free",
+        path.to_slash_lossy()
+    )]
+    SeldomSeen {
+        /// The file.
+        path: PathBuf,
+        /// Times at which somebody looked.
+        sightings: usize,
         /// The longest hole that is bridged, in s.
         max_gap_s: f64,
     },
@@ -252,6 +268,10 @@ impl IngestError {
             }
             Self::TooSparse { .. } => {
                 "the log is sampled too rarely for a drive; its channels are in `maveric inspect`".to_owned()
+            }
+            Self::SeldomSeen { .. } => {
+                "record the others more often than that: between sightings further apart nobody knows whether the road is free"
+                    .to_owned()
             }
             Self::Implausible { .. } => {
                 "correct units, kinds of gaps or lanes in the mapping; `maveric inspect` shows what is in the log".to_owned()

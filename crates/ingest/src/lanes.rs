@@ -75,6 +75,22 @@ impl<'a> EgoPath<'a> {
         }
     }
 
+    /// Ego at `time_ns`: `(x, y)` in m, and its heading as a unit vector; none outside its samples or where it has no heading.
+    pub(crate) fn pose(&mut self, time_ns: i64) -> Option<(f64, f64, (f64, f64))> {
+        let (x_m, y_m) = self.at(time_ns)?;
+        let (before, after, w) = self.bracket(time_ns)?;
+        let (a, b) = (&self.ego[before], &self.ego[after]);
+        let (cos, sin) = match (a.yaw_rad, b.yaw_rad) {
+            (Some(from), Some(to)) => {
+                let mix = |f: fn(f64) -> f64| f(from) + w * (f(to) - f(from));
+                (mix(libm::cos), mix(libm::sin))
+            }
+            _ => (b.x_m - a.x_m, b.y_m - a.y_m),
+        };
+        let length = libm::hypot(cos, sin);
+        (length > 0.0).then(|| (x_m, y_m, (cos / length, sin / length)))
+    }
+
     fn between(&mut self, time_ns: i64) -> Option<(f64, f64)> {
         let (before, after, w) = self.bracket(time_ns)?;
         let (before, after) = (&self.ego[before], &self.ego[after]);

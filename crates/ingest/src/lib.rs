@@ -14,6 +14,7 @@ mod lane_centres;
 mod lanes;
 mod mapping;
 mod median;
+mod pair_rows;
 mod parquet;
 mod plausible;
 mod provenance;

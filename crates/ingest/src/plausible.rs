@@ -6,7 +6,7 @@ use crate::{
     quality::{Warning, WarningKind},
     raw::{EgoSample, RawDrive},
 };
-use maveric_domain::Road;
+use maveric_domain::{EgoTrack, Road};
 use std::{ops::RangeInclusive, path::Path};
 
 /// Speeds beyond this are no car's, in m/s.
@@ -43,11 +43,89 @@ pub(crate) fn refuse_many(
     })
 }
 
-/// Doubts about the units of a drive's samples, which are in the order of time.
+/// Leaves out samples with speeds that no car has, such as the 9999 that stands for none: they are holes as if nothing were there.
+/// Samples are in the order of time.
 ///
 /// # Errors
-/// [`IngestError::Implausible`] where most of them cannot be.
-pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Result<Vec<Warning>, IngestError> {
+/// [`IngestError::Implausible`] where they are too many for chance.
+pub(crate) fn leave_out_impossible(
+    path: &Path,
+    raw: &mut RawDrive,
+) -> Result<Vec<Warning>, IngestError> {
+    let by_row = raw.pair.is_some();
+    let known = |v: Option<f64>| v.unwrap_or(0.0);
+    let warnings = [
+        left_out(path, "ego", &mut raw.ego, by_row, |s| {
+            (known(s.speed_mps), s.stamp_ns, s.nth)
+        })?,
+        left_out(path, "ego", &mut raw.speeds, by_row, |s| {
+            (s.speed_mps, s.stamp_ns, s.nth)
+        })?,
+        left_out(path, "others", &mut raw.objects, by_row, |s| {
+            (s.speed_mps, s.stamp_ns, s.nth)
+        })?,
+    ];
+    Ok(warnings.into_iter().flatten().collect())
+}
+
+/// Leaves out those whose speed (the first of what `of` gives, beside time and number) is no car's.
+fn left_out<T>(
+    path: &Path,
+    whose: &str,
+    samples: &mut Vec<T>,
+    by_row: bool,
+    of: impl Fn(&T) -> (f64, i64, u32),
+) -> Result<Option<Warning>, IngestError> {
+    let impossible = |s: &T| of(s).0.abs() > FASTEST_MPS;
+    let (before, bad) = (samples.len(), samples.iter().filter(|s| impossible(s)));
+    let bad: Vec<(i64, u32)> = bad
+        .map(|s| {
+            let (_, ns, nth) = of(s);
+            (ns, nth)
+        })
+        .collect();
+    if bad.is_empty() {
+        return Ok(None);
+    }
+    let what = format!("speeds of {whose} are above {FASTEST_MPS} m/s");
+    let refused = format!("{what}: is their unit right?");
+    refuse_many(path, bad.len(), before, &refused)?;
+    samples.retain(|s| !impossible(s));
+    let rows = bad.iter().map(|(_, nth)| (nth + 1).to_string());
+    let mut rows: Vec<String> = rows.take(Warning::MOST_SPANS + 1).collect();
+    if rows.len() > Warning::MOST_SPANS {
+        "and more".clone_into(&mut rows[Warning::MOST_SPANS]);
+    }
+    let which = if by_row {
+        format!(" (rows {})", rows.join(", "))
+    } else {
+        String::new()
+    };
+    let what = format!("{what}, as no car drives: they are left out like empty ones{which}");
+    let warning = Warning::new(path, WarningKind::Unit, bad.len(), what);
+    let spans = bad.iter().map(|&(ns, _)| ns as f64 / 1e9);
+    Ok(Some(warning.with_spans(spans.map(|t| (t, t)))))
+}
+
+/// Refuses a table whose ego drives against the x along which its road is said to run: left would be right.
+///
+/// # Errors
+/// [`IngestError::Implausible`].
+pub(crate) fn along_x(path: &Path, ego: &EgoTrack) -> Result<(), IngestError> {
+    let (mut moving, mut against) = (0, 0);
+    for (x, v) in ego.x_m.windows(2).zip(&ego.speed_mps) {
+        if *v > MOVING_MPS {
+            moving += 1;
+            against += usize::from(x[1] < x[0]);
+        }
+    }
+    let what = "ego's x falls while it drives forward: say `forward = \"-x\"` in the mapping's `[table]`, or \
+                `directions = \"both\"` where vehicles drive both ways";
+    refuse_many(path, against, moving, what)
+}
+
+/// Doubts about the units of a drive's samples, which are in the order of time.
+pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Vec<Warning> {
     let mut doubts = Vec::new();
     let mut doubt = |count: usize, what: String| {
         if count > 0 {
@@ -65,12 +143,10 @@ pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Result<Vec<Warning>, Ingest
     let ratios = || raw.ego.windows(2).filter_map(ratio);
     let (least, most) = LENGTHS_M;
     let is_odd = |length_m: f64| !(least..=most).contains(&length_m);
-    let (mut known, mut fast, mut back, mut count, mut borne_out) = (0, 0, 0, 0, 0);
-    let (mut others_fast, mut odd) = (0, usize::from(raw.ego_length_m.is_some_and(is_odd)));
+    let (mut back, mut count, mut borne_out) = (0, 0, 0);
+    let mut odd = usize::from(raw.ego_length_m.is_some_and(is_odd));
     for i in 0..raw.ego.len() {
         if let Some(v) = raw.ego[i].speed_mps {
-            known += 1;
-            fast += usize::from(v.abs() > FASTEST_MPS);
             back += usize::from(v < -MOVING_MPS);
         }
         if let Some(ratio) = raw.ego.get(i..i + 2).and_then(ratio) {
@@ -79,15 +155,8 @@ pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Result<Vec<Warning>, Ingest
         }
     }
     for object in &raw.objects {
-        others_fast += usize::from(object.speed_mps.abs() > FASTEST_MPS);
         odd += usize::from(object.known_length_m().is_some_and(is_odd));
     }
-    let what = format!("speeds of ego are above {FASTEST_MPS} m/s: is their unit right?");
-    refuse_many(path, fast, known, &what)?;
-    doubt(fast, what);
-    let what = format!("speeds of others are above {FASTEST_MPS} m/s: is their unit right?");
-    refuse_many(path, others_fast, raw.objects.len(), &what)?;
-    doubt(others_fast, what);
     if 2 * back > raw.ego.len() {
         let what = "ego drives backwards most of the time: is the sign of its speed right?";
         doubt(back, what.to_owned());
@@ -108,7 +177,7 @@ pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Result<Vec<Warning>, Ingest
             doubt(count, what);
         }
     }
-    Ok(doubts)
+    doubts
 }
 
 /// Doubts about ego's place across a road whose lanes are known: further than half a lane beside all of them.
@@ -160,13 +229,13 @@ mod tests {
 
     #[test]
     fn a_speed_that_positions_contradict_is_doubted_and_one_they_bear_out_is_not() {
-        let of = |speed: f64| doubts(Path::new("t"), &driving(speed)).unwrap();
+        let of = |speed: f64| doubts(Path::new("t"), &driving(speed));
         assert_eq!(of(20.0), []);
         for (kmh, times) in [(72.0, "3.60"), (20.0 / 3.6, "0.28")] {
             assert!(of(kmh)[0].what.contains(times));
         }
         assert!(of(-20.0)[0].what.contains("backwards"));
-        let refused = doubts(Path::new("t"), &driving(1e308)).unwrap_err();
+        let refused = leave_out_impossible(Path::new("t"), &mut driving(1e308)).unwrap_err();
         assert!(
             refused.to_string().contains("in 100 of 100 samples"),
             "{refused}"
@@ -178,8 +247,12 @@ mod tests {
         let mut raw = driving(20.0);
         raw.ego_length_m = Some(1.4);
         raw.ego[3].speed_mps = Some(300.0);
-        let kinds = doubts(Path::new("t"), &raw).unwrap().len();
-        assert_eq!(kinds, 2);
+        let fast = leave_out_impossible(Path::new("t"), &mut raw).unwrap();
+        assert_eq!(
+            (fast.len(), fast[0].spans_s.as_slice()),
+            (1, &[(0.3, 0.3)][..])
+        );
+        assert_eq!((raw.ego.len(), doubts(Path::new("t"), &raw).len()), (99, 1));
     }
 
     #[test]

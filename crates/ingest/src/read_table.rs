@@ -4,6 +4,7 @@ use crate::{
     assemble::{Target, assemble},
     error::IngestError,
     mapping::{FrameKind, Layout, Mapping, RoadMapping, TableMapping, names::meta_of},
+    plausible::along_x,
     quality::{Warning, WarningKind},
     raw::table::{
         self, TableDrive,
@@ -42,7 +43,7 @@ pub(crate) fn read_table(
     let mut found = Vec::new();
     let mut refused: Option<IngestError> = None;
     let mut sparse = 0;
-    let mut impossible = Vec::new();
+    let mut unusable = Vec::new();
     for drive in drives {
         let TableDrive {
             mut captures,
@@ -66,7 +67,12 @@ pub(crate) fn read_table(
         };
         captures.extend(told.iter().cloned());
         let meta = meta_of(path, mapping.names.as_ref(), &captures, &mut warnings)?;
-        match assemble(path, raw, &target) {
+        let made = assemble(path, raw, &target);
+        let made = made.and_then(|made| match target.frame {
+            FrameKind::Map => along_x(path, made.0.ego()).map(|()| made),
+            _ => Ok(made),
+        });
+        match made {
             Ok((recording, more)) => {
                 warnings.extend(more);
                 found.push(Ingested {
@@ -80,8 +86,10 @@ pub(crate) fn read_table(
                 sparse += 1;
                 refused.get_or_insert(error);
             }
-            Err(error @ IngestError::Implausible { .. }) if several => {
-                impossible.push(error.to_string());
+            Err(error @ (IngestError::Implausible { .. } | IngestError::SeldomSeen { .. }))
+                if several =>
+            {
+                unusable.push(error.to_string());
                 refused.get_or_insert(error);
             }
             Err(error) => return Err(error),
@@ -94,9 +102,10 @@ pub(crate) fn read_table(
                 let warning = Warning::new(path, WarningKind::MissingValue, sparse, what);
                 first.warnings.push(warning);
             }
-            if let Some(why) = impossible.first() {
-                let what = format!("vehicles that no car can be are no drives; the first: {why}");
-                let warning = Warning::new(path, WarningKind::Unit, impossible.len(), what);
+            if let Some(why) = unusable.first() {
+                let what =
+                    format!("vehicles whose rows make no drive are left out; the first: {why}");
+                let warning = Warning::new(path, WarningKind::Unit, unusable.len(), what);
                 first.warnings.push(warning);
             }
         }

@@ -97,6 +97,29 @@ pub(crate) fn grid(time_s: &[f64], rate_hz: f64, max_gap_s: f64) -> Grid {
     grid
 }
 
+impl Grid {
+    /// Leaves out the rows that another grid has not; a segment begins where either has one.
+    pub(crate) fn keep(&mut self, seen: &Self) {
+        let mut at = 0;
+        // Segments of the last row that was kept, here and there.
+        let mut last: Option<(u32, u32)> = None;
+        let mut segment = 0;
+        self.rows.retain_mut(|row| {
+            while seen.rows.get(at).is_some_and(|s| s.tick < row.tick) {
+                at += 1;
+            }
+            let Some(there) = seen.rows.get(at).filter(|s| s.tick == row.tick) else {
+                return false;
+            };
+            let now = (row.segment, there.segment);
+            segment += u32::from(last.is_some_and(|before| before != now));
+            last = Some(now);
+            row.segment = segment;
+            true
+        });
+    }
+}
+
 /// A speed on the rows of a grid without aliases, shape `(rows,)`; samples are at `stamp_ns`, which rises.
 ///
 /// Where samples come faster than rows, a row is the mean of the samples within four steps to either side, weighted by
@@ -473,6 +496,17 @@ mod tests {
                 .enumerate()
                 .all(|(i, r)| r.before == i && r.weight.to_bits() == 0)
         );
+    }
+
+    #[test]
+    fn rows_that_another_grid_lacks_are_left_out_and_segments_are_those_of_both() {
+        let at = |times: &[f64]| grid(times, 10.0, 0.5);
+        let times: Vec<f64> = (0..30).map(|i| f64::from(i) / 10.0).collect();
+        let mut rows = at(&[&times[..10], &times[20..]].concat());
+        rows.keep(&at(&[&times[3..6], &times[12..28]].concat()));
+        let found: Vec<(i64, u32)> = rows.rows.iter().map(|r| (r.tick, r.segment)).collect();
+        let expected = (3..6).map(|t| (t, 0)).chain((20..28).map(|t| (t, 1)));
+        assert_eq!(found, expected.collect::<Vec<_>>());
     }
 
     #[test]

@@ -32,6 +32,9 @@ pub(crate) fn synchronise(path: &Path, drive: &mut RawDrive, max_gap_s: f64) -> 
     order(path, "ego", &mut drive.ego, &mut warnings);
     order(path, "the others", &mut drive.objects, &mut warnings);
     order(path, "its speed", &mut drive.speeds, &mut warnings);
+    // What was wrong with their order the others told.
+    drive.sightings.sort_by_key(|s| s.stamp_ns);
+    drive.sightings.dedup_by_key(|s| s.stamp_ns);
     let start = drive.ego.first().map_or(0, |s| s.stamp_ns);
     if !restarts.is_empty() {
         let what = "the clock was set back over times that are recorded already: what follows is laid behind the rest, after a hole of no known length";
@@ -45,7 +48,8 @@ pub(crate) fn synchronise(path: &Path, drive: &mut RawDrive, max_gap_s: f64) -> 
     }
     let stamps = drive.ego.iter_mut().map(Timed::stamp_mut);
     let stamps = stamps.chain(drive.objects.iter_mut().map(Timed::stamp_mut));
-    for stamp_ns in stamps.chain(drive.speeds.iter_mut().map(Timed::stamp_mut)) {
+    let stamps = stamps.chain(drive.speeds.iter_mut().map(Timed::stamp_mut));
+    for stamp_ns in stamps.chain(drive.sightings.iter_mut().map(Timed::stamp_mut)) {
         *stamp_ns = stamp_ns.saturating_sub(start);
     }
     warnings

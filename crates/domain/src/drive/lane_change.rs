@@ -182,7 +182,10 @@ mod tests {
         let ego_y_m: Vec<f64> = time_s.iter().map(|&t| y(t)).collect();
         let n = time_s.len();
         let mut rows = Rows {
-            lane: ego_y_m.iter().map(|&y| Road::PAPER.nearest_lane(y)).collect(),
+            lane: ego_y_m
+                .iter()
+                .map(|&y| Road::PAPER.nearest_lane(y))
+                .collect(),
             segment: vec![0; n],
             gap_behind_left_m: vec![None; n],
             gap_behind_right_m: vec![Some(40.0); n],

@@ -1,7 +1,11 @@
 //! What readers of raw formats give: samples as recorded, before they share a time base.
 
+pub(crate) mod leader;
 pub(crate) mod mcap;
 pub(crate) mod table;
+
+/// Number of the first leader that has none among the vehicles of its file.
+pub(crate) const LEADER: u32 = 1;
 
 /// Where ego was at one time, as recorded.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,7 +41,7 @@ pub(crate) struct ObjectSample {
     pub(crate) x_m: f64,
     /// Position of the centre in the log's frame, in m.
     pub(crate) y_m: f64,
-    /// Speed, in m/s.
+    /// Speed, in m/s; NaN where it was not recorded and is differentiated from the positions.
     pub(crate) speed_mps: f64,
     /// Bumper to bumper, in m; NaN where it is not known: there are many samples, and an `Option` takes twice the room.
     pub(crate) length_m: f64,
@@ -54,6 +58,17 @@ pub(crate) struct SpeedSample {
     pub(crate) nth: u32,
     /// Speed, in m/s.
     pub(crate) speed_mps: f64,
+}
+
+/// A time at which somebody looked who else is there, whoever was.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Sighting {
+    /// Time stamped by the source, in ns.
+    pub(crate) stamp_ns: i64,
+    /// Time of receipt, in ns.
+    pub(crate) log_ns: i64,
+    /// Number of the message or row that it came in; 0 where samples are not in the order of a file.
+    pub(crate) nth: u32,
 }
 
 /// What ego, the others and speeds have in common: a place in time.
@@ -96,8 +111,9 @@ timed!(EgoSample, |_: &Self| 0, |s: &Self| {
     s.x_m.is_finite() && s.y_m.is_finite() && s.speed_mps.is_none_or(f64::is_finite)
 });
 timed!(ObjectSample, |s: &Self| s.id, |s: &Self| {
-    s.x_m.is_finite() && s.y_m.is_finite() && s.speed_mps.is_finite()
+    s.x_m.is_finite() && s.y_m.is_finite() && !s.speed_mps.is_infinite()
 });
+timed!(Sighting, |_: &Self| 0, |_: &Self| true);
 timed!(SpeedSample, |_: &Self| 0, |s: &Self| s
     .speed_mps
     .is_finite());
@@ -117,9 +133,18 @@ impl ObjectSample {
             x_m: self.x_m,
             y_m: self.y_m,
             yaw_rad: None,
-            speed_mps: Some(self.speed_mps),
+            speed_mps: (!self.speed_mps.is_nan()).then_some(self.speed_mps),
         }
     }
+}
+
+/// What the rows of a follower and its leader leave to be worked out in the order of time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct PairRows {
+    /// Ego's way is integrated from its speed: until then ego's x is 0 and the leader's is from ego's.
+    pub(crate) x_from_speed: bool,
+    /// Leaders have no numbers: all have the same.
+    pub(crate) unnumbered: bool,
 }
 
 /// The samples of one drive.
@@ -131,6 +156,11 @@ pub(crate) struct RawDrive {
     pub(crate) objects: Vec<ObjectSample>,
     /// Ego's speeds from a channel of their own, in the order of the file; joined once all are on one clock.
     pub(crate) speeds: Vec<SpeedSample>,
+    /// When somebody looked who else is there; where it is empty every row of ego says it.
+    pub(crate) sightings: Vec<Sighting>,
+    /// Of a table of a follower and its leader: what is worked out once its rows are in order; samples have the numbers of its
+    /// rows, from 0.
+    pub(crate) pair: Option<PairRows>,
     /// Ego's length, where the log says it, in m.
     pub(crate) ego_length_m: Option<f64>,
     /// Whether one of the objects may be ego itself.

@@ -6,6 +6,7 @@ mod damage;
 mod fuzz;
 mod layouts;
 mod other_files;
+mod others;
 mod rigs;
 mod round_trip;
 mod scene;

@@ -1,11 +1,13 @@
 //! Rigs out of the box: synthetic logs with the definitions of the real messages.
 
 use maveric_domain::Drive;
-use maveric_ingest::{IngestSettings, Ingested, Mapping, WarningKind, inspect, read_log};
+use maveric_ingest::{
+    IngestError, IngestSettings, Ingested, Mapping, WarningKind, inspect, read_log,
+};
 use mcap::{WriteOptions, Writer, records::MessageHeader};
 use std::{collections::BTreeMap, io::Cursor, path::Path};
 
-const ODOMETRY: (&str, &str) = (
+pub(super) const ODOMETRY: (&str, &str) = (
     "nav_msgs/msg/Odometry",
     include_str!("definitions/odometry.txt"),
 );
@@ -21,7 +23,7 @@ const FIX: (&str, &str) = (
     "sensor_msgs/msg/NavSatFix",
     include_str!("definitions/navsatfix.txt"),
 );
-const OBJECTS: (&str, &str) = (
+pub(super) const OBJECTS: (&str, &str) = (
     "derived_object_msgs/msg/ObjectArray",
     include_str!("definitions/objectarray.txt"),
 );
@@ -35,11 +37,11 @@ const VELOCITY: (&str, &str) = (
 );
 
 /// Half a minute at 20 Hz.
-const ROWS: usize = 600;
-const SPEED: f64 = 20.0;
+pub(super) const ROWS: usize = 600;
+pub(super) const SPEED: f64 = 20.0;
 
 /// Bytes of a message, little-endian; `packed` is ROS 1.
-struct Bytes {
+pub(super) struct Bytes {
     bytes: Vec<u8>,
     packed: bool,
 }
@@ -71,13 +73,13 @@ impl Bytes {
         }
         self
     }
-    fn string(&mut self, text: &str) -> &mut Self {
+    pub(super) fn string(&mut self, text: &str) -> &mut Self {
         let end = if self.packed { "" } else { "\0" };
         self.u32((text.len() + end.len()) as u32);
         self.bytes.extend(text.bytes().chain(end.bytes()));
         self
     }
-    fn header(&mut self, t: f64, frame: &str) -> &mut Self {
+    pub(super) fn header(&mut self, t: f64, frame: &str) -> &mut Self {
         if self.packed {
             self.u32(7);
         }
@@ -86,18 +88,18 @@ impl Bytes {
             .u32((ns % 1_000_000_000) as u32);
         self.string(frame)
     }
-    fn pose(&mut self, (x, y, yaw): Place) -> &mut Self {
+    pub(super) fn pose(&mut self, (x, y, yaw): Place) -> &mut Self {
         self.f64s(&[x, y, 0.0, 0.0, 0.0, (yaw / 2.0).sin(), (yaw / 2.0).cos()])
     }
-    fn covariance(&mut self) -> &mut Self {
+    pub(super) fn covariance(&mut self) -> &mut Self {
         self.f64s(&[0.0; 36])
     }
-    fn twist(&mut self, vx: f64, vy: f64) -> &mut Self {
+    pub(super) fn twist(&mut self, vx: f64, vy: f64) -> &mut Self {
         self.f64s(&[vx, vy, 0.0, 0.0, 0.0, 0.0])
     }
 }
 
-fn cdr() -> Bytes {
+pub(super) fn cdr() -> Bytes {
     Bytes {
         bytes: vec![0, 1, 0, 0],
         packed: false,
@@ -105,22 +107,22 @@ fn cdr() -> Bytes {
 }
 
 /// x, y and heading.
-type Place = (f64, f64, f64);
+pub(super) type Place = (f64, f64, f64);
 
-struct Rig {
-    out: Writer<Cursor<Vec<u8>>>,
-    channels: BTreeMap<String, u16>,
+pub(super) struct Rig {
+    pub(super) out: Writer<Cursor<Vec<u8>>>,
+    pub(super) channels: BTreeMap<String, u16>,
 }
 
 impl Rig {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self {
             out: WriteOptions::new().create(Cursor::new(Vec::new())).unwrap(),
             channels: BTreeMap::new(),
         }
     }
 
-    fn send(&mut self, topic: &str, (name, text): (&str, &str), t: f64, bytes: &Bytes) {
+    pub(super) fn send(&mut self, topic: &str, (name, text): (&str, &str), t: f64, bytes: &Bytes) {
         let encodings = if bytes.packed {
             ("ros1msg", "ros1")
         } else {
@@ -135,7 +137,7 @@ impl Rig {
         );
     }
 
-    fn send_as(
+    pub(super) fn send_as(
         &mut self,
         topic: &str,
         schema: (&str, &str, &[u8]),
@@ -159,18 +161,18 @@ impl Rig {
         out.write_to_known_channel(&head, bytes).unwrap();
     }
 
-    fn log(mut self) -> Vec<u8> {
+    pub(super) fn log(mut self) -> Vec<u8> {
         self.out.finish().unwrap();
         self.out.into_inner().into_inner()
     }
 }
 
-fn times() -> impl Iterator<Item = f64> {
+pub(super) fn times() -> impl Iterator<Item = f64> {
     (0..ROWS).map(|i| 100.0 + i as f64 / 20.0)
 }
 
 /// Along a straight road that points to `yaw`: a place `along` and `left` of its start.
-fn road(yaw: f64, along: f64, left: f64) -> Place {
+pub(super) fn road(yaw: f64, along: f64, left: f64) -> Place {
     let (sin, cos) = yaw.sin_cos();
     (
         500.0 + along * cos - left * sin,
@@ -179,11 +181,11 @@ fn road(yaw: f64, along: f64, left: f64) -> Place {
     )
 }
 
-fn ego_at(yaw: f64, t: f64) -> Place {
+pub(super) fn ego_at(yaw: f64, t: f64) -> Place {
     road(yaw, SPEED * (t - 100.0), 0.0)
 }
 
-fn odometry(t: f64, place: Place, vx: f64, vy: f64) -> Bytes {
+pub(super) fn odometry(t: f64, place: Place, vx: f64, vy: f64) -> Bytes {
     let mut bytes = cdr();
     bytes.header(t, "map").string("ego_vehicle");
     bytes.pose(place).covariance().twist(vx, vy).covariance();
@@ -191,10 +193,20 @@ fn odometry(t: f64, place: Place, vx: f64, vy: f64) -> Bytes {
 }
 
 /// Number, place, length, class; velocity is along the heading, in the frame of the map.
-fn objects(mut bytes: Bytes, t: f64, all: &[(u32, Place, f64, u8)]) -> Bytes {
-    bytes.header(t, "map").u32(all.len() as u32);
+pub(super) fn objects(bytes: Bytes, t: f64, all: &[(u32, Place, f64, u8)]) -> Bytes {
+    objects_in("map", bytes, t, all)
+}
+
+/// The same in some frame.
+pub(super) fn objects_in(
+    frame: &str,
+    mut bytes: Bytes,
+    t: f64,
+    all: &[(u32, Place, f64, u8)],
+) -> Bytes {
+    bytes.header(t, frame).u32(all.len() as u32);
     for &(id, place, length, class) in all {
-        bytes.header(t, "map").u32(id).u8(0).u8(1).pose(place);
+        bytes.header(t, frame).u32(id).u8(0).u8(1).pose(place);
         bytes
             .twist(SPEED * place.2.cos(), SPEED * place.2.sin())
             .f64s(&[0.0; 6]);
@@ -211,7 +223,11 @@ fn objects(mut bytes: Bytes, t: f64, all: &[(u32, Place, f64, u8)]) -> Bytes {
     bytes
 }
 
-fn read(log: &[u8], mapping: Option<&str>) -> Ingested {
+pub(super) fn read(log: &[u8], mapping: Option<&str>) -> Ingested {
+    try_read(log, mapping).unwrap()
+}
+
+pub(super) fn try_read(log: &[u8], mapping: Option<&str>) -> Result<Ingested, IngestError> {
     let file = tempfile::Builder::new().suffix(".mcap").tempfile().unwrap();
     std::fs::write(file.path(), log).unwrap();
     assert!(
@@ -225,18 +241,18 @@ fn read(log: &[u8], mapping: Option<&str>) -> Ingested {
         mapping: mapping.map(|text| Mapping::from_toml(text, Path::new("given.toml")).unwrap()),
         ..IngestSettings::default()
     };
-    read_log(file.path(), &settings).unwrap().remove(0)
+    read_log(file.path(), &settings).map(|mut drives| drives.remove(0))
 }
 
 /// Gap to the lead vehicle at every row where there is one.
-fn gaps(found: &Ingested) -> Vec<f64> {
+pub(super) fn gaps(found: &Ingested) -> Vec<f64> {
     let drive = Drive::from_recording(found.meta.clone(), &found.recording).unwrap();
     let rows = drive.rows();
     let present = rows.lead_present.iter().zip(&rows.lead_dx_m);
     present.filter(|p| *p.0).map(|p| *p.1).collect()
 }
 
-fn close(found: &[f64], expected: f64, rows: usize) {
+pub(super) fn close(found: &[f64], expected: f64, rows: usize) {
     assert!(found.len() >= rows, "{} of {rows} rows", found.len());
     let worst = found
         .iter()
@@ -245,11 +261,11 @@ fn close(found: &[f64], expected: f64, rows: usize) {
     assert!(worst < 1e-3, "{worst} off {expected}");
 }
 
-fn said(found: &Ingested, what: &str) -> bool {
+pub(super) fn said(found: &Ingested, what: &str) -> bool {
     found.warnings.iter().any(|w| w.what.contains(what))
 }
 
-const CAR: u8 = 6;
+pub(super) const CAR: u8 = 6;
 
 #[test]
 fn carla_with_ego_among_all_objects_in_any_direction() {

@@ -30,17 +30,21 @@ fn of_pair(columns: &str, rows: &[String]) -> Result<Ingested, IngestError> {
     mapped(&pair(columns), &text).map(|mut drives| drives.remove(0))
 }
 
+/// How often a warning says something; 0 where none does.
 fn said(found: &Ingested, what: &str) -> usize {
     let fits = found.warnings.iter().find(|w| w.what.contains(what));
-    fits.unwrap_or_else(|| panic!("`{what}` is not among {:?}", found.warnings))
-        .count
+    fits.map_or(0, |w| w.count)
 }
 
 /// Two minutes at 10 Hz, ego at 20 to 30 m/s behind a leader.
 fn drive() -> Vec<String> {
     let row = |i: u32| {
         let t = f64::from(i) / 10.0;
-        format!("{t},{},{},25", 25.0 + 5.0 * (0.1 * t).sin(), 30.0 + 0.02 * t)
+        format!(
+            "{t},{},{},25",
+            25.0 + 5.0 * (0.1 * t).sin(),
+            30.0 + 0.02 * t
+        )
     };
     (0..1200).map(row).collect()
 }
@@ -133,7 +137,12 @@ fn each_leader_is_as_long_as_it_is() {
         (columns.rsplit_once(' ').unwrap().0, &unnamed),
     ] {
         let found = of_pair(columns, rows).unwrap();
-        let lengths: Vec<f64> = found.recording.others().iter().map(|t| t.length_m).collect();
+        let lengths: Vec<f64> = found
+            .recording
+            .others()
+            .iter()
+            .map(|t| t.length_m)
+            .collect();
         assert_eq!(lengths, [4.5, 16.5], "{columns}");
         let gap = |row: usize| {
             let scene = found.recording.scene(row).unwrap();
@@ -158,7 +167,12 @@ fn speeds_that_no_car_has_are_holes_named_by_their_rows() {
     let clean = of_pair(columns, &rows(&[])).unwrap();
     let found = of_pair(columns, &rows(&[100, 101, 400])).unwrap();
     let (a, b) = (clean.recording.ego(), found.recording.ego());
-    for (a, b) in a.x_m.iter().zip(&b.x_m).chain(a.speed_mps.iter().zip(&b.speed_mps)) {
+    for (a, b) in a
+        .x_m
+        .iter()
+        .zip(&b.x_m)
+        .chain(a.speed_mps.iter().zip(&b.speed_mps))
+    {
         assert!((a - b).abs() < 1e-6, "{b} for {a}");
     }
     assert_eq!(said(&found, "speeds of ego are above 90 m/s"), 3);
@@ -203,7 +217,10 @@ fn vehicles_that_are_stamped_one_after_the_other_see_each_other_where_they_are_a
         let rows = (0..300).flat_map(|i| {
             (0..3).map(move |car| {
                 let t = f64::from(i) / 10.0 + apart_s * f64::from(car);
-                format!("{t:.4},{car},{:.6},0,20\n", 40.0 * f64::from(car) + 20.0 * t)
+                format!(
+                    "{t:.4},{car},{:.6},0,20\n",
+                    40.0 * f64::from(car) + 20.0 * t
+                )
             })
         });
         format!("t,id,x,y,v\n{}", rows.collect::<String>())
@@ -220,7 +237,10 @@ fn vehicles_that_are_stamped_one_after_the_other_see_each_other_where_they_are_a
                 x.push(scene.ego.x_m);
                 x.sort_by(f64::total_cmp);
                 for w in x.windows(2) {
-                    assert!((w[1] - w[0] - 40.0).abs() < 1e-3, "{apart_s} s apart: {x:?}");
+                    assert!(
+                        (w[1] - w[0] - 40.0).abs() < 1e-3,
+                        "{apart_s} s apart: {x:?}"
+                    );
                 }
             }
         }
@@ -243,7 +263,9 @@ fn where_all_others_of_a_table_are_silent_nothing_is_known_of_the_road() {
         });
         format!("t,id,x,y,v\n{}", rows.collect::<String>())
     };
-    let found = mapped(&mapping, &table(&|i| !(200..300).contains(&i))).unwrap().remove(0);
+    let found = mapped(&mapping, &table(&|i| !(200..300).contains(&i)))
+        .unwrap()
+        .remove(0);
     let recording = &found.recording;
     for row in 0..recording.rows() {
         assert_eq!(recording.scene(row).unwrap().vehicles.len(), 1, "row {row}");
@@ -265,7 +287,11 @@ fn a_point_in_a_table_of_decimal_commas_is_asked_about() {
     let mapping = pair(columns).replacen("[table]\n", "[table]\ndecimal_comma = true\n", 1);
     let table = |gap: &str| {
         let rows = (0..50).map(|i| format!("{},{};20;{gap};20\n", i / 10, i % 10));
-        format!("{}\n{}", columns.replace(' ', ";"), rows.collect::<String>())
+        format!(
+            "{}\n{}",
+            columns.replace(' ', ";"),
+            rows.collect::<String>()
+        )
     };
     assert!(mapped(&mapping, &table("31,25")).is_ok());
     for gap in ["1.198", "1.198,5", "31.25"] {
@@ -279,7 +305,9 @@ fn a_point_in_a_table_of_decimal_commas_is_asked_about() {
 fn a_time_that_is_none_is_named_as_the_time() {
     let mut rows = drive();
     rows[3] = "soon,20,30,20".to_owned();
-    let error = of_pair("time ego_speed gap lead_speed", &rows).unwrap_err().to_string();
+    let error = of_pair("time ego_speed gap lead_speed", &rows)
+        .unwrap_err()
+        .to_string();
     let named = error.contains("row 4") && error.contains("`soon`");
     assert!(named && error.contains("expected a time in s"), "{error}");
 }

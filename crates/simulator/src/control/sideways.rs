@@ -35,7 +35,8 @@ impl Sideways {
             let speed = before.map_or(0.0, |&(_, y_m)| (v.y_m - y_m) / PLANNING_STEP_S);
             let here = road.lane_at(v.y_m);
             let lane = if speed > DRIFT_MPS {
-                here.and_then(|here| here.checked_add(1)).filter(|&lane| lane < road.lanes)
+                here.and_then(|here| here.checked_add(1))
+                    .filter(|&lane| lane < road.lanes)
             } else if speed < -DRIFT_MPS {
                 here.and_then(|here| here.checked_sub(1))
             } else {

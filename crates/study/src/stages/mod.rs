@@ -38,7 +38,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("import", 1),
         ("codebook", 1),
         ("export", 2),
-        ("ingest", 8),
+        ("ingest", 9),
         ("score", 5),
         ("train", 6),
         ("personalize", 6),

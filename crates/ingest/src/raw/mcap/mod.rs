@@ -1,5 +1,6 @@
 //! MCAP: the drives that rigs put into it.
 
+mod beside_ego;
 pub(crate) mod channels;
 pub(crate) mod choice;
 pub(crate) mod decisions;

@@ -1,13 +1,14 @@
 //! Reads the drive of an MCAP recording, in one file or split over several.
 
 use super::{
+    beside_ego::place_by_ego,
     channels::{Decoder, Decoders, Times},
     choice::{Choice, choose, parent},
     found::Found,
-    frames::Frames,
+    frames::{FrameNames, Frames, Whose},
     metadata::{self, DriveRecord},
     roles::Convention,
-    signals::{EgoRow, Objects, Receipt, ego_row, flatten, settle_speeds, turn},
+    signals::{EgoRow, Objects, Receipt, ego_row, flatten, settle_speeds, stamp_ns, turn},
     slots::Role,
 };
 use crate::{
@@ -15,7 +16,7 @@ use crate::{
     error::IngestError,
     mapping::{McapMapping, TwistFrame},
     quality::{Warning, WarningKind},
-    raw::{EgoSample, ObjectSample, RawDrive, SpeedSample},
+    raw::{EgoSample, ObjectSample, RawDrive, Sighting, SpeedSample},
 };
 use maveric_bag::{
     Damage, MOST_RECORD, Message, Stream, Streams, Take, Walk, announced, read_streams,
@@ -137,6 +138,9 @@ fn collect_from(
         bad_why: None,
         ego: Vec::new(),
         objects: Vec::new(),
+        sightings: Vec::new(),
+        frame: FrameNames::default(),
+        other_frames: 0,
         making: Objects::default(),
         identity: None,
         frames: None,
@@ -145,7 +149,7 @@ fn collect_from(
         wanted: only.is_none_or(|only| only.contains_key(&channel.topic)),
         ahead: announced(&channel.topic).map(|messages| (messages, most as usize)),
         times: times.then(|| Times::new(channel, schema)),
-        mark: [0; 4],
+        mark: [0; 5],
     })?;
     Ok(streams)
 }
@@ -263,14 +267,38 @@ fn drive_of(
     }
     let speeds = take(choice.speed).map(|s| s.ego).unwrap_or_default();
     let ego_stream = take(Some(choice.ego));
-    let (mut ego, mut objects) = match ego_stream {
-        Some(stream) if told_from_objects => (Vec::new(), stream.objects),
-        Some(stream) => (
-            stream.ego,
-            take(choice.objects).map(|s| s.objects).unwrap_or_default(),
-        ),
-        None => (Vec::new(), Vec::new()),
+    let (mut ego, of_ego, others) = match ego_stream {
+        Some(stream) if told_from_objects => (Vec::new(), None, Some(stream)),
+        Some(stream) => (stream.ego, Some(stream.frame), take(choice.objects)),
+        None => (Vec::new(), None, None),
     };
+    let (mut objects, sightings, whose) = match others {
+        Some(others) => {
+            let whose = of_ego.map_or(Whose::Fixed, |of_ego| others.frame.beside(of_ego));
+            if others.other_frames > 0 {
+                let what = "samples of others in another frame than the first of them are left out";
+                warn(WarningKind::Choice, others.other_frames, what);
+            }
+            (others.objects, others.sightings, whose)
+        }
+        None => (Vec::new(), Vec::new(), Whose::Fixed),
+    };
+    match whose {
+        Whose::Fixed => {}
+        Whose::Another => {
+            let what = "the others are said to be in another fixed frame than ego: they are taken to be in the same";
+            warn(WarningKind::Choice, objects.len(), what);
+        }
+        Whose::Ego => {
+            let what = "the others are in ego's own frame: they are placed by where ego is, and their speeds are differentiated";
+            warn(WarningKind::Choice, objects.len(), what);
+        }
+        Whose::Unknown => {
+            let what = "the others are left out: their frame is neither ego's nor one that stands still, so nobody knows where they are";
+            warn(WarningKind::Choice, objects.len(), what);
+            objects.clear();
+        }
+    }
     if choice.mapping.left_handed == Some(true) {
         turn(&mut ego, &mut objects);
     }
@@ -310,14 +338,23 @@ fn drive_of(
     let mut drive = RawDrive {
         ego,
         objects,
+        sightings: if whose == Whose::Unknown {
+            Vec::new()
+        } else {
+            sightings
+        },
         speeds: speeds.collect(),
         ego_length_m,
         ego_among_objects: ego_among_objects && ego_id.is_none(),
         without_lateral: record.is_some_and(|r| r.without_lateral),
+        pair: None,
     };
     if let Some(what) = one_clock(&mut drive) {
         let count = drive.ego.len() + drive.objects.len() + drive.speeds.len();
         warn(WarningKind::ReceiveTime, count, what);
+    }
+    if whose == Whose::Ego {
+        place_by_ego(&mut drive);
     }
     drive
 }
@@ -351,6 +388,12 @@ pub(crate) struct Samples {
     bad_why: Option<String>,
     ego: Vec<EgoRow>,
     objects: Vec<ObjectSample>,
+    /// When lists of others came, empty ones too.
+    sightings: Vec<Sighting>,
+    /// Frames of its first sample.
+    frame: FrameNames,
+    /// Samples of others in another frame than the first.
+    other_frames: usize,
     making: Objects,
     identity: Option<u32>,
     /// Of transforms: the frames that ego's samples are between.
@@ -363,8 +406,8 @@ pub(crate) struct Samples {
     ahead: Option<(usize, usize)>,
     /// When messages came, where that is wanted.
     pub(crate) times: Option<Times>,
-    /// Messages, bad ones, and samples of both kinds when the chunk began.
-    mark: [usize; 4],
+    /// Messages, bad ones, samples of both kinds and lists of others when the chunk began.
+    mark: [usize; 5],
 }
 
 impl Samples {
@@ -394,6 +437,7 @@ impl Take for Samples {
         let before = self.objects.len();
         let (objects, making, twist) = (&mut self.objects, &mut self.making, self.twist);
         let before_ego = self.ego.len();
+        let (frame, other_frames) = (&mut self.frame, &mut self.other_frames);
         let (ego, frames, mark) = (&mut self.ego, &mut self.frames, &mut self.mark);
         let (role, convention): (Role, Convention) = (reading.role, reading.convention);
         let row = &mut self.row;
@@ -401,7 +445,11 @@ impl Take for Samples {
             if role == Role::Objects
                 && let Some(object) = making.sample(row, receipt, convention, twist)
             {
-                objects.push(object);
+                if frame.is_of(FrameNames::of_object(row)) {
+                    objects.push(object);
+                } else {
+                    *other_frames += 1;
+                }
             }
             if role == Role::Frames
                 && let Some(found) = Frames::of(row)
@@ -428,9 +476,21 @@ impl Take for Samples {
             return;
         }
         match role {
-            Role::Objects | Role::Frames => {}
+            Role::Frames => {}
+            Role::Objects => {
+                let stamp_ns = match self.objects.get(before) {
+                    Some(object) => object.stamp_ns,
+                    None => stamp_ns(row),
+                };
+                self.sightings.push(Sighting {
+                    stamp_ns,
+                    log_ns: receipt.log_ns,
+                    nth,
+                });
+            }
             Role::Identity => self.identity = row.first().map(|&id| id as u32),
             Role::Odometry | Role::Pose | Role::Fix | Role::Speed => {
+                self.frame.is_of(FrameNames::of_ego(row));
                 self.ego.push(ego_row(row, receipt));
             }
         }
@@ -443,7 +503,8 @@ impl Take for Samples {
     }
 
     fn mark(&mut self) {
-        self.mark = [self.messages, self.bad, self.ego.len(), self.objects.len()];
+        let samples = [self.ego.len(), self.objects.len(), self.sightings.len()];
+        self.mark = [self.messages, self.bad, samples[0], samples[1], samples[2]];
         if let Some(times) = &mut self.times {
             times.mark = times.log_ns.len();
         }
@@ -453,6 +514,10 @@ impl Take for Samples {
         [self.messages, self.bad, ..] = self.mark;
         self.ego.truncate(self.mark[2]);
         self.objects.truncate(self.mark[3]);
+        self.sightings.truncate(self.mark[4]);
+        if self.sightings.is_empty() && self.ego.is_empty() {
+            self.frame = FrameNames::default();
+        }
         if let Some(times) = &mut self.times {
             times.log_ns.truncate(times.mark);
         }

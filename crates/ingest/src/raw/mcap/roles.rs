@@ -27,6 +27,9 @@ const HEADER: [(&str, &str); 2] = [
     ("sec", "header.stamp.sec|header.stamp.secs"),
     ("nanosec", "header.stamp.nanosec|header.stamp.nsecs"),
 ];
+/// The name of the frame of positions, and ego's own.
+const FRAME: &str = "header.frame_id#?";
+const OWN_FRAME: &str = "child_frame_id#?";
 const TIMESTAMP: [(&str, &str); 2] = [
     ("sec", "timestamp.sec|timestamp.seconds"),
     (
@@ -42,10 +45,14 @@ impl Reading {
         if let Some(mapped) = mapped.iter().find(|m| plain_name(&m.message) == wanted) {
             return Some(Self::mapped(mapped));
         }
-        let ego = |role, stamp: &[_], pose: &str, twist: &str| Self {
-            role,
-            paths: place(&EGO_SLOTS, stamp, pose, twist),
-            convention: Convention::Mapped,
+        let ego = |role, stamp: &[_], pose: &str, twist: &str| {
+            let mut paths = place(&EGO_SLOTS, stamp, pose, twist);
+            paths.extend([FRAME, OWN_FRAME].map(str::to_owned));
+            Self {
+                role,
+                paths,
+                convention: Convention::Mapped,
+            }
         };
         Some(match wanted.as_str() {
             "nav_msgs/Odometry" => ego(Role::Odometry, &HEADER, "pose.pose", "twist.twist"),
@@ -82,17 +89,19 @@ impl Reading {
 
     fn mapped(mapped: &MessageMapping) -> Self {
         let role = mapped.tells.role();
-        let slots = role.slots();
+        let path = |slot: &&str| match mapped.fields.get(*slot) {
+            // An id may be a number or a text.
+            Some(path) if *slot == "id" => format!("{path}|{path}#"),
+            path => path.cloned().unwrap_or_default(),
+        };
+        let mut paths: Vec<String> = role.slots().iter().map(path).collect();
+        paths.extend(match role {
+            Role::Objects => Some(FRAME.to_owned()),
+            _ => None,
+        });
         Self {
             role,
-            paths: slots
-                .iter()
-                .map(|slot| match mapped.fields.get(*slot) {
-                    // An id may be a number or a text.
-                    Some(path) if *slot == "id" => format!("{path}|{path}#"),
-                    path => path.cloned().unwrap_or_default(),
-                })
-                .collect(),
+            paths,
             convention: Convention::Mapped,
         }
     }
@@ -108,7 +117,7 @@ impl Reading {
             ("qw", "transform.rotation.w"),
         ];
         let mut paths = filled(&EGO_SLOTS, &[&HEADER[..], &known].concat());
-        paths.extend(["header.frame_id#?", "child_frame_id#?"].map(str::to_owned));
+        paths.extend([FRAME, OWN_FRAME].map(str::to_owned));
         let of_each = |path: &String| {
             let paths = path.split('|').filter(|p| !p.is_empty());
             let paths: Vec<String> = paths.map(|p| format!("transforms[].{p}")).collect();
@@ -152,6 +161,7 @@ impl Reading {
                 ("class", "objects[].classification?"),
             ],
         );
+        paths.push(FRAME.to_owned());
         Self {
             role: Role::Objects,
             paths,
@@ -171,6 +181,7 @@ impl Reading {
                 ("class", "objects[].classification[0].label?"),
             ],
         );
+        paths.push(FRAME.to_owned());
         paths.extend((0..16).map(|i| format!("objects[].object_id.uuid[{i}]")));
         Self {
             role: Role::Objects,
@@ -198,8 +209,10 @@ fn place(slots: &[&str], stamp: &[(&str, &str)], pose: &str, twist: &str) -> Vec
         }
     }
     if !twist.is_empty() {
-        set("vx", at(twist, "linear.x"));
-        set("vy", at(twist, "linear.y"));
+        // Where there are positions speeds can do without it.
+        let optional = if pose.is_empty() { "" } else { "?" };
+        set("vx", at(twist, &format!("linear.x{optional}")));
+        set("vy", at(twist, &format!("linear.y{optional}")));
     }
     paths
 }

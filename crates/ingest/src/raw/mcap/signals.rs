@@ -8,7 +8,7 @@ use crate::{
 use std::collections::BTreeMap;
 
 /// A stamp from its two slots; those of ROS 2 fit, others saturate, and a missing one is 0.
-fn stamp_ns(row: &[f64]) -> i64 {
+pub(crate) fn stamp_ns(row: &[f64]) -> i64 {
     let part = |value: f64| if value.is_nan() { 0.0 } else { value };
     let (sec, nanosec) = (part(row[0]), part(row[1]));
     let whole = sec as i64;
@@ -112,7 +112,8 @@ impl Objects {
     ) -> Option<ObjectSample> {
         let is = |value: f64, code: f64| (value - code).abs() < 0.5;
         let [shape, first, second, class] = *row.get(14..18)?.first_chunk()?;
-        let uuid = &row[OBJECT_SLOTS.len()..];
+        // Between them stands the name of the frame.
+        let uuid = &row[OBJECT_SLOTS.len() + 1..];
         let (vehicle, length_m) = match convention {
             Convention::Mapped => (true, known(row[13])),
             Convention::Autoware => {

@@ -19,12 +19,12 @@ pub(crate) enum Role {
     Identity,
 }
 
-/// Slots of ego's pose, speed or fix (`x`, `y` are longitude and latitude there).
+/// Slots of ego's pose, speed or fix (`x`, `y` are longitude and latitude there); behind them stand the names of its frames.
 pub(crate) const EGO_SLOTS: [&str; 12] = [
     "sec", "nanosec", "x", "y", "qx", "qy", "qz", "qw", "vx", "vy", "yaw", "speed",
 ];
 
-/// Slots of an object; behind them stand the 16 bytes of its UUID where it has one.
+/// Slots of an object; behind them stands the name of its frame, and then the 16 bytes of its UUID where it has one.
 pub(crate) const OBJECT_SLOTS: [&str; 18] = [
     "sec", "nanosec", "x", "y", "qx", "qy", "qz", "qw", "vx", "vy", "yaw", "speed", "id", "length",
     "shape", "size0", "size1", "class",

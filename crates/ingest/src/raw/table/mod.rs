@@ -85,8 +85,8 @@ pub(crate) fn read(
     sources: &mut Vec<Source>,
 ) -> Result<Vec<TableDrive>, IngestError> {
     let mut drives = match mapping.layout {
-        Layout::Pair => vec![pair::read(path, bytes, mapping, max_gap_s)?],
-        Layout::Platoon => platoon::read(path, bytes, mapping, max_gap_s)?,
+        Layout::Pair => vec![pair::read(path, bytes, mapping)?],
+        Layout::Platoon => platoon::read(path, bytes, mapping)?,
         Layout::Long => long::read(path, bytes, mapping, road, max_gap_s, sources)?,
         Layout::Signals => vec![signals::read(path, mapping, max_gap_s, sources)?],
     };

@@ -14,6 +14,11 @@ use std::{
     sync::Arc,
 };
 
+/// What a cell of numbers should hold.
+const NUMBER: &str = "a finite number";
+/// The same in a table of decimal commas, where a point may stand between thousands or be meant as a comma.
+const NUMBER_WITH_COMMA: &str = "a number with a decimal comma and no point: a table of decimal commas does not say whether a \
+                                 point stands between thousands";
 /// Words that stand for an empty cell.
 const EMPTY: [&str; 6] = ["", "nan", "na", "null", "none", "-"];
 /// What some programs begin a text in UTF-8 with.
@@ -131,9 +136,16 @@ impl Table {
             };
             parse(bytes, header, kind, Some(&names), self.decimal_comma)
         };
-        self.frame = match read(true) {
-            Ok(frame) => frame,
-            Err(_) => read(false).map_err(|e| {
+        // A point beside decimal commas would be read as one of them: then cells are read one by one.
+        let points = self.decimal_comma && {
+            let rows = bytes.split_inclusive(|&b| b == b'\n');
+            let head: usize = rows.take(header.preamble + 1).map(<[u8]>::len).sum();
+            memchr::memchr(b'.', &bytes[head..]).is_some()
+        };
+        let numbers = if points { None } else { read(true).ok() };
+        self.frame = match numbers {
+            Some(frame) => frame,
+            None => read(false).map_err(|e| {
                 self.bad(match foreign_text(bytes) {
                     Some((found, advice)) => format!("{found}: {advice}"),
                     None => parquet::first_line(&e),
@@ -205,14 +217,26 @@ impl Table {
         self.frame.column(actual).map_err(|_| self.unknown(name))
     }
 
-    /// A fault in a cell; `row` counts from 0 here and from 1 in the message.
+    /// A fault in a cell that should hold a number.
     pub(crate) fn bad_cell(&self, row: usize, name: &str, found: impl Into<String>) -> IngestError {
+        self.bad_cell_of(row, name, found, NUMBER)
+    }
+
+    /// A fault in a cell; `row` counts from 0 here and from 1 in the message.
+    pub(crate) fn bad_cell_of(
+        &self,
+        row: usize,
+        name: &str,
+        found: impl Into<String>,
+        expected: &str,
+    ) -> IngestError {
         IngestError::BadCell {
             path: self.path.clone(),
             row: row + 1,
             column: name.trim_end_matches('?').to_owned(),
             // A cell may hold anything, and its message goes to a terminal.
             found: found.into().escape_debug().take(60).collect(),
+            expected: expected.to_owned(),
         }
     }
 
@@ -231,6 +255,14 @@ impl Table {
     /// # Errors
     /// [`IngestError::BadCell`] for what is neither a finite number nor empty.
     pub(crate) fn numbers(&self, name: &str) -> Result<Vec<f64>, IngestError> {
+        self.numbers_of(name, NUMBER)
+    }
+
+    /// The same of numbers that are `expected` to be something.
+    ///
+    /// # Errors
+    /// As [`Table::numbers`].
+    pub(crate) fn numbers_of(&self, name: &str, expected: &str) -> Result<Vec<f64>, IngestError> {
         let column = self.column(name)?;
         if let Ok(texts) = column.str() {
             let number = |(row, cell): (usize, Option<&str>)| {
@@ -239,12 +271,15 @@ impl Table {
                     return Ok(f64::NAN);
                 }
                 let parsed = if self.decimal_comma {
+                    if cell.contains('.') {
+                        return Err(self.bad_cell_of(row, name, cell, NUMBER_WITH_COMMA));
+                    }
                     cell.replace(',', ".").parse()
                 } else {
                     cell.parse()
                 };
                 let parsed = parsed.ok().filter(|v: &f64| v.is_finite());
-                parsed.ok_or_else(|| self.bad_cell(row, name, cell))
+                parsed.ok_or_else(|| self.bad_cell_of(row, name, cell, expected))
             };
             return texts.iter().enumerate().map(number).collect();
         }
@@ -261,7 +296,7 @@ impl Table {
             out.extend(numbers.iter().map(|cell| cell.unwrap_or(f64::NAN)));
         }
         match out.iter().position(|v| v.is_infinite()) {
-            Some(row) => Err(self.bad_cell(row, name, out[row].to_string())),
+            Some(row) => Err(self.bad_cell_of(row, name, out[row].to_string(), expected)),
             None => Ok(out),
         }
     }

@@ -7,16 +7,15 @@ use super::{
     time::stamps,
 };
 use crate::{
-    differentiate::fill_speeds,
     error::IngestError,
     mapping::{Forward, GapKind, Point, TableMapping},
-    quality::{Warning, WarningKind},
-    raw::{EgoSample, ObjectSample, RawDrive},
+    quality::WarningKind,
+    raw::{EgoSample, LEADER, ObjectSample, PairRows, RawDrive},
 };
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
-/// Number of a leader that has none among the vehicles of its file.
-const LEADER: u32 = 1;
+/// Leaders without a number whose lengths differ by less are of one length, in m.
+const SAME_LENGTH_M: f64 = 1.0;
 
 /// A follower and its leader in SI units, one entry a row; NaN stands for an empty cell.
 pub(super) struct Couple {
@@ -34,7 +33,9 @@ pub(super) struct Couple {
     pub(super) lead_dy_m: Option<Vec<f64>>,
     /// Without it the leader's position is differentiated.
     pub(super) lead_speed_mps: Option<Vec<f64>>,
-    pub(super) lead_length_m: f64,
+    pub(super) lead_length_m: Vec<f64>,
+    /// Whether it is always the same leader although no number says so.
+    pub(super) one_leader: bool,
 }
 
 /// Reads a file of one pair.
@@ -45,7 +46,6 @@ pub(super) fn read(
     path: &Path,
     bytes: Vec<u8>,
     mapping: &TableMapping,
-    max_gap_s: f64,
 ) -> Result<TableDrive, IngestError> {
     let names = &mapping.columns;
     let time = named(path, "time", names.time.as_ref())?;
@@ -60,29 +60,13 @@ pub(super) fn read(
     let length = mapping.units.length.metres();
     let speed = mapping.units.speed.metres_per_second();
     let ego_length_m = first_length(column(&names.ego_length, length)?, mapping.ego_length_m);
-    let lead_length_m = first_length(column(&names.lead_length, length)?, mapping.lead_length_m);
     let along = if mapping.forward == Forward::AgainstX {
         -length
     } else {
         length
     };
     let ego_x_m = column(&names.ego_x, along)?;
-    let gap_m: Vec<f64> = if let Some(gap) = column(&names.gap, length)? {
-        let gap = gap.into_iter();
-        gap.map(|g| bumper_gap_m(g, mapping.gap_kind, ego_length_m, lead_length_m))
-            .collect()
-    } else {
-        let lead = column(&names.lead_x, along)?.unwrap_or_default();
-        let ego = ego_x_m.as_deref().unwrap_or_default();
-        let taken_m = match mapping.point {
-            Some(Point::Rear) => ego_length_m,
-            Some(Point::Front) => lead_length_m,
-            _ => 0.5 * (ego_length_m + lead_length_m),
-        };
-        lead.iter().zip(ego).map(|(l, e)| l - e - taken_m).collect()
-    };
-    let ego_speed = named(path, "ego_speed", names.ego_speed.as_ref())?;
-    let lead_id = match &names.lead_id {
+    let lead_id: Option<Vec<Option<u32>>> = match &names.lead_id {
         Some(name) if table.has(name) => {
             let (codes, names) = table.codes(name)?;
             let numbers = ids::numbers(&names);
@@ -91,6 +75,27 @@ pub(super) fn read(
         }
         _ => None,
     };
+    let lead_length_m = match column(&names.lead_length, length)? {
+        Some(lengths) => leaders_lengths(lengths, lead_id.as_deref(), mapping.lead_length_m),
+        None => vec![mapping.lead_length_m; table.rows()],
+    };
+    let gap_m: Vec<f64> = if let Some(gap) = column(&names.gap, length)? {
+        let gap = gap.into_iter().zip(&lead_length_m);
+        gap.map(|(g, lead_m)| bumper_gap_m(g, mapping.gap_kind, ego_length_m, *lead_m))
+            .collect()
+    } else {
+        let lead = column(&names.lead_x, along)?.unwrap_or_default();
+        let ego = ego_x_m.as_deref().unwrap_or_default();
+        let taken_m = |lead_length_m: f64| match mapping.point {
+            Some(Point::Rear) => ego_length_m,
+            Some(Point::Front) => lead_length_m,
+            _ => 0.5 * (ego_length_m + lead_length_m),
+        };
+        let rows = lead.iter().zip(ego).zip(&lead_length_m);
+        rows.map(|((l, e), length)| l - e - taken_m(*length))
+            .collect()
+    };
+    let ego_speed = named(path, "ego_speed", names.ego_speed.as_ref())?;
     let couple = Couple {
         stamp_ns: stamps(&table, time, clock)?,
         ego_x_m,
@@ -103,18 +108,47 @@ pub(super) fn read(
         gap_m,
         lead_speed_mps: column(&names.lead_speed, speed)?,
         lead_length_m,
+        one_leader: false,
     };
     if couple.gap_m.len() != couple.stamp_ns.len() {
         let what = "neither `gap` nor `ego_x` with `lead_x` is a column of this table";
         return Err(IngestError::bad_mapping(path, what));
     }
-    Ok(drive(path, &couple, max_gap_s))
+    Ok(drive(path, &couple))
 }
 
 /// A vehicle does not grow: its length is the first that is known.
 fn first_length(lengths: Option<Vec<f64>>, otherwise_m: f64) -> f64 {
     let known = lengths.into_iter().flatten().find(|l| *l > 0.0);
     known.unwrap_or(otherwise_m)
+}
+
+/// The leader's length in each row, in m: the first that is known of each leader, or of those without a number the one that
+/// stands in the row, as long as it stays about the same.
+fn leaders_lengths(
+    mut lengths: Vec<f64>,
+    lead_id: Option<&[Option<u32>]>,
+    otherwise_m: f64,
+) -> Vec<f64> {
+    if let Some(ids) = lead_id {
+        let mut first: BTreeMap<u32, f64> = BTreeMap::new();
+        for (id, length) in ids.iter().zip(&lengths) {
+            if let Some(id) = id.filter(|_| *length > 0.0) {
+                first.entry(id).or_insert(*length);
+            }
+        }
+        let of = |id: &Option<u32>| id.and_then(|id| first.get(&id)).copied();
+        return ids.iter().map(|id| of(id).unwrap_or(otherwise_m)).collect();
+    }
+    let known = lengths.iter().copied().find(|l| *l > 0.0);
+    let mut now = known.unwrap_or(otherwise_m);
+    for length in &mut lengths {
+        if *length > 0.0 && (*length - now).abs() > SAME_LENGTH_M {
+            now = *length;
+        }
+        *length = now;
+    }
+    lengths
 }
 
 /// The gap between bumpers behind a gap of some kind, in m.
@@ -132,25 +166,23 @@ pub(super) fn bumper_gap_m(
 }
 
 /// The drive of a follower: the leader's centre is put where its bumper is as far from ego's as the table says.
-pub(super) fn drive(path: &Path, couple: &Couple, max_gap_s: f64) -> TableDrive {
-    let centres_m = 0.5 * (couple.ego_length_m + couple.lead_length_m);
+pub(super) fn drive(path: &Path, couple: &Couple) -> TableDrive {
     let mut raw = RawDrive {
         ego_length_m: Some(couple.ego_length_m),
+        pair: Some(PairRows {
+            x_from_speed: couple.ego_x_m.is_none(),
+            unnumbered: couple.lead_id.is_none() && !couple.one_leader,
+        }),
         ..RawDrive::default()
     };
     let (mut without_ego, mut without_leader) = (0, 0);
     let mut gaps = Gaps::default();
     let mut passed = false;
-    let mut way = Way::default();
     raw.ego.reserve_exact(couple.stamp_ns.len());
     raw.objects.reserve_exact(couple.stamp_ns.len());
     for (row, &stamp) in couple.stamp_ns.iter().enumerate() {
         let v = couple.ego_speed_mps[row];
-        let x = match (&couple.ego_x_m, stamp) {
-            (Some(x), _) => x[row],
-            (None, Some(ns)) if v.is_finite() => way.go(ns, v),
-            _ => f64::NAN,
-        };
+        let x = couple.ego_x_m.as_ref().map_or(0.0, |x| x[row]);
         let (Some(stamp_ns), true) = (stamp, x.is_finite() && v.is_finite()) else {
             without_ego += 1;
             continue;
@@ -167,12 +199,12 @@ pub(super) fn drive(path: &Path, couple: &Couple, max_gap_s: f64) -> TableDrive 
         raw.ego.push(sample);
         let id = couple.lead_id.as_ref().map_or(Some(LEADER), |ids| ids[row]);
         let Some(id) = id else { continue };
-        let gap_m = couple.gap_m[row];
+        let (gap_m, length_m) = (couple.gap_m[row], couple.lead_length_m[row]);
+        let centres_m = 0.5 * (couple.ego_length_m + length_m);
         let behind = couple.signed && gap_m < 0.0;
         let lead_x_m = x + gap_m + if behind { -centres_m } else { centres_m };
-        // One that was not recorded is filled in below.
-        let speed_mps = couple.lead_speed_mps.as_ref().map_or(0.0, |s| s[row]);
-        if !lead_x_m.is_finite() || speed_mps.is_nan() {
+        let speed_mps = couple.lead_speed_mps.as_ref().map(|s| s[row]);
+        if !lead_x_m.is_finite() || speed_mps.is_some_and(f64::is_nan) {
             without_leader += 1;
             continue;
         }
@@ -187,16 +219,13 @@ pub(super) fn drive(path: &Path, couple: &Couple, max_gap_s: f64) -> TableDrive 
             id,
             x_m: lead_x_m,
             y_m: sample.y_m + couple.lead_dy_m.as_ref().map_or(0.0, |y| y[row]),
-            speed_mps,
-            length_m: couple.lead_length_m,
+            speed_mps: speed_mps.unwrap_or(f64::NAN),
+            length_m,
         });
     }
     let mut warnings = Vec::new();
     let first = raw.objects.first().map(|o| o.id);
     let several = raw.objects.iter().any(|o| Some(o.id) != first);
-    if couple.lead_speed_mps.is_none() {
-        differentiated(path, &mut raw.objects, max_gap_s, &mut warnings);
-    }
     let beside = couple.ego_y_m.is_some() || couple.lead_dy_m.is_some();
     raw.without_lateral = !beside && (several || passed);
     let kind = WarningKind::MissingValue;
@@ -209,50 +238,5 @@ pub(super) fn drive(path: &Path, couple: &Couple, max_gap_s: f64) -> TableDrive 
         warnings,
         gaps,
         ..TableDrive::default()
-    }
-}
-
-/// Fills in the speeds of a leader of whom only positions are known; a sample that stands alone is left out.
-fn differentiated(
-    path: &Path,
-    leader: &mut Vec<ObjectSample>,
-    max_gap_s: f64,
-    warnings: &mut Vec<Warning>,
-) {
-    let count = leader.len();
-    let place = |o: &ObjectSample| EgoSample {
-        speed_mps: None,
-        ..o.as_ego()
-    };
-    let mut places: Vec<EgoSample> = leader.iter().map(place).collect();
-    // Out of order no slope means anything: such samples stay without a speed.
-    for run in places.chunk_by_mut(|a, b| a.stamp_ns < b.stamp_ns) {
-        fill_speeds(run, max_gap_s);
-    }
-    let mut speeds = places.iter().map(|p| p.speed_mps);
-    leader.retain_mut(|o| {
-        let known = speeds.next().flatten();
-        o.speed_mps = known.unwrap_or(o.speed_mps);
-        known.is_some()
-    });
-    let what = "no speed of the leader was recorded: it is differentiated from its positions";
-    report(warnings, path, WarningKind::Default, count, what);
-}
-
-/// The way that a speed makes, by the trapezoidal rule; times that do not rise add nothing.
-#[derive(Debug, Default)]
-struct Way {
-    last: Option<(i64, f64)>,
-    x_m: f64,
-}
-
-impl Way {
-    fn go(&mut self, stamp_ns: i64, speed_mps: f64) -> f64 {
-        if let Some((before_ns, before_mps)) = self.last {
-            let dt = stamp_ns.saturating_sub(before_ns).max(0) as f64 / 1e9;
-            self.x_m += 0.5 * (before_mps + speed_mps) * dt;
-        }
-        self.last = Some((stamp_ns, speed_mps));
-        self.x_m
     }
 }

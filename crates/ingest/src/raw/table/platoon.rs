@@ -25,7 +25,6 @@ pub(super) fn read(
     path: &Path,
     bytes: Vec<u8>,
     mapping: &TableMapping,
-    max_gap_s: f64,
 ) -> Result<Vec<TableDrive>, IngestError> {
     let columns = &mapping.columns;
     let time = named(path, "time", columns.time.as_ref())?;
@@ -80,11 +79,12 @@ pub(super) fn read(
             lead_id: None,
             lead_dy_m: None,
             lead_speed_mps: Some(of_car(speed, lead, to_mps)?),
-            lead_length_m,
+            lead_length_m: vec![lead_length_m; table.rows()],
+            one_leader: true,
         };
         drives.push(TableDrive {
             captures: vec![("id".to_owned(), ego.to_string())],
-            ..drive(path, &couple, max_gap_s)
+            ..drive(path, &couple)
         });
     }
     Ok(drives)

@@ -18,6 +18,22 @@ pub(crate) struct Clock<'a> {
 }
 
 impl Clock<'_> {
+    /// What a cell of such times should hold, in words.
+    fn expected(self) -> String {
+        match (self.pattern, self.unit) {
+            (Some(pattern), _) => format!("a time written as `{pattern}`"),
+            (None, TimeUnit::Iso8601) => {
+                "a date and time such as `2026-03-04T10:21:33.1`".to_owned()
+            }
+            (None, TimeUnit::Frames) => "the number of a frame".to_owned(),
+            (None, TimeUnit::Seconds) => "a time in s".to_owned(),
+            (None, TimeUnit::Milliseconds) => "a time in ms".to_owned(),
+            (None, TimeUnit::Microseconds) => "a time in us".to_owned(),
+            (None, TimeUnit::Nanoseconds) => "a time in ns".to_owned(),
+            (None, TimeUnit::Pattern) => "a time".to_owned(),
+        }
+    }
+
     /// What a column of such times is read as.
     pub(crate) fn kind(self) -> Kind {
         match self.unit {
@@ -45,7 +61,7 @@ pub(crate) fn stamps(
                 .map_or_else(|| date(&word), |p| patterned(&word, p))
             {
                 Some(ns) => Ok(Some(ns)),
-                None => Err(table.bad_cell(row, name, word)),
+                None => Err(table.bad_cell_of(row, name, word, &clock.expected())),
             },
         };
         return words.map(stamp).collect();
@@ -63,11 +79,11 @@ pub(crate) fn stamps(
             None if value.abs() / clock.frames_per_s < 9e9 => {
                 (value / clock.frames_per_s * 1e9).round() as i64
             }
-            _ => return Err(table.bad_cell(row, name, value.to_string())),
+            _ => return Err(table.bad_cell_of(row, name, value.to_string(), &clock.expected())),
         };
         Ok(Some(ns))
     };
-    let numbers = table.numbers(name)?;
+    let numbers = table.numbers_of(name, &clock.expected())?;
     // Into room for all: a collection that may fail does not know how many come.
     let mut found = Vec::with_capacity(numbers.len());
     for cell in numbers.into_iter().enumerate() {

@@ -69,7 +69,7 @@ pub(super) fn read(
             IngestError::bad_table(path, format!("{what}; its vehicles are {shown}"))
         })?),
     };
-    let surroundings = Surroundings::new(&fleet.vehicles);
+    let surroundings = Surroundings::new(&fleet.vehicles, max_gap_s);
     let numbers = numbers(&ids);
     let mut drives = Vec::new();
     let mut alone = 0;
@@ -83,9 +83,11 @@ pub(super) fn read(
         }
         let mut captures = groups.captures(vehicle.group);
         captures.push(("id".to_owned(), name_of(vehicle, &ids)));
+        let around = surroundings.others(&fleet.vehicles, index, &numbers, view);
         let raw = RawDrive {
             ego: vehicle.samples.clone(),
-            objects: surroundings.others(&fleet.vehicles, index, &numbers, view),
+            objects: around.objects,
+            sightings: around.sightings,
             ego_length_m: Some(vehicle.length_m),
             ..RawDrive::default()
         };

@@ -1,8 +1,11 @@
 //! Who else was there at the times of a vehicle.
 
 use super::vehicles::Vehicle;
-use crate::raw::ObjectSample;
-use std::collections::BTreeSet;
+use crate::raw::{
+    EgoSample, ObjectSample, Sighting,
+    leader::{Leaders, Sight},
+};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Vehicles further away than this are of no concern: the method looks 200 m ahead.
 const NEAR_M: f64 = 250.0;
@@ -10,8 +13,6 @@ const NEAR_M: f64 = 250.0;
 const MOST_OTHERS: usize = 24;
 /// Vehicles that are looked at to either side of a vehicle, in the order of x: a road of eight lanes, 8 m a car, 64 m.
 const MOST_LOOKED_AT: usize = 64;
-/// A leader without a name that jumps further than this is another one, in m.
-const JUMP_M: f64 = 5.0;
 
 /// Whom rows tell enough of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,13 +36,33 @@ struct Seen {
 }
 
 /// Samples of all vehicles, by time and then along x.
+///
+/// Who is stamped within half a step of a vehicle is there with it: some rigs stamp one vehicle after the other.
 #[derive(Debug)]
 pub(super) struct Surroundings {
     seen: Vec<Seen>,
+    /// Half a step by group, in ns.
+    half_step_ns: BTreeMap<u32, i64>,
+    /// Longest time between two samples of a vehicle that is bridged, in ns.
+    max_gap_ns: i64,
+}
+
+/// Who was around a vehicle.
+#[derive(Debug, Default)]
+pub(super) struct Around {
+    pub(super) objects: Vec<ObjectSample>,
+    /// Times at which somebody looked; none where that is always.
+    pub(super) sightings: Vec<Sighting>,
+}
+
+impl Seen {
+    fn time(&self) -> (u32, i64) {
+        (self.group, self.stamp_ns)
+    }
 }
 
 impl Surroundings {
-    pub(super) fn new(vehicles: &[Vehicle]) -> Self {
+    pub(super) fn new(vehicles: &[Vehicle], max_gap_s: f64) -> Self {
         let mut seen = Vec::with_capacity(vehicles.iter().map(|v| v.samples.len()).sum());
         for (vehicle, one) in (0..).zip(vehicles) {
             seen.extend((0..).zip(&one.samples).map(|(sample, s)| Seen {
@@ -53,12 +74,16 @@ impl Surroundings {
             }));
         }
         seen.sort_by(|a, b| {
-            let place = |s: &Seen| (s.group, s.stamp_ns);
             let by_x = || a.x_m.total_cmp(&b.x_m);
-            let order = place(a).cmp(&place(b)).then_with(by_x);
+            let order = a.time().cmp(&b.time()).then_with(by_x);
             order.then_with(|| (a.vehicle, a.sample).cmp(&(b.vehicle, b.sample)))
         });
-        Self { seen }
+        let groups = vehicles.chunk_by(|a, b| a.group == b.group);
+        Self {
+            seen,
+            half_step_ns: groups.map(|g| (g[0].group, usual_step_ns(g) / 2)).collect(),
+            max_gap_ns: (max_gap_s * 1e9) as i64,
+        }
     }
 
     /// The others around vehicle `ego` at each of its times, in the order of time; only its leader if the
@@ -72,10 +97,13 @@ impl Surroundings {
         ego: usize,
         numbers: &[u32],
         view: View,
-    ) -> Vec<ObjectSample> {
+    ) -> Around {
         let vehicle = &vehicles[ego];
         let mut out = Vec::new();
-        let mut unnamed = Unnamed::default();
+        // When anybody was seen last, and the times between which nobody was although who was there before came back.
+        let (mut first_ns, mut last_ns) = (None, None);
+        let mut unseen: Vec<(i64, i64)> = Vec::new();
+        let mut unnamed = Leaders::default();
         let told = vehicle.leads.iter().zip(&vehicle.lead_ids);
         for (sample, (lead, &lead_id)) in vehicle.samples.iter().zip(told) {
             let told = lead.and(lead_id);
@@ -86,7 +114,20 @@ impl Surroundings {
                     nth: 0,
                     id: match lead.id {
                         Some(id) => numbers[id as usize],
-                        None => unnamed.number(sample.stamp_ns, lead.x_m, lead.speed_mps),
+                        // Counted down from the greatest number.
+                        None => {
+                            u32::MAX
+                                - unnamed.before(Sight {
+                                    stamp_ns: sample.stamp_ns,
+                                    x_m: lead.x_m,
+                                    speed_mps: lead.speed_mps,
+                                    length_m: if lead.length_known {
+                                        lead.length_m
+                                    } else {
+                                        f64::NAN
+                                    },
+                                })
+                        }
                     },
                     x_m: lead.x_m,
                     y_m: sample.y_m,
@@ -112,7 +153,16 @@ impl Surroundings {
                 if passed_over || there || !seen.insert(v) {
                     continue;
                 }
-                let o = &other.samples[s as usize];
+                let Some(o) = self.at(other, s as usize, sample.stamp_ns) else {
+                    continue;
+                };
+                if let Some(last_ns) = last_ns
+                    && sample.stamp_ns - last_ns > self.max_gap_ns
+                    && view == View::All
+                    && returns(other, s as usize, last_ns)
+                {
+                    unseen.push((last_ns, sample.stamp_ns));
+                }
                 let (sin, cos) = libm::sincos(sample.yaw_rad.unwrap_or(0.0));
                 let bends = view == View::LeaderInBends && sample.yaw_rad.is_some();
                 let distance = libm::hypot(o.x_m - sample.x_m, o.y_m - sample.y_m);
@@ -139,42 +189,126 @@ impl Surroundings {
                 }
             }
             near.sort_by(|a, b| a.0.total_cmp(&b.0));
+            if lead.is_some() || !near.is_empty() {
+                last_ns = Some(sample.stamp_ns);
+                first_ns = first_ns.or(last_ns);
+            }
             out.extend(near.into_iter().take(MOST_OTHERS).map(|n| n.1));
         }
-        out
-    }
-
-    /// The samples at a time that lie next to x, at most 250 m and a limited number to either side.
-    fn near(&self, group: u32, stamp_ns: i64, x_m: f64) -> &[Seen] {
-        let time = |s: &Seen| (s.group, s.stamp_ns);
-        let now = (group, stamp_ns);
-        let here = self
-            .seen
-            .partition_point(|s| time(s) < now || time(s) == now && s.x_m < x_m);
-        let fits = |s: &&Seen| time(s) == now && (s.x_m - x_m).abs() <= NEAR_M;
-        let (behind, ahead) = self.seen.split_at(here);
-        let behind = behind.iter().rev().take(MOST_LOOKED_AT);
-        let ahead = ahead.iter().take(MOST_LOOKED_AT);
-        let (behind, ahead) = (behind.take_while(fits), ahead.take_while(fits));
-        &self.seen[here - behind.count()..here + ahead.count()]
-    }
-}
-
-/// Numbers for leaders that have no name: a new one after each jump, counted down from the greatest number.
-#[derive(Debug, Default)]
-struct Unnamed {
-    last: Option<(i64, f64, f64)>,
-    jumps: u32,
-}
-
-impl Unnamed {
-    fn number(&mut self, stamp_ns: i64, x_m: f64, speed_mps: f64) -> u32 {
-        if let Some((before_ns, before_m, before_mps)) = self.last {
-            let dt = stamp_ns.saturating_sub(before_ns) as f64 / 1e9;
-            let expected_m = before_m + 0.5 * (before_mps + speed_mps) * dt;
-            self.jumps += u32::from((x_m - expected_m).abs() > JUMP_M);
+        unseen.dedup();
+        blind_ends(vehicle, first_ns.zip(last_ns), &mut unseen);
+        Around {
+            objects: out,
+            sightings: if unseen.is_empty() {
+                Vec::new()
+            } else {
+                seen_times(vehicle, &unseen)
+            },
         }
-        self.last = Some((stamp_ns, x_m, speed_mps));
-        u32::MAX - self.jumps
     }
+
+    /// Where a vehicle is at a time beside one of its samples: as that says, or between it and the next to it.
+    fn at(&self, vehicle: &Vehicle, sample: usize, stamp_ns: i64) -> Option<EgoSample> {
+        let samples = &vehicle.samples;
+        let there = samples[sample];
+        if there.stamp_ns == stamp_ns {
+            return Some(there);
+        }
+        let after = if there.stamp_ns < stamp_ns {
+            sample + samples[sample..].partition_point(|s| s.stamp_ns < stamp_ns)
+        } else {
+            samples[..sample].partition_point(|s| s.stamp_ns < stamp_ns)
+        };
+        let before = after.checked_sub(1)?;
+        let (a, b) = (&samples[before], samples.get(before + 1)?);
+        let step_ns = b.stamp_ns - a.stamp_ns;
+        if step_ns > self.max_gap_ns {
+            return None;
+        }
+        let w = (stamp_ns - a.stamp_ns) as f64 / step_ns as f64;
+        let mix = |a: f64, b: f64| a + w * (b - a);
+        Some(EgoSample {
+            x_m: mix(a.x_m, b.x_m),
+            y_m: mix(a.y_m, b.y_m),
+            speed_mps: a.speed_mps.zip(b.speed_mps).map(|(a, b)| mix(a, b)),
+            stamp_ns,
+            ..there
+        })
+    }
+
+    /// The samples around a time that lie next to x, at most 250 m and a limited number to either side; those of that very time
+    /// first.
+    fn near(&self, group: u32, stamp_ns: i64, x_m: f64) -> impl Iterator<Item = &Seen> {
+        let within_ns = self.half_step_ns.get(&group).copied().unwrap_or(0);
+        let begin = self
+            .seen
+            .partition_point(|s| s.time() < (group, stamp_ns - within_ns));
+        let around = self.seen[begin..]
+            .chunk_by(|a, b| a.time() == b.time())
+            .take_while(move |s| s[0].time() <= (group, stamp_ns + within_ns));
+        let now = around.clone().filter(move |s| s[0].stamp_ns == stamp_ns);
+        let others = around.filter(move |s| s[0].stamp_ns != stamp_ns);
+        now.chain(others).flat_map(move |s| beside(s, x_m))
+    }
+}
+
+/// Those of samples along x that lie next to one place.
+fn beside(seen: &[Seen], x_m: f64) -> &[Seen] {
+    let here = seen.partition_point(|s| s.x_m < x_m);
+    let fits = |s: &&Seen| (s.x_m - x_m).abs() <= NEAR_M;
+    let (behind, ahead) = seen.split_at(here);
+    let behind = behind.iter().rev().take(MOST_LOOKED_AT);
+    let ahead = ahead.iter().take(MOST_LOOKED_AT);
+    let (behind, ahead) = (behind.take_while(fits), ahead.take_while(fits));
+    &seen[here - behind.count()..here + ahead.count()]
+}
+
+/// The shortest of vehicles' mean steps, in ns.
+fn usual_step_ns(vehicles: &[Vehicle]) -> i64 {
+    let step = |v: &Vehicle| {
+        let (first, last) = (v.samples.first()?, v.samples.last()?);
+        let steps = i64::try_from(v.samples.len()).ok()? - 1;
+        (steps > 0).then(|| (last.stamp_ns - first.stamp_ns) / steps)
+    };
+    vehicles.iter().filter_map(step).min().unwrap_or(0)
+}
+
+/// Whether a vehicle was there at a time, was silent since, and is seen again by this sample.
+fn returns(vehicle: &Vehicle, sample: usize, last_ns: i64) -> bool {
+    let before = sample.checked_sub(1).map(|i| vehicle.samples[i].stamp_ns);
+    before.is_some_and(|ns| ns <= last_ns)
+}
+
+/// Adds the ends of a drive where others are not seen for as long as they were not between, or less.
+fn blind_ends(ego: &Vehicle, seen: Option<(i64, i64)>, unseen: &mut Vec<(i64, i64)>) {
+    let longest_ns = unseen.iter().map(|(from, to)| to - from).max();
+    let (Some(longest_ns), Some((first_ns, last_ns))) = (longest_ns, seen) else {
+        return;
+    };
+    let (Some(begin), Some(end)) = (ego.samples.first(), ego.samples.last()) else {
+        return;
+    };
+    if first_ns - begin.stamp_ns <= longest_ns {
+        unseen.insert(0, (i64::MIN, first_ns));
+    }
+    if end.stamp_ns - last_ns <= longest_ns {
+        unseen.push((last_ns, i64::MAX));
+    }
+}
+
+/// Ego's times but for those between which nobody looked.
+fn seen_times(ego: &Vehicle, unseen: &[(i64, i64)]) -> Vec<Sighting> {
+    let mut hole = 0;
+    let times = ego.samples.iter().map(|s| s.stamp_ns).filter(|&ns| {
+        while unseen.get(hole).is_some_and(|(_, to)| *to <= ns) {
+            hole += 1;
+        }
+        unseen.get(hole).is_none_or(|(from, _)| ns <= *from)
+    });
+    let sighting = |stamp_ns| Sighting {
+        stamp_ns,
+        log_ns: stamp_ns,
+        nth: 0,
+    };
+    times.map(sighting).collect()
 }

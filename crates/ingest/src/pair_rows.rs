@@ -1,0 +1,56 @@
+//! What the rows of a follower and its leader leave to be worked out in the order of time.
+
+use crate::raw::{
+    EgoSample, LEADER, ObjectSample, PairRows, RawDrive,
+    leader::{Leaders, Sight},
+};
+
+/// Integrates ego's way and counts the leaders, where the rows say neither. Samples are sorted by time and have speeds.
+pub(crate) fn in_order(drive: &mut RawDrive) {
+    let Some(PairRows {
+        x_from_speed,
+        unnumbered,
+    }) = drive.pair
+    else {
+        return;
+    };
+    if x_from_speed {
+        integrate(&mut drive.ego, &mut drive.objects);
+    }
+    if unnumbered {
+        let mut leaders = Leaders::default();
+        for o in &mut drive.objects {
+            let sight = Sight {
+                stamp_ns: o.stamp_ns,
+                x_m: o.x_m,
+                speed_mps: o.speed_mps,
+                length_m: o.length_m,
+            };
+            o.id = LEADER + leaders.before(sight);
+        }
+    }
+}
+
+/// The way that ego's speed makes, by the trapezoidal rule; the leader of a row is from where ego is then.
+fn integrate(ego: &mut [EgoSample], objects: &mut Vec<ObjectSample>) {
+    let mut way_m = 0.0;
+    let mut last: Option<(i64, f64)> = None;
+    for sample in ego.iter_mut() {
+        let v = sample.speed_mps.unwrap_or(0.0);
+        if let Some((before_ns, before_mps)) = last {
+            way_m += 0.5 * (before_mps + v) * (sample.stamp_ns - before_ns) as f64 / 1e9;
+        }
+        last = Some((sample.stamp_ns, v));
+        sample.x_m = way_m;
+    }
+    // Without ego in its row nobody knows where the leader was.
+    let mut at = 0;
+    objects.retain_mut(|o| {
+        while ego.get(at).is_some_and(|s| s.stamp_ns < o.stamp_ns) {
+            at += 1;
+        }
+        let row = ego.get(at).filter(|s| s.stamp_ns == o.stamp_ns);
+        o.x_m += row.map_or(0.0, |s| s.x_m);
+        row.is_some()
+    });
+}
