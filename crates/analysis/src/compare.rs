@@ -200,7 +200,7 @@ fn test_of_pairs(found: Option<&ByDesign>) -> PosthocTest {
         _ => return PosthocTest::T,
     };
     match chosen {
-        ChosenTest::AlignedRanks | ChosenTest::Ordinal => PosthocTest::Wilcoxon,
+        ChosenTest::Ranks | ChosenTest::Ordinal => PosthocTest::Wilcoxon,
         _ => PosthocTest::T,
     }
 }

@@ -3,7 +3,7 @@
 use crate::{AnalysisError, data::StudyData, outcomes::Asked, result::Panel, verdict::ALPHA};
 use maveric_domain::{
     ConditionId, ParticipantId,
-    design::{Column, Condition, Quantity},
+    design::{Column, Condition, Covariate, Quantity},
 };
 use maveric_stats::{
     ByDesign, DesignChoice, DesignColumns, MissingCells, OutcomeScale, compare_by_design,
@@ -122,6 +122,17 @@ pub(crate) fn by_design(tested: &Tested) -> Result<Result<ByDesign, String>, Ana
         within: within.iter().map(|(n, c)| (n.as_str(), &c[..])).collect(),
         between: between.iter().map(|(n, c)| (*n, &c[..])).collect(),
         covariates: covariates.iter().map(|(n, c)| (*n, &c[..])).collect(),
+        with: data
+            .design
+            .covariates()
+            .iter()
+            .map(|c| {
+                (
+                    c.column.as_str(),
+                    c.with.iter().map(String::as_str).collect(),
+                )
+            })
+            .collect(),
         values: &values,
     };
     let choice = DesignChoice {
@@ -152,7 +163,7 @@ fn factors_within(data: &StudyData, conditions: &[ConditionId]) -> Vec<Within> {
 fn number(
     data: &StudyData,
     person: &ParticipantId,
-    covariate: &Column,
+    covariate: &Covariate,
 ) -> Result<Option<f64>, AnalysisError> {
     let Some(text) = data.column(person, &covariate.column) else {
         return Ok(None);

@@ -427,19 +427,30 @@ fn people_of_two_cities_are_one_factorial_test_and_each_city_a_panel_of_its_own(
 }
 
 #[test]
-fn a_covariate_is_taken_out_by_a_mixed_model_and_must_be_a_number() {
+fn a_covariate_of_people_enters_between_them_alone_and_must_be_a_number() {
     let covariate = "[[covariate]]\ncolumn = \"age\"\n";
     let text = plain(&["same", "fast", "slow"], covariate);
     let a = analysed_by(&text, with_people(AGES));
-    let Some(ByDesign::Mixed(found)) = &panel(&a, SPEED).comparison else {
+    let Some(ByDesign::Factorial(found)) = &panel(&a, SPEED).comparison else {
         panic!("a covariate")
     };
-    assert_eq!(found.found.model.formula, "condition + age");
-    assert_eq!(
-        (found.found.model.n_obs, found.found.model.n_subjects),
-        (18, 6)
+    assert_eq!(found.found.anova.n, 6);
+    let test = |name: &str| found.found.tests.get(name).unwrap();
+    // 6 people less their mean and the slope.
+    assert_eq!(test("age").df2, Some(4.0));
+    assert!(test("age").p.is_some());
+    let without = analysed_by(&plain(&["same", "fast", "slow"], ""), with_people(AGES));
+    let alone = panel(&without, SPEED).comparison.as_ref().unwrap();
+    let alone = alone.one_factor().unwrap().omnibus.clone();
+    near(test("condition").p, alone.p.unwrap());
+    let declared = "[[covariate]]\ncolumn = \"age\"\nwith = [\"condition\"]\n";
+    let a = analysed_by(
+        &plain(&["same", "fast", "slow"], declared),
+        with_people(AGES),
     );
-    assert!(found.found.model.coef.get("age").unwrap().p.is_some());
+    let effects = panel(&a, SPEED).comparison.as_ref().unwrap().effects();
+    let names: Vec<&str> = effects.iter().map(|(name, _)| *name).collect();
+    assert_eq!(names, ["condition", "age", "age:condition"]);
     let mut ages = AGES;
     ages[2] = "old";
     let data = StudyData::new(&design(&text), with_people(ages)).unwrap();

@@ -148,8 +148,12 @@ file = "rig2.toml"
     assert_eq!(design.protocol().practice.passes, 2);
     assert!(matches!(&design.files().mapping, Mappings::Rigs(rigs) if rigs.len() == 1));
     let columns = |columns: &[Column]| columns.iter().map(|c| c.column.clone()).collect();
-    let (factors, covariates): (Vec<_>, Vec<_>) =
-        (columns(design.factors()), columns(design.covariates()));
+    let covariates = design
+        .covariates()
+        .iter()
+        .map(|c| c.column.clone())
+        .collect();
+    let (factors, covariates): (Vec<_>, Vec<_>) = (columns(design.factors()), covariates);
     assert_eq!(
         (factors, covariates),
         (vec!["population".into()], vec!["age".into()])
@@ -479,6 +483,37 @@ fn a_study_without_conditions_or_title_is_none() {
         let error = read(&text).unwrap_err();
         assert!(error.contains(said), "{error}");
     }
+}
+
+#[test]
+fn a_covariate_is_multiplied_by_an_effect_within_people_alone() {
+    let covariate = |with: &str| format!("[[covariate]]\ncolumn = \"age\"\nwith = [\"{with}\"]\n");
+    let design = with(&covariate("condition")).unwrap();
+    assert_eq!(design.covariates()[0].with, ["condition"]);
+    let error = with(&covariate("conditon")).unwrap_err();
+    assert!(
+        error.contains("`conditon` of `age`") && error.contains("did you mean `condition`"),
+        "{error}"
+    );
+    let level = |id: &str, speed: &str, light: &str| {
+        format!(
+            "[[condition]]\nid = \"{id}\"\nlevels = {{ speed = \"{speed}\", light = \"{light}\" }}\n"
+        )
+    };
+    let crossed = "[study]\ntitle = \"x\"\n".to_owned()
+        + &level("a", "low", "day")
+        + &level("b", "low", "night")
+        + &level("c", "high", "day")
+        + &level("d", "high", "night");
+    for name in ["speed", "light", "light:speed"] {
+        assert!(
+            read(&(crossed.clone() + &covariate(name))).is_ok(),
+            "{name}"
+        );
+    }
+    let error = read(&(crossed + &covariate("condition"))).unwrap_err();
+    assert!(error.contains("`light`, `speed`, `light:speed`"), "{error}");
+    assert!(with("[[factor]]\ncolumn = \"city\"\nwith = [\"condition\"]\n").is_err());
 }
 
 /// The keys that the reader knows of a table: it lists them when it meets another.

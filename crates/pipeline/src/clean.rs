@@ -99,16 +99,17 @@ fn gone<'l>(pipeline: &Pipeline, ledger: &'l Ledger) -> impl Iterator<Item = Str
         .chain(left.map(|(key, _)| key.clone()))
 }
 
-struct Cleaning<'a> {
-    place: &'a Place,
-    hasher: Hasher<'a>,
-    force: bool,
-    dry_run: bool,
+/// How what runs made is removed.
+pub(crate) struct Cleaning<'a> {
+    pub(crate) place: &'a Place,
+    pub(crate) hasher: Hasher<'a>,
+    pub(crate) force: bool,
+    pub(crate) dry_run: bool,
 }
 
 impl Cleaning<'_> {
     /// Removes what one run made; whether nothing of it is left.
-    fn remove(
+    pub(crate) fn remove(
         &self,
         key: &str,
         ledger: &Ledger,

@@ -341,9 +341,12 @@ impl FileDifference {
                 unpaired,
                 texts,
             } => {
-                let mut lines = vec![format!(
-                    "  {path}: {differing} of {compared} numbers differ"
-                )];
+                let what = match (compared, differing) {
+                    (0, _) => "has other texts".to_owned(),
+                    (_, 0) => format!("all {compared} numbers are the same, other parts differ"),
+                    _ => format!("{differing} of {compared} numbers differ"),
+                };
+                let mut lines = vec![format!("  {path}: {what}")];
                 let number =
                     |n: &NumberDifference| format!("    {}: {} -> {}", n.at, n.first, n.second);
                 lines.extend(largest.iter().map(number));

@@ -23,6 +23,7 @@ mod ledger;
 mod lock;
 mod manifest;
 mod memory;
+mod orphans;
 mod own;
 mod params;
 mod paths;

@@ -96,11 +96,13 @@ impl Place {
                 .to_string_lossy()
                 .into_owned()
         };
-        let ledger = name(&self.ledger);
-        let same_folder = path.parent() == Some(self.ledger.parent().unwrap_or(Path::new("")));
-        let named = name(path);
-        path.starts_with(&self.log_dir)
-            || self.log_dir.starts_with(path)
+        // A path of the root `.` is written otherwise than that of a ledger named from there.
+        let (path, log_dir) = (&one_spelling(path), &one_spelling(&self.log_dir));
+        let ledger = &one_spelling(&self.ledger);
+        let same_folder = path.parent() == ledger.parent();
+        let (ledger, named) = (name(ledger), name(path));
+        path.starts_with(log_dir)
+            || log_dir.starts_with(path)
             || (same_folder
                 && (named.starts_with(&ledger) || named.starts_with(&format!(".{ledger}"))))
     }
@@ -193,6 +195,16 @@ mod tests {
         ] {
             assert!(!place.is_ours(Path::new(other)), "{other}");
         }
+        let from_here = Place {
+            root: PathBuf::from("."),
+            ledger: PathBuf::from("study.lock"),
+            log_dir: PathBuf::from(".logs/study"),
+            program: None,
+        };
+        for ours in ["./study.lock.journal", "./.study.lock.writing-x", "./.logs"] {
+            assert!(from_here.is_ours(Path::new(ours)), "{ours}");
+        }
+        assert!(!from_here.is_ours(Path::new("./table.csv")));
         assert_eq!(place.hash_cache(), Path::new("/study/own/lock.hashes"));
         assert_eq!(place.lock(), Path::new("/study/own/lock.running"));
         assert_eq!(place.jobs(), Path::new("/study/own/lock.jobs"));

@@ -62,6 +62,11 @@ pub enum Reason {
         /// Its path.
         path: String,
     },
+    /// Something in what it reads was made by a run, and the pipeline no longer makes it.
+    InputNoLongerMade {
+        /// Its path.
+        path: String,
+    },
     /// An input is not there and no stage makes it: the stage cannot run.
     InputMissing {
         /// Its path.
@@ -123,6 +128,9 @@ impl fmt::Display for Reason {
             },
             Self::InputAdded { path } => write!(f, "input `{path}` is new"),
             Self::InputRemoved { path } => write!(f, "input `{path}` is no longer there"),
+            Self::InputNoLongerMade { path } => {
+                write!(f, "`{path}`, which it read, is no longer made by any stage")
+            }
             Self::InputMissing { path } => {
                 write!(f, "input `{path}` does not exist and no stage makes it")
             }
@@ -212,6 +220,10 @@ mod tests {
             (
                 Reason::InputRemoved { path: path() },
                 "input `data/in` is no longer there",
+            ),
+            (
+                Reason::InputNoLongerMade { path: path() },
+                "`data/in`, which it read, is no longer made by any stage",
             ),
             (
                 Reason::InputMissing { path: path() },

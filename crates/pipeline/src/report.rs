@@ -101,6 +101,20 @@ pub enum FailureCause {
         /// The files, relative to the root.
         paths: Vec<String>,
     },
+    /// Behind a link stands something else than what the last run had made.
+    #[error(
+        "`{path}` lies behind the link `{link}` to {}, where something else stands than its last run had made: \
+         remove the link, or what is there",
+        target.to_slash_lossy()
+    )]
+    BehindLink {
+        /// The output, relative to the root.
+        path: String,
+        /// The link: the output or a directory above it, relative to the root.
+        link: String,
+        /// Where the link leads.
+        target: PathBuf,
+    },
     /// The stages upstream ran but an input is not there.
     #[error("the stages before it did not make {}", paths.join(", "))]
     InputsMissing {
@@ -189,6 +203,19 @@ pub enum Warning {
         /// Where they are now, relative to the root.
         folders: Vec<String>,
     },
+    /// The pipeline no longer makes what an earlier run of it had made.
+    #[error(
+        "the pipeline no longer has stage `{stage}` there: {}",
+        no_longer_made(removed, kept)
+    )]
+    NoLongerMade {
+        /// The stage that had made it.
+        stage: String,
+        /// Outputs that were removed, relative to the root.
+        removed: Vec<String>,
+        /// What stays, since it was changed by hand or no run had made it.
+        kept: Vec<String>,
+    },
     /// The cache held something else for a stage than what it had made.
     #[error("the cache is damaged for stage `{stage}`, which runs instead")]
     CacheDamaged {
@@ -219,6 +246,20 @@ pub struct Setting {
 fn settings(changes: &[Setting]) -> String {
     let change = |s: &Setting| format!("{}={}, now {}", s.name, s.before, s.now);
     changes.iter().map(change).collect::<Vec<_>>().join("; ")
+}
+
+fn no_longer_made(removed: &[String], kept: &[String]) -> String {
+    let mut parts = Vec::new();
+    if !removed.is_empty() {
+        parts.push(format!("{} removed", names(removed)));
+    }
+    if !kept.is_empty() {
+        parts.push(format!(
+            "{} changed by hand or made by no run, so it stays; remove it, or run with --move-aside",
+            names(kept)
+        ));
+    }
+    parts.join("; ")
 }
 
 fn counted(files: usize) -> String {

@@ -62,10 +62,21 @@ pub fn run(
     };
     let mut schedule = Schedule::new(&graph, wanted);
     let result = match options.executor {
-        Executor::Local => cluster::refuse_while_jobs_run(place)
-            .and_then(|()| work(&workshop, &mut schedule, &forced, options, observe)),
-        engine => cluster::run(engine, &workshop, &mut schedule, &forced, options, observe),
+        Executor::Local => cluster::refuse_while_jobs_run(place),
+        _ => Ok(()),
     };
+    let orphans_removed = result.and_then(|()| {
+        crate::orphans::remove(&graph, place, &mut workshop.ledger(), options.move_aside)
+    });
+    let result = orphans_removed.and_then(|warnings| {
+        for warning in warnings {
+            schedule.warn(warning, observe);
+        }
+        match options.executor {
+            Executor::Local => work(&workshop, &mut schedule, &forced, options, observe),
+            engine => cluster::run(engine, &workshop, &mut schedule, &forced, options, observe),
+        }
+    });
     for warning in workshop.warnings() {
         schedule.warn(warning, observe);
     }

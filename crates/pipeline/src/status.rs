@@ -109,6 +109,7 @@ fn examine(
     let hasher = Hasher::new(&place.root, place.hash_cache(), &never);
     let mut statuses: Vec<StageStatus> = Vec::new();
     let mut stale = BTreeSet::new();
+    let orphans = crate::orphans::orphans(graph, &ledger);
     for &index in graph.order().iter().filter(|index| wanted.contains(index)) {
         let stage = graph.stage(index);
         let now = Present::of(stage, place, &hasher)?;
@@ -118,6 +119,10 @@ fn examine(
             reasons.push(Reason::Forced);
         }
         reasons.extend(past.reasons(stage, &now.made_from, &hasher)?);
+        if past.record.is_some() {
+            let path = crate::orphans::read_by(stage, &orphans, &ledger, place);
+            reasons.extend(path.map(|path| Reason::InputNoLongerMade { path }));
+        }
         refine(&mut reasons, graph, index, &stale, &now.missing);
         if !reasons.is_empty() {
             stale.insert(index);

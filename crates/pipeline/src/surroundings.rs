@@ -54,8 +54,8 @@ impl Surroundings {
             for (name, look) in looks(folder) {
                 let path = folder.join(&name);
                 let known = before.get(&name) == Some(&look) || self.made.contains(&path);
-                let ours = place.is_ours(&path) || name.to_string_lossy().starts_with(ASIDE);
-                if !known && !ours {
+                let ours = || place.is_ours(&path) || name.to_string_lossy().starts_with(ASIDE);
+                if !known && !ours() {
                     changes.push((path, look.map(|(_, time)| time)));
                 }
             }

@@ -248,6 +248,10 @@ impl Trace {
             }
             lines.push(format!("<- stage {}{row}{versions}", stage.stage));
             lines.push(format!("     {}", stage.command));
+            let changed = |output: &&TracedFile| output.state != FileState::Same;
+            for output in stage.outputs.iter().filter(changed) {
+                lines.push(format!("     made {}{}", output.path, remark(output.state)));
+            }
             for input in &stage.inputs {
                 let makers = match input.makers.as_slice() {
                     [] => "a source".to_owned(),
@@ -278,6 +282,7 @@ fn remark(state: FileState) -> &'static str {
         FileState::Same => "",
         FileState::Changed => " (changed since)",
         FileState::Missing => " (no longer there)",
+        FileState::NoLongerMade => " (no longer made by any stage)",
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::atomic::AtomicBool;
 
 use crate::content::Hasher;
-use crate::{FactKind, Ledger, Pipeline, PipelineError, Place};
+use crate::{FactKind, Graph, Ledger, Pipeline, PipelineError, Place};
 
 /// What was found when all files were read again.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
@@ -50,6 +50,8 @@ pub enum FileState {
     Changed,
     /// Not there.
     Missing,
+    /// There, and the pipeline no longer makes it; only [`verify`] says so.
+    NoLongerMade,
 }
 
 impl FileState {
@@ -87,7 +89,7 @@ pub fn verify(pipeline: &Pipeline, place: &Place) -> Result<Verification, Pipeli
         let outputs = outputs.map(|(path, content)| (Role::Output, path.as_str(), &**content));
         let inputs = inputs.map(|(path, content)| (Role::Input, path, content));
         for (role, path, content) in outputs.chain(inputs) {
-            compared.insert(path);
+            compared.insert(path.to_owned());
             let state = FileState::of(path, content, &hasher)?;
             if state != FileState::Same {
                 findings.push(Finding {
@@ -95,6 +97,20 @@ pub fn verify(pipeline: &Pipeline, place: &Place) -> Result<Verification, Pipeli
                     path: path.to_owned(),
                     role,
                     state,
+                });
+            }
+        }
+    }
+    let graph = Graph::new(pipeline)?;
+    for key in crate::orphans::orphans(&graph, &ledger) {
+        for path in ledger.made_by(&key).into_keys() {
+            if place.root.join(path).symlink_metadata().is_ok() {
+                compared.insert(path.to_owned());
+                findings.push(Finding {
+                    stage: ledger.stage_of(&key).unwrap_or_default().to_owned(),
+                    path: path.to_owned(),
+                    role: Role::Output,
+                    state: FileState::NoLongerMade,
                 });
             }
         }

@@ -766,3 +766,208 @@ fn what_a_stage_left_running_does_not_keep_the_next_run_out() {
     let alive = std::process::Command::new("kill").arg(pid.trim()).status();
     assert!(alive.unwrap().success(), "it was still there");
 }
+
+/// A stage for each row of a table, two shards, and one stage that reads both folders.
+const FANS: &str = r#"
+name = "test"
+[[stage]]
+name = "row"
+foreach = "books.csv"
+cmd = ["sh", "-c", "echo {book} > rows/{book}.txt"]
+outputs = ["rows/{book}.txt"]
+[[stage]]
+name = "length"
+shards = 2
+cmd = ["sh", "-c", "echo {shard} > lengths/{shard}.txt"]
+outputs = ["lengths/{shard}.txt"]
+[[stage]]
+name = "table"
+cmd = ["sh", "-c", "cat rows/* lengths/* > table.txt"]
+inputs = ["rows", "lengths"]
+outputs = ["table.txt"]
+"#;
+
+fn fans() -> Project {
+    let project = Project::new(FANS);
+    project.write("books.csv", "book\nmoby\npride\ncities\n");
+    assert_eq!(project.ran().len(), 6);
+    assert_eq!(project.read("table.txt"), "cities\nmoby\npride\n0\n1\n");
+    project
+}
+
+#[test]
+fn a_row_that_left_its_table_leaves_the_results_too() {
+    let project = fans();
+    project.write("books.csv", "book\nmoby\npride\n");
+    assert_eq!(
+        project.why("table"),
+        ["`rows/cities.txt`, which it read, is no longer made by any stage"]
+    );
+    let findings = verify(&project.pipeline(), &project.place())
+        .unwrap()
+        .findings;
+    let states: Vec<_> = findings
+        .iter()
+        .map(|f| (f.path.as_str(), f.state))
+        .collect();
+    assert_eq!(states, [("rows/cities.txt", FileState::NoLongerMade)]);
+    let report = project.run();
+    assert_eq!(in_state(&report, State::Done), ["table"]);
+    let warnings: Vec<String> = report.warnings.iter().map(ToString::to_string).collect();
+    let warning = "the pipeline no longer has stage `row.cities` there: `rows/cities.txt` removed";
+    assert_eq!(warnings, [warning]);
+    assert_eq!(project.read("table.txt"), "moby\npride\n0\n1\n");
+    assert!(!project.root().join("rows/cities.txt").exists());
+    assert!(
+        verify(&project.pipeline(), &project.place())
+            .unwrap()
+            .findings
+            .is_empty()
+    );
+    assert!(project.ran().is_empty());
+    project.write("books.csv", "book\nmoby\npride\ncities\n");
+    assert_eq!(project.ran(), ["row.cities", "table"]);
+}
+
+#[test]
+fn fewer_shards_leave_no_shard_behind() {
+    let mut project = fans();
+    project.text = FANS.replace("shards = 2", "shards = 1");
+    assert_eq!(project.ran(), ["table"]);
+    assert_eq!(project.read("table.txt"), "cities\nmoby\npride\n0\n");
+}
+
+#[test]
+fn an_output_with_another_name_and_a_stage_that_is_gone_leave_the_folder_that_is_read() {
+    let mut project = fans();
+    let extra = "[[stage]]\nname = 'extra'\ncmd = ['sh', '-c', 'echo x > rows/x.txt']\n\
+                 outputs = ['rows/x.txt']\n";
+    project.text = format!("{FANS}{extra}");
+    assert_eq!(project.ran(), ["extra", "table"]);
+    project.text = FANS.replace("rows/{book}.txt", "rows/{book}.md");
+    assert_eq!(project.ran().len(), 4);
+    assert_eq!(project.read("table.txt"), "cities\nmoby\npride\n0\n1\n");
+}
+
+#[test]
+fn what_a_fan_no_longer_makes_stays_where_somebody_changed_it_and_is_named() {
+    let mut project = fans();
+    project.write("books.csv", "book\nmoby\npride\n");
+    project.write("rows/cities.txt", "mine\n");
+    let report = project.run();
+    let warning = report.warnings[0].to_string();
+    assert!(
+        warning.contains("`rows/cities.txt` changed by hand"),
+        "{warning}"
+    );
+    assert_eq!(project.read("rows/cities.txt"), "mine\n");
+    project.options.move_aside = true;
+    project.run();
+    assert!(!project.root().join("rows/cities.txt").exists());
+    assert_eq!(project.read("table.txt"), "moby\npride\n0\n1\n");
+}
+
+#[test]
+fn an_output_of_a_stage_that_is_gone_stays_where_it_is_a_source_now() {
+    let mut project = chain();
+    project.run();
+    let start = project.text.find("[[stage]]\nname = \"one\"").unwrap();
+    let end = project.text.find("[[stage]]\nname = \"two\"").unwrap();
+    project.text.replace_range(start..end, "");
+    let start = project.text.find("[[stage]]\nname = \"folder\"").unwrap();
+    project.text.truncate(start);
+    project.text += "[[stage]]\nname = 'sum'\ncmd = ['sh', '-c', 'cat parts/* > sum']\n\
+                     inputs = ['parts']\noutputs = ['sum']\n";
+    assert!(project.run().warnings.is_empty());
+    assert!(project.root().join("one.txt").exists() && project.root().join("parts/1").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn what_stands_behind_a_link_that_took_the_place_of_an_output_is_never_replaced() {
+    for (link, other, output) in [
+        ("out", "two.txt", "out/two.txt"),
+        ("parts", "1", "parts"),
+        ("one.txt", "", "one.txt"),
+    ] {
+        let mut project = chain();
+        project.run();
+        let elsewhere = tempfile::tempdir().unwrap();
+        let target = elsewhere.path().join("target");
+        fs::rename(project.root().join(link), project.root().join("before")).unwrap();
+        let file = if other.is_empty() {
+            target.clone()
+        } else {
+            fs::create_dir(&target).unwrap();
+            target.join(other)
+        };
+        fs::write(&file, "somebody's").unwrap();
+        std::os::unix::fs::symlink(&target, project.root().join(link)).unwrap();
+        project.options.keep_going = true;
+        let report = project.run();
+        assert_eq!(report.failures.len(), 1, "{link}");
+        let message = report.failures[0].cause.to_string();
+        let start = format!("`{output}` lies behind the link `{link}` to ");
+        assert!(
+            message.starts_with(&start) && message.contains("/target,"),
+            "{message}"
+        );
+        assert_eq!(fs::read_to_string(&file).unwrap(), "somebody's");
+        // The outputs themselves may be kept elsewhere.
+        if !other.is_empty() {
+            fs::remove_dir_all(&target).unwrap();
+            fs::rename(project.root().join("before"), &target).unwrap();
+            assert!(project.ran().is_empty());
+            project.write("source.txt", "1\n2\n3\n");
+            assert_eq!(project.ran(), ["one", "two", "folder"]);
+        }
+    }
+}
+
+#[test]
+fn a_trace_says_that_what_it_traces_was_edited_since() {
+    let project = chain();
+    project.run();
+    let ledger = Ledger::read(&project.place().ledger, "test").unwrap();
+    let lines = || {
+        trace(&ledger, &project.place(), "out/two.txt")
+            .unwrap()
+            .lines()
+    };
+    assert!(!lines().join("\n").contains("changed since"));
+    project.write("out/two.txt", "by hand\n");
+    assert!(lines().contains(&"     made out/two.txt (changed since)".to_owned()));
+}
+
+#[test]
+fn files_that_differ_in_texts_alone_do_not_count_numbers() {
+    let line = |compared| {
+        let difference = FileDifference::Numbers {
+            path: "a.csv".to_owned(),
+            compared,
+            differing: 0,
+            largest: Vec::new(),
+            unpaired: Vec::new(),
+            texts: Vec::new(),
+        };
+        let stages = vec![StageDifference {
+            stage: "a".to_owned(),
+            made_from: Vec::new(),
+            outputs: vec![difference],
+        }];
+        let (only_first, only_second, same) = (Vec::new(), Vec::new(), 0);
+        RunDifference {
+            only_first,
+            only_second,
+            stages,
+            same,
+        }
+        .lines()[1]
+            .clone()
+    };
+    assert_eq!(line(0), "  a.csv: has other texts");
+    assert_eq!(
+        line(3),
+        "  a.csv: all 3 numbers are the same, other parts differ"
+    );
+}

@@ -140,14 +140,13 @@ pub(crate) fn write_people(
     standing: &mut Standing,
 ) -> Result<(), SeatError> {
     let known = people_in(path)?;
-    let declared = design.factors().iter().chain(design.covariates());
     let mut columns = vec!["participant"];
     for column in design
         .people()
         .columns()
         .into_iter()
         .chain(["order"])
-        .chain(declared.map(|c| c.column.as_str()))
+        .chain(design.tested_columns())
     {
         if !columns.contains(&column) {
             columns.push(column);

@@ -50,13 +50,12 @@ pub use bayes::{
 };
 pub use bootstrap::{Bootstrap, BootstrapData, BootstrapSettings, Interval, Statistic, bootstrap};
 pub use by_design::{
-    ByDesign, Chosen, ChosenTest, CorrectedTerm, DesignChoice, DesignColumns, FactorialFinding,
-    MissingCells, MixedFinding, OrdinalFinding, OutcomeScale, RankCheck, SmallSample,
-    compare_by_design,
+    ByDesign, Chosen, ChosenTest, CorrectedTerm, DesignChoice, DesignColumns, DesignPlan,
+    DesignShape, EffectMethod, EffectTest, FactorialFinding, MissingCells, MixedFinding,
+    OrdinalFinding, OutcomeScale, PlannedEffect, RankCheck, SmallSample, compare_by_design,
 };
 pub use compare::{
-    AssumptionCheck, Comparison, Omnibus, OmnibusP, OmnibusTest, SphericityCorrection, compare,
-    compare_without_exact,
+    AssumptionCheck, Comparison, Omnibus, OmnibusP, OmnibusTest, compare, compare_without_exact,
 };
 pub use correlation::{
     Correlation, CorrelationMethod, Kendall, Pearson, RmCorrelation, RmCorrelationAnalysis,
@@ -96,6 +95,6 @@ pub use recheck::{Recheck, RecheckAnalysis, ReportedCorrelation, recheck};
 pub use regression::{CircularLinear, LinearFit, circular_linear, linear_fit};
 pub use reliability::{Alpha, AlphaAnalysis, ItemDropped, ItemStatistics, alpha};
 pub use rm_anova::{RmAnova, RmAnovaCompat};
-pub use sphericity::{Mauchly, MauchlyCompat, Sphericity};
+pub use sphericity::{Mauchly, MauchlyCompat, Sphericity, SphericityCorrection};
 pub use variances::{Bartlett, Levene, VarianceTests, levene};
 pub use within_subjects::WithinSubjects;

@@ -64,6 +64,49 @@ pub struct Sphericity {
     pub df2_hf: Option<f64>,
 }
 
+/// The correction of the degrees of freedom of F.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum SphericityCorrection {
+    /// None: Huynh and Feldt's ε is 1, or sphericity cannot fail.
+    None,
+    /// Greenhouse and Geisser's ε.
+    GreenhouseGeisser,
+    /// Huynh and Feldt's ε.
+    HuynhFeldt,
+}
+
+impl Sphericity {
+    /// The correction that an F is reported with: Huynh and Feldt's where Greenhouse and Geisser's ε is above .75, which is then too strict.
+    ///
+    /// # Source
+    /// Girden (1992), as in Field's textbooks.
+    pub fn correction(&self) -> SphericityCorrection {
+        let gg = self.gg.unwrap_or(self.lower_bound);
+        if gg <= 0.75 {
+            SphericityCorrection::GreenhouseGeisser
+        } else if self.hf.is_some_and(|hf| hf >= 1.0) {
+            SphericityCorrection::None
+        } else {
+            SphericityCorrection::HuynhFeldt
+        }
+    }
+
+    /// The ε of a correction, and p with it; `p` is that without one.
+    pub fn corrected(
+        &self,
+        correction: SphericityCorrection,
+        p: Option<f64>,
+    ) -> (Option<f64>, Option<f64>) {
+        match correction {
+            SphericityCorrection::None => (Some(1.0), p),
+            SphericityCorrection::GreenhouseGeisser => (self.gg, self.p_gg),
+            SphericityCorrection::HuynhFeldt => (self.hf, self.p_hf),
+        }
+    }
+}
+
 /// Residuals of Helmert's contrasts; the residuals of the design are centred both ways already.
 fn contrasts(residuals: &[f64], k: usize) -> Vec<Vec<f64>> {
     let contrast = |j: usize| {

@@ -51,6 +51,7 @@ fn lines(verification: &Verification) -> Vec<String> {
         };
         let state = match finding.state {
             FileState::Missing => "is not there",
+            FileState::NoLongerMade => "is no longer made by any stage",
             FileState::Changed | FileState::Same => "has another content",
         };
         format!("{}: {}, {role}, {state}", finding.stage, finding.path)

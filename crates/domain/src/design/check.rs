@@ -12,7 +12,11 @@ use super::{
         OutcomeToml, PeopleToml, StyleToml,
     },
 };
-use crate::{condition::ConditionId, design::Design};
+use crate::{
+    condition::ConditionId,
+    design::{Covariate, Design},
+    nearest,
+};
 use std::collections::{BTreeMap, BTreeSet};
 
 type Checked<T> = Result<T, DesignError>;
@@ -75,6 +79,7 @@ fn design(raw: DesignToml) -> Checked<Design> {
         .collect::<Checked<_>>()?;
     once("factor", raw.factor.iter().map(|c| c.column.clone()))?;
     once("covariate", raw.covariate.iter().map(|c| c.column.clone()))?;
+    products(&raw.covariate, &conditions)?;
     exclude(&raw.exclude)?;
     raw.protocol.check()?;
     Ok(Design {
@@ -98,6 +103,36 @@ fn design(raw: DesignToml) -> Checked<Design> {
         exclude: raw.exclude,
         amendments: raw.amendments,
     })
+}
+
+/// Refuses a product of a covariate with what is no effect within people.
+fn products(covariates: &[Covariate], conditions: &[Condition]) -> Checked<()> {
+    let crossed: Vec<&str> = conditions
+        .first()
+        .map(|c| c.levels.keys().map(String::as_str).collect())
+        .unwrap_or_default();
+    let known: Vec<String> = match crossed[..] {
+        [] => vec!["condition".to_owned()],
+        _ => (1..1_usize << crossed.len())
+            .map(|mask| {
+                let parts = crossed.iter().enumerate();
+                let parts = parts.filter(|(f, _)| mask >> f & 1 == 1);
+                parts.map(|(_, name)| *name).collect::<Vec<_>>().join(":")
+            })
+            .collect(),
+    };
+    for covariate in covariates {
+        let unknown = covariate.with.iter().find(|name| !known.contains(name));
+        let Some(unknown) = unknown else { continue };
+        let nearest = nearest(unknown, known.iter().map(String::as_str));
+        let meant = nearest.map_or_else(String::new, |n| format!("; did you mean `{n}`?"));
+        return Err(DesignError::key(
+            "covariate.with",
+            format!("`{unknown}` of `{}`", covariate.column),
+            format!("an effect within people: `{}`{meant}", known.join("`, `")),
+        ));
+    }
+    Ok(())
 }
 
 /// Refuses the second of two that are called the same.

@@ -21,7 +21,7 @@ pub use error::DesignError;
 pub use exclude::Exclude;
 pub use files::{Files, Mappings, ModelFile, RigMapping, Software};
 pub use outcome::{Homophily, Outcome, Quantity, ScoreName, Style};
-pub use people::{Column, People};
+pub use people::{Column, Covariate, People};
 pub use protocol::{Practice, Protocol, ProtocolStep, SeatView, SpeedUnit};
 pub use williams::{williams, williams_rows};
 
@@ -64,7 +64,7 @@ pub struct Design {
     hypotheses: Vec<Hypothesis>,
     compare: Compare,
     factors: Vec<Column>,
-    covariates: Vec<Column>,
+    covariates: Vec<Covariate>,
     homophily: Option<Homophily>,
     protocol: Protocol,
     exclude: Exclude,
@@ -158,8 +158,14 @@ impl Design {
         &self.factors
     }
 
+    /// The columns of the people's table that the tests need: of factors, then of covariates.
+    pub fn tested_columns(&self) -> impl Iterator<Item = &str> {
+        let factors = self.factors.iter().map(|c| c.column.as_str());
+        factors.chain(self.covariates.iter().map(|c| c.column.as_str()))
+    }
+
     /// Columns of the people's table whose influence is taken out.
-    pub fn covariates(&self) -> &[Column] {
+    pub fn covariates(&self) -> &[Covariate] {
         &self.covariates
     }
 

@@ -57,3 +57,18 @@ pub struct Column {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub label: Option<String>,
 }
+
+/// A column of numbers of the people's table that goes along with the outcomes.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Covariate {
+    /// Its name.
+    pub column: String,
+    /// On the page, where it was given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub label: Option<String>,
+    /// The effects within people (`condition`, or factors that the conditions cross, `a:b`) whose product with it is
+    /// tested; each costs that effect's error a degree of freedom.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub with: Vec<String>,
+}

@@ -5,7 +5,7 @@ use super::{
     exclude::Exclude,
     files::{Files, ModelFile},
     outcome::{Homophily, ScoreName},
-    people::Column,
+    people::{Column, Covariate},
     protocol::Protocol,
 };
 use crate::condition::ConditionId;
@@ -36,7 +36,7 @@ pub(super) struct DesignToml {
     #[serde(default)]
     pub(super) factor: Vec<Column>,
     #[serde(default)]
-    pub(super) covariate: Vec<Column>,
+    pub(super) covariate: Vec<Covariate>,
     pub(super) homophily: Option<Homophily>,
     #[serde(default)]
     pub(super) protocol: Protocol,

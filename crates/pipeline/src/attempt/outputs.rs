@@ -4,6 +4,7 @@ use super::{News, Run, Workshop};
 use crate::cache::{Damaged, Ran};
 use crate::check::Present;
 use crate::own;
+use crate::paths::with_ancestors;
 use crate::{Failure, FailureCause, Graph, Manifest, PipelineError, Record, Stage, Warning};
 use std::collections::BTreeMap;
 use std::fs;
@@ -142,6 +143,9 @@ impl Workshop<'_> {
         files: &[String],
         tell: &mut dyn FnMut(News),
     ) -> Result<Option<Failure>, PipelineError> {
+        if let Some(cause) = self.behind_link(stage)? {
+            return Ok(Some(self.failure(stage, files, cause, Vec::new(), None)));
+        }
         let mut ledger = self.ledger();
         let keys = ledger.overlapping(stage);
         let paths = own::foreign(stage, &keys, ledger.get(), &self.hasher)?;
@@ -159,6 +163,26 @@ impl Workshop<'_> {
             files: paths.len(),
             folders,
         }));
+        Ok(None)
+    }
+
+    /// The first output that is reached through a link and is not what the last run had left:
+    /// whoever set the link may have other things there. Outputs may be kept behind links.
+    fn behind_link(&self, stage: &Stage) -> Result<Option<FailureCause>, PipelineError> {
+        let record = self.ledger().get().of(stage).cloned();
+        for (path, made) in record.iter().flat_map(|record| &record.outputs) {
+            let target = |above: &str| fs::read_link(self.place.root.join(above)).ok();
+            let link = with_ancestors(path).find_map(|above| Some((above, target(above)?)));
+            if let Some((link, target)) = link
+                && self
+                    .hasher
+                    .content(path)?
+                    .is_some_and(|there| there != *made)
+            {
+                let (path, link) = (path.clone(), link.to_owned());
+                return Ok(Some(FailureCause::BehindLink { path, link, target }));
+            }
+        }
         Ok(None)
     }
 

@@ -7,8 +7,9 @@ use super::{
 };
 use crate::{
     Adjustment, AlignedRanks, BayesCorrelationAnalysis, BayesTAnalysis, ByDesign, ChosenTest,
-    Equivalence, Factorial, FactorialEffect, GroupsAnalysis, MixedFinding, Ordinal, OrdinalFinding,
-    OrdinalParameter, RandomIntercept,
+    EffectMethod, EffectTest, Equivalence, Factorial, FactorialEffect, FactorialFinding,
+    GroupsAnalysis, MixedFinding, Ordinal, OrdinalFinding, OrdinalParameter, RandomIntercept,
+    SphericityCorrection,
 };
 
 says_itself!(
@@ -24,20 +25,22 @@ says_itself!(
 );
 
 impl Factorial {
-    /// An effect, after Greenhouse and Geisser's correction where its within part has more than one degree of freedom.
+    /// An effect, corrected for a lack of sphericity where its within part has more than one degree of freedom.
     fn effect(&self, name: &str, effect: &FactorialEffect) -> Option<Statement> {
         let sphericity = self.sphericity.get(name);
-        let epsilon = sphericity.and_then(|s| s.gg);
+        let corrected = sphericity.map(|s| (s.correction(), s.corrected(s.correction(), effect.p)));
+        let (epsilon, p) = corrected.map_or((None, effect.p), |(_, corrected)| corrected);
         let times = epsilon.unwrap_or(1.0);
         let (low, high) = (effect.eta2_partial_ci90_low, effect.eta2_partial_ci90_high);
         Some(f(&F {
             f: effect.f?,
             df_effect: effect.df1 as f64 * times,
             df_error: effect.df2 as f64 * times,
-            p: sphericity.map_or(effect.p, |s| s.p_gg)?,
+            p: p?,
             eta2_partial: effect.eta2_partial,
             interval: Interval::of(0.9, low, high),
-            epsilon,
+            epsilon: epsilon
+                .filter(|_| corrected.is_some_and(|(c, _)| c != SphericityCorrection::None)),
         }))
     }
 }
@@ -220,15 +223,61 @@ impl Statements for OrdinalFinding {
     }
 }
 
+/// Each effect by the test that decides about it; F over a stratum with partial eta squared.
+impl Statements for FactorialFinding {
+    fn statements(&self) -> Vec<(String, Statement)> {
+        let tests = self.tests.iter();
+        let said = |(name, test): (&str, &EffectTest)| {
+            let (value, p) = (test.statistic?, test.p?);
+            let statement = match (test.method, test.df1, test.df2) {
+                (
+                    EffectMethod::Strata | EffectMethod::StrataGreenhouseGeisser,
+                    Some(a),
+                    Some(b),
+                ) => {
+                    let effect = self.anova.anova.get(name)?;
+                    let (low, high) = (effect.eta2_partial_ci90_low, effect.eta2_partial_ci90_high);
+                    f(&F {
+                        f: value,
+                        df_effect: a,
+                        df_error: b,
+                        p,
+                        eta2_partial: effect.eta2_partial,
+                        interval: Interval::of(0.9, low, high),
+                        epsilon: test
+                            .epsilon
+                            .filter(|_| test.correction != SphericityCorrection::None),
+                    })
+                }
+                (_, Some(a), Some(b)) => {
+                    Statement::of("*F*", &[a, b], value).p(p, Adjustment::None)
+                }
+                (_, Some(df), None) => {
+                    let (n, chi2) = (self.anova.n, number(value, 2));
+                    let said = format!("*χ*^{{2}}({}, *N* = {n}) = {chi2}", degrees(df));
+                    Statement(said).p(p, Adjustment::None)
+                }
+                (method, ..) => {
+                    let symbol = match method {
+                        EffectMethod::SignedRanks => "*W*",
+                        _ => "*U*",
+                    };
+                    let said = format!("{symbol} = {}", degrees(value));
+                    Statement(said).p(p, Adjustment::None)
+                }
+            };
+            Some((name.to_owned(), statement))
+        };
+        tests.filter_map(said).collect()
+    }
+}
+
 /// The test that was chosen, and no other.
 impl Statements for ByDesign {
     fn statements(&self) -> Vec<(String, Statement)> {
         match self {
             Self::OneFactor(found) => found.statements(),
-            Self::Factorial(found) => match &found.found.ranks {
-                Some(ranks) => ranks.statements(),
-                None => found.found.anova.statements(),
-            },
+            Self::Factorial(found) => found.found.statements(),
             Self::Groups(found) => {
                 let (skipped, ranks) = match found.chosen {
                     ChosenTest::WelchT => ("mann_whitney", false),

@@ -1,18 +1,25 @@
-//! Several factors: the factorial analysis of variance, or aligned ranks.
+//! Several factors, or one with covariates of the subjects: a test of each effect, as its plan has it.
 
 use super::{
-    ByDesign, Chosen, ChosenTest, DesignChoice, DesignColumns, FactorialFinding, OutcomeScale,
-    check, judged, said_of_ordinal,
+    ByDesign, Chosen, ChosenTest, DesignChoice, DesignColumns, DesignPlan, DesignShape,
+    EffectMethod, FactorialFinding, OutcomeScale, check, effects::Effects, judged,
+    one_factor::few_whole_answers,
 };
-use crate::{FactorialDesign, StatsError, aligned_ranks, factorial, normality::shapiro_wilk};
+use crate::{
+    Factor, FactorialDesign, StatsError, factorial, factorial::SubjectCovariate,
+    normality::shapiro_wilk, within_subjects::Index,
+};
 
 pub(super) fn several(
     data: &DesignColumns<'_>,
     choice: &DesignChoice,
     mut reasons: Vec<String>,
 ) -> Result<ByDesign, StatsError> {
+    let values = with_covariates(data);
     let design =
-        FactorialDesign::from_columns(data.subjects, &data.within, &data.between, data.values)?;
+        FactorialDesign::from_columns(data.subjects, &data.within, &data.between, &values)?;
+    let shape = shape_of(data, &design)?;
+    let covariates = of_subjects(data, &design);
     let [inside, people] = design.standardised_residuals();
     let checks: Vec<_> = [
         ("the standardised residuals", inside),
@@ -22,34 +29,150 @@ pub(super) fn several(
     .filter(|(_, residuals)| !residuals.is_empty())
     .map(|(name, residuals)| check(name, &shapiro_wilk(&residuals).0))
     .collect();
-    let (normal, mut words) = judged(&checks);
-    let normal = normal && choice.scale != OutcomeScale::Ordinal;
-    if let Some(asked) = said_of_ordinal(choice, "their ranks are aligned") {
-        words = asked;
+    let (mut normal, mut words) = judged(&checks);
+    if let Some(order) = order_alone(choice.scale, data.values) {
+        (normal, words) = (false, order);
     }
-    let (chosen, name) = if normal {
-        (
-            ChosenTest::Factorial,
-            "analysis of variance with type III sums of squares, Greenhouse-Geisser by effect",
-        )
-    } else {
-        (ChosenTest::AlignedRanks, "aligned ranks")
+    let plan = DesignPlan::of(&shape);
+    reasons.push(format!("{}; {words}", kinds(data)));
+    for (effect, _) in &shape.covariates {
+        reasons.push(format!(
+            "{effect} has one value a subject: it is tested between subjects, and changes no effect within them that it is not declared to be multiplied by"
+        ));
+    }
+    reasons.extend(methods_in_words(&plan, normal));
+    let anova = factorial(&design);
+    let effects = Effects {
+        shape: &shape,
+        design: &design,
+        anova: &anova,
+        covariates: &covariates,
     };
+    let tests = effects.tests(&plan, normal)?;
+    let ranked = tests.values().any(|test| test.method.is_of_ranks());
+    Ok(ByDesign::Factorial(Box::new(Chosen {
+        chosen: if ranked {
+            ChosenTest::Ranks
+        } else {
+            ChosenTest::Factorial
+        },
+        reasons,
+        checks,
+        found: FactorialFinding { anova, tests },
+    })))
+}
+
+/// Why only the order of the values counts, if so.
+fn order_alone(scale: OutcomeScale, values: &[Option<f64>]) -> Option<String> {
+    match scale {
+        OutcomeScale::Ordinal => Some("ordered answers, as asked".to_owned()),
+        OutcomeScale::Rating => few_whole_answers(values)
+            .ok()
+            .map(|words| format!("an item ({words}), of which only the order counts")),
+        OutcomeScale::Measure => None,
+    }
+}
+
+fn kinds(data: &DesignColumns<'_>) -> String {
     let factors = |count: usize| format!("{count} factor{}", if count == 1 { "" } else { "s" });
-    let kinds = match (data.within.len(), data.between.len()) {
+    match (data.within.len(), data.between.len()) {
         (0, k) => format!("{} between subjects", factors(k)),
         (k, 0) => format!("{} within subjects", factors(k)),
         (w, b) => format!("{} within and {b} between subjects", factors(w)),
+    }
+}
+
+/// A sentence a method: the effects that it tests.
+fn methods_in_words(plan: &DesignPlan, normal: bool) -> Vec<String> {
+    let mut by_method: Vec<(EffectMethod, Vec<&str>)> = Vec::new();
+    for effect in &plan.effects {
+        let method = if normal {
+            effect.normal
+        } else {
+            effect.far_from_normal
+        };
+        match by_method.iter_mut().find(|(known, _)| *known == method) {
+            Some((_, names)) => names.push(&effect.effect),
+            None => by_method.push((method, vec![&effect.effect])),
+        }
+    }
+    by_method
+        .into_iter()
+        .map(|(method, names)| format!("{}: {}", names.join(", "), method.words()))
+        .collect()
+}
+
+/// The values, without those of subjects who lack a covariate: they are left out and named.
+fn with_covariates(data: &DesignColumns<'_>) -> Vec<Option<f64>> {
+    let people = Index::of(data.subjects);
+    let known: Vec<bool> = (0..people.names.len())
+        .map(|person| {
+            data.covariates.iter().all(|(_, cells)| {
+                let mut rows = people.rows.iter().zip(*cells);
+                rows.any(|(p, cell)| *p == person && cell.is_some())
+            })
+        })
+        .collect();
+    let rows = people.rows.iter().zip(data.values);
+    rows.map(|(&person, value)| value.filter(|_| known[person]))
+        .collect()
+}
+
+/// Each covariate of the complete subjects.
+fn of_subjects<'a>(
+    data: &DesignColumns<'a>,
+    design: &FactorialDesign,
+) -> Vec<SubjectCovariate<'a>> {
+    let value = |cells: &[Option<f64>], subject: &String| {
+        let mut rows = data.subjects.iter().zip(cells);
+        rows.find_map(|(s, cell)| cell.filter(|_| s == subject))
     };
-    reasons.push(format!("{kinds}; {words}: {name}"));
-    let found = FactorialFinding {
-        anova: factorial(&design),
-        ranks: (!normal).then(|| aligned_ranks(&design)),
+    let one = |(name, cells): &(&'a str, &[Option<f64>])| SubjectCovariate {
+        name,
+        values: design
+            .subjects()
+            .iter()
+            .filter_map(|subject| value(cells, subject))
+            .collect(),
     };
-    Ok(ByDesign::Factorial(Box::new(Chosen {
-        chosen,
-        reasons,
-        checks,
-        found,
-    })))
+    data.covariates.iter().map(one).collect()
+}
+
+fn shape_of(data: &DesignColumns<'_>, design: &FactorialDesign) -> Result<DesignShape, StatsError> {
+    let levels = |factors: &[Factor]| {
+        let all = factors.iter();
+        all.map(|f| (f.name.clone(), f.levels.len())).collect()
+    };
+    let with = |name: &str| -> Vec<String> {
+        let declared = data.with.iter().filter(|(covariate, _)| *covariate == name);
+        declared
+            .flat_map(|(_, effects)| effects)
+            .map(|e| (*e).to_owned())
+            .collect()
+    };
+    let shape = DesignShape {
+        within: levels(design.within()),
+        between: levels(design.between()),
+        covariates: data
+            .covariates
+            .iter()
+            .map(|(name, _)| ((*name).to_owned(), with(name)))
+            .collect(),
+    };
+    let known: Vec<String> = (1..1_usize << shape.within.len())
+        .map(|within| shape.name_within(within))
+        .collect();
+    for (covariate, effects) in &data.with {
+        let unknown = effects.iter().find(|e| !known.iter().any(|k| k == **e));
+        if unknown.is_some() || !data.covariates.iter().any(|(name, _)| name == covariate) {
+            return Err(StatsError::Formula {
+                text: format!("{covariate}:{}", unknown.unwrap_or(&"…")),
+                expected: format!(
+                    "a covariate with an effect within subjects ({})",
+                    known.join(", ")
+                ),
+            });
+        }
+    }
+    Ok(shape)
 }

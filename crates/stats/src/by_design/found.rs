@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::effects::EffectTest;
 use crate::{
-    AlignedRanks, AssumptionCheck, Comparison, Factorial, Friedman, GroupsAnalysis, Named, Ordinal,
+    AssumptionCheck, Comparison, Factorial, Friedman, GroupsAnalysis, Named, Ordinal,
     RandomIntercept, Reasons, Wilcoxon, numerics::distributions::f_upper,
 };
 
@@ -12,10 +13,10 @@ use crate::{
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum ChosenTest {
-    /// Factorial analysis of variance.
+    /// F of each effect of several factors, or of one with covariates.
     Factorial,
-    /// Aligned ranks.
-    AlignedRanks,
+    /// Rank tests of the same effects.
+    Ranks,
     /// Welch's t of two groups.
     WelchT,
     /// Mann and Whitney's test of two groups.
@@ -24,7 +25,7 @@ pub enum ChosenTest {
     WelchAnova,
     /// Kruskal and Wallis' test of several groups.
     KruskalWallis,
-    /// Mixed model with a random intercept.
+    /// Mixed model.
     Mixed,
     /// Cumulative logit with a random intercept.
     Ordinal,
@@ -44,15 +45,14 @@ pub struct Chosen<T> {
     pub found: T,
 }
 
-/// A factorial analysis, and the aligned ranks where they were chosen.
+/// A factorial analysis, and the test that decides about each effect.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FactorialFinding {
-    /// Analysis of variance, means, contrasts and simple effects.
+    /// Analysis of variance, means, contrasts and simple effects, without covariates.
     #[serde(flatten)]
     pub anova: Factorial,
-    /// The effects by aligned ranks.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ranks: Option<AlignedRanks>,
+    /// Each effect's test, covariates last: these count.
+    pub tests: Named<EffectTest>,
 }
 
 /// A mixed model, and its tests within subjects without the assumption that all cells covary alike.
@@ -200,10 +200,10 @@ impl ByDesign {
     pub fn effects(&self) -> Vec<(&str, Option<f64>)> {
         match self {
             Self::OneFactor(found) => vec![("omnibus", found.omnibus.p)],
-            Self::Factorial(found) => match &found.found.ranks {
-                Some(ranks) => ranks.art.iter().map(|(name, e)| (name, e.p)).collect(),
-                None => found.found.anova.effects(),
-            },
+            Self::Factorial(found) => {
+                let tests = found.found.tests.iter();
+                tests.map(|(name, test)| (name, test.p)).collect()
+            }
             Self::Groups(found) => vec![("omnibus", group_p(found.chosen, &found.found))],
             Self::Mixed(found) => {
                 let terms = found.found.model.anova.iter();
@@ -214,21 +214,6 @@ impl ByDesign {
                 vec![("omnibus", small_sample.map(|test| test.p))]
             }
         }
-    }
-}
-
-impl Factorial {
-    /// p of each effect, after Greenhouse and Geisser's correction where its within part has more than one degree of freedom.
-    pub fn effects(&self) -> Vec<(&str, Option<f64>)> {
-        let corrected =
-            |(name, effect): (&'_ str, &crate::FactorialEffect)| match self.sphericity.get(name) {
-                Some(sphericity) => sphericity.p_gg,
-                None => effect.p,
-            };
-        self.anova
-            .iter()
-            .map(|(name, effect)| (name, corrected((name, effect))))
-            .collect()
     }
 }
 

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     FactorialDesign, Formula, Named, Predictor, RandomIntercept, StatsError, TermTest, factorial,
-    factorial::check_between, numerics::distributions::f_upper, random_intercept,
+    factorial::check_between, numerics::distributions::f_upper, random_by_factor,
     within_subjects::Index,
 };
 
@@ -34,12 +34,38 @@ pub(super) fn incomplete(data: &DesignColumns<'_>) -> usize {
     short.count()
 }
 
+/// The first covariate that has two values for one subject.
+///
+/// # Errors
+/// [`StatsError::LengthMismatch`].
+pub(super) fn varying<'a>(data: &DesignColumns<'a>) -> Result<Option<&'a str>, StatsError> {
+    let people = Index::of(data.subjects);
+    for (name, cells) in &data.covariates {
+        StatsError::same_length(name, cells.len(), data.subjects.len())?;
+        let mut values: Vec<Option<f64>> = vec![None; people.names.len()];
+        for (&person, cell) in people.rows.iter().zip(*cells) {
+            let Some(value) = *cell else { continue };
+            let first = *values[person].get_or_insert(value);
+            if (first - value).abs() > 0.0 {
+                return Ok(Some(*name));
+            }
+        }
+    }
+    Ok(None)
+}
+
 /// The model in words.
-pub(super) fn model_of(subjects: &[String]) -> &'static str {
-    if Index::of(subjects).repeated.is_some() {
-        "mixed model with a random intercept of the subject, by Satterthwaite's degrees of freedom"
-    } else {
-        "linear model, as each subject has a single row (analysis of covariance)"
+pub(super) fn model_of(data: &DesignColumns<'_>) -> &'static str {
+    if Index::of(data.subjects).repeated.is_none() {
+        return "linear model, as each subject has a single row (analysis of covariance)";
+    }
+    match data.within.len() {
+        0 | 1 => {
+            "mixed model with a random intercept of the subject, by Satterthwaite's degrees of freedom"
+        }
+        _ => {
+            "mixed model with a variance of the subject and of the subject at each level of each factor within subjects, by Satterthwaite's degrees of freedom"
+        }
     }
 }
 
@@ -72,11 +98,12 @@ pub(super) fn mixed(
         .map(|(name, cells)| (*name, Predictor::Covariate(cells)));
     let predictors: Vec<(&str, Predictor<'_>)> = factors.chain(numbers).collect();
     let formula = Formula::crossed(&names, &covariates)?;
-    let model = random_intercept(data.subjects, &formula, &predictors, data.values)?;
+    let by: Vec<&str> = data.within.iter().map(|(name, _)| *name).collect();
+    let model = random_by_factor(data.subjects, &formula, &by, &predictors, data.values)?;
     let corrected = corrected(data, &model);
     if !corrected.is_empty() {
         reasons.push(
-            "the model takes all cells of a subject to covary alike: degrees of freedom within subjects are multiplied by Greenhouse and \
+            "the model takes the levels of a factor to covary alike: degrees of freedom within subjects are multiplied by Greenhouse and \
              Geisser's epsilon of the complete subjects"
                 .to_owned(),
         );

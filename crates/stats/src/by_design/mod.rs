@@ -1,15 +1,19 @@
 //! The test of one outcome, chosen by the design: what was varied, within whom and between whom, and what was answered.
 
+mod effects;
 mod factors;
 mod found;
 mod groups;
 mod kept;
 mod one_factor;
+mod plan;
 
+pub use effects::EffectTest;
 pub use found::{
     ByDesign, Chosen, ChosenTest, CorrectedTerm, FactorialFinding, MixedFinding, OrdinalFinding,
     RankCheck, SmallSample,
 };
+pub use plan::{DesignPlan, DesignShape, EffectMethod, PlannedEffect};
 
 use crate::{
     AssumptionCheck, BetweenColumn, ShapiroWilk, StatsError, WithinColumn, reasons::p_words,
@@ -24,8 +28,10 @@ pub struct DesignColumns<'a> {
     pub within: Vec<WithinColumn<'a>>,
     /// Up to two factors that do not.
     pub between: Vec<BetweenColumn<'a>>,
-    /// Covariates.
+    /// Covariates: of the subjects where each has one value, else of the rows.
     pub covariates: Vec<(&'a str, &'a [Option<f64>])>,
+    /// The effects within subjects (`a`, `a:t`) that a covariate of the subjects is multiplied by, as declared.
+    pub with: Vec<(&'a str, Vec<&'a str>)>,
     /// The outcome.
     pub values: &'a [Option<f64>],
 }
@@ -80,11 +86,12 @@ impl Default for DesignChoice {
 ///
 /// | design | test |
 /// | --- | --- |
-/// | a covariate; or missing cells with [`MissingCells::Mixed`] | mixed model with a random intercept, Satterthwaite, Greenhouse-Geisser by term |
+/// | a covariate that changes within subjects; or missing cells with [`MissingCells::Mixed`] | mixed model with a variance of the subject and of the subject at each level of each factor, Satterthwaite, Greenhouse-Geisser by term |
+/// | one row a subject and a covariate | linear model (analysis of covariance) |
 /// | one factor within, ordered answers | cumulative logit with a random intercept; the rank test beside it |
 /// | one factor within | [`compare`](crate::compare) |
 /// | one factor between | Welch's t or analysis of variance; Mann-Whitney or Kruskal-Wallis where residuals are not normal |
-/// | anything else | factorial analysis of variance, Greenhouse-Geisser by effect; aligned ranks where residuals are not normal |
+/// | anything else | each effect as its [`DesignPlan`] has it |
 ///
 /// Residuals are judged by Shapiro and Wilk at 5 %, each over the root mean square of its cell, as in [`compare`](crate::compare);
 /// with factors of both kinds those within subjects and those of the subjects' means both have to pass.
@@ -116,11 +123,15 @@ pub fn compare_by_design(
         ));
     }
     let mut reasons = Vec::new();
-    if let Some((name, _)) = data.covariates.first() {
+    if let Some(name) = kept::varying(data)? {
         reasons.push(format!(
-            "a covariate ({name}): {}",
-            kept::model_of(data.subjects)
+            "a covariate that changes within subjects ({name}): {}",
+            kept::model_of(data)
         ));
+        return kept::mixed(data, choice, reasons);
+    }
+    if let (true, Some((name, _))) = (data.within.is_empty(), data.covariates.first()) {
+        reasons.push(format!("a covariate ({name}): {}", kept::model_of(data)));
         return kept::mixed(data, choice, reasons);
     }
     if choice.missing == MissingCells::Mixed {
@@ -132,14 +143,16 @@ pub fn compare_by_design(
             who => {
                 reasons.push(format!(
                     "{who} of the subjects have a missing cell and are kept: {}",
-                    kept::model_of(data.subjects)
+                    kept::model_of(data)
                 ));
                 return kept::mixed(data, choice, reasons);
             }
         }
     }
     match (&data.within[..], &data.between[..]) {
-        ([(_, conditions)], []) => one_factor::one_factor(data, conditions, choice, reasons),
+        ([(_, conditions)], []) if data.covariates.is_empty() => {
+            one_factor::one_factor(data, conditions, choice, reasons)
+        }
         ([], [(_, group)]) => groups::independent(data, group, choice, reasons),
         _ => factors::several(data, choice, reasons),
     }

@@ -13,7 +13,7 @@ use crate::{
 const MOST_ANSWERS: usize = 7;
 
 /// Whether the answers are of few whole numbers; and what speaks for or against, in words.
-fn few_whole_answers(values: &[Option<f64>]) -> Result<String, String> {
+pub(super) fn few_whole_answers(values: &[Option<f64>]) -> Result<String, String> {
     let mut different: Vec<f64> = values.iter().flatten().copied().collect();
     different.sort_by(f64::total_cmp);
     different.dedup_by(|a, b| (*a - *b).abs() <= 0.0);

@@ -3,7 +3,7 @@
 use super::*;
 use crate::{
     ByDesign, ChosenTest, Formula, OmnibusTest, Predictor, compare, factorial, groups, ordinal,
-    random_intercept,
+    random_by_factor,
 };
 
 /// A table of twelve people in two vehicles, in two modes on two roads.
@@ -118,14 +118,25 @@ fn two_factors_within_and_one_of_each_kind_are_factorial() {
         let design =
             crate::FactorialDesign::from_columns(&made.people, &within, &between, &made.value)
                 .unwrap();
-        assert_eq!(found.found.anova, factorial(&design));
+        let anova = factorial(&design);
+        assert_eq!(found.found.anova, anova);
         assert_eq!(found.chosen, ChosenTest::Factorial, "{:?}", found.reasons);
         assert_eq!(found.checks.len(), 1 + between.len());
+        assert_eq!(found.found.tests.len(), anova.anova.len());
+        for (name, test) in found.found.tests.iter() {
+            let effect = anova.anova.get(name).unwrap();
+            if between.is_empty() {
+                assert_eq!((test.statistic, test.p), (effect.f, effect.p), "{name}");
+                assert_eq!(test.df2, Some(effect.df2 as f64));
+            } else {
+                assert_eq!(test.method, EffectMethod::Unpooled);
+            }
+        }
     }
 }
 
 #[test]
-fn residuals_that_are_not_normal_have_their_ranks_aligned() {
+fn residuals_that_are_not_normal_have_the_ranks_of_their_contrasts() {
     let made = made();
     let twice = DesignColumns {
         within: vec![("mode", &made.mode)],
@@ -147,14 +158,41 @@ fn residuals_that_are_not_normal_have_their_ranks_aligned() {
     let ByDesign::Factorial(inner) = &found else {
         panic!("two factors")
     };
-    assert_eq!(inner.chosen, ChosenTest::AlignedRanks);
+    assert_eq!(inner.chosen, ChosenTest::Ranks);
     assert!(
         inner.reasons[0].contains("not normal"),
         "{:?}",
         inner.reasons
     );
-    let ranks = inner.found.ranks.as_ref().unwrap();
-    assert_eq!(found.effects()[0].1, ranks.art.get("vehicle").unwrap().p);
+    let test = |name: &str| inner.found.tests.get(name).unwrap();
+    assert_eq!(found.effects()[0].1, test("vehicle").p);
+    // The vehicles' ranks are those of the subjects' means.
+    let means: Vec<_> = value
+        .chunks(4)
+        .map(|cells| cells.iter().copied().sum())
+        .collect();
+    let vehicle: Vec<String> = (0..12)
+        .map(|i| ["car", "truck"][i % 2].to_owned())
+        .collect();
+    let alone = groups(&vehicle, &means).unwrap();
+    let alone = alone.mann_whitney.values().next().unwrap();
+    assert_eq!(
+        (test("vehicle").statistic, test("vehicle").p),
+        (Some(alone.u), alone.p)
+    );
+    // The mode's are those of the differences: rows calm, sporty on each road.
+    let pairs: Vec<Vec<f64>> = value
+        .chunks(4)
+        .map(|c| c.iter().map(|v| v.unwrap()).collect::<Vec<f64>>())
+        .map(|c| vec![c[0] + c[2], c[1] + c[3]])
+        .collect();
+    let people: Vec<String> = (0..12).map(|i| i.to_string()).collect();
+    let names = ["calm".to_owned(), "sporty".to_owned()];
+    let table = crate::WithinSubjects::from_rows(&names, &people, &pairs).unwrap();
+    let signed = crate::within(&table).wilcoxon;
+    assert_eq!(test("mode").p, signed.values().next().unwrap().p);
+    assert_eq!(test("mode").method, EffectMethod::SignedRanks);
+    assert_eq!(test("vehicle:mode").method, EffectMethod::Unpooled);
 }
 
 #[test]
@@ -186,30 +224,203 @@ fn groups_are_compared_by_means_or_by_ranks() {
 }
 
 #[test]
-fn a_covariate_asks_for_a_mixed_model() {
-    let made = made().rows(|i| i / 2 % 2 == 0);
+fn of_two_groups_the_unpooled_test_is_welchs() {
+    let made = made();
+    let value: Vec<_> = (0..48)
+        .map(|i| Some(10.0 + noise(i) * [1.0, 3.0][i / 4 % 2] + (i % 2) as f64))
+        .collect();
     let data = DesignColumns {
-        within: vec![("mode", &made.mode)],
+        within: vec![("mode", &made.mode), ("road", &made.road)],
+        between: vec![("vehicle", &made.vehicle)],
+        values: &value,
+        ..made.columns()
+    };
+    let ByDesign::Factorial(found) = run(&data) else {
+        panic!("several factors")
+    };
+    let vehicle: Vec<String> = (0..12)
+        .map(|i| ["car", "truck"][i % 2].to_owned())
+        .collect();
+    // Sums over the cells, with the sign that each has in the effect.
+    for (name, signs) in [
+        ("vehicle", [1.0, 1.0, 1.0, 1.0]),
+        ("vehicle:mode", [1.0, -1.0, 1.0, -1.0]),
+        ("vehicle:mode:road", [1.0, -1.0, -1.0, 1.0]),
+    ] {
+        let sums: Vec<_> = value
+            .chunks(4)
+            .map(|cells| Some(cells.iter().zip(signs).map(|(v, s)| s * v.unwrap()).sum()))
+            .collect();
+        let welch = groups(&vehicle, &sums).unwrap();
+        let welch = welch.welch_t.values().next().unwrap();
+        let test = found.found.tests.get(name).unwrap();
+        assert!(
+            (test.statistic.unwrap() / welch.t.unwrap().powi(2) - 1.0).abs() < 1e-9,
+            "{name}"
+        );
+        assert!((test.df1.unwrap() - 1.0).abs() < 1e-9);
+        assert!(
+            (test.df2.unwrap() / welch.df.unwrap() - 1.0).abs() < 1e-9,
+            "{name}"
+        );
+        assert!(
+            (test.p.unwrap() / welch.p.unwrap() - 1.0).abs() < 1e-9,
+            "{name}"
+        );
+    }
+}
+
+/// Within people, two modes on two roads, a covariate of people that `value` leans on.
+fn with_age(with: Vec<(&'static str, Vec<&'static str>)>) -> (ByDesign, Made) {
+    let mut made = made();
+    for (i, value) in made.value.iter_mut().enumerate() {
+        let age = made.age[i].unwrap();
+        *value = value.map(|v| v + 0.2 * age + 0.05 * age * (i % 2) as f64);
+    }
+    let data = DesignColumns {
+        within: vec![("mode", &made.mode), ("road", &made.road)],
+        covariates: vec![("age", &made.age)],
+        with,
+        ..made.columns()
+    };
+    (run(&data), made)
+}
+
+#[test]
+fn a_covariate_of_people_changes_no_effect_within_them() {
+    let (found, made) = with_age(Vec::new());
+    let ByDesign::Factorial(found) = &found else {
+        panic!("strata")
+    };
+    let within = [("mode", &made.mode[..]), ("road", &made.road[..])];
+    let design =
+        crate::FactorialDesign::from_columns(&made.people, &within, &[], &made.value).unwrap();
+    for (name, effect) in factorial(&design).anova.iter() {
+        let test = found.found.tests.get(name).unwrap();
+        assert_eq!((test.statistic, test.p), (effect.f, effect.p), "{name}");
+        assert_eq!((test.df1, test.df2), (Some(1.0), Some(11.0)), "{name}");
+    }
+    // Between people: the regression of their means on their ages.
+    let ages: Vec<f64> = made.age.chunks(4).map(|a| a[0].unwrap()).collect();
+    let means: Vec<f64> = made
+        .value
+        .chunks(4)
+        .map(|cells| cells.iter().map(|v| v.unwrap()).sum::<f64>() / 4.0)
+        .collect();
+    let r = crate::correlate(
+        &ages.into_iter().map(Some).collect::<Vec<_>>(),
+        &means.into_iter().map(Some).collect::<Vec<_>>(),
+        crate::CorrelationMethod::Pearson,
+        None,
+    )
+    .unwrap();
+    let r = r.pearson.unwrap();
+    let age = found.found.tests.get("age").unwrap();
+    assert_eq!((age.df1, age.df2), (Some(1.0), Some(10.0)));
+    assert!((age.p.unwrap() / r.p.unwrap() - 1.0).abs() < 1e-9);
+    assert!(found.found.tests.get("age:mode").is_none());
+}
+
+#[test]
+fn a_declared_product_takes_a_degree_of_freedom_of_its_effect_alone() {
+    let (found, made) = with_age(vec![("age", vec!["mode"])]);
+    let ByDesign::Factorial(found) = &found else {
+        panic!("strata")
+    };
+    let test = |name: &str| found.found.tests.get(name).unwrap();
+    assert_eq!(test("mode").df2, Some(10.0));
+    assert_eq!(test("road").df2, Some(11.0));
+    assert_eq!(test("mode:road").df2, Some(11.0));
+    // The product is the regression of the differences on age; at the mean age the effect's estimate is as without it.
+    let differences: Vec<_> = made
+        .value
+        .chunks(4)
+        .map(|c| Some(c[0].unwrap() - c[1].unwrap() + c[2].unwrap() - c[3].unwrap()))
+        .collect();
+    let ages: Vec<_> = made.age.chunks(4).map(|a| a[0]).collect();
+    let r = crate::correlate(&ages, &differences, crate::CorrelationMethod::Pearson, None).unwrap();
+    let r = r.pearson.unwrap();
+    assert!((test("age:mode").p.unwrap() / r.p.unwrap() - 1.0).abs() < 1e-9);
+    let plain = with_age(Vec::new()).0;
+    let ByDesign::Factorial(plain) = plain else {
+        panic!("strata")
+    };
+    let before = plain.found.tests.get("mode").unwrap();
+    // F = SS / MSe: the same SS, an error less what age explains of it.
+    let rest = (1.0 - r.r.unwrap().powi(2)) * 11.0 / 10.0;
+    let ratio = before.statistic.unwrap() / test("mode").statistic.unwrap();
+    assert!((ratio / rest - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn an_effect_that_no_covariate_can_be_multiplied_by_is_refused() {
+    let made = made();
+    let of = |with: Vec<(&'static str, Vec<&'static str>)>| {
+        let data = DesignColumns {
+            within: vec![("mode", &made.mode), ("road", &made.road)],
+            covariates: vec![("age", &made.age)],
+            with,
+            ..made.columns()
+        };
+        compare_by_design(&data, &DesignChoice::default())
+    };
+    let refused = of(vec![("age", vec!["weather"])]).unwrap_err().to_string();
+    assert!(
+        refused.contains("weather") && refused.contains("mode, road, mode:road"),
+        "{refused}"
+    );
+    assert!(of(vec![("speed", vec!["mode"])]).is_err());
+    assert!(of(vec![("age", vec!["mode:road"])]).is_ok());
+}
+
+#[test]
+fn a_person_without_the_covariate_is_left_out_by_name() {
+    let mut made = made();
+    for row in 8..12 {
+        made.age[row] = None;
+    }
+    let data = DesignColumns {
+        within: vec![("mode", &made.mode), ("road", &made.road)],
+        covariates: vec![("age", &made.age)],
+        ..made.columns()
+    };
+    let ByDesign::Factorial(found) = run(&data) else {
+        panic!("strata")
+    };
+    assert_eq!(found.found.anova.dropped, ["p2"]);
+    assert_eq!(found.found.tests.get("age").unwrap().df2, Some(9.0));
+}
+
+#[test]
+fn a_covariate_that_changes_within_people_asks_for_a_mixed_model_with_a_variance_by_factor() {
+    let mut made = made();
+    for (i, age) in made.age.iter_mut().enumerate() {
+        *age = age.map(|a| a + (i * 5 % 7) as f64);
+    }
+    let data = DesignColumns {
+        within: vec![("mode", &made.mode), ("road", &made.road)],
         covariates: vec![("age", &made.age)],
         ..made.columns()
     };
     let ByDesign::Mixed(found) = run(&data) else {
-        panic!("a covariate")
+        panic!("a covariate that changes")
     };
-    let mode: Vec<_> = made.mode.iter().cloned().map(Some).collect();
-    let formula: Formula = "mode + age".parse().unwrap();
+    let [mode, road] =
+        [&made.mode, &made.road].map(|c| c.iter().cloned().map(Some).collect::<Vec<_>>());
+    let formula: Formula = "mode*road + age".parse().unwrap();
     let predictors = [
         ("mode", Predictor::Factor(&mode)),
+        ("road", Predictor::Factor(&road)),
         ("age", Predictor::Covariate(&made.age)),
     ];
-    let alone = random_intercept(&made.people, &formula, &predictors, &made.value).unwrap();
+    let by = ["mode", "road"];
+    let alone = random_by_factor(&made.people, &formula, &by, &predictors, &made.value).unwrap();
     assert_eq!(found.found.model, alone);
-    // Two conditions have a single difference: nothing to correct.
-    assert!(found.found.corrected.is_empty());
+    assert_eq!(found.found.model.variance_by.len(), 2);
 }
 
 #[test]
-fn terms_within_subjects_of_a_mixed_model_are_corrected_as_those_of_the_analysis_of_variance() {
+fn one_factor_with_a_covariate_of_people_is_that_of_the_analysis_of_variance() {
     let made = made();
     let cell: Vec<String> = made
         .mode
@@ -222,17 +433,72 @@ fn terms_within_subjects_of_a_mixed_model_are_corrected_as_those_of_the_analysis
         covariates: vec![("age", &made.age)],
         ..made.columns()
     };
-    let ByDesign::Mixed(found) = run(&data) else {
+    let ByDesign::Factorial(found) = run(&data) else {
         panic!("a covariate")
     };
     let table = crate::WithinSubjects::from_long(&made.people, &cell, &made.value).unwrap();
-    let anova = crate::rm_anova(&table);
-    let term = found.found.corrected.get("cell").unwrap();
-    assert!((term.epsilon - anova.sphericity.gg.unwrap()).abs() < 1e-10);
-    // A covariate of the subjects takes nothing from what lies within them.
-    assert!((term.p / anova.sphericity.p_gg.unwrap() - 1.0).abs() < 1e-4);
-    assert_eq!(found.found.p("cell"), Some(term.p));
-    assert!(found.found.p("age").is_some());
+    let whole = compare(&table, 0.05).unwrap();
+    let test = found.found.tests.get("cell").unwrap();
+    assert!((test.p.unwrap() / whole.omnibus.p.unwrap() - 1.0).abs() < 1e-9);
+    assert_eq!(test.correction, whole.omnibus.correction);
+    assert!(found.found.tests.get("age").unwrap().p.is_some());
+}
+
+#[test]
+fn an_item_with_two_factors_within_takes_the_rank_tests() {
+    let made = made();
+    let answers: Vec<_> = (0..48)
+        .map(|i| Some((3.0 + 1.2 * noise(i)).round().clamp(1.0, 5.0)))
+        .collect();
+    let data = DesignColumns {
+        within: vec![("mode", &made.mode), ("road", &made.road)],
+        values: &answers,
+        ..made.columns()
+    };
+    let of = |scale| {
+        let choice = DesignChoice {
+            scale,
+            ..DesignChoice::default()
+        };
+        let ByDesign::Factorial(found) = compare_by_design(&data, &choice).unwrap() else {
+            panic!("two factors")
+        };
+        found.chosen
+    };
+    assert_eq!(of(OutcomeScale::Rating), ChosenTest::Ranks);
+    assert_eq!(of(OutcomeScale::Ordinal), ChosenTest::Ranks);
+    assert_eq!(of(OutcomeScale::Measure), ChosenTest::Factorial);
+}
+
+#[test]
+fn larger_interactions_without_a_rank_test_say_so() {
+    let rows = 0..12 * 9;
+    let people: Vec<String> = rows.clone().map(|i| format!("p{}", i / 9)).collect();
+    let three = |of: fn(usize) -> usize| -> Vec<String> {
+        (0..12 * 9).map(|i| format!("l{}", of(i) % 3)).collect()
+    };
+    let (a, t) = (three(|i| i), three(|i| i / 3));
+    let values: Vec<_> = rows.map(|i| Some((2.5 * noise(i)).exp())).collect();
+    let data = DesignColumns {
+        subjects: &people,
+        within: vec![("a", &a), ("t", &t)],
+        values: &values,
+        ..DesignColumns::default()
+    };
+    let ByDesign::Factorial(found) = run(&data) else {
+        panic!("two factors")
+    };
+    let test = |name: &str| found.found.tests.get(name).unwrap();
+    assert_eq!(test("a").method, EffectMethod::Friedman);
+    assert_eq!(test("a:t").method, EffectMethod::StrataGreenhouseGeisser);
+    let gg = found.found.anova.sphericity.get("a:t").unwrap();
+    assert_eq!((test("a:t").epsilon, test("a:t").p), (gg.gg, gg.p_gg));
+    assert!(
+        found
+            .reasons
+            .iter()
+            .any(|r| r.starts_with("a:t: ") && r.contains("no rank test"))
+    );
 }
 
 #[test]

@@ -2,14 +2,14 @@
 
 mod omnibus;
 
-pub use omnibus::{Omnibus, OmnibusP, OmnibusTest, SphericityCorrection};
+pub use omnibus::{Omnibus, OmnibusP, OmnibusTest};
 
 use omnibus::{of_anova, of_friedman, of_pair};
 use serde::{Deserialize, Serialize};
 
 use crate::{
     Adjustment, ConditionSummary, Mauchly, Named, Posthoc, PosthocTest, Reasons, RmAnova,
-    ShapiroWilk, Sphericity, StatsError, WithinSubjects, analysis,
+    ShapiroWilk, Sphericity, SphericityCorrection, StatsError, WithinSubjects, analysis,
     friedman::{self, Exact, RankTable},
     normality::shapiro_wilk,
     posthoc::all_pairs,
@@ -273,21 +273,13 @@ impl Trace {
             Some(p) => format!("Mauchly's test rejects it, {}", p_words(p)),
             None => "it cannot be tested".to_owned(),
         };
-        let (correction, times) = if gg > 0.75 && sphericity.hf.is_some_and(|hf| hf >= 1.0) {
-            (
-                SphericityCorrection::None,
-                "Huynh and Feldt's epsilon is 1: no correction",
-            )
-        } else if gg > 0.75 {
-            (
-                SphericityCorrection::HuynhFeldt,
-                "above .75: Huynh-Feldt correction",
-            )
-        } else {
-            (
-                SphericityCorrection::GreenhouseGeisser,
-                "not above .75: Greenhouse-Geisser correction",
-            )
+        let correction = sphericity.correction();
+        let times = match correction {
+            SphericityCorrection::None => "Huynh and Feldt's epsilon is 1: no correction",
+            SphericityCorrection::HuynhFeldt => "above .75: Huynh-Feldt correction",
+            SphericityCorrection::GreenhouseGeisser => {
+                "not above .75: Greenhouse-Geisser correction"
+            }
         };
         self.reasons.push(format!(
             "sphericity is allowed for in any case ({tested}); Greenhouse-Geisser epsilon is {gg:.2}, {times}"

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Effect, EffectName, Friedman, PMethod, Posthoc, RmAnova, Sphericity};
+use crate::{
+    Effect, EffectName, Friedman, PMethod, Posthoc, RmAnova, Sphericity, SphericityCorrection,
+};
 
 /// The omnibus test chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -17,19 +19,6 @@ pub enum OmnibusTest {
     PairedT,
     /// Wilcoxon's signed-rank test of two conditions.
     Wilcoxon,
-}
-
-/// The correction of the degrees of freedom of F.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-#[non_exhaustive]
-pub enum SphericityCorrection {
-    /// None: Huynh and Feldt's ε is 1, or sphericity cannot fail.
-    None,
-    /// Greenhouse and Geisser's ε.
-    GreenhouseGeisser,
-    /// Huynh and Feldt's ε.
-    HuynhFeldt,
 }
 
 /// The omnibus test as it should be reported.
@@ -82,11 +71,7 @@ pub(super) fn of_anova(
     sphericity: &Sphericity,
     correction: SphericityCorrection,
 ) -> Omnibus {
-    let (epsilon, p) = match correction {
-        SphericityCorrection::None => (Some(1.0), anova.p),
-        SphericityCorrection::GreenhouseGeisser => (sphericity.gg, sphericity.p_gg),
-        SphericityCorrection::HuynhFeldt => (sphericity.hf, sphericity.p_hf),
-    };
+    let (epsilon, p) = sphericity.corrected(correction, anova.p);
     Omnibus {
         test: OmnibusTest::RmAnova,
         correction,

@@ -62,7 +62,7 @@ pub(super) struct Sums {
 
 impl Effect {
     /// Weights of the groups and of the cells that the effect compares.
-    fn rows(self, cells: &Cells) -> (Rows, Rows) {
+    pub(super) fn rows(self, cells: &Cells) -> (Rows, Rows) {
         let design = cells.design;
         let between = design.between.iter().enumerate().map(|(f, factor)| {
             let k = factor.levels.len();

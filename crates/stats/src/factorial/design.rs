@@ -172,6 +172,43 @@ impl FactorialDesign {
         &self.between
     }
 
+    /// Each subject's sums over the factors within subjects that are not `kept`; of those that are, the last counts fastest.
+    pub(crate) fn sums(&self, kept: &[bool]) -> Vec<Vec<f64>> {
+        let width = self.cells();
+        let mut place = vec![0; width];
+        let mut columns = 1;
+        let mut below = width;
+        for (factor, kept) in self.within.iter().zip(kept) {
+            let k = factor.levels.len();
+            below /= k;
+            if *kept {
+                for (cell, place) in place.iter_mut().enumerate() {
+                    *place = *place * k + cell / below % k;
+                }
+                columns *= k;
+            }
+        }
+        let sums = |values: &[f64]| {
+            let mut sums = vec![0.0; columns];
+            for (value, &at) in values.iter().zip(&place) {
+                sums[at] += value;
+            }
+            sums
+        };
+        self.values.chunks_exact(width).map(sums).collect()
+    }
+
+    /// The level of a factor between subjects, a subject each.
+    pub(crate) fn levels_of(&self, between: usize) -> Vec<String> {
+        let below: usize = self.between[between + 1..]
+            .iter()
+            .map(|f| f.levels.len())
+            .product();
+        let levels = &self.between[between].levels;
+        let of = |&g: &usize| levels[g / below % levels.len()].clone();
+        self.group.iter().map(of).collect()
+    }
+
     /// All factors, those between subjects first.
     pub(super) fn factors(&self) -> Vec<&Factor> {
         self.between.iter().chain(&self.within).collect()

@@ -5,13 +5,17 @@ mod art;
 mod cells;
 mod design;
 mod means;
+mod regression;
 mod residuals;
+mod unpooled;
 
 pub use anova::FactorialEffect;
 pub use art::{AlignedRanks, ArtEffect, ArtStrata, aligned_ranks};
 pub(crate) use design::check_between;
 pub use design::{BetweenColumn, Factor, FactorialDesign, WithinColumn};
 pub use means::{CellContrast, ExactTest, MarginalMean, SimpleEffect};
+pub(crate) use regression::{Regressed, SubjectCovariate, regressed};
+pub(crate) use unpooled::{Unpooled, unpooled};
 
 use serde::{Deserialize, Serialize};
 

@@ -7,7 +7,7 @@ use crate::{
     forgotten::FORGOTTEN_FILE,
     named::names,
     run_folder::{embeddings_path, training_path},
-    stages::{import::participant_column, ingest::logs_of},
+    stages::{export::METADATA, import::participant_column, ingest::logs_of},
     tables::Table,
 };
 use maveric_domain::{ParticipantId, design::Software};
@@ -29,7 +29,8 @@ pub struct Forgotten {
     pub rows: Vec<(PathBuf, usize)>,
     /// Models that had learned from them: removed, and refused wherever a copy of one is met, until there is one that was trained anew.
     pub models: Vec<PathBuf>,
-    /// Files that name them still and that no command of ours may change: to be looked at by hand.
+    /// Files that name them still, or may hold them under a pseudonym (earlier exports), and that no command of ours may change: to be
+    /// looked at by hand.
     pub left: Vec<PathBuf>,
 }
 
@@ -81,7 +82,8 @@ pub fn forget_person(study: &DesignFile, id: &ParticipantId) -> Result<Forgotten
                 forgotten.rows.push((path.clone(), count));
             }
         }
-        if names_still(&path, &folder, id)? {
+        if path.file_name().is_some_and(|name| name == METADATA) || names_still(&path, &folder, id)?
+        {
             forgotten.left.push(path);
         }
     }

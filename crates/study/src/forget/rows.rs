@@ -24,7 +24,10 @@ pub(super) fn take_out(path: &Path, column: &str, id: &ParticipantId) -> Result<
     let blank = |line: &[u8]| line.trim_ascii().is_empty();
     let first = lines.iter().position(|line| !blank(line)).unwrap_or(0);
     let (above, rows) = lines.split_at((first + 1).min(lines.len()));
-    if rows.iter().filter(|line| !blank(line)).count() != theirs.len() {
+    // A blank line is a row without a cell, or, as at the end of a file, none.
+    let blank_counts = rows.len() == theirs.len();
+    let is_row = |line: &[u8]| blank_counts || !blank(line);
+    if rows.iter().filter(|line| is_row(line)).count() != theirs.len() {
         return Err(StudyError::BadFile {
             path: path.to_owned(),
             problem: format!("rows of {id} that cannot be told from the others"),
@@ -34,7 +37,7 @@ pub(super) fn take_out(path: &Path, column: &str, id: &ParticipantId) -> Result<
     let mut kept = above.concat();
     let mut is_theirs = theirs.iter();
     for line in rows {
-        if blank(line) || !is_theirs.next().is_some_and(|is| *is) {
+        if !is_row(line) || !is_theirs.next().is_some_and(|is| *is) {
             kept.extend_from_slice(line);
         }
     }
@@ -70,5 +73,11 @@ mod tests {
             "\n\"participant\";note\r\n\nP070;P07\r\nP1;\"q\"\"\n\""
         );
         assert_eq!(take_out(&path, "participant", &id).unwrap(), 0);
+        std::fs::write(&path, "participant\nP07\nP1\n\n\n").unwrap();
+        assert_eq!(take_out(&path, "participant", &id).unwrap(), 1);
+        assert_eq!(
+            std::fs::read_to_string(&path).unwrap(),
+            "participant\nP1\n\n\n"
+        );
     }
 }

@@ -35,9 +35,9 @@ use std::collections::BTreeMap;
 pub fn versions() -> BTreeMap<String, String> {
     [
         ("generate", 4),
-        ("import", 1),
+        ("import", 2),
         ("codebook", 1),
-        ("export", 2),
+        ("export", 3),
         ("ingest", 9),
         ("score", 5),
         ("train", 6),
@@ -47,13 +47,13 @@ pub fn versions() -> BTreeMap<String, String> {
         ("measure", 2),
         ("rate", 2),
         ("evaluate", 4),
-        ("stats", 8),
+        ("stats", 9),
         ("ablate", 5),
         ("validate", 7),
         ("recommend", 3),
         ("rehearse", 4),
         ("rehearse-dial", 3),
-        ("report", 8),
+        ("report", 9),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()

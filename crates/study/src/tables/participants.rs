@@ -139,12 +139,7 @@ pub fn read_enrolled(path: &Path, design: &Design) -> Result<Vec<Enrolled>, Stud
     let table = Table::read(path)?;
     let id: Vec<ParticipantId> = table.ids("participant")?;
     let people = design.people();
-    let declared = design.factors().iter().chain(design.covariates());
-    for column in people
-        .columns()
-        .into_iter()
-        .chain(declared.map(|c| c.column.as_str()))
-    {
+    for column in people.columns().into_iter().chain(design.tested_columns()) {
         table.text(column)?;
     }
     let mut columns = Vec::new();

@@ -7,6 +7,7 @@ mod ro_crate;
 mod wide;
 
 use path_slash::PathExt as _;
+pub(crate) use ro_crate::METADATA;
 pub use ro_crate::{About, PipelineRun, Step};
 
 use crate::{

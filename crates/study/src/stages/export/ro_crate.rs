@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
 /// Name of the file, which the standard gives.
-pub(super) const METADATA: &str = "ro-crate-metadata.json";
+pub(crate) const METADATA: &str = "ro-crate-metadata.json";
 /// Name of the pipeline in an export.
 pub(super) const PIPELINE: &str = "pipeline.toml";
 

@@ -85,6 +85,7 @@ impl DesignRows {
             covariates: (self.covariates.iter())
                 .map(|(n, c)| (n.as_str(), &c[..]))
                 .collect(),
+            with: Vec::new(),
             values: &self.values,
         }
     }

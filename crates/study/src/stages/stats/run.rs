@@ -130,7 +130,7 @@ pub(super) fn run(table: &Table, test: &Test) -> Result<Ran, StudyError> {
             match method {
                 FactorialMethod::Anova => {
                     let found = tests::factorial(&design);
-                    let picture = pictures::factorial(&rows, &columns.value, &found, None);
+                    let picture = pictures::factorial(&rows, &columns.value, &found);
                     Ran::of(&found, printed::factorial(&found)).drawn(picture)
                 }
                 FactorialMethod::Art => {

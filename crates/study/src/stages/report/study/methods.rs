@@ -4,7 +4,7 @@ use super::Run;
 use crate::stages::train::TrainingSummary;
 use maveric_domain::{
     MetresPerSecond, Road,
-    design::{By, Car, Column, Compare, Condition},
+    design::{By, Car, Compare, Condition},
 };
 use maveric_stats::ByDesign;
 use path_slash::PathExt as _;
@@ -168,10 +168,9 @@ fn tests(run: &Run) -> String {
 /// The kinds of test that the design called for, each with what calls for it.
 fn chosen(run: &Run) -> String {
     let design = &run.design;
-    let labels = |columns: &[Column]| {
-        let named = columns
-            .iter()
-            .map(|c| c.label.as_ref().unwrap_or(&c.column).as_str());
+    let factors = || {
+        let named = design.factors().iter();
+        let named = named.map(|c| c.label.as_ref().unwrap_or(&c.column).as_str());
         named.collect::<Vec<_>>().join(" and ")
     };
     let found = |is: fn(&ByDesign) -> bool| {
@@ -187,22 +186,24 @@ fn chosen(run: &Run) -> String {
         let between = if design.factors().is_empty() {
             String::new()
         } else {
-            format!(" with {} between people", labels(design.factors()))
+            format!(" with {} between people", factors())
         };
         said.push(format!(
-            "Factorial analysis of variance{between} (type III, Greenhouse-Geisser), or aligned ranks where the residuals are not normal."
+            "Factorial analysis{between} (type III): each effect within people over its own stratum, groups with their own covariances, covariates of people between them alone; by the rank test of each person’s contrasts where the residuals are not normal."
         ));
     }
     if found(|f| matches!(f, ByDesign::Groups(_))) {
-        let factors = labels(design.factors());
+        let factors = factors();
         said.push(format!(
             "Groups of {factors} by Welch’s test, or by ranks where they are not normal."
         ));
     }
     if found(|f| matches!(f, ByDesign::Mixed(_))) {
-        let covariates = labels(design.covariates());
+        let covariates = design.covariates().iter();
+        let covariates = covariates.map(|c| c.label.as_ref().unwrap_or(&c.column).as_str());
+        let covariates = covariates.collect::<Vec<_>>().join(" and ");
         said.push(format!(
-            "Mixed models with a random intercept of the person take out the influence of {covariates} (Satterthwaite’s degrees of freedom)."
+            "Mixed models with a variance of the person and of the person at each level of each factor take out the influence of {covariates} (Satterthwaite’s degrees of freedom)."
         ));
     }
     if found(|f| matches!(f, ByDesign::Ordinal(_))) {

@@ -12,7 +12,8 @@ use maveric_report::figures::{
 };
 use maveric_stats::{
     AlignedRanks, Bounds, ByDesign, ChosenTest, Equivalence, Factorial, GroupsAnalysis,
-    MarginalMean, Named, Ordinal, RandomIntercept, RankCheck, apa::Statements,
+    MarginalMean, Named, Ordinal, RandomIntercept, RankCheck,
+    apa::{Statement, Statements},
 };
 
 const MARGINAL: &str = "95% intervals of the marginal means";
@@ -93,15 +94,14 @@ fn named<T, U>(all: &Named<T>, of: impl Fn(&T) -> Option<U>) -> Of<U> {
 /// The effects' sentences, shortened to the highest.
 fn highest(found: &impl Statements) -> String {
     let last = found.statements().into_iter().last();
-    last.map_or_else(
-        || first(found),
-        |(name, said)| {
-            format!(
-                "{}: {}",
-                maveric_report::markup::literal(&name),
-                said.markup()
-            )
-        },
+    last.map_or_else(|| first(found), of_effect)
+}
+
+fn of_effect((name, sentence): (String, Statement)) -> String {
+    format!(
+        "{}: {}",
+        maveric_report::markup::literal(&name),
+        sentence.markup()
     )
 }
 
@@ -109,10 +109,14 @@ pub(in crate::stages::stats) fn factorial(
     rows: &DesignRows,
     outcome: &str,
     found: &Factorial,
-    ranks: Option<&AlignedRanks>,
 ) -> Picture {
+    factorial_under(rows, outcome, found, highest(found))
+}
+
+/// The same under the sentence of another test.
+fn factorial_under(rows: &DesignRows, outcome: &str, found: &Factorial, test: String) -> Picture {
     let over = Over {
-        test: ranks.map_or_else(|| highest(found), highest),
+        test,
         means: of_all(&found.emm),
         intervals: MARGINAL,
         pairs: brackets(found),
@@ -333,8 +337,12 @@ pub(in crate::stages::stats) fn by_design(
 ) -> Picture {
     match found {
         ByDesign::Factorial(found) => {
-            let ranks = found.found.ranks.as_ref();
-            factorial(rows, outcome, &found.found.anova, ranks)
+            // The highest effect of factors; covariates come behind it.
+            let highest = found.found.anova.anova.iter().last();
+            let mut sentences = found.found.statements().into_iter();
+            let test = highest.and_then(|(name, _)| sentences.find(|(n, _)| n == name));
+            let test = test.map_or_else(|| first(&found.found), of_effect);
+            factorial_under(rows, outcome, &found.found.anova, test)
         }
         ByDesign::Groups(inner) => {
             let chosen = Some((inner.chosen, first(found)));

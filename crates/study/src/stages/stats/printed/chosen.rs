@@ -1,9 +1,11 @@
 //! The report of what a design called for: why, and the report of that test.
 
 use super::{
-    Printed, aligned,
+    Printed,
     cells::{p, table},
-    comparison, factorial, groups, mixed, named_sentences, ordinal,
+    comparison, factorial,
+    factors::deciding,
+    groups, mixed, named_sentences, ordinal,
     reasons::{checks, why},
 };
 use maveric_report::tables::Table;
@@ -14,10 +16,8 @@ pub(in crate::stages::stats) fn by_design(found: &ByDesign) -> Printed {
         ByDesign::OneFactor(found) => return comparison(found),
         ByDesign::Factorial(found) => {
             let mut printed = factorial(&found.found.anova);
-            if let Some(ranks) = &found.found.ranks {
-                // The effects that count in the place of those of the analysis of variance.
-                printed.tables.splice(0..1, aligned(ranks).tables);
-            }
+            // The tests that count in the place of those of the analysis of variance.
+            printed.tables[0] = deciding(&found.found);
             printed
         }
         ByDesign::Groups(found) => groups(&found.found),

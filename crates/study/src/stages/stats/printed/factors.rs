@@ -6,7 +6,9 @@ use super::{
     named_sentences,
 };
 use maveric_report::tables::{Cell, Table};
-use maveric_stats::{AlignedRanks, CellContrast, Factorial, MarginalMean, Named, Sphericity};
+use maveric_stats::{
+    AlignedRanks, CellContrast, Factorial, FactorialFinding, MarginalMean, Named, Sphericity,
+};
 
 pub(in crate::stages::stats) fn factorial(found: &Factorial) -> Printed {
     let factors = found
@@ -67,6 +69,21 @@ fn effects(found: &Factorial) -> Table {
         })
         .right("*η*_{G}^{2}", |(_, e)| share(e.eta2_generalized))
         .done()
+}
+
+/// Each effect by the test that decides about it.
+pub(super) fn deciding(found: &FactorialFinding) -> Table {
+    let mut table = table("Effects", found.tests.iter())
+        .text("Effect", |(name, _)| *name)
+        .text("Test", |(_, test)| test.method.title())
+        .right("Statistic", |(_, test)| optional(test.statistic))
+        .right("*df*_{1}", |(_, test)| degrees(test.df1))
+        .right("*df*_{2}", |(_, test)| degrees(test.df2))
+        .right("*ε*", |(_, test)| share(test.epsilon))
+        .right("*p*", |(_, test)| p(test.p))
+        .done();
+    table.notes = named_sentences(found);
+    table
 }
 
 pub(super) fn marginal(name: &str, means: &Named<MarginalMean>) -> Table {
