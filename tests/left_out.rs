@@ -468,6 +468,7 @@ fn whoever_is_forgotten_is_nowhere_but_in_the_list_of_ids() {
     );
     study.write(&format!("mine/seat/{TESTED}-calm.jsonl"), "a record");
     study.write("mine/notes.txt", format!("{TESTED} was late"));
+    study.write("mine/seat/seat.db-wal", TESTED);
     let design = DesignFile::read(&study.path("mine/study.toml")).unwrap();
     let (mut last, mut last_id) = (None, None);
     for who in people {
@@ -478,7 +479,10 @@ fn whoever_is_forgotten_is_nowhere_but_in_the_list_of_ids() {
     }
     let last = last.unwrap();
     assert_eq!(last.left, [study.path("mine/notes.txt")]);
-    std::fs::remove_file(study.path("mine/notes.txt")).unwrap();
+    // The seat's own file is the seat's to clear.
+    for path in ["notes.txt", "seat/seat.db-wal"] {
+        std::fs::remove_file(study.path("mine").join(path)).unwrap();
+    }
     nowhere(&study, "mine", &traces, |name| name == "forgotten.csv");
     let events = std::fs::read_to_string(study.path("mine/seat/events.csv")).unwrap();
     assert_eq!(events, "participant,what\nX1,pressed\n");
@@ -502,7 +506,12 @@ fn whoever_is_forgotten_is_nowhere_but_in_the_list_of_ids() {
     nowhere(&study, "mine", &traces, |name| name == "forgotten.csv");
     export(&study, "shared").ok();
     nowhere(&study, "shared", &traces, |_| false);
-    // Their ids are not given again.
+    // The design names them no more, and their ids are not given again.
+    let text = std::fs::read_to_string(study.path("mine/study.toml")).unwrap();
+    exclude(&study, &format!("people = {{ {TESTED} = \"left\" }}"));
+    let named = ["exclude.people", TESTED, "forgotten"];
+    study.maveric_in("mine", &["run"]).failed(1, &named);
+    study.write("mine/study.toml", text);
     let table = study.path("mine/participants.csv");
     let text = std::fs::read_to_string(&table).unwrap();
     std::fs::write(

@@ -27,6 +27,15 @@ pub fn check_design(study: &DesignFile) -> Result<(), StudyError> {
     let people = study.people(None)?;
     let ids = || people.enrolled.iter().map(|p| p.id.as_str());
     let excluded = study.design.exclude().people.keys();
+    let forgotten = study.forgotten()?;
+    if let Some(id) = excluded.clone().find(|id| forgotten.has(id)) {
+        return Err(study.wrong(
+            format!("`exclude.people`: names {id}, who was forgotten"),
+            Some(format!(
+                "take {id} out of [exclude]: nothing of theirs is there any more"
+            )),
+        ));
+    }
     match excluded.into_iter().find(|id| people.find(id).is_none()) {
         None => Ok(()),
         Some(stranger) => {

@@ -19,6 +19,8 @@ use std::{
 
 /// Folder of what the seat keeps of drives and rides.
 const SEAT: &str = "seat";
+/// How the seat's own file begins, and what lies beside it while it is open.
+const DATABASE: &str = "seat.db";
 
 /// What became of somebody's data.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
@@ -73,7 +75,9 @@ pub fn forget_person(study: &DesignFile, id: &ParticipantId) -> Result<Forgotten
         remove(&path, &folder, &mut forgotten.removed)?;
     }
     for path in files_below(&folder)? {
-        if path.file_name().is_some_and(|name| name == FORGOTTEN_FILE) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        // The seat clears its own file, which it holds open.
+        if name == FORGOTTEN_FILE || name.starts_with(DATABASE) {
             continue;
         }
         if let Some(column) = column_of_people(study, &path)? {
@@ -82,8 +86,7 @@ pub fn forget_person(study: &DesignFile, id: &ParticipantId) -> Result<Forgotten
                 forgotten.rows.push((path.clone(), count));
             }
         }
-        if path.file_name().is_some_and(|name| name == METADATA) || names_still(&path, &folder, id)?
-        {
+        if name == METADATA || names_still(study, &path, id)? {
             forgotten.left.push(path);
         }
     }
@@ -158,11 +161,20 @@ fn column_of_people(study: &DesignFile, path: &Path) -> Result<Option<String>, S
     Ok(table.has("participant").then(|| "participant".to_owned()))
 }
 
-/// Whether a file names somebody, in its path or as a word of its text.
-fn names_still(path: &Path, folder: &Path, id: &ParticipantId) -> Result<bool, StudyError> {
-    let within = path.strip_prefix(folder).unwrap_or(path);
+/// Whether a file names somebody, in its path or as a word of its text. Whose a log is was read already, and a number is a word of many
+/// texts.
+fn names_still(study: &DesignFile, path: &Path, id: &ParticipantId) -> Result<bool, StudyError> {
+    let within = path.strip_prefix(study.folder()).unwrap_or(path);
     if names(&within.to_string_lossy(), id.as_str()) {
         return Ok(true);
+    }
+    let logs: PathBuf = study
+        .resolve(&study.design.files().logs)
+        .components()
+        .collect();
+    let is_number = id.as_str().bytes().all(|b| b.is_ascii_digit());
+    if is_number || path.starts_with(logs) {
+        return Ok(false);
     }
     let bytes = std::fs::read(path).map_err(StudyError::read(path))?;
     Ok(names(&String::from_utf8_lossy(&bytes), id.as_str()))
