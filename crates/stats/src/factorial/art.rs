@@ -5,7 +5,10 @@ use serde::{Deserialize, Serialize};
 use super::{Effect, FactorialDesign, anova, cells::Cells};
 use crate::{
     Named, Reasons,
-    numerics::{decimal::Written, distributions::f_upper},
+    numerics::{
+        decimal::{Written, tolerance},
+        distributions::f_upper,
+    },
     ranks,
 };
 
@@ -170,7 +173,8 @@ fn whole(values: &[f64]) -> (Vec<i128>, i128) {
                 .map(|w| i128::from(*w) - i128::from(written[0]));
             (whole.collect(), 0)
         }
-        Written::Rounded { values, tolerance } => {
+        Written::Rounded { values } => {
+            let tolerance = tolerance(values);
             let units = values
                 .iter()
                 .map(|v| ((v - values[0]) / tolerance * 64.0).round() as i128);

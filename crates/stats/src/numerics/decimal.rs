@@ -3,8 +3,9 @@
 //! 0.3 - 0.1 and 0.4 - 0.2 are both 0.2, but the doubles differ in their last bit: ties of
 //! decimals of up to [`SHORT`] significant digits are ties of what was written. A longer number is
 //! itself a rounded result, such as the mean of three items: 2.33333333333333 - 2 and
-//! 3.66666666666667 - 3.33333333333333 are the same third. Such numbers, and their differences,
-//! tie within four units of the 15th digit of the largest value in the column.
+//! 3.66666666666667 - 3.33333333333333 are the same third. Such numbers tie within four units of their
+//! own 15th digit, and differences within four units of the 15th digit of what was subtracted: another
+//! number of the column, however large, makes no tie.
 
 use std::borrow::Cow;
 
@@ -26,8 +27,6 @@ pub(crate) enum Written<'a> {
     Rounded {
         /// As given.
         values: &'a [f64],
-        /// Differences no further apart than this tie.
-        tolerance: f64,
     },
 }
 
@@ -37,13 +36,7 @@ impl<'a> Written<'a> {
         (0..=FAST_PLACES)
             .find_map(|places| scaled(values, places))
             .or_else(|| from_digits(values))
-            .map_or_else(
-                || Self::Rounded {
-                    values,
-                    tolerance: tolerance(values),
-                },
-                Self::Decimals,
-            )
+            .map_or_else(|| Self::Rounded { values }, Self::Decimals)
     }
 
     /// Whether some numbers are longer than stand for themselves.
@@ -56,12 +49,23 @@ impl<'a> Written<'a> {
     pub(crate) fn differences(&self, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<i64> {
         match self {
             Self::Decimals(whole) => pairs.map(|(a, b)| whole[a] - whole[b]).collect(),
-            Self::Rounded { values, tolerance } => {
-                let raw: Vec<f64> = pairs.map(|(a, b)| values[a] - values[b]).collect();
-                let sizes: Vec<f64> = raw.iter().map(|d| d.abs()).collect();
-                let groups = groups(&sizes, *tolerance, Some(0.0));
-                let signed = |(d, group): (&f64, i64)| if *d < 0.0 { -group } else { group };
-                raw.iter().zip(groups).map(signed).collect()
+            Self::Rounded { values } => {
+                let pairs: Vec<[f64; 2]> = pairs.map(|(a, b)| [values[a], values[b]]).collect();
+                let raw = |[a, b]: &[f64; 2]| a - b;
+                // Two short decimals are equal or not.
+                let sized = |pair| (f64::abs(raw(pair)), tolerance(pair));
+                let sizes: Vec<(f64, f64)> = pairs.iter().map(sized).collect();
+                let equal = |[a, b]: &[f64; 2]| {
+                    let exact = is_decimal(*a) && is_decimal(*b);
+                    (a - b).abs() <= if exact { 0.0 } else { tolerance(&[*a, *b]) }
+                };
+                let groups = groups(&sizes);
+                let signed = |(pair, group): (&[f64; 2], i64)| match equal(pair) {
+                    true => 0,
+                    false if raw(pair) < 0.0 => -1 - group,
+                    false => 1 + group,
+                };
+                dense(&pairs.iter().zip(groups).map(signed).collect::<Vec<i64>>())
             }
         }
     }
@@ -70,8 +74,9 @@ impl<'a> Written<'a> {
     pub(crate) fn same_difference(&self, (a, b): (usize, usize), (c, d): (usize, usize)) -> bool {
         match self {
             Self::Decimals(whole) => whole[a] - whole[b] == whole[c] - whole[d],
-            Self::Rounded { values, tolerance } => {
-                ((values[a] - values[b]) - (values[c] - values[d])).abs() <= *tolerance
+            Self::Rounded { values } => {
+                let [a, b, c, d] = [a, b, c, d].map(|at| values[at]);
+                ((a - b) - (c - d)).abs() <= tolerance(&[a, b, c, d])
             }
         }
     }
@@ -81,8 +86,17 @@ impl<'a> Written<'a> {
 pub(crate) fn tied(values: &[f64]) -> Cow<'_, [f64]> {
     match Written::of(values) {
         Written::Decimals(_) => Cow::Borrowed(values),
-        Written::Rounded { tolerance, .. } => {
-            let groups = groups(values, tolerance, None);
+        Written::Rounded { .. } => {
+            // A short decimal ties with its equal alone.
+            let own = |&value: &f64| {
+                let reach = if is_decimal(value) {
+                    0.0
+                } else {
+                    tolerance(&[value])
+                };
+                (value, reach)
+            };
+            let groups = groups(&values.iter().map(own).collect::<Vec<_>>());
             let most = groups.iter().max().map_or(0, |&g| g as usize + 1);
             let mut first = vec![f64::INFINITY; most];
             for (&group, &value) in groups.iter().zip(values) {
@@ -93,15 +107,16 @@ pub(crate) fn tied(values: &[f64]) -> Cow<'_, [f64]> {
     }
 }
 
-/// The number of each value's group, from 0 upwards by size: a group reaches `tolerance` beyond
-/// its smallest value; `origin`, if any, is the smallest of group 0.
-fn groups(values: &[f64], tolerance: f64, origin: Option<f64>) -> Vec<i64> {
+/// The number of each value's group, from 0 upwards by size, of values each with a tolerance: a group reaches as far beyond its smallest
+/// value as the larger tolerance of both.
+fn groups(values: &[(f64, f64)]) -> Vec<i64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_unstable_by(|&a, &b| values[a].total_cmp(&values[b]));
-    let mut start = origin.or_else(|| order.first().map(|&i| values[i]));
+    order.sort_unstable_by(|&a, &b| values[a].0.total_cmp(&values[b].0));
+    let mut start = order.first().map(|&i| values[i]);
     let (mut group, mut groups) = (0, vec![0; values.len()]);
     for i in order {
-        if start.is_some_and(|start| values[i] - start > tolerance) {
+        let (value, own) = values[i];
+        if start.is_some_and(|(first, reach)| value - first > own.max(reach)) {
             start = Some(values[i]);
             group += 1;
         }
@@ -110,13 +125,45 @@ fn groups(values: &[f64], tolerance: f64, origin: Option<f64>) -> Vec<i64> {
     groups
 }
 
-fn tolerance(values: &[f64]) -> f64 {
+/// Signed groups, numbered by their magnitude without gaps.
+fn dense(signed: &[i64]) -> Vec<i64> {
+    let mut sizes: Vec<i64> = signed.iter().map(|group| group.abs()).collect();
+    sizes.sort_unstable();
+    sizes.dedup();
+    let first = i64::from(sizes.first() != Some(&0));
+    let place = |group: i64| sizes.partition_point(|size| *size < group.abs()) as i64 + first;
+    signed
+        .iter()
+        .map(|&group| group.signum() * place(group))
+        .collect()
+}
+
+/// Four units of the 15th digit of the largest of some values.
+pub(crate) fn tolerance(values: &[f64]) -> f64 {
     let largest = super::moments::largest(values);
-    let text = format!("{largest:e}");
-    let exponent = text
-        .split_once('e')
-        .and_then(|(_, e)| e.parse::<i32>().ok());
-    TIED_UNITS * 10.0_f64.powi(exponent.unwrap_or(0) - 14)
+    TIED_UNITS * 10.0_f64.powi(exponent(largest) - 14)
+}
+
+/// The power of ten of the first digit of a number that is not negative; 0 of 0.
+fn exponent(value: f64) -> i32 {
+    if value <= 0.0 {
+        return 0;
+    }
+    let near = libm::floor(libm::log10(value)) as i32;
+    // The logarithm, and powers beyond the 22nd, may be off in their last digits.
+    let value = value * (1.0 + 1e-13);
+    near + i32::from(10.0_f64.powi(near + 1) <= value) - i32::from(10.0_f64.powi(near) > value)
+}
+
+/// Whether a number is a decimal of few digits, which stands for itself.
+fn is_decimal(value: f64) -> bool {
+    let places = SHORT as i32 - 1 - exponent(value.abs());
+    // Powers of ten to the 22nd are doubles, so that the division rounds once.
+    if !(0..=22).contains(&places) {
+        return digits(value).is_some();
+    }
+    let power = 10.0_f64.powi(places);
+    (libm::round(value * power) / power).to_bits() == value.to_bits()
 }
 
 fn is_short(mut whole: i64) -> bool {
@@ -236,6 +283,73 @@ mod tests {
         assert_eq!(tied(&thirds)[0].to_bits(), tied(&thirds)[2].to_bits());
         assert!(matches!(tied(&[0.1, 0.2]), Cow::Borrowed(_)));
         assert!(tied(&[]).is_empty());
+    }
+
+    #[test]
+    fn a_large_number_in_the_column_makes_no_small_ones_tie() {
+        // p values: short decimals, and long ones.
+        for scale in [1.0, 1.0 / 3.0] {
+            let values: Vec<f64> = (0..26).map(|i| scale * 10.0_f64.powi(-i)).collect();
+            let tied = tied(&values);
+            assert!(tied.windows(2).all(|pair| pair[0] > pair[1]), "{scale}");
+            let pairs: Vec<f64> = values.windows(2).flat_map(|p| [p[0], p[1]]).collect();
+            let keys = differences(&pairs);
+            assert!(keys.windows(2).all(|k| k[0] > k[1] && k[1] > 0), "{keys:?}");
+        }
+    }
+
+    #[test]
+    fn a_decimal_is_known_by_its_digits_whatever_its_size() {
+        let long = [1.0 / 3.0, 2e-20 / 3.0, 0.123_456_789_012_3, 1e300 / 7.0];
+        let short = [
+            0.1,
+            -0.3,
+            1e-26,
+            5e-324,
+            123_456_789_012.0,
+            1e22,
+            2.5e300,
+            0.0,
+            999_999_999_999.0,
+        ];
+        assert!(
+            short.iter().all(|v| is_decimal(*v)),
+            "{:?}",
+            short.map(is_decimal)
+        );
+        assert!(
+            !long.iter().any(|v| is_decimal(*v)),
+            "{:?}",
+            long.map(is_decimal)
+        );
+        for power in -30..30 {
+            let text = format!("1e{power}");
+            let value: f64 = text.parse().unwrap();
+            assert_eq!(exponent(value), power, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_rising_relation_of_p_values_is_one() {
+        let p: Vec<Option<f64>> = (0..12)
+            .map(|i| Some(0.5 * 10.0_f64.powi(-2 * i) / 3.0))
+            .collect();
+        let rank: Vec<Option<f64>> = (0..12).map(|i| Some(-f64::from(i))).collect();
+        let all = crate::correlate(&p, &rank, crate::CorrelationMethod::All, None).unwrap();
+        assert!((all.spearman.unwrap().rho.unwrap() - 1.0).abs() < 1e-12);
+        let group: Vec<String> = (0..12).map(|i| ["high", "low"][i / 6].to_owned()).collect();
+        let two = crate::groups(&group, &p).unwrap();
+        let u = two.mann_whitney.values().next().unwrap().u;
+        assert!((u - 36.0).abs() < 1e-12, "{u}");
+    }
+
+    #[test]
+    fn long_values_tie_within_their_own_digits() {
+        let third = 1.0 / 3.0;
+        let values = [third, 0.333_333_333_333_333, 1e6 / 3.0, third + 1e-13];
+        let tied = tied(&values);
+        assert_eq!(tied[0].to_bits(), tied[1].to_bits());
+        assert!(tied[3] > tied[0] && tied[2] > tied[3]);
     }
 
     #[test]

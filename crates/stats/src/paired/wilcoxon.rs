@@ -26,7 +26,7 @@ pub enum PMethod {
 ///
 /// Differences are ranked as written: 0.3 - 0.1 ties with 0.4 - 0.2, although the doubles
 /// differ in their last bit. Numbers of more than 12 significant digits are rounded results, such as means of
-/// items: their differences tie within four units of the 15th digit of the largest value. R and SciPy rank the
+/// items: their differences tie within four units of the 15th digit of what was subtracted. R and SciPy rank the
 /// doubles.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Wilcoxon {
