@@ -40,15 +40,23 @@ export const token = folder ? own() : location.pathname.split("/").pop() ?? "";
 /// This tab; the one opened last has the study.
 export const tab = random();
 
+/// Replies of the seat itself that will not change by asking again; any other (a proxy's 413, 429 or 502) may pass.
+const LASTING = [400, 404, 409, 410];
+
 /// A reply that will not change by asking again.
 export class Refused extends Error {
   constructor(readonly status: number, message: string) { super(message); }
 }
 
+/// A reply that may change by asking again.
+export class NotYet extends Error {
+  constructor(readonly status: number, message: string) { super(message); }
+}
+
 async function ask(path: string, init?: RequestInit): Promise<Response> {
   const reply = await fetch(`/api/${token}${path}`, init);
-  if (reply.status >= 400 && reply.status < 500) throw new Refused(reply.status, await reply.text());
-  if (!reply.ok) throw new Error(await reply.text());
+  if (LASTING.includes(reply.status) || (reply.status === 403 && path === "/leave")) throw new Refused(reply.status, await reply.text());
+  if (!reply.ok) throw new NotYet(reply.status, await reply.text());
   return reply;
 }
 

@@ -9,7 +9,12 @@ import { sendLeftovers } from "./outbox";
 import { styles } from "./styles";
 import { make, paragraphs, pressed, sheet, show, text } from "./words";
 
-const minutes = (seconds: number): string => (seconds < 90 ? `${Math.round(seconds)} seconds` : `${Math.round(seconds / 60)} minutes`);
+/// A duration in words that is not off by more than a twentieth.
+const minutes = (seconds: number): string => {
+  const whole = Math.round(seconds / 60);
+  if (Math.abs(60 * whole - seconds) > 0.05 * seconds) return `${Math.round(seconds)} seconds`;
+  return whole === 1 ? "one minute" : `${whole} minutes`;
+};
 const leaveButton = document.getElementById("leave") as HTMLButtonElement;
 let model: PageModel | null = null;
 

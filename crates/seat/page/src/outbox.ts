@@ -1,9 +1,14 @@
 // Lines of drives that the server has not acknowledged yet, kept in the browser too.
 
-import { Refused, surely, token } from "./api";
+import { NotYet, Refused, surely, token } from "./api";
 import { keeper } from "./keeper";
 
 const send = (step: number, attempt: number, body: string): Promise<number> => keeper.lines(step, attempt, body);
+
+/// Lines of a drive that are sent at once: a minute of them.
+const MOST_LINES = 60;
+
+const tooLarge = (error: unknown): boolean => error instanceof NotYet && error.status === 413;
 
 interface Kept { id?: number; token: string; step: number; attempt: number; from: number; line: string }
 
@@ -33,6 +38,8 @@ async function change(work: (store: IDBObjectStore) => IDBRequest): Promise<unkn
 export class Outbox {
   private waiting: Kept[] = [];
   private sending: Promise<void> | null = null;
+  /// Lines that are sent at once; fewer after a refusal because of their size.
+  private most = MOST_LINES;
   /// Steps that the server has kept.
   kept = 0;
   /// Why the server takes no more, if it does not.
@@ -54,14 +61,16 @@ export class Outbox {
   }
 
   private async once(): Promise<void> {
-    const now = this.waiting.slice();
+    const now = this.waiting.slice(0, this.most);
     if (now.length === 0 || this.refused) return;
     try {
       this.kept = await send(this.step, this.attempt, now.map((k) => k.line + "\n").join(""));
     } catch (error) {
       if (error instanceof Refused) this.refused = error;
+      if (tooLarge(error)) this.most = Math.max(1, Math.floor(now.length / 2));
       return;
     }
+    this.most = Math.min(MOST_LINES, 2 * this.most);
     const gone = now.filter((k) => k.from <= this.kept);
     this.waiting = this.waiting.filter((k) => !gone.includes(k));
     for (const k of gone) if (k.id !== undefined) await change((store) => store.delete(k.id as number));
@@ -78,15 +87,33 @@ export async function sendLeftovers(): Promise<void> {
     const key = `${k.step} ${k.attempt}`;
     groups.set(key, [...(groups.get(key) ?? []), k]);
   }
-  for (const group of groups.values()) {
-    const first = group[0] as Kept;
+  for (const group of groups.values()) if (!(await sendGroup(group))) return;
+}
+
+/// Sends the lines of one attempt in parts, and deletes each part that was acknowledged; false where another tab has the study now: what
+/// is kept here is that tab's to send. What the server will never take stays here.
+async function sendGroup(group: Kept[]): Promise<boolean> {
+  let most = MOST_LINES;
+  for (let next = 0; next < group.length;) {
+    const part = group.slice(next, next + most);
+    const { step, attempt } = part[0] as Kept;
+    let kept: number | null;
+    const body = part.map((k) => k.line + "\n").join("");
     try {
-      await surely(() => send(first.step, first.attempt, group.map((k) => k.line + "\n").join("")));
+      kept = await surely(async () => {
+        try { return await send(step, attempt, body); } catch (error) {
+          if (part.length > 1 && tooLarge(error)) return null;
+          throw error;
+        }
+      });
     } catch (error) {
-      // Another tab has the study now: what is kept here is that tab's to send.
-      if (error instanceof Refused && error.status === 409) return;
-      if (!(error instanceof Refused)) throw error;
+      if (error instanceof Refused) return error.status !== 409;
+      throw error;
     }
-    for (const k of group) await change((store) => store.delete(k.id as number));
+    if (kept === null) { most = Math.max(1, Math.floor(part.length / 2)); continue; }
+    const gone = part.filter((k) => k.from <= (kept as number));
+    for (const k of gone) await change((store) => store.delete(k.id as number));
+    next += part.length;
   }
+  return true;
 }
