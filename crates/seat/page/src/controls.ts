@@ -47,6 +47,17 @@ export const keys = (): number => bits.reduce((sum, [code, bit]) => (down.has(co
 
 const pads = (): Gamepad[] => navigator.getGamepads().filter((p): p is Gamepad => p !== null && p.connected);
 
+/// Letters of a device's name that are written down: an event is at most 200 bytes, a letter at most three.
+const LONGEST_NAME = 50;
+export const named = (pad: Gamepad): string => pad.id.slice(0, LONGEST_NAME);
+
+/// What somebody drives with, as the record has it.
+export function device(means: Means): string {
+  if (means.by === "keys") return "keyboard";
+  const found = pads()[0];
+  return `${means.by === "pad" ? "gamepad" : "wheel"}, ${found ? named(found) : "not connected"}`;
+}
+
 /// Left positive, throttle, brake, of a gamepad.
 export function pad(): [number, number, number] {
   const found = pads()[0];

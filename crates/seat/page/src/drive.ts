@@ -89,13 +89,17 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
     if (ride?.turns && code === "KeyC") turn(-ride.turns);
     if (ride?.turns && code === "KeyS") turn(ride.turns);
   });
-  const hidden = (): void => { if (document.hidden) drive.note("hidden"); };
+  const hidden = (): void => drive.note(document.hidden ? "hidden" : "shown");
   document.addEventListener("visibilitychange", hidden);
+  if (!ride) drive.note(`device: ${controls.device(means)}`);
+  const plugged = (event: GamepadEvent): void => drive.note(`${event.type === "gamepadconnected" ? "plugged in" : "unplugged"}: ${controls.named(event.gamepad)}`);
+  addEventListener("gamepadconnected", plugged);
+  addEventListener("gamepaddisconnected", plugged);
 
   let drawn = 0, late = 0, dropped = 0, longest = 0, input = 0, before = performance.now(), owed = 0, sent = before, over = false, touched = 0;
   const speeds = new Map<number, { row: number; speed: number; braking: boolean; y: number; signal: number; ahead: boolean }>();
   const practised: Practised = { keptS: 0, passes: 0 };
-  let lastTicks = 0, plainness = "";
+  let lastTicks = 0, plainness = "", paused: number | null = null;
   const piece = async (): Promise<void> => {
     const ticks = drive.ticks();
     if (ticks === lastTicks) return;
@@ -110,8 +114,13 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
     const frame = (now: number): void => {
       const passed = now - before;
       before = now;
-      // Whoever is asked whether to leave does not drive meanwhile.
-      if (document.querySelector("dialog[open]")) { requestAnimationFrame(frame); return; }
+      // Whoever is asked whether to leave does not drive meanwhile: the world waits, and the record says how long.
+      if (document.querySelector("dialog[open]")) {
+        if (paused === null) { paused = now; drive.note("paused: asked whether to leave"); }
+        requestAnimationFrame(frame);
+        return;
+      }
+      if (paused !== null) { drive.note(`goes on after ${Math.round(now - paused)} ms`); paused = null; }
       drawn++;
       longest = Math.max(longest, passed);
       if (passed > LATE_MS) late++;
@@ -171,13 +180,15 @@ export async function run(wanted: Wanted, learn: PageModel | null): Promise<stri
     requestAnimationFrame((now) => { before = now; frame(now); });
   });
   const rest = drive.ticks();
+  document.removeEventListener("visibilitychange", hidden);
+  removeEventListener("gamepadconnected", plugged);
+  removeEventListener("gamepaddisconnected", plugged);
   await piece();
   const driven = drive.finish();
   await outbox.add(driven.end(), rest);
   controls.drives(false);
   forget();
   removeEventListener("resize", resized);
-  document.removeEventListener("visibilitychange", hidden);
   sound.stop();
   view.dispose();
   // A canvas whose drawing was given back cannot be drawn on again.
