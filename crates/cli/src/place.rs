@@ -18,11 +18,16 @@ const DESIGNED_PIPELINE: &str = ".maveric/study.toml";
 fn folders_own(folder: &Path) -> &'static Path {
     Path::new(if !folder.join(DESIGN_FILE).is_file() {
         PAPER_PIPELINE
-    } else if folder.join(OWN_PIPELINE).is_file() {
+    } else if has_text(&folder.join(OWN_PIPELINE)) {
         OWN_PIPELINE
     } else {
         DESIGNED_PIPELINE
     })
+}
+
+/// Whether a file holds anything: a shell makes the file of `run --show > pipelines/study.toml` before the program starts.
+fn has_text(file: &Path) -> bool {
+    std::fs::metadata(file).is_ok_and(|m| m.is_file() && m.len() > 0)
 }
 
 /// The file that was named; for the folder one stands in, with a `study.toml` its own pipeline, else the one that follows from the

@@ -14,10 +14,15 @@ pub enum Moment {
     After(ConditionId),
 }
 
+impl Moment {
+    /// The word for [`Moment::Pre`]; no condition may be called so.
+    pub(crate) const PRE: &str = "pre";
+}
+
 impl fmt::Display for Moment {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Pre => f.write_str("pre"),
+            Self::Pre => f.write_str(Self::PRE),
             Self::After(condition) => condition.fmt(f),
         }
     }
@@ -27,7 +32,7 @@ impl FromStr for Moment {
     type Err = DomainError;
     fn from_str(text: &str) -> Result<Self, DomainError> {
         match text {
-            "pre" => Ok(Self::Pre),
+            Self::PRE => Ok(Self::Pre),
             other => other
                 .parse()
                 .map(Self::After)

@@ -16,6 +16,7 @@ use crate::{
     condition::ConditionId,
     design::{Covariate, Design},
     nearest,
+    survey::Moment,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -67,6 +68,15 @@ fn design(raw: DesignToml) -> Checked<Design> {
             format!("`{}`, the baseline's", role.id),
             "another id: a role is driven otherwise than the baseline",
         ));
+    }
+    let ids = conditions.iter().map(|c| ("condition.id", c.id));
+    let ids = ids.chain(baseline.iter().map(|b| ("baseline.id", b.id)));
+    for (key, id) in ids.chain(roles.iter().map(|r| ("role.id", r.id))) {
+        if id.as_str() == Moment::PRE {
+            let expected =
+                "another id: in tables of answers this word marks those from before the drives";
+            return Err(DesignError::key(key, format!("`{id}`"), expected));
+        }
     }
     let outcomes = outcomes(raw.outcome)?;
     let compare = compare(raw.contrasts.compare, &conditions)?;
@@ -205,6 +215,8 @@ fn conditions(
         ));
     }
     once("condition.id", raw.iter().map(|c| c.id.to_string()))?;
+    let label = |c: &ConditionToml| c.label.clone().unwrap_or_else(|| c.id.to_string());
+    once("condition.label", raw.iter().map(label))?;
     let factors = |c: &ConditionToml| c.levels.keys().cloned().collect::<Vec<_>>();
     let expected = factors(&raw[0]);
     if let Some(other) = raw.iter().find(|c| factors(c) != expected) {
@@ -217,6 +229,16 @@ fn conditions(
             quoted(&factors(other)),
             format!("{}, as in `{}`", quoted(&expected), raw[0].id),
         ));
+    }
+    for factor in &expected {
+        let first = raw[0].levels.get(factor);
+        if raw.iter().all(|c| c.levels.get(factor) == first) {
+            return Err(DesignError::key(
+                format!("condition.levels.{factor}"),
+                format!("`{}` in every condition", first.map_or("", String::as_str)),
+                "at least two levels of a factor",
+            ));
+        }
     }
     raw.into_iter()
         .enumerate()
@@ -284,7 +306,8 @@ fn car(key: &str, raw: CarToml, style: Option<&Style>) -> Checked<Option<Car>> {
     ];
     let mut found: Vec<Car> = cars.into_iter().flatten().collect();
     if found.len() > 1 {
-        return Err(DesignError::key(key, "several cars", CARS));
+        let kinds: Vec<&str> = found.iter().map(kind).collect();
+        return Err(DesignError::key(key, kinds.join(" and "), CARS));
     }
     if found.is_empty() && !raw.recorded {
         return Err(DesignError::key(key, "no car", CARS));
@@ -297,6 +320,17 @@ fn car(key: &str, raw: CarToml, style: Option<&Style>) -> Checked<Option<Car>> {
         ));
     }
     Ok(found.pop())
+}
+
+/// The key of a kind of car.
+fn kind(car: &Car) -> &'static str {
+    match car {
+        Car::Dial(_) => "`dial`",
+        Car::Across => "`across`",
+        Car::Mean => "`mean`",
+        Car::Embedding(_) => "`embedding`",
+        Car::Free => "`free`",
+    }
 }
 
 /// Points of the dial; steps are so many `points` of the style.

@@ -31,6 +31,15 @@ impl People {
         }
     }
 
+    /// The words by which those columns tell who is learned from and who is tested, by column.
+    pub fn values(&self) -> BTreeMap<&str, Vec<&str>> {
+        let mut values: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+        for (column, value) in self.learn.iter().chain(&self.test).flatten() {
+            values.entry(column).or_default().push(value);
+        }
+        values
+    }
+
     /// The columns that tell who is learned from and who is tested.
     pub fn columns(&self) -> Vec<&str> {
         let both = self.learn.iter().chain(&self.test);

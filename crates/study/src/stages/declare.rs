@@ -9,7 +9,7 @@ use crate::{
 };
 use maveric_domain::{
     Design,
-    design::{Car, Claim, Compare, Condition, Sign},
+    design::{Car, Claim, Compare, Condition, Mappings, Sign},
 };
 use maveric_measures::objective;
 use path_slash::PathExt as _;
@@ -31,7 +31,7 @@ pub struct Frozen {
     pub date: String,
     /// Version of the program.
     pub version: String,
-    /// BLAKE3 of the design's text.
+    /// BLAKE3 of all else that stands here; of the design's text alone where no versions of commands are listed.
     pub hash: String,
     /// Answer files that were there already; none ought to be.
     pub answers: usize,
@@ -39,6 +39,113 @@ pub struct Frozen {
     pub logs: usize,
     /// The design's text.
     pub design: String,
+    /// Every other file that decides a number, from the design's folder → BLAKE3 of what it holds.
+    #[serde(default)]
+    pub files: BTreeMap<String, String>,
+    /// Versions of the program's commands, which go up where their numbers change; none in locks that cover the design alone.
+    #[serde(default)]
+    pub stages: BTreeMap<String, String>,
+}
+
+impl Frozen {
+    /// The hash that belongs to what stands here.
+    fn seal(&self) -> String {
+        let text = if self.files.is_empty() && self.stages.is_empty() {
+            self.design.clone()
+        } else {
+            let counts = (self.answers, self.logs);
+            let (files, stages) = (&self.files, &self.stages);
+            format!(
+                "{:?}",
+                (
+                    &self.date,
+                    &self.version,
+                    counts,
+                    &self.design,
+                    files,
+                    stages
+                )
+            )
+        };
+        blake3::hash(text.as_bytes()).to_hex().to_string()
+    }
+
+    /// Reads a lock.
+    ///
+    /// # Errors
+    /// [`StudyError`] if it is no lock, its date is none, or it was changed since it was written.
+    fn read(path: &Path) -> Result<Self, StudyError> {
+        let frozen: Self =
+            toml::from_str(&read_text(path)?).map_err(|e| StudyError::file(path, e.to_string()))?;
+        let bad = |problem: String| StudyError::BadFile {
+            path: path.to_owned(),
+            problem,
+            help: Some("put back the lock that `maveric design freeze` wrote".to_owned()),
+        };
+        if !is_a_day(&frozen.date) {
+            let expected = "expected a day such as 2026-01-31";
+            return Err(bad(format!("`date`: found `{}`, {expected}", frozen.date)));
+        }
+        let sealed = frozen.seal();
+        if sealed != frozen.hash {
+            return Err(bad(format!(
+                "was changed since it was written: `hash` is `{}`, that of what stands there is `{sealed}`",
+                frozen.hash
+            )));
+        }
+        Ok(frozen)
+    }
+}
+
+/// Whether a text is a day, as `2026-01-31`.
+fn is_a_day(text: &str) -> bool {
+    text.len() == 10 && text.parse::<toml::value::Datetime>().is_ok()
+}
+
+/// Hashes of every file beside the design that decides a number, by their paths from the design's folder.
+fn deciding_files(study: &DesignFile) -> Result<BTreeMap<String, String>, StudyError> {
+    let (design, files) = (&study.design, study.design.files());
+    let mut paths: Vec<PathBuf> = match &files.mapping {
+        Mappings::One(file) => vec![file.clone()],
+        Mappings::Rigs(rigs) => rigs.iter().filter_map(|rig| rig.file.clone()).collect(),
+    };
+    paths.extend([files.scenario.clone(), "pipelines/study.toml".into()]);
+    let named = files.columns.iter().chain(&files.effects);
+    paths.extend(named.chain(&files.claims).cloned());
+    paths.extend(design.model().map(|model| model.file.clone()));
+    for condition in design.conditions() {
+        if let Some(Car::Embedding(file)) = &condition.car {
+            paths.push(file.clone());
+        }
+    }
+    let scales = study.resolve(&files.scales);
+    for entry in std::fs::read_dir(&scales).into_iter().flatten() {
+        let entry = entry.map_err(StudyError::read(&scales))?.path();
+        if entry.extension().is_some_and(|e| e == "toml") {
+            paths.extend(entry.file_name().map(|name| files.scales.join(name)));
+        }
+    }
+    let mut hashes = BTreeMap::new();
+    for path in paths {
+        let file = study.resolve(&path);
+        if file.is_file() {
+            let bytes = std::fs::read(&file).map_err(StudyError::read(&file))?;
+            let hash = blake3::hash(&bytes).to_hex().to_string();
+            hashes.insert(path.to_slash_lossy().into_owned(), hash);
+        }
+    }
+    Ok(hashes)
+}
+
+/// The names under which two lists differ, with what stands in each.
+fn differences<'a>(
+    before: &'a BTreeMap<String, String>,
+    now: &'a BTreeMap<String, String>,
+) -> Vec<(&'a String, Option<&'a String>, Option<&'a String>)> {
+    let fresh = now.keys().filter(|k| !before.contains_key(*k));
+    let names = before.keys().chain(fresh);
+    let rows = names.map(|name| (name, before.get(name), now.get(name)));
+    rows.filter(|(_, was, is)| was != is).collect()
 }
 
 /// A design in plain English.
@@ -92,16 +199,25 @@ pub fn freeze(design: Option<&Path>, date: &str) -> Result<Outcome<Frozen>, Stud
             ),
         });
     }
+    if !is_a_day(date) {
+        return Err(StudyError::NotPossible {
+            problem: format!("`date`: found `{date}`, expected a day such as 2026-01-31"),
+            help: None,
+        });
+    }
     let text = read_text(path)?;
     let files = study.design.files();
-    let frozen = Frozen {
+    let mut frozen = Frozen {
         date: date.to_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        hash: blake3::hash(text.as_bytes()).to_hex().to_string(),
+        hash: String::new(),
         answers: usize::from(study.resolve(&files.answers).is_file()),
         logs: count(&study.resolve(&files.logs)),
         design: text,
+        files: deciding_files(&study)?,
+        stages: super::versions(),
     };
+    frozen.hash = frozen.seal();
     let toml = toml::to_string(&frozen)
         .map_err(|e| StudyError::file(&lock, format!("cannot be written: {e}")))?;
     atomic_write_bytes(&lock, toml.as_bytes())?;
@@ -113,7 +229,13 @@ pub fn freeze(design: Option<&Path>, date: &str) -> Result<Outcome<Frozen>, Stud
         ));
     }
     Ok(Outcome {
-        summary: vec![format!("frozen on {date}: {}", lock.to_slash_lossy())],
+        summary: vec![
+            format!("frozen on {date}: {}", lock.to_slash_lossy()),
+            format!(
+                "register its hash where others keep the day: {}",
+                frozen.hash
+            ),
+        ],
         value: frozen,
         warnings,
     })
@@ -156,7 +278,7 @@ pub(crate) fn declared(study: &DesignFile) -> Result<Vec<String>, StudyError> {
         let path = path.clone();
         move |e: toml::de::Error| StudyError::file(&path, e.to_string())
     };
-    let frozen: Frozen = toml::from_str(&read_text(&lock)?).map_err(bad(&lock))?;
+    let frozen = Frozen::read(&lock)?;
     let before: toml::Table = toml::from_str(&frozen.design).map_err(bad(&lock))?;
     let now: toml::Table = toml::from_str(&read_text(path)?).map_err(bad(path))?;
     let (before, now) = (leaves(before), leaves(now));
@@ -185,9 +307,42 @@ pub(crate) fn declared(study: &DesignFile) -> Result<Vec<String>, StudyError> {
             value(&now)
         ));
     }
+    let whole = !frozen.stages.is_empty();
+    if whole {
+        for (name, was, is) in differences(&frozen.files, &deciding_files(study)?) {
+            let what = match (was, is) {
+                (_, None) => "is no longer there",
+                (None, _) => "was not there",
+                _ => "holds something else",
+            };
+            let why = study.design.amendments().get(name);
+            let why = why.map_or("no reason was given", String::as_str);
+            changed.push(format!(
+                "*Not as declared on {}.* The file `{name}` {what}: {why}.",
+                frozen.date
+            ));
+        }
+        for (name, was, is) in differences(&frozen.stages, &super::versions()) {
+            let version = |v: Option<&String>| v.map_or("none", String::as_str).to_owned();
+            let (was, is) = (version(was), version(is));
+            changed.push(format!(
+                "*Not as declared on {}.* The program's command `{name}` was version {was}, is {is}.",
+                frozen.date
+            ));
+        }
+    }
     if changed.is_empty() {
         changed.push(format!("*Analysed as declared on {}.*", frozen.date));
     }
+    let scope = if whole {
+        "the design, the files beside it that decide a number and the versions of the program's commands"
+    } else {
+        "the design's text alone, made by an earlier version: not for scales, mapping or scenario"
+    };
+    changed.push(format!(
+        "*The declaration* vouches for {scope}. A file of one's own is no time stamp: its hash, `{}`, shows the day where others registered it.",
+        frozen.hash
+    ));
     if frozen.answers + frozen.logs > 0 {
         changed.push(format!(
             "*When it was declared*, {} logs and {} files of answers were there already.",
@@ -472,18 +627,68 @@ mod tests {
         let frozen = freeze(Some(&path), "2026-11-22").unwrap().value;
         assert_eq!((frozen.answers, frozen.logs), (0, 0));
         let said = || declared(&DesignFile::read(&path).unwrap()).unwrap();
-        assert_eq!(said(), ["*Analysed as declared on 2026-11-22.*"]);
+        assert_eq!(said()[0], "*Analysed as declared on 2026-11-22.*");
+        assert!(said()[1].contains("no time stamp"));
         let amended = STUDY.replace("= 300", "= 200");
         std::fs::write(&path, &amended).unwrap();
         assert_eq!(
-            said(),
-            [
-                "*Not as declared on 2026-11-22.* `exclude.drive_shorter_than_s`: was 300, is 200: no reason was given."
-            ]
+            said()[0],
+            "*Not as declared on 2026-11-22.* `exclude.drive_shorter_than_s`: was 300, is 200: no reason was given."
         );
         let why = "[amendments]\n\"exclude.drive_shorter_than_s\" = \"the route was shorter\"\n";
         std::fs::write(&path, format!("{amended}{why}")).unwrap();
         assert!(said()[0].ends_with("is 200: the route was shorter."));
         assert!(freeze(Some(&path), "2026-11-23").is_err());
+    }
+
+    #[test]
+    fn a_file_that_decides_a_number_is_covered_and_a_lock_changed_by_hand_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("study.toml");
+        let lock = folder.path().join(LOCK_FILE);
+        let scale = folder.path().join("scales/comfort.toml");
+        std::fs::create_dir_all(scale.parent().unwrap()).unwrap();
+        std::fs::write(&path, STUDY).unwrap();
+        std::fs::write(&scale, "reversed = []\n").unwrap();
+        let study = DesignFile::read(&path).unwrap();
+        assert!(freeze(Some(&path), "yesterday").is_err() && !lock.exists());
+        freeze(Some(&path), "2026-11-22").unwrap();
+        std::fs::write(&scale, "reversed = [1]\n").unwrap();
+        assert_eq!(
+            declared(&study).unwrap()[0],
+            "*Not as declared on 2026-11-22.* The file `scales/comfort.toml` holds something else: no reason was given."
+        );
+        let text = std::fs::read_to_string(&lock).unwrap();
+        for (from, to) in [
+            ("\"+\"", "\"-\""),
+            ("2026-11-22", "2026-11-21"),
+            ("2026-11-22", "yesterday"),
+        ] {
+            assert!(text.contains(from), "{from} in {text}");
+            std::fs::write(&lock, text.replace(from, to)).unwrap();
+            assert!(declared(&study).is_err(), "{from} to {to}");
+        }
+    }
+
+    #[test]
+    fn a_lock_of_an_earlier_version_says_that_it_covers_the_design_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("study.toml");
+        std::fs::write(&path, STUDY).unwrap();
+        let lock = Frozen {
+            date: "2026-11-01".to_owned(),
+            version: "0.1.0".to_owned(),
+            hash: blake3::hash(STUDY.as_bytes()).to_hex().to_string(),
+            answers: 0,
+            logs: 0,
+            design: STUDY.to_owned(),
+            files: BTreeMap::new(),
+            stages: BTreeMap::new(),
+        };
+        let lock = toml::to_string(&lock).unwrap();
+        std::fs::write(folder.path().join(LOCK_FILE), lock).unwrap();
+        let lines = declared(&DesignFile::read(&path).unwrap()).unwrap();
+        assert_eq!(lines[0], "*Analysed as declared on 2026-11-01.*");
+        assert!(lines[1].contains("the design's text alone"), "{lines:?}");
     }
 }

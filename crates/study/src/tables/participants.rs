@@ -2,7 +2,7 @@
 
 use super::{Table, TableBuilder};
 use crate::error::StudyError;
-use maveric_domain::{ConditionId, Design, LatentTraits, ParticipantId};
+use maveric_domain::{ConditionId, Design, LatentTraits, ParticipantId, nearest};
 use maveric_participants::{Cohort, Gender, Participant, Personality, Population};
 use serde::{Deserialize, Serialize};
 use std::{
@@ -164,6 +164,15 @@ pub fn read_enrolled(path: &Path, design: &Design) -> Result<Vec<Enrolled>, Stud
             let cell = |name: &str| cells.get(name).map(String::as_str);
             let bad =
                 |column, found: &str, expected: String| table.bad_cell(i, column, found, expected);
+            for (column, values) in people.values() {
+                let Some(found) = cell(column).filter(|found| !values.contains(found)) else {
+                    continue;
+                };
+                if let Some(meant) = nearest(found, values.iter().copied()) {
+                    let expected = format!("`{meant}`, as [people] of the study's design has it");
+                    return Err(table.bad_cell(i, column, found, expected));
+                }
+            }
             Ok(Enrolled {
                 id: id[i].clone(),
                 learned_from: people.learns_from(cell),

@@ -23,7 +23,9 @@ use crate::{
     },
 };
 use left_out::LeftOut;
-use maveric_domain::{Answer, ConditionId, Design, DriveId, DriveMeta, ParticipantId, Recording};
+use maveric_domain::{
+    Answer, ConditionId, Design, DriveId, DriveMeta, ParticipantId, Recording, design::Mappings,
+};
 use maveric_ingest::{Beside, IngestSettings, Mapping, log_files, read_log};
 use place::Place;
 use pseudonym::Pseudonyms;
@@ -113,7 +115,13 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
     for path in &options.surveys {
         answers.extend(read_answers(path)?);
     }
-    let mapping = options.mapping.as_deref().map(Mapping::read).transpose()?;
+    let mapping = match (&options.mapping, &design.files().mapping) {
+        (None, Mappings::One(file)) => {
+            Some(study.resolve(file)).filter(|file| study.path.is_some() && file.is_file())
+        }
+        (given, _) => given.clone(),
+    };
+    let mapping = mapping.as_deref().map(Mapping::read).transpose()?;
     let mut logs = Vec::new();
     for log in &options.logs {
         logs.extend(log_files(log, mapping.as_ref())?);
