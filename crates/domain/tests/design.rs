@@ -322,7 +322,7 @@ fn a_fault_is_named_with_its_key_and_what_would_be_possible() {
         ),
         (
             "[[condition]]\nid = \"x\"\ncar = { dial = 1, mean = true }",
-            "`condition.x.car`: found several cars",
+            "`condition.x.car`: found `dial` and `mean`",
         ),
         (
             "[[condition]]\nid = \"x\"\ncar = { dial = \"far\" }",
