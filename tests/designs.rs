@@ -130,6 +130,41 @@ fn status_says_who_is_out_and_what_nobody_drove_and_a_design_names_only_what_the
     study
         .maveric_in("mine", &["run"])
         .failed(1, &["study.toml", "`exclude.people`: found `P20`"]);
+    let drive = sound.replace("people = { P02 = ", "drives = { P03-clam = ");
+    study.write("mine/study.toml", drive);
+    let words = [
+        "`exclude.drives`: found `P03-clam`",
+        "did you mean `P03-calm`?",
+    ];
+    study.maveric_in("mine", &["run"]).failed(1, &words);
+}
+
+#[test]
+fn a_person_whose_part_is_misspelt_is_named_and_one_of_another_part_is_told() {
+    let study = recorded(&["calm", "sporty"]);
+    let text = read(&study, "mine/study.toml");
+    let people = "[people]\ntest = { part = \"test\" }\n";
+    let text = if text.contains("[people]") {
+        text.replace("[people]", people)
+    } else {
+        format!("{people}{text}")
+    };
+    study.write("mine/study.toml", text);
+    let table = |part: &str| format!("participant,part\nP01,test\nP02,{part}\nP03,test\n");
+    study.write("mine/participants.csv", table("Test"));
+    study.maveric_in("mine", &["status"]).failed(
+        1,
+        &[
+            "participants.csv, P02: `part`: found `Test`",
+            "did you mean `test`?",
+        ],
+    );
+    study.write("mine/participants.csv", table("pilot"));
+    let said = study.maveric_in("mine", &["status"]).ok().stderr;
+    assert!(
+        said.contains("P02: neither learned from nor tested"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! A design held against what there is: scales, measures, people, drives and answers.
 
 use crate::{
-    design::DesignFile,
+    design::{DesignFile, People},
     error::StudyError,
     run_folder::{read_scales, score_range},
-    tables::Table,
+    tables::{Table, participants::Enrolled},
 };
 use maveric_domain::{
     Scale,
@@ -36,14 +36,46 @@ pub fn check_design(study: &DesignFile) -> Result<(), StudyError> {
             )),
         ));
     }
-    match excluded.into_iter().find(|id| people.find(id).is_none()) {
-        None => Ok(()),
-        Some(stranger) => {
-            let error = DesignError::word("exclude.people", stranger.as_str(), ids());
-            let help = error.suggestion();
-            Err(study.wrong(error.to_string(), help))
-        }
+    let unknown = |key: &str, word: &str, known: &mut dyn Iterator<Item = &str>| {
+        let error = DesignError::word(key, word, known);
+        let help = error.suggestion();
+        study.wrong(error.to_string(), help)
+    };
+    if let Some(stranger) = excluded.into_iter().find(|id| people.find(id).is_none()) {
+        return Err(unknown("exclude.people", stranger.as_str(), &mut ids()));
     }
+    let drives = drives_of(study, &people);
+    let mut named = study.design.exclude().drives.keys();
+    if let Some(stranger) = named.find(|id| !drives.iter().any(|d| d == id.as_str())) {
+        let error = unknown(
+            "exclude.drives",
+            stranger.as_str(),
+            &mut drives.iter().map(String::as_str),
+        );
+        return Err(error);
+    }
+    Ok(())
+}
+
+/// The drives that the study can have: of each person in each condition, the baseline and each role.
+fn drives_of(study: &DesignFile, people: &People) -> Vec<String> {
+    let design = &study.design;
+    let conditions = design.conditions().iter().map(|c| c.id);
+    let mut ids: Vec<_> = conditions
+        .chain(design.baseline_id())
+        .chain(design.roles().iter().map(|role| role.id))
+        .collect();
+    ids.sort_unstable();
+    ids.dedup();
+    let of_person =
+        |p: &Enrolled| -> Vec<String> { ids.iter().map(|id| format!("{}-{id}", p.id)).collect() };
+    people.enrolled.iter().flat_map(of_person).collect()
+}
+
+/// People who are in the study and neither learned from nor tested.
+fn nobodys(people: &People) -> impl Iterator<Item = &Enrolled> {
+    let all = people.enrolled.iter();
+    all.filter(|p| !p.learned_from && !p.tested && p.excluded.is_none())
 }
 
 /// What an outcome may be: a measure's column, or a score of a scale.
@@ -184,6 +216,14 @@ pub fn study_notes(study: &DesignFile, results: &Path) -> Result<Vec<String>, St
     let mut notes: Vec<String> = out
         .map(|(id, why)| format!("{id} is left out: {why}"))
         .collect();
+    let enrolled = study.people(None)?;
+    let neither: Vec<&str> = nobodys(&enrolled).map(|p| p.id.as_str()).collect();
+    if !neither.is_empty() {
+        notes.push(format!(
+            "{}: neither learned from nor tested, by the columns that `[people]` names",
+            neither.join(", ")
+        ));
+    }
     let driven = words(
         &[
             results.join("drives/drives.csv"),

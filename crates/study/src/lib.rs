@@ -2,6 +2,7 @@
 
 mod aside;
 pub mod atomic_write;
+mod deciding;
 pub mod design;
 pub mod design_check;
 pub mod design_pipeline;

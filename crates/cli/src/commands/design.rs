@@ -2,7 +2,7 @@
 
 use super::{print_outcome, today};
 use crate::{args::Format, diagnostics::Failure};
-use maveric_study::stages::declare;
+use maveric_study::stages::{declare, freeze};
 use std::path::PathBuf;
 
 /// The study's design as the text of a preregistration; frozen, so that the page can say what differs
@@ -53,7 +53,7 @@ impl Design {
             What::Freeze(a) => {
                 let today = today();
                 print_outcome(a.format, "could not freeze the design", |_| {
-                    declare::freeze(a.design.as_deref(), &today)
+                    freeze::freeze(a.design.as_deref(), &today)
                 })
             }
         }

@@ -6,6 +6,7 @@ pub mod codebook;
 pub mod declare;
 pub mod evaluate;
 pub mod export;
+pub mod freeze;
 pub mod generate;
 pub mod import;
 pub mod ingest;

@@ -2,7 +2,7 @@
 
 use super::{Table, TableBuilder};
 use crate::error::StudyError;
-use maveric_domain::{ConditionId, Design, LatentTraits, ParticipantId, nearest};
+use maveric_domain::{ConditionId, Design, LatentTraits, ParticipantId};
 use maveric_participants::{Cohort, Gender, Participant, Personality, Population};
 use serde::{Deserialize, Serialize};
 use std::{
@@ -168,7 +168,9 @@ pub fn read_enrolled(path: &Path, design: &Design) -> Result<Vec<Enrolled>, Stud
                 let Some(found) = cell(column).filter(|found| !values.contains(found)) else {
                     continue;
                 };
-                if let Some(meant) = nearest(found, values.iter().copied()) {
+                // Another part is none of the study's; the same word in other capitals is meant to be.
+                let meant = values.iter().find(|v| v.eq_ignore_ascii_case(found));
+                if let Some(meant) = meant {
                     let expected = format!("`{meant}`, as [people] of the study's design has it");
                     return Err(table.bad_cell(i, column, found, expected));
                 }

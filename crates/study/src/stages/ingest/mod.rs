@@ -16,7 +16,7 @@ use crate::{
         write_rows,
     },
 };
-use maveric_domain::{Drive, DriveId, DriveMeta, nearest};
+use maveric_domain::{Drive, DriveMeta};
 use maveric_ingest::{IngestError, Provenance, Warning, read_log};
 use path_slash::PathExt as _;
 use serde::Serialize;
@@ -92,33 +92,6 @@ struct Written {
     warnings: Vec<Warning>,
 }
 
-/// A line for each drive of `[exclude]` that is neither among those read nor one of a person in a condition of the study.
-///
-/// # Errors
-/// The design's, if such an id is much like one that there is: it was misspelt, and the drive would be analysed.
-fn excluded_unmet(
-    study: &DesignFile,
-    gate: &Gate,
-    read: &BTreeSet<&DriveId>,
-) -> Result<Vec<String>, StudyError> {
-    let labels = study.design.labels();
-    let people = gate.people().enrolled.iter();
-    let pairs = people.flat_map(|p| labels.iter().map(move |label| format!("{}-{label}", p.id)));
-    let known: BTreeSet<String> = pairs.chain(read.iter().map(ToString::to_string)).collect();
-    let mut lines = Vec::new();
-    let named = study.design.exclude().drives.keys();
-    for id in named.filter(|id| !known.contains(id.as_str())) {
-        let problem = format!("`exclude.drives`: no drive is called `{id}`");
-        match nearest(id.as_str(), known.iter().map(String::as_str)) {
-            Some(meant) => {
-                return Err(study.wrong(problem, Some(format!("did you mean `{meant}`?"))));
-            }
-            None => lines.push(problem),
-        }
-    }
-    Ok(lines)
-}
-
 /// Reads logs, finds reference vehicle, lane changes and following rows, and writes the drives.
 ///
 /// Each drive is written as soon as it is read, into a hidden folder on the same disk, and all are renamed into `out`
@@ -171,14 +144,6 @@ pub fn ingest(
     if drives.is_empty() && left_out.is_empty() {
         return Err(none_ingested(failed));
     }
-    let unmet = match (&study, &gate) {
-        (Some(study), Some(gate)) => {
-            let read = drives.iter().map(|d| &d.meta.drive);
-            let out = left_out.iter().map(|out| &out.meta.drive);
-            excluded_unmet(study, gate, &read.chain(out).collect())?
-        }
-        _ => Vec::new(),
-    };
     let failed: Vec<FailedLog> = failed.into_iter().map(FailedLog::from).collect();
     if let (true, Some(first)) = (drives.is_empty(), left_out.first()) {
         return Err(StudyError::NotPossible {
@@ -207,7 +172,6 @@ pub fn ingest(
     }
     write_exclusions(&options.out, &drives, &left_out, &failed)?;
     let mut warnings: Vec<String> = failed.iter().map(FailedLog::to_string).collect();
-    warnings.extend(unmet);
     for drive in &drives {
         warnings.extend(drive.warnings.iter().map(Warning::to_string));
     }

@@ -28,7 +28,7 @@ use crate::{
     mean::mean,
     outcome::Watch,
     run_folder::{durations, lists, read_scenario},
-    stages::{declare::declared, train::TrainingSummary},
+    stages::{freeze::declared, train::TrainingSummary},
     tables::{drives::read_drive, measurements::MeasuredDrive},
 };
 use car::section_car;

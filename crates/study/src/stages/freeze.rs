@@ -1,0 +1,474 @@
+//! `design freeze`: what was declared, when, and what differs from it since.
+
+use crate::{
+    atomic_write::{atomic_write_bytes, read_text},
+    deciding::deciding_files,
+    design::DesignFile,
+    error::StudyError,
+    outcome::Outcome,
+    stages,
+};
+use path_slash::PathExt as _;
+use serde::{Deserialize, Serialize};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
+
+/// Name of a frozen design, beside the design.
+pub const LOCK_FILE: &str = "study.lock";
+
+/// A design as it was on a day, with everything else that decides a number.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Frozen {
+    /// The day, as `2026-11-22`.
+    pub date: String,
+    /// Version of the program.
+    pub version: String,
+    /// BLAKE3 of the design's text.
+    pub hash: String,
+    /// BLAKE3 of all the rest of this file: what to register where others keep the date. Empty in locks of earlier programs, which
+    /// cover the design alone.
+    #[serde(default)]
+    pub seal: String,
+    /// Answer files that were there already; none ought to be.
+    pub answers: usize,
+    /// Logs that were there already; none ought to be.
+    pub logs: usize,
+    /// The design's text.
+    pub design: String,
+    /// BLAKE3 of every other file that decides a number, by its path from the study's folder.
+    #[serde(default)]
+    pub files: BTreeMap<String, String>,
+    /// Version of each command's numbers.
+    #[serde(default)]
+    pub stages: BTreeMap<String, String>,
+}
+
+impl Frozen {
+    /// The seal that belongs to what stands in the lock.
+    fn seal(&self) -> Result<String, toml::ser::Error> {
+        let rest = Self {
+            seal: String::new(),
+            ..self.clone()
+        };
+        let text = toml::to_string(&rest)?;
+        Ok(blake3::hash(text.as_bytes()).to_hex().to_string())
+    }
+
+    /// Why the lock cannot be what `design freeze` wrote; none if it can.
+    fn forgery(&self) -> Option<&'static str> {
+        let of_design = blake3::hash(self.design.as_bytes()).to_hex().to_string();
+        if self.hash != of_design {
+            return Some("its hash is not that of the design in it");
+        }
+        if !self.seal.is_empty() && self.seal().ok().as_ref() != Some(&self.seal) {
+            return Some("its seal is not that of what stands in it");
+        }
+        (!is_a_day(&self.date)).then_some("its date is no day")
+    }
+}
+
+/// Whether a text is a day of the calendar as `2026-11-22`.
+fn is_a_day(text: &str) -> bool {
+    let numbers: Option<Vec<u32>> = text.split('-').map(|part| part.parse().ok()).collect();
+    let Some([year, month, day]) = numbers.as_deref() else {
+        return false;
+    };
+    let leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+    let days = match month {
+        4 | 6 | 9 | 11 => 30,
+        2 => 28 + u32::from(leap),
+        1..=12 => 31,
+        _ => 0,
+    };
+    text.len() == 10 && (1..=days).contains(day)
+}
+
+/// Writes `study.lock` beside the design; `date` is today's.
+///
+/// # Errors
+/// [`StudyError`] if the design or a file that decides cannot be read, the design was frozen before, or the file cannot be written.
+pub fn freeze(design: Option<&Path>, date: &str) -> Result<Outcome<Frozen>, StudyError> {
+    let study = DesignFile::find(design)?;
+    let Some(path) = &study.path else {
+        return Err(StudyError::NotPossible {
+            problem: "the paper's design is built in and cannot be frozen".to_owned(),
+            help: Some("name a study's own: --design study.toml".to_owned()),
+        });
+    };
+    let lock = path.with_file_name(LOCK_FILE);
+    if lock.exists() {
+        return Err(StudyError::BadFile {
+            path: lock,
+            problem: "the design was frozen before".to_owned(),
+            help: Some(
+                "a changed key or file is declared under `[amendments]` with its reason; the lock stays"
+                    .to_owned(),
+            ),
+        });
+    }
+    let text = read_text(path)?;
+    let files = study.design.files();
+    let cannot = |e| StudyError::file(&lock, format!("cannot be written: {e}"));
+    let mut frozen = Frozen {
+        date: date.to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        hash: blake3::hash(text.as_bytes()).to_hex().to_string(),
+        seal: String::new(),
+        answers: usize::from(study.resolve(&files.answers).is_file()),
+        logs: count(&study.resolve(&files.logs)),
+        design: text,
+        files: deciding_files(&study)?,
+        stages: stages::versions(),
+    };
+    frozen.seal = frozen.seal().map_err(cannot)?;
+    let toml = toml::to_string(&frozen).map_err(cannot)?;
+    atomic_write_bytes(&lock, toml.as_bytes())?;
+    let mut warnings = Vec::new();
+    if frozen.answers + frozen.logs > 0 {
+        warnings.push(format!(
+            "{} logs and {} files of answers are there already: the page will say so",
+            frozen.logs, frozen.answers
+        ));
+    }
+    Ok(Outcome {
+        summary: vec![
+            format!(
+                "frozen on {date}: {} (the design, {} other files that decide, the versions of {} commands)",
+                lock.to_slash_lossy(),
+                frozen.files.len(),
+                frozen.stages.len()
+            ),
+            format!(
+                "seal {}: register it where others keep the date; a file of your own is no time stamp",
+                frozen.seal
+            ),
+        ],
+        value: frozen,
+        warnings,
+    })
+}
+
+/// Files below a folder.
+fn count(folder: &Path) -> usize {
+    let mut folders = vec![folder.to_owned()];
+    let mut found = 0;
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(&folder)
+            .into_iter()
+            .flatten()
+            .flatten()
+            .map(|e| e.path())
+        {
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                found += 1;
+            }
+        }
+    }
+    found
+}
+
+/// What the page says of the declaration: that nothing differs, or one sentence a difference, and of what the lock vouches; nothing where
+/// the design was never frozen.
+///
+/// # Errors
+/// [`StudyError`] if the lock, the design or a file that decides cannot be read.
+pub(crate) fn declared(study: &DesignFile) -> Result<Vec<String>, StudyError> {
+    let Some(path) = &study.path else {
+        return Ok(Vec::new());
+    };
+    let lock = path.with_file_name(LOCK_FILE);
+    if !lock.is_file() {
+        return Ok(Vec::new());
+    }
+    let bad = |path: &Path| {
+        let path = path.to_owned();
+        move |e: toml::de::Error| StudyError::file(&path, e.to_string())
+    };
+    let frozen: Frozen = toml::from_str(&read_text(&lock)?).map_err(bad(&lock))?;
+    if let Some(why) = frozen.forgery() {
+        return Ok(vec![format!(
+            "*{LOCK_FILE} vouches for nothing*: {why}, so it was changed after `maveric design freeze` wrote it."
+        )]);
+    }
+    let before: toml::Table = toml::from_str(&frozen.design).map_err(bad(&lock))?;
+    let now: toml::Table = toml::from_str(&read_text(path)?).map_err(bad(path))?;
+    let mut changes = Changes {
+        date: &frozen.date,
+        reasons: study.design.amendments(),
+        sentences: Vec::new(),
+    };
+    changes.add(&leaves(before), &leaves(now), |key| format!("`{key}`"));
+    let sealed = !frozen.seal.is_empty();
+    if sealed {
+        let short = |hashes: BTreeMap<String, String>| -> BTreeMap<String, String> {
+            let short = |hash: String| format!("a file with hash {}", &hash[..hash.len().min(12)]);
+            hashes
+                .into_iter()
+                .map(|(k, hash)| (k, short(hash)))
+                .collect()
+        };
+        let now = short(deciding_files(study)?);
+        changes.add(&short(frozen.files.clone()), &now, |key| {
+            format!("The file `{key}`")
+        });
+        changes.add(&frozen.stages, &stages::versions(), |key| {
+            format!("The program's numbers of `maveric {key}`")
+        });
+    }
+    let mut sentences = changes.sentences;
+    if sentences.is_empty() {
+        sentences.push(format!("*Analysed as declared on {}.*", frozen.date));
+    }
+    sentences.push(if sealed {
+        format!(
+            "*Of what this vouches*: that the design, {} other files and the program's numbers are those of {LOCK_FILE}, whose seal is {}. A file of \
+             one's own is no time stamp: only where the seal was registered with others does the date hold.",
+            frozen.files.len(),
+            frozen.seal
+        )
+    } else {
+        format!(
+            "*Of what this vouches*: {LOCK_FILE} is of an earlier program and covers study.toml alone, not questionnaires, mappings, scenario or pipeline."
+        )
+    });
+    if frozen.answers + frozen.logs > 0 {
+        sentences.push(format!(
+            "*When it was declared*, {} logs and {} files of answers were there already.",
+            frozen.logs, frozen.answers
+        ));
+    }
+    Ok(sentences)
+}
+
+/// What differs from the declaration, a sentence each.
+struct Changes<'a> {
+    date: &'a str,
+    reasons: &'a BTreeMap<String, String>,
+    sentences: Vec<String>,
+}
+
+impl Changes<'_> {
+    fn add(
+        &mut self,
+        before: &BTreeMap<String, String>,
+        now: &BTreeMap<String, String>,
+        name: impl Fn(&str) -> String,
+    ) {
+        let keys: BTreeSet<&String> = before.keys().chain(now.keys()).collect();
+        for key in keys {
+            if key.starts_with("amendments.") || before.get(key) == now.get(key) {
+                continue;
+            }
+            let value = |of: &BTreeMap<String, String>| {
+                let value = of.get(key).cloned();
+                value.unwrap_or_else(|| "not there".to_owned())
+            };
+            let reason = self.reasons.iter().find(|(k, _)| {
+                let below = key.strip_prefix(k.as_str());
+                below.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[', '/']))
+            });
+            let reason = reason.map_or("no reason was given", |(_, why)| why);
+            self.sentences.push(format!(
+                "*Not as declared on {}.* {}: was {}, is {}: {reason}.",
+                self.date,
+                name(key),
+                value(before),
+                value(now)
+            ));
+        }
+    }
+}
+
+/// The leaves of a file, each under its path.
+fn leaves(table: toml::Table) -> BTreeMap<String, String> {
+    fn add(path: &str, value: &toml::Value, found: &mut BTreeMap<String, String>) {
+        match value {
+            toml::Value::Table(table) => {
+                for (key, value) in table {
+                    let path = if path.is_empty() {
+                        key.clone()
+                    } else {
+                        format!("{path}.{key}")
+                    };
+                    add(&path, value, found);
+                }
+            }
+            toml::Value::Array(rows) if rows.iter().all(toml::Value::is_table) => {
+                for (at, row) in rows.iter().enumerate() {
+                    let id = row.get("id").and_then(toml::Value::as_str);
+                    let name = id.map_or_else(
+                        || format!("{path}[{}]", at + 1),
+                        |id| format!("{path}.{id}"),
+                    );
+                    add(&name, row, found);
+                }
+            }
+            leaf => {
+                found.insert(path.to_owned(), leaf.to_string());
+            }
+        }
+    }
+    let mut found = BTreeMap::new();
+    add("", &toml::Value::Table(table), &mut found);
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::{fs, path::PathBuf};
+
+    const STUDY: &str = "[study]\ntitle = \"Calm or sporty\"\n[[condition]]\nid = \"calm\"\n[[condition]]\nid = \"sporty\"\n\
+                         [baseline]\nid = \"own\"\n[[hypothesis]]\nsays = \"Sporty is faster\"\noutcome = \"mean_velocity_mps\"\n\
+                         contrast = [\"sporty\", \"calm\"]\ndirection = \"+\"\n[exclude]\ndrive_shorter_than_s = 300\n";
+
+    /// A study's folder with a questionnaire, frozen.
+    fn frozen() -> (tempfile::TempDir, PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("study.toml");
+        fs::write(&path, STUDY).unwrap();
+        fs::create_dir(folder.path().join("scales")).unwrap();
+        fs::write(folder.path().join("scales/comfort.toml"), "items = 3\n").unwrap();
+        fs::write(folder.path().join("mapping.toml"), "[names]\n").unwrap();
+        freeze(Some(&path), "2026-11-22").unwrap();
+        (folder, path)
+    }
+
+    fn said(path: &Path) -> Vec<String> {
+        declared(&DesignFile::read(path).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn a_change_after_freezing_is_said_with_its_reason() {
+        let (_folder, path) = frozen();
+        assert_eq!(said(&path)[0], "*Analysed as declared on 2026-11-22.*");
+        let amended = STUDY.replace("= 300", "= 200");
+        fs::write(&path, &amended).unwrap();
+        assert_eq!(
+            said(&path)[0],
+            "*Not as declared on 2026-11-22.* `exclude.drive_shorter_than_s`: was 300, is 200: no reason was given."
+        );
+        let why = "[amendments]\n\"exclude.drive_shorter_than_s\" = \"the route was shorter\"\n";
+        fs::write(&path, format!("{amended}{why}")).unwrap();
+        assert!(said(&path)[0].ends_with("is 200: the route was shorter."));
+        assert!(freeze(Some(&path), "2026-11-23").is_err());
+    }
+
+    #[test]
+    fn a_questionnaire_or_mapping_that_changed_is_not_as_declared() {
+        let (folder, path) = frozen();
+        fs::write(
+            folder.path().join("scales/comfort.toml"),
+            "items = 3\nreversed = [2]\n",
+        )
+        .unwrap();
+        fs::write(folder.path().join("scales/new.toml"), "items = 1\n").unwrap();
+        fs::remove_file(folder.path().join("mapping.toml")).unwrap();
+        let all = said(&path);
+        assert!(
+            !all.iter()
+                .any(|s| s.contains("as declared on 2026-11-22.*") && s.starts_with("*Analysed"))
+        );
+        let of = |file: &str| {
+            all.iter()
+                .find(|s| s.contains(&format!("`{file}`")))
+                .cloned()
+        };
+        assert!(
+            of("scales/comfort.toml")
+                .unwrap()
+                .contains("no reason was given")
+        );
+        assert!(of("scales/new.toml").unwrap().contains("was not there"));
+        assert!(of("mapping.toml").unwrap().contains("is not there"));
+        let why = "[amendments]\n\"scales\" = \"a reversed item was overlooked\"\n";
+        fs::write(&path, format!("{STUDY}{why}")).unwrap();
+        let of_scale = said(&path)
+            .into_iter()
+            .find(|s| s.contains("comfort.toml"))
+            .unwrap();
+        assert!(
+            of_scale.ends_with("a reversed item was overlooked."),
+            "{of_scale}"
+        );
+    }
+
+    #[test]
+    fn another_version_of_the_numbers_is_not_as_declared() {
+        let (_folder, path) = frozen();
+        let lock = path.with_file_name(LOCK_FILE);
+        let mut before: Frozen = toml::from_str(&fs::read_to_string(&lock).unwrap()).unwrap();
+        before.stages.insert("score".to_owned(), "0".to_owned());
+        before.seal = before.seal().unwrap();
+        fs::write(&lock, toml::to_string(&before).unwrap()).unwrap();
+        assert!(
+            said(&path)[0].contains("`maveric score`: was 0, is "),
+            "{:?}",
+            said(&path)
+        );
+    }
+
+    #[test]
+    fn a_lock_that_was_changed_vouches_for_nothing() {
+        let (_folder, path) = frozen();
+        let lock = path.with_file_name(LOCK_FILE);
+        let text = fs::read_to_string(&lock).unwrap();
+        // The hypothesis turned round in both files; zeros for the hash; another day; no day.
+        let turned = text.replace("direction = \\\"+\\\"", "direction = \\\"-\\\"");
+        let turned = turned.replace("direction = \"+\"", "direction = \"-\"");
+        assert_ne!(turned, text);
+        let frozen: Frozen = toml::from_str(&text).unwrap();
+        let zeros = text.replace(&frozen.hash, &"0".repeat(64));
+        let earlier = text.replace("2026-11-22", "2025-11-22");
+        let no_day = text.replace("2026-11-22", "yesterday");
+        for changed in [turned, zeros, earlier, no_day] {
+            fs::write(&lock, changed).unwrap();
+            let all = said(&path);
+            assert!(
+                all.len() == 1 && all[0].contains("vouches for nothing"),
+                "{all:?}"
+            );
+        }
+        fs::write(&lock, text).unwrap();
+        assert!(said(&path)[0].starts_with("*Analysed as declared"));
+    }
+
+    #[test]
+    fn a_lock_of_an_earlier_program_covers_the_design_alone_and_says_so() {
+        let (_folder, path) = frozen();
+        let lock = path.with_file_name(LOCK_FILE);
+        let hash = blake3::hash(STUDY.as_bytes()).to_hex();
+        let design = toml::Value::String(STUDY.to_owned());
+        let old = format!(
+            "date = \"2026-11-20\"\nversion = \"0.1.0\"\nhash = \"{hash}\"\nanswers = 0\nlogs = 0\ndesign = {design}\n"
+        );
+        fs::write(&lock, old).unwrap();
+        let all = said(&path);
+        assert_eq!(all[0], "*Analysed as declared on 2026-11-20.*");
+        assert!(all[1].contains("covers study.toml alone"), "{all:?}");
+    }
+
+    #[test]
+    fn days_are_those_of_the_calendar() {
+        assert!(
+            ["2026-11-22", "2024-02-29", "2000-02-29"]
+                .iter()
+                .all(|d| is_a_day(d))
+        );
+        let none = [
+            "2026-02-29",
+            "1900-02-29",
+            "2026-13-01",
+            "2026-00-10",
+            "2026-1-1",
+            "yesterday",
+            "2026-11-31",
+        ];
+        assert!(!none.iter().any(|d| is_a_day(d)));
+    }
+}
