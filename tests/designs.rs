@@ -155,8 +155,11 @@ fn a_person_whose_part_is_misspelt_is_named_and_one_of_another_part_is_told() {
     study.maveric_in("mine", &["status"]).failed(
         1,
         &[
-            "participants.csv, P02: `part`: found `Test`",
-            "did you mean `test`?",
+            "participants.csv",
+            "row 2",
+            "`part`",
+            "`Test`",
+            "`test`, as [people]",
         ],
     );
     study.write("mine/participants.csv", table("pilot"));
