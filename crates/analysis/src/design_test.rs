@@ -2,7 +2,7 @@
 
 use crate::{AnalysisError, data::StudyData, outcomes::Asked, result::Panel, verdict::ALPHA};
 use maveric_domain::{
-    ConditionId, ParticipantId,
+    ConditionId, Design, ParticipantId,
     design::{Column, Condition, Covariate, Quantity},
 };
 use maveric_stats::{
@@ -22,7 +22,7 @@ pub enum Friedman {
 const CONDITION: &str = "condition";
 
 /// Factors of a kind that a test can take.
-const MOST_FACTORS: usize = 2;
+pub(crate) const MOST_FACTORS: usize = 2;
 
 /// One outcome of some people.
 pub(crate) struct Tested<'a> {
@@ -35,7 +35,7 @@ pub(crate) struct Tested<'a> {
 }
 
 /// A factor within people: its name, and its level in each condition.
-type Within = (String, Vec<String>);
+pub(crate) type Within = (String, Vec<String>);
 
 /// The two factors that the conditions cross, if they do so completely.
 pub(crate) fn crossed(conditions: &[&Condition]) -> Option<Vec<Within>> {
@@ -89,7 +89,7 @@ pub(crate) fn by_design(tested: &Tested) -> Result<Result<ByDesign, String>, Ana
     let within = if one_condition {
         Vec::new()
     } else {
-        factors_within(data, &panel.conditions)
+        factors_within(&data.design, &panel.conditions)
     };
     let rows = || {
         let people = tested.people.iter().zip(&panel.rows);
@@ -148,11 +148,10 @@ pub(crate) fn by_design(tested: &Tested) -> Result<Result<ByDesign, String>, Ana
     Ok(compare_by_design(&columns, &choice).map_err(|refused| refused.to_string()))
 }
 
-fn factors_within(data: &StudyData, conditions: &[ConditionId]) -> Vec<Within> {
-    let found: Option<Vec<&Condition>> = conditions
-        .iter()
-        .map(|id| data.design.condition(*id))
-        .collect();
+/// The factors that these conditions cross; else the conditions themselves are one.
+pub(crate) fn factors_within(design: &Design, conditions: &[ConditionId]) -> Vec<Within> {
+    let found: Option<Vec<&Condition>> =
+        conditions.iter().map(|id| design.condition(*id)).collect();
     found.and_then(|all| crossed(&all)).unwrap_or_else(|| {
         let names = conditions.iter().map(ToString::to_string).collect();
         vec![(CONDITION.to_owned(), names)]

@@ -15,6 +15,7 @@ mod line;
 mod mixed;
 mod outcomes;
 mod person;
+mod planned;
 mod recommendation;
 mod reproduction;
 mod result;
@@ -31,6 +32,7 @@ pub use design_test::Friedman;
 pub use error::AnalysisError;
 pub use exclusions::{Driven, Flow, LeftOut, LeftOutFor, Why};
 pub use person::Person;
+pub use planned::{PlannedTest, planned};
 pub use recommendation::{
     Dial, FURTHEST_POINTS, Learned, OnTheScale, Percept, Preferred, Reason, Recommendation,
     SETTINGS, Standard,

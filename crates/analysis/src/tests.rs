@@ -1,7 +1,8 @@
 //! A study of six people, computed by hand.
 
 use crate::{
-    AnalysisError, Described, Friedman, Panel, Person, StudyData, Tables, Verdict, analyse,
+    AnalysisError, Described, Friedman, Panel, Person, PlannedTest, StudyData, Tables, Verdict,
+    analyse, planned,
     testing::{
         DESIGN, FASTER, SPEED, analysed, analysed_by, design, id, near, panel, person, plain,
         steered, tables,
@@ -11,7 +12,7 @@ use maveric_domain::{
     Scale,
     design::{ScoreName, Sign},
 };
-use maveric_stats::{ByDesign, FactorialDesign, OmnibusTest, PosthocTest, factorial};
+use maveric_stats::{ByDesign, EffectMethod, FactorialDesign, OmnibusTest, PosthocTest, factorial};
 use std::collections::BTreeMap;
 
 #[test]
@@ -456,6 +457,93 @@ fn a_covariate_of_people_enters_between_them_alone_and_must_be_a_number() {
     let data = StudyData::new(&design(&text), with_people(ages)).unwrap();
     let refused = analyse(&data, Friedman::Exact).unwrap_err().to_string();
     assert!(refused.contains("`age` of `P3` is `old`"), "{refused}");
+}
+
+/// Names and methods of what was run, as far as each effect has one.
+fn run_effects(found: &ByDesign) -> Vec<(String, Option<EffectMethod>)> {
+    match found {
+        ByDesign::Factorial(found) => {
+            let tests = found.found.tests.iter();
+            tests
+                .map(|(name, test)| (name.to_owned(), Some(test.method)))
+                .collect()
+        }
+        other => other
+            .effects()
+            .iter()
+            .map(|(name, _)| ((*name).to_owned(), None))
+            .collect(),
+    }
+}
+
+#[test]
+fn what_is_declared_is_what_is_run() {
+    let level = |id: &str, speed: &str, side: &str| {
+        format!(
+            "[[condition]]\nid = \"{id}\"\nlevels = {{ speed = \"{speed}\", side = \"{side}\" }}\n"
+        )
+    };
+    let crossed = level("same", "low", "left")
+        + &level("fast", "high", "left")
+        + &level("slow", "low", "right")
+        + &level("across", "high", "right");
+    let mut effects = 0;
+    for conditions in [
+        &["same", "fast"][..],
+        &["same", "fast", "slow"],
+        &["same", "fast", "slow", "across"],
+        &[],
+    ] {
+        for factor in ["", "[[factor]]\ncolumn = \"city\"\n"] {
+            let product = if conditions.is_empty() {
+                "speed"
+            } else {
+                "condition"
+            };
+            let declared = format!("[[covariate]]\ncolumn = \"age\"\nwith = [\"{product}\"]\n");
+            for covariate in ["", "[[covariate]]\ncolumn = \"age\"\n", &declared] {
+                let mut text = plain(conditions, &(factor.to_owned() + covariate));
+                if conditions.is_empty() {
+                    text += &crossed;
+                }
+                let a = analysed_by(&text, with_people(AGES));
+                let run = panel(&a, SPEED).comparison.as_ref();
+                let run = run.unwrap_or_else(|| panic!("no test of {text}"));
+                match (planned(&design(&text)), run) {
+                    (PlannedTest::Effects(plan), ByDesign::Factorial(_)) => {
+                        effects += 1;
+                        let run = run_effects(run);
+                        assert_eq!(plan.effects.len(), run.len(), "{text}");
+                        for (effect, (name, method)) in plan.effects.iter().zip(run) {
+                            assert_eq!(effect.effect, name, "{text}");
+                            let possible = [Some(effect.normal), Some(effect.far_from_normal)];
+                            assert!(possible.contains(&method), "{name} of {text}");
+                        }
+                    }
+                    (PlannedTest::Pair, ByDesign::OneFactor(found)) => assert_eq!(found.k, 2),
+                    (PlannedTest::OneFactor, ByDesign::OneFactor(found)) => assert!(found.k > 2),
+                    (planned, run) => panic!("{planned:?}, but {run:?} of {text}"),
+                }
+            }
+        }
+    }
+    assert_eq!(effects, 21);
+}
+
+#[test]
+fn a_design_without_anything_to_compare_plans_no_test() {
+    let none = planned(&design(&plain(&["same"], "")));
+    assert!(matches!(none, PlannedTest::None(_)), "{none:?}");
+    let city = "[[factor]]\ncolumn = \"city\"\n";
+    assert_eq!(
+        planned(&design(&plain(&["same"], city))),
+        PlannedTest::Groups
+    );
+    let both = city.to_owned() + "[[covariate]]\ncolumn = \"age\"\n";
+    assert_eq!(
+        planned(&design(&plain(&["same"], &both))),
+        PlannedTest::Covariance
+    );
 }
 
 #[test]

@@ -73,7 +73,7 @@ impl Seat {
     /// in the seat's file.
     ///
     /// # Errors
-    /// As [`forget`]. What was begun is ended when the seat is opened again.
+    /// As [`forget()`]. What was begun is ended when the seat is opened again.
     pub fn forget(&self, participant: &str) -> Result<Forgotten, SeatError> {
         let token = take_out(&self.store, &self.settings.files, participant)?;
         if let Some(token) = &token {

@@ -18,23 +18,23 @@ pub enum StatsError {
         expected: usize,
     },
     /// A value is NaN or infinite.
-    #[error("value {value} in `{name}`, row {row} (from 0), is not a finite number")]
+    #[error("value {value} in `{name}`, row {}, is not a finite number", .row + 1)]
     NotFinite {
         /// The column, or the condition.
         name: String,
-        /// Row, counted from 0.
+        /// Row, counted from 0; the message counts from 1.
         row: usize,
         /// What was found.
         value: f64,
     },
     /// A value whose square is not a number of double precision.
     #[error(
-        "value {value} in `{name}`, row {row} (from 0), is too large to square, expected at most 1e75"
+        "value {value} in `{name}`, row {}, is too large to square, expected at most 1e75", .row + 1
     )]
     TooLarge {
         /// The column, or the condition.
         name: String,
-        /// Row, counted from 0.
+        /// Row, counted from 0; the message counts from 1.
         row: usize,
         /// What was found.
         value: f64,
@@ -118,9 +118,9 @@ pub enum StatsError {
         name: String,
     },
     /// An ordered answer that is no whole number.
-    #[error("value {value} in row {row} (from 0) is not a whole number, as ordered answers are")]
+    #[error("value {value} in row {} is not a whole number, as ordered answers are", .row + 1)]
     NotWhole {
-        /// Row, counted from 0.
+        /// Row, counted from 0; the message counts from 1.
         row: usize,
         /// What was found.
         value: f64,
@@ -150,9 +150,9 @@ pub enum StatsError {
         found: f64,
     },
     /// A printed number that cannot be read.
-    #[error("row {row} (from 0): cannot read {what} from `{text}`, expected {expected}")]
+    #[error("row {}: cannot read {what} from `{text}`, expected {expected}", .row + 1)]
     Unreadable {
-        /// Row, counted from 0.
+        /// Row, counted from 0; the message counts from 1.
         row: usize,
         /// Which number.
         what: String,

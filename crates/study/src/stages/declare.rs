@@ -2,6 +2,7 @@
 
 use super::sample_size::sample_size;
 use crate::{design::DesignFile, error::StudyError, outcome::Outcome};
+use maveric_analysis::{PlannedTest, planned};
 use maveric_domain::{
     Design,
     design::{Car, Claim, Compare, Condition, Sign},
@@ -199,15 +200,9 @@ fn analyses(design: &Design) -> Vec<String> {
     let mut lines = vec![format!(
         "{compared}, with Holm's correction over the contrasts of an outcome."
     )];
-    lines.push(if design.conditions().len() > 2 {
-        "Each outcome: repeated-measures ANOVA (degrees of freedom corrected after Greenhouse and Geisser or Huynh and Feldt) and paired t tests where the \
-         residuals look normal (Shapiro-Wilk, .05), else Friedman's test and Wilcoxon's."
-            .to_owned()
-    } else {
-        "Each outcome: a paired t test where the differences look normal (Shapiro-Wilk, .05), else Wilcoxon's test.".to_owned()
-    });
+    lines.extend(tests(design));
     if !design.factors().is_empty() {
-        lines.push("With groups, each outcome is tested within each group; the correction counts all groups.".to_owned());
+        lines.push("The conditions are compared over everybody, one family for Holm's correction, and in each group on its own, another.".to_owned());
     }
     if let Some(family) = design.homophily() {
         let ratings: Vec<String> = family.ratings.iter().map(ToString::to_string).collect();
@@ -220,6 +215,46 @@ fn analyses(design: &Design) -> Vec<String> {
     }
     lines.push("Whatever else the page shows is exploratory.".to_owned());
     lines
+}
+
+/// The test of each outcome, from the value that the analysis goes by.
+fn tests(design: &Design) -> Vec<String> {
+    let item = "A rating of one item (at most seven whole answers) is tested by its order alone";
+    match planned(design) {
+        PlannedTest::Pair => vec![
+            "Each outcome: a paired t test where the differences look normal (Shapiro-Wilk, .05), else Wilcoxon's test.".to_owned(),
+            format!("{item}: a cumulative logit model with a random intercept, its likelihood ratio held against F."),
+        ],
+        PlannedTest::OneFactor => vec![
+            "Each outcome: repeated-measures ANOVA (degrees of freedom corrected after Greenhouse and Geisser or Huynh and Feldt) and paired t tests where the \
+             residuals look normal (Shapiro-Wilk, .05), else Friedman's test and Wilcoxon's."
+                .to_owned(),
+            format!("{item}: a cumulative logit model with a random intercept, its likelihood ratio held against F."),
+        ],
+        PlannedTest::Groups => vec![
+            "Each outcome: Welch's test of the groups where the residuals look normal (Shapiro-Wilk, .05), else Mann-Whitney or Kruskal-Wallis.".to_owned(),
+        ],
+        PlannedTest::Covariance => vec![
+            "Each outcome: a linear model of groups and covariates (analysis of covariance).".to_owned(),
+        ],
+        PlannedTest::Effects(plan) => {
+            let mut lines = vec![format!(
+                "Each outcome has one test an effect, over everybody; residuals are judged by Shapiro and Wilk at .05. {item}, as are values far from normal."
+            )];
+            lines.extend(plan.effects.iter().map(|effect| {
+                let normal = effect.normal.words();
+                if effect.normal == effect.far_from_normal {
+                    format!("`{}`: {normal}.", effect.effect)
+                } else {
+                    let far = effect.far_from_normal.words();
+                    format!("`{}`: {normal}; far from normal {far}.", effect.effect)
+                }
+            }));
+            lines
+        }
+        PlannedTest::None(why) => vec![format!("No outcome has a test: {why}.")],
+        _ => Vec::new(),
+    }
 }
 
 fn exclusions(design: &Design) -> Vec<String> {
@@ -258,6 +293,25 @@ mod tests {
     const STUDY: &str = "[study]\ntitle = \"Calm or sporty\"\n[[condition]]\nid = \"calm\"\n[[condition]]\nid = \"sporty\"\n\
                          [baseline]\nid = \"own\"\n[[hypothesis]]\nsays = \"Sporty is faster\"\noutcome = \"mean_velocity_mps\"\n\
                          contrast = [\"sporty\", \"calm\"]\ndirection = \"+\"\n[exclude]\ndrive_shorter_than_s = 300\n";
+
+    #[test]
+    fn effects_and_covariates_are_declared_with_the_tests_that_they_get() {
+        let more = "[[factor]]\ncolumn = \"city\"\n[[covariate]]\ncolumn = \"age\"\nwith = [\"condition\"]\n";
+        let text = text(
+            &Design::from_toml(&format!("{STUDY}{more}")).unwrap(),
+            Vec::new(),
+        );
+        for said in [
+            "`city`: F of a regression",
+            "`condition`: F of a regression",
+            "`age:condition`: F of a regression",
+            "over everybody",
+            "in each group on its own",
+        ] {
+            assert!(text.contains(said), "{said} in {text}");
+        }
+        assert!(!text.contains("tested within each group"), "{text}");
+    }
 
     #[test]
     fn a_design_reads_as_a_preregistration() {

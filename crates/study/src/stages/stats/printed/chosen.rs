@@ -36,7 +36,9 @@ pub(in crate::stages::stats) fn by_design(found: &ByDesign) -> Printed {
             printed
         }
         ByDesign::Ordinal(found) => {
-            let printed = ordinal(&found.found.model);
+            let mut printed = ordinal(&found.found.model);
+            // The conditions by the test that decides: the likelihood ratio held against F.
+            printed.tables[0].notes = named_sentences(&found.found);
             match &found.found.beside {
                 Some(beside) => printed.table(ranks(beside)),
                 None => printed,
