@@ -214,7 +214,10 @@ await axed(lab, "the laboratory");
 await look(lab, "laboratory");
 const happened = await lab.locator("main").textContent();
 check(!happened.includes("other states") && !happened.includes("another style") && !happened.includes("cannot be driven"), "page and server agree about every drive");
-// The same study as static files: the tab closed once in the middle; what was given arrives by POST, and is taken in.
+const ended = new Promise((done) => server.once("exit", done));
+server.kill("SIGINT");
+check((await ended) === 0, "Ctrl-C ends the server in order");
+// One program at a time has a study's seat open. The same study as static files: the tab closed once in the middle; what was given arrives by POST, and is taken in.
 execFileSync(maveric, ["seat", "export", join(folder, "online"), "--study", folder, "--post", `http://127.0.0.1:${port + 1}/given`]);
 const kinds = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm", ".json": "application/json" };
 let given = null;
@@ -239,10 +242,6 @@ await look(online.page, "online");
 space.close();
 space.closeAllConnections();
 await browser.close();
-const ended = new Promise((done) => server.once("exit", done));
-server.kill("SIGINT");
-check((await ended) === 0, "Ctrl-C ends the server in order");
-
 writeFileSync(join(folder, "given.jsonl"), given);
 const taken = execFileSync(maveric, ["seat", "import", "--study", folder, join(folder, "given.jsonl")], { encoding: "utf8" });
 check(taken.trim() === "P004: 4 sheets, 3 drives, done", `taken in: ${taken.trim()}`);
