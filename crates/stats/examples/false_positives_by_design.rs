@@ -76,6 +76,8 @@ struct Cell {
     first_group: f64,
     /// Size of the second factor within, or of the groups where there is no second: all but the first factor's effects are there.
     other: f64,
+    /// Size of the first factor within.
+    first: f64,
     /// Share of cells that are missing, by chance.
     missing: f64,
 }
@@ -91,6 +93,7 @@ const PLAIN: Cell = Cell {
     slope: 0.0,
     first_group: 1.0,
     other: 0.0,
+    first: 0.0,
     missing: 0.0,
 };
 
@@ -141,6 +144,15 @@ fn variations(base: &Cell) -> Vec<Cell> {
         of("other effects present, lognormal errors", &|c| {
             (c.other, c.values) = (1.5, Values::Skewed);
         }),
+        of("both main effects present, slopes 1.5", &|c| {
+            (c.first, c.other, c.slope) = (1.5, 1.5, 1.5);
+        }),
+        of(
+            "both main effects present, slopes 1.5, lognormal errors",
+            &|c| {
+                (c.first, c.other, c.slope, c.values) = (1.5, 1.5, 1.5, Values::Skewed);
+            },
+        ),
     ]
 }
 
@@ -200,16 +212,24 @@ fn cells() -> Vec<Cell> {
             });
         }
     }
-    for (design, values) in [
-        ("an item, 4 conditions, 24 people", Values::Answers),
+    for (design, groups, values) in [
+        ("an item, 4 conditions, 24 people", &[24], Values::Answers),
         (
             "an item, mostly 1 and 2, 4 conditions, 24 people",
+            &[24],
+            Values::LowAnswers,
+        ),
+        ("an item, 4 conditions, 12 people", &[12], Values::Answers),
+        (
+            "an item, mostly 1 and 2, 4 conditions, 12 people",
+            &[12],
             Values::LowAnswers,
         ),
     ] {
         cells.push(Cell {
             design,
             data: "answers 1 to 5",
+            groups,
             values,
             item: true,
             within: &[4],
@@ -261,6 +281,7 @@ impl Cell {
         // Of skewed values that spread more, means and medians are not the same.
         let skewed = self.first_group > 1.0 && !matches!(self.values, Values::Normal);
         let real = (self.other > 0.0 && effect == there)
+            || (self.first > 0.0 && effect == "a")
             || effect == "age"
             || (skewed && effect == "group");
         !real
@@ -297,7 +318,8 @@ impl Cell {
                         Covariate::OfRows => years + normal(generator),
                         _ => years,
                     };
-                    let mut level = own + wider * slopes[cell / below % levels];
+                    let first = cell / below % levels;
+                    let mut level = own + wider * slopes[first] + self.first * first as f64;
                     if self.covariate != Covariate::None {
                         level += years;
                     }
@@ -374,8 +396,15 @@ impl Cell {
     }
 }
 
-/// Findings of each effect that is nil, and how often ranks decided.
-type Counts = (BTreeMap<String, usize>, usize);
+/// What was seen of each effect that is nil, and how often ranks decided.
+type Counts = (BTreeMap<String, Seen>, usize);
+
+/// How often an effect was tested, and found.
+#[derive(Clone, Copy, Default)]
+struct Seen {
+    tested: usize,
+    below: usize,
+}
 
 fn by_ranks(found: &ByDesign) -> bool {
     use maveric_stats::{ChosenTest, OmnibusTest};
@@ -395,8 +424,10 @@ fn by_ranks(found: &ByDesign) -> bool {
 }
 
 fn add(mut all: Counts, more: Counts) -> Counts {
-    for (name, count) in more.0 {
-        *all.0.entry(name).or_default() += count;
+    for (name, more) in more.0 {
+        let seen = all.0.entry(name).or_default();
+        seen.tested += more.tested;
+        seen.below += more.below;
     }
     (all.0, all.1 + more.1)
 }
@@ -423,18 +454,29 @@ fn main() -> Result<(), StatsError> {
                 let stream = (i as u128 + 100) << 64 | set as u128;
                 let seed = stream.wrapping_mul(0x9e37_79b9_7f4a_7c15);
                 let found = cell.look(&mut Pcg64::new(seed, stream))?;
-                let below = |p: Option<f64>| usize::from(p.is_some_and(|p| p < ALPHA));
+                let seen = |p: Option<f64>| Seen {
+                    tested: usize::from(p.is_some()),
+                    below: usize::from(p.is_some_and(|p| p < ALPHA)),
+                };
                 let effects = found.effects().into_iter();
                 let nil = effects.filter(|(name, _)| cell.is_nil(name));
-                let counts = nil.map(|(name, p)| (name.to_owned(), below(p))).collect();
+                let counts = nil.map(|(name, p)| (name.to_owned(), seen(p))).collect();
                 Ok((counts, usize::from(by_ranks(&found))))
             })
             .try_reduce(Counts::default, |a, b| Ok(add(a, b)))?;
         let (mut rates, mut high, mut low) = (Vec::new(), Vec::new(), Vec::new());
-        for (effect, count) in &effects {
-            let rate = proportion(*count, sets, 0.999)?;
+        for (effect, seen) in &effects {
+            // A rate of the tests that gave a p value; how many did not stands beside it.
+            let rate = proportion(seen.below, seen.tested, 0.999)?;
             let short = format!("{:.3}", rate.estimate);
-            rates.push(format!("{effect} {}", short.trim_start_matches('0')));
+            let none = sets - seen.tested;
+            rates.push(match none {
+                0 => format!("{effect} {}", short.trim_start_matches('0')),
+                none => format!(
+                    "{effect} {} (no p in {none})",
+                    short.trim_start_matches('0')
+                ),
+            });
             if rate.low > TOO_MANY {
                 high.push(effect.as_str());
             }

@@ -115,6 +115,7 @@ fn answer(case: &Value, table: &Table) -> Value {
             json(&stats::ordinal(&subject, &condition, &table.numbers("value")).unwrap())
         }
         "factorial" => factorial(case, table),
+        "by_design" => by_design(case, table),
         "groups" => {
             let (group, value) = (table.text("group"), table.numbers("value"));
             json(&stats::groups(&group, &value).unwrap())
@@ -174,6 +175,51 @@ fn factorial(case: &Value, table: &Table) -> Value {
         answer["undefined"][name] = reason.clone();
     }
     answer
+}
+
+/// The tests that decide, effect by effect.
+fn by_design(case: &Value, table: &Table) -> Value {
+    let names = |key: &str| -> Vec<&str> {
+        let list = case[key].as_array().unwrap();
+        list.iter().map(|name| name.as_str().unwrap()).collect()
+    };
+    let (within, between) = (names("within"), names("between"));
+    let cells: Vec<_> = within.iter().map(|name| table.text(name)).collect();
+    let groups: Vec<_> = between.iter().map(|name| table.labels(name)).collect();
+    let declared = case["covariates"].as_object().unwrap();
+    let covariates: Vec<_> = declared.keys().map(|name| table.numbers(name)).collect();
+    let with = |products: &Value| -> Vec<&'static str> {
+        let all = products.as_array().unwrap().iter();
+        // A test's few names, kept for as long as it runs.
+        all.map(|name| &*name.as_str().unwrap().to_owned().leak())
+            .collect()
+    };
+    let (subjects, values) = (table.text("subject"), table.numbers("value"));
+    let columns = stats::DesignColumns {
+        subjects: &subjects,
+        within: within
+            .iter()
+            .copied()
+            .zip(cells.iter().map(Vec::as_slice))
+            .collect(),
+        between: between
+            .iter()
+            .copied()
+            .zip(groups.iter().map(Vec::as_slice))
+            .collect(),
+        covariates: declared
+            .keys()
+            .map(String::as_str)
+            .zip(covariates.iter().map(Vec::as_slice))
+            .collect(),
+        with: declared
+            .iter()
+            .map(|(name, products)| (name.as_str(), with(products)))
+            .collect(),
+        values: &values,
+    };
+    let chosen = stats::compare_by_design(&columns, &stats::DesignChoice::default());
+    serde_json::to_value(chosen.unwrap()).unwrap()
 }
 
 fn equivalence(case: &Value, table: &Table) -> Value {

@@ -18,10 +18,13 @@ pub struct EffectTest {
     /// F; W+ of signed ranks; U of two groups' ranks, of more groups χ².
     pub statistic: Option<f64>,
     /// Degrees of freedom, corrected; none of W+ and U.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub df1: Option<f64>,
     /// Of the error, corrected; F only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub df2: Option<f64>,
     /// By which both were multiplied; F over a stratum only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub epsilon: Option<f64>,
     /// Which correction that is.
     pub correction: SphericityCorrection,
