@@ -2,8 +2,8 @@
 
 use maveric_bag::caught;
 use polars::prelude::{
-    DataFrame, KeyValueMetadata, ParallelStrategy, ParquetCompression, ParquetReader,
-    ParquetWriter, Schema, SchemaExt as _, SerReader,
+    ArrowDataType, DataFrame, KeyValueMetadata, ParallelStrategy, ParquetCompression,
+    ParquetReader, ParquetWriter, SerReader,
 };
 use std::io::Cursor;
 
@@ -15,6 +15,12 @@ const CHECKSUM: &str = "maveric.checksum";
 const BLAKE3: &str = "blake3:";
 /// Length of the checksum itself, in hexadecimal digits.
 const DIGITS: usize = 64;
+
+/// Cells that any file may hold; a larger file may hold [`CELLS_PER_BYTE`] for each of its bytes on top. A few bytes can announce
+/// any number of equal cells, and all of them would have to be in memory.
+const MOST_CELLS: u64 = 100_000_000;
+/// Numbers that differ take more than a byte each, packed as well as they can be.
+const CELLS_PER_BYTE: u64 = 16;
 
 /// What was read from Parquet.
 #[derive(Debug, Clone)]
@@ -101,6 +107,7 @@ pub fn read_parquet(bytes: Vec<u8>, columns: Option<&[String]>) -> Result<Parque
         return Err("it does not end with PAR1: its end is missing".to_owned());
     }
     let checked = checked(&bytes)?;
+    let most = MOST_CELLS + CELLS_PER_BYTE * bytes.len() as u64;
     let read = move || -> Result<ParquetFile, String> {
         let mut reader = ParquetReader::new(Cursor::new(bytes));
         let told = reader.get_metadata().map_err(|e| first_line(&e))?;
@@ -109,6 +116,16 @@ pub fn read_parquet(bytes: Vec<u8>, columns: Option<&[String]>) -> Result<Parque
             .filter(|kv| kv.key != CHECKSUM)
             .filter_map(|kv| Some((kv.key.clone(), kv.value.clone()?)));
         let metadata = metadata.collect();
+        let groups = told.row_groups.iter();
+        let rows = groups.map(|group| group.num_rows() as u64).sum::<u64>();
+        let rows = rows.max(told.num_rows as u64);
+        let width = columns.map_or(told.schema_descr.fields().len(), <[String]>::len) as u64;
+        if rows.saturating_mul(width) > most {
+            return Err(format!(
+                "it announces {rows} rows of {width} column{}: expected at most {most} cells in a file of this size; write it in several files, or only the rows of the drive",
+                if width == 1 { "" } else { "s" }
+            ));
+        }
         let frame = reader
             // On this thread, where a panic can be caught without a word.
             .read_parallel(ParallelStrategy::None)
@@ -124,18 +141,50 @@ pub fn read_parquet(bytes: Vec<u8>, columns: Option<&[String]>) -> Result<Parque
     caught(read)
 }
 
-/// Names of the columns.
+/// The columns in their order: a name, and the type of one that holds neither numbers, words, dates nor yes and no.
 ///
 /// # Errors
 /// As [`read_parquet`].
-pub(crate) fn parquet_names(bytes: &[u8]) -> Result<Vec<String>, String> {
+pub(crate) fn parquet_columns(bytes: &[u8]) -> Result<Vec<(String, Option<String>)>, String> {
     caught(|| {
         let schema = ParquetReader::new(Cursor::new(bytes)).schema();
-        let schema: std::sync::Arc<Schema> = schema
-            .map(|s| std::sync::Arc::new(Schema::from_arrow_schema(&s)))
-            .map_err(|e| first_line(&e))?;
-        Ok(schema.iter_names().map(ToString::to_string).collect())
+        let schema = schema.map_err(|e| first_line(&e))?;
+        let columns = schema.iter().map(|(name, field)| {
+            let type_name = (!is_readable(&field.dtype)).then(|| format!("{:?}", field.dtype));
+            (name.to_string(), type_name)
+        });
+        Ok(columns.collect())
     })
+}
+
+/// Whether cells are numbers, words, times, or yes and no.
+fn is_readable(kind: &ArrowDataType) -> bool {
+    use ArrowDataType as T;
+    match kind {
+        T::Boolean
+        | T::Int8
+        | T::Int16
+        | T::Int32
+        | T::Int64
+        | T::UInt8
+        | T::UInt16
+        | T::UInt32
+        | T::UInt64
+        | T::Float32
+        | T::Float64
+        | T::Decimal(..)
+        | T::Timestamp(..)
+        | T::Date32
+        | T::Date64
+        | T::Time32(_)
+        | T::Time64(_)
+        | T::Duration(_)
+        | T::Utf8
+        | T::LargeUtf8
+        | T::Utf8View => true,
+        T::Dictionary(_, values, _) => is_readable(values),
+        _ => false,
+    }
 }
 
 pub(crate) fn first_line(error: &impl ToString) -> String {
@@ -191,11 +240,25 @@ mod tests {
     }
 
     #[test]
+    fn a_small_file_of_very_many_equal_rows_is_refused_before_they_are_in_memory() {
+        let rows = 104_000_000;
+        let column = Column::new_scalar("valid".into(), true.into(), rows);
+        let mut bytes = Vec::new();
+        ParquetWriter::new(&mut bytes)
+            .finish(&mut DataFrame::new(rows, vec![column]).unwrap())
+            .unwrap();
+        assert!(bytes.len() < 200_000, "{}", bytes.len());
+        let error = read_parquet(bytes, None).unwrap_err();
+        assert!(error.contains("104000000 rows of 1 column"), "{error}");
+    }
+
+    #[test]
     fn other_programs_parquet_is_read_and_a_damaged_one_is_an_error_and_no_panic() {
         let mut bytes = Vec::new();
         ParquetWriter::new(&mut bytes).finish(&mut frame()).unwrap();
         assert!(!read_parquet(bytes.clone(), None).unwrap().checked);
-        assert_eq!(parquet_names(&bytes).unwrap(), ["x", "word"]);
+        let columns = [("x".to_owned(), None), ("word".to_owned(), None)];
+        assert_eq!(parquet_columns(&bytes).unwrap(), columns);
         let mut refused = 0;
         for at in (4..bytes.len()).step_by(bytes.len() / 499 + 1) {
             let mut changed = bytes.clone();

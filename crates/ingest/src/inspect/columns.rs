@@ -38,8 +38,13 @@ pub(super) struct Sheet {
 /// [`IngestError::BadTable`] for what is no table.
 pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<Sheet, IngestError> {
     let parquet = is_parquet(&bytes);
+    let mut unreadable = Vec::new();
     let (preamble, separator, names) = if parquet {
-        (0, None, Table::parquet_names(path, &bytes)?)
+        let columns = Table::parquet_columns(path, &bytes)?;
+        let lists = columns.iter().filter(|(_, kind)| kind.is_some());
+        unreadable.extend(lists.map(|(name, _)| name.clone()));
+        let names = columns.into_iter().map(|(name, _)| name).collect();
+        (0, None, names)
     } else {
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
         let preamble = likely_header(text);
@@ -56,7 +61,7 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>) -> Result<Sheet, IngestError> {
     };
     let mut once: Vec<&str> = Vec::new();
     for name in &names {
-        if !once.contains(&name.as_str()) {
+        if !once.contains(&name.as_str()) && !unreadable.contains(name) {
             once.push(name);
         }
     }

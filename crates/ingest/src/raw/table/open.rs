@@ -96,18 +96,22 @@ impl Table {
         anchor: &str,
     ) -> Result<Vec<String>, IngestError> {
         if parquet::is_parquet(bytes) {
-            return Self::parquet_names(path, bytes);
+            let columns = Self::parquet_columns(path, bytes)?.into_iter();
+            return Ok(columns.map(|(name, _)| name).collect());
         }
         let text = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
         Ok(header(text, style, Some(anchor)).names)
     }
 
-    /// Names of the columns of Parquet.
+    /// The columns of Parquet, and the type of each that cannot be read.
     ///
     /// # Errors
     /// [`IngestError::BadTable`].
-    pub(crate) fn parquet_names(path: &Path, bytes: &[u8]) -> Result<Vec<String>, IngestError> {
-        parquet::parquet_names(bytes).map_err(|why| IngestError::bad_table(path, why))
+    pub(crate) fn parquet_columns(
+        path: &Path,
+        bytes: &[u8],
+    ) -> Result<Vec<(String, Option<String>)>, IngestError> {
+        parquet::parquet_columns(bytes).map_err(|why| IngestError::bad_table(path, why))
     }
 
     fn read_text(
@@ -156,8 +160,15 @@ impl Table {
     }
 
     fn read_parquet(&mut self, bytes: Vec<u8>, wanted: &[(&str, Kind)]) -> Result<(), IngestError> {
-        self.names = Self::parquet_names(&self.path, &bytes)?;
+        let all = Self::parquet_columns(&self.path, &bytes)?;
+        self.names = all.iter().map(|(name, _)| name.clone()).collect();
         let columns: Vec<String> = self.wanted(wanted)?.into_iter().map(|c| c.0).collect();
+        let mut unreadable = all.iter().filter(|(name, _)| columns.contains(name));
+        if let Some((name, Some(kind))) = unreadable.find(|(_, kind)| kind.is_some()) {
+            return Err(self.bad(format!(
+                "column `{name}` is of type {kind}: expected numbers, words or times"
+            )));
+        }
         let file = parquet::read_parquet(bytes, Some(&columns));
         self.frame = file.map_err(|why| self.bad(why))?.frame;
         Ok(())
@@ -263,7 +274,12 @@ impl Table {
     /// # Errors
     /// As [`Table::numbers`].
     pub(crate) fn numbers_of(&self, name: &str, expected: &str) -> Result<Vec<f64>, IngestError> {
-        let column = self.column(name)?;
+        let mut column = self.column(name)?;
+        let words;
+        if column.dtype().is_categorical() {
+            words = column.cast(&DataType::String);
+            column = words.as_ref().map_err(|e| self.unreadable(name, e))?;
+        }
         if let Ok(texts) = column.str() {
             let number = |(row, cell): (usize, Option<&str>)| {
                 let cell = cell.map(str::trim).unwrap_or_default();
@@ -282,6 +298,21 @@ impl Table {
                 parsed.ok_or_else(|| self.bad_cell_of(row, name, cell, expected))
             };
             return texts.iter().enumerate().map(number).collect();
+        }
+        let kind = column.dtype();
+        if !kind.is_primitive_numeric() && !kind.is_decimal() {
+            return Err(self.bad(format!(
+                "column `{name}` holds {}: expected {expected}{}",
+                match kind {
+                    DataType::Boolean => "yes and no (bool)".to_owned(),
+                    kind => format!("times ({kind})"),
+                },
+                match kind {
+                    DataType::Datetime(..) =>
+                        "; as the time it is read with `time = \"iso8601\"` in `[table.units]`",
+                    _ => "",
+                }
+            )));
         }
         let numbers = column
             .cast(&DataType::Float64)
@@ -409,6 +440,52 @@ fn without_mark(mut text: Vec<u8>) -> Vec<u8> {
 mod tests {
     use super::*;
 
+    /// A file such as other programs write, with every type that their tables have.
+    fn foreign_parquet() -> Vec<u8> {
+        use polars::prelude::{IntoColumn as _, NamedFrom as _, ParquetWriter, Series, TimeUnit};
+        let column = |name: &str, values: Series, kind: DataType| {
+            let mut values = values.cast(&kind).unwrap();
+            values.rename(name.into());
+            values.into_column()
+        };
+        let whole =
+            |name: &str, kind: DataType| column(name, Series::new("".into(), [1_i64, 2, 3]), kind);
+        let us = DataType::Datetime(TimeUnit::Microseconds, None);
+        let stamps = Series::new(
+            "".into(),
+            [
+                1_562_235_693_100_000_i64,
+                1_562_235_693_200_000,
+                1_562_235_693_300_000,
+            ],
+        );
+        let words = Series::new("".into(), ["a", "b", "a"]);
+        let lists = Series::new("".into(), [1_i64, 2]);
+        let lists = Series::new("lists".into(), vec![lists; 3]);
+        let columns = vec![
+            column("when", stamps, us),
+            whole("day", DataType::Date),
+            whole("i8", DataType::Int8),
+            whole("u8", DataType::UInt8),
+            whole("i16", DataType::Int16),
+            whole("u16", DataType::UInt16),
+            whole("f32", DataType::Float32),
+            whole("decimal", DataType::Decimal(10, 2)),
+            whole("duration", DataType::Duration(TimeUnit::Milliseconds)),
+            column(
+                "kind",
+                words,
+                DataType::from_categories(polars_core::prelude::Categories::global()),
+            ),
+            whole("valid", DataType::Boolean),
+            lists.into_column(),
+        ];
+        let mut bytes = Vec::new();
+        let mut frame = DataFrame::new(3, columns).unwrap();
+        ParquetWriter::new(&mut bytes).finish(&mut frame).unwrap();
+        bytes
+    }
+
     fn open(text: &str, wanted: &[(&str, Kind)]) -> Result<Table, IngestError> {
         Table::open(Path::new("t.csv"), text.into(), Style::default(), wanted)
     }
@@ -500,5 +577,51 @@ mod tests {
             codes.iter().flatten().copied().collect::<Vec<_>>(),
             [2, 1, 0]
         );
+    }
+
+    #[test]
+    fn parquet_of_other_programs_is_read_whatever_its_types_and_yes_and_no_are_no_speeds() {
+        let read = |wanted: &[(&str, Kind)]| {
+            Table::open(
+                Path::new("t.parquet"),
+                foreign_parquet(),
+                Style::default(),
+                wanted,
+            )
+        };
+        for name in ["i8", "u8", "i16", "u16", "f32", "decimal"] {
+            let table = read(&[(name, Kind::Number)]).unwrap();
+            assert_eq!(table.numbers(name).unwrap(), [1.0, 2.0, 3.0], "{name}");
+        }
+        let table = read(&[("kind", Kind::Word), ("when", Kind::Word)]).unwrap();
+        let word = |text: &str| Some(text.to_owned());
+        assert_eq!(
+            table.words("kind").unwrap(),
+            [word("a"), word("b"), word("a")]
+        );
+        let clock = crate::raw::table::time::Clock {
+            unit: crate::mapping::TimeUnit::Iso8601,
+            pattern: None,
+            frames_per_s: 1.0,
+        };
+        let stamps = crate::raw::table::time::stamps(&table, "when", clock).unwrap();
+        assert_eq!(stamps[0], Some(1_562_235_693_100_000_000));
+        assert_eq!(stamps[2], Some(1_562_235_693_300_000_000));
+        for (name, found) in [
+            (
+                "valid",
+                "column `valid` holds yes and no (bool): expected a finite number",
+            ),
+            ("when", "`time = \"iso8601\"`"),
+            ("day", "column `day` holds times (date)"),
+            ("duration", "column `duration` holds times (duration[ms])"),
+            ("kind", "`a`"),
+        ] {
+            let table = read(&[(name, Kind::Number)]).unwrap();
+            let error = table.numbers(name).unwrap_err().to_string();
+            assert!(error.contains(found), "{error}");
+        }
+        let error = read(&[("lists", Kind::Number)]).unwrap_err().to_string();
+        assert!(error.contains("column `lists` is of type"), "{error}");
     }
 }
