@@ -39,6 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     driven_by: DrivenBy::Synthetic,
                 },
                 values: [("mean_velocity_mps".to_owned(), Some(own + faster))].into(),
+                counted_s: None,
             });
         }
     }

@@ -10,7 +10,7 @@ use crate::{
     verdict::ALPHA,
 };
 use maveric_domain::{ConditionId, ParticipantId, design::Column};
-use maveric_measures::difference_from_own;
+use maveric_measures::{difference_from_own, objective};
 use maveric_stats::{
     Adjustment, ByDesign, ChosenTest, PosthocTest, WithinSubjects, adjust, posthoc,
 };
@@ -136,6 +136,7 @@ fn panel(
         }
         Err(why) => panel.reasons.push(why),
     }
+    panel.reasons.extend(cut_drives(data, asked, people));
     if panel.n < 2 || panel.conditions.len() < 2 {
         let untested = |pair: [ConditionId; 2]| Contrast::untested(pair, expected(pair));
         panel.contrasts = contrasts.into_iter().map(untested).collect();
@@ -163,6 +164,27 @@ fn panel(
         contrast.people = people;
     }
     Ok(panel)
+}
+
+/// Says of a count or an extreme that it was taken from parts of drives, where a person's drives differ in length.
+fn cut_drives(data: &StudyData, asked: &Asked, people: &[ParticipantId]) -> Option<String> {
+    let grows = asked.column().and_then(objective::find)?.grows;
+    let ids = data.design.conditions().iter().map(|c| c.id);
+    let ids: Vec<ConditionId> = ids.chain(data.design.baseline_id()).collect();
+    let of = |p: &ParticipantId| {
+        ids.iter()
+            .filter(|c| data.counted_s(p, **c).is_some())
+            .count()
+    };
+    let cut: Vec<usize> = people.iter().map(of).filter(|drives| *drives > 0).collect();
+    (grows && !cut.is_empty()).then(|| {
+        format!(
+            "drives of {} people differ in length: their values are those of the part of each drive ({} drives) that is as long as the person’s \
+             shortest and meets as many lead vehicles",
+            cut.len(),
+            cut.iter().sum::<usize>()
+        )
+    })
 }
 
 /// People whose first value lies above the second, at it, and below it.

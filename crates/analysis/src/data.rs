@@ -287,6 +287,12 @@ impl StudyData {
             .flatten()
     }
 
+    /// Time from the start of a participant's drive over which counts were taken, in s, where the person's drives differ in length.
+    pub fn counted_s(&self, participant: &ParticipantId, condition: ConditionId) -> Option<f64> {
+        let at = *self.drives.get(&condition)?.get(participant)?;
+        self.measurements[at].counted_s
+    }
+
     /// The measures of a participant's drive.
     pub fn drive(
         &self,

@@ -71,6 +71,7 @@ pub(crate) fn drive(i: usize, condition: &str, speed: Option<f64>) -> MeasuredDr
             driven_by: DrivenBy::Human,
         },
         values: BTreeMap::from([(SPEED.to_owned(), speed)]),
+        counted_s: None,
     }
 }
 

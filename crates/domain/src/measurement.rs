@@ -25,6 +25,8 @@ pub struct MeasuredDrive {
     pub meta: DriveMeta,
     /// Code name of the measure → value.
     pub values: MeasureValues,
+    /// Time from the start over which counts and extremes were taken, in s, where the person's drives differ in length; else the whole.
+    pub counted_s: Option<f64>,
 }
 
 /// Standard deviation of each measure over drives (n − 1): the unit in which people perceive differences.

@@ -142,6 +142,7 @@ impl World {
                 tables.measurements.push(MeasuredDrive {
                     meta: meta(person, condition, condition == baseline)?,
                     values: values.clone(),
+                    counted_s: None,
                 });
             }
             let adb = adb_of(&tables.pre, person);

@@ -17,6 +17,7 @@ pub(super) const DISTANCE: Measure = Measure {
     aggression: Some(Sign::Minus),
     description: "Mean over changes back of the gap to the vehicle behind in the lane merged into, at the start of the change.",
     of_passing: true,
+    grows: false,
     why_missing: "never merged back in front of a vehicle, or a log without lateral positions",
     value: distance,
 };
@@ -30,6 +31,7 @@ pub(super) const TIME: Measure = Measure {
     aggression: Some(Sign::Minus),
     description: "Mean over changes back of the gap to the vehicle behind in the lane merged into over ego speed, at the start of the change.",
     of_passing: true,
+    grows: false,
     why_missing: "never merged back in front of a vehicle, or a log without lateral positions",
     value: time,
 };

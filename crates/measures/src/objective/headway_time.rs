@@ -18,6 +18,7 @@ pub(super) const MEASURE: Measure = Measure {
     aggression: Some(Sign::Minus),
     description: "Mean over changes to the passing lane of the gap to the lead vehicle over ego speed at the start of the change.",
     of_passing: true,
+    grows: false,
     why_missing: "no change to the passing lane with a lead vehicle ahead, or a log without lateral positions",
     value,
 };

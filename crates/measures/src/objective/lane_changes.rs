@@ -11,6 +11,7 @@ pub(super) const MEASURE: Measure = Measure {
     aggression: Some(Sign::Plus),
     description: "Count of completed lane changes, to either side.",
     of_passing: true,
+    grows: true,
     why_missing: "the log has no lateral positions",
     value,
 };

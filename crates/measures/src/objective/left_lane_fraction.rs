@@ -11,6 +11,7 @@ pub(super) const MEASURE: Measure = Measure {
     aggression: None,
     description: "Share of rows with ego left of the rightmost lane.",
     of_passing: true,
+    grows: false,
     why_missing: "the log has no lateral positions",
     value,
 };

@@ -11,6 +11,7 @@ pub(super) const MEASURE: Measure = Measure {
     aggression: Some(Sign::Plus),
     description: "Mean of ego speed over the drive.",
     of_passing: false,
+    grows: false,
     why_missing: "never missing",
     value,
 };

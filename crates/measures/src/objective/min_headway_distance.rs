@@ -17,6 +17,7 @@ pub(super) const MEASURE: Measure = Measure {
     aggression: None,
     description: "Smallest gap to a lead vehicle, over encounters, before ego first slows down or changes lane.",
     of_passing: true,
+    grows: true,
     why_missing: "no lead vehicle ahead in ego's lane, or a log without lateral positions",
     value: |drive| nearest(drive, Until::SlowingOrChange),
 };
@@ -33,6 +34,7 @@ pub(super) const TO_CHANGE: Measure = Measure {
     aggression: None,
     description: "Smallest gap to a lead vehicle, over encounters, before ego changes lane, whether it slows down or not.",
     of_passing: true,
+    grows: true,
     why_missing: "no lead vehicle ahead in ego's lane, or a log without lateral positions",
     value: |drive| nearest(drive, Until::Change),
 };

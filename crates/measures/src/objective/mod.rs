@@ -1,5 +1,6 @@
 //! The objective measures: what a drive was like, one number each.
 
+mod exposure;
 mod headway_merge_back;
 mod headway_time;
 mod lane_changes;
@@ -8,6 +9,8 @@ mod mean_velocity;
 mod min_headway_distance;
 #[cfg(test)]
 pub(crate) mod testing;
+
+pub use exposure::{Comparable, Exposure, comparable};
 
 use maveric_domain::{Drive, Measurement, design::Sign, units::MPS_PER_MPH};
 
@@ -29,6 +32,7 @@ const STANDSTILL_MPS: f64 = 0.5;
 ///     aggression: None,
 ///     description: "How long the car stood.",
 ///     of_passing: false,
+///     grows: true,
 ///     why_missing: "",
 ///     value: |drive| {
 ///         let stood = drive.rows().ego_speed_mps.iter().filter(|v| **v < 0.1);
@@ -61,6 +65,9 @@ pub struct Measure {
     pub description: &'static str,
     /// Whether it is about passing or lanes: a drive without lateral positions has no value.
     pub of_passing: bool,
+    /// Whether a longer drive has more of it, or is likelier to have an extreme: a count, the smallest gap. Over drives of unequal
+    /// length it is taken from what is [`comparable`] of them.
+    pub grows: bool,
     /// Why a drive may have no value.
     pub why_missing: &'static str,
     /// The value for a drive that the measure is about; [`Measure::of`] asks it.

@@ -11,10 +11,14 @@ use crate::{
         measurements::{MeasuredDrive, write_measurements},
     },
 };
-use maveric_domain::DriveId;
+use maveric_domain::{ConditionId, DriveId, ParticipantId};
+use maveric_measures::objective::{self, Comparable, Exposure, comparable};
 use path_slash::PathExt as _;
 use serde::Serialize;
-use std::{collections::BTreeMap, path::PathBuf};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::PathBuf,
+};
 
 /// What to measure.
 #[derive(Debug, Clone)]
@@ -56,9 +60,10 @@ pub fn measure(
     let names: Vec<&'static str> = measures.iter().map(|m| m.name).collect();
     let study = DesignFile::here(options.design.as_deref())?;
     let gate = study
-        .map(|study| Gate::of(&study, options.participants.as_deref()))
+        .as_ref()
+        .map(|study| Gate::of(study, options.participants.as_deref()))
         .transpose()?;
-    let (mut rows, mut left_out) = (Vec::new(), Vec::new());
+    let (mut rows, mut left_out, mut exposures) = (Vec::new(), Vec::new(), Vec::new());
     let mut from: BTreeMap<DriveId, &PathBuf> = BTreeMap::new();
     for (done, folder) in options.drives.iter().enumerate() {
         for drive in read_drives(folder)? {
@@ -91,10 +96,20 @@ pub fn measure(
             rows.push(MeasuredDrive {
                 meta: drive.meta().clone(),
                 values,
+                counted_s: None,
             });
+            exposures.push((done, Exposure::of(&drive)));
         }
         watch.step(done + 1, options.drives.len(), "folders measured")?;
     }
+    let compared = |condition: ConditionId| {
+        study.as_ref().is_none_or(|study| {
+            let design = &study.design;
+            design.baseline_id() == Some(condition) || design.condition(condition).is_some()
+        })
+    };
+    let parts = comparable_parts(&rows, &exposures, compared);
+    let cut = count_in_parts(&options.drives, &parts, &mut rows, watch)?;
     write_measurements(&options.out, &names, &rows)?;
     let missing: Vec<usize> = names
         .iter()
@@ -113,6 +128,7 @@ pub fn measure(
             )
         })
         .collect();
+    warnings.extend(cut);
     warnings.extend(
         left_out
             .iter()
@@ -135,9 +151,175 @@ pub fn measure(
     })
 }
 
+/// A drive that is not compared whole: its row, its folder, and the part of it that is.
+type Part = (usize, usize, Comparable);
+
+/// The drives of people whose drives differ in length, of those that are compared with each other.
+fn comparable_parts(
+    rows: &[MeasuredDrive],
+    exposures: &[(usize, Exposure)],
+    compared: impl Fn(ConditionId) -> bool,
+) -> Vec<Part> {
+    let mut people: BTreeMap<&ParticipantId, Vec<usize>> = BTreeMap::new();
+    for (at, row) in rows.iter().enumerate() {
+        if compared(row.meta.condition) {
+            people.entry(&row.meta.participant).or_default().push(at);
+        }
+    }
+    let mut parts = Vec::new();
+    for drives in people.values() {
+        let of: Vec<Exposure> = drives.iter().map(|&at| exposures[at].1.clone()).collect();
+        let found = drives.iter().zip(comparable(&of));
+        let cut = found.filter(|(_, part)| *part != Comparable::Whole);
+        parts.extend(cut.map(|(&at, part)| (at, exposures[at].0, part)));
+    }
+    parts
+}
+
+/// Takes counts and extremes from the comparable part of each of these drives; says in a sentence each what was cut and what has no value.
+fn count_in_parts(
+    folders: &[PathBuf],
+    parts: &[Part],
+    rows: &mut [MeasuredDrive],
+    watch: Watch<'_>,
+) -> Result<Vec<String>, StudyError> {
+    let grows: Vec<_> = objective::all().iter().filter(|m| m.grows).collect();
+    let of: BTreeMap<DriveId, (usize, Comparable)> = parts
+        .iter()
+        .map(|(at, _, part)| (rows[*at].meta.drive.clone(), (*at, *part)))
+        .collect();
+    let mut too_little = Vec::new();
+    let needed: BTreeSet<usize> = parts.iter().map(|(_, folder, _)| *folder).collect();
+    for folder in needed {
+        let folder = &folders[folder];
+        for drive in read_drives(folder)? {
+            watch.check()?;
+            let Some(&(at, part)) = of.get(&drive.meta().drive) else {
+                continue;
+            };
+            let piece = match part {
+                Comparable::Whole => continue,
+                Comparable::Until(end_s) => {
+                    rows[at].counted_s = Some(end_s);
+                    let time_s = &drive.rows().time_s;
+                    let end = time_s[0] + end_s;
+                    drive.slice(0, time_s.partition_point(|&t| t <= end)).ok()
+                }
+                Comparable::TooLittle { left_s, of_s } => {
+                    too_little.push(format!(
+                        "drive {}: {left_s:.0} s of the {of_s:.0} s of the person’s shortest drive are left once their drives have met as many \
+                         lead vehicles, expected at least 80 %: it has no count and no smallest gap",
+                        drive.meta().drive
+                    ));
+                    None
+                }
+            };
+            for measure in &grows {
+                let value = piece.as_ref().and_then(|piece| measure.of(piece));
+                rows[at].values.insert(measure.name.to_owned(), value);
+            }
+        }
+    }
+    let cut = parts.len() - too_little.len();
+    let people: BTreeSet<_> = parts.iter().map(|p| &rows[p.0].meta.participant).collect();
+    let mut said = Vec::new();
+    if !parts.is_empty() {
+        let titles: Vec<String> = grows.iter().map(|m| m.title.to_lowercase()).collect();
+        said.push(format!(
+            "drives of {} people differ in length: {} are taken from the part of each that is as long and meets as many lead vehicles \
+             (`counted_s`; {cut} of {} drives)",
+            people.len(),
+            titles.join(" and "),
+            rows.len()
+        ));
+    }
+    said.extend(too_little);
+    Ok(said)
+}
+
 #[cfg(test)]
 mod tests {
-    use maveric_measures::objective;
+    use super::*;
+    use crate::tables::{drives::write_drive, measurements::read_measurements};
+    use maveric_domain::{Drive, DriveMeta, DrivenBy, EgoTrack, Recording, Road};
+    use std::sync::atomic::AtomicBool;
+
+    /// A drive that moves to the passing lane and back again at each of these times.
+    fn drive(who: &str, condition: &str, seconds: f64, passes_s: &[f64]) -> Drive {
+        let n = (seconds * 20.0) as usize;
+        let time_s: Vec<f64> = (0..n).map(|i| i as f64 / 20.0).collect();
+        let step = |t: f64, from: f64| {
+            let s = ((t - from) / 4.0).clamp(0.0, 1.0);
+            3.66 * s * s * (3.0 - 2.0 * s)
+        };
+        let pass = |t: f64| {
+            passes_s
+                .iter()
+                .map(|p| step(t, *p) - step(t, p + 10.0))
+                .sum()
+        };
+        let ego = EgoTrack {
+            length_m: 4.7,
+            x_m: time_s.iter().map(|t| 30.0 * t).collect(),
+            y_m: time_s.iter().map(|&t| pass(t)).collect(),
+            speed_mps: vec![30.0; n],
+        };
+        let recording =
+            Recording::new(Road::PAPER, 20.0, time_s, vec![0; n], ego, Vec::new()).unwrap();
+        let meta = DriveMeta {
+            drive: DriveId::new(format!("{who}-{condition}")).unwrap(),
+            participant: ParticipantId::new(who).unwrap(),
+            condition: condition.parse().unwrap(),
+            driven_by: DrivenBy::Human,
+        };
+        Drive::from_recording(meta, &recording).unwrap()
+    }
+
+    #[test]
+    fn lane_changes_of_a_long_drive_are_counted_over_the_time_of_the_persons_short_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let drives = folder.path().join("drives");
+        for made in [
+            drive("P01", "own", 100.0, &[20.0]),
+            drive("P01", "car", 200.0, &[20.0, 60.0, 120.0, 160.0]),
+            drive("P02", "own", 200.0, &[20.0, 120.0]),
+            drive("P02", "car", 200.0, &[20.0, 60.0, 120.0]),
+        ] {
+            write_drive(&drives, &made).unwrap();
+        }
+        let out = folder.path().join("measurements.parquet");
+        let options = MeasureOptions {
+            design: None,
+            participants: None,
+            drives: vec![drives],
+            out: out.clone(),
+        };
+        let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
+        let outcome = measure(&options, Watch::new(&quiet, &go_on)).unwrap();
+        let count: Vec<(String, Option<f64>, bool)> = read_measurements(&out)
+            .unwrap()
+            .into_iter()
+            .map(|row| {
+                let count = row.values["lane_changes"];
+                (row.meta.drive.to_string(), count, row.counted_s.is_some())
+            })
+            .collect();
+        let row = |drive: &str, count, cut| (drive.to_owned(), Some(count), cut);
+        assert_eq!(
+            count,
+            [
+                row("P01-car", 4.0, true),
+                row("P01-own", 2.0, true),
+                row("P02-car", 6.0, false),
+                row("P02-own", 4.0, false),
+            ]
+        );
+        let said = outcome
+            .warnings
+            .iter()
+            .find(|w| w.contains("differ in length"));
+        assert!(said.unwrap().starts_with("drives of 1 people"), "{said:?}");
+    }
 
     #[test]
     fn the_page_of_outputs_says_of_each_measure_what_it_says_of_itself() {
@@ -149,6 +331,6 @@ mod tests {
             let what = m.description.trim_end_matches('.');
             format!("| `{}` | {what} ({}) |", m.name, m.unit)
         });
-        assert!(own.eq(rows.skip(4)));
+        assert!(own.eq(rows.skip(5)));
     }
 }

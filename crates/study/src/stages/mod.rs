@@ -45,7 +45,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("personalize", 6),
         ("steer", 3),
         ("simulate", 8),
-        ("measure", 2),
+        ("measure", 3),
         ("rate", 2),
         ("evaluate", 4),
         ("stats", 9),

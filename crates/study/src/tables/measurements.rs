@@ -7,6 +7,9 @@ use std::{collections::BTreeMap, path::Path};
 
 pub use maveric_domain::MeasuredDrive;
 
+/// The column of [`MeasuredDrive::counted_s`].
+const COUNTED: &str = "counted_s";
+
 /// Writes measurements; the measures are columns in the order given.
 ///
 /// # Errors
@@ -17,6 +20,7 @@ pub fn write_measurements(
     drives: &[MeasuredDrive],
 ) -> Result<(), StudyError> {
     let mut builder = TableBuilder::of(drives.iter().map(|d| &d.meta))?;
+    builder = builder.numbers(COUNTED, drives.iter().map(|d| d.counted_s));
     for measure in measures {
         builder = builder.numbers(
             measure,
@@ -35,12 +39,26 @@ pub fn write_measurements(
 pub fn read_measurements(path: &Path) -> Result<Vec<MeasuredDrive>, StudyError> {
     let table = Table::read(path)?;
     table.each_once(&["drive"])?;
-    let about = ["drive", "participant", "study", "condition", "driven_by"];
+    let about = [
+        "drive",
+        "participant",
+        "study",
+        "condition",
+        "driven_by",
+        COUNTED,
+    ];
     let metas = table.records::<DriveMeta>()?.into_iter();
+    let counted = match table.columns().iter().any(|c| c == COUNTED) {
+        true => table.numbers(COUNTED)?,
+        // A table of before, or of another program: counts are those of whole drives.
+        false => vec![None; metas.len()],
+    };
     let mut drives: Vec<MeasuredDrive> = metas
-        .map(|meta| MeasuredDrive {
+        .zip(counted)
+        .map(|(meta, counted_s)| MeasuredDrive {
             meta,
             values: BTreeMap::new(),
+            counted_s,
         })
         .collect();
     for measure in table
