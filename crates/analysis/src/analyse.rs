@@ -21,8 +21,9 @@ pub fn analyse(data: &StudyData, friedman: Friedman) -> Result<Analysis, Analysi
             outcome: outcome.id(),
         });
     }
-    let reproduction = reproduction::reproduction(data)?;
     let panels = compare::panels(data, friedman)?;
+    let reproduction = reproduction::reproduction(data, &panels)?;
+    let nearer = reproduction::nearer(data, &panels)?;
     let exclusions = exclusions(&panels, &reproduction);
     Ok(Analysis {
         synthetic: data.is_synthetic(),
@@ -35,7 +36,7 @@ pub fn analyse(data: &StudyData, friedman: Friedman) -> Result<Analysis, Analysi
         reproduction,
         panels,
         descriptives: describe::describe(data),
-        nearer: reproduction::nearer(data)?,
+        nearer,
         kept: line::kept(data)?,
         homophily: homophily::homophily(data)?,
         mixed: mixed::mixed(data)?,

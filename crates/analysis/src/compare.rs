@@ -200,16 +200,19 @@ fn counted(panel: &Panel, contrast: &Contrast) -> [usize; 3] {
     found
 }
 
-/// Values of both conditions, of everybody who has them; the baseline of a panel of differences is 0.
+/// Values of both conditions of those whom the panel's tests are of: whoever lacks a value of any condition is in none of them. The
+/// baseline of a panel of differences is 0.
 pub(crate) fn values(panel: &Panel, first: ConditionId, second: ConditionId) -> Vec<[f64; 2]> {
     let column = |id| panel.conditions.iter().position(|c| *c == id);
     let value = |row: &[Option<f64>], id| match column(id) {
         Some(at) => row[at],
         None => (panel.differences_from == Some(id)).then_some(0.0),
     };
-    panel
+    let complete = panel
         .rows
         .iter()
+        .filter(|row| row.iter().all(Option::is_some));
+    complete
         .filter_map(|row| Some([value(row, first)?, value(row, second)?]))
         .collect()
 }
@@ -227,16 +230,21 @@ fn test_of_pairs(found: Option<&ByDesign>) -> PosthocTest {
     }
 }
 
-/// The declared contrasts, and those that a hypothesis about this outcome adds.
+/// The declared contrasts, and those that a hypothesis about this outcome adds; each that one is about the way round it says it, so that
+/// a table and the sentence about it have one sign.
 fn contrasts(data: &StudyData, id: &str) -> Vec<[ConditionId; 2]> {
-    let mut found = data.design.contrasts();
-    for hypothesis in data.design.hypotheses().iter().filter(|h| h.outcome == id) {
+    let mut pairs = data.design.contrasts();
+    let of_this = data.design.hypotheses().iter().filter(|h| h.outcome == id);
+    // The first of several hypotheses about a pair has its way.
+    for hypothesis in of_this.rev() {
         let [first, second] = hypothesis.contrast;
-        if !found.contains(&[first, second]) && !found.contains(&[second, first]) {
-            found.push([first, second]);
+        let same = |pair: &&mut [ConditionId; 2]| pair.contains(&first) && pair.contains(&second);
+        match pairs.iter_mut().find(same) {
+            Some(pair) => *pair = [first, second],
+            None => pairs.push([first, second]),
         }
     }
-    found
+    pairs
 }
 
 /// Holm's correction over all contrasts of an outcome.

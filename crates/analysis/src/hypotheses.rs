@@ -51,23 +51,21 @@ fn judge(hypothesis: &Hypothesis, panel: &Panel) -> Result<Judged, AnalysisError
         return Ok(judged);
     }
     let differences: Vec<f64> = pairs.iter().map(|[a, b]| a - b).collect();
-    // The interval is the same whatever the bounds.
-    let ordinary = equivalent((-1.0, 1.0), &differences)?.1;
-    judged.interval = ordinary.and_then(|t| t.ci_low.zip(t.ci_high));
     match hypothesis.claim {
         Claim::Direction(sign) => {
-            let found = contrast(panel, first, second);
-            (judged.mean_difference, judged.p) = found.unzip();
-            if found.is_some() {
-                judged.n = panel.n;
-            }
+            // The interval is the same whatever the bounds.
+            let ordinary = equivalent((-1.0, 1.0), &differences)?.1;
+            judged.interval = ordinary.and_then(|t| t.ci_low.zip(t.ci_high));
+            (judged.mean_difference, judged.p) = contrast(panel, first, second).unzip();
             judged.verdict = directed(judged.n, judged.mean_difference, judged.p, sign);
         }
         Claim::Equivalent([low, high]) => {
             let n = pairs.len() as f64;
             judged.mean_difference = Some(differences.iter().sum::<f64>() / n);
             let (verdict, test) = equivalent((low, high), &differences)?;
-            (judged.verdict, judged.p) = (verdict, test.and_then(|t| t.p));
+            judged.verdict = verdict;
+            judged.p = test.as_ref().and_then(|t| t.p);
+            judged.interval = test.and_then(|t| t.ci90_low.zip(t.ci90_high));
         }
     }
     Ok(judged)

@@ -4,9 +4,10 @@ use crate::{
     AnalysisError,
     data::StudyData,
     outcomes::{Asked, outcomes},
-    result::{Bias, Nearer, Reproduction},
+    result::{Bias, Nearer, Panel, Reproduction},
     verdict::equivalent,
 };
+use maveric_domain::ParticipantId;
 use maveric_measures::mean_accuracy;
 use maveric_stats::{Adjustment, PosthocTest, WithinSubjects, adjust, normality, posthoc};
 use std::cmp::Ordering;
@@ -20,12 +21,21 @@ fn measures(data: &StudyData) -> Vec<Asked> {
 
 /// Accuracy of each measure, beside what the mean of the training drivers would have reached; nothing without a baseline and a condition
 /// that lies at 0 on the dial.
-pub(crate) fn reproduction(data: &StudyData) -> Result<Vec<Reproduction>, AnalysisError> {
+///
+/// Whoever the tests of a measure leave out, for a missing value of any condition, is left out here too.
+pub(crate) fn reproduction(
+    data: &StudyData,
+    panels: &[Panel],
+) -> Result<Vec<Reproduction>, AnalysisError> {
     let (Some(condition), Some(baseline)) = (data.own_style(), data.design.baseline_id()) else {
         return Ok(Vec::new());
     };
     let one = |asked: Asked| {
-        let value = |p, c| asked.value(data, p, c);
+        let left_out = left_out(panels, &asked);
+        let value = |p: &ParticipantId, c| {
+            let tested = !left_out.contains(&p.to_string());
+            asked.value(data, p, c).filter(|_| tested)
+        };
         let people = || data.participants.iter();
         let pairs: Vec<_> = people()
             .map(|p| (value(p, condition), value(p, baseline)))
@@ -67,7 +77,16 @@ pub(crate) fn reproduction(data: &StudyData) -> Result<Vec<Reproduction>, Analys
     Ok(rows)
 }
 
-/// Mean of AV minus driver with its ordinary interval, against what counts as none; nothing for fewer than two people with both
+/// Whom the tests of a measure leave out.
+fn left_out<'a>(panels: &'a [Panel], asked: &Asked) -> &'a [String] {
+    let whole = |p: &&Panel| p.outcome == asked.id && p.group.is_none();
+    panels
+        .iter()
+        .find(whole)
+        .map_or(&[], |panel| &panel.dropped)
+}
+
+/// Mean of AV minus driver with its 90 % interval, against what counts as none; nothing for fewer than two people with both
 /// values, or where people’s own drives do not differ and nobody declared what counts as none.
 ///
 /// # Source
@@ -93,7 +112,7 @@ fn bias(
         n: test.n,
         df: test.df,
         mean: test.estimate,
-        interval: test.ci_low.zip(test.ci_high),
+        interval: test.ci90_low.zip(test.ci90_high),
         t: test.t,
         p: test.p_difference,
         p_holm: None,
@@ -105,7 +124,9 @@ fn bias(
 }
 
 /// |own style − baseline| against |other − baseline|, Holm over all rows.
-pub(crate) fn nearer(data: &StudyData) -> Result<Vec<Nearer>, AnalysisError> {
+///
+/// Of the people of whom the measure is tested, as [`reproduction`].
+pub(crate) fn nearer(data: &StudyData, panels: &[Panel]) -> Result<Vec<Nearer>, AnalysisError> {
     let (Some(near), Some(baseline)) = (data.own_style(), data.design.baseline_id()) else {
         return Ok(Vec::new());
     };
@@ -114,7 +135,9 @@ pub(crate) fn nearer(data: &StudyData) -> Result<Vec<Nearer>, AnalysisError> {
         for than in data.shifted() {
             let mut subjects = Vec::new();
             let mut distances: Vec<Vec<f64>> = Vec::new();
-            for p in &data.participants {
+            let left_out = left_out(panels, &asked);
+            let tested = |p: &&ParticipantId| !left_out.contains(&p.to_string());
+            for p in data.participants.iter().filter(tested) {
                 let Some(own) = asked.value(data, p, baseline) else {
                     continue;
                 };

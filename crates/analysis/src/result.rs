@@ -139,13 +139,13 @@ pub struct Reproduction {
 pub struct Bias {
     /// Unit of all that follows; empty for counts and shares.
     pub unit: String,
-    /// Drivers with both values.
+    /// Drivers, those of whom the outcome is tested.
     pub n: usize,
     /// Degrees of freedom of the t tests.
     pub df: usize,
     /// Mean difference.
     pub mean: f64,
-    /// Ends of its ordinary 95 % interval.
+    /// Ends of its 90 % interval, which lies within ± `same_within` where both one-sided tests are below .05.
     pub interval: Option<(f64, f64)>,
     /// t of the mean against 0.
     pub t: Option<f64>,
@@ -436,11 +436,12 @@ pub struct Judged {
     pub rule: String,
     /// What became of it.
     pub verdict: Verdict,
-    /// People with both values.
+    /// People whom the tests of the outcome are of: those with a value of every condition.
     pub n: usize,
     /// Mean of first minus second, in the unit of the panel.
     pub mean_difference: Option<f64>,
-    /// Ends of the ordinary 95 % interval of that mean.
+    /// Ends of the interval of that mean: 95 %; of a claim that the two are the same 90 %, which lies within the bounds where both one-sided
+    /// tests are below .05.
     pub interval: Option<(f64, f64)>,
     /// Bounds within which the two count as the same, of a claim that they are.
     pub bounds: Option<(f64, f64)>,

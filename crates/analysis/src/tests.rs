@@ -1,11 +1,11 @@
 //! A study of six people, computed by hand.
 
 use crate::{
-    AnalysisError, Described, Friedman, Panel, Person, PlannedTest, StudyData, Tables, Verdict,
-    analyse, planned,
+    AnalysisError, Described, Friedman, Judged, Panel, Person, PlannedTest, StudyData, Tables,
+    Verdict, analyse, compare, planned,
     testing::{
-        DESIGN, FASTER, SPEED, analysed, analysed_by, design, id, near, panel, person, plain,
-        steered, tables,
+        DESIGN, FASTER, SPEED, analysed, analysed_by, design, drive as drive_of, id, near, panel,
+        person, plain, steered, tables,
     },
 };
 use maveric_domain::{
@@ -75,12 +75,12 @@ fn ties_are_neither_nearer_nor_farther_and_the_direction_comes_from_the_signed_r
 }
 
 #[test]
-fn the_bias_of_the_own_style_car_has_an_ordinary_interval_and_a_test_of_being_none() {
+fn the_bias_of_the_own_style_car_has_the_interval_of_its_two_one_sided_tests() {
     let a = analysed(tables());
     let bias = a.reproduction[0].bias.as_ref().unwrap();
-    // Differences .5, -1, .9, -.7, 0, .3 m/s: mean 0, squares 2.64, t(5) of 95 % is 2.570582.
+    // Differences .5, -1, .9, -.7, 0, .3 m/s: mean 0, squares 2.64, t(5) of 90 % is 2.015048.
     let mph = 3600.0 / 1609.344;
-    let half = 2.570_581_835_6 * (2.64_f64 / 5.0 / 6.0).sqrt() * mph;
+    let half = 2.015_048_373_3 * (2.64_f64 / 5.0 / 6.0).sqrt() * mph;
     near(Some(bias.mean + 1.0), 1.0);
     let (low, high) = bias.interval.unwrap();
     near(Some(high), half);
@@ -94,6 +94,70 @@ fn the_bias_of_the_own_style_car_has_an_ordinary_interval_and_a_test_of_being_no
     let bias = declared.reproduction[0].bias.as_ref().unwrap();
     assert!(bias.declared && bias.verdict == Verdict::NotShown);
     near(Some(bias.same_within), 0.5);
+}
+
+#[test]
+fn a_table_a_sentence_and_an_equivalence_of_one_outcome_are_of_the_same_people_the_same_way_round()
+{
+    // P3 has no value of a condition that the hypotheses are not about.
+    let mut gap = tables();
+    let drive = gap
+        .measurements
+        .iter_mut()
+        .find(|d| d.meta.participant == person(2) && d.meta.condition == id("across"));
+    drive.unwrap().values.insert(SPEED.to_owned(), None);
+    for i in 6..8 {
+        let own = 24.0 + i as f64;
+        gap.measurements.push(drive_of(i, "own", Some(own)));
+        for (condition, faster) in [
+            ("same", 0.4),
+            ("fast", 2.2),
+            ("slow", -1.2),
+            ("across", 0.1),
+        ] {
+            gap.measurements
+                .push(drive_of(i, condition, Some(own + faster * i as f64)));
+        }
+    }
+    let claims = hypothesis(r#"["fast", "same"]"#, "equivalent = [-9, 9]")
+        + &hypothesis(r#"["slow", "same"]"#, "direction = \"-\"");
+    let a = analysed_by(&format!("{DESIGN}{claims}"), gap);
+    let panel = panel(&a, SPEED);
+    assert_eq!((panel.n, &panel.dropped[..]), (7, &["P3".to_owned()][..]));
+    assert_eq!(a.hypotheses.len(), 2);
+    for judged in &a.hypotheses {
+        let ids = (judged.first, judged.second);
+        let contrast = panel.contrasts.iter().find(|c| (c.first, c.second) == ids);
+        let contrast = contrast.expect("the way round that the hypothesis says it");
+        near(judged.mean_difference, contrast.mean_difference.unwrap());
+        assert_eq!((judged.n, contrast.people.iter().sum()), (7, 7));
+    }
+    // Of a claim that two are the same the interval is the narrower one.
+    let width = |judged: &Judged| judged.interval.map(|(low, high)| high - low).unwrap();
+    let (same, below) = (&a.hypotheses[0], &a.hypotheses[1]);
+    let pairs = compare::values(panel, below.first, below.second);
+    let differences: Vec<f64> = pairs.iter().map(|[a, b]| a - b).collect();
+    let test = crate::verdict::equivalent((-1.0, 1.0), &differences)
+        .unwrap()
+        .1
+        .unwrap();
+    near(
+        Some(width(below)),
+        test.ci_high.unwrap() - test.ci_low.unwrap(),
+    );
+    let pairs = compare::values(panel, same.first, same.second);
+    let differences: Vec<f64> = pairs.iter().map(|[a, b]| a - b).collect();
+    let test = crate::verdict::equivalent((-1.0, 1.0), &differences)
+        .unwrap()
+        .1
+        .unwrap();
+    near(
+        Some(width(same)),
+        test.ci90_high.unwrap() - test.ci90_low.unwrap(),
+    );
+    let bias = a.reproduction[0].bias.as_ref().unwrap();
+    assert_eq!((bias.n, a.reproduction[0].n), (7, 7));
+    assert!(a.nearer.iter().all(|row| row.n == 7));
 }
 
 #[test]

@@ -48,13 +48,13 @@ pub fn versions() -> BTreeMap<String, String> {
         ("measure", 3),
         ("rate", 2),
         ("evaluate", 4),
-        ("stats", 9),
+        ("stats", 10),
         ("ablate", 5),
         ("validate", 7),
         ("recommend", 3),
         ("rehearse", 4),
         ("rehearse-dial", 3),
-        ("report", 9),
+        ("report", 10),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()

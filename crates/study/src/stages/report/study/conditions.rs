@@ -337,8 +337,8 @@ fn bias_table(run: &Run) -> Option<tables::Table> {
         .text("Measure", |(r, b)| with_unit(&r.title, &b.unit))
         .right("*n*", |(_, b)| Cell::count(b.n))
         .right("*M*", |(_, b)| Cell::number(Some(b.mean), 2))
-        .right("2.5%", |(_, b)| Cell::number(b.interval.map(|i| i.0), 2))
-        .right("97.5%", |(_, b)| Cell::number(b.interval.map(|i| i.1), 2))
+        .right("5%", |(_, b)| Cell::number(b.interval.map(|i| i.0), 2))
+        .right("95%", |(_, b)| Cell::number(b.interval.map(|i| i.1), 2))
         .right("*t*", |(_, b)| Cell::number(b.t, 2))
         .right("*p*_{Holm}, differs", |(_, b)| Cell::p(b.p_holm))
         .right("Same within ±", |(_, b)| Cell::number(Some(b.same_within), 2))
@@ -346,7 +346,7 @@ fn bias_table(run: &Run) -> Option<tables::Table> {
         .right("*p*, same", |(_, b)| Cell::p(b.p_equivalent))
         .text("Same?", |(_, b)| b.verdict.words())
         .noted(
-            "Ordinary 95% intervals and paired *t* tests against no difference, Holm over the measures; then two one-sided *t* tests against the \
+            "90% intervals, which lie within the bounds where both one-sided tests are below .05; paired *t* tests against no difference, Holm over the measures; then two one-sided *t* tests against the \
              bounds (the larger *p*; all measures have to hold, so it is not adjusted). Both may hold: different, and by too little to count. Half an \
              SD: half the standard deviation between people’s own drives, where the design declares no bound.",
         );

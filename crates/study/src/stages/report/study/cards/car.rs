@@ -92,7 +92,7 @@ pub(super) fn own_style(run: &Run) -> Option<Card> {
     });
     found.plot = plot(
         "Difference from the own drive (1: as much as counts as none)",
-        "Mean of car − driver, ordinary 95% CI",
+        "Mean of car − driver, 90% CI: it lies between the lines where both one-sided tests are below .05",
         Some(0.0),
         scaled.collect(),
     )

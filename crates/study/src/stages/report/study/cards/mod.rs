@@ -59,7 +59,12 @@ fn hypothesis(run: &Run, i: usize, h: &Judged) -> Card {
         h.mean_difference,
         h.interval,
     );
-    found.plot = plot("Mean difference", "95% CI", Some(0.0), vec![row]).map(|p| Intervals {
+    let level = if h.bounds.is_some() {
+        "90% CI"
+    } else {
+        "95% CI"
+    };
+    found.plot = plot("Mean difference", level, Some(0.0), vec![row]).map(|p| Intervals {
         bounds: h.bounds,
         ..p
     });
