@@ -11,6 +11,7 @@ mod support;
 use support::own_logs::{
     PEOPLE, TABLE, TO_THE_NUMBERS, change, measured, read, recorded, speed, table,
 };
+use support::page::Page;
 
 #[test]
 fn the_folders_name_or_a_column_may_say_the_condition() {
@@ -220,6 +221,24 @@ fn a_design_says_the_power_that_a_rehearsal_of_it_found_and_recorded_cars_cannot
     ] {
         assert!(said.contains(words), "no `{words}` in {said}");
     }
+    // What is declared decides, not the best of all tests, and an effect that is not there has no power.
+    let declared = "[[hypothesis]]\nsays = \"Calm is faster than sporty\"\noutcome = \"mean_velocity_mps\"\ncontrast = [\"calm\", \"sporty\"]\n\
+                    direction = \"+\"\n\n[contrasts]";
+    change(&study, "dial/study.toml", "[contrasts]", declared);
+    let ran = study.maveric_in("dial", &rehearse).ok();
+    let words = "n = 8: “Calm is faster than sporty” is shown in 0.00 of studies";
+    assert!(ran.stdout.contains(words), "{}", ran.stdout);
+    Page::read(&study.path("dial/rehearsal/index.html"))
+        .says(&[
+            "Would 8 people show what the design declares?",
+            "“Calm is faster than sporty” would be shown in 0.0% of studies",
+            "Line of the style",
+        ])
+        .is_silent_of(&["aggression line", "what the paper’s design can show"]);
+    let said = study.maveric_in("dial", &describe).ok().stdout;
+    let words =
+        "Power, “Calm is faster than sporty” is shown: 0.00 with 6 people, 0.00 with 8 people.";
+    assert!(said.contains(words), "no `{words}` in {said}");
 }
 
 #[test]

@@ -4,6 +4,7 @@ mod dial_trial;
 mod error;
 mod outcomes;
 mod population;
+mod power;
 mod rates;
 #[cfg(test)]
 mod testing;
@@ -12,10 +13,11 @@ mod world;
 
 pub use dial_trial::{DialTrials, LearnedFrom, Method, Score, TrialError, Tried};
 pub use error::RehearsalError;
-pub use outcomes::{Found, Part, found_in};
+pub use outcomes::{Found, Part, Studied, found_in};
 pub use population::{
     CarSetting, DerivedMeasure, DrawnMeasure, Drives, LineModel, MeasureModel, PopulationModel,
     Round, Step,
 };
-pub use rates::{ALPHA, Cell, FamilyRate, TestRate, n_for};
+pub use power::{Judge, POWER, Power};
+pub use rates::{ALPHA, Cell, FamilyRate, HypothesisRate, TestRate, n_for};
 pub use world::{Rehearsed, World};

@@ -1,13 +1,13 @@
 //! Every test that a report prints, by name.
 
-use maveric_analysis::{Analysis, Correlation, Panel};
+use maveric_analysis::{Analysis, Correlation, Judged, Panel};
 use serde::{Deserialize, Serialize};
 
 /// Which part of the report a test belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Part {
-    /// 9.1, aggression line.
+    /// 9.1, the line of the style.
     Line,
     /// 9.3, the omnibus test of a panel.
     Omnibus,
@@ -44,9 +44,9 @@ impl Part {
     /// Name for people.
     pub fn title(self) -> &'static str {
         match self {
-            Self::Line => "Aggression line (Pearson)",
-            Self::Omnibus => "Six panels, omnibus (RM-ANOVA or Friedman)",
-            Self::Pairs => "Six panels, pairs (t or Wilcoxon)",
+            Self::Line => "Line of the style (Pearson)",
+            Self::Omnibus => "Outcomes over the conditions",
+            Self::Pairs => "Pairs of conditions (t or Wilcoxon)",
             Self::Nearer => "Own style nearer to own drive (Wilcoxon)",
             Self::Kept => "Habits kept: line, angle, circle",
             Self::Homophily => "Factors × rating differences (Pearson or Spearman)",
@@ -74,8 +74,24 @@ pub struct Found {
     pub p_holm: Option<f64>,
 }
 
-/// Every test of a study, always in the same order.
-pub fn found_in(a: &Analysis) -> Vec<Found> {
+/// What came of one study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Studied {
+    /// Every test.
+    pub tests: Vec<Found>,
+    /// The declared hypotheses, in the design's order.
+    pub judged: Vec<Judged>,
+}
+
+/// Every test of a study and every declared hypothesis, always in the same order.
+pub fn found_in(a: &Analysis) -> Studied {
+    Studied {
+        tests: tests_in(a),
+        judged: a.hypotheses.clone(),
+    }
+}
+
+fn tests_in(a: &Analysis) -> Vec<Found> {
     let mut found = Vec::new();
     let mut add = |part, key: String, estimate, p| {
         found.push(Found {
@@ -90,9 +106,9 @@ pub fn found_in(a: &Analysis) -> Vec<Found> {
     let of = |c: &Correlation| (c.r, c.p);
     for line in [&a.line, &a.line_without_adb].into_iter().flatten() {
         let fit = if line.adb_used {
-            "with_adb"
+            "with_score"
         } else {
-            "without_adb"
+            "without_score"
         };
         for row in &line.rows {
             let (r, p) = of(&row.correlation);

@@ -1,6 +1,8 @@
 //! How often each test says yes, over many studies.
 
-use crate::outcomes::{Found, Part};
+use crate::outcomes::{Found, Part, Studied};
+use maveric_analysis::{Judged, Verdict};
+use maveric_domain::ConditionId;
 use maveric_stats::{Proportion, proportion};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -44,6 +46,43 @@ pub struct FamilyRate {
     pub any_holm: Option<Proportion>,
 }
 
+/// One declared hypothesis over the studies of a cell.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct HypothesisRate {
+    /// In words, as declared.
+    pub says: String,
+    /// Id of the outcome.
+    pub outcome: String,
+    /// The conditions: first minus second.
+    pub contrast: [ConditionId; 2],
+    /// Studies that could judge it.
+    pub studies: usize,
+    /// Share of them in which it is shown by its own rule, with Wilson's 95 % interval: its power where it is true.
+    pub shown: Option<Proportion>,
+    /// Share in which it fails.
+    pub fails: Option<Proportion>,
+}
+
+impl HypothesisRate {
+    fn of(judged: &[&Judged]) -> Option<Self> {
+        let first = judged.first()?;
+        let asked = judged.iter().filter(|j| j.verdict != Verdict::NotAsked);
+        let studies = asked.count();
+        let became = |verdict| {
+            let came = judged.iter().filter(|j| j.verdict == verdict);
+            share(came.count(), studies)
+        };
+        Some(Self {
+            says: first.says.clone(),
+            outcome: first.outcome.clone(),
+            contrast: [first.first, first.second],
+            studies,
+            shown: became(Verdict::Shown),
+            fails: became(Verdict::Fails),
+        })
+    }
+}
+
 /// Studies of one size and one scale of the effects.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Cell {
@@ -57,6 +96,9 @@ pub struct Cell {
     pub tests: Vec<TestRate>,
     /// Every family.
     pub families: Vec<FamilyRate>,
+    /// Every declared hypothesis, in the design's order.
+    #[serde(default)]
+    pub hypotheses: Vec<HypothesisRate>,
 }
 
 fn share(part: usize, whole: usize) -> Option<Proportion> {
@@ -65,10 +107,10 @@ fn share(part: usize, whole: usize) -> Option<Proportion> {
 
 impl Cell {
     /// Counts over studies, each with the same tests in the same order.
-    pub fn of(participants: usize, effect_scale: f64, studies: &[Vec<Found>]) -> Self {
-        let count = studies.first().map_or(0, Vec::len);
+    pub fn of(participants: usize, effect_scale: f64, studies: &[Studied]) -> Self {
+        let count = studies.first().map_or(0, |s| s.tests.len());
         let tests = (0..count).map(|i| {
-            let found: Vec<&Found> = studies.iter().map(|s| &s[i]).collect();
+            let found: Vec<&Found> = studies.iter().map(|s| &s.tests[i]).collect();
             let first = found[0];
             let p: Vec<f64> = found.iter().filter_map(|f| f.p).collect();
             let rejected = p.iter().filter(|p| **p < ALPHA).count();
@@ -104,23 +146,33 @@ impl Cell {
             studies: studies.len(),
             tests: tests.collect(),
             families: families(studies),
+            hypotheses: hypotheses(studies),
         }
     }
 }
 
-fn families(studies: &[Vec<Found>]) -> Vec<FamilyRate> {
+fn hypotheses(studies: &[Studied]) -> Vec<HypothesisRate> {
+    let count = studies.first().map_or(0, |s| s.judged.len());
+    let of = |i: usize| studies.iter().map(|s| &s.judged[i]).collect::<Vec<_>>();
+    (0..count)
+        .filter_map(|i| HypothesisRate::of(&of(i)))
+        .collect()
+}
+
+fn families(studies: &[Studied]) -> Vec<FamilyRate> {
     let mut members: BTreeMap<&str, usize> = BTreeMap::new();
     for family in studies
         .first()
         .into_iter()
-        .flatten()
+        .flat_map(|s| &s.tests)
         .filter_map(|f| f.family.as_deref())
     {
         *members.entry(family).or_default() += 1;
     }
     let any = |family: &str, of: fn(&Found) -> Option<f64>| {
-        let hit = |study: &&Vec<Found>| {
+        let hit = |study: &&Studied| {
             study
+                .tests
                 .iter()
                 .filter(|f| f.family.as_deref() == Some(family))
                 .any(|f| of(f).is_some_and(|p| p < ALPHA))
@@ -183,7 +235,11 @@ mod tests {
                 found(0.7, 0.7, 0.3),
             ],
             vec![found(0.3, 0.6, -0.1), found(0.06, 0.12, 0.3)],
-        ];
+        ]
+        .map(|tests| Studied {
+            tests,
+            judged: Vec::new(),
+        });
         let cell = Cell::of(24, 1.0, &studies);
         let first = &cell.tests[0];
         assert_eq!((first.studies, first.rejected), (3, 2));

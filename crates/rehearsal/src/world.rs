@@ -8,7 +8,7 @@ use maveric_analysis::{StudyData, Tables};
 use maveric_domain::{
     ConditionId, ConditionRow, Design, DriveId, DriveMeta, DrivenBy, Embedding, EmbeddingRow,
     MeasureValues, MeasuredDrive, Moment, Scale, Score,
-    design::{Car, Condition},
+    design::{Car, Condition, ScoreName},
     spread,
 };
 use maveric_participants::{Cohort, CohortSettings, Effects, Participant, answer_before, rate};
@@ -136,6 +136,7 @@ impl World {
             post,
             ..Tables::default()
         };
+        let style = self.style_of(&tables.pre);
         for (i, person) in people.iter().enumerate() {
             let drives = std::iter::once((baseline, &own[i]));
             for (condition, values) in drives.chain(trials[i].iter().map(|(c, v)| (*c, v))) {
@@ -145,15 +146,13 @@ impl World {
                     counted_s: None,
                 });
             }
-            let adb = adb_of(&tables.pre, person);
-            let z = adb.map_or(0.0, |a| {
-                (a - self.effects.adb.mean_points) / self.effects.adb.sd_points
-            });
+            let score = style.score(&tables.pre, person);
+            let z = score.map_or(0.0, |score| style.standardised(score));
             let (without, with) = self.population.positions(person, z, seed);
             for (adb_used, position) in [(false, without), (true, with)] {
                 tables
                     .embeddings
-                    .push(embedding((person, baseline), adb_used, adb, position)?);
+                    .push(embedding((person, baseline), adb_used, score, position)?);
             }
             for condition in conditions {
                 tables
@@ -168,14 +167,64 @@ impl World {
     }
 }
 
-fn adb_of(pre: &[Score], person: &Participant) -> Option<f64> {
-    let of = |s: &&Score| {
-        s.participant == person.id
-            && s.moment == Moment::Pre
-            && s.scale == "adb"
-            && s.subscale == "total"
-    };
-    pre.iter().find(of)?.value
+/// The score that the positions are made of: that of the design's own style.
+struct StyleScore {
+    name: ScoreName,
+    /// Which way aggression moves it.
+    aggression: f64,
+    mean: f64,
+    sd: f64,
+}
+
+impl StyleScore {
+    fn score(&self, pre: &[Score], person: &Participant) -> Option<f64> {
+        let is_theirs = |s: &&Score| s.participant == person.id && self.is(s);
+        pre.iter().find(is_theirs)?.value
+    }
+
+    fn is(&self, score: &Score) -> bool {
+        score.moment == Moment::Pre
+            && score.scale == self.name.scale
+            && score.subscale == self.name.subscale
+    }
+
+    /// In SD over people, up with aggression.
+    fn standardised(&self, score: f64) -> f64 {
+        self.aggression * (score - self.mean) / self.sd
+    }
+}
+
+impl World {
+    /// The ADB score has the mean and SD that its effects were planted with; another score those of the people who answered it.
+    fn style_of(&self, pre: &[Score]) -> StyleScore {
+        let declared = self.design.style();
+        let mut style = StyleScore {
+            name: declared.map_or_else(
+                || ScoreName {
+                    scale: "adb".to_owned(),
+                    subscale: "total".to_owned(),
+                },
+                |style| style.score.clone(),
+            ),
+            aggression: declared.map_or(1.0, |style| style.aggression.factor()),
+            mean: self.effects.adb.mean_points,
+            sd: self.effects.adb.sd_points,
+        };
+        if (style.name.scale.as_str(), style.name.subscale.as_str()) != ("adb", "total") {
+            let scores: Vec<f64> = pre
+                .iter()
+                .filter(|s| style.is(s))
+                .filter_map(|s| s.value)
+                .collect();
+            let n = scores.len() as f64;
+            style.mean = scores.iter().sum::<f64>() / n;
+            let squares: f64 = scores.iter().map(|v| (v - style.mean).powi(2)).sum();
+            let sd = (squares / (n - 1.0)).sqrt();
+            // Where all answered alike nobody lies anywhere but in the middle.
+            style.sd = if sd > 0.0 { sd } else { 1.0 };
+        }
+        style
+    }
 }
 
 fn meta(
@@ -233,4 +282,45 @@ fn condition_row(
         sweep: None,
         embedding: Embedding::new(vec![0.0])?,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{design, world};
+
+    /// Pearson's r of two lists.
+    fn r(x: &[f64], y: &[f64]) -> f64 {
+        let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
+        let (mx, my) = (mean(x), mean(y));
+        let sum = |of: &dyn Fn(usize) -> f64| (0..x.len()).map(of).sum::<f64>();
+        let (dx, dy) = (|i: usize| x[i] - mx, |i: usize| y[i] - my);
+        sum(&|i| dx(i) * dy(i)) / (sum(&|i| dx(i) * dx(i)) * sum(&|i| dy(i) * dy(i))).sqrt()
+    }
+
+    /// By how much the score of this style goes better with the positions of 200 people that were fitted with it than with the others.
+    fn gained(style: &str) -> f64 {
+        let text =
+            include_str!("../../../study_data/designs/paper.toml").replace("adb.total", style);
+        let other = World {
+            design: Design::from_toml(&text).unwrap(),
+            ..world()
+        };
+        let data = other.study(200, 7).unwrap().data;
+        let name: ScoreName = style.parse().unwrap();
+        let people = || data.participants.iter();
+        let scores: Vec<f64> = people().map(|p| data.pre(p, &name).unwrap()).collect();
+        let [without, with] = [false, true].map(|adb_used| {
+            let position = |p| data.embedding(p, adb_used).unwrap().line_position.unwrap();
+            r(&scores, &people().map(position).collect::<Vec<f64>>())
+        });
+        with - without
+    }
+
+    #[test]
+    fn people_lie_on_the_line_of_the_design_s_own_score_whatever_it_is() {
+        assert_eq!(design().style().unwrap().score.to_string(), "adb.total");
+        let (adb, risky) = (gained("adb.total"), gained("mdsi.risky"));
+        assert!(adb > 0.1 && risky > 0.1, "{adb} {risky}");
+    }
 }

@@ -18,7 +18,7 @@ pub struct FalsePositives {
 /// The tests of one part.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PartRates {
-    /// Such as `Six panels, pairs`.
+    /// Such as `Pairs of conditions`.
     pub name: String,
     /// Rate of each test, 0 to 1.
     pub rates: Vec<f64>,

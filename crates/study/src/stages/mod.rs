@@ -52,7 +52,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("ablate", 5),
         ("validate", 7),
         ("recommend", 3),
-        ("rehearse", 4),
+        ("rehearse", 5),
         ("rehearse-dial", 3),
         ("report", 10),
     ]

@@ -3,7 +3,7 @@
 use crate::{atomic_write::read_json, design::DesignFile, error::StudyError};
 use maveric_domain::design::{Car, Outcome};
 use maveric_measures::objective;
-use maveric_rehearsal::{Cell, TestRate};
+use maveric_rehearsal::{Cell, HypothesisRate, TestRate};
 use path_slash::PathExt as _;
 use serde::Deserialize;
 use std::{collections::BTreeMap, path::Path};
@@ -61,6 +61,20 @@ pub(super) fn sample_size(
             lines.push(format!("Power, {title}: {}.", found.join(", ")));
         }
     }
+    for (at, hypothesis) in design.hypotheses().iter().enumerate() {
+        let found: Vec<String> = planted
+            .iter()
+            .filter_map(|cell| {
+                let same = |h: &&HypothesisRate| h.says == hypothesis.says;
+                let shown = cell.hypotheses.get(at).filter(same)?.shown?.estimate;
+                Some(format!("{shown:.2} with {} people", cell.participants))
+            })
+            .collect();
+        if !found.is_empty() {
+            let says = &hypothesis.says;
+            lines.push(format!("Power, “{says}” is shown: {}.", found.join(", ")));
+        }
+    }
     let Some(first) = planted.first().filter(|_| !lines.is_empty()) else {
         return Err(StudyError::BadFile {
             path,
@@ -70,7 +84,7 @@ pub(super) fn sample_size(
     };
     let note = format!(
         "By a rehearsal ({}): {} made-up studies of each size, analysed as declared here. Its effects are assumed, not known: a share of the \
-         studies in which p < .05, after Holm for a contrast.",
+         studies in which p < .05, after Holm for a contrast, or in which a hypothesis is shown by its own rule.",
         path.to_slash_lossy(),
         first.studies
     );
@@ -110,10 +124,8 @@ fn wanted(study: &DesignFile, cells: &[&Cell]) -> Vec<(String, String, bool)> {
             false,
         ));
     }
-    let declared = design.hypotheses().iter();
-    let mut pairs: Vec<(String, [_; 2])> =
-        declared.map(|h| (h.outcome.clone(), h.contrast)).collect();
-    if pairs.is_empty() && design.conditions().len() < 3 {
+    let mut pairs: Vec<(String, [_; 2])> = Vec::new();
+    if design.hypotheses().is_empty() && design.conditions().len() < 3 {
         let all = design.contrasts();
         let of = |o: &String| {
             all.iter()

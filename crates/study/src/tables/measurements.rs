@@ -48,10 +48,11 @@ pub fn read_measurements(path: &Path) -> Result<Vec<MeasuredDrive>, StudyError> 
         COUNTED,
     ];
     let metas = table.records::<DriveMeta>()?.into_iter();
-    let counted = match table.columns().iter().any(|c| c == COUNTED) {
-        true => table.numbers(COUNTED)?,
-        // A table of before, or of another program: counts are those of whole drives.
-        false => vec![None; metas.len()],
+    // Without the column, as in a table of another program, counts are those of whole drives.
+    let counted = if table.has(COUNTED) {
+        table.numbers(COUNTED)?
+    } else {
+        vec![None; metas.len()]
     };
     let mut drives: Vec<MeasuredDrive> = metas
         .zip(counted)

@@ -1,6 +1,6 @@
 //! The page of a rehearsal: its figures and tables.
 
-use super::{Cell, Part, Rehearsal, RehearseOptions, tables};
+use super::{Cell, Rehearsal, RehearseOptions, tables};
 use crate::{
     error::StudyError,
     mean::mean,
@@ -10,6 +10,7 @@ use crate::{
     },
 };
 use maveric_analysis::{Verdict, verdict::within};
+use maveric_rehearsal::{Judge, POWER};
 use maveric_report::{
     Card, Context, Figure, Report,
     figures::{
@@ -21,22 +22,10 @@ use maveric_report::{
 };
 use maveric_stats::{Proportion, proportion};
 
-/// The tests whose power is drawn: of each part that which most studies found, at the largest size and the planted effects.
-fn drawn(found: &Rehearsal) -> Vec<(String, String)> {
-    let largest = |c: &&Cell| (c.effect_scale - 1.0).abs() < 1e-12;
-    let Some(cell) = found.cells.iter().rfind(largest).or(found.cells.last()) else {
-        return Vec::new();
-    };
-    let best = |part: Part| {
-        let mut of_part = cell.tests.iter().filter(|t| t.part == part);
-        let first = of_part.next()?;
-        let most = of_part.fold(
-            first,
-            |best, t| if t.rejected > best.rejected { t } else { best },
-        );
-        Some((most.key.clone(), format!("{}: {}", part.title(), most.key)))
-    };
-    Part::ALL.into_iter().filter_map(best).collect()
+/// The studies of the largest size in which the effects are as planted; else those of the last scale.
+fn largest(found: &Rehearsal) -> Option<&Cell> {
+    let planted = |c: &&Cell| (c.effect_scale - 1.0).abs() < 1e-12;
+    found.cells.iter().rfind(planted).or(found.cells.last())
 }
 
 pub(super) fn page(found: &Rehearsal, options: &RehearseOptions) -> Result<Report, StudyError> {
@@ -52,8 +41,8 @@ pub(super) fn page(found: &Rehearsal, options: &RehearseOptions) -> Result<Repor
         vec![Section {
             title: "Power".to_owned(),
             intro: vec![
-                "Effects × 1 are those planted in study_data/effects.toml and study_data/population.toml. They are made up, at about the \
-                 sizes that the paper reports: this says what the paper’s design can show if effects are of that size, and nothing about people."
+                "Effects × 1 are those that the made-up people were given, at about the sizes that the paper reports: this says what this design \
+                 can show if effects are of that size, and nothing about people."
                     .to_owned(),
             ],
             figures: power_figure(found, options, &context)?,
@@ -88,8 +77,6 @@ pub(super) fn page(found: &Rehearsal, options: &RehearseOptions) -> Result<Repor
 
 /// What counts as the level of the tests.
 const LEVEL: f64 = 0.05;
-/// What a study should find of what is there.
-const POWER: f64 = 0.8;
 
 /// Is a family kept at its level, and are single tests?
 fn null_cards(cell: &Cell) -> Vec<Card> {
@@ -189,49 +176,84 @@ fn null_cards(cell: &Cell) -> Vec<Card> {
 
 /// Would a study of the largest size find what was planted?
 fn power_card(found: &Rehearsal) -> Option<Card> {
-    let planted = |c: &&Cell| (c.effect_scale - 1.0).abs() < 1e-12;
-    let cell = found.cells.iter().rfind(planted).or(found.cells.last())?;
-    let rows: Vec<(String, Proportion)> = drawn(found)
-        .into_iter()
-        .filter_map(|(key, title)| Some((title, cell.tests.iter().find(|t| t.key == key)?.rate?)))
-        .collect();
-    let verdicts = rows
-        .iter()
-        .map(|(_, r)| within(cell.studies, Some(r.ends()), (POWER, f64::INFINITY)));
+    let cell = largest(found)?;
+    let power = cell.power();
+    let what = match power.judge {
+        Judge::Hypotheses => "what the design declares",
+        Judge::BestTests => "what was planted",
+    };
+    let scale = if (cell.effect_scale - 1.0).abs() < 1e-12 {
+        String::new()
+    } else {
+        format!(", with effects × {}", cell.effect_scale)
+    };
     let mut asked = card(
         "power",
-        format!("Would {} people show what was planted?", cell.participants),
-        Verdict::all(verdicts.collect::<Vec<_>>()),
+        format!("Would {} people show {what}{scale}?", cell.participants),
+        power.verdict,
     );
-    let enough = rows.iter().filter(|(_, r)| r.low >= POWER).count();
-    asked.answer = format!(
-        "For {enough} of {} questions at least four studies of five would; of each question its best test was taken.",
-        rows.len()
-    );
-    "Shown if for every part of the analysis the test that finds most has *p* < .05 in at least 80% of studies (Wilson’s 95% interval); fails if \
-     for one of them fewer do."
-        .clone_into(&mut asked.rule);
-    let weakest = rows
-        .iter()
-        .min_by(|a, b| a.1.estimate.total_cmp(&b.1.estimate));
+    let judged = || {
+        power
+            .rows
+            .iter()
+            .filter_map(|(title, r)| Some((title, r.as_ref()?)))
+    };
+    let enough = judged().filter(|(_, r)| r.low >= POWER).count();
+    asked.answer = match (&power.judge, power.rows.as_slice()) {
+        (Judge::Hypotheses, [(says, share)]) => {
+            let share = percent(share.map(|s| s.estimate));
+            format!("“{says}” would be shown in {share} of studies.")
+        }
+        (Judge::Hypotheses, rows) => format!(
+            "{enough} of {} declared hypotheses would be shown in at least four studies of five.",
+            rows.len()
+        ),
+        (Judge::BestTests, rows) => format!(
+            "The design declares no hypothesis. For {enough} of {} parts of the analysis at least four studies of five would find something, by \
+             the best test of each.",
+            rows.len()
+        ),
+    };
+    let rule = match power.judge {
+        Judge::Hypotheses => {
+            "Shown if every declared hypothesis is shown, by its own rule, in at least 80% of studies (Wilson’s 95% interval); fails if one is \
+             shown in fewer."
+        }
+        Judge::BestTests => {
+            "Shown if for every part of the analysis the test that finds most has *p* < .05 in at least 80% of studies (Wilson’s 95% interval); \
+             fails if for one of them fewer do."
+        }
+    };
+    rule.clone_into(&mut asked.rule);
+    let weakest = judged().min_by(|a, b| a.1.estimate.total_cmp(&b.1.estimate));
     asked.number = weakest.and_then(|(title, r)| {
         number(
             format!("weakest: {title}, {}", percent(Some(r.estimate))),
-            "5%, what nothing at all would give",
+            "at most 5%, what nothing at all would give",
             "100%",
         )
     });
-    let drawn = rows
-        .iter()
-        .map(|(title, r)| IntervalRow::share(title.clone(), Some(r)));
+    let drawn = power.rows.iter();
+    let drawn = drawn.map(|(title, r)| IntervalRow::share(title.clone(), r.as_ref()));
+    let corrected = match power.judge {
+        Judge::Hypotheses => "By each hypothesis’s own rule",
+        Judge::BestTests => "Uncorrected",
+    };
     asked.plot = plot(
         "Power (%)",
-        "Uncorrected; Wilson’s 95% CI",
-        Some(80.0),
+        &format!("{corrected}; Wilson’s 95% CI"),
+        Some(100.0 * POWER),
         drawn.collect(),
     );
-    "The planted sizes are made up, at about what the paper reports: with smaller ones power is less."
-        .clone_into(&mut asked.doubt);
+    let doubt = match power.judge {
+        Judge::Hypotheses => {
+            "The planted sizes are made up, at about what the paper reports: with smaller ones power is less."
+        }
+        Judge::BestTests => {
+            "The best of many tests flatters: declare a hypothesis and rehearse again. The planted sizes are made up."
+        }
+    };
+    doubt.clone_into(&mut asked.doubt);
     asked.see = Some("figure-power-curves".to_owned());
     Some(asked)
 }
@@ -274,8 +296,8 @@ fn power_figure(
     context: &Context,
 ) -> Result<Vec<Figure>, StudyError> {
     let shown: Vec<f64> = options.effect_scales.iter().copied().take(5).collect();
-    let points = |scale: f64, key: &str| -> Vec<CurvePoint> {
-        let rates = tables::curve(&found.cells, scale, key).into_iter();
+    let points = |scale: f64, rate: &dyn Fn(&Cell) -> Option<Proportion>| -> Vec<CurvePoint> {
+        let rates = tables::curve(&found.cells, scale, rate).into_iter();
         rates
             .map(|(n, r)| CurvePoint {
                 x: n as f64,
@@ -285,18 +307,29 @@ fn power_figure(
             })
             .collect()
     };
-    let panels: Vec<CurvePanel> = drawn(found)
-        .into_iter()
-        .map(|(key, title)| CurvePanel {
-            title,
-            y: "Power".to_owned(),
-            curves: shown.iter().map(|scale| points(*scale, &key)).collect(),
-        })
-        .filter(|panel| panel.curves.iter().any(|c| !c.is_empty()))
-        .collect();
+    let panel = |title: String, rate: &dyn Fn(&Cell) -> Option<Proportion>| CurvePanel {
+        title,
+        y: "Power".to_owned(),
+        curves: shown.iter().map(|scale| points(*scale, rate)).collect(),
+    };
+    let mut panels: Vec<CurvePanel> = Vec::new();
+    if let Some(cell) = largest(found) {
+        panels.extend(
+            cell.hypotheses
+                .iter()
+                .enumerate()
+                .map(|(i, h)| panel(h.says.clone(), &|c| c.hypotheses.get(i)?.shown)),
+        );
+        panels.extend(cell.best_tests().into_iter().map(|test| {
+            let title = format!("{}: {}", test.part.title(), test.key);
+            panel(title, &|c| tables::rate_of(c, &test.key))
+        }));
+    }
+    panels.retain(|panel| panel.curves.iter().any(|c| !c.is_empty()));
     if panels.is_empty() {
         return Ok(Vec::new());
     }
+    let declared = largest(found).is_some_and(|c| !c.hypotheses.is_empty());
     let reached: Vec<String> = found
         .signs
         .iter()
@@ -306,8 +339,13 @@ fn power_figure(
         name: "power-curves".to_owned(),
         title: "Power by number of participants".to_owned(),
         caption: format!(
-            "Share of {} synthetic studies with *p* < .05 (uncorrected), 95% intervals; dashed: .8.",
-            options.studies
+            "Share of {} synthetic studies{}, 95% intervals; dashed: .8.",
+            options.studies,
+            if declared {
+                " in which a declared hypothesis is shown by its own rule, then of those in which the best test of each part has *p* < .05 (uncorrected)"
+            } else {
+                " with *p* < .05 (uncorrected), by the best test of each part"
+            }
         ),
         alt: format!(
             "For a power of .8 at the planted sizes: {}",

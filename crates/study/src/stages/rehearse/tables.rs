@@ -2,7 +2,7 @@
 
 use super::{Cell, Part, Rehearsal, TestRate};
 use crate::mean::mean;
-use maveric_rehearsal::{ALPHA, n_for};
+use maveric_rehearsal::{ALPHA, HypothesisRate, POWER, n_for};
 use maveric_report::tables::{Cell as Entry, Table};
 use maveric_stats::Proportion;
 
@@ -87,16 +87,22 @@ fn rates(tests: &[&TestRate]) -> Vec<f64> {
         .collect()
 }
 
-/// The rate of a test at each size tried, for one scale of the effects.
-pub(super) fn curve(cells: &[Cell], scale: f64, key: &str) -> Vec<(usize, Proportion)> {
-    let of = |c: &Cell| {
-        let test = c.tests.iter().find(|t| t.key == key)?;
-        Some((c.participants, test.rate?))
-    };
+/// The rate of a test in a cell.
+pub(super) fn rate_of(cell: &Cell, key: &str) -> Option<Proportion> {
+    cell.tests.iter().find(|t| t.key == key)?.rate
+}
+
+/// A rate at each size tried, for one scale of the effects.
+pub(super) fn curve(
+    cells: &[Cell],
+    scale: f64,
+    rate: &dyn Fn(&Cell) -> Option<Proportion>,
+) -> Vec<(usize, Proportion)> {
     let same = cells
         .iter()
         .filter(|c| (c.effect_scale - scale).abs() < 1e-12);
-    same.filter_map(of).collect()
+    same.filter_map(|c| Some((c.participants, rate(c)?)))
+        .collect()
 }
 
 /// The tables of studies with effects.
@@ -130,20 +136,36 @@ pub(super) fn power_tables(found: &Rehearsal) -> Vec<Table> {
     let Some(first) = found.cells.first() else {
         return tables;
     };
-    let needed = |test: &TestRate, scale: f64| {
-        let curve = curve(&found.cells, scale, &test.key).into_iter();
+    let needed = |scale: f64, rate: &dyn Fn(&Cell) -> Option<Proportion>| {
+        let curve = curve(&found.cells, scale, rate).into_iter();
         let points: Vec<(usize, f64)> = curve.map(|(n, r)| (n, r.estimate)).collect();
         let lowest = points.first().map(|(n, _)| *n as f64);
-        match n_for(&points, 0.8) {
+        match n_for(&points, POWER) {
             Some(n) if lowest.is_some_and(|low| n <= low) => Entry::text(format!("≤ {n}")),
             Some(n) => Entry::number(Some(n), 0),
             None => Entry::Missing,
         }
     };
+    if !first.hypotheses.is_empty() {
+        let title = "How many people each declared hypothesis needs to be shown in 80% of studies";
+        let rows: Vec<(usize, &HypothesisRate)> = first.hypotheses.iter().enumerate().collect();
+        let table =
+            Table::of("power-hypotheses", title, &rows).text("Hypothesis", |(_, h)| &h.says);
+        let table = scales.iter().fold(table, |table, &scale| {
+            table.right(format!("effects × {scale}"), |(i, _)| {
+                needed(scale, &|c| c.hypotheses.get(*i)?.shown)
+            })
+        });
+        tables.push(table.noted(
+            "Shown by its own rule, corrected as declared. By straight lines between the sizes tried; a dash: not reached at the largest.",
+        ));
+    }
     let title = "How many people each test needs for a power of 80%";
     let table = Table::of("power-n", title, &first.tests).text("Test", |test| &test.key);
     let table = scales.iter().fold(table, |table, &scale| {
-        table.right(format!("effects × {scale}"), |test| needed(test, scale))
+        table.right(format!("effects × {scale}"), |test| {
+            needed(scale, &|c| rate_of(c, &test.key))
+        })
     });
     tables.push(table.noted("By straight lines between the sizes tried; a dash: not reached at the largest. Uncorrected p < .05."));
     tables
@@ -176,6 +198,18 @@ pub(super) fn summary(found: &Rehearsal) -> Vec<String> {
                     family.tests, family.family, holm.estimate, holm.low, holm.high, raw.estimate
                 ));
             }
+        }
+    }
+    for cell in found.cells.iter().filter(|c| c.effect_scale != 0.0) {
+        for hypothesis in &cell.hypotheses {
+            let share = hypothesis.shown.map_or_else(
+                || "nowhere".to_owned(),
+                |s| format!("in {:.2} of studies", s.estimate),
+            );
+            lines.push(format!(
+                "effects × {}, n = {}: “{}” is shown {share}",
+                cell.effect_scale, cell.participants, hypothesis.says
+            ));
         }
     }
     for row in &found.signs {

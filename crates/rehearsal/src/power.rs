@@ -1,0 +1,149 @@
+//! Would studies of one size show what was planted?
+
+use crate::{
+    outcomes::Part,
+    rates::{Cell, HypothesisRate, TestRate},
+};
+use maveric_analysis::{Verdict, verdict::within};
+use maveric_stats::Proportion;
+
+/// Share of studies that should find what is there.
+pub const POWER: f64 = 0.8;
+
+/// What says whether there is power enough.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Judge {
+    /// The design's hypotheses: each study shows them or does not, by their own rules.
+    Hypotheses,
+    /// A design without any: of each part of the analysis the test that most studies found, which flatters.
+    BestTests,
+}
+
+/// Whether studies of one size find what was planted.
+#[derive(Debug, Clone)]
+pub struct Power {
+    /// What the verdict rests on.
+    pub judge: Judge,
+    /// Shown where each row's interval lies above [`POWER`], fails where one lies below it.
+    pub verdict: Verdict,
+    /// What each question is, and the share of studies that answered yes; no share where no study could judge it.
+    pub rows: Vec<(String, Option<Proportion>)>,
+}
+
+impl Cell {
+    /// Whether studies of this size find what was planted: by the declared hypotheses alone, where there are any.
+    pub fn power(&self) -> Power {
+        let (judge, rows): (Judge, Vec<_>) = if self.hypotheses.is_empty() {
+            let row = |t: &TestRate| (format!("{}: {}", t.part.title(), t.key), t.rate);
+            let best = self.best_tests().into_iter();
+            (Judge::BestTests, best.map(row).collect())
+        } else {
+            let row = |h: &HypothesisRate| (h.says.clone(), h.shown);
+            (Judge::Hypotheses, self.hypotheses.iter().map(row).collect())
+        };
+        let enough = |share: &Option<Proportion>| match share {
+            Some(share) => within(self.studies, Some(share.ends()), (POWER, f64::INFINITY)),
+            None => Verdict::TooFew,
+        };
+        Power {
+            judge,
+            verdict: Verdict::all(rows.iter().map(|(_, share)| enough(share))),
+            rows,
+        }
+    }
+
+    /// Of each part of the analysis the test that most studies found.
+    pub fn best_tests(&self) -> Vec<&TestRate> {
+        let best = |part: Part| {
+            let mut tests = self.tests.iter().filter(|t| t.part == part);
+            let first = tests.next()?;
+            let most = |best: &'_ TestRate, t: &TestRate| t.rejected > best.rejected;
+            Some(tests.fold(first, |best, t| if most(best, t) { t } else { best }))
+        };
+        Part::ALL.into_iter().filter_map(best).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::outcomes::{Found, Studied};
+    use maveric_analysis::Judged;
+
+    /// 100 studies, of which so many show each hypothesis; every one of them finds the one test of the report.
+    fn cell(shown: &[usize]) -> Cell {
+        let judged = |verdict| Judged {
+            says: "Sporty is faster".to_owned(),
+            outcome: "mean_velocity_mps".to_owned(),
+            first: "sporty".parse().unwrap(),
+            second: "calm".parse().unwrap(),
+            rule: String::new(),
+            verdict,
+            n: 24,
+            mean_difference: Some(1.0),
+            interval: None,
+            bounds: None,
+            p: Some(0.01),
+        };
+        let studies: Vec<Studied> = (0..100)
+            .map(|i| Studied {
+                tests: vec![Found {
+                    part: Part::Omnibus,
+                    key: "panel.mean_velocity_mps.omnibus".to_owned(),
+                    family: None,
+                    estimate: None,
+                    p: Some(0.001),
+                    p_holm: None,
+                }],
+                judged: shown
+                    .iter()
+                    // A difference the wrong way has a small p as well.
+                    .map(|count| {
+                        judged(if i < *count {
+                            Verdict::Shown
+                        } else {
+                            Verdict::Fails
+                        })
+                    })
+                    .collect(),
+            })
+            .collect();
+        Cell::of(24, 1.0, &studies)
+    }
+
+    #[test]
+    fn a_declared_hypothesis_of_little_power_fails_however_often_another_test_finds_something() {
+        let power = cell(&[21]).power();
+        assert_eq!(
+            (power.judge, power.verdict),
+            (Judge::Hypotheses, Verdict::Fails)
+        );
+        assert!((power.rows[0].1.unwrap().estimate - 0.21).abs() < 1e-12);
+    }
+
+    #[test]
+    fn power_is_shown_where_the_whole_interval_lies_above_four_fifths_and_open_on_the_border() {
+        let verdict = |shown: &[usize]| cell(shown).power().verdict;
+        assert_eq!(verdict(&[95]), Verdict::Shown);
+        assert_eq!(verdict(&[80]), Verdict::NotShown);
+        assert_eq!(verdict(&[60]), Verdict::Fails);
+        assert_eq!(verdict(&[95, 60]), Verdict::Fails);
+        assert_eq!(verdict(&[95, 85]), Verdict::NotShown);
+    }
+
+    #[test]
+    fn a_hypothesis_that_no_study_could_judge_is_no_power() {
+        let mut cell = cell(&[95, 95]);
+        cell.hypotheses[1].shown = None;
+        assert_eq!(cell.power().verdict, Verdict::NotShown);
+    }
+
+    #[test]
+    fn without_hypotheses_the_best_test_of_each_part_is_asked_and_said_to_be_that() {
+        let power = cell(&[]).power();
+        assert_eq!(
+            (power.judge, power.verdict),
+            (Judge::BestTests, Verdict::Shown)
+        );
+    }
+}
