@@ -117,6 +117,45 @@ fn a_comparison_chooses_by_the_design_and_finds_what_the_call_of_its_own_finds()
 }
 
 #[test]
+fn a_declared_product_with_a_covariate_is_tested_and_one_with_nothing_is_refused() {
+    let study = with(&table());
+    let compare = "compare --subject id --within style,load --value score --covariate age";
+    let plain = json(&study, compare);
+    assert!(plain["tests"]["age:style"].is_null() && plain["tests"]["style"].is_object());
+    let declared = json(
+        &study,
+        &format!("{compare} --with age:style,age:style:load"),
+    );
+    for effect in ["age:style", "age:style:load"] {
+        assert!(declared["tests"][effect]["p"].is_number(), "{effect}");
+    }
+    let unknown = format!("{compare} --with age:colour");
+    call(&study, &unknown, &[]).failed(1, &["age:colour", "style, load, style:load"]);
+    let other = format!("{compare} --with score:style");
+    call(&study, &other, &[]).failed(1, &["score:style"]);
+    call(&study, &format!("{compare} --with style"), &[]).failed(2, &["age:style"]);
+    let alone = compare.replace(" --covariate age", "");
+    call(&study, &format!("{alone} --with age:style"), &[]).failed(2, &["--covariate"]);
+}
+
+#[test]
+fn ordered_answers_print_the_f_that_decides() {
+    let study = with(&table());
+    let compare = "compare --subject id --within style --ordinal --value answer --where load=low";
+    let found = json(&study, compare);
+    let test = &found["small_sample"];
+    let out = call(&study, compare, &[]).ok();
+    let f = format!(
+        "F({}, {}) = {:.2}",
+        test["df1"],
+        test["df2"],
+        test["F"].as_f64().unwrap()
+    );
+    assert!(out.stdout.contains(&f), "{f}: {}", out.stdout);
+    assert!(!out.stdout.contains("χ²("), "{}", out.stdout);
+}
+
+#[test]
 fn a_person_without_a_cell_leaves_by_name_or_stays_in_a_mixed_model() {
     let mut rows: Vec<String> = table().lines().map(str::to_owned).collect();
     rows.remove(2);

@@ -1,5 +1,6 @@
 //! What can go wrong in the seat.
 
+use crate::hindrance::Hindrance;
 use maveric_bag::BagError;
 use maveric_model::ModelError;
 use maveric_seat_page::SeatPageError;
@@ -94,7 +95,10 @@ pub enum SeatError {
     /// A model that is none.
     #[error("the model that is to ride: {0}")]
     Model(#[from] ModelError),
-    /// A study that cannot be run in the seat.
+    /// A study that the seat cannot run to its end: everything that is missing.
+    #[error("the seat cannot run this study:{}", listed(.0))]
+    Unfit(Vec<Hindrance>),
+    /// Something that the seat cannot do.
     #[error("{problem}")]
     Protocol {
         /// What is wrong.
@@ -117,6 +121,18 @@ pub enum SeatError {
     /// The study's files.
     #[error(transparent)]
     Study(#[from] StudyError),
+}
+
+/// A line each, with what to do.
+fn listed(all: &[Hindrance]) -> String {
+    let line = |hindrance: &Hindrance| format!("\n- {hindrance}: {}", hindrance.remedy());
+    all.iter().map(line).collect()
+}
+
+impl From<Hindrance> for SeatError {
+    fn from(one: Hindrance) -> Self {
+        Self::Unfit(vec![one])
+    }
 }
 
 impl SeatError {

@@ -4,7 +4,7 @@ use crate::{
     error::SeatError,
     tables::{self, Given, Standing},
 };
-use maveric_domain::{ConditionId, DriveId, DriveMeta, ParticipantId, design::Software};
+use maveric_domain::{ConditionId, DriveId, DriveMeta, ParticipantId};
 use maveric_ingest::{Beside, write_mcap_with};
 use maveric_seat_page::{Record, Replayed};
 use maveric_study::{
@@ -43,32 +43,23 @@ impl Files {
     }
 
     /// The files that a study's design names; records go to `records`.
-    ///
-    /// # Errors
-    /// [`StudyError`] naming the key where the study's answers are another program's export, which the seat does not write.
-    pub fn of(study: &DesignFile, records: PathBuf) -> Result<Self, StudyError> {
+    pub fn of(study: &DesignFile, records: PathBuf) -> Self {
         let (design, files) = (&study.design, study.design.files());
-        if files.software != Software::Table {
-            return Err(study.wrong(
-                format!("`files.software`: found {:?}, expected `table`: the seat writes its answers as a plain table", files.software),
-                Some("leave `software` out, or give the seat a study of its own".to_owned()),
-            ));
-        }
-        Ok(Self(Some(Place {
+        Self(Some(Place {
             logs: study.resolve(&files.logs).join("seat"),
             records,
             answers: study.resolve(&files.answers),
             people: study.resolve(&design.people().file),
             study: study.clone(),
             people_made: false,
-        })))
+        }))
     }
 
     /// Makes the folder of records, which its owner alone may look into, and the table of people, with nobody in it, where there is none.
     ///
     /// # Errors
     /// [`SeatError::Study`] if it cannot be written.
-    pub fn begin(&mut self) -> Result<(), SeatError> {
+    pub(crate) fn begin(&mut self) -> Result<(), SeatError> {
         let Some(place) = &mut self.0 else {
             return Ok(());
         };

@@ -26,7 +26,7 @@ pub struct Forgotten {
 /// open; [`SeatError::Store`]; [`SeatError::Study`] if a file cannot be changed. Calling again ends what was begun.
 pub fn forget(study: &DesignFile, state: &Path, participant: &str) -> Result<Forgotten, SeatError> {
     let records = state.parent().unwrap_or(state).to_owned();
-    let files = Files::of(study, records)?;
+    let files = Files::of(study, records);
     let store = state.is_file().then(|| Store::open(state)).transpose()?;
     let in_seat = match &store {
         Some(store) => take_out(store, &files, participant)?.is_some(),

@@ -7,6 +7,7 @@ use crate::{
     listed::Listed,
     parts::Carried,
     person::Person,
+    servable::hindrances,
     steps::{self, Step, Texts},
     store::Store,
     tables::{Given, Standing},
@@ -18,7 +19,7 @@ use maveric_domain::{
     design::{ProtocolStep, SpeedUnit, williams_rows},
     stream_seed,
 };
-use maveric_model::{Model, model_file, style_space::LinearHead};
+use maveric_model::{Model, model_file};
 use maveric_simulator::Scenario;
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -85,9 +86,9 @@ impl Seat {
     /// Opens a seat whose state is kept in `path`.
     ///
     /// # Errors
-    /// [`SeatError::Store`] if the file cannot be opened; [`SeatError::Model`] for a model that is none; [`SeatError::Protocol`] if the
-    /// study cannot be run in the seat; [`SeatError::Study`] if its tables cannot be read.
-    pub fn open(path: &Path, settings: SeatSettings) -> Result<Self, SeatError> {
+    /// [`SeatError::Unfit`] with all that keeps the seat from running the study, before anything is written; [`SeatError::Store`] if the file
+    /// cannot be opened; [`SeatError::Model`] for a model that is none; [`SeatError::Study`] if its tables cannot be read or made.
+    pub fn open(path: &Path, mut settings: SeatSettings) -> Result<Self, SeatError> {
         if settings
             .password
             .as_ref()
@@ -99,6 +100,13 @@ impl Seat {
             });
         }
         let model = settings.model.as_deref().map(model_file::from_bytes);
+        let model = model.transpose()?;
+        let words = (&settings.scales[..], &settings.texts);
+        let hindrances = hindrances(&settings.design, words, model.as_ref());
+        if !hindrances.is_empty() {
+            return Err(SeatError::Unfit(hindrances));
+        }
+        settings.files.begin()?;
         let seat = Self {
             store: Store::open(path)?,
             scenario_json: serde_json::to_string(&settings.scenario).map_err(|e| {
@@ -107,7 +115,7 @@ impl Seat {
                     help: None,
                 }
             })?,
-            model: model.transpose()?,
+            model,
             settings,
             links: Mutex::default(),
             stopping: AtomicBool::new(false),
@@ -115,7 +123,6 @@ impl Seat {
             asked: AtomicU64::new(0),
             written: Mutex::new(0),
         };
-        seat.check()?;
         *held(&seat.links) = seat.store.look(|b| {
             let people = b.everybody()?.into_iter();
             Ok::<_, SeatError>(Links {
@@ -197,37 +204,6 @@ impl Seat {
 
     fn asks(&self, step: ProtocolStep) -> bool {
         self.settings.design.protocol().steps.contains(&step)
-    }
-
-    fn check(&self) -> Result<(), SeatError> {
-        let refused = |problem: &str, help: &str| {
-            Err(SeatError::Protocol {
-                problem: problem.to_owned(),
-                help: Some(help.to_owned()),
-            })
-        };
-        let steps = self.steps_of("P001", 0)?;
-        let learns_itself = self.settings.design.people().learn.is_some();
-        if self.asks(ProtocolStep::Rides) && self.model.is_none() && !learns_itself {
-            return refused(
-                "the study has rides and no model that could drive them",
-                "name one in [model], or say in [people] learn who is learned from first",
-            );
-        }
-        let turned = |step: &Step| match step {
-            Step::Ride { points, turns, .. } => points.abs() > 0.0 || turns.is_some(),
-            _ => false,
-        };
-        let dial = self.model.as_ref().map(LinearHead::aggression);
-        if let Some(Err(error)) = dial
-            && steps.iter().any(turned)
-        {
-            return refused(
-                &format!("a condition turns the dial, and the model has none: {error}"),
-                "learn a model from people who answered the scale of [style]",
-            );
-        }
-        Ok(())
     }
 
     fn steps_of(&self, participant: &str, index: usize) -> Result<Vec<Step>, SeatError> {

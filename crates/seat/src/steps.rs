@@ -1,9 +1,10 @@
 //! What a person is shown, one step after the other: made of a study's design, fixed when the person is let in.
 
-use crate::{error::SeatError, withdrawal};
+use crate::{error::SeatError, hindrance::Hindrance, withdrawal};
 use maveric_domain::{
     ConditionId, Design, Scale,
     design::{Car, Condition, Protocol, ProtocolStep, williams},
+    nearest,
 };
 use serde::{Deserialize, Serialize};
 
@@ -258,20 +259,14 @@ fn rides(
 /// Points that the dial turns at a press where the design has no step: a third of the paper's 15.
 const DIAL_STEP: f64 = 5.0;
 
-/// What the car does in a condition: whose style, where on the dial it begins, and points a turn where it can be turned.
-fn car(design: &Design, condition: &Condition) -> Result<(RideStyle, f64, Option<f64>), SeatError> {
-    let refused = |problem: String, help: &str| {
-        Err(SeatError::Protocol {
-            problem: format!("condition `{}`: {problem}", condition.id),
-            help: Some(help.to_owned()),
-        })
-    };
+/// What a car does: whose style, where on the dial it begins, and points a turn where it can be turned.
+type Driven = (RideStyle, f64, Option<f64>);
+
+/// What the car does in a condition.
+pub(crate) fn car(design: &Design, condition: &Condition) -> Result<Driven, Hindrance> {
+    let id = condition.id;
     if condition.simulated() {
-        return refused(
-            "its drives would be simulated again by `maveric run`, expected those of the seat"
-                .to_owned(),
-            "write `recorded = true` into its `car`: what was ridden in the seat is what is analysed",
-        );
+        return Err(Hindrance::SimulatedAgain { condition: id });
     }
     let step = design.style().map_or(DIAL_STEP, |style| {
         let points = style.points.map_or(DIAL_STEP, |points| points / 3.0);
@@ -281,40 +276,34 @@ fn car(design: &Design, condition: &Condition) -> Result<(RideStyle, f64, Option
         Some(Car::Dial(points)) => Ok((RideStyle::Own, *points, None)),
         Some(Car::Mean) => Ok((RideStyle::Mean, 0.0, None)),
         Some(Car::Free) => Ok((RideStyle::Own, 0.0, Some(step))),
-        other => {
-            let car = other.as_ref().map_or("it has no `car`", |car| match car {
-                Car::Embedding(_) => {
+        other => Err(Hindrance::Car {
+            condition: id,
+            problem: match other {
+                None => "it has no `car`",
+                Some(Car::Embedding(_)) => {
                     "its `car` drives by a file of embeddings, which the seat does not"
                 }
-                _ => "its `car` drives `across` the dial, which the seat does not",
-            });
-            refused(
-                car.to_owned(),
-                "write what it does: the seat drives `car = { dial = 8, recorded = true }`, `mean` and `free`",
-            )
-        }
+                Some(_) => "its `car` drives `across` the dial, which the seat does not",
+            },
+        }),
     }
 }
 
-fn sheet(scales: &[Scale], id: &str, moment: &str) -> Result<Step, SeatError> {
+/// A scale as a page.
+pub(crate) fn sheet(scales: &[Scale], id: &str, moment: &str) -> Result<Step, Hindrance> {
     let Some(scale) = scales.iter().find(|s| s.id == id) else {
-        let known: Vec<&str> = scales.iter().map(|s| s.id.as_str()).collect();
-        return Err(SeatError::Protocol {
-            problem: format!("[protocol] asks scale `{id}`, found {}", known.join(", ")),
-            help: Some("write its file into the study's folder of scales".to_owned()),
+        let known: Vec<String> = scales.iter().map(|s| s.id.clone()).collect();
+        return Err(Hindrance::UnknownScale {
+            scale: id.to_owned(),
+            nearest: nearest(id, known.iter().map(String::as_str)).map(str::to_owned),
+            known,
         });
     };
     if scale.wording.len() != scale.items as usize {
-        return Err(SeatError::Protocol {
-            problem: format!(
-                "scale `{id}` has wording for {} of {} items",
-                scale.wording.len(),
-                scale.items
-            ),
-            help: Some(
-                "write what is asked into `wording` of its file, from the publication it names"
-                    .to_owned(),
-            ),
+        return Err(Hindrance::NoWording {
+            scale: id.to_owned(),
+            worded: scale.wording.len(),
+            items: scale.items as usize,
         });
     }
     Ok(Step::Scale {

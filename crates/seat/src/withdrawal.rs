@@ -1,6 +1,6 @@
 //! Until when somebody can take back what they gave, and how they are told.
 
-use crate::error::SeatError;
+use crate::hindrance::Hindrance;
 use serde::Serialize;
 
 /// Where a consent names the day.
@@ -55,21 +55,15 @@ fn today() -> String {
 /// A consent with the last day in it: where it says so, or in a sentence of its own.
 ///
 /// # Errors
-/// [`SeatError::Protocol`] for a consent that names a day where the study has none.
-pub(crate) fn in_consent(text: &str, until: Option<&str>) -> Result<String, SeatError> {
+/// [`Hindrance::NoLastDay`] for a consent that names a day where the study has none.
+pub(crate) fn in_consent(text: &str, until: Option<&str>) -> Result<String, Hindrance> {
     match until {
         Some(until) if text.contains(PLACE) => Ok(text.replace(PLACE, until)),
         Some(until) => Ok(format!(
             "{}\n\nUntil {until} you can take back everything that you gave, by the link that you were given: it is deleted then.\n",
             text.trim_end()
         )),
-        None if text.contains(PLACE) => Err(SeatError::Protocol {
-            problem: format!("the consent says {PLACE}, and [protocol] has no `withdraw_until`"),
-            help: Some(
-                "write withdraw_until = \"2027-01-31\" there, or leave it out of the text"
-                    .to_owned(),
-            ),
-        }),
+        None if text.contains(PLACE) => Err(Hindrance::NoLastDay),
         None => Ok(text.to_owned()),
     }
 }

@@ -327,7 +327,8 @@ fn turns_of_the_dial_are_written_for_whoever_recommends() {
 fn while_nobody_was_learned_from_nobody_rides() {
     let design = STUDY
         .replace("[model]\nfile = \"lab.maveric\"\n", "")
-        .replace("test = {", "learn = { study = \"1\" }\ntest = {");
+        .replace("test = {", "learn = { study = \"1\" }\ntest = {")
+        .replace("score = \"adb.total\"", "score = \"mood.total\"");
     let folder = folder_of(&design);
     let db = folder.path().join("seat/seat.db");
     let one_more = |settings: SeatSettings| {

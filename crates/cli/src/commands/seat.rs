@@ -244,8 +244,6 @@ fn first_line(file: &Path) -> Result<String, Failure> {
 fn open(folder: &Path, password: Option<String>) -> Result<(Open, Option<String>), Failure> {
     let study = DesignFile::read(&folder.join(DESIGN_FILE)).map_err(Failure::study(OPENING))?;
     let records = folder.join(RECORDS);
-    let mut files = files::Files::of(&study, records.clone()).map_err(Failure::study(OPENING))?;
-    files.begin().map_err(failure(OPENING))?;
     check_design(&study).map_err(Failure::study(OPENING))?;
     let named = study.design.files();
     let (model, phase) = model(&study, folder).map_err(Failure::study(OPENING))?;
@@ -261,7 +259,7 @@ fn open(folder: &Path, password: Option<String>) -> Result<(Open, Option<String>
         model: bytes.map_err(|e| Failure::io(OPENING, e))?,
         made_up_model: study.design.synthetic() || study.design.model().is_some_and(|m| m.made_up),
         stretch: dial_stretch(&study).map_err(Failure::study(OPENING))?,
-        files,
+        files: files::Files::of(&study, records.clone()),
         password,
         design: study.design.clone(),
     };

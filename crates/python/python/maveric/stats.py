@@ -22,7 +22,8 @@ Path = str | os.PathLike[str] | None
 def _flag(name: str, value: Any) -> list[str]:
     if value is None or value is False:
         return []
-    flag = "--" + name
+    # `with` is a word of the language: its parameter ends in an underscore.
+    flag = "--" + name.rstrip("_")
     if value is True:
         return [flag]
     if isinstance(value, Iterable) and not isinstance(value, (str, os.PathLike)):
@@ -229,6 +230,7 @@ def compare(
     value: str | Sequence[str] | None = None,
     wide: Sequence[str] | None = None,
     covariate: str | Sequence[str] | None = None,
+    with_: str | Sequence[str] | None = None,
     ordinal: bool = False,
     missing: str = "listwise",
     where: Where = None,
@@ -252,6 +254,8 @@ def compare(
         Columns that are conditions, in the place of `within` and `value`.
     covariate : str or list of str, optional
         Columns of numbers whose influence is taken out.
+    with_ : str or list of str, optional
+        Products that are tested: `age:style`, whether the effect of `style` within subjects changes with `age`.
     ordinal : bool
         The values are ordered answers: only their order counts.
     missing : {"listwise", "mixed"}
@@ -271,6 +275,7 @@ def compare(
         value=value,
         wide=wide,
         covariate=covariate,
+        with_=with_,
         ordinal=ordinal,
         missing=missing,
         figure=figure,

@@ -88,8 +88,7 @@ pub(crate) fn folder_of(design: &str) -> tempfile::TempDir {
 /// What the seat of the study in a folder is opened with.
 pub(crate) fn settings(folder: &Path) -> SeatSettings {
     let study = DesignFile::read(&folder.join("study.toml")).unwrap();
-    let mut files = files::Files::of(&study, folder.join("seat")).unwrap();
-    files.begin().unwrap();
+    let files = files::Files::of(&study, folder.join("seat"));
     SeatSettings {
         scales: read_scales(&folder.join("scales")).unwrap(),
         texts: files::texts(&study).unwrap(),

@@ -2,7 +2,7 @@
 
 use super::{
     ByDesign, Chosen, ChosenTest, DesignChoice, DesignColumns, DesignPlan, DesignShape,
-    EffectMethod, FactorialFinding, OutcomeScale, check, effects::Effects, judged,
+    EffectMethod, FactorialFinding, OutcomeScale, check, effects::Effects, judged, kept::products,
     one_factor::few_whole_answers,
 };
 use crate::{
@@ -143,14 +143,12 @@ fn shape_of(data: &DesignColumns<'_>, design: &FactorialDesign) -> Result<Design
         let all = factors.iter();
         all.map(|f| (f.name.clone(), f.levels.len())).collect()
     };
+    let products = products(data)?;
     let with = |name: &str| -> Vec<String> {
-        let declared = data.with.iter().filter(|(covariate, _)| *covariate == name);
-        declared
-            .flat_map(|(_, effects)| effects)
-            .map(|e| (*e).to_owned())
-            .collect()
+        let of_this = products.iter().filter(|(covariate, _)| *covariate == name);
+        of_this.map(|(_, factors)| factors.join(":")).collect()
     };
-    let shape = DesignShape {
+    Ok(DesignShape {
         within: levels(design.within()),
         between: levels(design.between()),
         covariates: data
@@ -158,21 +156,5 @@ fn shape_of(data: &DesignColumns<'_>, design: &FactorialDesign) -> Result<Design
             .iter()
             .map(|(name, _)| ((*name).to_owned(), with(name)))
             .collect(),
-    };
-    let known: Vec<String> = (1..1_usize << shape.within.len())
-        .map(|within| shape.name_within(within))
-        .collect();
-    for (covariate, effects) in &data.with {
-        let unknown = effects.iter().find(|e| !known.iter().any(|k| k == **e));
-        if unknown.is_some() || !data.covariates.iter().any(|(name, _)| name == covariate) {
-            return Err(StatsError::Formula {
-                text: format!("{covariate}:{}", unknown.unwrap_or(&"…")),
-                expected: format!(
-                    "a covariate with an effect within subjects ({})",
-                    known.join(", ")
-                ),
-            });
-        }
-    }
-    Ok(shape)
+    })
 }

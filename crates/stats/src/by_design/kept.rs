@@ -97,7 +97,10 @@ pub(super) fn mixed(
         .iter()
         .map(|(name, cells)| (*name, Predictor::Covariate(cells)));
     let predictors: Vec<(&str, Predictor<'_>)> = factors.chain(numbers).collect();
-    let formula = Formula::crossed(&names, &covariates)?;
+    let mut formula = Formula::crossed(&names, &covariates)?;
+    for (covariate, factors) in products(data)? {
+        formula = formula.and_product(covariate, &factors)?;
+    }
     let by: Vec<&str> = data.within.iter().map(|(name, _)| *name).collect();
     let model = random_by_factor(data.subjects, &formula, &by, &predictors, data.values)?;
     let corrected = corrected(data, &model);
@@ -115,6 +118,42 @@ pub(super) fn mixed(
         checks: Vec::new(),
         found,
     })))
+}
+
+/// A covariate, and the factors within subjects that it is multiplied by.
+type Product<'a> = (&'a str, Vec<&'a str>);
+
+/// The declared products.
+///
+/// # Errors
+/// [`StatsError::Formula`] for one of another covariate, or of what is no effect within subjects.
+pub(super) fn products<'a>(data: &DesignColumns<'a>) -> Result<Vec<Product<'a>>, StatsError> {
+    let effects: Vec<Vec<&'a str>> = (1..1_usize << data.within.len())
+        .map(|effect| {
+            let factors = data.within.iter().enumerate();
+            let factors = factors.filter(|(f, _)| effect >> f & 1 == 1);
+            factors.map(|(_, (name, _))| *name).collect()
+        })
+        .collect();
+    let mut products = Vec::new();
+    for (covariate, with) in &data.with {
+        let is_covariate = data.covariates.iter().any(|(name, _)| name == covariate);
+        for effect in with {
+            let factors = effects.iter().find(|e| e.join(":") == **effect);
+            let Some(factors) = factors.filter(|_| is_covariate) else {
+                let known: Vec<String> = effects.iter().map(|e| e.join(":")).collect();
+                return Err(StatsError::Formula {
+                    text: format!("{covariate}:{effect}"),
+                    expected: format!(
+                        "a covariate with an effect within subjects ({})",
+                        known.join(", ")
+                    ),
+                });
+            };
+            products.push((*covariate, factors.clone()));
+        }
+    }
+    Ok(products)
 }
 
 /// The terms that a factorial analysis of the complete subjects corrects for a lack of sphericity; none where nobody is complete.

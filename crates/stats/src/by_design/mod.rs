@@ -122,6 +122,8 @@ pub fn compare_by_design(
             choice.alpha,
         ));
     }
+    // Declared and not there is an error, whatever test comes.
+    kept::products(data)?;
     let mut reasons = Vec::new();
     if let Some(name) = kept::varying(data)? {
         reasons.push(format!(

@@ -374,6 +374,34 @@ fn an_effect_that_no_covariate_can_be_multiplied_by_is_refused() {
 }
 
 #[test]
+fn a_declared_product_is_tested_where_people_with_gaps_stay_too() {
+    let (_, mut made) = with_age(Vec::new());
+    made.value[5] = None;
+    let data = DesignColumns {
+        within: vec![("mode", &made.mode), ("road", &made.road)],
+        covariates: vec![("age", &made.age)],
+        with: vec![("age", vec!["mode:road"])],
+        ..made.columns()
+    };
+    let choice = DesignChoice {
+        missing: MissingCells::Mixed,
+        ..DesignChoice::default()
+    };
+    let found = compare_by_design(&data, &choice).unwrap();
+    let effects: Vec<&str> = found.effects().into_iter().map(|(name, _)| name).collect();
+    assert_eq!(
+        effects,
+        ["mode", "road", "age", "mode:road", "age:mode:road"]
+    );
+    assert!(found.effects()[4].1.is_some());
+    let unknown = DesignColumns {
+        with: vec![("age", vec!["weather"])],
+        ..data
+    };
+    assert!(compare_by_design(&unknown, &choice).is_err());
+}
+
+#[test]
 fn a_person_without_the_covariate_is_left_out_by_name() {
     let mut made = made();
     for row in 8..12 {

@@ -59,6 +59,24 @@ impl Formula {
         })
     }
 
+    /// The same with a covariate multiplied by each of these factors, one term more.
+    ///
+    /// # Errors
+    /// [`StatsError::Formula`] for a name that is not in the formula.
+    pub fn and_product(mut self, covariate: &str, factors: &[&str]) -> Result<Self, StatsError> {
+        let place = |name: &&str| {
+            let place = self.predictors.iter().position(|known| known == name);
+            place.ok_or_else(|| StatsError::Formula {
+                text: (*name).to_owned(),
+                expected: format!("one of {}", self.predictors.join(", ")),
+            })
+        };
+        let names = std::iter::once(&covariate).chain(factors);
+        let term = names.map(place).collect::<Result<Vec<usize>, _>>()?;
+        self.terms.push(term);
+        Ok(self)
+    }
+
     pub(super) fn terms(&self) -> &[Vec<usize>] {
         &self.terms
     }
@@ -177,6 +195,10 @@ mod tests {
         assert_eq!(made, "a*b*c + x".parse().unwrap());
         let odd = Formula::crossed(&["driving style (1)"], &["age"]).unwrap();
         assert_eq!(odd.to_string(), "driving style (1) + age");
+        let product = Formula::crossed(&["a", "b"], &["x"]).unwrap();
+        let product = product.and_product("x", &["a", "b"]).unwrap();
+        assert_eq!(product.to_string(), "a + b + x + a:b + x:a:b");
+        assert!(product.and_product("x", &["c"]).is_err());
         assert!(Formula::crossed(&["a"], &["a"]).is_err());
         assert!(Formula::crossed(&[], &[]).is_err());
     }

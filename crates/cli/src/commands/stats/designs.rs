@@ -25,6 +25,10 @@ Examples: maveric stats compare data.csv --subject id --within condition --value
         /// Columns of numbers whose influence is taken out
         #[arg(long, value_delimiter = ',')]
         covariate: Vec<String>,
+        /// Products that are tested: age:style tests whether the effect of style within subjects changes with age, a:b where it is an
+        /// interaction (age:a:b)
+        #[arg(long, value_delimiter = ',', requires = "covariate", value_parser = product)]
+        with: Vec<(String, String)>,
         /// The values are ordered answers: only their order counts
         #[arg(long)]
         ordinal: bool,
@@ -146,6 +150,15 @@ fn formula(text: &str) -> Result<Formula, String> {
     text.parse::<Formula>().map_err(|e| e.to_string())
 }
 
+/// A covariate and the effect that it is multiplied by.
+fn product(text: &str) -> Result<(String, String), String> {
+    let parts = text.split_once(':');
+    let parts = parts.filter(|(covariate, effect)| !covariate.is_empty() && !effect.is_empty());
+    parts
+        .map(|(covariate, effect)| (covariate.to_owned(), effect.to_owned()))
+        .ok_or_else(|| "expected a covariate and an effect, as in age:style".to_owned())
+}
+
 fn two_numbers(text: &str) -> Result<(f64, f64), String> {
     let numbers = text.split_once(',').map(|(low, high)| {
         let number = |part: &str| part.trim().parse::<f64>().ok();
@@ -162,11 +175,13 @@ impl DesignArgs {
             Self::Compare {
                 factors,
                 covariate,
+                with,
                 ordinal,
                 missing,
             } => {
                 let (input, mut columns) = factors.split();
                 columns.covariates = covariate;
+                columns.products = with;
                 let test = Test::Compare {
                     columns,
                     ordinal,

@@ -153,6 +153,7 @@ impl Factors {
             within: self.within,
             between: self.between,
             covariates: Vec::new(),
+            products: Vec::new(),
             value: self.value,
         };
         (self.input, columns)

@@ -22,8 +22,9 @@ use study_text::{Wanted, study_text};
 const FOLDERS: [&str; 2] = ["logs", "surveys"];
 
 /// Name and text of the files of every study, beside the questionnaires.
-const FILES: [(&str, &str); 4] = [
+const FILES: [(&str, &str); 5] = [
     ("README.md", include_str!("README.md")),
+    ("consent.md", include_str!("consent.md")),
     ("mapping.toml", include_str!("mapping.toml")),
     ("surveys/columns.toml", include_str!("columns.toml")),
     ("scenario.toml", maveric_data::SCENARIOS_PAPER),
@@ -42,6 +43,14 @@ fn scales() -> impl Iterator<Item = (&'static str, &'static str)> {
 const EFFECTS: (&str, &str) = ("effects.toml", maveric_data::EFFECTS);
 /// Those of the paper's study.
 const CLAIMS: (&str, &str) = ("claims.toml", maveric_data::CLAIMS);
+/// What a person meets in the seat, for the paper's study: every scale that its design reads.
+const PAPERS_PROTOCOL: &str = "
+[protocol]                             # what a person meets in the seat (`maveric seat`); of no matter for logs of your own
+consent = \"consent.md\"
+before = [\"adb\", \"mini_ipip\", \"mdsi\"]  # the file of each needs `wording`
+after = [\"aggressiveness\", \"rosas\", \"godspeed_intelligence\", \"jian_trust\", \"similarity\"]
+# withdraw_until = \"2027-01-31\"        # last day on which people can take back what they gave
+";
 /// The paper's design.
 const PAPER: &str = maveric_data::DESIGNS_PAPER;
 
@@ -151,11 +160,8 @@ fn own_files<'a>(
 /// The design, and the header of the table of people.
 fn texts(options: &InitOptions) -> Result<(String, &'static str), StudyError> {
     if options.conditions.is_empty() {
-        let software = if options.synthetic {
-            "software = \"table\""
-        } else {
-            "software = \"otree\"\ncolumns = \"surveys/columns.toml\""
-        };
+        let software = "software = \"table\" # as the seat writes it; or \"otree\" (any table with a row a participant), \"jspsych\"\n\
+                        # columns = \"surveys/columns.toml\"";
         let paper = PAPER
             .replace("#:schema schema.json\n", "")
             .replace("\"../scales\"", &format!("\"scales\"\n{software}"))
@@ -166,7 +172,7 @@ fn texts(options: &InitOptions) -> Result<(String, &'static str), StudyError> {
                 &format!("synthetic = {} ", options.synthetic),
             );
         return Ok((
-            paper,
+            paper + PAPERS_PROTOCOL,
             "participant,study,population,age,gender,professional,order\n",
         ));
     }
@@ -239,6 +245,14 @@ mod tests {
         assert_eq!(design.files().scales, PathBuf::from("scales"));
         assert_eq!(design.files().claims, Some(PathBuf::from("claims.toml")));
         assert!(!design.synthetic() && !text.contains(".."));
+        let protocol = design.protocol();
+        let asked = || protocol.before.iter().chain(&protocol.after);
+        let shipped: BTreeSet<String> = scales()
+            .filter_map(|(_, text)| Some(maveric_measures::parse_scale(text).ok()?.id))
+            .collect();
+        assert!(asked().all(|scale| shipped.contains(scale)), "{protocol:?}");
+        assert!(protocol.before.contains(&"adb".to_owned()));
+        assert_eq!(protocol.consent, Some(PathBuf::from("consent.md")));
     }
 
     #[test]

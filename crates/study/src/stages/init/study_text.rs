@@ -12,22 +12,30 @@ pub(super) struct Wanted<'a> {
     pub(super) synthetic: bool,
 }
 
-/// A third of the range, to two digits: 15 points of the 44 of the ADB scale.
-fn step([low, high]: [f64; 2]) -> f64 {
-    let third = (high - low) / 3.0;
-    let digit = 10f64.powi(libm::log10(third).floor() as i32 - 1);
-    let rounded = (third / digit).round() * digit;
+/// A third of the range, to two digits: 15 points of the 44 of the ADB scale; less where the outermost condition, `steps` steps from the
+/// middle, would lie further away than the scale is long.
+fn step([low, high]: [f64; 2], steps: f64) -> f64 {
+    let range = high - low;
+    let digits = |points: f64, to_whole: fn(f64) -> f64| {
+        let digit = 10f64.powi(libm::log10(points).floor() as i32 - 1);
+        to_whole(points / digit + 1e-9) * digit
+    };
+    let mut points = digits(range / 3.0, f64::round);
+    if points * steps > range {
+        points = digits(range / steps, f64::floor);
+    }
     // No tail of binary digits in the file.
-    (rounded * 1e6).round() / 1e6
+    (points * 1e6).round() / 1e6
 }
 
 /// The text; it reads as a design.
 pub(super) fn study_text(wanted: &Wanted<'_>) -> String {
+    let middle = (wanted.conditions.len() as f64 - 1.0) / 2.0;
     let style = wanted.style.map(|(score, range)| {
         let [low, high] = range;
-        context! { score => score.to_string(), range => format!("{low}, {high}"), points => step(range).to_string() }
+        let points = step(range, middle).to_string();
+        context! { score => score.to_string(), scale => score.scale.as_str(), range => format!("{low}, {high}"), points }
     });
-    let middle = (wanted.conditions.len() as f64 - 1.0) / 2.0;
     let conditions = wanted.conditions.iter().enumerate().map(|(place, id)| {
         let steps = place as f64 - middle;
         let sign = if steps > 0.0 { "+" } else { "" };
@@ -80,7 +88,22 @@ mod tests {
                 .zip([-30.0, -15.0, 0.0, 15.0, 30.0])
                 .all(|(a, b)| (a - b).abs() < 1e-9)
         );
+        // However many there are, the outermost lie on the scale.
+        let names = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l"];
+        for n in 2..=names.len() {
+            for (score, range) in [("adb.total", [11.0, 55.0]), ("mdsi.risky", [1.0, 6.0])] {
+                let many = of(&names[..n], Some((score, range)));
+                let furthest = many.conditions()[n - 1].dial().unwrap();
+                assert!(
+                    furthest > 0.0 && furthest <= range[1] - range[0],
+                    "{n}: {furthest}"
+                );
+            }
+        }
         let risky = of(&["calm", "sporty"], Some(("mdsi.risky", [1.0, 6.0])));
+        // The seat asks what a style is learned by.
+        assert_eq!(risky.protocol().before, ["mdsi"]);
+        assert!(none.protocol().before.is_empty() && none.protocol().consent.is_some());
         assert!((risky.conditions()[1].dial().unwrap() - 0.85).abs() < 1e-9);
     }
 }

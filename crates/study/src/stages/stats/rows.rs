@@ -15,6 +15,8 @@ pub struct FactorColumns {
     pub between: Vec<String>,
     /// Covariates.
     pub covariates: Vec<String>,
+    /// Products that are tested: a covariate, and the effect within subjects that it is multiplied by.
+    pub products: Vec<(String, String)>,
     /// The value.
     pub value: String,
 }
@@ -26,6 +28,7 @@ pub(super) struct DesignRows {
     within: Vec<(String, Vec<String>)>,
     between: Vec<(String, Vec<Option<String>>)>,
     covariates: Vec<(String, Vec<Option<f64>>)>,
+    products: Vec<(String, String)>,
     values: Vec<Option<f64>>,
 }
 
@@ -49,6 +52,7 @@ impl DesignRows {
             covariates: covariates
                 .map(|f| Ok((f.clone(), table.numbers(f)?)))
                 .collect::<Result<_, StudyError>>()?,
+            products: columns.products.clone(),
             values: table.numbers(&columns.value)?,
         })
     }
@@ -85,7 +89,9 @@ impl DesignRows {
             covariates: (self.covariates.iter())
                 .map(|(n, c)| (n.as_str(), &c[..]))
                 .collect(),
-            with: Vec::new(),
+            with: (self.products.iter())
+                .map(|(covariate, effect)| (covariate.as_str(), vec![effect.as_str()]))
+                .collect(),
             values: &self.values,
         }
     }

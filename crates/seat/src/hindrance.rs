@@ -1,0 +1,112 @@
+//! What can keep the seat from running a study.
+
+use maveric_domain::{
+    ConditionId,
+    design::{ScoreName, Software},
+};
+
+/// One thing that a study lacks, or that the seat cannot do.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Hindrance {
+    /// Answers that another program is to export, where the seat writes its own.
+    #[error("`files.software` is `{software:?}`, and the seat writes its answers as a plain table")]
+    Software {
+        /// What the design says.
+        software: Software,
+    },
+    /// A scale that no file has.
+    #[error("[protocol] asks scale `{scale}`, and there are {}", known.join(", "))]
+    UnknownScale {
+        /// Its id.
+        scale: String,
+        /// The ids that there are.
+        known: Vec<String>,
+        /// The nearest of them.
+        nearest: Option<String>,
+    },
+    /// A scale whose items nobody could read.
+    #[error(
+        "[protocol] asks scale `{scale}`, whose file has wording for {worded} of {items} items"
+    )]
+    NoWording {
+        /// Its id.
+        scale: String,
+        /// Items with a text.
+        worded: usize,
+        /// Items.
+        items: usize,
+    },
+    /// The score that the style is learned by is never asked.
+    #[error("the style is learned by `{score}`, and [protocol] does not ask scale `{}` before the drives", score.scale)]
+    StyleNotAsked {
+        /// The score of the style.
+        score: ScoreName,
+    },
+    /// Somebody is to be learned from and drives nowhere by hand.
+    #[error("people are learned from, and [protocol] `steps` has no `drive`")]
+    NoDrive,
+    /// Rides, and nothing that could drive them.
+    #[error("the study has rides and no model that could drive them")]
+    NoModel,
+    /// A condition that turns the dial of a model without one.
+    #[error("a condition turns the dial, and the model has none: {why}")]
+    NoDial {
+        /// What the model says.
+        why: String,
+    },
+    /// A condition whose drives the program would make again.
+    #[error(
+        "condition `{condition}`: its drives would be simulated again by `maveric run`, expected those of the seat"
+    )]
+    SimulatedAgain {
+        /// The condition.
+        condition: ConditionId,
+    },
+    /// A condition that the seat cannot drive.
+    #[error("condition `{condition}`: {problem}")]
+    Car {
+        /// The condition.
+        condition: ConditionId,
+        /// Which car it has.
+        problem: &'static str,
+    },
+    /// A consent that names a day which the study does not have.
+    #[error("the consent says {{withdraw_until}}, and [protocol] has no `withdraw_until`")]
+    NoLastDay,
+}
+
+impl Hindrance {
+    /// What to do.
+    pub fn remedy(&self) -> String {
+        match self {
+            Self::Software { .. } => {
+                "leave `software` and `columns` out of [files], or give the seat a study of its own".to_owned()
+            }
+            Self::UnknownScale { scale, nearest, .. } => match nearest {
+                Some(nearest) => format!("did you mean `{nearest}`?"),
+                None => format!("write scales/{scale}.toml, or take it out of `before` or `after`"),
+            },
+            Self::NoWording { scale, .. } => format!(
+                "write what is asked into `wording` of scales/{scale}.toml, a text an item, from the publication that the file names"
+            ),
+            Self::StyleNotAsked { score } => {
+                format!("write before = [\"{}\"] into [protocol], and \"before\" into its `steps`", score.scale)
+            }
+            Self::NoDrive => "write \"drive\" into `steps`".to_owned(),
+            Self::NoModel => {
+                "name one in [model] file, or say in [people] learn who is learned from first".to_owned()
+            }
+            Self::NoDial { .. } => "learn a model from people who answered the scale of [style]".to_owned(),
+            Self::SimulatedAgain { .. } => {
+                "write `recorded = true` into its `car`: what was ridden in the seat is what is analysed".to_owned()
+            }
+            Self::Car { .. } => {
+                "the seat drives `car = { dial = 8, recorded = true }`, `mean` and `free`".to_owned()
+            }
+            Self::NoLastDay => {
+                "write withdraw_until = \"2027-01-31\" there, or leave it out of the text".to_owned()
+            }
+        }
+    }
+}

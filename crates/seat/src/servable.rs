@@ -1,0 +1,196 @@
+//! Whether the seat can run a study: all that it cannot is found before anybody is let in, also what only a later phase needs.
+
+use crate::{
+    hindrance::Hindrance,
+    steps::{Texts, car, sheet},
+    withdrawal,
+};
+use maveric_domain::{
+    Design, Scale,
+    design::{Car, ProtocolStep, Software},
+};
+use maveric_model::{Model, style_space::LinearHead};
+
+/// All that keeps the seat from running a study, in the order of the design; nothing for one that it can run to its end.
+pub(crate) fn hindrances(
+    design: &Design,
+    (scales, texts): (&[Scale], &Texts),
+    model: Option<&Model>,
+) -> Vec<Hindrance> {
+    let (protocol, conditions) = (design.protocol(), design.conditions());
+    let asks = |step| protocol.steps.contains(&step);
+    let mut found = Vec::new();
+    let software = design.files().software;
+    if software != Software::Table {
+        found.push(Hindrance::Software { software });
+    }
+    let consent = texts
+        .consent
+        .as_ref()
+        .filter(|_| asks(ProtocolStep::Consent));
+    if let Some(text) = consent {
+        found.extend(withdrawal::in_consent(text, protocol.withdraw_until.as_deref()).err());
+    }
+    let before = protocol
+        .before
+        .iter()
+        .filter(|_| asks(ProtocolStep::Before));
+    let after = protocol.after.iter().filter(|_| asks(ProtocolStep::Rides));
+    for id in before.chain(after) {
+        let missing = sheet(scales, id, "pre").err();
+        found.extend(missing.filter(|hindrance| !found.contains(hindrance)));
+    }
+    let learns = design.model().is_none() && design.people().learn.is_some();
+    let asked = |scale| asks(ProtocolStep::Before) && protocol.before.contains(scale);
+    let unasked = design
+        .style()
+        .filter(|style| learns && !asked(&style.score.scale));
+    found.extend(unasked.map(|style| Hindrance::StyleNotAsked {
+        score: style.score.clone(),
+    }));
+    if learns && !asks(ProtocolStep::Drive) {
+        found.push(Hindrance::NoDrive);
+    }
+    if !asks(ProtocolStep::Rides) {
+        return found;
+    }
+    if model.is_none() && !learns {
+        found.push(Hindrance::NoModel);
+    }
+    for condition in conditions {
+        found.extend(car(design, condition).err());
+    }
+    let turned = |car: &Option<Car>| match car {
+        Some(Car::Dial(points)) => points.abs() > 0.0,
+        Some(Car::Free) => true,
+        _ => false,
+    };
+    if conditions.iter().any(|c| turned(&c.car))
+        && let Some(Err(error)) = model.map(LinearHead::aggression)
+    {
+        let why = error.to_string();
+        found.push(Hindrance::NoDial { why });
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SOUND: &str = r#"
+[study]
+title = "Two phases"
+[people]
+learn = { part = "learn" }
+[style]
+score = "mood.total"
+range = [1, 5]
+[[condition]]
+id = "mine"
+car = { dial = 0, recorded = true }
+[[condition]]
+id = "sporty"
+car = { dial = 1, recorded = true }
+[baseline]
+id = "own"
+[protocol]
+before = ["mood"]
+after = ["mood"]
+"#;
+
+    fn mood(wording: &str) -> Scale {
+        let text = format!(
+            "id = \"mood\"\ntitle = \"Mood\"\nreference = \"made for this test\"\nitems = 2\nmin = 1\nmax = 5\nscoring = \"mean\"\n{wording}\n\
+             [[subscales]]\nid = \"total\"\ntitle = \"Mood\"\nitems = [1, 2]\n"
+        );
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("mood.toml"), text).unwrap();
+        let mut scales = maveric_study::run_folder::read_scales(folder.path()).unwrap();
+        scales.remove(0)
+    }
+
+    fn of(design: &str, wording: &str, consent: Option<&str>) -> Vec<Hindrance> {
+        let texts = Texts {
+            consent: consent.map(str::to_owned),
+            thanks: None,
+        };
+        let design = Design::from_toml(design).unwrap();
+        hindrances(&design, (&[mood(wording)], &texts), None)
+    }
+
+    const WORDED: &str = "wording = [\"I am calm.\", \"I am tense.\"]";
+
+    #[test]
+    fn a_study_that_can_be_run_has_no_hindrance() {
+        assert_eq!(of(SOUND, WORDED, Some("You may leave.")), []);
+        // Who only drives and is not learned from here is asked nothing.
+        let hand = "[study]\ntitle = \"By hand\"\n[baseline]\nid = \"own\"\n[[condition]]\nid = \"x\"\ncar = { recorded = true }\n\
+                    [protocol]\nsteps = [\"drive\"]\n";
+        assert_eq!(of(hand, "", None), []);
+    }
+
+    #[test]
+    fn all_that_is_missing_is_in_one_list_also_what_only_the_rides_need() {
+        let faulty = SOUND
+            .replace("before = [\"mood\"]", "before = [\"moood\"]")
+            .replace(
+                "title = \"Two phases\"",
+                "title = \"Two phases\"\n[files]\nsoftware = \"otree\"",
+            )
+            .replace("dial = 1, recorded = true", "dial = 1");
+        let found = of(&faulty, "", Some("Until {withdraw_until} you may leave."));
+        let software = Software::Otree;
+        let id = |id: &str| id.parse().unwrap();
+        assert_eq!(
+            found,
+            [
+                Hindrance::Software { software },
+                Hindrance::NoLastDay,
+                Hindrance::UnknownScale {
+                    scale: "moood".to_owned(),
+                    known: vec!["mood".to_owned()],
+                    nearest: Some("mood".to_owned()),
+                },
+                Hindrance::NoWording {
+                    scale: "mood".to_owned(),
+                    worded: 0,
+                    items: 2,
+                },
+                Hindrance::StyleNotAsked {
+                    score: "mood.total".parse().unwrap(),
+                },
+                Hindrance::SimulatedAgain {
+                    condition: id("sporty"),
+                },
+            ]
+        );
+        let said = crate::SeatError::Unfit(found).to_string();
+        for part in [
+            "- `files.software` is",
+            "did you mean `mood`?",
+            "before = [\"mood\"]",
+        ] {
+            assert!(said.contains(part), "{said}");
+        }
+        assert_eq!(said.lines().count(), 7);
+    }
+
+    #[test]
+    fn who_is_learned_from_has_to_drive() {
+        let answers = SOUND.replace("after = [\"mood\"]", "steps = [\"consent\", \"before\"]");
+        assert_eq!(of(&answers, WORDED, None), [Hindrance::NoDrive]);
+    }
+
+    #[test]
+    fn the_style_has_to_be_asked_only_where_somebody_is_learned_from() {
+        let unasked = SOUND.replace("before = [\"mood\"]\n", "");
+        let score = "mood.total".parse().unwrap();
+        assert_eq!(
+            of(&unasked, WORDED, None),
+            [Hindrance::StyleNotAsked { score }]
+        );
+        let elsewhere = unasked.replace("[style]", "[model]\nfile = \"lab.maveric\"\n[style]");
+        assert_eq!(of(&elsewhere, WORDED, None), [Hindrance::NoModel]);
+    }
+}
