@@ -102,12 +102,6 @@ pub fn recorded_of(people: &[&str], conditions: &[&str]) -> TempStudy {
         ("hurry", scale("hurry", 2, 1, 5, "sum")),
     ];
     only_scales(&study, "mine", &own);
-    change(
-        &study,
-        "mine/study.toml",
-        "software = \"otree\"",
-        "software = \"table\"",
-    );
     study.write(
         "mine/surveys/answers.csv",
         answers(people, &SCALES, conditions),

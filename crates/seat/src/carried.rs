@@ -308,9 +308,8 @@ pub fn take_in(seat: &Seat, path: &Path) -> Result<TakenIn, SeatError> {
     let person = seat.take_in(&token, &steps, &given)?;
     let mut drives = 0;
     for (step, found) in steps.iter().enumerate() {
-        if found.drives().is_some() && seat.finish_drive(&person, step, found)? {
-            drives += 1;
-        }
+        let whole = found.drives().is_some() && seat.finish_drive(&person, step, found)?;
+        drives += usize::from(whole);
     }
     seat.write_files()?;
     Ok(TakenIn {

@@ -1,6 +1,7 @@
 //! What becomes of what people do: logs, records, answers and people as files that `maveric run` reads.
 
 use crate::{
+    collected::Collected,
     error::SeatError,
     tables::{self, Given, Standing},
 };
@@ -12,6 +13,8 @@ use maveric_study::{
     atomic_write::{atomic_write, atomic_write_bytes, read_text},
     forget::{Forgotten, forget_person},
     tables::{
+        Table,
+        collected::{CONSENTS, EVENTS, EventRow, NOTES},
         dial::{ENDING, Turn},
         write_rows,
     },
@@ -195,6 +198,25 @@ impl Files {
         };
         let id = ParticipantId::new(participant).map_err(StudyError::from)?;
         Ok(Some(forget_person(&place.study, &id)?))
+    }
+
+    /// What the table of events has already; nothing where it is not there, or cannot be read as one: it is made anew.
+    pub(crate) fn events(&self) -> Vec<EventRow> {
+        let path = self.0.as_ref().map(|place| place.records.join(EVENTS));
+        let table = path
+            .filter(|path| path.is_file())
+            .map(|path| Table::read(&path)?.records());
+        table.and_then(Result::ok).unwrap_or_default()
+    }
+
+    /// Writes what was collected beside answers and drives.
+    pub(crate) fn collected(&self, collected: &Collected) -> Result<(), SeatError> {
+        if let Some(place) = &self.0 {
+            write_rows(&place.records.join(EVENTS), &collected.events)?;
+            write_rows(&place.records.join(CONSENTS), &collected.consents)?;
+            write_rows(&place.records.join(NOTES), &collected.notes)?;
+        }
+        Ok(())
     }
 
     /// Adds people and answers to the study's tables that are not in them yet; what stands there then.

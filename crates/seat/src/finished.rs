@@ -21,6 +21,26 @@ impl Seat {
         step: usize,
         found: &Step,
     ) -> Result<bool, SeatError> {
+        self.write_drive(person, (step, found), false)
+    }
+
+    /// Writes what somebody drove of the step at which they left and let it be kept, cut short as it is: nothing is learned of it.
+    ///
+    /// # Errors
+    /// As [`Seat::finish_drive`].
+    pub(crate) fn keep_unfinished(&self, person: &Person) -> Result<(), SeatError> {
+        match person.steps.get(person.at) {
+            Some(found) => self.write_drive(person, (person.at, found), true).map(drop),
+            None => Ok(()),
+        }
+    }
+
+    fn write_drive(
+        &self,
+        person: &Person,
+        (step, found): (usize, &Step),
+        left: bool,
+    ) -> Result<bool, SeatError> {
         let read = self.store.look(|b| {
             let begun = b.begun(&person.participant, step)?;
             let record = |a: &Begun| b.record(&person.participant, (step, a.attempt));
@@ -28,7 +48,9 @@ impl Seat {
             Ok::<_, SeatError>((lines?, begun))
         });
         let (lines, begun) = read?;
-        let Some(whole) = begun.iter().position(|b| b.ended) else {
+        let last = || begun.iter().rposition(|b| b.ticks > 0);
+        let ended = begun.iter().position(|b| b.ended);
+        let Some(whole) = ended.or_else(|| last().filter(|_| left)) else {
             return Ok(false);
         };
         let Some((condition, by_hand)) = found.drives() else {
@@ -47,11 +69,16 @@ impl Seat {
             Err(error) => outcome.tell(format!("{name}: cannot be driven again: {error}")),
             Ok((again, record)) => {
                 let pictures = Pictures::of(&record);
-                let note = pictures.note();
+                let cut = ended.is_none().then(|| {
+                    let seconds = record.ticks() as f64 / 100.0;
+                    format!("the person left after {seconds:.0} s, and what was driven is kept")
+                });
+                let note: Vec<String> = cut.into_iter().chain(pictures.note()).collect();
+                let note = (!note.is_empty()).then(|| note.join("; "));
                 let kept = (&record, lines.as_str(), note.as_deref());
                 files.log(&name, (who, condition), kept, &again)?;
                 outcome.tell(format!("{name}: {pictures}"));
-                if !again.same() {
+                if ended.is_some() && !again.same() {
                     let text = "the page came through other states than its record gives here";
                     outcome.tell(format!("{name}: {text}"));
                 }
@@ -67,18 +94,23 @@ impl Seat {
                     let seconds = record.ticks() as f64 / 100.0;
                     files.turns((&name, who), &turned, step.abs(), seconds)?;
                 }
-                if by_hand {
+                if by_hand && !left {
                     self.learn(person, &name, (&record, &again), &mut outcome);
                 }
             }
         }
-        self.keep(person, step, &outcome)?;
+        self.keep(person, (step, left), &outcome)?;
         Ok(true)
     }
 
     /// Keeps what came of a drive and goes on, both or neither. Who was forgotten meanwhile has nothing kept, and what was written of
     /// them goes again.
-    fn keep(&self, person: &Person, step: usize, outcome: &Outcome) -> Result<(), SeatError> {
+    fn keep(
+        &self,
+        person: &Person,
+        (step, left): (usize, bool),
+        outcome: &Outcome,
+    ) -> Result<(), SeatError> {
         let stays = self.store.within(|b| {
             let stays = b.person(&person.token)?.is_some();
             if stays {
@@ -88,7 +120,9 @@ impl Seat {
                 if let Some(style) = &outcome.style {
                     b.fit(person, style)?;
                 }
-                b.go_on(person, step)?;
+                if !left {
+                    b.go_on(person, step)?;
+                }
             }
             Ok::<_, SeatError>(stays)
         })?;

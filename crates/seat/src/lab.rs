@@ -251,9 +251,7 @@ async fn note(State(shared): State<Shared>, body: Bytes) -> Answered<Response> {
     let text = form_field(&body, "note").unwrap_or_default();
     let text: String = text.trim().chars().take(LONGEST_NOTE).collect();
     if !text.is_empty() {
-        let text = format!("note: {text}");
-        let kept = shared.blocking(move |seat| seat.store.within(|b| b.event(None, &text)));
-        kept.await?;
+        shared.blocking(move |seat| seat.note(&text)).await?;
     }
     Ok(to_lab())
 }

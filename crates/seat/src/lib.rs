@@ -8,6 +8,7 @@ mod among_others;
 mod assets;
 mod books;
 pub mod carried;
+mod collected;
 mod connections;
 pub mod demo;
 mod drives;

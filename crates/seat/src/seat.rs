@@ -2,6 +2,7 @@
 
 use crate::{
     books::Books,
+    collected::NOTE,
     error::SeatError,
     files::Files,
     listed::Listed,
@@ -133,7 +134,7 @@ impl Seat {
         // What a killed seat had promised to take away.
         seat.forget_the_rest()?;
         // What a killed seat had taken in and not written yet.
-        seat.write_files()?;
+        seat.write_all()?;
         Ok(seat)
     }
 
@@ -299,6 +300,18 @@ impl Seat {
     /// # Errors
     /// [`SeatError::Store`]; [`SeatError::Study`] if a file cannot be written.
     pub fn write_files(&self) -> Result<(), SeatError> {
+        self.write(false)
+    }
+
+    /// The same where the seat opens or closes: what was collected of people whose part goes on is written too.
+    ///
+    /// # Errors
+    /// As [`Seat::write_files`].
+    pub(crate) fn write_all(&self) -> Result<(), SeatError> {
+        self.write(true)
+    }
+
+    fn write(&self, unfinished: bool) -> Result<(), SeatError> {
         let wanted = self.asked.fetch_add(1, Ordering::SeqCst) + 1;
         let mut written = held(&self.written);
         if *written >= wanted {
@@ -318,6 +331,9 @@ impl Seat {
             let listed = self.settings.files.write(&given)?;
             self.store
                 .within(|b| self.keep_listed(b, &given, &listed))?;
+            let before = self.settings.files.events();
+            let collected = self.store.look(|b| b.collected(before, unfinished))?;
+            self.settings.files.collected(&collected)?;
         }
         *written = answered;
         Ok(())
@@ -351,6 +367,15 @@ impl Seat {
             }
         }
         Ok(())
+    }
+
+    /// Keeps a note of the experimenter's.
+    ///
+    /// # Errors
+    /// [`SeatError::Store`].
+    pub fn note(&self, text: &str) -> Result<(), SeatError> {
+        self.store
+            .within(|b| b.event(None, &format!("{NOTE}{text}")))
     }
 
     /// Whether speeds are shown in miles an hour.

@@ -120,7 +120,7 @@ pub fn run(
         }
         Ok::<_, SeatError>(())
     })?;
-    kept.write_files()
+    kept.write_all()
 }
 
 impl Serving {
@@ -356,6 +356,7 @@ async fn leave(
             return Ok(DELETED.to_owned());
         };
         if leaving.keep {
+            seat.keep_unfinished(&person)?;
             seat.write_files()?;
             return Ok::<_, Refused>(person.ended.unwrap_or_default());
         }

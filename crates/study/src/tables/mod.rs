@@ -1,6 +1,7 @@
 //! Tables as files: Parquet, or text with commas, semicolons or tabs between its cells, read with errors that name the row.
 
 mod builder;
+pub mod collected;
 pub mod conditions;
 pub mod dial;
 pub mod drives;

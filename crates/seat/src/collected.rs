@@ -1,0 +1,264 @@
+//! What happened on every page and in every drive, as tables: events, consents, notes.
+
+use crate::{
+    books::{Books, whole},
+    error::SeatError,
+    listed::Listed,
+    person::Person,
+    sheet::Sheet,
+    steps::Step,
+};
+use maveric_domain::ParticipantId;
+use maveric_seat_page::Chunk;
+use maveric_study::{
+    StudyError,
+    tables::collected::{ConsentRow, EventRow, NoteRow},
+};
+use rusqlite::params;
+use std::collections::BTreeSet;
+
+/// The page of the row that says how somebody's part ended.
+const END: &str = "end";
+/// How the text of an experimenter's note begins among the seat's events.
+pub(crate) const NOTE: &str = "note: ";
+/// Steps of 0.01 s by which a practice may fall short of its time and still have used it up.
+const TICKS_A_SECOND: f64 = 100.0;
+
+/// All three tables.
+#[derive(Debug, Default)]
+pub(crate) struct Collected {
+    pub(crate) events: Vec<EventRow>,
+    pub(crate) consents: Vec<ConsentRow>,
+    pub(crate) notes: Vec<NoteRow>,
+}
+
+/// A moment as it is written, in UTC.
+fn written(unix_s: i64) -> Option<String> {
+    let moment = chrono::DateTime::from_timestamp(unix_s, 0)?;
+    Some(moment.format("%Y-%m-%dT%H:%M:%SZ").to_string())
+}
+
+impl Books<'_> {
+    /// What was collected: of `before`, rows of people whose part had ended stay as they are; of others they are read anew, where
+    /// `unfinished` also of those whose part goes on. Nobody is in it who was taken out of the study's table.
+    pub(crate) fn collected(
+        &self,
+        before: Vec<EventRow>,
+        unfinished: bool,
+    ) -> Result<Collected, SeatError> {
+        let people = self.everybody()?;
+        let final_rows: BTreeSet<String> = before
+            .iter()
+            .filter(|row| row.page == END)
+            .map(|row| row.participant.to_string())
+            .collect();
+        let mut collected = Collected::default();
+        for person in people.iter().filter(|p| p.listed != Listed::TakenOut) {
+            let who = ParticipantId::new(&*person.participant).map_err(StudyError::from)?;
+            if final_rows.contains(&person.participant) || person.ended.is_none() && !unfinished {
+                let theirs = before.iter().filter(|row| row.participant == who);
+                collected.events.extend(theirs.cloned());
+            } else {
+                self.events_of(person, &who, &mut collected.events)?;
+            }
+            self.consents_of(person, &who, &mut collected.consents)?;
+        }
+        let known: BTreeSet<&str> = people
+            .iter()
+            .filter(|p| p.listed != Listed::TakenOut)
+            .map(|p| p.participant.as_str())
+            .collect();
+        for (given, about, text) in self.told()? {
+            if about.as_deref().is_some_and(|who| !known.contains(who)) {
+                continue;
+            }
+            let note = text.strip_prefix(NOTE);
+            collected.notes.push(NoteRow {
+                at: written(given),
+                participant: about
+                    .map(ParticipantId::new)
+                    .transpose()
+                    .map_err(StudyError::from)?,
+                by: if note.is_some() {
+                    "experimenter"
+                } else {
+                    "seat"
+                }
+                .to_owned(),
+                text: note.unwrap_or(&text).to_owned(),
+            });
+        }
+        Ok(collected)
+    }
+
+    /// Every event of the seat, the oldest first: when, about whom, what.
+    fn told(&self) -> Result<Vec<(i64, Option<String>, String)>, SeatError> {
+        self.ask(|c| {
+            let mut rows =
+                c.prepare("SELECT given, participant, what FROM event ORDER BY rowid")?;
+            rows.query_map([], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))?
+                .collect()
+        })
+    }
+
+    /// The kept pages of a person: step, body, when.
+    fn pages(&self, participant: &str) -> Result<Vec<(usize, String, i64)>, SeatError> {
+        self.ask(|c| {
+            let mut rows = c.prepare_cached(
+                "SELECT step, body, given FROM answer WHERE participant = ?1 ORDER BY step",
+            )?;
+            let read = |row: &rusqlite::Row<'_>| {
+                Ok((row.get::<_, i64>(0)? as usize, row.get(1)?, row.get(2)?))
+            };
+            rows.query_map([participant], read)?.collect()
+        })
+    }
+
+    fn consents_of(
+        &self,
+        person: &Person,
+        who: &ParticipantId,
+        consents: &mut Vec<ConsentRow>,
+    ) -> Result<(), SeatError> {
+        for (step, body, given) in self.pages(&person.participant)? {
+            let sheet = serde_json::from_str::<Sheet>(&body).ok();
+            if let Some(text_sha256) = sheet.and_then(|sheet| sheet.text_sha256) {
+                consents.push(ConsentRow {
+                    participant: who.clone(),
+                    step: step + 1,
+                    text_sha256,
+                    at: written(given),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn events_of(
+        &self,
+        person: &Person,
+        who: &ParticipantId,
+        events: &mut Vec<EventRow>,
+    ) -> Result<(), SeatError> {
+        let pages = self.pages(&person.participant)?;
+        for (step, found) in person.steps.iter().enumerate() {
+            let (page, moment) = place(found);
+            let row = |what: &str| EventRow {
+                participant: who.clone(),
+                step: step + 1,
+                page: page.clone(),
+                moment: moment.clone(),
+                attempt: None,
+                time_s: None,
+                what: what.to_owned(),
+                value: None,
+                at: None,
+            };
+            for (_, body, given) in pages.iter().filter(|(at, ..)| *at == step) {
+                // Only what was checked was kept.
+                let sheet = serde_json::from_str::<Sheet>(body).ok();
+                events.push(EventRow {
+                    value: sheet.as_ref().map(|sheet| sheet.seconds),
+                    at: written(*given),
+                    ..row(if sheet.is_some_and(|s| s.agreed) {
+                        "agreed"
+                    } else {
+                        "answered"
+                    })
+                });
+            }
+            self.driven(person, (step, found), &row, events)?;
+        }
+        if let Some(how) = &person.ended {
+            events.push(EventRow {
+                participant: who.clone(),
+                step: person.at.min(person.steps.len().saturating_sub(1)) + 1,
+                page: END.to_owned(),
+                moment: None,
+                attempt: None,
+                time_s: None,
+                what: how.clone(),
+                value: None,
+                at: None,
+            });
+        }
+        Ok(())
+    }
+
+    /// What happened in the drives of a step.
+    fn driven(
+        &self,
+        person: &Person,
+        (step, found): (usize, &Step),
+        row: &dyn Fn(&str) -> EventRow,
+        events: &mut Vec<EventRow>,
+    ) -> Result<(), SeatError> {
+        let Some((_, seconds)) = found.world() else {
+            return Ok(());
+        };
+        let who = &person.participant;
+        for begun in self.begun(who, step)? {
+            let of_drive = |what: &str, tick: u64| EventRow {
+                attempt: Some(begun.attempt),
+                time_s: Some(tick as f64 / TICKS_A_SECOND),
+                ..row(what)
+            };
+            let (at, lines) = self.noted(who, (step, begun.attempt))?;
+            events.push(EventRow {
+                at: written(at),
+                ..of_drive("begun", 0)
+            });
+            for line in lines {
+                let chunk = serde_json::from_str::<Chunk>(&line).unwrap_or_default();
+                events.extend(chunk.events.iter().map(|event| EventRow {
+                    value: event.points,
+                    ..of_drive(&event.what, event.tick)
+                }));
+            }
+            let in_time = (begun.ticks as f64) < seconds * TICKS_A_SECOND;
+            let how = match found {
+                _ if !begun.ended => "cut short",
+                Step::Practice { .. } if in_time => "practice passed",
+                Step::Practice { .. } => "practice not passed: its time was over",
+                _ => "ended",
+            };
+            events.push(of_drive(how, begun.ticks));
+        }
+        Ok(())
+    }
+
+    /// When a drive was begun, and those of its pieces in which something happened.
+    fn noted(
+        &self,
+        participant: &str,
+        (step, attempt): (usize, u32),
+    ) -> Result<(i64, Vec<String>), SeatError> {
+        self.ask(|c| {
+            let key = params![participant, whole(step), attempt];
+            let begun = c
+                .prepare_cached(
+                    "SELECT begun FROM drive WHERE participant = ?1 AND step = ?2 AND attempt = ?3",
+                )?
+                .query_row(key, |row| row.get(0))?;
+            let mut pieces = c.prepare_cached(
+                "SELECT line FROM piece WHERE participant = ?1 AND step = ?2 AND attempt = ?3 AND line LIKE '%\"events\"%' ORDER BY from_tick",
+            )?;
+            let lines = pieces.query_map(key, |row| row.get(0))?;
+            Ok((begun, lines.collect::<rusqlite::Result<_>>()?))
+        })
+    }
+}
+
+/// What a step is called in the tables, and the moment of a scale.
+fn place(step: &Step) -> (String, Option<String>) {
+    match step {
+        Step::Text { .. } => ("consent".to_owned(), None),
+        Step::Scale { scale, moment, .. } => (scale.clone(), Some(moment.clone())),
+        Step::Controls => ("controls".to_owned(), None),
+        Step::Practice { .. } => ("practice".to_owned(), None),
+        Step::Drive { condition, .. } | Step::Ride { condition, .. } => {
+            (condition.to_string(), None)
+        }
+        Step::Thanks { .. } => ("thanks".to_owned(), None),
+    }
+}
