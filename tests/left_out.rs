@@ -71,7 +71,33 @@ fn run_once() -> TempStudy {
     std::fs::copy(sample.join("participants.csv"), people).unwrap();
     study.write("key", KEY);
     study.maveric_in("mine", &RUN).ok();
+    collect(&study);
     study
+}
+
+/// What a seat would have collected of everybody.
+fn collect(study: &TempStudy) {
+    let people = std::fs::read_to_string(study.path("mine/participants.csv")).unwrap();
+    let ids = || {
+        people
+            .lines()
+            .skip(1)
+            .filter_map(|line| line.split(',').next())
+    };
+    let mut events = "participant,step,page,moment,attempt,time_s,what,value,at\n".to_owned();
+    let mut consents = "participant,step,text_sha256,at\n".to_owned();
+    let mut notes =
+        "at,participant,by,text\n2026-11-23T10:00:00Z,,experimenter,a window was open\n".to_owned();
+    for id in ids() {
+        events += &format!(
+            "{id},5,own,,1,12.5,uncomfortable,,\n{id},9,end,,,,done,,2026-11-23T10:00:00Z\n"
+        );
+        consents += &format!("{id},1,{},2026-11-23T09:00:00Z\n", "ab".repeat(32));
+        notes += &format!("2026-11-23T10:00:00Z,{id},seat,{id}-own: 60 s\n");
+    }
+    for (name, text) in [("events", events), ("consents", consents), ("notes", notes)] {
+        study.write(&format!("mine/seat/{name}.csv"), text);
+    }
 }
 
 fn export(study: &TempStudy, out: &str) -> support::Ran {
@@ -86,6 +112,9 @@ fn export(study: &TempStudy, out: &str) -> support::Ran {
         "participants.csv",
         "--surveys",
         "results/answers.csv",
+        "--seat",
+        "seat",
+        "--notes",
         "--key",
         "../key",
         "--pipeline",
@@ -337,7 +366,7 @@ fn embedded(page: &[u8]) -> Vec<Vec<u8>> {
 
 /// What the lab itself keeps: what was there before any run, lists of exclusions, what runs note of themselves.
 fn labs(name: &str) -> bool {
-    let own = ["logs/", "surveys/", "scales/", ".maveric/"];
+    let own = ["logs/", "surveys/", "scales/", ".maveric/", "seat/"];
     own.iter().any(|own| name.starts_with(own))
         || ["study.toml", "participants.csv"].contains(&name)
         || name.ends_with("exclusions.csv") && name.starts_with("results/")
@@ -452,6 +481,18 @@ fn a_drive_that_is_excluded_is_in_nothing_and_its_person_stays() {
     nowhere(&study, "shared", &traces, |_| false);
     let people = std::fs::read_to_string(study.path("shared/participants.csv")).unwrap();
     assert_eq!(people.lines().count(), 1 + 8);
+    let events = std::fs::read_to_string(study.path("shared/seat/events.csv")).unwrap();
+    assert!(
+        events.contains(",uncomfortable,") && !events.contains("2026"),
+        "{events}"
+    );
+    let notes = std::fs::read_to_string(study.path("shared/seat/notes.csv")).unwrap();
+    assert!(notes.contains("-own: 60 s") && notes.contains("a window was open"));
+    assert!(
+        given.stderr.contains("read seat/notes.csv"),
+        "{}",
+        given.stderr
+    );
 }
 
 #[test]
@@ -461,11 +502,7 @@ fn whoever_is_forgotten_is_nowhere_but_in_the_list_of_ids() {
     let traces = Traces::of(&study, &people);
     let model = study.path("mine/results/model.maveric");
     let kept = std::fs::read(&model).unwrap();
-    // A table of the lab's own, and a note that nobody but the lab can judge.
-    study.write(
-        "mine/seat/events.csv",
-        format!("participant,what\n{TESTED},pressed\nX1,pressed\n"),
-    );
+    // A note that nobody but the lab can judge.
     study.write(&format!("mine/seat/{TESTED}-calm.jsonl"), "a record");
     study.write("mine/notes.txt", format!("{TESTED} was late"));
     study.write("mine/seat/seat.db-wal", TESTED);
@@ -485,7 +522,7 @@ fn whoever_is_forgotten_is_nowhere_but_in_the_list_of_ids() {
     }
     nowhere(&study, "mine", &traces, |name| name == "forgotten.csv");
     let events = std::fs::read_to_string(study.path("mine/seat/events.csv")).unwrap();
-    assert_eq!(events, "participant,what\nX1,pressed\n");
+    assert_eq!(events.lines().count(), 1 + 2 * 6);
     // An export that lies there may hold them under a pseudonym, which only its key tells.
     let earlier = study.write("mine/given/ro-crate-metadata.json", "{}");
     let again = forget_person(&design, &last_id.unwrap()).unwrap();

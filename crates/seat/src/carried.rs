@@ -309,6 +309,9 @@ pub fn take_in(seat: &Seat, path: &Path) -> Result<TakenIn, SeatError> {
     let mut drives = 0;
     for (step, found) in steps.iter().enumerate() {
         let whole = found.drives().is_some() && seat.finish_drive(&person, step, found)?;
+        if !whole && given.ended == "left" {
+            seat.keep_unfinished(&person, step)?;
+        }
         drives += usize::from(whole);
     }
     seat.write_files()?;

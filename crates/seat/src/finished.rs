@@ -24,13 +24,13 @@ impl Seat {
         self.write_drive(person, (step, found), false)
     }
 
-    /// Writes what somebody drove of the step at which they left and let it be kept, cut short as it is: nothing is learned of it.
+    /// Writes what somebody drove of a step at which they left and let it be kept, cut short as it is: nothing is learned of it.
     ///
     /// # Errors
     /// As [`Seat::finish_drive`].
-    pub(crate) fn keep_unfinished(&self, person: &Person) -> Result<(), SeatError> {
-        match person.steps.get(person.at) {
-            Some(found) => self.write_drive(person, (person.at, found), true).map(drop),
+    pub(crate) fn keep_unfinished(&self, person: &Person, step: usize) -> Result<(), SeatError> {
+        match person.steps.get(step) {
+            Some(found) => self.write_drive(person, (step, found), true).map(drop),
             None => Ok(()),
         }
     }

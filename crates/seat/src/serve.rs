@@ -356,7 +356,7 @@ async fn leave(
             return Ok(DELETED.to_owned());
         };
         if leaving.keep {
-            seat.keep_unfinished(&person)?;
+            seat.keep_unfinished(&person, person.at)?;
             seat.write_files()?;
             return Ok::<_, Refused>(person.ended.unwrap_or_default());
         }

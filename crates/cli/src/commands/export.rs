@@ -34,10 +34,16 @@ pub(crate) struct Export {
     /// Answers: participant, moment, scale, item, answer; may be given more than once
     #[arg(long)]
     surveys: Vec<std::path::PathBuf>,
+    /// Folder of what the seat collected beside answers and drives (seat/): its events and consents
+    #[arg(long, value_name = "FOLDER")]
+    seat: Option<std::path::PathBuf>,
+    /// The notes too, as they were written
+    #[arg(long, requires = "seat")]
+    notes: bool,
     /// File with the secret that pseudonyms are made with, at least 16 characters; keep it apart
     #[arg(long)]
     key: std::path::PathBuf,
-    /// Folder to write into: logs/, participants.csv, surveys.csv, surveys_wide.csv, ro-crate-metadata.json
+    /// Folder to write into: logs/, participants.csv, surveys.csv, surveys_wide.csv, seat/, ro-crate-metadata.json
     #[arg(long)]
     out: std::path::PathBuf,
     /// Samples a second of the logs
@@ -75,6 +81,8 @@ impl Export {
             mapping: self.mapping,
             participants: self.participants,
             surveys: self.surveys,
+            seat: self.seat,
+            notes: self.notes,
             key: self.key,
             out: self.out,
             rate_hz: self.rate,

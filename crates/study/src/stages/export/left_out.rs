@@ -1,5 +1,6 @@
 //! Who and what of a study is not given away.
 
+use super::seat::Collected;
 use crate::{
     design::DesignFile,
     error::StudyError,
@@ -27,6 +28,7 @@ type Study<'a> = (
     &'a mut Vec<Enrolled>,
     &'a mut Vec<Answer>,
     &'a mut Vec<(DriveMeta, Recording)>,
+    &'a mut Collected,
 );
 
 impl LeftOut {
@@ -37,7 +39,7 @@ impl LeftOut {
     pub(super) fn of(
         study: &DesignFile,
         participants: Option<&Path>,
-        (people, answers, drives): Study<'_>,
+        (people, answers, drives, collected): Study<'_>,
     ) -> Result<Self, StudyError> {
         let gate = Gate::where_listed(study, participants)?;
         let exclude = study.design.exclude();
@@ -72,6 +74,9 @@ impl LeftOut {
                 }
             }
         });
+        for id in collected.without(|id| gate.person(id).is_none()) {
+            found.person(&gate, &id);
+        }
         Ok(found)
     }
 

@@ -4,6 +4,7 @@ mod left_out;
 mod place;
 mod pseudonym;
 mod ro_crate;
+mod seat;
 mod wide;
 
 use path_slash::PathExt as _;
@@ -48,6 +49,10 @@ pub struct ExportOptions {
     pub participants: Option<PathBuf>,
     /// Files of answers, long; may be empty.
     pub surveys: Vec<PathBuf>,
+    /// Folder of what the seat collected beside answers and drives; none for nothing of it.
+    pub seat: Option<PathBuf>,
+    /// Whether the experimenter's notes are given away too.
+    pub notes: bool,
     /// The secret that pseudonyms are made with, kept apart.
     pub key: PathBuf,
     /// Folder to write into.
@@ -126,10 +131,15 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
     for log in &options.logs {
         logs.extend(log_files(log, mapping.as_ref())?);
     }
-    if people.is_empty() && answers.is_empty() && logs.is_empty() {
+    let seat = options.seat.as_deref();
+    let seat = seat.map(|folder| seat::Collected::read(folder, options.notes));
+    let mut collected = seat.transpose()?.unwrap_or_default();
+    if people.is_empty() && answers.is_empty() && logs.is_empty() && collected.is_empty() {
         return Err(StudyError::NotPossible {
             problem: "there is nothing to export".to_owned(),
-            help: Some("give at least one of --logs, --participants and --surveys".to_owned()),
+            help: Some(
+                "give at least one of --logs, --participants, --surveys and --seat".to_owned(),
+            ),
         });
     }
     let place = Place::new(&options.out)?;
@@ -152,7 +162,7 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
         Some(study) => LeftOut::of(
             &study,
             options.participants.as_deref(),
-            (&mut people, &mut answers, &mut found),
+            (&mut people, &mut answers, &mut found, &mut collected),
         )?,
         None => LeftOut::default(),
     };
@@ -160,7 +170,8 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
         .iter()
         .map(|p| &p.id)
         .chain(answers.iter().map(|a| &a.participant));
-    for id in ids.chain(found.iter().map(|d| &d.0.participant)) {
+    let driven = found.iter().map(|d| &d.0.participant);
+    for id in ids.chain(driven).chain(collected.people()) {
         names.add(id)?;
     }
     if names.len() == 0 {
@@ -224,6 +235,12 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
             .map(|p| (names.of(&p.id), p.order.as_slice()))
             .collect();
         wide::write(&out.join("surveys_wide.csv"), &answers, &orders)?;
+    }
+    let notes = collected.write(&out, &names)?;
+    if notes > 0 {
+        warnings.push(format!(
+            "{notes} notes are given away as they were written: read seat/notes.csv, they may name somebody"
+        ));
     }
     let mut about = options.about.clone();
     if let Some(run) = about.run.take() {

@@ -160,8 +160,11 @@ fn own_files<'a>(
 /// The design, and the header of the table of people.
 fn texts(options: &InitOptions) -> Result<(String, &'static str), StudyError> {
     if options.conditions.is_empty() {
-        let software = "software = \"table\" # as the seat writes it; or \"otree\" (any table with a row a participant), \"jspsych\"\n\
-                        # columns = \"surveys/columns.toml\"";
+        let software = if options.synthetic {
+            "software = \"table\""
+        } else {
+            "software = \"otree\" # the seat writes \"table\": then leave this and the next line out\ncolumns = \"surveys/columns.toml\""
+        };
         let paper = PAPER
             .replace("#:schema schema.json\n", "")
             .replace("\"../scales\"", &format!("\"scales\"\n{software}"))

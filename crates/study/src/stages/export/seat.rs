@@ -1,0 +1,123 @@
+//! What the seat collected, under pseudonyms: events and consents, notes where they are asked for.
+
+use super::pseudonym::Pseudonyms;
+use crate::{
+    error::StudyError,
+    tables::{
+        Table,
+        collected::{CONSENTS, ConsentRow, EVENTS, EventRow, NOTES, NoteRow},
+        write_rows,
+    },
+};
+use maveric_domain::ParticipantId;
+use serde::de::DeserializeOwned;
+use std::{collections::BTreeSet, path::Path};
+
+/// The three tables of a seat's folder.
+#[derive(Default)]
+pub(super) struct Collected {
+    events: Vec<EventRow>,
+    consents: Vec<ConsentRow>,
+    notes: Option<Vec<NoteRow>>,
+}
+
+impl Collected {
+    /// Reads the tables of a folder; notes only where they are asked for.
+    ///
+    /// # Errors
+    /// [`StudyError::BadFile`] for a folder that has none of them; as [`Table`] does.
+    pub(super) fn read(folder: &Path, notes: bool) -> Result<Self, StudyError> {
+        if !folder.join(EVENTS).is_file() {
+            return Err(StudyError::BadFile {
+                path: folder.to_owned(),
+                problem: format!("holds no {EVENTS}"),
+                help: Some(
+                    "name the folder in which the seat keeps what it collects: seat/ in the study’s folder"
+                        .to_owned(),
+                ),
+            });
+        }
+        Ok(Self {
+            events: rows(&folder.join(EVENTS))?,
+            consents: rows(&folder.join(CONSENTS))?,
+            notes: notes.then(|| rows(&folder.join(NOTES))).transpose()?,
+        })
+    }
+
+    /// Takes out whoever does not stay; their ids.
+    pub(super) fn without(
+        &mut self,
+        stays: impl Fn(&ParticipantId) -> bool,
+    ) -> BTreeSet<ParticipantId> {
+        let mut gone = BTreeSet::new();
+        let mut keeps = |id: &ParticipantId| {
+            let keeps = stays(id);
+            if !keeps {
+                gone.insert(id.clone());
+            }
+            keeps
+        };
+        self.events.retain(|row| keeps(&row.participant));
+        self.consents.retain(|row| keeps(&row.participant));
+        if let Some(notes) = &mut self.notes {
+            notes.retain(|row| row.participant.as_ref().is_none_or(&mut keeps));
+        }
+        gone
+    }
+
+    /// Everybody who is in them.
+    pub(super) fn people(&self) -> impl Iterator<Item = &ParticipantId> {
+        let events = self.events.iter().map(|row| &row.participant);
+        let consents = self.consents.iter().map(|row| &row.participant);
+        let notes = self.notes.iter().flatten();
+        let notes = notes.filter_map(|row| row.participant.as_ref());
+        events.chain(consents).chain(notes)
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.people().next().is_none()
+    }
+
+    /// Writes them into `out`, without times of day; how many notes were written by hand and may name somebody.
+    ///
+    /// # Errors
+    /// As [`write_rows`].
+    pub(super) fn write(mut self, out: &Path, names: &Pseudonyms) -> Result<usize, StudyError> {
+        if self.is_empty() {
+            return Ok(0);
+        }
+        for row in &mut self.events {
+            row.participant = names.of(&row.participant);
+            row.at = None;
+        }
+        for row in &mut self.consents {
+            row.participant = names.of(&row.participant);
+            row.at = None;
+        }
+        // Sorted by pseudonym, so that the order of the rows gives nobody away; each person's stay in their order.
+        self.events
+            .sort_by(|a, b| a.participant.cmp(&b.participant));
+        self.consents
+            .sort_by(|a, b| a.participant.cmp(&b.participant));
+        let out = out.join("seat");
+        write_rows(&out.join(EVENTS), &self.events)?;
+        write_rows(&out.join(CONSENTS), &self.consents)?;
+        let Some(mut notes) = self.notes else {
+            return Ok(0);
+        };
+        for row in &mut notes {
+            // What the seat says begins with the name of a drive.
+            if let Some(id) = &row.participant {
+                row.text = row.text.replace(id.as_str(), names.of(id).as_str());
+            }
+            row.participant = row.participant.as_ref().map(|id| names.of(id));
+            row.at = None;
+        }
+        write_rows(&out.join(NOTES), &notes)?;
+        Ok(notes.iter().filter(|row| row.participant.is_none()).count())
+    }
+}
+
+fn rows<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>, StudyError> {
+    Table::read(path)?.records()
+}
