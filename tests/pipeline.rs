@@ -591,3 +591,52 @@ fn a_pipeline_of_someone_elses_is_run_verified_traced_compared_and_cleaned() {
     let graph = study.maveric(&["graph", one]).ok().stdout;
     assert!(graph.contains(r#""count (x3)" -> "row (x3)""#), "{graph}");
 }
+
+/// Whether a process whose command line names this folder is there.
+#[cfg(target_os = "linux")]
+fn at_work(folder: &str) -> bool {
+    let processes = std::fs::read_dir("/proc").unwrap().flatten();
+    processes
+        .filter_map(|entry| std::fs::read(entry.path().join("cmdline")).ok())
+        .any(|line| String::from_utf8_lossy(&line).contains(folder))
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_run_that_is_killed_takes_its_stages_with_it_and_the_next_begins_at_once() {
+    use std::time::{Duration, Instant};
+    let study = TempStudy::new();
+    // An hour of a hundred people: nobody waits for the end of it.
+    let out = study.path("long");
+    let out = out.to_str().unwrap();
+    study.write(
+        "pipelines/long.toml",
+        format!(
+            "name = \"long\"\n[[stage]]\nname = \"generate\"\ncmd = [\"maveric\", \"generate\", \"--out\", \"{out}\", \"--study1\", \"100\", \
+             \"--duration\", \"3600\"]\noutputs = [\"long/logs\"]\n"
+        ),
+    );
+    let mut run = std::process::Command::new(env!("CARGO_BIN_EXE_maveric"))
+        .args(["run", "pipelines/long.toml", "-j", "1"])
+        .current_dir(study.path("."))
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let within = |limit: Duration, reached: &dyn Fn() -> bool| {
+        let begun = Instant::now();
+        while !reached() && begun.elapsed() < limit {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        reached()
+    };
+    assert!(within(Duration::from_secs(60), &|| at_work(out)));
+    run.kill().unwrap();
+    run.wait().unwrap();
+    assert!(within(Duration::from_secs(20), &|| !at_work(out)));
+    // Nothing is under way any more: what a run would do is said, and nobody is waited for.
+    let status = study
+        .maveric(&["run", "pipelines/long.toml", "--dry-run"])
+        .ok();
+    assert!(!status.stderr.contains("wait"), "{}", status.stderr);
+}

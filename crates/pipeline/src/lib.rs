@@ -49,6 +49,7 @@ pub use clean::{Cleaned, clean};
 pub use diff::{FileDifference, NumberDifference, RunAt, RunDifference, StageDifference, diff};
 pub use error::{CycleStep, FileProblem, PipelineError};
 pub use event::Event;
+pub use executor::end_with_run;
 pub use file::{NewStage, Pipeline, Settings, schema};
 pub use graph::Graph;
 pub use ledger::{LEDGER_VERSION, Ledger, Left, Record};

@@ -17,8 +17,8 @@ use std::{
 
 /// How files that are being written begin and end.
 const FRESH: (&str, &str) = (".maveric-", ".tmp");
-/// A file that is being written is locked within this time after it was made.
-const UNLOCKED: Duration = Duration::from_mins(1);
+/// A file that is being written is locked within this time after it was made: it is locked at once.
+const UNLOCKED: Duration = Duration::from_secs(5);
 
 /// Writes a file beside its place, syncs it, then renames it there.
 ///

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use wait4::{ResUse, Wait4 as _};
 
-use super::{Ended, Job, group::Group};
+use super::{Ended, Job, group::Group, parent};
 
 /// How often the flag is looked at.
 const TICK: Duration = Duration::from_millis(25);
@@ -57,6 +57,7 @@ pub(crate) fn run(
         .stdout(Stdio::piped())
         .stderr(Stdio::piped());
     Group::begin(&mut command);
+    parent::tell(&mut command);
     let mut child = match command.spawn() {
         Ok(child) => child,
         Err(error) => return Ok(Ended::NotStarted(error)),

@@ -2,6 +2,9 @@
 
 mod group;
 pub(crate) mod local;
+mod parent;
+
+pub use parent::end_with_run;
 
 use std::fs::File;
 use std::path::Path;

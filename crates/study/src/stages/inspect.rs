@@ -165,7 +165,11 @@ pub fn inspect(
     for (done, path) in options.files.iter().enumerate() {
         let content = look_into(path, &settings)?;
         summary.push(format!("{}", path.to_slash_lossy()));
-        summary.extend(lines(&content).into_iter().map(|line| format!("  {line}")));
+        summary.extend(
+            lines(&content)
+                .iter()
+                .map(|line| format!("  {}", one_line(line))),
+        );
         files.push(InspectedFile {
             path: path.clone(),
             content,
@@ -320,6 +324,11 @@ fn lines(content: &Inspected) -> Vec<String> {
             ),
         ],
     }
+}
+
+/// A line whose names from elsewhere make no further lines.
+fn one_line(line: &str) -> String {
+    line.replace('\n', "\\n").replace('\r', "\\r")
 }
 
 fn log_lines(log: &LogSummary) -> Vec<String> {

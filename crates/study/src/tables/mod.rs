@@ -235,7 +235,21 @@ impl Table {
         &self.path
     }
 
+    /// A column; of two of one name nobody knows which is meant.
     fn column(&self, wanted: &str) -> Result<&Column, StudyError> {
+        let again = format!("{wanted} (column ");
+        if let Some(second) = self.columns().iter().find_map(|c| c.strip_prefix(&again)) {
+            let columns = self.columns();
+            let first = columns.iter().position(|c| c == wanted).unwrap_or_default() + 1;
+            return Err(StudyError::BadFile {
+                path: self.path.clone(),
+                problem: format!(
+                    "has the column `{wanted}` twice: columns {first} and {}",
+                    second.trim_end_matches(')')
+                ),
+                help: Some("take one of them out, or give it another name".to_owned()),
+            });
+        }
         self.frame.column(wanted).map_err(|_| {
             let found = self.columns();
             let nearest = nearest(wanted, found.iter().map(String::as_str)).map(str::to_owned);
@@ -436,7 +450,9 @@ mod tests {
         assert!(error.contains("row 1 opens a quote"), "{error}");
         let twice = table_of("a,b,a\n1,2,3\n");
         assert_eq!(twice.columns(), ["a", "b", "a (column 3)"]);
-        assert_eq!(twice.all_numbers("a").unwrap(), [1.0]);
+        assert_eq!(twice.all_numbers("b").unwrap(), [2.0]);
+        let error = twice.all_numbers("a").unwrap_err().to_string();
+        assert!(error.contains("`a` twice: columns 1 and 3"), "{error}");
     }
 
     #[test]

@@ -122,12 +122,14 @@ impl Table {
         style: Style,
     ) -> Result<(), IngestError> {
         let columns = self.wanted(wanted)?;
-        let mut doubled = columns.iter().filter(|c| {
-            let same = self.names.iter().filter(|n| **n == c.0);
-            same.count() > 1
+        let doubled = columns.iter().find_map(|(name, _)| {
+            let mut same = (1..).zip(&self.names).filter(|(_, n)| *n == name);
+            Some((name, same.next()?.0, same.next()?.0))
         });
-        if let (Some((name, _)), false) = (doubled.next(), style.doubled_names) {
-            return Err(self.bad(format!("its header has the column `{name}` twice")));
+        if let (Some((name, first, second)), false) = (doubled, style.doubled_names) {
+            return Err(self.bad(format!(
+                "its header has the column `{name}` twice: columns {first} and {second}"
+            )));
         }
         if let Some(flaw) = flaw(bytes, header) {
             return Err(self.bad(flaw.sentence(header.names.len())));
@@ -549,7 +551,7 @@ mod tests {
             [1.0, 3.0]
         );
         let error = open("t,t\n0,1\n", &[("t", Kind::Number)]).unwrap_err();
-        assert!(error.to_string().contains("twice"));
+        assert!(error.to_string().contains("twice: columns 1 and 2"));
     }
 
     #[test]
