@@ -13,11 +13,15 @@ use std::{
 /// Version of the tables.
 const VERSION: i64 = 2;
 
-/// What the tables are. What is deleted is overwritten.
-const TABLES: &str = "
+/// How the file is kept: what is deleted is overwritten.
+const KEPT: &str = "
 PRAGMA journal_mode = WAL;
 PRAGMA synchronous = NORMAL;
 PRAGMA secure_delete = ON;
+";
+
+/// What the tables are.
+const TABLES: &str = "
 CREATE TABLE IF NOT EXISTS person (
     token TEXT PRIMARY KEY, participant TEXT NOT NULL UNIQUE, steps TEXT NOT NULL, at INTEGER NOT NULL DEFAULT 0,
     ended TEXT, fit TEXT, tab TEXT, made INTEGER NOT NULL, listed INTEGER NOT NULL DEFAULT 0) STRICT;
@@ -174,38 +178,31 @@ fn empty_log(connection: &Connection) -> rusqlite::Result<()> {
     })
 }
 
-/// Makes the tables, or brings those of an older version up to date; gives the version they now have.
+/// Makes the tables, or brings those of an older version up to date, all of it or nothing; gives the version they now have.
 fn prepare(connection: &mut Connection) -> rusqlite::Result<i64> {
-    let version =
-        |c: &Connection| c.query_row("PRAGMA user_version", [], |row| row.get::<_, i64>(0));
-    let tables: i64 =
-        connection.query_row("SELECT COUNT(*) FROM sqlite_master", [], |row| row.get(0))?;
-    let found = if tables == 0 {
-        VERSION
-    } else {
-        version(connection)?
+    connection.execute_batch(KEPT)?;
+    let older = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
+    let number = |question: &str| older.query_row(question, [], |row| row.get::<_, i64>(0));
+    let found = match number("SELECT COUNT(*) FROM sqlite_master")? {
+        0 => VERSION,
+        _ => number("PRAGMA user_version")?,
     };
     match found {
-        VERSION => {
-            connection.execute_batch(TABLES)?;
-            connection.pragma_update(None, "user_version", VERSION)?;
-        }
+        VERSION => older.execute_batch(TABLES)?,
         1 => {
-            let older = connection.transaction()?;
             older.execute_batch(FROM_1)?;
-            older.pragma_update(None, "user_version", VERSION)?;
-            older.commit()?;
-            connection.execute_batch(TABLES)?;
-            forget_deleted(connection)?;
+            older.execute_batch(TABLES)?;
+            forget_deleted(&older)?;
         }
         _ => return Ok(found),
     }
+    older.pragma_update(None, "user_version", VERSION)?;
+    older.commit()?;
     Ok(VERSION)
 }
 
 /// Who was deleted by the first version had left their link, their order and their time.
-fn forget_deleted(connection: &mut Connection) -> rusqlite::Result<()> {
-    let older = connection.transaction()?;
+fn forget_deleted(older: &Connection) -> rusqlite::Result<()> {
     let deleted: Vec<(String, String)> = older
         .prepare("SELECT participant, token FROM person WHERE ended = 'deleted'")?
         .query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?
@@ -217,7 +214,7 @@ fn forget_deleted(connection: &mut Connection) -> rusqlite::Result<()> {
         )?;
         older.execute("DELETE FROM person WHERE participant = ?1", [&participant])?;
     }
-    older.commit()
+    Ok(())
 }
 
 fn beside(path: &Path, ending: &str) -> PathBuf {

@@ -4,10 +4,12 @@
 
 mod support;
 
+use serde_json::Value;
 use std::{
     fs,
     io::{Read as _, Write as _},
     net::TcpStream,
+    sync::{Arc, Mutex},
     time::Duration,
 };
 use support::{STUDY, Server, TAB, driven, entered, folder, folder_of, go_on, opened, settings};
@@ -67,19 +69,34 @@ fn connections_that_ask_nothing_and_bodies_that_never_end_leave_the_others_serve
     );
 }
 
-#[test]
-fn what_could_not_be_kept_is_told_at_the_laboratory() {
-    let folder = folder();
-    let server = Server::open(folder.path());
-    let token = opened(&server);
-    let cookie = entered(&server);
-    let disk = rusqlite::Connection::open(folder.path().join("seat/seat.db")).unwrap();
-    for table in ["answer", "event"] {
-        let full = format!(
-            "CREATE TRIGGER full_{table} BEFORE INSERT ON {table} BEGIN SELECT RAISE(FAIL, 'database or disk is full'); END"
-        );
-        disk.execute_batch(&full).unwrap();
+/// Nothing can be written into these tables of the seat's file any more.
+fn fill(disk: &rusqlite::Connection, tables: &[&str]) {
+    for table in tables {
+        for change in ["INSERT", "UPDATE"] {
+            let full = format!(
+                "CREATE TRIGGER full_{table}_{change} BEFORE {change} ON {table} BEGIN SELECT RAISE(FAIL, 'database or disk is full'); END"
+            );
+            disk.execute_batch(&full).unwrap();
+        }
     }
+}
+
+#[test]
+fn what_could_not_be_kept_is_told_at_the_laboratory_and_where_the_seat_was_opened() {
+    let folder = folder();
+    let told = Arc::new(Mutex::new(Vec::new()));
+    let heard = Arc::clone(&told);
+    let server = Server::telling(folder.path(), move |line| {
+        heard.lock().unwrap().push(line.to_owned());
+    });
+    let (token, driver) = (opened(&server), opened(&server));
+    let cookie = entered(&server);
+    let at_drive = |step: &Value| step["kind"] == "practice";
+    while !at_drive(&here(&server, &driver)) {
+        assert!(go_on(&server, &driver));
+    }
+    let disk = rusqlite::Connection::open(folder.path().join("seat/seat.db")).unwrap();
+    fill(&disk, &["answer", "event", "drive", "piece"]);
     for _ in 0..3 {
         let (status, reply) = server.post(
             &format!("/api/{token}/answer/0"),
@@ -89,10 +106,35 @@ fn what_could_not_be_kept_is_told_at_the_laboratory() {
     }
     let (status, _) = server.post(&format!("/api/{token}/answer/7"), "{}");
     assert_eq!(status, 400);
+    // As every second while somebody drives.
+    let at = server.state(&driver)["at"].as_u64().unwrap();
+    let (lines, _) = driven(&here(&server, &driver));
+    let path = format!("/api/{driver}/drive/{at}/1/{TAB}");
+    let piece = lines[..2].join("\n") + "\n";
+    assert_eq!(server.post(&path, &piece).0, 500);
     let (_, lab) = server.ask("GET", "/lab", "", &[("Cookie", &cookie)]);
     assert!(lab.contains("database or disk is full"), "{lab}");
     assert!(lab.contains("3 times"), "{lab}");
     assert!(lab.contains("step 7"), "{lab}");
+    let full = |who: &str| {
+        let told = told.lock().unwrap();
+        let of_them = |line: &&String| line.contains(who) && line.contains("disk is full");
+        told.iter().filter(of_them).count()
+    };
+    assert_eq!((full("P001"), full("P002")), (1, 1), "{told:?}");
+    // What was not acknowledged is taken once there is room again.
+    disk.execute_batch(
+        "DROP TRIGGER full_drive_INSERT; DROP TRIGGER full_drive_UPDATE; DROP TRIGGER full_piece_INSERT; DROP TRIGGER full_piece_UPDATE",
+    )
+    .unwrap();
+    let (status, reply) = server.post(&path, &piece);
+    assert!(status == 200 && reply.ends_with("\r\n\r\n100"), "{reply}");
+}
+
+/// The step that somebody is at.
+fn here(server: &Server, token: &str) -> Value {
+    let state = server.state(token);
+    state["steps"][state["at"].as_u64().unwrap() as usize].clone()
 }
 
 #[test]

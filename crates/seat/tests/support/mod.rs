@@ -116,6 +116,11 @@ pub(crate) struct Server {
 
 impl Server {
     pub(crate) fn open(folder: &Path) -> Self {
+        Self::telling(folder, |_| {})
+    }
+
+    /// As [`Server::open`]; `tell` hears what is printed where the seat was opened.
+    pub(crate) fn telling(folder: &Path, tell: impl Fn(&str) + Send + Sync + 'static) -> Self {
         let seat = Arc::new(seat(folder));
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(2)
@@ -124,7 +129,7 @@ impl Server {
             .unwrap();
         let any = SocketAddr::from(([127, 0, 0, 1], 0));
         let serving = runtime
-            .block_on(serve(Arc::clone(&seat), any, Wire::Here, |_| {}))
+            .block_on(serve(Arc::clone(&seat), any, Wire::Here, tell))
             .unwrap();
         let address = serving.address;
         runtime.spawn(serving.forever());
