@@ -43,7 +43,7 @@ impl Books<'_> {
     /// `unfinished` also of those whose part goes on. Nobody is in it who was taken out of the study's table.
     pub(crate) fn collected(
         &self,
-        before: Vec<EventRow>,
+        before: &[EventRow],
         unfinished: bool,
     ) -> Result<Collected, SeatError> {
         let people = self.everybody()?;

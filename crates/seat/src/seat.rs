@@ -332,7 +332,7 @@ impl Seat {
             self.store
                 .within(|b| self.keep_listed(b, &given, &listed))?;
             let before = self.settings.files.events();
-            let collected = self.store.look(|b| b.collected(before, unfinished))?;
+            let collected = self.store.look(|b| b.collected(&before, unfinished))?;
             self.settings.files.collected(&collected)?;
         }
         *written = answered;
