@@ -79,5 +79,8 @@ code = "C1X9"
 TOML
 mkdir -p "$work/bin"
 ln -s "$(cd "$(dirname "$bin")" && pwd)/$(basename "$bin")" "$work/bin/maveric"
+cp -r "$study" "$work/troubled"
+sed -i 's/^drive_s = .*/drive_s = 14/; s/^ride_s = .*/ride_s = 10/' "$work/troubled/study.toml"
+PATH="$work/bin:$PATH" CHROMIUM="$chromium" node "$here/trouble.mjs" "$work/bin/maveric" "$work/troubled"
 PATH="$work/bin:$PATH" CHROMIUM="$chromium" node "$here/seat.mjs" "$work/bin/maveric" "$study"
 [ -z "${SHOTS:-}" ] || cp -r "$study" "$SHOTS/study"

@@ -5,7 +5,7 @@ use crate::{
     wire::Wire,
 };
 use axum::{
-    http::{StatusCode, header},
+    http::{HeaderName, HeaderValue, StatusCode, header},
     response::{IntoResponse, Response},
 };
 use serde::{Deserialize, Serialize};
@@ -35,6 +35,9 @@ pub(crate) struct Shared {
 #[derive(Clone)]
 pub(crate) struct Why(pub(crate) String);
 
+/// By this header a page knows a refusal that stays: no proxy has it, so theirs (413, 429, 502 …) are asked again.
+pub(crate) const LASTING: HeaderName = HeaderName::from_static("maveric-refused");
+
 /// Why a request is refused.
 pub(crate) enum Refused {
     /// Nobody has this link.
@@ -59,32 +62,41 @@ impl From<SeatError> for Refused {
 
 impl IntoResponse for Refused {
     fn into_response(self) -> Response {
-        let (status, shown, why) = match self {
-            Self::NoSuchPerson => (StatusCode::NOT_FOUND, "no such link".to_owned(), None),
+        let (status, lasting, shown) = match self {
+            Self::NoSuchPerson => (
+                StatusCode::NOT_FOUND,
+                "no-such-person",
+                "no such link".to_owned(),
+            ),
             Self::Over => (
                 StatusCode::GONE,
+                "over",
                 "this part of the study is over".to_owned(),
-                None,
             ),
-            Self::NotThis(why) => (StatusCode::BAD_REQUEST, why, None),
+            Self::NotThis(why) => (StatusCode::BAD_REQUEST, "not-this", why),
             Self::OtherTab => (
                 StatusCode::CONFLICT,
+                "other-tab",
                 "this study is open in another tab".to_owned(),
-                None,
             ),
-            Self::TooLate(why) => (StatusCode::FORBIDDEN, why, None),
-            // What went wrong here is the experimenter's to read, not the person's.
-            Self::Failed(error) => (
-                StatusCode::INTERNAL_SERVER_ERROR,
-                "this could not be kept; please tell whoever runs the study".to_owned(),
-                Some(error.to_string()),
-            ),
+            Self::TooLate(why) => (StatusCode::FORBIDDEN, "too-late", why),
+            Self::Failed(error) => return failed(&error),
         };
-        let why = Why(why.unwrap_or_else(|| shown.clone()));
+        let why = Why(shown.clone());
         let mut response = (status, shown).into_response();
+        let lasting = HeaderValue::from_static(lasting);
+        response.headers_mut().insert(LASTING, lasting);
         response.extensions_mut().insert(why);
         response
     }
+}
+
+/// What went wrong here may pass, and is the experimenter's to read, not the person's.
+fn failed(error: &SeatError) -> Response {
+    let shown = "this could not be kept; please tell whoever runs the study";
+    let mut response = (StatusCode::INTERNAL_SERVER_ERROR, shown).into_response();
+    response.extensions_mut().insert(Why(error.to_string()));
+    response
 }
 
 pub(crate) type Answered<T> = Result<T, Refused>;
@@ -131,5 +143,31 @@ impl Books<'_> {
                 person.at
             ))),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refusal_that_stays_says_so_and_one_that_may_pass_does_not() {
+        let lasting = |refused: Refused| {
+            let response = refused.into_response();
+            let value = response.headers().get(LASTING);
+            value.map(|v| v.to_str().unwrap().to_owned())
+        };
+        let word = |word: &str| Some(word.to_owned());
+        assert_eq!(lasting(Refused::NoSuchPerson), word("no-such-person"));
+        assert_eq!(lasting(Refused::Over), word("over"));
+        let not_this = Refused::NotThis("step 3".to_owned());
+        assert_eq!(lasting(not_this), word("not-this"));
+        assert_eq!(lasting(Refused::OtherTab), word("other-tab"));
+        let too_late = Refused::TooLate("until yesterday".to_owned());
+        assert_eq!(lasting(too_late), word("too-late"));
+        let full = SeatError::Unfinished {
+            problem: "disk full".to_owned(),
+        };
+        assert_eq!(lasting(Refused::Failed(full)), None);
     }
 }

@@ -24,6 +24,12 @@ pub fn check_design(study: &DesignFile) -> Result<(), StudyError> {
         let help = error.suggestion();
         study.wrong(error.to_string(), help)
     })?;
+    let excluded = study.design.exclude();
+    let table = study.resolve(&study.design.people().file);
+    if excluded.people.is_empty() && excluded.drives.is_empty() && !table.exists() {
+        // A study whose people come yet: the seat writes their table.
+        return Ok(());
+    }
     let people = study.people(None)?;
     let ids = || people.enrolled.iter().map(|p| p.id.as_str());
     let excluded = study.design.exclude().people.keys();

@@ -18,9 +18,14 @@ export interface ViewSettings { eye_m: number; field_deg: number; screens: numbe
 /// One's own style beside those of the others (lowest first), in points that the model reads.
 export interface Styles { own: number; others: number[]; sportier_up: boolean }
 
+/// Until when (`2026-12-31`; null: always) somebody can take back what they gave, whether it is so today, and what no deletion calls back.
+export interface Withdrawal { until: string | null; open: boolean; lasting: string }
+
 export interface State {
   title: string; synthetic: boolean; made_up_model: boolean; mph: boolean;
   at: number; ended: string | null; steps: Step[]; fit: Fit | null; attempts: number; whole: boolean; scenario: string; view: ViewSettings; styles: Styles | null;
+  /// Null where no server could delete anything.
+  withdraw: Withdrawal | null;
 }
 
 /// The file that holds the study where no server does.
@@ -40,12 +45,12 @@ export const token = folder ? own() : location.pathname.split("/").pop() ?? "";
 /// This tab; the one opened last has the study.
 export const tab = random();
 
-/// Replies of the seat itself that will not change by asking again; any other (a proxy's 413, 429 or 502) may pass.
-const LASTING = [400, 404, 409, 410];
+/// The seat's own word on a reply that stays. A reply without it (a proxy's 413, 429 or 502; a full disk) may pass.
+const LASTING = "maveric-refused";
 
 /// A reply that will not change by asking again.
 export class Refused extends Error {
-  constructor(readonly status: number, message: string) { super(message); }
+  constructor(readonly reason: string, message: string) { super(message); }
 }
 
 /// A reply that may change by asking again.
@@ -55,23 +60,32 @@ export class NotYet extends Error {
 
 async function ask(path: string, init?: RequestInit): Promise<Response> {
   const reply = await fetch(`/api/${token}${path}`, init);
-  if (LASTING.includes(reply.status) || (reply.status === 403 && path === "/leave")) throw new Refused(reply.status, await reply.text());
+  const reason = reply.headers.get(LASTING);
+  if (reason !== null) throw new Refused(reason, await reply.text());
   if (!reply.ok) throw new NotYet(reply.status, await reply.text());
   return reply;
 }
 
 const note = document.getElementById("note") as HTMLElement;
 
+/// Says beside the title why something has not arrived yet.
+export function troubled(error: unknown): void {
+  const why = error instanceof NotYet ? `Not taken in yet (${error.status})` : "No connection";
+  note.textContent = `${why}; trying again. Nothing is lost.`;
+}
+
+export function untroubled(): void { note.textContent = ""; }
+
 /// Asks until there is an answer; says meanwhile that there is none.
 export async function surely<T>(asks: () => Promise<T>): Promise<T> {
   for (let pause = 500; ; pause = Math.min(5000, 2 * pause)) {
     try {
       const reply = await asks();
-      note.textContent = "";
+      untroubled();
       return reply;
     } catch (error) {
       if (error instanceof Refused) throw error;
-      note.textContent = "No connection; trying again. Nothing is lost.";
+      troubled(error);
       await new Promise((done) => setTimeout(done, pause));
     }
   }

@@ -5,7 +5,7 @@ import { token, type Keeper, type State, type Step } from "./api";
 import { make } from "./words";
 
 /// The study, as `maveric seat export` wrote it.
-interface Study extends Omit<State, "at" | "ended" | "steps" | "fit" | "attempts" | "whole"> {
+interface Study extends Omit<State, "at" | "ended" | "steps" | "fit" | "attempts" | "whole" | "withdraw"> {
   /// Whether there is a model, and where what was given is sent.
   model: boolean; post: string | null;
   /// Orders of conditions, one of which is drawn.
@@ -83,16 +83,7 @@ export class Browser implements Keeper {
     });
   }
 
-  /// Takes the study for this tab, as long as it is open.
-  async open(): Promise<void> {
-    await new Promise<void>((done, failed) => {
-      void navigator.locks.request(`maveric-seat ${token}`, { ifAvailable: true }, (lock) => {
-        if (lock) done(); else failed(new Error("This study is open in another tab."));
-        return lock ? new Promise(() => {}) : undefined;
-      });
-    });
-    await this.change(() => {});
-  }
+  open(): Promise<void> { return this.change(() => {}); }
 
   async state(): Promise<State> {
     const [study, kept] = [await this.study, await this.kept()];
@@ -104,7 +95,7 @@ export class Browser implements Keeper {
     const begun = kept.drives.filter((d) => d.step === kept.at);
     const fit = kept.fit === null ? null : JSON.parse(kept.fit) as State["fit"];
     return {
-      ...told, styles: null, at: kept.at, ended: kept.ended, steps, fit,
+      ...told, styles: null, withdraw: null, at: kept.at, ended: kept.ended, steps, fit,
       attempts: begun.reduce((most, d) => Math.max(most, d.attempt), 0), whole: begun.some((d) => d.ended),
     };
   }

@@ -2,9 +2,13 @@
 
 import init, { PageModel } from "../built/seat";
 import * as api from "./api";
+import { checkBrowser, onlyTab } from "./before";
 import { choose } from "./controls";
 import { keeper } from "./keeper";
+import { deleteDraft, draft, keepDraft } from "./drafts";
 import { run, type Wanted } from "./drive";
+import { deleteForgotten } from "./forgotten";
+import { askWhetherToLeave, takingBack } from "./leave";
 import { sendLeftovers } from "./outbox";
 import { styles } from "./styles";
 import { make, paragraphs, pressed, sheet, show, text } from "./words";
@@ -26,19 +30,7 @@ async function theModel(): Promise<PageModel | null> {
   return model;
 }
 
-/// Leaving stops at once; the person says what becomes of what was recorded.
-leaveButton.addEventListener("click", () => {
-  const keep = make("button", ["Leave, and let what I gave be kept"], { type: "button" });
-  const remove = make("button", ["Leave, and have it deleted"], { type: "button" });
-  const stay = make("button", ["Stay"], { type: "button", className: "main" });
-  const dialog = make("dialog", [make("h1", ["Leave the study?"]), make("p", [keep]), make("p", [remove]), make("p", [stay])]);
-  const go = async (kept: boolean): Promise<void> => { await keeper.leave(kept); location.reload(); };
-  keep.addEventListener("click", () => void go(true));
-  remove.addEventListener("click", () => void go(false));
-  stay.addEventListener("click", () => { dialog.close(); dialog.remove(); });
-  document.body.append(dialog);
-  dialog.showModal();
-});
+leaveButton.addEventListener("click", askWhetherToLeave);
 
 async function drives(state: api.State, step: api.Step & { kind: "practice" | "drive" | "ride" }): Promise<void> {
   // It had ended, and only the word of it was lost.
@@ -85,7 +77,8 @@ async function once(state: api.State): Promise<boolean> {
   if (state.ended || !step) {
     leaveButton.hidden = true;
     show(make("h1", [state.ended === "done" || !step ? "Thank you" : "You have left the study"]),
-      ...code(state), ...(state.styles ? styles(state.styles) : []), ...await keeper.handOver(), make("p", [state.ended === "deleted" ? "What you gave was deleted." : "You can close this page."]));
+      ...code(state), ...(state.styles ? styles(state.styles) : []), ...await keeper.handOver(),
+      make("p", [state.ended === "deleted" ? "What you gave was deleted." : "You can close this page."]), ...takingBack(state));
     return false;
   }
   switch (step.kind) {
@@ -94,7 +87,10 @@ async function once(state: api.State): Promise<boolean> {
       if (step.agree) await keeper.answer(state.at, { agreed: true, seconds }); else await keeper.done(state.at);
       break;
     }
-    case "scale": await keeper.answer(state.at, await sheet(step)); break;
+    case "scale":
+      await keeper.answer(state.at, await sheet(step, draft(state.at), (answers) => keepDraft(state.at, answers)));
+      deleteDraft(state.at);
+      break;
     case "controls": await choose(); await keeper.done(state.at); break;
     case "practice": case "drive": case "ride": await drives(state, step); break;
     case "thanks":
@@ -111,14 +107,31 @@ function code(state: api.State): HTMLElement[] {
   return [...paragraphs(last.text), ...given];
 }
 
+/// The parts of earlier drives that the seat refuses for good, and why.
+function leftOver(refused: string[]): void {
+  if (refused.length === 0) return;
+  const why = make("p", [`Something that was driven here before is not taken in: ${refused.join("; ")}. It stays in this browser; please tell whoever runs the study.`]);
+  why.setAttribute("role", "alert");
+  document.getElementById("main")?.before(why);
+}
+
 async function main(): Promise<void> {
+  await onlyTab();
   await Promise.all([init({ module_or_path: new URL("seat.wasm", import.meta.url) }), keeper.open()]);
-  await sendLeftovers();
+  const first = await keeper.state();
+  document.title = first.title;
+  (document.getElementById("title") as HTMLElement).textContent = first.title;
+  await deleteForgotten(first);
+  leftOver(await sendLeftovers());
+  await checkBrowser(first);
   for (;;) {
     const state = await keeper.state();
-    document.title = state.title;
-    (document.getElementById("title") as HTMLElement).textContent = state.title;
-    if (!(await once(state))) return;
+    try {
+      if (!(await once(state))) return;
+    } catch (error) {
+      // Left or ended meanwhile, elsewhere: the state says how.
+      if (!(error instanceof api.Refused && error.reason === "over")) throw error;
+    }
   }
 }
 
@@ -126,5 +139,7 @@ main().catch((error: unknown) => {
   const why = error instanceof Error ? error.message : String(error);
   const again = pressed("Try again");
   void again.done.then(() => location.reload());
+  // Nothing is read behind the road.
+  (document.getElementById("drive") as HTMLElement).hidden = true;
   show(make("h1", ["This cannot go on"]), make("p", [why]), again.all);
 });

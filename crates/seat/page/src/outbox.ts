@@ -1,6 +1,6 @@
 // Lines of drives that the server has not acknowledged yet, kept in the browser too.
 
-import { NotYet, Refused, surely, token } from "./api";
+import { NotYet, Refused, surely, token, troubled, untroubled } from "./api";
 import { keeper } from "./keeper";
 
 const send = (step: number, attempt: number, body: string): Promise<number> => keeper.lines(step, attempt, body);
@@ -66,10 +66,11 @@ export class Outbox {
     try {
       this.kept = await send(this.step, this.attempt, now.map((k) => k.line + "\n").join(""));
     } catch (error) {
-      if (error instanceof Refused) this.refused = error;
+      if (error instanceof Refused) this.refused = error; else troubled(error);
       if (tooLarge(error)) this.most = Math.max(1, Math.floor(now.length / 2));
       return;
     }
+    untroubled();
     this.most = Math.min(MOST_LINES, 2 * this.most);
     const gone = now.filter((k) => k.from <= this.kept);
     this.waiting = this.waiting.filter((k) => !gone.includes(k));
@@ -79,41 +80,48 @@ export class Outbox {
   get empty(): boolean { return this.waiting.length === 0; }
 }
 
-/// Sends what an earlier page of this person kept and could not send; waits for the server before anything is begun anew.
-export async function sendLeftovers(): Promise<void> {
-  const all = ((await change((store) => store.getAll())) as Kept[] | undefined) ?? [];
+const kept = async (): Promise<Kept[]> => ((await change((store) => store.getAll())) as Kept[] | undefined) ?? [];
+
+/// Sends what an earlier page of this person kept and could not send, and waits for the server before anything is begun anew. Gives
+/// why some of it is refused for good: that stays in this browser.
+export async function sendLeftovers(): Promise<string[]> {
   const groups = new Map<string, Kept[]>();
-  for (const k of all.filter((k) => k.token === token)) {
+  for (const k of (await kept()).filter((k) => k.token === token)) {
     const key = `${k.step} ${k.attempt}`;
     groups.set(key, [...(groups.get(key) ?? []), k]);
   }
-  for (const group of groups.values()) if (!(await sendGroup(group))) return;
+  const refused: string[] = [];
+  for (const group of groups.values()) {
+    try { await sendGroup(group); } catch (error) {
+      if (!(error instanceof Refused) || error.reason === "other-tab") throw error;
+      refused.push(error.message);
+    }
+  }
+  return refused;
 }
 
-/// Sends the lines of one attempt in parts, and deletes each part that was acknowledged; false where another tab has the study now: what
-/// is kept here is that tab's to send. What the server will never take stays here.
-async function sendGroup(group: Kept[]): Promise<boolean> {
+/// Sends the lines of one attempt in parts, and deletes each part that was acknowledged.
+async function sendGroup(group: Kept[]): Promise<void> {
   let most = MOST_LINES;
   for (let next = 0; next < group.length;) {
     const part = group.slice(next, next + most);
     const { step, attempt } = part[0] as Kept;
-    let kept: number | null;
     const body = part.map((k) => k.line + "\n").join("");
-    try {
-      kept = await surely(async () => {
-        try { return await send(step, attempt, body); } catch (error) {
-          if (part.length > 1 && tooLarge(error)) return null;
-          throw error;
-        }
-      });
-    } catch (error) {
-      if (error instanceof Refused) return error.status !== 409;
-      throw error;
-    }
-    if (kept === null) { most = Math.max(1, Math.floor(part.length / 2)); continue; }
-    const gone = part.filter((k) => k.from <= (kept as number));
-    for (const k of gone) await change((store) => store.delete(k.id as number));
+    const acknowledged = await surely(async () => {
+      try { return await send(step, attempt, body); } catch (error) {
+        if (part.length > 1 && tooLarge(error)) return null;
+        throw error;
+      }
+    });
+    if (acknowledged === null) { most = Math.max(1, Math.floor(part.length / 2)); continue; }
+    for (const k of part) if (k.from <= acknowledged) await change((store) => store.delete(k.id as number));
     next += part.length;
   }
-  return true;
+}
+
+/// Whose lines this browser keeps.
+export async function peopleOfLines(): Promise<string[]> { return (await kept()).map((k) => k.token); }
+
+export async function deleteLines(whose: string): Promise<void> {
+  for (const k of await kept()) if (k.token === whose) await change((store) => store.delete(k.id as number));
 }

@@ -44,13 +44,15 @@ export async function text(title: string, body: string, label: string): Promise<
   return (performance.now() - begun) / 1000;
 }
 
-/// Asks one scale; a missing answer is asked for once, then taken as left out.
-export async function sheet(scale: { title: string; items: string[]; min: number; max: number }): Promise<{ answers: (number | null)[]; seconds: number }> {
+/// Asks one scale, `before` already answered; a missing answer is asked for once, then taken as left out. `changed` gets every change.
+export async function sheet(
+  scale: { title: string; items: string[]; min: number; max: number }, before: (number | null)[], changed: (answers: (number | null)[]) => void,
+): Promise<{ answers: (number | null)[]; seconds: number }> {
   const begun = performance.now();
   const sets = scale.items.map((item, at) => {
     const points: HTMLElement[] = [];
     for (let value = scale.min; value <= scale.max; value++) {
-      const input = make("input", [], { type: "radio", name: `item${at}`, value: String(value) });
+      const input = make("input", [], { type: "radio", name: `item${at}`, value: String(value), checked: before[at] === value });
       points.push(make("label", [input, ` ${value}`]));
     }
     return make("fieldset", [make("legend", [`${at + 1}. ${item}`]), make("div", points, { className: "points" })]);
@@ -60,11 +62,15 @@ export async function sheet(scale: { title: string; items: string[]; min: number
   const button = make("button", ["Continue"], { className: "main", type: "submit" });
   const form = make("form", [...sets, said, make("p", [button])]);
   show(make("h1", [scale.title]), make("p", [`${scale.min} is the lowest answer, ${scale.max} the highest.`]), form);
+  const given = (): (number | null)[] => sets.map((set) => {
+    const value = set.querySelector<HTMLInputElement>("input:checked")?.value;
+    return value === undefined ? null : Number(value);
+  });
+  form.addEventListener("change", () => changed(given()));
   let asked = false;
   return new Promise((resolve) => form.addEventListener("submit", (event) => {
     event.preventDefault();
-    const given = sets.map((set) => set.querySelector<HTMLInputElement>("input:checked")?.value);
-    const answers = given.map((v) => (v === undefined ? null : Number(v)));
+    const answers = given();
     const missing = answers.flatMap((a, at) => (a === null ? [at] : []));
     sets.forEach((set, at) => set.classList.toggle("missing", missing.includes(at)));
     if (missing.length > 0 && !asked) {
