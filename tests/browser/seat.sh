@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The seat in headless Chromium: three scripted people at the keyboard, a whole study of short drives each, one of them with everything cut
-# in every step; then `maveric run`. Three to four minutes.
+# in every step; then `maveric run`; before them, all that goes wrong around a person (`trouble.mjs`). Five minutes.
 #
 # MAVERIC_BIN: the program; otherwise the debug build of this checkout. SHOTS: a folder for pictures of every step.
 # Needs what `tests/browser/run.sh` installs.

@@ -220,6 +220,8 @@ async function theEnd(context, page, link) {
   }
   check((await page.locator("main").textContent()).includes("C1X9"), "whoever lost the last replies is shown the code all the same");
   await look(page, "thank-you");
+  const answers = () => readFileSync(join(folder, "surveys/answers.csv"), "utf8").includes("P003");
+  check(answers(), "their answers are in the study's table");
   await page.getByRole("button", { name: "Delete what I gave" }).click();
   check((await page.locator("dialog").textContent()).includes("cannot be called back"), "whoever takes back is told what no deletion calls back");
   await look(page, "take-back");
@@ -234,7 +236,7 @@ async function theEnd(context, page, link) {
   await has(page, "main", "What you gave was deleted.", 20000);
   await pause(300);
   check((await lines(page)) === 0 && (await drafts(page)) === 0, "nothing of somebody who is forgotten stays in the browser");
-  check(!readFileSync(join(folder, "surveys/answers.csv"), "utf8").includes("P003"), "their answers are gone");
+  check(!answers(), "their answers are gone");
   await look(page, "deleted");
 }
 
