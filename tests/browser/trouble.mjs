@@ -251,4 +251,6 @@ page = await refusingProxy(context, page, link);
 await drivenInOneTab(context, page, link);
 await theEnd(context, page, link);
 await browser.close();
-if (failures.length > 0) { console.log(`${failures.length} failed`); process.exit(1); }
+if (failures.length > 0) console.log(`${failures.length} failed`);
+// With the test ends its server.
+process.exit(failures.length > 0 ? 1 : 0);
