@@ -9,7 +9,8 @@
 mod support;
 
 use support::own_logs::{
-    PEOPLE, TABLE, TO_THE_NUMBERS, change, measured, read, recorded, speed, table,
+    PEOPLE, TABLE, TO_THE_NUMBERS, answers, change, measured, read, recorded, recorded_of, scale,
+    speed, table,
 };
 use support::page::Page;
 
@@ -44,6 +45,205 @@ fn the_folders_name_or_a_column_may_say_the_condition() {
     assert_eq!(measured(&study), by_folder);
     assert!(study.path("mine/results/drives/P01-CALM.parquet").exists());
     assert!(!study.path("mine/results/drives/P01-calm.parquet").exists());
+}
+
+#[test]
+fn a_condition_may_be_called_as_the_time_before_the_drives_is_and_keeps_its_answers() {
+    let study = recorded(&["pre", "post"]);
+    study
+        .maveric_in("mine", &TO_THE_NUMBERS)
+        .failed(1, &["answers.csv", "P01", "`comfort`", "`after:pre`"]);
+    // The first five rows of everybody are those of before.
+    let table = read(&study, "mine/surveys/answers.csv");
+    let lines = table.lines().enumerate().map(|(n, line)| match n {
+        0 => line.to_owned(),
+        n if (n - 1) % 15 < 5 => line.to_owned(),
+        _ => line.replace(",pre,", ",after:pre,"),
+    });
+    let lines: Vec<String> = lines.collect();
+    study.write("mine/surveys/answers.csv", lines.join("\n") + "\n");
+    study.maveric_in("mine", &TO_THE_NUMBERS).ok();
+    let scores = read(&study, "mine/results/rating_scores.csv");
+    let rows = |moment: &str| scores.lines().filter(|l| l.contains(moment)).count();
+    assert_eq!(
+        [rows(",after:pre,"), rows(",post,"), rows(",pre,")],
+        [8, 8, 0],
+        "{scores}"
+    );
+    let notes = study.maveric_in("mine", &["status"]).ok().stderr;
+    assert!(!notes.contains("nobody"), "{notes}");
+    study.maveric_in("mine", &["run"]).ok();
+    let analysis: serde_json::Value =
+        serde_json::from_str(&read(&study, "mine/results/analysis.json")).unwrap();
+    let rows = analysis["descriptives"].as_array().unwrap().iter();
+    let rated = rows.filter(|row| row["condition"] == "pre" && row["outcome"] == "comfort.total");
+    let people: Vec<_> = rated.map(|row| row["n"].as_u64()).collect();
+    assert_eq!(people, [Some(4)], "{analysis}");
+}
+
+#[test]
+fn a_study_is_exported_and_traced_from_its_folder_without_a_path() {
+    let study = recorded(&["calm", "sporty"]);
+    study.write("key", "a secret of this test alone");
+    study.maveric_in("mine", &TO_THE_NUMBERS).ok();
+    let whole = [
+        "export",
+        "--key",
+        "../key",
+        "--out",
+        "../shared",
+        "--pipeline",
+    ];
+    study.maveric_in("mine", &whole).ok();
+    let logs = |out: &str| {
+        std::fs::read_dir(study.path(out).join("logs"))
+            .unwrap()
+            .count()
+    };
+    assert_eq!(logs("shared"), 12);
+    let people = read(&study, "shared/participants.csv");
+    assert_eq!(people.lines().count(), 1 + PEOPLE.len(), "{people}");
+    assert_eq!(
+        read(&study, "shared/surveys.csv").lines().count(),
+        read(&study, "mine/surveys/answers.csv").lines().count()
+    );
+    assert!(study.path("shared/pipeline.toml").exists());
+    // What is named is exported alone, its columns as study.toml has them.
+    let named = [
+        "export", "--logs", "logs", "--key", "../key", "--out", "../logs",
+    ];
+    study.maveric_in("mine", &named).ok();
+    assert_eq!(logs("logs"), 12);
+    assert!(!study.path("logs/surveys.csv").exists());
+    let steps = study
+        .maveric_in("mine", &["trace", "results/measurements.parquet"])
+        .ok()
+        .stdout;
+    assert!(
+        steps.contains("logs/P01-calm.csv") || steps.contains("ingest"),
+        "{steps}"
+    );
+    // A shell empties the file before the program starts that is to fill it.
+    study.write("mine/pipelines/study.toml", "");
+    let text = study.maveric_in("mine", &["run", "--show"]).ok().stdout;
+    assert!(text.contains("maveric\", \"measure\""), "{text}");
+    study.write("mine/pipelines/study.toml", &text);
+    let again = study.maveric_in("mine", &["run", "--show"]).ok().stdout;
+    assert_eq!(again, text);
+}
+
+#[test]
+fn every_rule_leaves_out_the_same_people_and_drives_everywhere() {
+    let people = [
+        "P01", "P02", "P03", "P04", "P05", "P06", "P07", "P08", "P09",
+    ];
+    let study = recorded_of(&people, &["calm", "sporty"]);
+    study.write("key", "a secret of this test alone");
+    let rules = "[exclude]\ndrive_shorter_than_s = 50\nstraight_lined = true\nfewer_conditions_than = 2\n\
+                 people = { P02 = \"withdrew consent\" }\ndrives = { P03-sporty = \"lost the road\" }\n";
+    change(&study, "mine/study.toml", "[exclude]", rules);
+    // A scale with a reversed item, so that one answer throughout contradicts itself.
+    let longer = scale("comfort", 6, 1, 7, "mean");
+    let reversed = longer.replacen("[[subscales]]", "reversed = [2]\n[[subscales]]", 1);
+    study.write("mine/scales/comfort.toml", reversed);
+    let answers = answers(
+        &people,
+        &[("comfort", 6, 7), ("hurry", 2, 5)],
+        &["calm", "sporty"],
+    );
+    let rows = answers.lines().filter_map(|line| {
+        let cells: Vec<&str> = line.split(',').collect();
+        match cells[..] {
+            ["P04", moment, "comfort", item, _] => Some(format!("P04,{moment},comfort,{item},5")),
+            // P05 neither drove nor rated one of the cars.
+            ["P05", "sporty", ..] => None,
+            _ => Some(line.to_owned()),
+        }
+    });
+    let rows: Vec<String> = rows.collect();
+    study.write("mine/surveys/answers.csv", rows.join("\n") + "\n");
+    std::fs::remove_file(study.path("mine/logs/P05-sporty.csv")).unwrap();
+    let long = read(&study, "mine/logs/P06-calm.csv");
+    let short: Vec<&str> = long.lines().take(401).collect();
+    study.write("mine/logs/P06-calm.csv", short.join("\n") + "\n");
+    study.maveric_in("mine", &["run"]).ok();
+    let analysis: serde_json::Value =
+        serde_json::from_str(&read(&study, "mine/results/analysis.json")).unwrap();
+    let flow = &analysis["flow"];
+    let left_out = |rows: &serde_json::Value| {
+        let ids = rows.as_array().unwrap().iter();
+        let ids = ids.flat_map(|row| row["who"].as_array().unwrap());
+        let mut ids: Vec<String> = ids.map(|id| id.as_str().unwrap().to_owned()).collect();
+        ids.sort();
+        ids
+    };
+    // Two lose a condition with a drive, so that the rule for conditions takes them, too.
+    let (gone, drives) = (left_out(&flow["left_out"]), left_out(&flow["drives"]));
+    assert_eq!(gone, ["P02", "P03", "P04", "P05", "P06"], "{flow}");
+    assert_eq!(drives, ["P03-sporty", "P06-calm"], "{flow}");
+    assert_eq!(
+        (&flow["recruited"], &flow["analysed"]),
+        (&9.into(), &4.into())
+    );
+    let notes = study.maveric_in("mine", &["status"]).ok().stderr;
+    for who in people {
+        let told = notes.contains(&format!("{who} is left out: "));
+        assert_eq!(told, gone.iter().any(|g| g == who), "{who} in {notes}");
+    }
+    for drive in &drives {
+        assert!(notes.contains(&format!("{drive} is left out: ")), "{notes}");
+    }
+    Page::read(&study.path("mine/report/index.html"))
+        .says(&["Of 9 who were recruited, 5 were left out"]);
+    let whole = ["export", "--key", "../key", "--out", "../shared"];
+    study.maveric_in("mine", &whole).ok();
+    let analysed = 4;
+    let shared = read(&study, "shared/participants.csv");
+    assert_eq!(shared.lines().count(), 1 + analysed, "{shared}");
+    let logs = std::fs::read_dir(study.path("shared/logs")).unwrap();
+    assert_eq!(logs.count(), 3 * analysed);
+    let answers = read(&study, "shared/surveys.csv");
+    assert_eq!(answers.lines().count(), 1 + 3 * 8 * analysed);
+}
+
+#[test]
+fn each_rig_is_exported_and_ingested_by_its_own_mapping() {
+    let study = recorded(&["calm", "sporty"]);
+    study.write("key", "a secret of this test alone");
+    let text = read(&study, "mine/mapping.toml");
+    study.write("mine/mph.toml", text.replace("km/h", "mph"));
+    std::fs::create_dir(study.path("mine/logs/mph")).unwrap();
+    for from in ["own", "calm", "sporty"].map(|c| format!("P01-{c}.csv")) {
+        let logs = study.path("mine/logs");
+        std::fs::rename(logs.join(&from), logs.join("mph").join(&from)).unwrap();
+    }
+    let rigs = "[{ logs = \"logs/mph\", file = \"mph.toml\" }, { logs = \"logs\", file = \"mapping.toml\" }]";
+    change(
+        &study,
+        "mine/study.toml",
+        "mapping = \"mapping.toml\"",
+        &format!("mapping = {rigs}"),
+    );
+    let whole = ["export", "--key", "../key", "--out", "../shared"];
+    study.maveric_in("mine", &whole).ok();
+    let logs = std::fs::read_dir(study.path("shared/logs")).unwrap();
+    assert_eq!(logs.count(), 12);
+    let fastest = |logs: &str| {
+        study
+            .maveric_in("mine", &["ingest", logs, "--out", "../d"])
+            .ok();
+        study
+            .maveric_in(
+                "mine",
+                &["measure", "--drives", "../d", "--out", "../m.csv"],
+            )
+            .ok();
+        let table = maveric_study::tables::Table::read(&study.path("m.csv")).unwrap();
+        let speeds = table.numbers("mean_velocity_mps").unwrap();
+        speeds.into_iter().flatten().fold(0.0, f64::max)
+    };
+    let (by_mph, by_kmh) = (fastest("logs/mph"), fastest("logs"));
+    assert!(by_mph > 1.3 * by_kmh, "{by_mph} {by_kmh}");
 }
 
 #[test]

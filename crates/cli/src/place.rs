@@ -11,7 +11,8 @@ pub(crate) const DEFAULT_PIPELINE: &str = ".";
 const PAPER_PIPELINE: &str = "pipelines/paper.toml";
 /// A study's own pipeline, where it has one.
 const OWN_PIPELINE: &str = "pipelines/study.toml";
-/// Where the pipeline that follows from a study's design is written.
+/// Where the pipeline that follows from a study's design is written, and its ledger.
+pub(crate) const DESIGNED_FOLDER: &str = ".maveric";
 const DESIGNED_PIPELINE: &str = ".maveric/study.toml";
 
 /// The pipeline of a folder, seen from there.

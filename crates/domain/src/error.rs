@@ -24,7 +24,7 @@ pub enum DomainError {
     },
     /// A moment that is neither `pre` nor a condition's id.
     #[error(
-        "`{found}` is not a moment; expected `pre` or a condition: 1 to 32 letters, digits, `_` or `-`"
+        "`{found}` is not a moment; expected `pre`, or a condition (`after:` may stand before it): 1 to 32 letters, digits, `_` or `-`"
     )]
     UnknownMoment {
         /// What was given.

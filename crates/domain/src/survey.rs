@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
 
 /// When a questionnaire was answered.
+///
+/// In files it is `pre`, or the id of the condition. Only a condition that is itself called `pre` is written `after:pre`; `after:`
+/// may stand before any other, too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Moment {
@@ -15,14 +18,24 @@ pub enum Moment {
 }
 
 impl Moment {
-    /// The word for [`Moment::Pre`]; no condition may be called so.
-    pub(crate) const PRE: &str = "pre";
+    /// The word for [`Moment::Pre`].
+    const PRE: &str = "pre";
+    /// What tells a condition from that word; no condition's id has a colon.
+    const AFTER: &str = "after:";
+
+    /// Whether a condition's id is also the word for [`Moment::Pre`].
+    pub fn is_shared_word(condition: ConditionId) -> bool {
+        condition.as_str() == Self::PRE
+    }
 }
 
 impl fmt::Display for Moment {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Pre => f.write_str(Self::PRE),
+            Self::After(condition) if Self::is_shared_word(*condition) => {
+                write!(f, "{}{condition}", Self::AFTER)
+            }
             Self::After(condition) => condition.fmt(f),
         }
     }
@@ -34,6 +47,8 @@ impl FromStr for Moment {
         match text {
             Self::PRE => Ok(Self::Pre),
             other => other
+                .strip_prefix(Self::AFTER)
+                .unwrap_or(other)
                 .parse()
                 .map(Self::After)
                 .map_err(|_| DomainError::UnknownMoment {
@@ -403,9 +418,14 @@ mod tests {
 
     #[test]
     fn moments_survive_their_text() {
-        for text in ["pre", "own", "mimic", "perpendicular"] {
+        for text in ["pre", "own", "mimic", "perpendicular", "after:pre"] {
             assert_eq!(text.parse::<Moment>().unwrap().to_string(), text);
         }
+        let after = |id: &str| Moment::After(id.parse().unwrap());
+        assert_eq!("pre".parse::<Moment>().unwrap(), Moment::Pre);
+        assert_eq!("after:pre".parse::<Moment>().unwrap(), after("pre"));
+        assert_eq!("after:mimic".parse::<Moment>().unwrap(), after("mimic"));
+        assert!("after:".parse::<Moment>().is_err() && "after:after:a".parse::<Moment>().is_err());
         assert!("after the drive".parse::<Moment>().is_err());
     }
 

@@ -253,7 +253,7 @@ impl Books<'_> {
 fn place(step: &Step) -> (String, Option<String>) {
     match step {
         Step::Text { .. } => ("consent".to_owned(), None),
-        Step::Scale { scale, moment, .. } => (scale.clone(), Some(moment.clone())),
+        Step::Scale { scale, moment, .. } => (scale.clone(), Some(moment.to_string())),
         Step::Controls => ("controls".to_owned(), None),
         Step::Practice { .. } => ("practice".to_owned(), None),
         Step::Drive { condition, .. } | Step::Ride { condition, .. } => {

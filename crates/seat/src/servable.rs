@@ -6,7 +6,7 @@ use crate::{
     withdrawal,
 };
 use maveric_domain::{
-    Design, Scale,
+    Design, Moment, Scale,
     design::{Car, ProtocolStep, Software},
 };
 use maveric_model::{Model, style_space::LinearHead};
@@ -37,7 +37,7 @@ pub(crate) fn hindrances(
         .filter(|_| asks(ProtocolStep::Before));
     let after = protocol.after.iter().filter(|_| asks(ProtocolStep::Rides));
     for id in before.chain(after) {
-        let missing = sheet(scales, id, "pre").err();
+        let missing = sheet(scales, id, Moment::Pre).err();
         found.extend(missing.filter(|hindrance| !found.contains(hindrance)));
     }
     let learns = design.model().is_none() && design.people().learn.is_some();

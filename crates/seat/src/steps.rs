@@ -2,7 +2,7 @@
 
 use crate::{error::SeatError, hindrance::Hindrance, withdrawal};
 use maveric_domain::{
-    ConditionId, Design, Scale,
+    ConditionId, Design, Moment, Scale,
     design::{Car, Condition, Protocol, ProtocolStep, williams},
     nearest,
 };
@@ -34,7 +34,7 @@ pub enum Step {
         /// Highest answer.
         max: i32,
         /// `pre`, or the condition it is asked after.
-        moment: String,
+        moment: Moment,
     },
     /// Choosing and trying keyboard, gamepad or wheel.
     Controls,
@@ -122,22 +122,16 @@ impl Step {
 
     /// This step as the page is told it: a ride is known by its number, since who rides is not to read the condition.
     pub(crate) fn for_page(&self, rides: &[(ConditionId, ConditionId)]) -> Self {
-        let coded = |id: &str| {
-            rides
-                .iter()
-                .find(|(c, _)| c.as_str() == id)
-                .map(|(_, n)| *n)
-        };
+        let coded = |id: ConditionId| rides.iter().find(|(c, _)| *c == id).map(|(_, n)| *n);
         let mut step = self.clone();
         match &mut step {
             Self::Ride { condition, .. } => {
-                *condition = coded(condition.as_str()).unwrap_or(*condition);
+                *condition = coded(*condition).unwrap_or(*condition);
             }
-            Self::Scale { moment, .. } => {
-                if let Some(number) = coded(moment) {
-                    *moment = number.to_string();
-                }
-            }
+            Self::Scale {
+                moment: Moment::After(condition),
+                ..
+            } => *condition = coded(*condition).unwrap_or(*condition),
             _ => {}
         }
         step
@@ -198,7 +192,7 @@ pub fn of_design(
             }
             ProtocolStep::Before => {
                 for id in &protocol.before {
-                    steps.push(sheet(scales, id, "pre")?);
+                    steps.push(sheet(scales, id, Moment::Pre)?);
                 }
             }
             ProtocolStep::Controls => steps.push(Step::Controls),
@@ -250,7 +244,7 @@ fn rides(
             turns,
         });
         for id in &protocol.after {
-            steps.push(sheet(scales, id, condition.id.as_str())?);
+            steps.push(sheet(scales, id, Moment::After(condition.id))?);
         }
     }
     Ok(())
@@ -290,7 +284,7 @@ pub(crate) fn car(design: &Design, condition: &Condition) -> Result<Driven, Hind
 }
 
 /// A scale as a page.
-pub(crate) fn sheet(scales: &[Scale], id: &str, moment: &str) -> Result<Step, Hindrance> {
+pub(crate) fn sheet(scales: &[Scale], id: &str, moment: Moment) -> Result<Step, Hindrance> {
     let Some(scale) = scales.iter().find(|s| s.id == id) else {
         let known: Vec<String> = scales.iter().map(|s| s.id.clone()).collect();
         return Err(Hindrance::UnknownScale {
@@ -312,6 +306,6 @@ pub(crate) fn sheet(scales: &[Scale], id: &str, moment: &str) -> Result<Step, Hi
         items: scale.wording.clone(),
         min: scale.min,
         max: scale.max,
-        moment: moment.to_owned(),
+        moment,
     })
 }

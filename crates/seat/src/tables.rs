@@ -90,7 +90,7 @@ pub(crate) fn write_answers(
                 continue;
             };
             let who = &person.participant;
-            let place = [who, moment, scale].map(String::clone);
+            let place = [who.clone(), moment.to_string(), scale.clone()];
             let stands = there.as_ref().is_some_and(|t| t.contains(&place));
             let (now, written) = listed(kept.listed, stands, there.is_some());
             standing.sheets.insert((who.clone(), kept.step), now);

@@ -3,11 +3,12 @@
 use crate::{
     design::{DesignFile, People},
     error::StudyError,
+    gate::Analysed,
     run_folder::{read_scales, score_range},
     tables::{Table, participants::Enrolled},
 };
 use maveric_domain::{
-    Scale,
+    Moment, Scale,
     design::{DesignError, Quantity, ScoreName},
 };
 use maveric_measures::objective;
@@ -222,6 +223,12 @@ pub fn study_notes(study: &DesignFile, results: &Path) -> Result<Vec<String>, St
     let mut notes: Vec<String> = out
         .map(|(id, why)| format!("{id} is left out: {why}"))
         .collect();
+    let analysed = Analysed::of(results)?;
+    let by_rule = analysed
+        .all()
+        .map(|(id, why)| format!("{id} is left out: {why}"));
+    let by_rule: Vec<String> = by_rule.filter(|note| !notes.contains(note)).collect();
+    notes.extend(by_rule);
     let enrolled = study.people(None)?;
     let neither: Vec<&str> = nobodys(&enrolled).map(|p| p.id.as_str()).collect();
     if !neither.is_empty() {
@@ -248,7 +255,8 @@ pub fn study_notes(study: &DesignFile, results: &Path) -> Result<Vec<String>, St
         if driven.as_ref().is_some_and(|d| !d.contains(id)) {
             notes.push(format!("condition {id}: nobody drove it"));
         }
-        if rated.as_ref().is_some_and(|r| !r.contains(id)) {
+        let moment = Moment::After(condition.id).to_string();
+        if rated.as_ref().is_some_and(|r| !r.contains(&moment)) {
             notes.push(format!("condition {id}: nobody rated it"));
         }
     }

@@ -1,10 +1,12 @@
 //! Who and what a design lets in: its people, its conditions, and not what `[exclude]` names.
 
 use crate::{
+    atomic_write::read_json,
     design::{DesignFile, People},
     error::StudyError,
     forgotten::ForgottenList,
 };
+use maveric_analysis::{Flow, LeftOutFor};
 use maveric_domain::{ConditionId, Design, DriveId, DriveMeta, Moment, ParticipantId};
 use std::{collections::BTreeMap, fmt, path::Path};
 
@@ -16,12 +18,59 @@ pub struct Gate {
     /// Whether there is a table of people: then nobody else is let in.
     listed: bool,
     forgotten: ForgottenList,
+    analysed: Analysed,
+}
+
+/// Whom and which drives the rules of `[exclude]` left out of the analysis, each with the reason.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Analysed {
+    people: BTreeMap<String, String>,
+    drives: BTreeMap<String, String>,
+}
+
+/// What is read of an analysis.
+#[derive(serde::Deserialize)]
+struct Counted {
+    flow: Flow,
+}
+
+impl Analysed {
+    /// Those of the analysis among the results of a study; none where nothing is analysed yet.
+    ///
+    /// # Errors
+    /// [`StudyError`] for an analysis that cannot be read.
+    pub(crate) fn of(results: &Path) -> Result<Self, StudyError> {
+        let file = results.join("analysis.json");
+        if !file.is_file() {
+            return Ok(Self::default());
+        }
+        let flow = read_json::<Counted>(&file)?.flow;
+        let by_id = |rows: Vec<LeftOutFor>| {
+            let ids = |row: LeftOutFor| {
+                let LeftOutFor { why, who } = row;
+                who.into_iter().map(move |id| (id, why.clone()))
+            };
+            rows.into_iter().flat_map(ids).collect()
+        };
+        Ok(Self {
+            people: by_id(flow.left_out),
+            drives: by_id(flow.drives),
+        })
+    }
+
+    /// Ids of people, then of drives, with the reason.
+    pub(crate) fn all(&self) -> impl Iterator<Item = (&str, &str)> {
+        let all = self.people.iter().chain(&self.drives);
+        all.map(|(id, why)| (id.as_str(), why.as_str()))
+    }
 }
 
 /// The rule for drives that did not last long enough.
 pub(crate) const TOO_SHORT: &str = "exclude.drive_shorter_than_s";
 /// The rule for sheets of one answer.
 const STRAIGHT_LINED: &str = "exclude.straight_lined";
+/// The rules that look at all that somebody did, as the analysis applied them.
+const RULES: &str = "the rules of exclude";
 
 /// Why something is left out: a rule of the design, and the reason.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -74,6 +123,7 @@ impl Gate {
             design: study.design.clone(),
             listed: true,
             forgotten: study.forgotten()?,
+            analysed: Analysed::default(),
         })
     }
 
@@ -91,7 +141,17 @@ impl Gate {
             design: study.design.clone(),
             listed: false,
             forgotten: study.forgotten()?,
+            analysed: Analysed::default(),
         })
+    }
+
+    /// The same, without whom and what the rules left out of the analysis among these results.
+    ///
+    /// # Errors
+    /// As [`Analysed::of`].
+    pub(crate) fn with_analysis(mut self, results: &Path) -> Result<Self, StudyError> {
+        self.analysed = Analysed::of(results)?;
+        Ok(self)
     }
 
     /// The people of the study, those who are left out among them.
@@ -111,11 +171,13 @@ impl Gate {
         if !self.design.knows(meta.condition) {
             return Some(self.unknown(meta.condition));
         }
-        let shortest = exclude.drive_shorter_than_s?;
-        (duration_s < shortest).then(|| {
+        let short = exclude.drive_shorter_than_s.filter(|s| duration_s < *s);
+        if let Some(shortest) = short {
             let why = format!("{duration_s:.0} s long, expected at least {shortest} s");
-            LeftOut::by(TOO_SHORT, why)
-        })
+            return Some(LeftOut::by(TOO_SHORT, why));
+        }
+        let why = self.analysed.drives.get(meta.drive.as_str())?;
+        Some(LeftOut::by(RULES, why))
     }
 
     /// Why an answer is left out; one about an excluded drive goes with the drive.
@@ -131,8 +193,11 @@ impl Gate {
         }
         let about = format!("{participant}-{condition}");
         let mut drives = self.design.exclude().drives.iter();
-        let (_, why) = drives.find(|(drive, _)| drive.as_str() == about)?;
-        Some(LeftOut::by("exclude.drives", why))
+        if let Some((_, why)) = drives.find(|(drive, _)| drive.as_str() == about) {
+            return Some(LeftOut::by("exclude.drives", why));
+        }
+        let why = self.analysed.drives.get(&about)?;
+        Some(LeftOut::by(RULES, why))
     }
 
     /// Why somebody is left out by name, or as unknown.
@@ -142,6 +207,9 @@ impl Gate {
         }
         if let Some(why) = self.design.exclude().person(id) {
             return Some(LeftOut::by("exclude.people", why));
+        }
+        if let Some(why) = self.analysed.people.get(id.as_str()) {
+            return Some(LeftOut::by(RULES, why));
         }
         let stranger = self.listed && self.people.find(id).is_none();
         stranger.then(|| {

@@ -4,7 +4,7 @@ use super::{print_outcome, today};
 use crate::{
     args::Format,
     diagnostics::Failure,
-    place::{PipelineArgs, place},
+    place::{DEFAULT_PIPELINE, PipelineArgs, place},
 };
 use maveric_pipeline::{FactKind, Ledger};
 use maveric_study::stages::export::{self, About, ExportOptions, PipelineRun, Step};
@@ -13,8 +13,10 @@ use std::path::Path;
 /// Write a study under pseudonyms, without dates, places and free text, to give away
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Example: openssl rand -hex 32 > ~/study.key
-         maveric export --logs logs --participants participants.csv --surveys results/surveys.csv --key ~/study.key --out shared
+Examples: openssl rand -hex 32 > ~/study.key
+          maveric export --key ~/study.key --out ../shared --pipeline
+                                 in the folder of a study: all of it, and how it was analysed
+          maveric export --logs logs --participants participants.csv --surveys results/surveys.csv --key ~/study.key --out shared
 
 Ids become keyed hashes, ages bands of ten years, times and positions start at 0. A rare person or a rare style may still be recognised by
 who knows them: read the warnings.")]
@@ -22,10 +24,10 @@ pub(crate) struct Export {
     /// Design of the study (TOML); study.toml of the folder one stands in when not given, else the paper's
     #[arg(long, value_name = "FILE")]
     design: Option<std::path::PathBuf>,
-    /// Logs, or folders of logs; may be given more than once
+    /// Logs, or folders of logs; may be given more than once. Where none of --logs, --participants, --surveys and --seat is given: all that the study has
     #[arg(long)]
     logs: Vec<std::path::PathBuf>,
-    /// What the columns of tables among the logs mean (TOML)
+    /// What the columns of tables among the logs mean (TOML); as study.toml says when not given
     #[arg(long)]
     mapping: Option<std::path::PathBuf>,
     /// Table of who takes part
@@ -52,8 +54,9 @@ pub(crate) struct Export {
     /// Licence under which it is given away, as the address of its text, such as https://creativecommons.org/licenses/by/4.0/
     #[arg(long, value_name = "URL")]
     license: Option<String>,
-    /// Pipeline whose run is told of: its text, its stages, and hashes of what they read and made; none when not given
-    #[arg(long, value_name = "FILE")]
+    /// Pipeline whose run is told of: its text, its stages, and hashes of what they read and made; none when not given, that of the
+    /// study's folder where no file is named
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = DEFAULT_PIPELINE)]
     pipeline: Option<std::path::PathBuf>,
     /// Day on which it is given away; today when not given
     #[arg(long, value_name = "YYYY-MM-DD", value_parser = day)]

@@ -1,7 +1,11 @@
 //! `maveric trace`.
 
 use super::{print_json, print_lines};
-use crate::{args::Format, diagnostics::Failure, place::place};
+use crate::{
+    args::Format,
+    diagnostics::Failure,
+    place::{DESIGNED_FOLDER, place},
+};
 use maveric_pipeline::{Ledger, PipelineError, below_root};
 use std::path::PathBuf;
 
@@ -13,7 +17,7 @@ Example: maveric trace reports/paper/index.html
 pub(crate) struct Trace {
     /// A file that a stage made, or one in a folder that a stage made
     path: PathBuf,
-    /// The pipeline that made it; when not given, whichever in `pipelines/` did
+    /// The pipeline that made it; when not given, whichever in `pipelines/` did, or the one that follows from study.toml
     #[arg(long)]
     pipeline: Option<PathBuf>,
     /// How to print the result
@@ -47,28 +51,27 @@ impl Trace {
         match not_made {
             Some(error) => Err(Failure::pipeline(doing)(error)),
             None => Err(Failure::Usage(
-                "there is no pipelines/*.lock here; name the pipeline with --pipeline".to_owned(),
+                "nothing was run here: there is no pipelines/*.lock, and no .maveric/*.lock; name the pipeline with --pipeline".to_owned(),
             )),
         }
     }
 }
 
-/// The ledgers of this folder's pipelines, in order.
+/// The ledgers of this folder's pipelines, in order: those of files, then that of the pipeline that follows from a design.
 fn ledgers() -> std::io::Result<Vec<PathBuf>> {
-    let entries = match std::fs::read_dir("pipelines") {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
-        entries => entries?,
-    };
-    let mut files = Vec::new();
-    for entry in entries {
-        let path = entry?.path();
-        if path
-            .extension()
-            .is_some_and(|extension| extension == "lock")
-        {
-            files.push(path);
+    let mut all = Vec::new();
+    for folder in ["pipelines", DESIGNED_FOLDER] {
+        let entries = match std::fs::read_dir(folder) {
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => continue,
+            entries => entries?,
+        };
+        let mut files = Vec::new();
+        for entry in entries {
+            files.push(entry?.path());
         }
+        files.retain(|file| file.extension().is_some_and(|e| e == "lock"));
+        files.sort();
+        all.extend(files);
     }
-    files.sort();
-    Ok(files)
+    Ok(all)
 }

@@ -16,7 +16,6 @@ use crate::{
     condition::ConditionId,
     design::{Covariate, Design},
     nearest,
-    survey::Moment,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -68,15 +67,6 @@ fn design(raw: DesignToml) -> Checked<Design> {
             format!("`{}`, the baseline's", role.id),
             "another id: a role is driven otherwise than the baseline",
         ));
-    }
-    let ids = conditions.iter().map(|c| ("condition.id", c.id));
-    let ids = ids.chain(baseline.iter().map(|b| ("baseline.id", b.id)));
-    for (key, id) in ids.chain(roles.iter().map(|r| ("role.id", r.id))) {
-        if id.as_str() == Moment::PRE {
-            let expected =
-                "another id: in tables of answers this word marks those from before the drives";
-            return Err(DesignError::key(key, format!("`{id}`"), expected));
-        }
     }
     let outcomes = outcomes(raw.outcome)?;
     let compare = compare(raw.contrasts.compare, &conditions)?;

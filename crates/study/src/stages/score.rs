@@ -11,7 +11,7 @@ use crate::{
     tables::{
         Table, TableBuilder,
         drives::kept_out,
-        surveys::{read_timed_answers, write_scores},
+        surveys::{read_timed_answers, refuse_unclear, write_scores},
         write_rows,
     },
 };
@@ -239,8 +239,12 @@ pub fn score(
     let scales = read_scales(&options.scales)?;
     let mut answers: Vec<Answer> = Vec::new();
     let mut times = Vec::new();
+    let study = DesignFile::here(options.design.as_deref())?;
     for path in &options.surveys {
         let (found, timed) = read_timed_answers(path)?;
+        if let Some(study) = &study {
+            refuse_unclear(path, &found, &study.design)?;
+        }
         answers.extend(found);
         times.extend(timed);
     }
@@ -249,7 +253,7 @@ pub fn score(
         times.retain(|t| t.moment != Moment::Pre);
     }
     watch.check()?;
-    let left_out = let_in(options, &scales, &mut answers, &mut times)?;
+    let left_out = let_in(study.as_ref(), options, &scales, &mut answers, &mut times)?;
     if answers.is_empty() {
         return Err(StudyError::NotPossible {
             problem: "the surveys hold no answers".to_owned(),
@@ -323,16 +327,17 @@ type LeftOutAnswers = BTreeMap<(ParticipantId, Moment, LeftOut), usize>;
 
 /// Takes out the answers that the design does not let in.
 fn let_in(
+    study: Option<&DesignFile>,
     options: &ScoreOptions,
     scales: &[Scale],
     answers: &mut Vec<Answer>,
     times: &mut Vec<SheetTime>,
 ) -> Result<LeftOutAnswers, StudyError> {
     let mut left_out = LeftOutAnswers::new();
-    let Some(study) = DesignFile::here(options.design.as_deref())? else {
+    let Some(study) = study else {
         return Ok(left_out);
     };
-    let gate = Gate::of(&study, options.participants.as_deref())?;
+    let gate = Gate::of(study, options.participants.as_deref())?;
     let mut lined: BTreeMap<ParticipantId, String> = BTreeMap::new();
     if study.design.exclude().straight_lined {
         for warning in response_styles(scales, answers) {

@@ -2,7 +2,7 @@
 
 use super::{Table, TableBuilder};
 use crate::error::StudyError;
-use maveric_domain::{ConditionId, Design, LatentTraits, ParticipantId};
+use maveric_domain::{ConditionId, Design, LatentTraits, ParticipantId, nearest};
 use maveric_participants::{Cohort, Gender, Participant, Personality, Population};
 use serde::{Deserialize, Serialize};
 use std::{
@@ -235,21 +235,23 @@ fn conditions(
     words: &str,
     design: &Design,
 ) -> Result<Vec<ConditionId>, StudyError> {
-    let parse = |word: &str| {
-        let known = word.parse::<ConditionId>().ok();
-        known
-            .filter(|id| design.condition(*id).is_some())
-            .ok_or_else(|| {
-                let ids: Vec<ConditionId> = design.conditions().iter().map(|c| c.id).collect();
-                table.bad_cell(
-                    row,
-                    "order",
-                    word,
-                    format!("conditions of the design: {}", ConditionId::listed(&ids)),
-                )
-            })
-    };
-    words.split_whitespace().map(parse).collect()
+    let mut order: Vec<ConditionId> = Vec::new();
+    for word in words.split_whitespace() {
+        let bad = |expected: String| table.bad_cell(row, "order", word, expected);
+        let id = word.parse::<ConditionId>().ok();
+        let Some(id) = id.filter(|id| design.condition(*id).is_some()) else {
+            let ids: Vec<ConditionId> = design.conditions().iter().map(|c| c.id).collect();
+            let meant = nearest(word, ids.iter().map(ConditionId::as_str));
+            let meant = meant.map_or_else(String::new, |id| format!("; did you mean `{id}`?"));
+            let ids = ConditionId::listed(&ids);
+            return Err(bad(format!("conditions of the design: {ids}{meant}")));
+        };
+        if order.contains(&id) {
+            return Err(bad("each condition once".to_owned()));
+        }
+        order.push(id);
+    }
+    Ok(order)
 }
 
 /// Reads synthetic participants back.
@@ -319,7 +321,11 @@ mod tests {
             ("participant,study,age\nA,1,39-30\n", "39-30"),
             (
                 "participant,study,order\nA,2,mimic mimick\n",
-                "found `mimick`, expected conditions of the design: mimic, aggressive, cautious, perpendicular",
+                "found `mimick`, expected conditions of the design: mimic, aggressive, cautious, perpendicular; did you mean `mimic`?",
+            ),
+            (
+                "participant,study,order\nA,2,mimic cautious mimic\n",
+                "row 1, column `order`: found `mimic`, expected each condition once",
             ),
             ("participant,age\nA,2\n", "no column `study`"),
         ] {

@@ -2,9 +2,12 @@
 
 use super::{Table, write_rows};
 use crate::error::StudyError;
-use maveric_domain::{Answer, Moment, ParticipantId, Score};
+use maveric_domain::{Answer, Design, Moment, ParticipantId, Score};
 use maveric_measures::survey::SheetTime;
-use std::{collections::BTreeMap, path::Path};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
 
 /// Writes answers: participant, moment, scale, item, answer.
 ///
@@ -30,6 +33,52 @@ pub fn read_answers(path: &Path) -> Result<Vec<Answer>, StudyError> {
 pub fn read_timed_answers(path: &Path) -> Result<(Vec<Answer>, Vec<SheetTime>), StudyError> {
     let table = Table::read(path)?;
     Ok((table.records()?, times_of(&table)?))
+}
+
+/// Refuses answers that say `pre` for a condition that is called so.
+///
+/// They show in somebody who answered a scale after every other condition and at `pre`, where nobody says `after:pre`.
+///
+/// # Errors
+/// [`StudyError::BadFile`] naming person and scale, and what to write.
+pub(crate) fn refuse_unclear(
+    path: &Path,
+    answers: &[Answer],
+    design: &Design,
+) -> Result<(), StudyError> {
+    let ids = || design.conditions().iter().map(|c| c.id);
+    let Some(shared) = ids().find(|id| Moment::is_shared_word(*id)) else {
+        return Ok(());
+    };
+    let mut sheets: BTreeMap<(&ParticipantId, &str), BTreeSet<Moment>> = BTreeMap::new();
+    for answer in answers {
+        let sheet = (&answer.participant, answer.scale.as_str());
+        sheets.entry(sheet).or_default().insert(answer.moment);
+    }
+    let clear = Moment::After(shared);
+    if sheets.values().any(|moments| moments.contains(&clear)) {
+        return Ok(());
+    }
+    let others: Vec<Moment> = ids()
+        .filter(|id| *id != shared)
+        .map(Moment::After)
+        .collect();
+    let unclear = |moments: &BTreeSet<Moment>| {
+        moments.contains(&Moment::Pre) && others.iter().all(|other| moments.contains(other))
+    };
+    let Some((who, scale)) = sheets.iter().find(|(_, m)| unclear(m)).map(|(s, _)| *s) else {
+        return Ok(());
+    };
+    Err(StudyError::BadFile {
+        path: path.to_owned(),
+        problem: format!(
+            "column `moment`: {who} answered `{scale}` at `{}`, which marks the time before the drives, and after every condition but `{shared}`",
+            Moment::Pre
+        ),
+        help: Some(format!(
+            "write `{clear}` for what was asked after the condition `{shared}`"
+        )),
+    })
 }
 
 fn times_of(table: &Table) -> Result<Vec<SheetTime>, StudyError> {

@@ -13,6 +13,9 @@ use std::{
     path::Path,
 };
 
+/// Where `maveric run` writes in a study's folder.
+pub(super) const RESULTS: &str = "results";
+
 /// What was left out, and whatever would name somebody who was.
 #[derive(Default)]
 pub(super) struct LeftOut {
@@ -41,7 +44,8 @@ impl LeftOut {
         participants: Option<&Path>,
         (people, answers, drives, collected): Study<'_>,
     ) -> Result<Self, StudyError> {
-        let gate = Gate::where_listed(study, participants)?;
+        let gate = Gate::where_listed(study, participants)?
+            .with_analysis(&study.resolve(Path::new(RESULTS)))?;
         let exclude = study.design.exclude();
         let named = exclude.people.keys().map(ToString::to_string);
         let named = named.chain(exclude.drives.keys().map(ToString::to_string));

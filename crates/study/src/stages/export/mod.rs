@@ -5,6 +5,7 @@ mod place;
 mod pseudonym;
 mod ro_crate;
 mod seat;
+mod sources;
 mod wide;
 
 use path_slash::PathExt as _;
@@ -20,17 +21,16 @@ use crate::{
     tables::{
         TableBuilder,
         participants::{Enrolled, read_enrolled},
-        surveys::{read_answers, write_answers},
+        surveys::{read_answers, refuse_unclear, write_answers},
     },
 };
 use left_out::LeftOut;
-use maveric_domain::{
-    Answer, ConditionId, Design, DriveId, DriveMeta, ParticipantId, Recording, design::Mappings,
-};
-use maveric_ingest::{Beside, IngestSettings, Mapping, log_files, read_log};
+use maveric_domain::{Answer, ConditionId, Design, DriveId, DriveMeta, ParticipantId, Recording};
+use maveric_ingest::{Beside, read_log};
 use place::Place;
 use pseudonym::Pseudonyms;
 use serde::{Deserialize, Serialize};
+use sources::Sources;
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
@@ -41,9 +41,9 @@ use std::{
 pub struct ExportOptions {
     /// The study's design; `study.toml` of the folder one stands in without, else the paper's.
     pub design: Option<PathBuf>,
-    /// Logs, or folders of logs; may be empty.
+    /// Logs, or folders of logs; may be empty. Where no people, answers and seat are named either, all that the study has is exported.
     pub logs: Vec<PathBuf>,
-    /// What the columns of tables among them mean.
+    /// What the columns of tables among them mean; as the design says without it.
     pub mapping: Option<PathBuf>,
     /// Who takes part.
     pub participants: Option<PathBuf>,
@@ -110,58 +110,51 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
             refuse_learned_from_gone(&study, &study.resolve(Path::new(model)))?;
         }
     }
-    let mut people = options
-        .participants
+    let here = DesignFile::here(options.design.as_deref())?;
+    let Sources {
+        logs,
+        participants,
+        surveys,
+        seat,
+    } = Sources::of(options, here.as_ref())?;
+    let mut people = participants
         .as_deref()
         .map(|path| read_enrolled(path, design))
         .transpose()?
         .unwrap_or_default();
     let mut answers: Vec<Answer> = Vec::new();
-    for path in &options.surveys {
-        answers.extend(read_answers(path)?);
+    for path in &surveys {
+        let found = read_answers(path)?;
+        refuse_unclear(path, &found, design)?;
+        answers.extend(found);
     }
-    let mapping = match (&options.mapping, &design.files().mapping) {
-        (None, Mappings::One(file)) => {
-            Some(study.resolve(file)).filter(|file| study.path.is_some() && file.is_file())
-        }
-        (given, _) => given.clone(),
-    };
-    let mapping = mapping.as_deref().map(Mapping::read).transpose()?;
-    let mut logs = Vec::new();
-    for log in &options.logs {
-        logs.extend(log_files(log, mapping.as_ref())?);
-    }
-    let seat = options.seat.as_deref();
+    let seat = seat.as_deref();
     let seat = seat.map(|folder| seat::Collected::read(folder, options.notes));
     let mut collected = seat.transpose()?.unwrap_or_default();
     if people.is_empty() && answers.is_empty() && logs.is_empty() && collected.is_empty() {
         return Err(StudyError::NotPossible {
             problem: "there is nothing to export".to_owned(),
             help: Some(
-                "give at least one of --logs, --participants, --surveys and --seat".to_owned(),
+                "run this in the folder of a study, or give at least one of --logs, --participants, --surveys and --seat"
+                    .to_owned(),
             ),
         });
     }
     let place = Place::new(&options.out)?;
     let out = place.fresh();
     let mut names = Pseudonyms::read(&options.key, &options.out)?;
-    let settings = IngestSettings {
-        mapping,
-        rate_hz: options.rate_hz,
-        ..IngestSettings::default()
-    };
     let read = for_each_on(options.jobs, &logs, watch, "logs read", |log| {
-        Ok(read_log(log, &settings)?)
+        Ok(read_log(&log.path, &log.settings)?)
     })?;
     let mut found: Vec<(DriveMeta, Recording)> = read
         .into_iter()
         .flatten()
         .map(|d| (d.meta, d.recording))
         .collect();
-    let left_out = match DesignFile::here(options.design.as_deref())? {
+    let left_out = match &here {
         Some(study) => LeftOut::of(
-            &study,
-            options.participants.as_deref(),
+            study,
+            participants.as_deref(),
             (&mut people, &mut answers, &mut found, &mut collected),
         )?,
         None => LeftOut::default(),

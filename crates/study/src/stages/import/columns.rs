@@ -1,7 +1,7 @@
 //! What the columns of an export mean: by convention, by the scales' own files, or by a map.
 
 use crate::{atomic_write::read_text, error::StudyError};
-use maveric_domain::{Moment, Scale};
+use maveric_domain::{Design, Moment, Scale};
 use serde::Deserialize;
 use std::{collections::BTreeMap, path::Path};
 
@@ -38,6 +38,14 @@ impl ColumnMap {
         let text = read_text(path)?;
         toml::from_str(&text)
             .map_err(|e| StudyError::file(path, format!("not a map of columns: {e}")))
+    }
+
+    /// Every label of the design is a word for the moment after that drive, whatever else it is a word for, unless the map says otherwise.
+    pub(super) fn know(&mut self, design: &Design) {
+        for id in design.labels() {
+            let moment = self.moments.entry(id.to_string());
+            moment.or_insert(Moment::After(id));
+        }
     }
 
     /// Whether the map fits the scales.

@@ -104,7 +104,9 @@ pub fn import(options: &ImportOptions, watch: Watch<'_>) -> Result<Outcome<Impor
         .as_deref()
         .map(ColumnMap::read)
         .transpose()?;
-    let map = map.unwrap_or_default();
+    let mut map = map.unwrap_or_default();
+    let study = DesignFile::find(options.design.as_deref())?;
+    map.know(&study.design);
     map.check(options.columns.as_deref(), &scales)?;
     let found = match options.from {
         SurveySoftware::OTree => otree::read(&Table::read(&options.file)?, &scales, &map)?,
@@ -118,7 +120,6 @@ pub fn import(options: &ImportOptions, watch: Watch<'_>) -> Result<Outcome<Impor
         unused,
         mut warnings,
     } = found;
-    let study = DesignFile::find(options.design.as_deref())?;
     let unknown = unknown_moments(&mut rows, &study);
     let left_out: usize = unknown.values().sum();
     warnings.extend(unknown.into_iter().map(|((moment, place), n)| {
@@ -433,6 +434,19 @@ mod tests {
             error.contains("holds no answers") && error.contains("calm_{item}"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn a_word_that_is_a_condition_of_the_design_means_it_whatever_else_it_means() {
+        let mut map = ColumnMap::default();
+        assert_eq!(map.moment_of("pre").unwrap(), Moment::Pre);
+        let text =
+            "[study]\ntitle = \"t\"\n[[condition]]\nid = \"pre\"\n[[condition]]\nid = \"post\"\n";
+        let design = maveric_domain::Design::from_toml(text).unwrap();
+        map.know(&design);
+        let after = Moment::After("pre".parse().unwrap());
+        assert_eq!(map.moment_of("pre").unwrap(), after);
+        assert_eq!(map.moment_of("after:pre").unwrap(), after);
     }
 
     #[test]

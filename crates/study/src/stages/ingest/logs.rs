@@ -8,21 +8,32 @@ use std::path::{Path, PathBuf};
 
 /// A log, and how it is read.
 #[derive(Debug, Clone)]
-pub(super) struct Log {
-    pub(super) path: PathBuf,
+pub(crate) struct Log {
+    pub(crate) path: PathBuf,
     pub(super) mapping: Option<PathBuf>,
-    pub(super) settings: IngestSettings,
+    pub(crate) settings: IngestSettings,
 }
 
 /// The logs that were named; none named, every log below the folders of the design, each rig by its own mapping.
 ///
 /// # Errors
 /// [`StudyError::BadFile`] for a folder without logs; [`StudyError::Ingest`] for a mapping that is none.
-pub(super) fn of(
+pub(crate) fn of(
     options: &IngestOptions,
     study: Option<&DesignFile>,
 ) -> Result<Vec<Log>, StudyError> {
     gathered(options, study, true)
+}
+
+/// Every log below the folders of a design; none where they hold none.
+///
+/// # Errors
+/// [`StudyError::Ingest`] for a mapping that is none; [`StudyError::Io`].
+pub(crate) fn of_study(
+    options: &IngestOptions,
+    study: &DesignFile,
+) -> Result<Vec<Log>, StudyError> {
+    gathered(options, Some(study), false)
 }
 
 /// The logs of somebody, and those that hold drives of others beside theirs. A log that cannot be read is nobody's.
@@ -34,7 +45,7 @@ pub(crate) fn logs_of(
     id: &ParticipantId,
 ) -> Result<(Vec<PathBuf>, Vec<PathBuf>), StudyError> {
     let (mut theirs, mut shared) = (Vec::new(), Vec::new());
-    for log in gathered(&IngestOptions::default(), Some(study), false)? {
+    for log in of_study(&IngestOptions::default(), study)? {
         let Ok(drives) = read_log(&log.path, &log.settings) else {
             continue;
         };
@@ -69,17 +80,14 @@ fn gathered(
         }
     };
     let mut found = Vec::new();
-    let own = || match (&options.mapping, study) {
+    let mapping_of = |path: &Path| match (&options.mapping, study) {
         (Some(given), _) => Some(given.clone()),
-        (None, Some(study)) => match &study.design.files().mapping {
-            Mappings::One(file) => Some(study.resolve(file)).filter(|file| file.is_file()),
-            Mappings::Rigs(_) => None,
-        },
+        (None, Some(study)) => declared(study, path),
         (None, None) => None,
     };
     if !options.logs.is_empty() {
-        let (mapping, settings) = settings(options, own())?;
         for path in &options.logs {
+            let (mapping, settings) = settings(options, mapping_of(path))?;
             let logs = log_files(path, settings.mapping.as_ref())?;
             found.extend(read_by(some(path, logs)?, mapping.as_ref(), &settings));
         }
@@ -95,18 +103,18 @@ fn gathered(
     let all = study.resolve(&files.logs);
     let mut rigs: Vec<PathBuf> = Vec::new();
     if let Mappings::Rigs(mappings) = &files.mapping {
-        for rig in mappings {
-            let folder = study.resolve(&rig.logs);
+        // A folder in another rig's, or the one of all logs, may be a rig's too: each log is read once.
+        rigs.extend(mappings.iter().map(|rig| study.resolve(&rig.logs)));
+        for (rig, folder) in mappings.iter().zip(&rigs) {
             let file = options.mapping.clone();
             let file = file.or_else(|| rig.file.as_ref().map(|f| study.resolve(f)));
             let (mapping, settings) = settings(options, file)?;
-            let logs = standing(&folder, settings.mapping.as_ref(), &rigs)?;
-            found.extend(read_by(some(&folder, logs)?, mapping.as_ref(), &settings));
-            rigs.push(folder);
+            let logs = standing(folder, settings.mapping.as_ref(), &rigs)?;
+            found.extend(read_by(some(folder, logs)?, mapping.as_ref(), &settings));
         }
     }
-    let (mapping, settings) = settings(options, own())?;
-    if all.is_dir() || rigs.is_empty() {
+    let (mapping, settings) = settings(options, mapping_of(&all))?;
+    if !rigs.contains(&all) && (all.is_dir() || rigs.is_empty()) {
         let logs = standing(&all, settings.mapping.as_ref(), &rigs)?;
         if rigs.is_empty() {
             some(&all, logs.clone())?;
@@ -114,6 +122,20 @@ fn gathered(
         found.extend(read_by(logs, mapping.as_ref(), &settings));
     }
     Ok(found)
+}
+
+/// The mapping that a design has for a log or a folder of logs: that of the rig in whose folder it lies, where rigs have their own.
+fn declared(study: &DesignFile, path: &Path) -> Option<PathBuf> {
+    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    match &study.design.files().mapping {
+        Mappings::One(file) => Some(study.resolve(file)).filter(|file| file.is_file()),
+        Mappings::Rigs(rigs) => rigs
+            .iter()
+            .map(|rig| (absolute(&study.resolve(&rig.logs)), &rig.file))
+            .filter(|(folder, _)| absolute(path).starts_with(folder))
+            .max_by_key(|(folder, _)| folder.components().count())
+            .and_then(|(_, file)| file.as_ref().map(|file| study.resolve(file))),
+    }
 }
 
 fn settings(

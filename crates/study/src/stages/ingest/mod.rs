@@ -1,6 +1,6 @@
 //! `ingest`: raw logs to drives, one Parquet file each.
 
-mod logs;
+pub(crate) mod logs;
 
 pub(crate) use logs::logs_of;
 

@@ -1,0 +1,81 @@
+//! What is exported: what was named, or all that the study has.
+
+use super::{ExportOptions, left_out::RESULTS};
+use crate::{
+    design::DesignFile,
+    error::StudyError,
+    stages::ingest::{
+        IngestOptions,
+        logs::{self, Log},
+    },
+    tables::collected::EVENTS,
+};
+use maveric_domain::design::Software;
+use std::path::{Path, PathBuf};
+
+/// Answers that came from survey software, among the results.
+const IMPORTED: &str = "answers.csv";
+/// The folder of the seat in a study's.
+const SEAT: &str = "seat";
+
+/// Files of an export.
+#[derive(Default)]
+pub(super) struct Sources {
+    pub(super) logs: Vec<Log>,
+    pub(super) participants: Option<PathBuf>,
+    pub(super) surveys: Vec<PathBuf>,
+    /// The folder of the seat.
+    pub(super) seat: Option<PathBuf>,
+}
+
+impl Sources {
+    /// Those that were named; where none was, those of the study's folder that are there.
+    ///
+    /// # Errors
+    /// As [`logs::of`].
+    pub(super) fn of(
+        options: &ExportOptions,
+        study: Option<&DesignFile>,
+    ) -> Result<Self, StudyError> {
+        let named = Self {
+            logs: Vec::new(),
+            participants: options.participants.clone(),
+            surveys: options.surveys.clone(),
+            seat: options.seat.clone(),
+        };
+        if !options.logs.is_empty() {
+            let ingested = IngestOptions {
+                logs: options.logs.clone(),
+                mapping: options.mapping.clone(),
+                rate_hz: options.rate_hz,
+                ..IngestOptions::default()
+            };
+            let logs = logs::of(&ingested, study)?;
+            return Ok(Self { logs, ..named });
+        }
+        if named.participants.is_some() || !named.surveys.is_empty() || named.seat.is_some() {
+            return Ok(named);
+        }
+        study.map_or(Ok(named), |study| Self::of_study(options, study))
+    }
+
+    fn of_study(options: &ExportOptions, study: &DesignFile) -> Result<Self, StudyError> {
+        let files = study.design.files();
+        let there = |path: &Path| Some(study.resolve(path)).filter(|path| path.is_file());
+        let answers = match files.software {
+            Software::Table => there(&files.answers),
+            Software::Otree | Software::Jspsych => there(&Path::new(RESULTS).join(IMPORTED)),
+        };
+        let ingested = IngestOptions {
+            mapping: options.mapping.clone(),
+            rate_hz: options.rate_hz,
+            ..IngestOptions::default()
+        };
+        Ok(Self {
+            logs: logs::of_study(&ingested, study)?,
+            participants: there(&study.design.people().file),
+            surveys: answers.into_iter().collect(),
+            seat: there(&Path::new(SEAT).join(EVENTS)).and(Some(study.resolve(Path::new(SEAT)))),
+        })
+    }
+}
