@@ -7,6 +7,7 @@ use crate::{
     person::Person,
     token,
 };
+use maveric_study::forget::is_about;
 use rusqlite::{Connection, OptionalExtension as _, params};
 use std::{collections::BTreeSet, path::Path};
 
@@ -195,7 +196,7 @@ impl Books<'_> {
         .map(drop)
     }
 
-    /// Takes away all that is kept of a person but the id, which nobody gets again, and the digest of their link, so that it says what
+    /// Takes away all that is kept of a person, and every note that names them, but the id, which nobody gets again, and the digest of their link, so that it says what
     /// became of it and no file of theirs is taken in again. Gives their token, if they had one here.
     pub(crate) fn forget(&self, participant: &str) -> Result<Option<String>, SeatError> {
         let token: Option<String> = self.ask(|c| {
@@ -212,6 +213,13 @@ impl Books<'_> {
                     &format!("DELETE FROM {table} WHERE participant = ?1"),
                     [participant],
                 )?;
+            }
+            let mut events = c.prepare("SELECT rowid, what FROM event")?;
+            let told: Vec<(i64, String)> = events
+                .query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?
+                .collect::<Result<_, _>>()?;
+            for (row, _) in told.iter().filter(|(_, text)| is_about(text, participant)) {
+                c.execute("DELETE FROM event WHERE rowid = ?1", [row])?;
             }
             c.execute(
                 "INSERT INTO forgotten (participant, link) VALUES (?1, ?2) ON CONFLICT DO UPDATE SET swept = 0",

@@ -155,6 +155,39 @@ fn the_laboratory_can_forget_somebody_and_is_asked_first() {
 }
 
 #[test]
+fn notes_that_name_somebody_go_with_them_and_those_of_others_stay() {
+    let folder = folder();
+    let db = folder.path().join("seat/seat.db");
+    let note = |server: &Server, text: &str| {
+        let cookie = entered(server);
+        let with = &[("Cookie", cookie.as_str())];
+        let (status, reply) = server.ask("POST", "/lab/note", &format!("note={text}"), with);
+        assert_eq!(status, 303, "{reply}");
+    };
+    let server = Server::open(folder.path());
+    for _ in 0..2 {
+        let token = opened(&server);
+        while go_on(&server, &token) {}
+    }
+    note(&server, "P001:+zebra-sick");
+    note(&server, "P002+and+P001x:+lion-well");
+    server.seat.write_files().unwrap();
+    assert!(holding(folder.path(), &["zebra-sick"]).len() >= 2);
+    // From the laboratory, while the seat is open.
+    let cookie = entered(&server);
+    let with = &[("Cookie", cookie.as_str())];
+    assert_eq!(server.ask("POST", "/lab/forget/P001", "", with).0, 200);
+    assert_eq!(holding(folder.path(), &["zebra-sick"]), [""; 0]);
+    let table = || fs::read_to_string(folder.path().join("seat/notes.csv")).unwrap();
+    assert!(table().contains("lion-well"), "{}", table());
+    // By the command, while it is closed.
+    drop(server);
+    let study = maveric_study::DesignFile::read(&folder.path().join("study.toml")).unwrap();
+    maveric_seat::forget(&study, &db, "P002").unwrap();
+    assert_eq!(holding(folder.path(), &["lion-well"]), [""; 0]);
+}
+
+#[test]
 fn rows_that_somebody_deleted_by_hand_are_not_written_back() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);

@@ -1,6 +1,6 @@
 //! Everything of somebody's, taken out of a study's folder.
 
-use super::{made, models, rows};
+use super::{about::is_about, made, models, rows};
 use crate::{
     design::DesignFile,
     error::StudyError,
@@ -8,7 +8,7 @@ use crate::{
     named::names,
     run_folder::{embeddings_path, training_path},
     stages::{export::METADATA, import::participant_column, ingest::logs_of},
-    tables::Table,
+    tables::{Table, collected::NOTES},
 };
 use maveric_domain::{ParticipantId, design::Software};
 use serde::Serialize;
@@ -64,6 +64,7 @@ pub fn forget_person(study: &DesignFile, id: &ParticipantId) -> Result<Forgotten
     known.write(&folder)?;
 
     let mut forgotten = Forgotten::default();
+    let notes: PathBuf = folder.join(SEAT).join(NOTES).components().collect();
     let beside = learned
         .iter()
         .flat_map(|model| [model.clone(), training_path(model), embeddings_path(model)]);
@@ -81,7 +82,10 @@ pub fn forget_person(study: &DesignFile, id: &ParticipantId) -> Result<Forgotten
             continue;
         }
         if let Some(column) = column_of_people(study, &path)? {
-            let count = rows::take_out(&path, &column, id)?;
+            let mut count = rows::take_out(&path, &column, id, |cell, id| cell == id)?;
+            if path == notes && Table::read(&path)?.has("text") {
+                count += rows::take_out(&path, "text", id, is_about)?;
+            }
             if count > 0 {
                 forgotten.rows.push((path.clone(), count));
             }
@@ -172,12 +176,11 @@ fn names_still(study: &DesignFile, path: &Path, id: &ParticipantId) -> Result<bo
         .resolve(&study.design.files().logs)
         .components()
         .collect();
-    let is_number = id.as_str().bytes().all(|b| b.is_ascii_digit());
-    if is_number || path.starts_with(logs) {
+    if path.starts_with(logs) {
         return Ok(false);
     }
     let bytes = std::fs::read(path).map_err(StudyError::read(path))?;
-    Ok(names(&String::from_utf8_lossy(&bytes), id.as_str()))
+    Ok(is_about(&String::from_utf8_lossy(&bytes), id.as_str()))
 }
 
 /// Every file of a folder and of the folders in it, in order; links are not followed.

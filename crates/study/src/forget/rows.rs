@@ -4,16 +4,21 @@ use crate::{atomic_write::atomic_write_bytes, error::StudyError, tables::Table};
 use maveric_domain::ParticipantId;
 use std::path::Path;
 
-/// Takes out the rows whose cell in `column` is this person's id; how many they were. Nothing is written where there are none.
+/// Takes out the rows whose cell in `column` is this person's by `theirs`; how many they were. Nothing is written where there are none.
 ///
 /// # Errors
 /// As [`Table`] does; [`StudyError::BadFile`] for a table whose rows cannot be told apart.
-pub(super) fn take_out(path: &Path, column: &str, id: &ParticipantId) -> Result<usize, StudyError> {
+pub(super) fn take_out(
+    path: &Path,
+    column: &str,
+    id: &ParticipantId,
+    theirs: impl Fn(&str, &str) -> bool,
+) -> Result<usize, StudyError> {
     let table = Table::read(path)?;
     let theirs: Vec<bool> = table
         .text(column)?
         .into_iter()
-        .map(|cell| cell.is_some_and(|cell| cell.trim() == id.as_str()))
+        .map(|cell| cell.is_some_and(|cell| theirs(cell.trim(), id.as_str())))
         .collect();
     let count = theirs.iter().filter(|is| **is).count();
     if count == 0 {
@@ -67,14 +72,23 @@ mod tests {
             "\n\"participant\";note\r\nP07;\"a\nb\"\r\n\nP070;P07\r\n P07 ;x\nP1;\"q\"\"\n\"";
         std::fs::write(&path, text).unwrap();
         let id = ParticipantId::new("P07").unwrap();
-        assert_eq!(take_out(&path, "participant", &id).unwrap(), 2);
+        assert_eq!(
+            take_out(&path, "participant", &id, |cell, id| cell == id).unwrap(),
+            2
+        );
         assert_eq!(
             std::fs::read_to_string(&path).unwrap(),
             "\n\"participant\";note\r\n\nP070;P07\r\nP1;\"q\"\"\n\""
         );
-        assert_eq!(take_out(&path, "participant", &id).unwrap(), 0);
+        assert_eq!(
+            take_out(&path, "participant", &id, |cell, id| cell == id).unwrap(),
+            0
+        );
         std::fs::write(&path, "participant\nP07\nP1\n\n\n").unwrap();
-        assert_eq!(take_out(&path, "participant", &id).unwrap(), 1);
+        assert_eq!(
+            take_out(&path, "participant", &id, |cell, id| cell == id).unwrap(),
+            1
+        );
         assert_eq!(
             std::fs::read_to_string(&path).unwrap(),
             "participant\nP1\n\n\n"
