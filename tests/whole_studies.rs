@@ -369,7 +369,10 @@ fn a_dial_of_another_score_rehearsed_with_made_up_people() {
     ];
     study.maveric(&generate).failed(
         1,
-        &["mine/participants.csv", "1 people who were not made up"],
+        &[
+            "mine/participants.csv",
+            "holds 1 person who was not made up",
+        ],
     );
 }
 

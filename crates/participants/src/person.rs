@@ -26,10 +26,11 @@ impl Gender {
 
 impl FromStr for Gender {
     type Err = DomainError;
+    /// In small or large letters, or by its first one.
     fn from_str(text: &str) -> Result<Self, DomainError> {
-        match text {
-            "female" => Ok(Self::Female),
-            "male" => Ok(Self::Male),
+        match text.trim().to_lowercase().as_str() {
+            "female" | "f" | "woman" | "w" => Ok(Self::Female),
+            "male" | "m" | "man" => Ok(Self::Male),
             _ => Err(DomainError::UnknownWord {
                 kind: "gender",
                 found: text.to_owned(),

@@ -5,6 +5,7 @@ use crate::{
     design::{DesignFile, People},
     error::StudyError,
     forgotten::ForgottenList,
+    once::count,
 };
 use maveric_analysis::{Flow, LeftOutFor};
 use maveric_domain::{ConditionId, Design, DriveId, DriveMeta, Moment, ParticipantId};
@@ -226,11 +227,14 @@ impl Gate {
 }
 
 /// How many each rule left out, a line each: `2 drives left out by exclude.people`.
-pub fn counted<'a>(what: &str, left_out: impl IntoIterator<Item = &'a LeftOut>) -> Vec<String> {
+pub fn counted<'a>(
+    [one, several]: [&str; 2],
+    left_out: impl IntoIterator<Item = &'a LeftOut>,
+) -> Vec<String> {
     let mut rules: BTreeMap<&str, usize> = BTreeMap::new();
     for out in left_out {
         *rules.entry(&out.rule).or_default() += 1;
     }
-    let line = |(rule, n): (&str, usize)| format!("{n} {what} left out by {rule}");
+    let line = |(rule, n): (&str, usize)| format!("{} left out by {rule}", count(n, one, several));
     rules.into_iter().map(line).collect()
 }

@@ -12,6 +12,7 @@ pub mod forgotten;
 pub mod gate;
 mod mean;
 mod named;
+mod once;
 pub mod outcome;
 mod outputs;
 pub mod run_folder;

@@ -9,6 +9,7 @@ use crate::{
     run_folder::{read_scales, score_range},
 };
 use maveric_domain::{AdbScore, EmbeddingRow, Scale, Score, Subscale, design::DesignError};
+use maveric_model::StyleHead;
 use std::path::Path;
 
 /// Lowest and highest score of a style.
@@ -108,6 +109,20 @@ impl StyleScale {
         self.low + (points - AdbScore::MIN) / self.stretch()
     }
 
+    /// What was learned of stretched scores, in points of the study's own.
+    pub(crate) fn outward_head(self, head: StyleHead) -> StyleHead {
+        let stretch = self.stretch();
+        let each = |values: Vec<f64>, by: f64| values.into_iter().map(|v| v / by).collect();
+        StyleHead {
+            gradient: each(head.gradient, stretch),
+            offset: self.outward(head.offset),
+            covariance: each(head.covariance, stretch * stretch),
+            reading_sd: head.reading_sd / stretch,
+            cross_fitted_rmse: head.cross_fitted_rmse.map(|e| e / stretch),
+            ..head
+        }
+    }
+
     /// Embeddings that were fitted to stretched scores, in points of the study's own.
     pub(crate) fn outward_rows(self, rows: &mut [EmbeddingRow]) {
         for row in rows {
@@ -179,6 +194,33 @@ mod tests {
         assert!((risky.outward(risky.inward(3.7)) - 3.7).abs() < 1e-12);
         assert!((risky.stretch() - 8.8).abs() < 1e-12);
         assert!((risky.score(6.0).unwrap().points() - 55.0).abs() < 1e-12);
+        let head = StyleHead {
+            gradient: vec![8.8],
+            offset: 33.0,
+            covariance: vec![77.44],
+            reading_sd: 4.4,
+            cross_fitted_rmse: Some(7.1),
+            cross_fitted_r: Some(0.5),
+            people: 4,
+            drives: 4,
+        };
+        let ours = risky.outward_head(head.clone());
+        // Off by 7.1 points of 44 is off by 0.8 of 5.
+        assert!((ours.cross_fitted_rmse.unwrap() - 7.1 / 8.8).abs() < 1e-12);
+        let others = [
+            ours.gradient[0],
+            ours.offset,
+            ours.covariance[0],
+            ours.reading_sd,
+        ];
+        let wanted = [1.0, 3.5, 1.0, 0.5];
+        assert!(
+            others
+                .iter()
+                .zip(wanted)
+                .all(|(a, b)| (a - b).abs() < 1e-12)
+        );
+        assert_eq!(StyleScale::ADB.outward_head(head.clone()), head);
         let outside = risky.score(6.5).unwrap_err().to_string();
         assert!(
             outside.contains("6.5") && outside.contains("1 to 6"),

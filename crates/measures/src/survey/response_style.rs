@@ -182,7 +182,7 @@ mod tests {
         let said_of = said;
         let said = said("adb", &[1, 4, 2, 2, 2, 2, 2, 2, 2, 2, 3]);
         assert!(
-            said[0].contains("answered 2 to 8 of the 11 items of `adb` running, from item 3"),
+            said[0].contains("gave the answer 2 to 8 items of `adb` in a row, from item 3 (of 11)"),
             "{said:?}"
         );
         assert!(

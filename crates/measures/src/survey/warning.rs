@@ -144,10 +144,17 @@ impl fmt::Display for ScoreWarning {
                 run,
                 first,
                 items,
-            } => write!(
-                f,
-                "participant {participant} ({moment}) answered {answer} to {run} of the {items} items of `{scale}` running, from item {first}: straight-lining? kept"
-            ),
+            } => {
+                let which = if run == items {
+                    format!("to all {items} items of `{scale}`")
+                } else {
+                    format!("to {run} items of `{scale}` in a row, from item {first} (of {items})")
+                };
+                write!(
+                    f,
+                    "participant {participant} ({moment}) gave the answer {answer} {which}: straight-lining? kept"
+                )
+            }
             Self::TooFast {
                 participant,
                 moment,
@@ -160,10 +167,13 @@ impl fmt::Display for ScoreWarning {
             Self::UnknownParticipant {
                 participant,
                 answers,
-            } => write!(
-                f,
-                "{answers} answers of {participant}, who is not in the study, left out"
-            ),
+            } => {
+                let s = if *answers == 1 { "" } else { "s" };
+                write!(
+                    f,
+                    "{answers} answer{s} of {participant}, who is not in the study, left out"
+                )
+            }
         }
     }
 }

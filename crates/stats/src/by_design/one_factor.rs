@@ -5,7 +5,7 @@ use super::{
     RankCheck, SmallSample,
 };
 use crate::{
-    Reasons, StatsError, WithinSubjects, compare, compare_without_exact, ordinal, within,
+    Reasons, StatsError, WithinSubjects, apa, compare, compare_without_exact, ordinal, within,
     within_without_exact,
 };
 
@@ -19,7 +19,8 @@ pub(super) fn few_whole_answers(values: &[Option<f64>]) -> Result<String, String
     different.dedup_by(|a, b| (*a - *b).abs() <= 0.0);
     if let Some(part) = different.iter().find(|v| v.fract().abs() > 0.0) {
         return Err(format!(
-            "{part} is no whole number: a mean of items, not an item"
+            "{} is no whole number: a mean of items, not an item",
+            as_short_as_shows_it(*part)
         ));
     }
     let count = different.len();
@@ -29,6 +30,16 @@ pub(super) fn few_whole_answers(values: &[Option<f64>]) -> Result<String, String
         ));
     }
     Ok(format!("{count} different whole answers"))
+}
+
+/// A number that is not whole, with two decimals, or as many as show that it is not.
+fn as_short_as_shows_it(part: f64) -> String {
+    let written = |decimals: usize| apa::number(part, decimals);
+    let is_whole = |text: &String| text.ends_with('0') && text.trim_end_matches('0').ends_with('.');
+    (2..=15)
+        .map(written)
+        .find(|text| !is_whole(text))
+        .unwrap_or_else(|| part.to_string())
 }
 
 /// Whether the answers are modelled as ordered, and why.
@@ -113,5 +124,25 @@ fn rank_check(data: &WithinSubjects, exact: bool) -> RankCheck {
         friedman: all.friedman,
         wilcoxon: all.wilcoxon,
         undefined,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mean_of_items_is_named_with_as_many_decimals_as_tell_it_from_an_item() {
+        let why = |value: f64| few_whole_answers(&[Some(1.0), Some(value)]).unwrap_err();
+        assert_eq!(
+            why(35.0 / 6.0),
+            "5.83 is no whole number: a mean of items, not an item"
+        );
+        assert!(why(3.0004).starts_with("3.0004 is"));
+        assert!(why(-0.5).starts_with("−0.50 is"));
+        assert_eq!(
+            few_whole_answers(&[Some(1.0), None, Some(2.0)]).unwrap(),
+            "2 different whole answers"
+        );
     }
 }

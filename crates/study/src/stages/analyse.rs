@@ -4,6 +4,7 @@ use crate::{
     atomic_write::write_json,
     design::DesignFile,
     error::StudyError,
+    once::{count, names, together},
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
     run_folder::read_study,
@@ -56,16 +57,14 @@ pub fn analyse(
         .map(|l| format!("left out, {}: {}", l.why, l.who.join(", ")))
         .collect();
     warnings.extend(analysis.notes.iter().cloned());
-    warnings.extend(
-        analysis
-            .exclusions
-            .iter()
-            .map(|e| format!("{}: left out of {}: {}", e.who, e.what, e.why)),
-    );
+    let lacking = analysis.exclusions.iter();
+    let lacking = lacking.map(|e| (e.who.clone(), format!("left out of {}: {}", e.what, e.why)));
+    let lacking = together(lacking).into_iter();
+    warnings.extend(lacking.map(|(who, what)| format!("{}: {what}", names(&who))));
     let summary = vec![format!(
-        "{} of {} participants analysed: {}",
+        "{} of {} analysed: {}",
         flow.analysed,
-        flow.recruited,
+        count(flow.recruited, "participant", "participants"),
         options.out.to_slash_lossy()
     )];
     Ok(Outcome {

@@ -4,6 +4,7 @@ use crate::{
     atomic_write::{read_text, write_recording},
     design::DesignFile,
     error::StudyError,
+    once::count,
     outcome::{Outcome, Watch, for_each_on},
     outputs::spare_inputs,
     run_folder::{read_effects_on, read_scales, read_scenario},
@@ -227,7 +228,10 @@ impl Place {
         }
         Err(StudyError::BadFile {
             path: self.people.clone(),
-            problem: format!("holds {} people who were not made up", table.rows()),
+            problem: format!(
+                "holds {} not made up",
+                count(table.rows(), "person who was", "people who were")
+            ),
             help: Some("make people up in a folder of their own: --out FOLDER".to_owned()),
         })
     }

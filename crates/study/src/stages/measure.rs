@@ -4,6 +4,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     gate::{Gate, counted},
+    once::told_once,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
     tables::{
@@ -129,17 +130,18 @@ pub fn measure(
         })
         .collect();
     warnings.extend(cut);
-    warnings.extend(
-        left_out
-            .iter()
-            .map(|(drive, why)| format!("drive {drive}: {why}")),
-    );
+    let out = left_out.iter();
+    let out = out.map(|(drive, why)| (drive.to_string(), why.to_string()));
+    warnings.extend(told_once("drive", out));
     let mut summary = vec![format!(
         "{} drives measured: {}",
         rows.len(),
         options.out.to_slash_lossy()
     )];
-    summary.extend(counted("drives", left_out.iter().map(|(_, why)| why)));
+    summary.extend(counted(
+        ["drive", "drives"],
+        left_out.iter().map(|(_, why)| why),
+    ));
     Ok(Outcome {
         value: Measured {
             drives: rows.len(),

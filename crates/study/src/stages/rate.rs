@@ -3,6 +3,7 @@
 use crate::{
     design::DesignFile,
     error::StudyError,
+    once::count,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
     run_folder::{read_effects_on, read_scales},
@@ -111,8 +112,9 @@ pub fn rate(options: &RateOptions, watch: Watch<'_>) -> Result<Outcome<Ratings>,
         if trials.len() < asked.len() {
             let missing = asked.len() - trials.len();
             warnings.push(format!(
-                "participant {}: {missing} conditions were not driven, so not rated",
-                person.id
+                "participant {}: {} not driven, so not rated",
+                person.id,
+                count(missing, "condition was", "conditions were")
             ));
         }
         let rated = maveric_participants::rate(

@@ -5,6 +5,7 @@ use crate::{
     error::StudyError,
     gate::{Gate, LeftOut, TOO_SHORT, counted},
     mean::{mean, sd},
+    once::count,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
     run_folder::{exclusions_path, items_path, read_scales, reliabilities_path},
@@ -302,15 +303,14 @@ pub fn score(
         options.out.to_slash_lossy()
     )];
     summary.extend(counted(
-        "sheets of answers",
+        ["sheet of answers", "sheets of answers"],
         left_out.keys().map(|(.., why)| why),
     ));
     let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-    warnings.extend(
-        left_out.iter().map(|((who, moment, why), n)| {
-            format!("participant {who} ({moment}): {n} answers {why}")
-        }),
-    );
+    warnings.extend(left_out.iter().map(|((who, moment, why), n)| {
+        let n = count(*n, "answer", "answers");
+        format!("participant {who} ({moment}): {n} {why}")
+    }));
     Ok(Outcome {
         value: ScoredSurveys {
             scores: scored.scores.len(),

@@ -5,6 +5,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     forget::refuse_learned_from_gone,
+    once::count,
     outcome::{Outcome, Watch, for_each_on},
     outputs::spare_inputs,
     run_folder::{read_model, read_scenario},
@@ -259,7 +260,14 @@ pub fn simulate(
     let collisions = (value.collisions > 0)
         .then(|| format!("{} collisions: see rollouts.csv", value.collisions));
     let early = (ended_early > 0).then(|| {
-        format!("{ended_early} drives ended early and are left out: see drives/exclusions.csv")
+        format!(
+            "{} left out: see drives/exclusions.csv",
+            count(
+                ended_early,
+                "drive ended early and is",
+                "drives ended early and are"
+            )
+        )
     });
     let mut summary = vec![format!(
         "{} AV drives, {} collisions, {} safety interventions: {}",

@@ -4,6 +4,7 @@ use crate::{
     atomic_write::{atomic_write_bytes, write_json},
     design::{DesignFile, drives_of},
     error::StudyError,
+    once::{count, told_once},
     outcome::{Outcome, Watch, threads},
     outputs::spare_inputs,
     run_folder::{adb_of, embeddings_path, training_path},
@@ -127,10 +128,8 @@ pub fn train(
     for drive in &drives {
         let adb = adb_of(drive, &scores, baseline)?;
         if adb.is_none() && options.scores.is_some() {
-            unscored.push(format!(
-                "drive {}: no ADB score, so it does not teach the style head",
-                drive.meta().drive
-            ));
+            let why = "no score of the style, so it does not teach the style head";
+            unscored.push((drive.meta().drive.to_string(), why.to_owned()));
         }
         training.push(TrainingDrive { drive, adb });
     }
@@ -152,14 +151,15 @@ pub fn train(
         drives: report.drives,
         drives_with_adb: report.drives_with_adb,
         parameters: trained.model.parameters(),
-        warnings: unscored
+        warnings: told_once("drive", unscored)
             .into_iter()
             .chain(report.warnings.iter().map(ToString::to_string))
             .collect(),
         seed: options.seed,
         settings,
         heads: report.heads,
-        style: report.style,
+        // In points of the study's own score, as every file has them.
+        style: report.style.map(|style| scale.outward_head(style)),
         networks: report.networks,
         scores_without_drive,
     };
@@ -243,8 +243,9 @@ fn style_line(style: &StyleHead) -> String {
         _ => String::new(),
     };
     format!(
-        "score from {} drives of {} people{left_out}",
-        style.drives, style.people
+        "score from {} of {}{left_out}",
+        count(style.drives, "drive", "drives"),
+        count(style.people, "person", "people")
     )
 }
 

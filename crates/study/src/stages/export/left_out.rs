@@ -96,8 +96,13 @@ impl LeftOut {
 
     /// How much each rule left out.
     pub(super) fn lines(&self) -> Vec<String> {
-        let people = counted("people", self.people.values());
-        let drives = counted("drives", &self.drives);
-        [people, drives, counted("answers", &self.answers)].concat()
+        let people = counted(["person", "people"], self.people.values());
+        let drives = counted(["drive", "drives"], &self.drives);
+        [
+            people,
+            drives,
+            counted(["answer", "answers"], &self.answers),
+        ]
+        .concat()
     }
 }

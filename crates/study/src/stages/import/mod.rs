@@ -135,7 +135,7 @@ pub fn import(options: &ImportOptions, watch: Watch<'_>) -> Result<Outcome<Impor
         return Err(StudyError::BadFile {
             path: options.file.clone(),
             problem: "holds no answers of anybody who is let in".to_owned(),
-            help: Some(counted("answers", kept_out.values().flatten()).join("; ")),
+            help: Some(counted(["answer", "answers"], kept_out.values().flatten()).join("; ")),
         });
     }
     if rows.is_empty() {
@@ -198,7 +198,7 @@ pub fn import(options: &ImportOptions, watch: Watch<'_>) -> Result<Outcome<Impor
     if left_out > 0 {
         summary.push(format!("{left_out} answers left out by unknown condition"));
     }
-    summary.extend(counted("answers", kept_out.values().flatten()));
+    summary.extend(counted(["answer", "answers"], kept_out.values().flatten()));
     let value = Imported {
         participants: participants.len(),
         answers: rows.len(),

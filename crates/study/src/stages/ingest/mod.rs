@@ -9,6 +9,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     gate::{Gate, LeftOut, counted},
+    once::{count, names, together, told_once},
     outcome::{Outcome, Watch, for_each_on},
     outputs::{put_in_place, spare_inputs},
     tables::{
@@ -172,21 +173,18 @@ pub fn ingest(
     }
     write_exclusions(&options.out, &drives, &left_out, &failed)?;
     let mut warnings: Vec<String> = failed.iter().map(FailedLog::to_string).collect();
-    for drive in &drives {
-        warnings.extend(drive.warnings.iter().map(Warning::to_string));
-    }
+    let doubts = drives.iter().flat_map(|d| &d.warnings);
+    let doubts = doubts.map(|w| (w.file.to_slash_lossy().into_owned(), w));
+    warnings.extend(doubted(doubts));
     drives.sort_by(|a, b| a.meta.drive.cmp(&b.meta.drive));
-    warnings.extend(drives.iter().filter(|d| !d.led).map(|d| {
-        format!(
-            "drive {}: no lead vehicle in any row; it cannot teach following or lane changes",
-            d.meta.drive
-        )
-    }));
-    warnings.extend(
-        left_out
-            .iter()
-            .map(|out| format!("drive {}: {}", out.meta.drive, out.why)),
-    );
+    let alone = drives.iter().filter(|d| !d.led).map(|d| {
+        let why = "no lead vehicle in any row; it cannot teach following or lane changes";
+        (d.meta.drive.to_string(), why.to_owned())
+    });
+    warnings.extend(told_once("drive", alone));
+    let out = left_out.iter();
+    let out = out.map(|out| (out.meta.drive.to_string(), out.why.to_string()));
+    warnings.extend(told_once("drive", out));
     let rows = drives.iter().map(|d| d.rows).sum();
     let list: Vec<(DriveMeta, usize, f64)> = drives
         .into_iter()
@@ -194,11 +192,14 @@ pub fn ingest(
         .collect();
     write_drive_list(&options.out, &list)?;
     let mut summary = vec![format!(
-        "{} drives, {rows} rows: {}",
-        list.len(),
+        "{}, {rows} rows: {}",
+        count(list.len(), "drive", "drives"),
         options.out.to_slash_lossy()
     )];
-    summary.extend(counted("drives", left_out.iter().map(|out| &out.why)));
+    summary.extend(counted(
+        ["drive", "drives"],
+        left_out.iter().map(|out| &out.why),
+    ));
     if !failed.is_empty() {
         summary.push(format!(
             "{} of {} logs could not be ingested: see {}",
@@ -217,6 +218,31 @@ pub fn ingest(
         summary,
         warnings,
     })
+}
+
+/// What is doubtful in logs: of one log as it says itself, the same of several once, with how often it came in all.
+fn doubted<'a>(doubts: impl Iterator<Item = (String, &'a Warning)>) -> Vec<String> {
+    let doubts: Vec<(String, &Warning)> = doubts.collect();
+    let same = together(doubts.iter().map(|(log, w)| (log.clone(), &w.what)));
+    same.into_iter()
+        .flat_map(|(logs, what)| {
+            let mut of = doubts.iter().filter(|(_, w)| w.what == *what);
+            if logs.len() == 1 {
+                return of.map(|(_, w)| w.to_string()).collect();
+            }
+            let times: usize = of.by_ref().map(|(_, w)| w.count).sum();
+            let times = if times > logs.len() {
+                format!(" ({times} times)")
+            } else {
+                String::new()
+            };
+            vec![format!(
+                "{} logs ({}): {what}{times}",
+                logs.len(),
+                names(&logs)
+            )]
+        })
+        .collect()
 }
 
 impl From<(PathBuf, IngestError)> for FailedLog {

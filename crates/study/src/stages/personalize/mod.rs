@@ -9,6 +9,7 @@ use crate::{
     design::{DesignFile, drives_of},
     error::StudyError,
     forget::refuse_learned_from_gone,
+    once::told_once,
     outcome::{Outcome, Watch, for_each_on},
     outputs::spare_inputs,
     run_folder::{adb_of, read_model},
@@ -117,6 +118,7 @@ pub fn personalize(
     let personalizer = Personalizer::of_first(&model, options.fit_fraction)?;
     let mut tasks = Vec::new();
     let mut warnings = Vec::new();
+    let mut unscored = Vec::new();
     for drive in &drives {
         let adb = adb_of(drive, &scores, baseline)?;
         if adb.is_some() && model.knows_aggression() {
@@ -132,10 +134,11 @@ pub fn personalize(
             use_adb: false,
         });
         if adb.is_none() && options.scores.is_some() {
-            let drive = &drive.meta().drive;
-            warnings.push(format!("drive {drive}: no ADB score, so fitted without"));
+            let why = "no score of the style, so fitted without";
+            unscored.push((drive.meta().drive.to_string(), why.to_owned()));
         }
     }
+    warnings.extend(told_once("drive", unscored));
     let fitted = for_each_on(options.jobs, &tasks, watch, "embeddings", |task| match fit(
         &personalizer,
         task,
@@ -171,9 +174,11 @@ pub fn personalize(
         .map(|row| row.drive.as_str())
         .collect();
     let without_habits = blank.len();
-    warnings.extend(blank.into_iter().map(|drive| {
-        format!("drive {drive}: shows no habit (no free road, nobody followed or passed), so its driver is taken as anybody")
-    }));
+    let why = "shows no habit (no free road, nobody followed or passed), so its driver is taken as anybody";
+    let blank = blank
+        .into_iter()
+        .map(|drive| (drive.to_owned(), why.to_owned()));
+    warnings.extend(told_once("drive", blank));
     let mut summary = Vec::new();
     let learning_curve = match &options.learning_curve {
         Some(path) => {

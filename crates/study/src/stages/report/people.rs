@@ -22,8 +22,8 @@ pub(super) struct People {
     scores: Vec<Score>,
     /// What the dial turns.
     score: Option<ScoreName>,
-    /// Drives of each person that the program did not drive.
-    drives: BTreeMap<ParticipantId, usize>,
+    /// Drives of each person: those that the car did not drive, and those that it did.
+    drives: BTreeMap<ParticipantId, [usize; 2]>,
 }
 
 /// Whether somebody takes part in this.
@@ -32,6 +32,23 @@ fn takes(person: &Enrolled, part: Part) -> bool {
         Part::Learn => person.learned_from,
         Part::Test => person.tested,
     }
+}
+
+/// The share who are female of all who said, and every other word with how many said it; no share where no word is female or male, in
+/// which case nobody knows what the words mean.
+fn counted(genders: &[&str]) -> (Option<f64>, Vec<(String, usize)>) {
+    let mut others: BTreeMap<String, usize> = BTreeMap::new();
+    let mut known = 0;
+    let mut women = 0;
+    for word in genders {
+        match word.parse() {
+            Ok(Gender::Female) => (known, women) = (known + 1, women + 1),
+            Ok(Gender::Male) => known += 1,
+            Err(_) => *others.entry((*word).to_owned()).or_default() += 1,
+        }
+    }
+    let share = (known > 0).then(|| f64::from(women) / genders.len() as f64);
+    (share, others.into_iter().collect())
 }
 
 impl People {
@@ -48,12 +65,10 @@ impl People {
                 .any(|l| l.who.iter().any(|who| who == id))
         };
         enrolled.retain(|p| p.excluded.is_none() && !out(p.id.as_str()));
-        let mut recorded: BTreeMap<ParticipantId, usize> = BTreeMap::new();
-        for drive in drives
-            .iter()
-            .filter(|d| d.meta.driven_by != DrivenBy::Automated)
-        {
-            *recorded.entry(drive.meta.participant.clone()).or_default() += 1;
+        let mut recorded: BTreeMap<ParticipantId, [usize; 2]> = BTreeMap::new();
+        for drive in drives {
+            let theirs = recorded.entry(drive.meta.participant.clone()).or_default();
+            theirs[usize::from(drive.meta.driven_by == DrivenBy::Automated)] += 1;
         }
         Ok(Self {
             scores: if_there(&folder.join("scores.csv"), read_scores)?,
@@ -88,19 +103,22 @@ impl People {
         let people = self.of(part, population);
         let ages: Vec<f64> = people.iter().filter_map(|p| p.age_years).collect();
         let genders: Vec<&str> = people.iter().filter_map(|p| p.gender.as_deref()).collect();
-        let women = genders
-            .iter()
-            .filter(|g| **g == Gender::Female.as_str())
-            .count();
+        let (female, other_genders) = counted(&genders);
         let scored = self.style(&people);
-        let drives = people.iter().filter_map(|p| self.drives.get(&p.id)).sum();
+        let drives = |by: usize| {
+            let theirs = people.iter().filter_map(|p| self.drives.get(&p.id));
+            theirs.map(|drives| drives[by]).sum()
+        };
         ParticipantGroup {
             group: name.to_owned(),
             n: people.len(),
-            drives,
+            drives: drives(0),
+            // The car drives those who are tested.
+            driven: if part == Part::Test { drives(1) } else { 0 },
             mean_age: mean(&ages),
             sd_age: sd(&ages),
-            female: (!genders.is_empty()).then(|| women as f64 / genders.len() as f64),
+            female,
+            other_genders,
             mean_score: mean(&scored),
             sd_score: sd(&scored),
         }
@@ -165,5 +183,26 @@ impl People {
             Some(self.group("study1", Part::Learn, None).drives as f64),
         ));
         found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn women_are_counted_in_small_and_large_letters_and_other_words_are_named() {
+        let all = ["Female", "male", "FEMALE", "f", "other", "M", "woman", "m"];
+        assert_eq!(counted(&all), (Some(0.5), vec![("other".to_owned(), 1)]));
+        assert_eq!(counted(&["male", "Male"]), (Some(0.0), Vec::new()));
+        assert_eq!(counted(&[]), (None, Vec::new()));
+    }
+
+    #[test]
+    fn words_of_which_none_is_known_are_no_share_of_0_percent() {
+        let (share, others) = counted(&["weiblich", "weiblich", "divers"]);
+        assert_eq!(share, None);
+        let others: Vec<&str> = others.iter().map(|(word, _)| word.as_str()).collect();
+        assert_eq!(others, ["divers", "weiblich"]);
     }
 }

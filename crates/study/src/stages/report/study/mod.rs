@@ -26,6 +26,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     mean::mean,
+    once::{names, together},
     outcome::Watch,
     run_folder::{durations, lists, read_scenario},
     stages::{freeze::declared, train::TrainingSummary},
@@ -136,6 +137,7 @@ pub(super) fn page(
     sections.push(section_study(folder, &run, &people, &reliabilities)?);
     let nameless = Nameless::of(&study, folder, participants)?;
     let exclusions = nameless.counted(left_out(&run).chain(listed_exclusions(folder)?));
+    let exclusions = each_reason_once(exclusions);
     let mut warnings: Vec<String> = run
         .training
         .iter()
@@ -278,6 +280,21 @@ fn enumerated(words: &[String]) -> String {
         [one] => one.clone(),
         [first @ .., last] => format!("{} and {last}", first.join(", ")),
     }
+}
+
+/// The same said of several is one row of all of them.
+fn each_reason_once(rows: Vec<Exclusion>) -> Vec<Exclusion> {
+    let rows = rows.into_iter().map(|row| (row.who, (row.what, row.why)));
+    let row = |(who, (what, why)): (Vec<String>, (String, String))| Exclusion {
+        who: if who.len() > 1 {
+            format!("{} ({} in all)", names(&who), who.len())
+        } else {
+            who.concat()
+        },
+        what,
+        why,
+    };
+    together(rows).into_iter().map(row).collect()
 }
 
 /// Who and what the design leaves out, and who lacks a value where.

@@ -4,6 +4,7 @@ use super::{Run, conditions::of_group, enumerated};
 use crate::{
     atomic_write::if_there,
     error::StudyError,
+    once::count,
     run_folder::lists,
     stages::{
         report::{people::People, scene},
@@ -97,8 +98,8 @@ pub(super) fn done(run: &Run) -> String {
         parts.push("answered questionnaires about them".to_owned());
     }
     sentences.push(format!(
-        "Each of the {} participants who are analysed {}.",
-        a.participants,
+        "Each of the {} who are analysed {}.",
+        count(a.participants, "participant", "participants"),
         enumerated(&parts)
     ));
     let out: usize = a.flow.left_out.iter().map(|l| l.who.len()).sum();
@@ -116,8 +117,9 @@ pub(super) fn done(run: &Run) -> String {
             })
             .collect();
         sentences.push(format!(
-            "Of {} who were recruited, {out} were left out: {}.",
+            "Of {} who were recruited, {out} {} left out: {}.",
             a.flow.recruited,
+            if out == 1 { "was" } else { "were" },
             enumerated(&reasons)
         ));
     }
