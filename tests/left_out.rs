@@ -14,6 +14,7 @@ use maveric_study::{
     forget::{forget_person, refuse_learned_from_gone},
     tables::{Table, drives::read_drive, embeddings::read_embeddings},
 };
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use support::TempStudy;
 
@@ -89,11 +90,10 @@ fn collect(study: &TempStudy) {
     let mut notes =
         "at,participant,by,text\n2026-11-23T10:00:00Z,,experimenter,a window was open\n".to_owned();
     for id in ids() {
-        events += &format!(
-            "{id},5,own,,1,12.5,uncomfortable,,\n{id},9,end,,,,done,,2026-11-23T10:00:00Z\n"
-        );
-        consents += &format!("{id},1,{},2026-11-23T09:00:00Z\n", "ab".repeat(32));
-        notes += &format!("2026-11-23T10:00:00Z,{id},seat,{id}-own: 60 s\n");
+        let _ = writeln!(events, "{id},5,own,,1,12.5,uncomfortable,,");
+        let _ = writeln!(events, "{id},9,end,,,,done,,2026-11-23T10:00:00Z");
+        let _ = writeln!(consents, "{id},1,{},2026-11-23T09:00:00Z", "ab".repeat(32));
+        let _ = writeln!(notes, "2026-11-23T10:00:00Z,{id},seat,{id}-own: 60 s");
     }
     for (name, text) in [("events", events), ("consents", consents), ("notes", notes)] {
         study.write(&format!("mine/seat/{name}.csv"), text);

@@ -630,7 +630,7 @@ fn a_run_that_is_killed_takes_its_stages_with_it_and_the_next_begins_at_once() {
         }
         reached()
     };
-    assert!(within(Duration::from_secs(60), &|| at_work(out)));
+    assert!(within(Duration::from_mins(1), &|| at_work(out)));
     run.kill().unwrap();
     run.wait().unwrap();
     assert!(within(Duration::from_secs(20), &|| !at_work(out)));
