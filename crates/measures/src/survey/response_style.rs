@@ -170,7 +170,7 @@ mod tests {
             ]
         );
         // Twenty times the middle contradicts nothing, but is a long string.
-        assert!(said("mini_ipip", &[3; 20])[0].contains("20 of the 20 items"));
+        assert!(said("mini_ipip", &[3; 20])[0].contains("to all 20 items"));
         assert!(
             said("similarity", &[6; 4]).is_empty(),
             "four items say too little"

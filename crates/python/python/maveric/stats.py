@@ -311,7 +311,7 @@ def factorial(
     wide : list of str, optional
         Columns that are conditions, in the place of `within` and `value`.
     method : {"anova", "art"}
-        Analysis of variance, or aligned ranks.
+        Analysis of variance; or aligned ranks, for comparing with other programs: on skewed values they find too much, as a warning says.
     where : dict, optional
         Keep the rows that have these values in these columns.
     figure : path, optional

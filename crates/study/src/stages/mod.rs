@@ -41,7 +41,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("export", 3),
         ("ingest", 9),
         ("score", 5),
-        ("train", 6),
+        ("train", 7),
         ("personalize", 6),
         ("steer", 3),
         ("simulate", 8),

@@ -44,7 +44,7 @@ Examples: maveric stats factorial data.csv --subject id --within style,load --be
     Factorial {
         #[command(flatten)]
         factors: Factors,
-        /// Analysis of variance, or aligned ranks
+        /// Analysis of variance; or aligned ranks, for comparing with other programs: on skewed values they find too much (a warning says how much)
         #[arg(long, value_parser = one_of(&FACTORIAL), default_value = "anova")]
         method: FactorialMethod,
     },

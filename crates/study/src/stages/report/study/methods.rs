@@ -2,11 +2,12 @@
 
 use super::Run;
 use crate::stages::train::TrainingSummary;
+use maveric_analysis::Panel;
 use maveric_domain::{
     MetresPerSecond, Road,
     design::{By, Car, Compare, Condition},
 };
-use maveric_stats::ByDesign;
+use maveric_stats::{ByDesign, PosthocTest};
 use path_slash::PathExt as _;
 
 /// A paragraph with what it is about.
@@ -220,14 +221,57 @@ fn chosen(run: &Run) -> String {
                 .to_owned(),
         );
     } else {
-        said.push("Paired t tests, or Wilcoxon’s where the differences are not normal.".to_owned());
+        said.extend(pairs(&run.analysis.panels));
     }
     said.join(" ")
+}
+
+/// How contrasts were tested, of those that were.
+fn pairs(panels: &[Panel]) -> Option<String> {
+    let tested = panels
+        .iter()
+        .filter(|p| p.contrasts.iter().any(|c| c.p.is_some()));
+    let tests: Vec<PosthocTest> = tested.filter_map(|p| p.test).collect();
+    let any = |test: PosthocTest| tests.contains(&test);
+    let text = match (any(PosthocTest::T), any(PosthocTest::Wilcoxon)) {
+        (true, true) => {
+            "Contrasts by paired t tests, or Wilcoxon’s signed ranks where the residuals are not normal."
+        }
+        (true, false) => "Contrasts by paired t tests.",
+        (false, true) => "Contrasts by Wilcoxon’s signed ranks.",
+        (false, false) => return None,
+    };
+    Some(text.to_owned())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_tests_that_were_run_are_named() {
+        let panel = |test: Option<PosthocTest>| -> Panel {
+            let contrast = serde_json::json!({
+                "first": "a", "second": "b", "expected": null, "people": [1, 0, 0], "mean_difference": 1.0, "statistic": 1.0,
+                "df": 3, "effect": null, "p": test.map(|_| 0.5), "p_holm": null,
+            });
+            serde_json::from_value(serde_json::json!({
+                "outcome": "x", "title": "X", "unit": "", "same": null, "range": null, "differences_from": null, "group": null,
+                "participants": [], "conditions": ["a", "b"], "rows": [], "n": 4, "dropped": [], "test": test, "reasons": [],
+                "comparison": null, "contrasts": [contrast],
+            }))
+            .unwrap()
+        };
+        let said = |tests: &[Option<PosthocTest>]| {
+            let panels: Vec<Panel> = tests.iter().map(|test| panel(*test)).collect();
+            pairs(&panels).unwrap_or_default()
+        };
+        let (t, w) = (Some(PosthocTest::T), Some(PosthocTest::Wilcoxon));
+        assert_eq!(said(&[t]), "Contrasts by paired t tests.");
+        assert!(!said(&[w]).contains("t tests"));
+        assert!(said(&[t, w]).contains("t tests") && said(&[w, t]).contains("signed ranks"));
+        assert_eq!(said(&[None]), "");
+    }
 
     #[test]
     fn where_patience_is_0_people_kept_back_decided_nothing_and_the_page_says_so() {

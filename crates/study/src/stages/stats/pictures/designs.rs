@@ -17,6 +17,9 @@ use maveric_stats::{
 };
 
 const MARGINAL: &str = "95% intervals of the marginal means";
+/// More pairs than this would make a picture of brackets.
+const MOST_BRACKETS: usize = 12;
+const TOO_MANY: &str = "pairs stand in the tables: they are too many to draw";
 const NOT_ADJUSTED: &str = "*p* values, not adjusted";
 
 /// A number by the name of its cell (its levels joined with `:`), or of its pair of cells (`A|B`).
@@ -55,6 +58,11 @@ fn rainclouds(rows: &DesignRows, outcome: &str, over: Over) -> Picture {
             }
         }
     }
+    let mut said = over.contrasts;
+    if contrasts.len() > MOST_BRACKETS {
+        contrasts.clear();
+        said = TOO_MANY;
+    }
     let cells = cells.iter().zip(&names).map(|(cell, name)| ComparedCell {
         name: cell.join(", "),
         mean: over
@@ -70,7 +78,7 @@ fn rainclouds(rows: &DesignRows, outcome: &str, over: Over) -> Picture {
         rows: rows.people(&levels),
         contrasts,
     };
-    Picture::Panel(panel, over.intervals, over.contrasts)
+    Picture::Panel(panel, over.intervals, said)
 }
 
 fn with_ends(m: &MarginalMean) -> Option<[f64; 3]> {
