@@ -474,7 +474,7 @@ fn a_drive_that_is_excluded_is_in_nothing_and_its_person_stays() {
     nowhere(&study, "mine", &traces, labs);
     let given = export(&study, "shared").ok();
     assert!(
-        given.stdout.contains("1 drives left out by exclude.drives"),
+        given.stdout.contains("1 drive left out by exclude.drives"),
         "{}",
         given.stdout
     );

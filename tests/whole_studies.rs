@@ -218,9 +218,9 @@ fn whom_a_rule_leaves_out_is_out_of_drives_answers_tests_tables_and_counts() {
     let ran = study.maveric_in("mine", &["ingest", "--out", "again"]).ok();
     for said in [
         "4 drives left out by exclude.people",
-        "1 drives left out by exclude.drives",
-        "1 drives left out by exclude.drive_shorter_than_s",
-        "1 drives left out by unknown condition",
+        "1 drive left out by exclude.drives",
+        "1 drive left out by exclude.drive_shorter_than_s",
+        "1 drive left out by unknown condition",
     ] {
         assert!(ran.stdout.contains(said), "no `{said}` in {}", ran.stdout);
     }

@@ -10,7 +10,7 @@ pub struct ParticipantGroup {
     pub group: String,
     /// How many.
     pub n: usize,
-    /// Drives by hand.
+    /// Drives that were recorded: by hand, or of a car of the study’s own.
     pub drives: usize,
     /// Drives of the car that are analysed.
     pub driven: usize,
@@ -37,7 +37,9 @@ pub fn participants(groups: &[ParticipantGroup], score: Option<&str>, synthetic:
         .text("Group", |group| &group.group)
         .right("*n*", |group| Cell::count(group.n))
         .and_if(by_hand || !by_car, |table| {
-            table.right("Drives by hand", |group| Cell::count(group.drives))
+            // Without drives of the learned car nobody says who drove: a recorded car's are among them.
+            let head = if by_car { "Drives by hand" } else { "Drives" };
+            table.right(head, |group| Cell::count(group.drives))
         })
         .and_if(by_car, |table| {
             table.right("Drives of the car", |group| Cell::count(group.driven))
