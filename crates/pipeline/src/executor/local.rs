@@ -57,6 +57,7 @@ pub(crate) fn run(
         .stdout(Stdio::piped())
         .stderr(Stdio::piped());
     Group::begin(&mut command);
+    // The thread that starts it has to follow it to its end: the system asks a stage to end when that thread does.
     parent::tell(&mut command);
     let mut child = match command.spawn() {
         Ok(child) => child,
