@@ -49,6 +49,10 @@ def calls(case, columns):
     if design == "factorial":
         of = {"subject": "subject", "value": "value", "within": case["within"] or None, "between": case["between"] or None}
         return [(None, stats.factorial, of), ("art.", stats.factorial, {**of, "method": "art"})]
+    if design == "by_design":
+        products = [f"{covariate}:{effect}" for covariate, effects in case["covariates"].items() for effect in effects]
+        of = {"subject": "subject", "value": "value", "within": case["within"], "between": case["between"] or None}
+        return [(None, stats.compare, {**of, "covariate": list(case["covariates"]), "with_": products})]
     if design == "groups":
         return [(None, stats.groups, {"group": "group", "value": "value"})]
     if design == "equivalence":
