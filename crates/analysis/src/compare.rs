@@ -179,8 +179,8 @@ fn cut_drives(data: &StudyData, asked: &Asked, people: &[ParticipantId]) -> Opti
     let cut: Vec<usize> = people.iter().map(of).filter(|drives| *drives > 0).collect();
     (grows && !cut.is_empty()).then(|| {
         format!(
-            "drives of {} people differ in length: their values are those of the part of each drive ({} drives) that is as long as the person’s \
-             shortest and meets as many lead vehicles",
+            "people whose drives differ in length ({}): their values are those of the part of each drive ({} in all) that is as long as the \
+             person’s shortest and meets as many lead vehicles",
             cut.len(),
             cut.iter().sum::<usize>()
         )

@@ -135,13 +135,14 @@ impl Books<'_> {
     pub(crate) fn answers(&self, participant: &str) -> Result<Vec<KeptSheet>, SeatError> {
         self.ask(|c| {
             let mut rows = c.prepare_cached(
-                "SELECT step, body, listed FROM answer WHERE participant = ?1 ORDER BY step",
+                "SELECT step, body, given, listed FROM answer WHERE participant = ?1 ORDER BY step",
             )?;
             let read = |row: &rusqlite::Row<'_>| {
                 Ok(KeptSheet {
                     step: row.get::<_, i64>(0)? as usize,
                     body: row.get(1)?,
-                    listed: Listed::read(row.get(2)?),
+                    given: row.get(2)?,
+                    listed: Listed::read(row.get(3)?),
                 })
             };
             rows.query_map([participant], read)?.collect()

@@ -3,10 +3,11 @@
 use crate::{
     books::{Books, whole},
     error::SeatError,
-    listed::Listed,
+    listed::{KeptSheet, Listed},
     person::Person,
     sheet::Sheet,
     steps::Step,
+    tables::{Given, Standing},
 };
 use maveric_domain::ParticipantId;
 use maveric_seat_page::Chunk;
@@ -21,7 +22,7 @@ use std::collections::BTreeSet;
 const END: &str = "end";
 /// How the text of an experimenter's note begins among the seat's events.
 pub(crate) const NOTE: &str = "note: ";
-/// Steps of 0.01 s by which a practice may fall short of its time and still have used it up.
+/// Steps that a second of driving has.
 const TICKS_A_SECOND: f64 = 100.0;
 
 /// All three tables.
@@ -43,30 +44,31 @@ impl Books<'_> {
     /// `unfinished` also of those whose part goes on. Nobody is in it who was taken out of the study's table.
     pub(crate) fn collected(
         &self,
+        (given, standing): (&[Given], &Standing),
         before: &[EventRow],
         unfinished: bool,
     ) -> Result<Collected, SeatError> {
-        let people = self.everybody()?;
+        let stays = |(person, _): &&Given| standing.person(person) != Listed::TakenOut;
         let final_rows: BTreeSet<String> = before
             .iter()
             .filter(|row| row.page == END)
             .map(|row| row.participant.to_string())
             .collect();
         let mut collected = Collected::default();
-        for person in people.iter().filter(|p| p.listed != Listed::TakenOut) {
+        for (person, sheets) in given.iter().filter(stays) {
             let who = ParticipantId::new(&*person.participant).map_err(StudyError::from)?;
             if final_rows.contains(&person.participant) || person.ended.is_none() && !unfinished {
                 let theirs = before.iter().filter(|row| row.participant == who);
                 collected.events.extend(theirs.cloned());
             } else {
-                self.events_of(person, &who, &mut collected.events)?;
+                self.events_of((person, sheets), &who, &mut collected.events)?;
             }
-            self.consents_of(person, &who, &mut collected.consents)?;
+            collected.consents.extend(consents_of(sheets, &who));
         }
-        let known: BTreeSet<&str> = people
+        let known: BTreeSet<&str> = given
             .iter()
-            .filter(|p| p.listed != Listed::TakenOut)
-            .map(|p| p.participant.as_str())
+            .filter(stays)
+            .map(|(person, _)| person.participant.as_str())
             .collect();
         for (given, about, text) in self.told()? {
             if about.as_deref().is_some_and(|who| !known.contains(who)) {
@@ -101,46 +103,12 @@ impl Books<'_> {
         })
     }
 
-    /// The kept pages of a person: step, body, when.
-    fn pages(&self, participant: &str) -> Result<Vec<(usize, String, i64)>, SeatError> {
-        self.ask(|c| {
-            let mut rows = c.prepare_cached(
-                "SELECT step, body, given FROM answer WHERE participant = ?1 ORDER BY step",
-            )?;
-            let read = |row: &rusqlite::Row<'_>| {
-                Ok((row.get::<_, i64>(0)? as usize, row.get(1)?, row.get(2)?))
-            };
-            rows.query_map([participant], read)?.collect()
-        })
-    }
-
-    fn consents_of(
-        &self,
-        person: &Person,
-        who: &ParticipantId,
-        consents: &mut Vec<ConsentRow>,
-    ) -> Result<(), SeatError> {
-        for (step, body, given) in self.pages(&person.participant)? {
-            let sheet = serde_json::from_str::<Sheet>(&body).ok();
-            if let Some(text_sha256) = sheet.and_then(|sheet| sheet.text_sha256) {
-                consents.push(ConsentRow {
-                    participant: who.clone(),
-                    step: step + 1,
-                    text_sha256,
-                    at: written(given),
-                });
-            }
-        }
-        Ok(())
-    }
-
     fn events_of(
         &self,
-        person: &Person,
+        (person, sheets): (&Person, &[KeptSheet]),
         who: &ParticipantId,
         events: &mut Vec<EventRow>,
     ) -> Result<(), SeatError> {
-        let pages = self.pages(&person.participant)?;
         for (step, found) in person.steps.iter().enumerate() {
             let (page, moment) = place(found);
             let row = |what: &str| EventRow {
@@ -154,12 +122,12 @@ impl Books<'_> {
                 value: None,
                 at: None,
             };
-            for (_, body, given) in pages.iter().filter(|(at, ..)| *at == step) {
+            for kept in sheets.iter().filter(|kept| kept.step == step) {
                 // Only what was checked was kept.
-                let sheet = serde_json::from_str::<Sheet>(body).ok();
+                let sheet = serde_json::from_str::<Sheet>(&kept.body).ok();
                 events.push(EventRow {
                     value: sheet.as_ref().map(|sheet| sheet.seconds),
-                    at: written(*given),
+                    at: written(kept.given),
                     ..row(if sheet.is_some_and(|s| s.agreed) {
                         "agreed"
                     } else {
@@ -247,6 +215,22 @@ impl Books<'_> {
             Ok((begun, lines.collect::<rusqlite::Result<_>>()?))
         })
     }
+}
+
+/// The texts that somebody agreed to.
+fn consents_of<'a>(
+    sheets: &'a [KeptSheet],
+    who: &'a ParticipantId,
+) -> impl Iterator<Item = ConsentRow> + 'a {
+    sheets.iter().filter_map(|kept| {
+        let sheet = serde_json::from_str::<Sheet>(&kept.body).ok()?;
+        Some(ConsentRow {
+            participant: who.clone(),
+            step: kept.step + 1,
+            text_sha256: sheet.text_sha256?,
+            at: written(kept.given),
+        })
+    })
 }
 
 /// What a step is called in the tables, and the moment of a scale.

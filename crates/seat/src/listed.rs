@@ -34,5 +34,7 @@ impl Listed {
 pub(crate) struct KeptSheet {
     pub(crate) step: usize,
     pub(crate) body: String,
+    /// When it was given, in s since 1970.
+    pub(crate) given: i64,
     pub(crate) listed: Listed,
 }

@@ -332,7 +332,10 @@ impl Seat {
             self.store
                 .within(|b| self.keep_listed(b, &given, &listed))?;
             let before = self.settings.files.events();
-            let collected = self.store.look(|b| b.collected(&before, unfinished))?;
+            let people = (&given[..], &listed);
+            let collected = self
+                .store
+                .look(|b| b.collected(people, &before, unfinished))?;
             self.settings.files.collected(&collected)?;
         }
         *written = answered;

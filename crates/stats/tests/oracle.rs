@@ -188,12 +188,6 @@ fn by_design(case: &Value, table: &Table) -> Value {
     let groups: Vec<_> = between.iter().map(|name| table.labels(name)).collect();
     let declared = case["covariates"].as_object().unwrap();
     let covariates: Vec<_> = declared.keys().map(|name| table.numbers(name)).collect();
-    let with = |products: &Value| -> Vec<&'static str> {
-        let all = products.as_array().unwrap().iter();
-        // A test's few names, kept for as long as it runs.
-        all.map(|name| &*name.as_str().unwrap().to_owned().leak())
-            .collect()
-    };
     let (subjects, values) = (table.text("subject"), table.numbers("value"));
     let columns = stats::DesignColumns {
         subjects: &subjects,
@@ -214,7 +208,13 @@ fn by_design(case: &Value, table: &Table) -> Value {
             .collect(),
         with: declared
             .iter()
-            .map(|(name, products)| (name.as_str(), with(products)))
+            .map(|(name, products)| {
+                let effects = products.as_array().unwrap().iter();
+                (
+                    name.as_str(),
+                    effects.map(|e| e.as_str().unwrap()).collect(),
+                )
+            })
             .collect(),
         values: &values,
     };

@@ -17,8 +17,9 @@ use std::{
 
 /// How files that are being written begin and end.
 const FRESH: (&str, &str) = (".maveric-", ".tmp");
-/// A file that is being written is locked within this time after it was made: it is locked at once.
-const UNLOCKED: Duration = Duration::from_secs(5);
+/// A file that is being written is locked within this time after it was made. Long, since some network file systems keep locks from other
+/// machines: there a file whose writing pauses is told from one that was left by its age alone.
+const UNLOCKED: Duration = Duration::from_mins(1);
 
 /// Writes a file beside its place, syncs it, then renames it there.
 ///

@@ -4,7 +4,7 @@ use crate::{
     design::DesignFile,
     error::StudyError,
     gate::{Gate, counted},
-    once::told_once,
+    once::{count, told_once},
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
     tables::{
@@ -228,9 +228,9 @@ fn count_in_parts(
     if !parts.is_empty() {
         let titles: Vec<String> = grows.iter().map(|m| m.title.to_lowercase()).collect();
         said.push(format!(
-            "drives of {} people differ in length: {} are taken from the part of each that is as long and meets as many lead vehicles \
+            "{} drives that differ in length: {} are taken from the part of each that is as long and meets as many lead vehicles \
              (`counted_s`; {cut} of {} drives)",
-            people.len(),
+            count(people.len(), "person has", "people have"),
             titles.join(" and "),
             rows.len()
         ));
@@ -298,7 +298,7 @@ mod tests {
         };
         let (quiet, go_on) = (|_: usize, _: usize, _: &str| (), AtomicBool::new(false));
         let outcome = measure(&options, Watch::new(&quiet, &go_on)).unwrap();
-        let count: Vec<(String, Option<f64>, bool)> = read_measurements(&out)
+        let counted: Vec<(String, Option<f64>, bool)> = read_measurements(&out)
             .unwrap()
             .into_iter()
             .map(|row| {
@@ -308,7 +308,7 @@ mod tests {
             .collect();
         let row = |drive: &str, count, cut| (drive.to_owned(), Some(count), cut);
         assert_eq!(
-            count,
+            counted,
             [
                 row("P01-car", 4.0, true),
                 row("P01-own", 2.0, true),
@@ -320,7 +320,7 @@ mod tests {
             .warnings
             .iter()
             .find(|w| w.contains("differ in length"));
-        assert!(said.unwrap().starts_with("drives of 1 people"), "{said:?}");
+        assert!(said.unwrap().starts_with("1 person has drives"), "{said:?}");
     }
 
     #[test]

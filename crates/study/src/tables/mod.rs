@@ -238,8 +238,8 @@ impl Table {
     /// A column; of two of one name nobody knows which is meant.
     fn column(&self, wanted: &str) -> Result<&Column, StudyError> {
         let again = format!("{wanted} (column ");
-        if let Some(second) = self.columns().iter().find_map(|c| c.strip_prefix(&again)) {
-            let columns = self.columns();
+        let columns = self.columns();
+        if let Some(second) = columns.iter().find_map(|c| c.strip_prefix(&again)) {
             let first = columns.iter().position(|c| c == wanted).unwrap_or_default() + 1;
             return Err(StudyError::BadFile {
                 path: self.path.clone(),
