@@ -177,6 +177,16 @@ fn every_rule_leaves_out_the_same_people_and_drives_everywhere() {
         ids.sort();
         ids
     };
+    let rules = flow["left_out"].as_array().unwrap().iter();
+    let rules: Vec<&str> = rules.map(|row| row["rule"].as_str().unwrap()).collect();
+    assert_eq!(
+        rules,
+        [
+            "exclude.people",
+            "exclude.straight_lined",
+            "exclude.fewer_conditions_than"
+        ]
+    );
     // Two lose a condition with a drive, so that the rule for conditions takes them, too.
     let (gone, drives) = (left_out(&flow["left_out"]), left_out(&flow["drives"]));
     assert_eq!(gone, ["P02", "P03", "P04", "P05", "P06"], "{flow}");
@@ -204,6 +214,13 @@ fn every_rule_leaves_out_the_same_people_and_drives_everywhere() {
     assert_eq!(logs.count(), 3 * analysed);
     let answers = read(&study, "shared/surveys.csv");
     assert_eq!(answers.lines().count(), 1 + 3 * 8 * analysed);
+    // Before the study is analysed, the rules that look at all of it leave out nobody: that is said.
+    std::fs::remove_file(study.path("mine/results/analysis.json")).unwrap();
+    let before = study.maveric_in("mine", &whole).ok().stderr;
+    assert!(
+        before.contains("analysis.json is not there: rules for sheets"),
+        "{before}"
+    );
 }
 
 #[test]

@@ -158,7 +158,7 @@ fn whom_a_rule_leaves_out_is_out_of_drives_answers_tests_tables_and_counts() {
     for said in [
         "left out by exclude.people: withdrew consent",
         "left out by exclude.drives: simulator sickness",
-        "left out by exclude.drive_shorter_than_s: 20 s long, expected at least 50 s",
+        "left out by exclude.drive_shorter_than_s: the drive is 20 s long, expected at least 50 s",
         "left out by unknown participant: P09 is not in the table of people",
         "`wild` is none of the design's: own, calm, normal, sporty",
     ] {

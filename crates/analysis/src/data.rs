@@ -2,7 +2,8 @@
 
 use crate::{
     AnalysisError,
-    exclusions::{self, Driven, Flow, LeftOut},
+    exclusions::{Driven, LeftOut},
+    flow::{self, Flow},
     person::Person,
     turned::{Settled, Turns},
 };
@@ -122,12 +123,10 @@ impl StudyData {
             })
             .collect();
         let judged: Vec<Driven> = driven.iter().cloned().chain(tables.kept_out).collect();
-        let mut left_out = LeftOut::of(
-            design,
-            &judged,
-            (&tables.scales, &tables.answers),
-            &tables.post,
-        );
+        let mut left_out = LeftOut::named(design)
+            .with_straight_lined(design, &tables.scales, &tables.answers)
+            .with_short(design, &judged)
+            .with_few_conditions(design, &judged, &tables.post);
         let in_study = |c| design.baseline_id() == Some(c) || design.condition(c).is_some();
         let tested = |p: &ParticipantId| {
             tables.people.is_empty() || tables.people.iter().any(|q| q.id == *p && q.tested)
@@ -149,8 +148,8 @@ impl StudyData {
             .filter(|(p, c)| in_study(*c) && left_out.keeps(p, *c))
             .map(|(p, _)| p.clone())
             .collect();
-        left_out.without_drives(&judged, &kept);
-        let flow = exclusions::flow(design, &tables.people, &there, &left_out);
+        left_out.and_without_drives(&judged, &kept);
+        let flow = flow::flow(design, &tables.people, &there, &left_out);
         let mut measurements = tables.measurements;
         measurements.retain(|d| left_out.keeps(&d.meta.participant, d.meta.condition));
         let (mut pre, mut post) = (tables.pre, tables.post);

@@ -1,10 +1,12 @@
-//! Who and what is left out before anything is computed, why, and how many are left at each step.
+//! Who and what is left out, and by which rule: the one place that judges drives, answers and people alike.
 
-use crate::person::Person;
 use maveric_domain::{Answer, ConditionId, Design, DriveId, Moment, ParticipantId, Scale, Score};
-use maveric_measures::survey::response_styles;
+use maveric_measures::{ScoreWarning, survey::response_styles};
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt,
+};
 
 /// A drive that is there.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,130 +21,209 @@ pub struct Driven {
     pub duration_s: Option<f64>,
 }
 
-/// Why somebody or something is left out.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(tag = "rule", rename_all = "snake_case")]
-pub enum Why {
-    /// By name, with the reason given in the design.
-    Named {
-        /// The reason.
-        reason: String,
-    },
+/// What somebody or something is left out by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Rule {
+    /// A person whom the design names.
+    #[serde(rename = "exclude.people")]
+    People,
+    /// A drive that the design names.
+    #[serde(rename = "exclude.drives")]
+    Drives,
     /// A drive below the shortest that counts.
+    #[serde(rename = "exclude.drive_shorter_than_s")]
     Short,
     /// One answer to every item of a questionnaire that has reversed items.
-    StraightLined {
-        /// The questionnaire.
-        scale: String,
-    },
+    #[serde(rename = "exclude.straight_lined")]
+    StraightLined,
     /// Fewer conditions than the design asks for.
+    #[serde(rename = "exclude.fewer_conditions_than")]
     FewConditions,
     /// Neither a drive nor an answer in any condition.
+    #[serde(rename = "absent")]
     Absent,
+    /// A person who was forgotten.
+    #[serde(rename = "forgotten")]
+    Forgotten,
+    /// Somebody who is not in the table of people.
+    #[serde(rename = "unknown participant")]
+    UnknownParticipant,
+    /// A condition that the design does not have.
+    #[serde(rename = "unknown condition")]
+    UnknownCondition,
 }
 
-impl Why {
-    /// The reason in words, as a list of exclusions says it.
-    pub fn words(&self, design: &Design) -> String {
-        let rules = design.exclude();
+impl Rule {
+    /// Its key in the design, or what it is called in a list of exclusions.
+    pub fn key(self) -> &'static str {
         match self {
-            Self::Named { reason } => reason.clone(),
-            Self::Short => format!(
-                "drive shorter than {:.0} s",
-                rules.drive_shorter_than_s.unwrap_or_default()
-            ),
-            Self::StraightLined { scale } => {
-                format!("one answer to every item of `{scale}`, reversed ones too")
-            }
-            Self::FewConditions => format!(
-                "fewer than {} conditions",
-                rules.fewer_conditions_than.unwrap_or_default()
-            ),
-            Self::Absent => "no drive and no answer in any condition".to_owned(),
+            Self::People => "exclude.people",
+            Self::Drives => "exclude.drives",
+            Self::Short => "exclude.drive_shorter_than_s",
+            Self::StraightLined => "exclude.straight_lined",
+            Self::FewConditions => "exclude.fewer_conditions_than",
+            Self::Absent => "absent",
+            Self::Forgotten => "forgotten",
+            Self::UnknownParticipant => "unknown participant",
+            Self::UnknownCondition => "unknown condition",
         }
     }
 }
 
-/// What the design leaves out.
+/// Why somebody or something is left out.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct Why {
+    /// By which rule.
+    pub rule: Rule,
+    /// The reason, as a list of exclusions says it.
+    #[serde(rename = "why")]
+    pub reason: String,
+}
+
+impl Why {
+    /// By a rule, for a reason.
+    pub fn by(rule: Rule, reason: impl Into<String>) -> Self {
+        let reason = reason.into();
+        Self { rule, reason }
+    }
+}
+
+impl fmt::Display for Why {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "left out by {}: {}", self.rule.key(), self.reason)
+    }
+}
+
+/// Why a drive of this length (s) is too short for the design; none where it is long enough.
+pub fn too_short(design: &Design, duration_s: f64) -> Option<Why> {
+    let shortest = design.exclude().drive_shorter_than_s?;
+    let reason = || format!("the drive is {duration_s:.0} s long, expected at least {shortest} s");
+    (duration_s < shortest).then(|| Why::by(Rule::Short, reason()))
+}
+
+/// Why what is about a condition that the design does not have is left out; none where it has it.
+pub fn unknown_condition(design: &Design, condition: ConditionId) -> Option<Why> {
+    let reason = || {
+        let labels = ConditionId::listed(&design.labels());
+        format!("`{condition}` is none of the design's: {labels}")
+    };
+    (!design.knows(condition)).then(|| Why::by(Rule::UnknownCondition, reason()))
+}
+
+/// What the design leaves out, in sentences, as a preregistration declares it.
+pub fn declared(design: &Design) -> Vec<String> {
+    let rules = design.exclude();
+    let sentence = |text: &str| format!("{}.", text.trim().trim_end_matches('.'));
+    let mut lines = Vec::new();
+    lines.extend(
+        rules
+            .drive_shorter_than_s
+            .map(|seconds| format!("Drives shorter than {seconds} s, with what was said of them.")),
+    );
+    lines.extend(rules.straight_lined.then(|| {
+        "People who gave one answer to every item of a questionnaire that has reversed items."
+            .to_owned()
+    }));
+    let fewest = rules.fewer_conditions_than;
+    lines.extend(fewest.map(|n| format!("People with fewer than {n} conditions.")));
+    let people = rules.people.iter();
+    lines.extend(people.map(|(who, why)| format!("{who}: {}", sentence(why))));
+    let drives = rules.drives.iter();
+    lines.extend(drives.map(|(drive, why)| format!("Drive {drive}: {}", sentence(why))));
+    lines.push(
+        "A person without a value in a condition is left out of that outcome and named.".to_owned(),
+    );
+    lines
+}
+
+/// Whom and what the design leaves out.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LeftOut {
     /// People, with all that they drove and answered.
     pub people: BTreeMap<ParticipantId, Why>,
     /// Single drives, with the answers after them.
     pub drives: BTreeMap<DriveId, Why>,
-    cells: BTreeSet<(ParticipantId, ConditionId)>,
+    cells: BTreeMap<(ParticipantId, ConditionId), Why>,
 }
 
 impl LeftOut {
-    /// Applies the design's exclusions, by name and by rule; `answers` are judged by the rules for sheets; drives and
-    /// the scores in `rated` count as conditions that somebody sat through.
-    ///
-    /// A person named in `[exclude]` counts as such whatever else would leave them out.
-    pub fn of(
-        design: &Design,
-        drives: &[Driven],
-        (scales, answers): (&[Scale], &[Answer]),
-        rated: &[Score],
-    ) -> Self {
+    /// Those that the design names.
+    pub fn named(design: &Design) -> Self {
+        let mut named = Self::default();
         let rules = design.exclude();
-        let mut found = Self::default();
         for (who, reason) in &rules.people {
-            let reason = reason.clone();
-            found.people.insert(who.clone(), Why::Named { reason });
+            named.and_person(who.clone(), Why::by(Rule::People, reason));
         }
-        if rules.straight_lined {
-            for warning in response_styles(scales, answers) {
-                if let maveric_measures::ScoreWarning::OneAnswer {
-                    participant, scale, ..
-                } = warning
-                {
-                    let why = Why::StraightLined { scale };
-                    found.people.entry(participant).or_insert(why);
-                }
-            }
-        }
-        for driven in drives {
-            let named = rules.drives.get(&driven.drive).map(|reason| Why::Named {
-                reason: reason.clone(),
-            });
-            let short = rules
-                .drive_shorter_than_s
-                .zip(driven.duration_s)
-                .is_some_and(|(least, found)| found < least)
-                .then_some(Why::Short);
-            if let Some(why) = named.or(short) {
-                found.drives.insert(driven.drive.clone(), why);
-                found
-                    .cells
-                    .insert((driven.participant.clone(), driven.condition));
-            }
-        }
-        // A drive whose log never came still has a name, and answers after it.
         for (drive, reason) in &rules.drives {
-            let reason = reason.clone();
-            found
-                .drives
-                .entry(drive.clone())
-                .or_insert(Why::Named { reason });
-            if let Some((who, what)) = drive.as_str().rsplit_once('-')
-                && let (Ok(who), Ok(what)) = (ParticipantId::new(who), what.parse())
-            {
-                found.cells.insert((who, what));
-            }
+            named.and_drive(drive.clone(), Why::by(Rule::Drives, reason));
         }
-        if let Some(least) = rules.fewer_conditions_than {
-            found.few_conditions(design, drives, rated, least);
-        }
-        found
+        named
     }
 
-    fn few_conditions(
-        &mut self,
+    /// A person, who keeps the reason that there is already.
+    pub fn and_person(&mut self, who: ParticipantId, why: Why) {
+        self.people.entry(who).or_insert(why);
+    }
+
+    /// A drive, which keeps the reason that there is already. One whose log never came still has a name, and answers after it.
+    pub fn and_drive(&mut self, drive: DriveId, why: Why) {
+        if let Some((who, what)) = drive.as_str().rsplit_once('-')
+            && let (Ok(who), Ok(what)) = (ParticipantId::new(who), what.parse())
+        {
+            self.cells.entry((who, what)).or_insert(why.clone());
+        }
+        self.drives.entry(drive).or_insert(why);
+    }
+
+    /// And drives below the shortest that counts.
+    #[must_use]
+    pub fn with_short(mut self, design: &Design, drives: &[Driven]) -> Self {
+        for driven in drives {
+            let named = self.drives.get(&driven.drive).cloned();
+            let short = || too_short(design, driven.duration_s?);
+            if let Some(why) = named.or_else(short) {
+                let cell = (driven.participant.clone(), driven.condition);
+                self.cells.insert(cell, why.clone());
+                self.drives.insert(driven.drive.clone(), why);
+            }
+        }
+        self
+    }
+
+    /// And people who answered without reading, where the design asks for that.
+    #[must_use]
+    pub fn with_straight_lined(
+        mut self,
+        design: &Design,
+        scales: &[Scale],
+        answers: &[Answer],
+    ) -> Self {
+        if !design.exclude().straight_lined {
+            return self;
+        }
+        for warning in response_styles(scales, answers) {
+            if let ScoreWarning::OneAnswer {
+                participant, scale, ..
+            } = warning
+            {
+                let reason = format!("one answer to every item of `{scale}`, reversed ones too");
+                self.and_person(participant, Why::by(Rule::StraightLined, reason));
+            }
+        }
+        self
+    }
+
+    /// And people with fewer conditions than the design asks for: drives that are not left out, and conditions that they rated.
+    #[must_use]
+    pub fn with_few_conditions(
+        mut self,
         design: &Design,
         drives: &[Driven],
         rated: &[Score],
-        least: usize,
-    ) {
+    ) -> Self {
+        let Some(least) = design.exclude().fewer_conditions_than else {
+            return self;
+        };
         let mut sat: BTreeMap<&ParticipantId, BTreeSet<ConditionId>> = BTreeMap::new();
         let driven = drives.iter().map(|d| (&d.participant, d.condition));
         let answered = rated.iter().filter_map(|s| match s.moment {
@@ -150,105 +231,46 @@ impl LeftOut {
             _ => None,
         });
         for (who, condition) in driven.chain(answered) {
-            let of = sat.entry(who).or_default();
-            let out = self.cells.contains(&(who.clone(), condition));
+            let conditions = sat.entry(who).or_default();
+            let out = self.cells.contains_key(&(who.clone(), condition));
             if design.condition(condition).is_some() && !out {
-                of.insert(condition);
+                conditions.insert(condition);
             }
         }
         for (who, conditions) in sat {
             // Somebody who sat through none is one of those who are learned from, or absent.
             if !conditions.is_empty() && conditions.len() < least {
-                self.people.entry(who.clone()).or_insert(Why::FewConditions);
+                let reason = format!("fewer than {least} conditions");
+                self.and_person(who.clone(), Why::by(Rule::FewConditions, reason));
+            }
+        }
+        self
+    }
+
+    /// And whoever has nothing left, for the reason of a drive of theirs.
+    pub(crate) fn and_without_drives(&mut self, drives: &[Driven], kept: &BTreeSet<ParticipantId>) {
+        for driven in drives.iter().filter(|d| !kept.contains(&d.participant)) {
+            if let Some(why) = self.drives.get(&driven.drive) {
+                let why = why.clone();
+                self.and_person(driven.participant.clone(), why);
             }
         }
     }
 
-    /// Leaves out whoever has nothing left, for the reason of a drive of theirs.
-    pub(crate) fn without_drives(&mut self, drives: &[Driven], kept: &BTreeSet<ParticipantId>) {
-        for driven in drives.iter().filter(|d| !kept.contains(&d.participant)) {
-            if let Some(why) = self.drives.get(&driven.drive) {
-                let who = driven.participant.clone();
-                self.people.entry(who).or_insert_with(|| why.clone());
-            }
-        }
+    /// Why what somebody said of a condition is left out, or drove in it.
+    pub fn about(&self, who: &ParticipantId, condition: ConditionId) -> Option<&Why> {
+        let person = self.people.get(who);
+        person.or_else(|| self.cells.get(&(who.clone(), condition)))
     }
 
     /// Whether a person's drive in a condition, and what they said of it, stays.
     pub fn keeps(&self, who: &ParticipantId, condition: ConditionId) -> bool {
-        !self.people.contains_key(who) && !self.cells.contains(&(who.clone(), condition))
+        self.about(who, condition).is_none()
     }
 
     /// Whether a person stays.
     pub fn keeps_person(&self, who: &ParticipantId) -> bool {
         !self.people.contains_key(who)
-    }
-}
-
-/// How many people there were at each step: a flow of participants as CONSORT draws it.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Flow {
-    /// People in the table who were to sit through the conditions.
-    pub recruited: usize,
-    /// Those of them who drove or rated at least one condition, or drove the baseline.
-    pub drove: usize,
-    /// People left out, a row a reason.
-    pub left_out: Vec<LeftOutFor>,
-    /// People analysed.
-    pub analysed: usize,
-    /// Single drives left out of those analysed, a row a reason.
-    pub drives: Vec<LeftOutFor>,
-}
-
-/// Those who are left out for one reason.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct LeftOutFor {
-    /// In words.
-    pub why: String,
-    /// The people, or the drives.
-    pub who: Vec<String>,
-}
-
-/// The flow of those who were to be tested: everybody in `there`, where there is no table of people.
-pub(crate) fn flow(
-    design: &Design,
-    people: &[Person],
-    there: &BTreeSet<ParticipantId>,
-    left_out: &LeftOut,
-) -> Flow {
-    let recruited: BTreeSet<&ParticipantId> = if people.is_empty() {
-        there.iter().collect()
-    } else {
-        people.iter().filter(|p| p.tested).map(|p| &p.id).collect()
-    };
-    let mut by_reason: BTreeMap<&Why, Vec<String>> = BTreeMap::new();
-    let (mut drove, mut analysed) = (0, 0);
-    for &who in &recruited {
-        let came = there.contains(who);
-        drove += usize::from(came);
-        match (left_out.people.get(who), came) {
-            (Some(why), _) => by_reason.entry(why).or_default().push(who.to_string()),
-            (None, false) => by_reason
-                .entry(&Why::Absent)
-                .or_default()
-                .push(who.to_string()),
-            (None, true) => analysed += 1,
-        }
-    }
-    let mut drives: BTreeMap<&Why, Vec<String>> = BTreeMap::new();
-    for (drive, why) in &left_out.drives {
-        drives.entry(why).or_default().push(drive.to_string());
-    }
-    let row = |(why, who): (&Why, Vec<String>)| LeftOutFor {
-        why: why.words(design),
-        who,
-    };
-    Flow {
-        recruited: recruited.len(),
-        drove,
-        left_out: by_reason.into_iter().map(row).collect(),
-        analysed,
-        drives: drives.into_iter().map(row).collect(),
     }
 }
 
@@ -275,16 +297,23 @@ mod tests {
             driven("P3", "own", Some(400.0)),
             driven("P4", "a", Some(400.0)),
         ];
-        let found = LeftOut::of(&design, &drives, (&[], &[]), &[]);
-        let people: Vec<&str> = found.people.keys().map(ParticipantId::as_str).collect();
+        let left_out = LeftOut::named(&design)
+            .with_short(&design, &drives)
+            .with_few_conditions(&design, &drives, &[]);
+        let people: Vec<&str> = left_out.people.keys().map(ParticipantId::as_str).collect();
         // One short drive leaves P2 with one condition; P3 sat through none, which is for others to judge.
         assert_eq!(people, ["P2", "P4"]);
-        assert!(found.people.values().all(|why| *why == Why::FewConditions));
-        let short: Vec<&str> = found.drives.keys().map(DriveId::as_str).collect();
+        assert!(
+            left_out
+                .people
+                .values()
+                .all(|why| why.rule == Rule::FewConditions)
+        );
+        let short: Vec<&str> = left_out.drives.keys().map(DriveId::as_str).collect();
         assert_eq!(short, ["P2-a", "P4-b"]);
         let who = |text: &str| ParticipantId::new(text).unwrap();
         let (a, b) = ("a".parse().unwrap(), "b".parse().unwrap());
-        assert!(found.keeps(&who("P1"), a) && !found.keeps(&who("P2"), b));
-        assert!(found.keeps_person(&who("P3")) && !found.keeps(&who("P4"), b));
+        assert!(left_out.keeps(&who("P1"), a) && !left_out.keeps(&who("P2"), b));
+        assert!(left_out.keeps_person(&who("P3")) && !left_out.keeps(&who("P4"), b));
     }
 }

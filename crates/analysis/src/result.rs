@@ -1,6 +1,6 @@
 //! What the analyses of a study give: everything that a figure, a table or a claim is made from.
 
-use crate::{exclusions::Flow, verdict::Verdict};
+use crate::{flow::Flow, verdict::Verdict};
 use maveric_domain::{
     ConditionId,
     design::{ScoreName, Sign},

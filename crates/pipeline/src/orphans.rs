@@ -1,6 +1,6 @@
 //! What runs made and the pipeline no longer makes: rows that left a table, fewer shards, an output with another name.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::AtomicBool;
 
 use crate::clean::{Cleaned, Cleaning};
@@ -90,7 +90,37 @@ pub(crate) fn read_by(
     paths.find(is_read).map(str::to_owned)
 }
 
-/// Removes what the orphans are known to have made; says what went, and what stays because it
+/// Sources of stages that were outputs of stages which the pipeline no longer has: nothing makes them anew.
+pub(crate) fn once_made(graph: &Graph<'_>, ledger: &Ledger, place: &Place) -> Vec<Warning> {
+    let stages = graph.pipeline().stages();
+    let is_there = |name: &str| stages.iter().any(|s| s.name == name || s.family == name);
+    let is_made = |path: &str| {
+        let outputs = || stages.iter().flat_map(|stage| &stage.outputs);
+        with_ancestors(path).any(|above| outputs().any(|output| output == above))
+    };
+    let made = ledger.run.iter().flat_map(|(key, record)| {
+        let paths = ledger.made_by(key).into_keys();
+        paths.map(|path| (path, record.stage.as_str()))
+    });
+    let made: BTreeMap<&str, &str> = made.filter(|(_, stage)| !is_there(stage)).collect();
+    let mut warnings = Vec::new();
+    for reader in stages {
+        for path in reader.reads().filter(|path| !is_made(path)) {
+            if let Some(stage) = made.get(path)
+                && place.root.join(path).exists()
+            {
+                warnings.push(Warning::OnceMade {
+                    reader: reader.name.clone(),
+                    path: path.to_owned(),
+                    stage: (*stage).to_owned(),
+                });
+            }
+        }
+    }
+    warnings
+}
+
+/// Removes what the orphans are known to have made; says what is a source now, what went, and what stays because it
 /// was changed or is nobody's. What stays is moved away instead where that was asked for.
 pub(crate) fn remove(
     graph: &Graph<'_>,
@@ -100,7 +130,7 @@ pub(crate) fn remove(
 ) -> Result<Vec<Warning>, PipelineError> {
     let never = AtomicBool::new(false);
     let mut cleaning: Option<Cleaning<'_>> = None;
-    let mut warnings = Vec::new();
+    let mut warnings = once_made(graph, ledger.get(), place);
     for key in orphans(graph, ledger.get()) {
         let cleaning = cleaning.get_or_insert_with(|| Cleaning {
             place,

@@ -216,6 +216,18 @@ pub enum Warning {
         /// What stays, since it was changed by hand or no run had made it.
         kept: Vec<String>,
     },
+    /// A stage reads what a stage made that the pipeline no longer has.
+    #[error(
+        "stage `{reader}` reads `{path}` as it is: stage `{stage}`, which made it, is no longer in the pipeline"
+    )]
+    OnceMade {
+        /// The stage that reads.
+        reader: String,
+        /// What it reads, relative to the root.
+        path: String,
+        /// The stage that had made it.
+        stage: String,
+    },
     /// The cache held something else for a stage than what it had made.
     #[error("the cache is damaged for stage `{stage}`, which runs instead")]
     CacheDamaged {

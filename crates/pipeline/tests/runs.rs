@@ -878,7 +878,21 @@ fn an_output_of_a_stage_that_is_gone_stays_where_it_is_a_source_now() {
     project.text.truncate(start);
     project.text += "[[stage]]\nname = 'sum'\ncmd = ['sh', '-c', 'cat parts/* > sum']\n\
                      inputs = ['parts']\noutputs = ['sum']\n";
-    assert!(project.run().warnings.is_empty());
+    // What nothing makes anew is said, with the name of the stage that made it.
+    let warnings = project.run().warnings;
+    let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    let said = |reader: &str, path: &str, stage: &str| {
+        format!(
+            "stage `{reader}` reads `{path}` as it is: stage `{stage}`, which made it, is no longer in the pipeline"
+        )
+    };
+    assert_eq!(
+        warnings,
+        [
+            said("two", "one.txt", "one"),
+            said("sum", "parts", "folder")
+        ]
+    );
     assert!(project.root().join("one.txt").exists() && project.root().join("parts/1").exists());
 }
 

@@ -3,10 +3,11 @@
 use crate::{
     design::{DesignFile, People},
     error::StudyError,
-    gate::Analysed,
+    gate::analysed,
     run_folder::{read_scales, score_range},
     tables::{Table, participants::Enrolled},
 };
+use maveric_analysis::Why;
 use maveric_domain::{
     Moment, Scale,
     design::{DesignError, Quantity, ScoreName},
@@ -217,18 +218,13 @@ fn style_range(study: &DesignFile, scales: &[Scale]) -> Result<(), DesignError> 
 pub fn study_notes(study: &DesignFile, results: &Path) -> Result<Vec<String>, StudyError> {
     check_design(study)?;
     let design = &study.design;
-    let (people, drives) = (&design.exclude().people, &design.exclude().drives);
-    let out = people.iter().map(|(id, why)| (id.to_string(), why));
-    let out = out.chain(drives.iter().map(|(id, why)| (id.to_string(), why)));
-    let mut notes: Vec<String> = out
-        .map(|(id, why)| format!("{id} is left out: {why}"))
-        .collect();
-    let analysed = Analysed::of(results)?;
-    let by_rule = analysed
-        .all()
-        .map(|(id, why)| format!("{id} is left out: {why}"));
-    let by_rule: Vec<String> = by_rule.filter(|note| !notes.contains(note)).collect();
-    notes.extend(by_rule);
+    let left_out = analysed(design, results)?;
+    let people = left_out.people.iter();
+    let people = people.map(|(id, why)| (id.as_str(), why));
+    let drives = left_out.drives.iter();
+    let drives = drives.map(|(id, why)| (id.as_str(), why));
+    let note = |(id, why): (&str, &Why)| format!("{id} is left out: {}", why.reason);
+    let mut notes: Vec<String> = people.chain(drives).map(note).collect();
     let enrolled = study.people(None)?;
     let neither: Vec<&str> = nobodys(&enrolled).map(|p| p.id.as_str()).collect();
     if !neither.is_empty() {

@@ -1,4 +1,4 @@
-//! Who and what a design lets in: its people, its conditions, and not what `[exclude]` names.
+//! Who and what a design lets in: its people, its conditions, and not what its rules leave out.
 
 use crate::{
     atomic_write::read_json,
@@ -7,9 +7,12 @@ use crate::{
     forgotten::ForgottenList,
     once::count,
 };
-use maveric_analysis::{Flow, LeftOutFor};
-use maveric_domain::{ConditionId, Design, DriveId, DriveMeta, Moment, ParticipantId};
-use std::{collections::BTreeMap, fmt, path::Path};
+use maveric_analysis::{
+    Driven, Flow, LeftOut, Rule, Why,
+    exclusions::{too_short, unknown_condition},
+};
+use maveric_domain::{Answer, Design, DriveId, DriveMeta, Moment, ParticipantId, Scale};
+use std::{collections::BTreeMap, path::Path};
 
 /// What lets drives and answers into a study.
 #[derive(Debug, Clone)]
@@ -19,14 +22,7 @@ pub struct Gate {
     /// Whether there is a table of people: then nobody else is let in.
     listed: bool,
     forgotten: ForgottenList,
-    analysed: Analysed,
-}
-
-/// Whom and which drives the rules of `[exclude]` left out of the analysis, each with the reason.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Analysed {
-    people: BTreeMap<String, String>,
-    drives: BTreeMap<String, String>,
+    left_out: LeftOut,
 }
 
 /// What is read of an analysis.
@@ -35,82 +31,28 @@ struct Counted {
     flow: Flow,
 }
 
-impl Analysed {
-    /// Those of the analysis among the results of a study; none where nothing is analysed yet.
-    ///
-    /// # Errors
-    /// [`StudyError`] for an analysis that cannot be read.
-    pub(crate) fn of(results: &Path) -> Result<Self, StudyError> {
-        let file = results.join("analysis.json");
-        if !file.is_file() {
-            return Ok(Self::default());
-        }
-        let flow = read_json::<Counted>(&file)?.flow;
-        let by_id = |rows: Vec<LeftOutFor>| {
-            let ids = |row: LeftOutFor| {
-                let LeftOutFor { why, who } = row;
-                who.into_iter().map(move |id| (id, why.clone()))
-            };
-            rows.into_iter().flat_map(ids).collect()
-        };
-        Ok(Self {
-            people: by_id(flow.left_out),
-            drives: by_id(flow.drives),
-        })
+/// Whom and which drives the analysis among the results of a study left out, after whom and which the design names.
+///
+/// # Errors
+/// [`StudyError`] for an analysis that cannot be read.
+pub(crate) fn analysed(design: &Design, results: &Path) -> Result<LeftOut, StudyError> {
+    let mut left_out = LeftOut::named(design);
+    let file = results.join("analysis.json");
+    if !file.is_file() {
+        return Ok(left_out);
     }
-
-    /// Ids of people, then of drives, with the reason.
-    pub(crate) fn all(&self) -> impl Iterator<Item = (&str, &str)> {
-        let all = self.people.iter().chain(&self.drives);
-        all.map(|(id, why)| (id.as_str(), why.as_str()))
-    }
-}
-
-/// The rule for drives that did not last long enough.
-pub(crate) const TOO_SHORT: &str = "exclude.drive_shorter_than_s";
-/// The rule for sheets of one answer.
-const STRAIGHT_LINED: &str = "exclude.straight_lined";
-/// The rules that look at all that somebody did, as the analysis applied them.
-const RULES: &str = "the rules of exclude";
-
-/// Why something is left out: a rule of the design, and the reason.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
-pub struct LeftOut {
-    /// The key of the rule, or `unknown condition`, `unknown participant`.
-    pub rule: String,
-    /// The reason.
-    pub why: String,
-}
-
-impl LeftOut {
-    /// With all that somebody answered who gave one answer to every item of a scale.
-    pub(crate) fn straight_lined(scale: &str) -> Self {
-        Self::by(
-            STRAIGHT_LINED,
-            format!("one answer to every item of `{scale}`, reversed ones too"),
-        )
-    }
-
-    /// With what was said of a drive that did not last long enough.
-    pub(crate) fn short(drive: &DriveId) -> Self {
-        Self::by(
-            TOO_SHORT,
-            format!("about the drive {drive}, which is too short"),
-        )
-    }
-
-    fn by(rule: &str, why: impl Into<String>) -> Self {
-        Self {
-            rule: rule.to_owned(),
-            why: why.into(),
+    let flow = read_json::<Counted>(&file)?.flow;
+    for row in flow.left_out {
+        for id in row.who {
+            left_out.and_person(ParticipantId::new(id)?, Why::by(row.rule, &row.why));
         }
     }
-}
-
-impl fmt::Display for LeftOut {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "left out by {}: {}", self.rule, self.why)
+    for row in flow.drives {
+        for id in row.who {
+            left_out.and_drive(DriveId::new(id)?, Why::by(row.rule, &row.why));
+        }
     }
+    Ok(left_out)
 }
 
 impl Gate {
@@ -124,7 +66,7 @@ impl Gate {
             design: study.design.clone(),
             listed: true,
             forgotten: study.forgotten()?,
-            analysed: Analysed::default(),
+            left_out: LeftOut::named(&study.design),
         })
     }
 
@@ -142,17 +84,32 @@ impl Gate {
             design: study.design.clone(),
             listed: false,
             forgotten: study.forgotten()?,
-            analysed: Analysed::default(),
+            left_out: LeftOut::named(&study.design),
         })
     }
 
     /// The same, without whom and what the rules left out of the analysis among these results.
     ///
     /// # Errors
-    /// As [`Analysed::of`].
+    /// As [`analysed`].
     pub(crate) fn with_analysis(mut self, results: &Path) -> Result<Self, StudyError> {
-        self.analysed = Analysed::of(results)?;
+        self.left_out = analysed(&self.design, results)?;
         Ok(self)
+    }
+
+    /// The same, without those who answered without reading and what was said of drives that are too short.
+    #[must_use]
+    pub(crate) fn with_sheets(
+        mut self,
+        scales: &[Scale],
+        answers: &[Answer],
+        drives: &[Driven],
+    ) -> Self {
+        self.left_out = self
+            .left_out
+            .with_straight_lined(&self.design, scales, answers)
+            .with_short(&self.design, drives);
+        self
     }
 
     /// The people of the study, those who are left out among them.
@@ -161,79 +118,47 @@ impl Gate {
     }
 
     /// Why a drive of this length (s) is left out; none where it is let in.
-    pub fn drive(&self, meta: &DriveMeta, duration_s: f64) -> Option<LeftOut> {
-        let exclude = self.design.exclude();
-        if let Some(why) = exclude.drives.get(&meta.drive) {
-            return Some(LeftOut::by("exclude.drives", why));
-        }
-        if let Some(out) = self.person(&meta.participant) {
-            return Some(out);
-        }
-        if !self.design.knows(meta.condition) {
-            return Some(self.unknown(meta.condition));
-        }
-        let short = exclude.drive_shorter_than_s.filter(|s| duration_s < *s);
-        if let Some(shortest) = short {
-            let why = format!("{duration_s:.0} s long, expected at least {shortest} s");
-            return Some(LeftOut::by(TOO_SHORT, why));
-        }
-        let why = self.analysed.drives.get(meta.drive.as_str())?;
-        Some(LeftOut::by(RULES, why))
+    pub fn drive(&self, meta: &DriveMeta, duration_s: f64) -> Option<Why> {
+        let rules = self.left_out.drives.get(&meta.drive).cloned();
+        rules
+            .or_else(|| self.person(&meta.participant))
+            .or_else(|| unknown_condition(&self.design, meta.condition))
+            .or_else(|| too_short(&self.design, duration_s))
     }
 
     /// Why an answer is left out; one about an excluded drive goes with the drive.
-    pub fn answer(&self, participant: &ParticipantId, moment: Moment) -> Option<LeftOut> {
-        if let Some(out) = self.person(participant) {
-            return Some(out);
-        }
+    pub fn answer(&self, participant: &ParticipantId, moment: Moment) -> Option<Why> {
+        let person = self.person(participant);
         let Moment::After(condition) = moment else {
-            return None;
+            return person;
         };
-        if !self.design.knows(condition) {
-            return Some(self.unknown(condition));
-        }
-        let about = format!("{participant}-{condition}");
-        let mut drives = self.design.exclude().drives.iter();
-        if let Some((_, why)) = drives.find(|(drive, _)| drive.as_str() == about) {
-            return Some(LeftOut::by("exclude.drives", why));
-        }
-        let why = self.analysed.drives.get(&about)?;
-        Some(LeftOut::by(RULES, why))
+        person
+            .or_else(|| unknown_condition(&self.design, condition))
+            .or_else(|| self.left_out.about(participant, condition).cloned())
     }
 
-    /// Why somebody is left out by name, or as unknown.
-    pub fn person(&self, id: &ParticipantId) -> Option<LeftOut> {
+    /// Why somebody is left out, or unknown.
+    pub fn person(&self, id: &ParticipantId) -> Option<Why> {
         if self.forgotten.has(id) {
-            return Some(LeftOut::by("forgotten", "the person was forgotten"));
-        }
-        if let Some(why) = self.design.exclude().person(id) {
-            return Some(LeftOut::by("exclude.people", why));
-        }
-        if let Some(why) = self.analysed.people.get(id.as_str()) {
-            return Some(LeftOut::by(RULES, why));
+            return Some(Why::by(Rule::Forgotten, "the person was forgotten"));
         }
         let stranger = self.listed && self.people.find(id).is_none();
-        stranger.then(|| {
-            let why = format!("{id} is not in the table of people");
-            LeftOut::by("unknown participant", why)
-        })
-    }
-
-    fn unknown(&self, condition: ConditionId) -> LeftOut {
-        let labels = ConditionId::listed(&self.design.labels());
-        let why = format!("`{condition}` is none of the design's: {labels}");
-        LeftOut::by("unknown condition", why)
+        let unknown = || {
+            let reason = format!("{id} is not in the table of people");
+            stranger.then(|| Why::by(Rule::UnknownParticipant, reason))
+        };
+        self.left_out.people.get(id).cloned().or_else(unknown)
     }
 }
 
 /// How many each rule left out, a line each: `2 drives left out by exclude.people`.
 pub fn counted<'a>(
     [one, several]: [&str; 2],
-    left_out: impl IntoIterator<Item = &'a LeftOut>,
+    left_out: impl IntoIterator<Item = &'a Why>,
 ) -> Vec<String> {
     let mut rules: BTreeMap<&str, usize> = BTreeMap::new();
     for out in left_out {
-        *rules.entry(&out.rule).or_default() += 1;
+        *rules.entry(out.rule.key()).or_default() += 1;
     }
     let line = |(rule, n): (&str, usize)| format!("{} left out by {rule}", count(n, one, several));
     rules.into_iter().map(line).collect()

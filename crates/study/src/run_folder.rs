@@ -261,8 +261,7 @@ fn answers(folder: &Path, study: &DesignFile) -> Result<Vec<Answer>, StudyError>
 fn drives_kept_out(folder: &Path) -> Result<Vec<Driven>, StudyError> {
     let mut found = Vec::new();
     for list in lists(folder) {
-        let drives = kept_out(list.parent().unwrap_or(folder))?;
-        found.extend(drives.into_iter().map(|(_, driven)| driven));
+        found.extend(kept_out(list.parent().unwrap_or(folder))?);
     }
     Ok(found)
 }

@@ -2,7 +2,7 @@
 
 use super::sample_size::sample_size;
 use crate::{design::DesignFile, error::StudyError, outcome::Outcome};
-use maveric_analysis::{PlannedTest, planned};
+use maveric_analysis::{PlannedTest, exclusions::declared, planned};
 use maveric_domain::{
     Design,
     design::{Car, Claim, Compare, Condition, Sign},
@@ -62,7 +62,7 @@ fn text(design: &Design, sample_size: Vec<String>) -> String {
     section("Sample size", sample_size);
     section("Measured variables", outcomes(design));
     section("Analyses", analyses(design));
-    section("Exclusions", exclusions(design));
+    section("Exclusions", declared(design));
     out
 }
 
@@ -255,35 +255,6 @@ fn tests(design: &Design) -> Vec<String> {
         PlannedTest::None(why) => vec![format!("No outcome has a test: {why}.")],
         _ => Vec::new(),
     }
-}
-
-fn exclusions(design: &Design) -> Vec<String> {
-    let rules = design.exclude();
-    let mut lines = Vec::new();
-    if let Some(seconds) = rules.drive_shorter_than_s {
-        lines.push(format!(
-            "Drives shorter than {seconds} s, with what was said of them."
-        ));
-    }
-    if rules.straight_lined {
-        lines.push(
-            "People who gave one answer to every item of a questionnaire that has reversed items."
-                .to_owned(),
-        );
-    }
-    if let Some(n) = rules.fewer_conditions_than {
-        lines.push(format!("People with fewer than {n} conditions."));
-    }
-    for (who, why) in &rules.people {
-        lines.push(format!("{who}: {}", sentence(why)));
-    }
-    for (drive, why) in &rules.drives {
-        lines.push(format!("Drive {drive}: {}", sentence(why)));
-    }
-    lines.push(
-        "A person without a value in a condition is left out of that outcome and named.".to_owned(),
-    );
-    lines
 }
 
 #[cfg(test)]

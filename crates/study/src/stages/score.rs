@@ -3,7 +3,7 @@
 use crate::{
     design::DesignFile,
     error::StudyError,
-    gate::{Gate, LeftOut, TOO_SHORT, counted},
+    gate::{Gate, counted},
     mean::{mean, sd},
     once::count,
     outcome::{Outcome, Watch},
@@ -16,7 +16,8 @@ use crate::{
         write_rows,
     },
 };
-use maveric_domain::{Answer, DriveId, Moment, ParticipantId, Scale, Score, Subscale};
+use maveric_analysis::Why;
+use maveric_domain::{Answer, Moment, ParticipantId, Scale, Score, Subscale};
 use maveric_measures::{
     ItemMatrix, ScoreWarning,
     survey::{SheetTime, response_styles, too_fast},
@@ -323,7 +324,7 @@ pub fn score(
 }
 
 /// Whose answers, when, and why they are left out → how many.
-type LeftOutAnswers = BTreeMap<(ParticipantId, Moment, LeftOut), usize>;
+type LeftOutAnswers = BTreeMap<(ParticipantId, Moment, Why), usize>;
 
 /// Takes out the answers that the design does not let in.
 fn let_in(
@@ -337,34 +338,13 @@ fn let_in(
     let Some(study) = study else {
         return Ok(left_out);
     };
-    let gate = Gate::of(study, options.participants.as_deref())?;
-    let mut lined: BTreeMap<ParticipantId, String> = BTreeMap::new();
-    if study.design.exclude().straight_lined {
-        for warning in response_styles(scales, answers) {
-            if let ScoreWarning::OneAnswer {
-                participant, scale, ..
-            } = warning
-            {
-                lined.entry(participant).or_insert(scale);
-            }
-        }
-    }
-    let mut short: BTreeMap<(ParticipantId, Moment), DriveId> = BTreeMap::new();
+    let mut drives = Vec::new();
     for folder in &options.drives {
-        for (rule, d) in kept_out(folder)? {
-            if rule == TOO_SHORT {
-                short.insert((d.participant, Moment::After(d.condition)), d.drive);
-            }
-        }
+        drives.extend(kept_out(folder)?);
     }
-    let out = |who: &ParticipantId, when: Moment| {
-        let by_rule = || {
-            let lined = lined.get(who).map(|scale| LeftOut::straight_lined(scale));
-            lined.or_else(|| short.get(&(who.clone(), when)).map(LeftOut::short))
-        };
-        gate.answer(who, when).or_else(by_rule)
-    };
-    answers.retain(|a| match out(&a.participant, a.moment) {
+    let gate = Gate::of(study, options.participants.as_deref())?;
+    let gate = gate.with_sheets(scales, answers, &drives);
+    answers.retain(|a| match gate.answer(&a.participant, a.moment) {
         None => true,
         Some(why) => {
             *left_out
@@ -373,7 +353,7 @@ fn let_in(
             false
         }
     });
-    times.retain(|t| out(&t.participant, t.moment).is_none());
+    times.retain(|t| gate.answer(&t.participant, t.moment).is_none());
     Ok(left_out)
 }
 

@@ -174,7 +174,7 @@ pub(crate) struct ExclusionRow {
 ///
 /// # Errors
 /// As [`Table`] does.
-pub(crate) fn kept_out(folder: &Path) -> Result<Vec<(String, Driven)>, StudyError> {
+pub(crate) fn kept_out(folder: &Path) -> Result<Vec<Driven>, StudyError> {
     let path = folder.join("exclusions.csv");
     if !path.is_file() {
         return Ok(Vec::new());
@@ -186,13 +186,12 @@ pub(crate) fn kept_out(folder: &Path) -> Result<Vec<(String, Driven)>, StudyErro
     let mut found = Vec::new();
     for row in table.records::<ExclusionRow>()? {
         if row.rule.starts_with("exclude.") {
-            let driven = Driven {
+            found.push(Driven {
                 drive: DriveId::new(row.drive)?,
                 participant: ParticipantId::new(row.participant)?,
                 condition: row.condition.parse()?,
                 duration_s: row.duration_s,
-            };
-            found.push((row.rule, driven));
+            });
         }
     }
     Ok(found)

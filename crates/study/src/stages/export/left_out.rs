@@ -4,10 +4,12 @@ use super::seat::Collected;
 use crate::{
     design::DesignFile,
     error::StudyError,
-    gate::{self, Gate, counted},
+    gate::{Gate, counted},
     tables::participants::Enrolled,
 };
+use maveric_analysis::Why;
 use maveric_domain::{Answer, DriveMeta, ParticipantId, Recording};
+use path_slash::PathExt as _;
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::Path,
@@ -19,11 +21,13 @@ pub(super) const RESULTS: &str = "results";
 /// What was left out, and whatever would name somebody who was.
 #[derive(Default)]
 pub(super) struct LeftOut {
-    people: BTreeMap<ParticipantId, gate::LeftOut>,
-    drives: Vec<gate::LeftOut>,
-    answers: Vec<gate::LeftOut>,
+    people: BTreeMap<ParticipantId, Why>,
+    drives: Vec<Why>,
+    answers: Vec<Why>,
     /// Ids of people and of drives.
     pub(super) names: BTreeSet<String>,
+    /// What to know of the rules as they were applied.
+    pub(super) doubts: Vec<String>,
 }
 
 /// People, answers and drives of a study.
@@ -33,6 +37,23 @@ type Study<'a> = (
     &'a mut Vec<(DriveMeta, Recording)>,
     &'a mut Collected,
 );
+
+/// What to know of rules that look at all that somebody did: they hold as the last analysis applied them.
+fn doubts(study: &DesignFile) -> Option<String> {
+    let rules = study.design.exclude();
+    let asked = rules.straight_lined || rules.fewer_conditions_than.is_some();
+    let analysis = study.resolve(&Path::new(RESULTS).join("analysis.json"));
+    let changed = |path: &Path| path.metadata().and_then(|m| m.modified()).ok();
+    let problem = match (changed(&analysis), study.path.as_deref().and_then(changed)) {
+        (None, _) if asked => "is not there",
+        (Some(analysed), Some(declared)) if analysed < declared => "is older than the design",
+        _ => return None,
+    };
+    let shown = analysis.to_slash_lossy();
+    Some(format!(
+        "{shown} {problem}: rules for sheets and for conditions leave out nobody who is not in it; `maveric run` makes it"
+    ))
+}
 
 impl LeftOut {
     /// Takes out what the study does not let in.
@@ -51,6 +72,7 @@ impl LeftOut {
         let named = named.chain(exclude.drives.keys().map(ToString::to_string));
         let forgotten = study.forgotten()?;
         let mut found = Self {
+            doubts: doubts(study).into_iter().collect(),
             names: named
                 .chain(forgotten.ids().map(ToString::to_string))
                 .collect(),

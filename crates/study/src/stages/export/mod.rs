@@ -204,7 +204,7 @@ pub fn export(options: &ExportOptions, watch: Watch<'_>) -> Result<Outcome<Expor
             write_recording(&path, &moved, meta, &Beside::default())
         },
     )?;
-    let mut warnings = Vec::new();
+    let mut warnings = left_out.doubts.clone();
     if !people.is_empty() {
         write_people(&out.join("participants.csv"), &people, &names, design)?;
         warnings.extend(alike(&people));

@@ -8,13 +8,14 @@ use crate::{
     atomic_write::read_text,
     design::DesignFile,
     error::StudyError,
-    gate::{Gate, LeftOut, counted},
+    gate::{Gate, counted},
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
     run_folder::{exclusions_path, read_scales},
     tables::{Table, TableBuilder, write_rows},
 };
 use columns::ColumnMap;
+use maveric_analysis::Why;
 use maveric_domain::{Answer, ConditionId, Moment, ParticipantId, Scale};
 use maveric_report::tables::Exclusion;
 use path_slash::PathExt as _;
@@ -241,7 +242,7 @@ fn unknown_moments(rows: &mut Vec<Row>, study: &DesignFile) -> BTreeMap<(Moment,
 }
 
 /// Whose answers, and when → why each is left out.
-type LeftOutAnswers = BTreeMap<(ParticipantId, Moment), Vec<LeftOut>>;
+type LeftOutAnswers = BTreeMap<(ParticipantId, Moment), Vec<Why>>;
 
 /// Takes out the answers of whoever the design leaves out by name, or who is nobody of its people.
 fn let_in(rows: &mut Vec<Row>, design: Option<&Path>) -> Result<LeftOutAnswers, StudyError> {

@@ -8,7 +8,7 @@ use crate::{
     aside::Aside,
     design::DesignFile,
     error::StudyError,
-    gate::{Gate, LeftOut, counted},
+    gate::{Gate, counted},
     once::{count, names, together, told_once},
     outcome::{Outcome, Watch, for_each_on},
     outputs::{put_in_place, spare_inputs},
@@ -17,6 +17,7 @@ use crate::{
         write_rows,
     },
 };
+use maveric_analysis::Why;
 use maveric_domain::{Drive, DriveMeta};
 use maveric_ingest::{IngestError, Provenance, Warning, read_log};
 use path_slash::PathExt as _;
@@ -78,7 +79,7 @@ pub struct LeftOutDrive {
     /// How long it took, in s.
     pub duration_s: f64,
     /// By which rule, and why.
-    pub why: LeftOut,
+    pub why: Why,
 }
 
 /// A drive that is written but not yet in its place.
@@ -354,7 +355,7 @@ fn write_exclusions(
         count: 1,
         participant: out.meta.participant.to_string(),
         condition: out.meta.condition.to_string(),
-        rule: out.why.rule.clone(),
+        rule: out.why.rule.key().to_owned(),
         duration_s: Some(out.duration_s),
     });
     let lost = failed.iter().map(|log| ExclusionRow {
