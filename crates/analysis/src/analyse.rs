@@ -3,7 +3,7 @@
 use crate::{
     Analysis, AnalysisError, Exclusion, Panel, Reproduction, StudyData, compare, describe,
     design_test::{Friedman, crossed},
-    homophily, hypotheses, line, mixed, reproduction,
+    findings, homophily, hypotheses, line, mixed, reproduction,
 };
 use maveric_domain::design::{Condition, Outcome, Quantity};
 use maveric_measures::objective;
@@ -25,7 +25,7 @@ pub fn analyse(data: &StudyData, friedman: Friedman) -> Result<Analysis, Analysi
     let reproduction = reproduction::reproduction(data, &panels)?;
     let nearer = reproduction::nearer(data, &panels)?;
     let exclusions = exclusions(&panels, &reproduction);
-    Ok(Analysis {
+    let mut analysis = Analysis {
         synthetic: data.is_synthetic(),
         scripted: data.is_scripted(),
         participants: data.participants.len(),
@@ -45,7 +45,10 @@ pub fn analyse(data: &StudyData, friedman: Friedman) -> Result<Analysis, Analysi
         beyond_training: beyond_training(data),
         notes: notes(data),
         exclusions,
-    })
+        findings: Vec::new(),
+    };
+    analysis.findings = findings::of_study(&data.design, &analysis);
+    Ok(analysis)
 }
 
 /// Whether an outcome is a score that nobody has of any condition.

@@ -96,6 +96,7 @@ fn panel(
         outcome: asked.id.clone(),
         title: asked.title.clone(),
         unit: asked.unit.clone(),
+        measured: asked.column().is_some(),
         same: from.map(|_| 0.0).or(asked.same),
         range: asked.range.filter(|_| from.is_none()),
         differences_from: from,

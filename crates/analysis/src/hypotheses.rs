@@ -32,7 +32,7 @@ fn judge(hypothesis: &Hypothesis, panel: &Panel) -> Result<Judged, AnalysisError
         outcome: hypothesis.outcome.clone(),
         first,
         second,
-        rule: rule(&hypothesis.claim, &panel.unit),
+        rule: rule(&hypothesis.claim, panel),
         verdict: Verdict::NotAsked,
         n: pairs.len(),
         mean_difference: None,
@@ -40,6 +40,10 @@ fn judge(hypothesis: &Hypothesis, panel: &Panel) -> Result<Judged, AnalysisError
         bounds: match hypothesis.claim {
             Claim::Equivalent([low, high]) => Some((low, high)),
             Claim::Direction(_) => None,
+        },
+        expected: match hypothesis.claim {
+            Claim::Direction(sign) => Some(sign),
+            Claim::Equivalent(_) => None,
         },
         p: None,
     };
@@ -71,11 +75,10 @@ fn judge(hypothesis: &Hypothesis, panel: &Panel) -> Result<Judged, AnalysisError
     Ok(judged)
 }
 
-fn rule(claim: &Claim, unit: &str) -> String {
-    let unit = if unit.is_empty() || unit.starts_with("rating") {
-        String::new()
-    } else {
-        format!(" {unit}")
+fn rule(claim: &Claim, panel: &Panel) -> String {
+    let unit = match panel.unit.as_str() {
+        unit if panel.measured && !unit.is_empty() => format!(" {unit}"),
+        _ => String::new(),
     };
     match claim {
         Claim::Direction(sign) => {

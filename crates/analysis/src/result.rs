@@ -1,6 +1,6 @@
 //! What the analyses of a study give: everything that a figure, a table or a claim is made from.
 
-use crate::{flow::Flow, verdict::Verdict};
+use crate::{finding::Finding, flow::Flow, verdict::Verdict};
 use maveric_domain::{
     ConditionId,
     design::{ScoreName, Sign},
@@ -22,6 +22,8 @@ pub struct Analysis {
     pub flow: Flow,
     /// The hypotheses of the design, judged by their rules.
     pub hypotheses: Vec<Judged>,
+    /// What became of each question that the study asks, in the order in which a reader asks; a page words them.
+    pub findings: Vec<Finding>,
     /// 9.1, with the score in the fit of the embedding, as the paper does it; none without a style.
     pub line: Option<AggressionLine>,
     /// 9.1, fitted without the score: what driving alone tells.
@@ -202,6 +204,8 @@ pub struct Panel {
     pub title: String,
     /// Unit of the values; empty for counts and shares.
     pub unit: String,
+    /// Whether it was measured; else people were asked.
+    pub measured: bool,
     /// Value that means "the same as my own", where there is one.
     pub same: Option<f64>,
     /// Lowest and highest value that there can be, of a score.
@@ -443,6 +447,8 @@ pub struct Judged {
     /// Ends of the interval of that mean: 95 %; of a claim that the two are the same 90 %, which lies within the bounds where both one-sided
     /// tests are below .05.
     pub interval: Option<(f64, f64)>,
+    /// Which way the difference is claimed to lie; none of a claim that the two are the same.
+    pub expected: Option<Sign>,
     /// Bounds within which the two count as the same, of a claim that they are.
     pub bounds: Option<(f64, f64)>,
     /// The p that decides: Holm's within the outcome, or the larger of the two one-sided tests.

@@ -86,6 +86,16 @@ pub fn directed(n: usize, difference: Option<f64>, p: Option<f64>, expected: Sig
     }
 }
 
+/// A difference or correlation of any sign: shown with p below .05, else not shown.
+pub fn significant(n: usize, p: Option<f64>) -> Verdict {
+    match p {
+        _ if n == 0 => Verdict::NotAsked,
+        _ if n < FEWEST => Verdict::TooFew,
+        Some(p) if p < ALPHA => Verdict::Shown,
+        _ => Verdict::NotShown,
+    }
+}
+
 /// An interval of something estimated from `n` of them: shown where all of it lies within the bounds, fails where all lies outside.
 /// An end that is infinite asks for one side only: `(0.8, f64::INFINITY)`.
 pub fn within(n: usize, interval: Option<(f64, f64)>, bounds: (f64, f64)) -> Verdict {

@@ -2,6 +2,7 @@
 
 mod dial_trial;
 mod error;
+pub mod findings;
 mod outcomes;
 mod population;
 mod power;
@@ -18,6 +19,6 @@ pub use population::{
     CarSetting, DerivedMeasure, DrawnMeasure, Drives, LineModel, MeasureModel, PopulationModel,
     Round, Step,
 };
-pub use power::{Judge, POWER, Power};
+pub use power::{Judge, POWER};
 pub use rates::{ALPHA, Cell, FamilyRate, HypothesisRate, TestRate, n_for};
 pub use world::{Rehearsed, World};

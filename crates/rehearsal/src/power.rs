@@ -2,10 +2,8 @@
 
 use crate::{
     outcomes::Part,
-    rates::{Cell, HypothesisRate, TestRate},
+    rates::{Cell, TestRate},
 };
-use maveric_analysis::{Verdict, verdict::within};
-use maveric_stats::Proportion;
 
 /// Share of studies that should find what is there.
 pub const POWER: f64 = 0.8;
@@ -19,36 +17,13 @@ pub enum Judge {
     BestTests,
 }
 
-/// Whether studies of one size find what was planted.
-#[derive(Debug, Clone)]
-pub struct Power {
-    /// What the verdict rests on.
-    pub judge: Judge,
-    /// Shown where each row's interval lies above [`POWER`], fails where one lies below it.
-    pub verdict: Verdict,
-    /// What each question is, and the share of studies that answered yes; no share where no study could judge it.
-    pub rows: Vec<(String, Option<Proportion>)>,
-}
-
 impl Cell {
-    /// Whether studies of this size find what was planted: by the declared hypotheses alone, where there are any.
-    pub fn power(&self) -> Power {
-        let (judge, rows): (Judge, Vec<_>) = if self.hypotheses.is_empty() {
-            let row = |t: &TestRate| (format!("{}: {}", t.part.title(), t.key), t.rate);
-            let best = self.best_tests().into_iter();
-            (Judge::BestTests, best.map(row).collect())
+    /// What a verdict on its power rests on.
+    pub fn judge(&self) -> Judge {
+        if self.hypotheses.is_empty() {
+            Judge::BestTests
         } else {
-            let row = |h: &HypothesisRate| (h.says.clone(), h.shown);
-            (Judge::Hypotheses, self.hypotheses.iter().map(row).collect())
-        };
-        let enough = |share: &Option<Proportion>| match share {
-            Some(share) => within(self.studies, Some(share.ends()), (POWER, f64::INFINITY)),
-            None => Verdict::TooFew,
-        };
-        Power {
-            judge,
-            verdict: Verdict::all(rows.iter().map(|(_, share)| enough(share))),
-            rows,
+            Judge::Hypotheses
         }
     }
 
@@ -67,8 +42,11 @@ impl Cell {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::outcomes::{Found, Studied};
-    use maveric_analysis::Judged;
+    use crate::{
+        findings::power,
+        outcomes::{Found, Studied},
+    };
+    use maveric_analysis::{Judged, Verdict};
 
     /// 100 studies, of which so many show each hypothesis; every one of them finds the one test of the report.
     fn cell(shown: &[usize]) -> Cell {
@@ -82,6 +60,7 @@ mod tests {
             n: 24,
             mean_difference: Some(1.0),
             interval: None,
+            expected: None,
             bounds: None,
             p: Some(0.01),
         };
@@ -113,17 +92,18 @@ mod tests {
 
     #[test]
     fn a_declared_hypothesis_of_little_power_fails_however_often_another_test_finds_something() {
-        let power = cell(&[21]).power();
+        let cell = cell(&[21]);
+        let asked = power(&cell);
         assert_eq!(
-            (power.judge, power.verdict),
+            (cell.judge(), asked.verdict),
             (Judge::Hypotheses, Verdict::Fails)
         );
-        assert!((power.rows[0].1.unwrap().estimate - 0.21).abs() < 1e-12);
+        assert!((asked.parts[0].estimate.unwrap() - 0.21).abs() < 1e-12);
     }
 
     #[test]
     fn power_is_shown_where_the_whole_interval_lies_above_four_fifths_and_open_on_the_border() {
-        let verdict = |shown: &[usize]| cell(shown).power().verdict;
+        let verdict = |shown: &[usize]| power(&cell(shown)).verdict;
         assert_eq!(verdict(&[95]), Verdict::Shown);
         assert_eq!(verdict(&[80]), Verdict::NotShown);
         assert_eq!(verdict(&[60]), Verdict::Fails);
@@ -135,14 +115,14 @@ mod tests {
     fn a_hypothesis_that_no_study_could_judge_is_no_power() {
         let mut cell = cell(&[95, 95]);
         cell.hypotheses[1].shown = None;
-        assert_eq!(cell.power().verdict, Verdict::NotShown);
+        assert_eq!(power(&cell).verdict, Verdict::NotShown);
     }
 
     #[test]
     fn without_hypotheses_the_best_test_of_each_part_is_asked_and_said_to_be_that() {
-        let power = cell(&[]).power();
+        let cell = cell(&[]);
         assert_eq!(
-            (power.judge, power.verdict),
+            (cell.judge(), power(&cell).verdict),
             (Judge::BestTests, Verdict::Shown)
         );
     }

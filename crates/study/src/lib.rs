@@ -10,6 +10,7 @@ pub mod error;
 pub mod forget;
 pub mod forgotten;
 pub mod gate;
+mod judged;
 mod mean;
 mod named;
 mod once;

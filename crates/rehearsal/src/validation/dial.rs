@@ -10,7 +10,7 @@ use serde::Serialize;
 pub const FULL: f64 = 10.0;
 
 /// Share of drivers for whom one setting of the dial did what it should.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Right {
     /// Drivers with a value there and at 0.
     pub n: usize,
@@ -30,7 +30,7 @@ pub struct Right {
 }
 
 /// One measure over the dial.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Dial {
     /// Code name.
     pub measure: &'static str,

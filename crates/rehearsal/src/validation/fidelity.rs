@@ -11,7 +11,7 @@ use serde::Serialize;
 const PAPER: [f64; 5] = [0.936, 0.802, 0.924, 0.810, 0.818];
 
 /// One measure: accuracies (1 − |found − own| / own, mean over drivers) and signed errors relative to own.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Fidelity {
     /// Code name.
     pub measure: &'static str,

@@ -6,11 +6,40 @@ use maveric_stats::{CorrelationMethod, StatsError, correlate};
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
+/// How aggressiveness is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(into = "&'static str")]
+pub enum Reading {
+    /// The position on the line of an embedding that was fitted with the score.
+    WithScore,
+    /// The same, fitted to the drive alone.
+    WithoutScore,
+    /// A regression of the score on the seven measures.
+    Regression,
+}
+
+impl Reading {
+    /// In words.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::WithScore => "aggression line, fitted with ADB",
+            Self::WithoutScore => "aggression line, fitted without",
+            Self::Regression => "regression on the seven measures",
+        }
+    }
+}
+
+impl From<Reading> for &'static str {
+    fn from(reading: Reading) -> Self {
+        reading.title()
+    }
+}
+
 /// A reading of aggressiveness, and how it goes with the truth.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Agreement {
     /// Which reading.
-    pub reading: &'static str,
+    pub reading: Reading,
     /// Drivers.
     pub n: usize,
     /// Pearson's r with the ADB score.
@@ -26,7 +55,7 @@ pub struct Agreement {
 /// # Errors
 /// [`RehearsalError::Stats`] if a number is not finite.
 pub fn agreement(
-    reading: &'static str,
+    reading: Reading,
     values: &[Option<f64>],
     adb: &[Option<f64>],
     latent: &[Option<f64>],
@@ -88,7 +117,7 @@ mod tests {
     #[test]
     fn a_reading_that_is_the_score_agrees_with_it_and_half_with_the_latent() {
         let score = [1.0, 2.0, 3.0, 4.0].map(Some);
-        let found = agreement("made up", &score, &score, &[None; 4]).unwrap();
+        let found = agreement(Reading::Regression, &score, &score, &[None; 4]).unwrap();
         assert!((found.adb.unwrap() - 1.0).abs() < 1e-12);
         assert_eq!((found.n, found.latent), (4, None));
     }

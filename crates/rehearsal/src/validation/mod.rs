@@ -14,7 +14,7 @@ pub use identity::{
     Identification, Known, Metric, WithinPerson, identify, identify_posteriors, within_person,
 };
 pub use likeness::{Driven, Likeness, likeness};
-pub use line::{Agreement, agreement, regression};
+pub use line::{Agreement, Reading, agreement, regression};
 
 use maveric_domain::Drive;
 use maveric_measures::objective;

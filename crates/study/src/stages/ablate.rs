@@ -1,20 +1,21 @@
 //! `ablate`: what each part of the model is worth on drivers that it has not seen.
 
 use super::report::{
-    card::{card, number, percent, plot},
+    card::{card, number, percent, plot, share_row},
     hashed, page_of, write_page,
 };
 use crate::{
     atomic_write::write_json,
     design::DesignFile,
     error::StudyError,
+    judged::Judged,
     mean::mean,
     outcome::{Outcome, Watch, threads},
     outputs::spare_inputs,
     run_folder::adb_of,
     tables::{drives::read_drives, surveys::read_scores},
 };
-use maveric_analysis::{Verdict, verdict::within};
+use maveric_analysis::{Finding, Part, Question, Verdict};
 use maveric_domain::DrivenBy;
 use maveric_model::{
     Ablated, AblationSettings, HeldOut, ModelError, TrainSettings, TrainingDrive, VariantResult,
@@ -30,7 +31,7 @@ use maveric_report::{
     markup,
     tables::{Cell, Table},
 };
-use maveric_stats::{Proportion, proportion};
+use maveric_stats::proportion;
 use path_slash::PathExt as _;
 use std::{ops::ControlFlow, path::PathBuf};
 
@@ -123,10 +124,18 @@ pub fn ablate(options: &AblateOptions, watch: Watch<'_>) -> Result<Outcome<Ablat
         .iter()
         .any(|d| d.meta().driven_by == DrivenBy::Synthetic);
     let context = Context::of(synthetic, options.seed);
-    write_json(&out, &found)?;
+    let finding = parts(&found);
+    let judged = Judged {
+        result: &found,
+        findings: finding.as_slice(),
+    };
+    write_json(&out, &judged)?;
     let table = table(&found);
     let text = table.to_markdown();
-    let page = write_page(&options.out, &page(&found, options, table, &context)?)?;
+    let page = write_page(
+        &options.out,
+        &page(&found, finding.as_ref(), options, table, &context)?,
+    )?;
     let short = found.variants[0]
         .of_each
         .iter()
@@ -202,6 +211,7 @@ fn table(found: &Ablated) -> Table {
 
 fn page(
     found: &Ablated,
+    finding: Option<&Finding>,
     options: &AblateOptions,
     table: Table,
     context: &Context,
@@ -243,7 +253,10 @@ fn page(
         (options.seed, &options.command),
     );
     Ok(Report {
-        cards: worth(found).into_iter().collect(),
+        cards: finding
+            .map(|finding| worth(found, finding))
+            .into_iter()
+            .collect(),
         sections: vec![Section {
             title: "Ablation and baselines".to_owned(),
             intro: Vec::new(),
@@ -258,44 +271,40 @@ fn page(
     })
 }
 
-/// Is the whole model better than it is without each of its parts?
-fn worth(found: &Ablated) -> Option<Card> {
+/// Is the whole model better than it is without each of its parts? For every variant and loss it has to be on more than half of the unseen
+/// drives; ties count for neither.
+fn parts(found: &Ablated) -> Option<Finding> {
     let (reference, others) = found.variants.split_first()?;
-    let mut rows = Vec::new();
-    let mut verdicts = Vec::new();
+    let mut parts = Vec::new();
     for variant in others {
         for (title, _, of) in LOSSES {
-            let (own, whole) = (values(variant, of), values(reference, of));
-            let pairs = own
-                .iter()
-                .zip(&whole)
-                .filter_map(|(v, r)| Some((*v)? - (*r)?));
-            let differences: Vec<f64> = pairs.filter(|d| *d != 0.0).collect();
+            let pairs = values(variant, of).into_iter().zip(values(reference, of));
+            let differences = pairs.filter_map(|(v, r)| Some(v? - r?));
+            let differences: Vec<f64> = differences.filter(|d| *d != 0.0).collect();
             let worse = differences.iter().filter(|d| **d > 0.0).count();
             let share = proportion(worse, differences.len(), 0.95).ok();
-            let ends = share.as_ref().map(Proportion::ends);
-            if differences.is_empty() {
-                continue;
+            if let Some(share) = share {
+                let of = format!("{}: {}", variant.name, markup::plain(title));
+                let ends = (0.5, f64::INFINITY);
+                parts.push(Part::share(of, differences.len(), Some(&share), ends));
             }
-            verdicts.push(within(differences.len(), ends, (0.5, f64::INFINITY)));
-            let label = format!("{}: {}", variant.name, markup::plain(title));
-            rows.push(IntervalRow::share(label, share.as_ref()));
         }
     }
-    let count = |v: Verdict| verdicts.iter().filter(|found| **found == v).count();
-    let mut asked = card(
-        "parts",
-        "Is every part of the model worth having?",
-        Verdict::all(verdicts.iter().copied()),
-    );
+    Some(Finding::every(Question::Parts, parts))
+}
+
+fn worth(found: &Ablated, finding: &Finding) -> Card {
+    let mut asked = card(finding, "Is every part of the model worth having?");
     asked.answer = format!(
         "In {} of {} comparisons the whole is clearly better on unseen drivers, in {} clearly worse.",
-        count(Verdict::Shown),
-        verdicts.len(),
-        count(Verdict::Fails)
+        finding.count(Verdict::Shown),
+        finding.parts.len(),
+        finding.count(Verdict::Fails)
     );
-    format!("Shown if for every variant and loss more than half of the unseen drives are predicted better by “{}” (Wilson’s 95% interval above 50%); fails if for one fewer are.", reference.name)
+    format!("Shown if for every variant and loss more than half of the unseen drives are predicted better by “{}” (Wilson’s 95% interval above 50%); fails if for one fewer are.", found.variants[0].name)
         .clone_into(&mut asked.rule);
+    let parts = finding.parts.iter();
+    let mut rows: Vec<IntervalRow> = parts.map(|part| share_row(&part.of, part)).collect();
     rows.sort_by(|a, b| {
         a.estimate
             .unwrap_or(0.0)
@@ -319,5 +328,5 @@ fn worth(found: &Ablated) -> Option<Card> {
     "Variants are many and share drives: one of them may be better by luck. A loss is not what the car does with it."
         .clone_into(&mut asked.doubt);
     asked.see = Some("table-ablation".to_owned());
-    Some(asked)
+    asked
 }

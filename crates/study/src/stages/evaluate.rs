@@ -1,12 +1,14 @@
 //! `evaluate`: how well each driver's unseen last third is predicted in closed loop.
 
 mod compare;
+pub(crate) mod findings;
 pub(crate) mod tables;
 mod text;
 
 use crate::{
     atomic_write::write_json,
     error::StudyError,
+    judged::Judged,
     outcome::{Outcome, Watch},
     outputs::spare_inputs,
     run_folder::read_model,
@@ -75,7 +77,11 @@ pub fn evaluate(
     let mut found = evaluate_following(&judged, &learned, f.as_ref(), &settings)?;
     watch.step(1, 2, "comparing")?;
     found.compared = compare::pairs(&found, options.seed)?;
-    write_json(&options.out, &found)?;
+    let with_findings = Judged {
+        findings: &findings::findings(&found),
+        result: &found,
+    };
+    write_json(&options.out, &with_findings)?;
     watch.step(2, 2, "comparing")?;
     let mut summary = vec![format!(
         "{} drivers, last third of each drive, closed loop; learned from {} people: {}",

@@ -18,9 +18,9 @@ use crate::{
     outcome::{Outcome, Watch, for_each_on},
     stages::report::write_page,
 };
-use maveric_analysis::Friedman;
+use maveric_analysis::{Finding, Friedman};
 use maveric_domain::stream_seed;
-use maveric_rehearsal::{World, found_in};
+use maveric_rehearsal::{World, findings, found_in};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -60,6 +60,8 @@ pub struct Rehearsal {
     pub synthetic: bool,
     /// Size by size, scale by scale.
     pub cells: Vec<Cell>,
+    /// What became of the questions: whether nothing is found where nothing is, or whether there is power enough.
+    pub findings: Vec<Finding>,
     /// The paper's correlations, for the cells at scale 1 with the fewest participants not below 24.
     pub signs: Vec<SignRow>,
 }
@@ -67,6 +69,12 @@ pub struct Rehearsal {
 impl Rehearsal {
     fn is_null(&self) -> bool {
         self.cells.iter().all(|c| c.effect_scale == 0.0)
+    }
+
+    /// The studies of the largest size in which the effects are as planted; else those of the last scale.
+    fn largest(&self) -> Option<&Cell> {
+        let planted = |c: &&Cell| (c.effect_scale - 1.0).abs() < 1e-12;
+        self.cells.iter().rfind(planted).or(self.cells.last())
     }
 }
 
@@ -118,10 +126,16 @@ pub fn rehearse(
         Some(path) => signs::signs(path, &cells)?,
         None => Vec::new(),
     };
-    let value = Rehearsal {
+    let mut value = Rehearsal {
         synthetic: true,
         cells,
+        findings: Vec::new(),
         signs,
+    };
+    value.findings = match (value.is_null(), value.cells.first(), value.largest()) {
+        (true, Some(cell), _) => vec![findings::families(cell), findings::single(cell)],
+        (false, _, Some(cell)) => vec![findings::power(cell)],
+        _ => Vec::new(),
     };
     write_json(&options.out.join("rehearsal.json"), &value)?;
     let page = write_page(&options.out, &page::page(&value, options)?)?;

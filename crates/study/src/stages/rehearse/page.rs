@@ -5,12 +5,12 @@ use crate::{
     error::StudyError,
     mean::mean,
     stages::report::{
-        card::{card, number, percent, plot},
+        card::{card, number, percent, plot, share_row},
         page_of,
     },
 };
-use maveric_analysis::{Verdict, verdict::within};
-use maveric_rehearsal::{Judge, POWER};
+use maveric_analysis::Verdict;
+use maveric_rehearsal::{ALPHA, Judge, POWER};
 use maveric_report::{
     Card, Context, Figure, Report,
     figures::{
@@ -20,13 +20,6 @@ use maveric_report::{
     },
     html::Section,
 };
-use maveric_stats::{Proportion, proportion};
-
-/// The studies of the largest size in which the effects are as planted; else those of the last scale.
-fn largest(found: &Rehearsal) -> Option<&Cell> {
-    let planted = |c: &&Cell| (c.effect_scale - 1.0).abs() < 1e-12;
-    found.cells.iter().rfind(planted).or(found.cells.last())
-}
 
 pub(super) fn page(found: &Rehearsal, options: &RehearseOptions) -> Result<Report, StudyError> {
     let context = Context::synthetic(options.seed);
@@ -61,7 +54,7 @@ pub(super) fn page(found: &Rehearsal, options: &RehearseOptions) -> Result<Repor
     let method = "Measures and ratings are drawn from a fitted population and analysed by the code that analyses a run; docs/null-and-power.md gives the generator and its sources.";
     Ok(Report {
         cards: if found.is_null() {
-            found.cells.first().map(null_cards).unwrap_or_default()
+            null_cards(found)
         } else {
             power_card(found).into_iter().collect()
         },
@@ -75,19 +68,13 @@ pub(super) fn page(found: &Rehearsal, options: &RehearseOptions) -> Result<Repor
     })
 }
 
-/// What counts as the level of the tests.
-const LEVEL: f64 = 0.05;
-
 /// Is a family kept at its level, and are single tests?
-fn null_cards(cell: &Cell) -> Vec<Card> {
-    let ends = |p: &Option<Proportion>| p.as_ref().map(Proportion::ends);
+fn null_cards(found: &Rehearsal) -> Vec<Card> {
+    let (Some(cell), [of_families, of_tests]) = (found.cells.first(), &found.findings[..]) else {
+        return Vec::new();
+    };
     let families = || cell.families.iter();
-    let verdicts = families().map(|f| within(cell.studies, ends(&f.any_holm), (0.0, LEVEL)));
-    let mut kept = card(
-        "families",
-        "Is anything found where there is nothing?",
-        Verdict::all(verdicts.collect::<Vec<_>>()),
-    );
+    let mut kept = card(of_families, "Is anything found where there is nothing?");
     let worst = families().filter_map(|f| Some((f, f.any_holm.as_ref()?)));
     let worst = worst.max_by(|a, b| a.1.estimate.total_cmp(&b.1.estimate));
     let plain = families()
@@ -127,14 +114,9 @@ fn null_cards(cell: &Cell) -> Vec<Card> {
         .iter()
         .filter_map(|t| Some((t, t.rate.as_ref()?)))
         .collect();
-    let above = tests.iter().filter(|(_, r)| r.low > LEVEL).count();
+    let above = tests.iter().filter(|(_, r)| r.low > ALPHA).count();
     let expected = 0.025 * tests.len() as f64;
-    let share = proportion(above, tests.len().max(1), 0.95).ok();
-    let mut single = card(
-        "single",
-        "Is each test as strict as it says?",
-        within(tests.len(), ends(&share), (0.0, LEVEL)),
-    );
+    let mut single = card(of_tests, "Is each test as strict as it says?");
     single.answer = format!(
         "Of {} tests, {above} are clearly above 5%; chance alone would make {expected:.0} look so.",
         tests.len()
@@ -176,9 +158,9 @@ fn null_cards(cell: &Cell) -> Vec<Card> {
 
 /// Would a study of the largest size find what was planted?
 fn power_card(found: &Rehearsal) -> Option<Card> {
-    let cell = largest(found)?;
-    let power = cell.power();
-    let what = match power.judge {
+    let (cell, finding) = (found.largest()?, found.findings.first()?);
+    let (judge, parts) = (cell.judge(), finding.parts.as_slice());
+    let what = match judge {
         Judge::Hypotheses => "what the design declares",
         Judge::BestTests => "what was planted",
     };
@@ -188,21 +170,14 @@ fn power_card(found: &Rehearsal) -> Option<Card> {
         format!(", with effects × {}", cell.effect_scale)
     };
     let mut asked = card(
-        "power",
+        finding,
         format!("Would {} people show {what}{scale}?", cell.participants),
-        power.verdict,
     );
-    let judged = || {
-        power
-            .rows
-            .iter()
-            .filter_map(|(title, r)| Some((title, r.as_ref()?)))
-    };
-    let enough = judged().filter(|(_, r)| r.low >= POWER).count();
-    asked.answer = match (&power.judge, power.rows.as_slice()) {
-        (Judge::Hypotheses, [(says, share)]) => {
-            let share = percent(share.map(|s| s.estimate));
-            format!("“{says}” would be shown in {share} of studies.")
+    let enough = finding.count(Verdict::Shown);
+    asked.answer = match (&judge, parts) {
+        (Judge::Hypotheses, [only]) => {
+            let share = percent(only.estimate);
+            format!("“{}” would be shown in {share} of studies.", only.of)
         }
         (Judge::Hypotheses, rows) => format!(
             "{enough} of {} declared hypotheses would be shown in at least four studies of five.",
@@ -214,7 +189,7 @@ fn power_card(found: &Rehearsal) -> Option<Card> {
             rows.len()
         ),
     };
-    let rule = match power.judge {
+    let rule = match judge {
         Judge::Hypotheses => {
             "Shown if every declared hypothesis is shown, by its own rule, in at least 80% of studies (Wilson’s 95% interval); fails if one is \
              shown in fewer."
@@ -225,17 +200,17 @@ fn power_card(found: &Rehearsal) -> Option<Card> {
         }
     };
     rule.clone_into(&mut asked.rule);
-    let weakest = judged().min_by(|a, b| a.1.estimate.total_cmp(&b.1.estimate));
-    asked.number = weakest.and_then(|(title, r)| {
+    let weakest = finding.least(|part| part.estimate);
+    let weakest = weakest.filter(|part| part.estimate.is_some());
+    asked.number = weakest.and_then(|part| {
         number(
-            format!("weakest: {title}, {}", percent(Some(r.estimate))),
+            format!("weakest: {}, {}", part.of, percent(part.estimate)),
             "at most 5%, what nothing at all would give",
             "100%",
         )
     });
-    let drawn = power.rows.iter();
-    let drawn = drawn.map(|(title, r)| IntervalRow::share(title.clone(), r.as_ref()));
-    let corrected = match power.judge {
+    let drawn = parts.iter().map(|part| share_row(part.of.clone(), part));
+    let corrected = match judge {
         Judge::Hypotheses => "By each hypothesis’s own rule",
         Judge::BestTests => "Uncorrected",
     };
@@ -245,7 +220,7 @@ fn power_card(found: &Rehearsal) -> Option<Card> {
         Some(100.0 * POWER),
         drawn.collect(),
     );
-    let doubt = match power.judge {
+    let doubt = match judge {
         Judge::Hypotheses => {
             "The planted sizes are made up, at about what the paper reports: with smaller ones power is less."
         }
@@ -296,7 +271,9 @@ fn power_figure(
     context: &Context,
 ) -> Result<Vec<Figure>, StudyError> {
     let shown: Vec<f64> = options.effect_scales.iter().copied().take(5).collect();
-    let points = |scale: f64, rate: &dyn Fn(&Cell) -> Option<Proportion>| -> Vec<CurvePoint> {
+    let points = |scale: f64,
+                  rate: &dyn Fn(&Cell) -> Option<maveric_stats::Proportion>|
+     -> Vec<CurvePoint> {
         let rates = tables::curve(&found.cells, scale, rate).into_iter();
         rates
             .map(|(n, r)| CurvePoint {
@@ -307,13 +284,14 @@ fn power_figure(
             })
             .collect()
     };
-    let panel = |title: String, rate: &dyn Fn(&Cell) -> Option<Proportion>| CurvePanel {
-        title,
-        y: "Power".to_owned(),
-        curves: shown.iter().map(|scale| points(*scale, rate)).collect(),
-    };
+    let panel =
+        |title: String, rate: &dyn Fn(&Cell) -> Option<maveric_stats::Proportion>| CurvePanel {
+            title,
+            y: "Power".to_owned(),
+            curves: shown.iter().map(|scale| points(*scale, rate)).collect(),
+        };
     let mut panels: Vec<CurvePanel> = Vec::new();
-    if let Some(cell) = largest(found) {
+    if let Some(cell) = found.largest() {
         panels.extend(
             cell.hypotheses
                 .iter()
@@ -329,7 +307,7 @@ fn power_figure(
     if panels.is_empty() {
         return Ok(Vec::new());
     }
-    let declared = largest(found).is_some_and(|c| !c.hypotheses.is_empty());
+    let declared = found.largest().is_some_and(|c| !c.hypotheses.is_empty());
     let reached: Vec<String> = found
         .signs
         .iter()

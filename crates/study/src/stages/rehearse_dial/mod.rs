@@ -12,9 +12,9 @@ use crate::{
     outcome::{Outcome, Watch, for_each_on},
     stages::{rehearse::read_world, report::write_page},
 };
-use maveric_analysis::Dial;
+use maveric_analysis::{Dial, Finding};
 use maveric_domain::stream_seed;
-use maveric_rehearsal::DialTrials;
+use maveric_rehearsal::{DialTrials, findings};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -52,6 +52,8 @@ pub struct DialRehearsal {
     pub learned_from: Vec<LearnedFrom>,
     /// Trial by trial, learned from studies of the largest size.
     pub search: Vec<TrialError>,
+    /// What became of the questions: whether it knows how far to turn, and whether choosing saves rides.
+    pub findings: Vec<Finding>,
     /// Where the dial truly is in the unit of perceived shift.
     pub dial: Dial,
 }
@@ -98,10 +100,16 @@ pub fn rehearse_dial(
         let seed = stream_seed(options.seed, &["search", &index.to_string()]);
         Ok(trials.search(largest, options.trials, seed)?)
     })?;
+    let search = TrialError::of(&searched.concat(), options.trials);
+    let recommends = learned_from.last().map(findings::recommends);
     let value = DialRehearsal {
         synthetic: true,
+        findings: recommends
+            .into_iter()
+            .chain(findings::saves(&search))
+            .collect(),
         learned_from,
-        search: TrialError::of(&searched.concat(), options.trials),
+        search,
         dial: trials.dial(),
     };
     write_json(&options.out.join("dial.json"), &value)?;

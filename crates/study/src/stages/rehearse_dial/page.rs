@@ -9,10 +9,8 @@ use crate::{
         words::capital,
     },
 };
-use maveric_analysis::{
-    Verdict,
-    verdict::{FEWEST, within},
-};
+use maveric_analysis::{Finding, Question};
+use maveric_rehearsal::findings::halfway;
 use maveric_report::{
     Card, Context, Figure, Report, apa,
     figures::{
@@ -52,11 +50,13 @@ pub(super) fn page(
     );
     Ok(Report {
         cards: found
-            .learned_from
-            .last()
-            .map(known)
-            .into_iter()
-            .chain(saves(&found.search))
+            .findings
+            .iter()
+            .filter_map(|finding| match finding.question {
+                Question::Recommends => Some(known(found.learned_from.last()?, finding)),
+                Question::Active => saves(&found.search, finding),
+                _ => None,
+            })
             .collect(),
         sections: vec![
             section(
@@ -78,7 +78,7 @@ pub(super) fn page(
 }
 
 /// Does the model know how far to turn, once somebody has been driven in the four conditions?
-fn known(learned: &LearnedFrom) -> Card {
+fn known(learned: &LearnedFrom, finding: &Finding) -> Card {
     let of = |method| {
         let score = learned.scores.iter().find(|s| s.method == method);
         score.and_then(|s| s.within_5.map(|p| (s.people, p)))
@@ -89,14 +89,7 @@ fn known(learned: &LearnedFrom) -> Card {
         of(Method::Ceiling),
     );
     let least = floor.map_or(0.0, |(_, p)| p.estimate);
-    let verdict = after.map_or(Verdict::NotAsked, |(n, p)| {
-        within(n, Some(p.ends()), (least, f64::INFINITY))
-    });
-    let mut asked = card(
-        "recommends",
-        "Does it know how far to turn the dial?",
-        verdict,
-    );
+    let mut asked = card(finding, "Does it know how far to turn the dial?");
     let share = |p: Option<(usize, Proportion)>| percent(p.map(|(_, p)| p.estimate));
     asked.answer = format!(
         "Learned from {} people, it comes within 5 points of what a new person would like best for {}; leaving everybody at their own style does for {}.",
@@ -126,17 +119,9 @@ fn known(learned: &LearnedFrom) -> Card {
 }
 
 /// Does choosing what to show next learn faster than a grid?
-fn saves(search: &[TrialError]) -> Option<Card> {
-    let middle = &search.get(search.len() / 2)?;
-    let difference = middle.active.0 - middle.grid.0;
-    let half = libm::hypot(middle.active.1, middle.grid.1);
-    let ends = (difference - half, difference + half);
-    let verdict = within(
-        FEWEST.max(search.len()),
-        Some(ends),
-        (f64::NEG_INFINITY, 0.0),
-    );
-    let mut asked = card("active", "Does choosing the next ride save rides?", verdict);
+fn saves(search: &[TrialError], finding: &Finding) -> Option<Card> {
+    let middle = halfway(search)?;
+    let mut asked = card(finding, "Does choosing the next ride save rides?");
     asked.answer = format!("{}.", capital(&saved(search)));
     format!("Shown if after {} trials the mean error of the chosen settings is below that of the grid (95% interval of the difference, both taken as independent); fails if above.", middle.trials)
         .clone_into(&mut asked.rule);

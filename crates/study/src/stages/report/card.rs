@@ -1,11 +1,10 @@
-//! Cards from verdicts: the one place where a verdict becomes what a page shows.
+//! Cards from findings: the one place where a verdict becomes what a page shows.
 
-use maveric_analysis::{Verdict, verdict::within};
+use maveric_analysis::{Finding, Part, Verdict};
 use maveric_report::{
     Card, CardNumber, Tone, apa,
     figures::intervals::{IntervalRow, Intervals},
 };
-use maveric_stats::proportion;
 
 /// How a verdict looks.
 fn tone(verdict: Verdict) -> Tone {
@@ -17,14 +16,14 @@ fn tone(verdict: Verdict) -> Tone {
     }
 }
 
-/// A card of a question with its verdict; the rest is filled in by whoever asks.
-pub(crate) fn card(name: &str, question: impl Into<String>, verdict: Verdict) -> Card {
+/// A card of a finding, with its question in words; the rest is filled in by whoever asks.
+pub(crate) fn card(finding: &Finding, question: impl Into<String>) -> Card {
     Card {
-        name: name.to_owned(),
+        name: finding.question.to_string(),
         question: question.into(),
         answer: String::new(),
-        tone: tone(verdict),
-        verdict: verdict.words().to_owned(),
+        tone: tone(finding.verdict),
+        verdict: finding.verdict.words().to_owned(),
         rule: String::new(),
         number: None,
         plot: None,
@@ -71,28 +70,35 @@ pub(crate) fn plot(
     })
 }
 
-/// A card of what must never happen, which came `hits` times in `n`: it fails at once, and else says up to which `share` it might be all
-/// the same; and the ends of that share.
-pub(crate) fn must_not_happen(
-    (name, question): (&str, &str),
-    (hits, n): (usize, usize),
-    share: &str,
-) -> (Card, Option<(f64, f64)>) {
-    let ends = proportion(hits, n, 0.95).ok().map(|s| s.ends());
-    let verdict = match hits {
-        0 => within(n, ends, (0.0, 1.0)),
-        _ => Verdict::Fails,
-    };
-    let ceiling = ends.map_or_else(
+/// A share that was judged, as a row of an axis in %.
+pub(crate) fn share_row(label: impl Into<String>, part: &Part) -> IntervalRow {
+    let percent = |(low, high): (f64, f64)| (100.0 * low, 100.0 * high);
+    IntervalRow::new(
+        label,
+        part.estimate.map(|share| 100.0 * share),
+        part.interval.map(percent),
+    )
+}
+
+/// A card of what must never happen, and how large a `share` of it would look the same.
+pub(crate) fn must_not_happen(finding: &Finding, question: &str, share: &str) -> Card {
+    let part = finding.parts.first();
+    let ceiling = part.and_then(|part| part.interval).map_or_else(
         || "not known".to_owned(),
         |(_, high)| {
             let high = percent(Some(high));
             format!("a true {share} up to {high} would look the same")
         },
     );
-    let mut found = card(name, question, verdict);
-    found.number = number(format!("{hits} of {n}"), "none: any number counts", ceiling);
-    (found, ends)
+    let n = part.map_or(0, |part| part.n);
+    let hits = part.and_then(|part| part.estimate).unwrap_or(0.0) * n as f64;
+    let mut card = card(finding, question);
+    card.number = number(
+        format!("{hits:.0} of {n}"),
+        "none: any number counts",
+        ceiling,
+    );
+    card
 }
 
 /// `86.9%`, with a true minus; `no value` where there is none.
@@ -117,12 +123,19 @@ pub(crate) fn interval(ends: Option<(f64, f64)>, decimals: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use maveric_analysis::Question;
 
     #[test]
     fn every_verdict_has_its_own_words_and_silence_looks_like_nothing_else() {
         use Verdict::{Fails, NotAsked, NotShown, Shown, TooFew};
         let all = [Shown, NotShown, Fails, NotAsked, TooFew];
-        let cards = all.map(|v| card("x", "Does it?", v));
+        let cards = all.map(|verdict| {
+            let finding = Finding {
+                verdict,
+                ..Finding::every(Question::Nearer, Vec::new())
+            };
+            card(&finding, "Is it?")
+        });
         let words: Vec<&str> = cards.iter().map(|c| c.verdict.as_str()).collect();
         assert_eq!(
             words,

@@ -12,11 +12,14 @@ use crate::{
     error::StudyError,
     run_folder::{MODEL_FILE, training_path},
     stages::{
-        evaluate::tables::{compared, following_table, shrinkage},
+        evaluate::{
+            findings::{self, NETWORKS},
+            tables::{compared, following_table, shrinkage},
+        },
         train::TrainingSummary,
     },
 };
-use maveric_analysis::{Verdict, verdict::within};
+use maveric_analysis::{Finding, Question};
 use maveric_following::{
     Compared, DriverEvaluation, FollowingEvaluation, FollowingMethod, Knows, MethodMean,
 };
@@ -127,7 +130,14 @@ pub(super) fn page(options: &ReportOptions) -> Result<(Report, Vec<String>), Stu
             .flat_map(|n| &n.left_out)
             .map(|l| format!("Left out of the training: {l}.")),
     );
-    let cards = vec![better(&found), personal(&found), reached(&found)];
+    let judged = findings::findings(&found);
+    let words = |finding: &Finding| match finding.question {
+        Question::Better => Some(better(&found, finding)),
+        Question::Personal => Some(personal(&found, finding)),
+        Question::Reached => Some(reached(&found, finding)),
+        _ => None,
+    };
+    let cards: Vec<Card> = judged.iter().filter_map(words).collect();
     let said = cards
         .iter()
         .map(|c| format!("{} {}: {}", c.question, c.verdict, c.answer));
@@ -199,14 +209,6 @@ fn compared_row(pair: &Compared) -> IntervalRow {
     )
 }
 
-fn judged(pair: &Compared, drivers: usize) -> Verdict {
-    within(
-        drivers,
-        pair.low_m.zip(pair.high_m),
-        (f64::NEG_INFINITY, 0.0),
-    )
-}
-
 fn paired(pair: &Compared) -> String {
     let ends = interval(pair.low_m.zip(pair.high_m), 2);
     format!(
@@ -220,19 +222,12 @@ fn paired(pair: &Compared) -> String {
 }
 
 /// What was learned against the best of its peers, whichever that is.
-fn better(found: &FollowingEvaluation) -> Card {
+fn better(found: &FollowingEvaluation, finding: &Finding) -> Card {
     let n = found.drivers.len();
-    let peers: Vec<&Compared> = found
-        .compared
-        .iter()
-        .filter(|c| {
-            c.method == FollowingMethod::ClosedLoopShrunken && !NETWORKS.contains(&c.beside)
-        })
-        .collect();
+    let peers = findings::beside_peers(found);
     let mut asked = card(
-        "better",
+        finding,
         "Does it follow more like the driver than a simple law would?",
-        Verdict::all(peers.iter().map(|p| judged(p, n)).collect::<Vec<_>>()),
     );
     let ours = found.mean(FollowingMethod::ClosedLoopShrunken);
     let peer = found
@@ -287,34 +282,11 @@ fn better(found: &FollowingEvaluation) -> Card {
     asked
 }
 
-/// Methods that were learned by a network.
-const NETWORKS: [FollowingMethod; 6] = [
-    FollowingMethod::FollowingDistanceOwn,
-    FollowingMethod::FollowingDistanceMean,
-    FollowingMethod::ClosedLoopOwn,
-    FollowingMethod::ClosedLoopShrunken,
-    FollowingMethod::ClosedLoopMean,
-    FollowingMethod::ClosedLoopAndIdmShrunken,
-];
-
 /// Does knowing the driver help, by each way of knowing?
-fn personal(found: &FollowingEvaluation) -> Card {
+fn personal(found: &FollowingEvaluation, finding: &Finding) -> Card {
     let n = found.drivers.len();
-    let same = [
-        FollowingMethod::ClosedLoopMean,
-        FollowingMethod::IdmPopulation,
-        FollowingMethod::FollowingDistanceMean,
-    ];
-    let pairs: Vec<&Compared> = found
-        .compared
-        .iter()
-        .filter(|c| same.contains(&c.beside))
-        .collect();
-    let mut asked = card(
-        "personal",
-        "Does knowing the driver help?",
-        Verdict::all(pairs.iter().map(|p| judged(p, n)).collect::<Vec<_>>()),
-    );
+    let pairs = findings::beside_everybody(found);
+    let mut asked = card(finding, "Does knowing the driver help?");
     let counts: Vec<String> = pairs
         .iter()
         .map(|p| {
@@ -351,15 +323,11 @@ fn personal(found: &FollowingEvaluation) -> Card {
 }
 
 /// Did what is driven by default ever run into the leader?
-fn reached(found: &FollowingEvaluation) -> Card {
-    let driven = found
-        .driven
-        .as_ref()
-        .map_or(FollowingMethod::ClosedLoopShrunken, |c| c.method);
+fn reached(found: &FollowingEvaluation, finding: &Finding) -> Card {
+    let driven = findings::driven(found);
     let mean = found.mean(driven);
     let (hits, n) = mean.map_or((0, 0), |m| (m.reached_zero, m.drivers));
-    let question = ("reached", "Does it stay behind the leader?");
-    let (mut asked, _) = must_not_happen(question, (hits, n), "share");
+    let mut asked = must_not_happen(finding, "Does it stay behind the leader?", "share");
     asked.answer = format!(
         "What is driven by default ({}) reached the leader in {hits} of {n} drives.",
         driven.label()
@@ -389,39 +357,19 @@ fn by_driver(found: &FollowingEvaluation) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::stages::evaluate::findings::tests::found;
 
-    /// So many drivers, a mean error a method, and one comparison with its interval.
-    fn found(drivers: usize, low_m: f64, high_m: f64) -> FollowingEvaluation {
-        let driver = |i: usize| {
-            serde_json::json!({ "driver": format!("D{i}"), "methods": [],
-                "series": { "time_s": [], "gap_m": [], "ego_speed_mps": [], "lead_speed_mps": [], "simulated": [] } })
-        };
-        let mean = |method: &str, gap: f64| {
-            serde_json::json!({ "method": method, "gap_rmse_m": gap, "gap_rmse_median_m": gap, "speed_rmse_mps": 1.0,
-                "nrmse": 0.1, "mixed": 0.1, "reached_zero": 0, "drivers": drivers })
-        };
-        let against = |method: &str, beside: &str| {
-            serde_json::json!({ "method": method, "beside": beside, "mean_m": 0.5 * (low_m + high_m), "low_m": low_m,
-                "high_m": high_m, "median_m": 0.0, "better": 1, "worse": drivers - 1 })
-        };
-        serde_json::from_value(serde_json::json!({
-            "learned_from": drivers,
-            "driven": null,
-            "drivers": (0..drivers).map(driver).collect::<Vec<_>>(),
-            "means": [mean("closed_loop_shrunken", 3.0), mean("closed_loop_mean", 3.4), mean("idm_own", 2.0), mean("gipps_own", 2.5),
-                mean("idm_population", 2.8), mean("idm_floor", 1.0)],
-            "compared": [against("closed_loop_shrunken", "idm_own"), against("closed_loop_shrunken", "closed_loop_mean")],
-            "peers": [],
-            "time_gap_shrinkage": { "people": drivers, "half_s": 60.0, "within": 1.0, "between": 1.0, "strength_s": 60.0, "most": 0.9 },
-            "closed_loop": null,
-        }))
-        .unwrap()
+    fn of(
+        found: &FollowingEvaluation,
+        words: fn(&FollowingEvaluation, &Finding) -> Card,
+        at: usize,
+    ) -> Card {
+        words(found, &findings::findings(found)[at])
     }
 
     #[test]
     fn the_best_of_the_peers_stands_beside_ours_whoever_is_ahead() {
-        let card = better(&found(8, 0.2, 1.8));
-        assert_eq!(card.verdict, Verdict::Fails.words());
+        let card = of(&found(8, 0.2, 1.8), better, 0);
         assert!(
             card.answer.contains("3.00 m") && card.answer.contains("IDM, own 2.00 m"),
             "{}",
@@ -432,31 +380,17 @@ mod tests {
             floor.contains("2.80 m") && floor.contains(ceiling),
             "the population's and the fitted law too: {floor}"
         );
-        assert_eq!(
-            better(&found(8, -1.8, -0.2)).verdict,
-            Verdict::Shown.words()
-        );
-    }
-
-    #[test]
-    fn intervals_that_hold_0_are_a_tie_and_four_drivers_are_too_few() {
-        let tie = better(&found(8, -1.0, 1.0));
+        let tie = of(&found(8, -1.0, 1.0), better, 0);
         assert!(
             tie.answer.contains("a tie by its interval"),
             "{}",
             tie.answer
         );
-        assert_eq!(tie.verdict, Verdict::NotShown.words());
-        assert_eq!(better(&found(4, 0.2, 1.8)).verdict, Verdict::TooFew.words());
-        assert_eq!(
-            personal(&found(4, 0.2, 1.8)).verdict,
-            Verdict::TooFew.words()
-        );
     }
 
     #[test]
     fn drivers_are_counted_and_not_named() {
-        let card = personal(&found(8, 0.2, 1.8));
+        let card = of(&found(8, 0.2, 1.8), personal, 1);
         assert!(
             card.answer.contains("1 of 8 nearer, 7 further off"),
             "{}",

@@ -67,7 +67,7 @@ fn percent(part: usize, whole: usize) -> Option<f64> {
 fn panels(run: &Run, found: &mut Results) {
     let Some(own) = run.own_style() else { return };
     for panel in &run.analysis.panels {
-        let measured = !panel.outcome.contains('.');
+        let measured = panel.measured;
         for pair in &panel.contrasts {
             // The pair may stand either way round; the claims are the other minus the own style.
             let (other, sign) = match (pair.first == own, pair.second == own) {

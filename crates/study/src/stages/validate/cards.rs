@@ -1,8 +1,11 @@
 //! The answers that the page of a validation opens with.
 
-use super::{Examined, Metric, Right, Validated, tables::over};
-use crate::stages::report::card::{card, interval, must_not_happen, number, percent, plot};
-use maveric_analysis::{Verdict, verdict::within};
+use super::{Agreement, Examined, Metric, Right, Validated, tables::over};
+use crate::stages::report::card::{
+    card, interval, must_not_happen, number, percent, plot, share_row,
+};
+use maveric_analysis::{Finding, Question, Verdict};
+use maveric_rehearsal::{findings, validation::Reading};
 use maveric_report::{Card, apa, figures::intervals::IntervalRow};
 use maveric_stats::proportion;
 
@@ -11,15 +14,18 @@ pub(super) fn cards(found: &Validated, points: f64) -> Vec<Card> {
     let Some(first) = found.models.first() else {
         return Vec::new();
     };
-    let mut cards = vec![like_its_driver(found, first)];
-    cards.extend(recognised(found, first));
-    cards.push(dial(found, first, points));
-    cards.extend(style(found, first));
-    cards.push(safe(found));
-    cards
+    let words = |finding: &Finding| match finding.question {
+        Question::OwnStyle => Some(like_its_driver(found, first, finding)),
+        Question::Recognised => recognised(first, finding),
+        Question::Dial => Some(dial(first, finding, points)),
+        Question::Style => style(first, finding),
+        Question::Safe => Some(safe(found, finding)),
+        _ => None,
+    };
+    found.findings.iter().filter_map(words).collect()
 }
 
-fn like_its_driver(found: &Validated, first: &Examined) -> Card {
+fn like_its_driver(found: &Validated, first: &Examined, finding: &Finding) -> Card {
     let models = &found.models;
     let rows: Vec<IntervalRow> = first
         .fidelity
@@ -42,15 +48,7 @@ fn like_its_driver(found: &Validated, first: &Examined) -> Card {
             }
         })
         .collect();
-    let verdicts = rows.iter().zip(&first.fidelity).map(|(row, f)| {
-        let floor = row.floor.unwrap_or(f64::NEG_INFINITY);
-        within(f.n, row.interval, (floor, f64::INFINITY))
-    });
-    let mut card = card(
-        "own-style",
-        "Does the car drive as its driver does?",
-        Verdict::all(verdicts.collect::<Vec<_>>()),
-    );
+    let mut card = card(finding, "Does the car drive as its driver does?");
     let mean = |of: fn(&IntervalRow) -> Option<f64>| {
         let values: Vec<f64> = rows.iter().filter_map(of).collect();
         percent(super::mean(&values).map(|v| v / 100.0))
@@ -63,7 +61,7 @@ fn like_its_driver(found: &Validated, first: &Examined) -> Card {
         above.count(),
         rows.len()
     );
-    if card.verdict != "shown" {
+    if finding.verdict != Verdict::Shown {
         card.answer = format!(
             "Not in every measure nearer than guessing the average driver would be; {} models, {} drivers.",
             models.len(),
@@ -89,25 +87,10 @@ fn like_its_driver(found: &Validated, first: &Examined) -> Card {
     card
 }
 
-fn recognised(found: &Validated, first: &Examined) -> Option<Card> {
-    let main = first
-        .identity
-        .iter()
-        .position(|i| i.metric == Metric::WithinPerson)
-        .unwrap_or(0);
-    let of = |m: &Examined| m.identity.get(main).cloned();
-    let shown = of(first)?;
+fn recognised(first: &Examined, finding: &Finding) -> Option<Card> {
+    let shown = findings::deciding(&first.identity)?;
     let chance = 1.0 / shown.n.max(1) as f64;
-    let verdicts = found
-        .models
-        .iter()
-        .filter_map(of)
-        .map(|i| within(i.n, Some((i.low, i.high)), (chance, f64::INFINITY)));
-    let mut card = card(
-        "recognised",
-        "Is a driver recognised on another day?",
-        Verdict::all(verdicts.collect::<Vec<_>>()),
-    );
+    let mut card = card(finding, "Is a driver recognised on another day?");
     card.answer = format!(
         "Of {} drivers, {} are the nearest to their own second drive (first model); chance would give one.",
         shown.n, shown.hits
@@ -152,18 +135,11 @@ fn recognised(found: &Validated, first: &Examined) -> Option<Card> {
     Some(card)
 }
 
-fn dial(found: &Validated, first: &Examined, points: f64) -> Card {
+fn dial(first: &Examined, finding: &Finding, points: f64) -> Card {
     let share = |r: &Right| proportion(r.right, r.n, 0.95).ok();
-    let judged = found
-        .models
-        .iter()
-        .flat_map(|m| &m.dial)
-        .flat_map(|d| [&d.aggressive, &d.cautious]);
-    let verdicts = judged.map(|r| within(r.n, share(r).map(|s| s.ends()), (0.5, f64::INFINITY)));
     let mut card = card(
-        "dial",
+        finding,
         "Does turning the dial change the driving as it says?",
-        Verdict::all(verdicts.collect::<Vec<_>>()),
     );
     let rows: Vec<IntervalRow> = first
         .dial
@@ -203,28 +179,16 @@ fn dial(found: &Validated, first: &Examined, points: f64) -> Card {
     card
 }
 
-fn style(found: &Validated, first: &Examined) -> Option<Card> {
-    let last = first
-        .line
-        .iter()
-        .position(|a| a.reading.contains("without"))?;
-    let verdicts = found
-        .models
-        .iter()
-        .filter_map(|m| m.line.get(last))
-        .map(|a| within(a.n, a.adb_interval, (0.0, f64::INFINITY)));
-    let shown = &first.line[last];
-    let mut card = card(
-        "style",
-        "Does driving alone tell the score?",
-        Verdict::all(verdicts.collect::<Vec<_>>()),
-    );
+fn style(first: &Examined, finding: &Finding) -> Option<Card> {
+    let alone = |a: &&Agreement| a.reading == Reading::WithoutScore;
+    let shown = first.line.iter().find(alone)?;
+    let mut card = card(finding, "Does driving alone tell the score?");
     card.answer = format!(
         "The style read from a drive alone explains {:.0}% of how the scores of {} drivers differ (first model).",
         100.0 * shown.adb.unwrap_or(0.0).powi(2),
         shown.n
     );
-    format!("Shown if for every model the correlation of the score with “{}” is above 0 (95% interval); fails if below.", shown.reading)
+    format!("Shown if for every model the correlation of the score with “{}” is above 0 (95% interval); fails if below.", shown.reading.title())
         .clone_into(&mut card.rule);
     card.number = number(
         format!(
@@ -240,7 +204,7 @@ fn style(found: &Validated, first: &Examined) -> Option<Card> {
     let rows = first
         .line
         .iter()
-        .map(|a| IntervalRow::new(a.reading, a.adb, a.adb_interval));
+        .map(|a| IntervalRow::new(a.reading.title(), a.adb, a.adb_interval));
     card.plot = plot(
         "Correlation with the score",
         "95% CI, first model",
@@ -252,12 +216,12 @@ fn style(found: &Validated, first: &Examined) -> Option<Card> {
     Some(card)
 }
 
-fn safe(found: &Validated) -> Card {
+fn safe(found: &Validated, finding: &Finding) -> Card {
     let drives: usize = found.models.iter().map(|m| m.drives).sum();
     let collisions: u32 = found.models.iter().map(|m| m.collisions).sum();
     let near: u32 = found.models.iter().map(|m| m.rule_violations).sum();
-    let question = ("safe", "Does the car stay clear of others?");
-    let (mut card, ends) = must_not_happen(question, (collisions as usize, drives), "rate");
+    let mut card = must_not_happen(finding, "Does the car stay clear of others?", "rate");
+    let part = finding.parts.first();
     card.answer = format!(
         "{collisions} collisions and {near} moments nearer than the safety rule allows in {drives} drives."
     );
@@ -266,11 +230,9 @@ fn safe(found: &Validated) -> Card {
         "Drives with a collision (%)",
         "Wilson’s 95% CI",
         Some(0.0),
-        vec![IntervalRow::new(
-            "All models",
-            (drives > 0).then(|| 100.0 * (f64::from(collisions) / drives as f64)),
-            ends.map(|(l, h)| (100.0 * l, 100.0 * h)),
-        )],
+        part.map(|part| share_row("All models", part))
+            .into_iter()
+            .collect(),
     );
     "The other cars are simulated and keep to their rules.".clone_into(&mut card.doubt);
     card.see = Some("exclusions".to_owned());

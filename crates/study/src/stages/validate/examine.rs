@@ -6,15 +6,17 @@ use crate::{
     outcome::{Watch, for_each_on},
     stages::simulate::drive_style,
 };
+use maveric_analysis::Finding;
 use maveric_domain::{AdbScore, Drive, DriveId, DriveMeta, DrivenBy, Embedding, stream_seed};
 use maveric_measures::likeness::{Window, windows};
 use maveric_model::{
     Model, Personalized, personalize,
     style_space::{LinearHead, PerpendicularEllipse, share_outside_training},
 };
+use maveric_rehearsal::findings;
 use maveric_rehearsal::validation::{
-    Across, Agreement, Dial, Driven, Fidelity, Identification, Known, Likeness, Values, across,
-    agreement, dial, fidelity, identify, identify_posteriors, likeness, mean, regression,
+    Across, Agreement, Dial, Driven, Fidelity, Identification, Known, Likeness, Reading, Values,
+    across, agreement, dial, fidelity, identify, identify_posteriors, likeness, mean, regression,
     standardiser, values, within_person,
 };
 use maveric_simulator::Scenario;
@@ -61,6 +63,21 @@ pub(super) struct Examination<'a> {
     pub(super) worlds: usize,
     pub(super) seed: u64,
     pub(super) jobs: usize,
+}
+
+/// What became of each question, over all models.
+pub(super) fn findings(models: &[Examined]) -> Vec<Finding> {
+    fn of<T>(models: &[Examined], rows: fn(&Examined) -> &Vec<T>) -> Vec<&[T]> {
+        models.iter().map(|m| rows(m).as_slice()).collect()
+    }
+    let collisions: u32 = models.iter().map(|m| m.collisions).sum();
+    let drives = models.iter().map(|m| m.drives).sum();
+    let mut found = vec![findings::own_style(&of(models, |m| &m.fidelity))];
+    found.extend(findings::recognised(&of(models, |m| &m.identity)));
+    found.push(findings::dial(&of(models, |m| &m.dial)));
+    found.extend(findings::style(&of(models, |m| &m.line)));
+    found.push(findings::safe(collisions as usize, drives));
+    found
 }
 
 /// Which of the two drives.
@@ -235,16 +252,13 @@ impl Examination<'_> {
         let adb: Vec<Option<f64>> = test.iter().map(|p| p.adb.map(AdbScore::points)).collect();
         let latent: Vec<Option<f64>> = test.iter().map(|p| p.latent).collect();
         let readings = [
-            ("aggression line, fitted with ADB", position(&scored)?),
-            ("aggression line, fitted without", position(&own)?),
-            (
-                "regression on the seven measures",
-                regression(trained_on, &own_values, &z),
-            ),
+            (Reading::WithScore, position(&scored)?),
+            (Reading::WithoutScore, position(&own)?),
+            (Reading::Regression, regression(trained_on, &own_values, &z)),
         ];
         let line: Result<Vec<_>, maveric_rehearsal::RehearsalError> = readings
             .iter()
-            .map(|(what, values)| agreement(what, values, &adb, &latent))
+            .map(|(what, values)| agreement(*what, values, &adb, &latent))
             .collect();
         let angles: Vec<f64> = moved.iter().map(|m| m.0).collect();
         Ok(Examined {

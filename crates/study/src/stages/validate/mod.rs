@@ -22,6 +22,7 @@ use crate::{
     run_folder::{read_model, read_scenario},
     stages::report::write_page,
 };
+use maveric_analysis::Finding;
 use maveric_domain::DrivenBy;
 use maveric_rehearsal::validation::{MEASURES, mean, title, values};
 use maveric_report::tables::Table;
@@ -64,6 +65,8 @@ pub struct Validated {
     pub training_drivers: usize,
     /// Model by model.
     pub models: Vec<Examined>,
+    /// What became of each question, over all models.
+    pub findings: Vec<Finding>,
 }
 
 /// Examines every model on the people of a run who drove twice; writes `validation.json`, `validation.md` and a
@@ -118,6 +121,7 @@ pub fn validate(
             .any(|p| p.first.meta().driven_by == DrivenBy::Synthetic),
         drivers: people.test.len(),
         training_drivers: people.training.len(),
+        findings: examine::findings(&models),
         models,
     };
     write_json(&options.out.join("validation.json"), &value)?;

@@ -1,6 +1,7 @@
 //! What was found, over all models, as tables.
 
 use super::{Agreement, Examined, FULL, Metric, Right, mean};
+use maveric_rehearsal::findings::over_models;
 use maveric_report::{
     figures::fidelity::Accuracy,
     tables::{Cell, Table, TableOf},
@@ -8,12 +9,8 @@ use maveric_report::{
 
 /// Mean, lowest and highest over the models that have a value.
 pub(super) fn over<T>(models: &[T], of: impl Fn(&T) -> Option<f64>) -> Option<Accuracy> {
-    let values: Vec<f64> = models.iter().filter_map(of).collect();
-    Some(Accuracy {
-        mean: mean(&values)?,
-        low: values.iter().copied().fold(f64::INFINITY, f64::min),
-        high: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-    })
+    let (mean, (low, high)) = over_models(models.iter().map(of))?;
+    Some(Accuracy { mean, low, high })
 }
 
 /// Mean over the models and, in brackets, lowest and highest.
@@ -211,7 +208,7 @@ fn line(models: &[Examined], one: &Examined) -> Table {
         |i: usize, of: fn(&Agreement) -> Option<f64>| range(&each(models, |m| of(&m.line[i])), 2);
     let title = "The aggression line against the ADB score and the generator’s aggressiveness (Pearson’s r)";
     table("line", title, &one.line)
-        .text("Reading", |(_, row)| row.reading)
+        .text("Reading", |(_, row)| row.reading.title())
         .right("with ADB", |(i, _)| of(*i, |a| a.adb))
         .right("with the latent", |(i, _)| of(*i, |a| a.latent))
         .noted(

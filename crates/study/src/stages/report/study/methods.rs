@@ -256,7 +256,7 @@ mod tests {
                 "df": 3, "effect": null, "p": test.map(|_| 0.5), "p_holm": null,
             });
             serde_json::from_value(serde_json::json!({
-                "outcome": "x", "title": "X", "unit": "", "same": null, "range": null, "differences_from": null, "group": null,
+                "outcome": "x", "title": "X", "unit": "", "measured": true, "same": null, "range": null, "differences_from": null, "group": null,
                 "participants": [], "conditions": ["a", "b"], "rows": [], "n": 4, "dropped": [], "test": test, "reasons": [],
                 "comparison": null, "contrasts": [contrast],
             }))

@@ -94,7 +94,7 @@ pub(super) fn done(run: &Run) -> String {
             labels(by_hand)
         ));
     }
-    if a.panels.iter().any(|p| p.outcome.contains('.')) {
+    if a.panels.iter().any(|p| !p.measured) {
         parts.push("answered questionnaires about them".to_owned());
     }
     sentences.push(format!(

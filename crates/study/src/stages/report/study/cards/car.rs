@@ -2,30 +2,23 @@
 
 use super::super::{Run, enumerated};
 use crate::stages::report::card::{card, interval, number, percent, plot};
-use maveric_analysis::verdict::directed;
-use maveric_analysis::{Nearer, Reproduction, Verdict};
-use maveric_domain::design::Sign;
+use maveric_analysis::{Finding, Nearer, Verdict};
 use maveric_report::figures::intervals::{IntervalRow, Intervals};
 use maveric_report::{Card, apa, markup};
 use maveric_stats::Adjustment;
 
 /// Does the car at 0 on the dial drive as the person does?
-pub(super) fn own_style(run: &Run) -> Option<Card> {
+pub(super) fn own_style(run: &Run, finding: &Finding) -> Option<Card> {
     let rows = &run.analysis.reproduction;
     let label = run.label(rows.first()?.condition);
-    let verdicts = rows
-        .iter()
-        .map(|r| r.bias.as_ref().map_or(Verdict::NotAsked, |b| b.verdict));
     let mut found = card(
-        "own-style",
+        finding,
         format!("Does {} drive as its driver does?", markup::plain(&label)),
-        Verdict::all(verdicts),
     );
-    let same = |r: &&Reproduction| r.bias.as_ref().is_some_and(|b| b.verdict == Verdict::Shown);
-    let off: Vec<String> = rows
-        .iter()
-        .filter(|r| !same(r))
-        .filter_map(|r| {
+    let judged = rows.iter().zip(&finding.parts);
+    let off: Vec<String> = judged
+        .filter(|(_, part)| part.verdict != Verdict::Shown)
+        .filter_map(|(r, _)| {
             let b = r.bias.as_ref()?;
             let unit = if b.unit.is_empty() {
                 String::new()
@@ -40,7 +33,7 @@ pub(super) fn own_style(run: &Run) -> Option<Card> {
             ))
         })
         .collect();
-    let count = rows.iter().filter(same).count();
+    let count = finding.count(Verdict::Shown);
     found.answer = if off.is_empty() {
         format!(
             "On average it drives as its driver does in every measure asked: {}.",
@@ -126,19 +119,17 @@ pub(super) fn own_style(run: &Run) -> Option<Card> {
 }
 
 /// Is it nearer to its driver than the other cars are?
-pub(super) fn nearer(run: &Run) -> Option<Card> {
+pub(super) fn nearer(run: &Run, finding: &Finding) -> Option<Card> {
     let rows = &run.analysis.nearer;
     let label = run.label(rows.first()?.condition);
-    let verdict = |r: &Nearer| directed(r.n, r.effect, r.p_holm, Sign::Plus);
     let mut found = card(
-        "nearer",
+        finding,
         format!(
             "Is {} nearer to its driver than the other cars?",
             markup::plain(&label)
         ),
-        Verdict::all(rows.iter().map(verdict)),
     );
-    let shown = rows.iter().filter(|r| verdict(r) == Verdict::Shown).count();
+    let shown = finding.count(Verdict::Shown);
     let [near, tied, far] = rows.iter().fold([0; 3], |[a, b, c], r| {
         [a + r.nearer, b + r.tied, c + r.farther]
     });

@@ -2,8 +2,8 @@
 
 use super::super::{Run, enumerated};
 use crate::stages::report::card::{card, number, plot};
-use maveric_analysis::verdict::{FEWEST, directed};
-use maveric_analysis::{Contrast, Panel, Verdict};
+use maveric_analysis::verdict::FEWEST;
+use maveric_analysis::{Contrast, Finding, Panel, Question, Verdict};
 use maveric_domain::ConditionId;
 use maveric_domain::design::Sign;
 use maveric_report::Card;
@@ -14,7 +14,7 @@ use maveric_stats::proportion;
 fn directed_panels(run: &Run, measured: bool) -> Vec<(&Panel, Vec<&Contrast>)> {
     let whole = run.analysis.panels.iter().filter(|p| p.group.is_none());
     whole
-        .filter(|p| p.outcome.contains('.') != measured)
+        .filter(|p| p.measured == measured)
         .map(|p| {
             (
                 p,
@@ -44,7 +44,8 @@ fn widest<'a>(run: &Run, contrasts: &[&'a Contrast]) -> Option<&'a Contrast> {
 }
 
 /// Do the conditions differ the way that was expected: in what was measured, or in what people said?
-pub(super) fn expected(run: &Run, measured: bool) -> Option<Card> {
+pub(super) fn expected(run: &Run, finding: &Finding) -> Option<Card> {
+    let measured = finding.question != Question::Noticed;
     let panels = directed_panels(run, measured);
     let first = widest(run, &panels.first()?.1)?;
     let all = || {
@@ -52,32 +53,19 @@ pub(super) fn expected(run: &Run, measured: bool) -> Option<Card> {
             .iter()
             .flat_map(|(p, cs)| cs.iter().map(move |c| (*p, *c)))
     };
-    let judge = |(p, c): (&Panel, &Contrast)| {
-        c.expected.map_or(Verdict::NotAsked, |sign| {
-            directed(p.n, c.mean_difference, c.p_holm, sign)
-        })
+    let question = match finding.question {
+        Question::Dial => "Does turning the dial change the driving as it says?",
+        Question::Noticed => "Do people feel the difference that was meant?",
+        _ => "Do the conditions drive the way that was expected?",
     };
-    let verdicts: Vec<Verdict> = all().map(judge).collect();
-    let (name, question) = match (measured, run.design.style().is_some()) {
-        (true, true) => (
-            "dial",
-            "Does turning the dial change the driving as it says?",
-        ),
-        (true, false) => (
-            "expected",
-            "Do the conditions drive the way that was expected?",
-        ),
-        (false, _) => ("noticed", "Do people feel the difference that was meant?"),
-    };
-    let mut found = card(name, question, Verdict::all(verdicts.iter().copied()));
+    let mut found = card(finding, question);
     let right = all().filter(|(_, c)| c.mean_difference.and_then(Sign::of) == c.expected);
-    let count = |v: Verdict| verdicts.iter().filter(|found| **found == v).count();
     found.answer = format!(
         "{} of {} differences lie the expected way, {} of them clearly; {} clearly the other way.",
         right.count(),
-        verdicts.len(),
-        count(Verdict::Shown),
-        count(Verdict::Fails)
+        finding.parts.len(),
+        finding.count(Verdict::Shown),
+        finding.count(Verdict::Fails)
     );
     let from = if run.design.style().is_some() {
         "What is expected follows from the places on the dial or stands in the design."
@@ -178,37 +166,19 @@ fn doubt_of_the_dial(run: &Run) -> Option<String> {
 }
 
 /// Do the conditions differ at all? Where nothing else was expected of them.
-pub(super) fn conditions(run: &Run) -> Option<Card> {
+pub(super) fn conditions(run: &Run, finding: &Finding) -> Card {
     let panels: Vec<&Panel> = run
         .analysis
         .panels
         .iter()
         .filter(|p| p.group.is_none())
         .collect();
-    let differs = |p: &Panel| {
-        let clear = p
-            .contrasts
-            .iter()
-            .any(|c| c.p_holm.is_some_and(|p| p < 0.05));
-        match (p.n, clear) {
-            (0, _) => Verdict::NotAsked,
-            (n, _) if n < FEWEST => Verdict::TooFew,
-            (_, true) => Verdict::Shown,
-            _ => Verdict::NotShown,
-        }
-    };
-    let verdicts: Vec<Verdict> = panels.iter().map(|p| differs(p)).collect();
-    let clear: Vec<String> = panels
-        .iter()
-        .zip(&verdicts)
-        .filter(|(_, v)| **v == Verdict::Shown)
-        .map(|(p, _)| p.title.to_lowercase())
+    let shown = panels.iter().zip(&finding.parts);
+    let clear: Vec<String> = shown
+        .filter(|(_, part)| part.verdict == Verdict::Shown)
+        .map(|(panel, _)| panel.title.to_lowercase())
         .collect();
-    let mut found = card(
-        "differ",
-        "Do the conditions differ?",
-        Verdict::any(verdicts),
-    );
+    let mut found = card(finding, "Do the conditions differ?");
     found.answer = if clear.is_empty() {
         format!("In none of {} outcomes clearly.", panels.len())
     } else {
@@ -226,5 +196,5 @@ pub(super) fn conditions(run: &Run) -> Option<Card> {
         .clone_into(&mut found.doubt);
     found.see = Some("table-contrasts".to_owned());
     found.tests = panels.iter().map(|p| over_conditions(p)).collect();
-    (!panels.is_empty()).then_some(found)
+    found
 }

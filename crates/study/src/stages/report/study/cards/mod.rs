@@ -11,36 +11,40 @@ use crate::stages::report::{
     card::{card, interval, number, plot},
     words::capital,
 };
-use maveric_analysis::Judged;
+use maveric_analysis::{Finding, Question};
 use maveric_report::claims::LedgerRow;
 use maveric_report::figures::intervals::{IntervalRow, Intervals};
 use maveric_report::{Card, apa, markup};
 
-/// A card a question, in the order in which a reader asks: what was declared first, then does it work, for whom, can it be trusted.
+/// A card a finding, in the order of the analysis, and what the paper's ledger says.
 pub(super) fn cards(
     run: &Run,
     reliabilities: &[Reliable],
     ledger: Option<&[LedgerRow]>,
 ) -> Vec<Card> {
-    let declared = run.analysis.hypotheses.iter().enumerate();
-    let mut found: Vec<Card> = declared.map(|(i, h)| hypothesis(run, i, h)).collect();
-    found.extend(car::own_style(run));
-    found.extend(car::nearer(run));
-    found.extend(conditions::expected(run, true));
-    found.extend(conditions::expected(run, false));
-    if found.is_empty() {
-        found.extend(conditions::conditions(run));
-    }
-    found.extend(style::line(run, reliabilities));
-    found.extend(style::across(run));
-    found.extend(people::preferred(run));
-    found.extend(people::homophily(run));
-    found.extend(ledger.map(paper::against_the_paper));
-    found
+    let findings = run.analysis.findings.iter();
+    let words = findings.filter_map(|finding| match finding.question {
+        Question::Hypothesis(number) => hypothesis(run, finding, number),
+        Question::OwnStyle => car::own_style(run, finding),
+        Question::Nearer => car::nearer(run, finding),
+        Question::Dial | Question::Expected | Question::Noticed => {
+            conditions::expected(run, finding)
+        }
+        Question::Differ => Some(conditions::conditions(run, finding)),
+        Question::Style => style::line(run, finding, reliabilities),
+        Question::Across => style::across(run, finding),
+        Question::Preferred => people::preferred(run, finding),
+        Question::Personality => people::homophily(run, finding),
+        _ => None,
+    });
+    let mut cards: Vec<Card> = words.collect();
+    cards.extend(ledger.map(paper::against_the_paper));
+    cards
 }
 
-fn hypothesis(run: &Run, i: usize, h: &Judged) -> Card {
-    let mut found = card(&format!("hypothesis-{}", i + 1), h.says.clone(), h.verdict);
+fn hypothesis(run: &Run, finding: &Finding, number_of: usize) -> Option<Card> {
+    let h = run.analysis.hypotheses.get(number_of.checked_sub(1)?)?;
+    let mut found = card(finding, h.says.clone());
     let (first, second) = (run.label(h.first), run.label(h.second));
     found.answer = match h.mean_difference {
         Some(d) => {
@@ -85,5 +89,5 @@ fn hypothesis(run: &Run, i: usize, h: &Judged) -> Card {
         h.p.map(|p| apa::p(p).markup().to_owned())
             .into_iter()
             .collect();
-    found
+    Some(found)
 }

@@ -1,11 +1,11 @@
 //! How many of the paper's numbers come out.
 
 use crate::stages::report::card::{card, number, plot};
-use maveric_analysis::verdict::within;
+use maveric_analysis::findings;
 use maveric_report::Card;
 use maveric_report::claims::{LedgerRow, verdict_counts};
 use maveric_report::figures::intervals::IntervalRow;
-use maveric_stats::{Proportion, proportion};
+use maveric_stats::proportion;
 
 /// How many numbers of the paper come out here, of those that could differ.
 pub(super) fn against_the_paper(ledger: &[LedgerRow]) -> Card {
@@ -19,12 +19,8 @@ pub(super) fn against_the_paper(ledger: &[LedgerRow]) -> Card {
     );
     let could = agree + same + differ;
     let share = proportion(agree, could, 0.95).ok();
-    let ends = share.as_ref().map(Proportion::ends);
-    let mut found = card(
-        "paper",
-        "Do the paper’s numbers come out here?",
-        within(could, ends, (0.5, 1.0)),
-    );
+    let finding = findings::against_the_paper(agree, could);
+    let mut found = card(&finding, "Do the paper’s numbers come out here?");
     found.answer = format!(
         "Of {could} that could differ, {agree} agree, {same} point the same way, {differ} differ; {} were set or tuned to be so and are not counted.",
         count(Claimed::ByDesign) + count(Claimed::Tuned)

@@ -2,14 +2,12 @@
 
 use super::super::{Run, correlation_words, enumerated};
 use crate::stages::report::card::{card, interval, number, percent, plot};
-use maveric_analysis::Verdict;
-use maveric_analysis::verdict::{FEWEST, within};
+use maveric_analysis::Finding;
 use maveric_report::figures::intervals::IntervalRow;
 use maveric_report::{Card, apa};
-use maveric_stats::Proportion;
 
 /// Would people rather be driven as they drive?
-pub(super) fn preferred(run: &Run) -> Option<Card> {
+pub(super) fn preferred(run: &Run, finding: &Finding) -> Option<Card> {
     let rated: Vec<_> = run
         .analysis
         .preferences
@@ -22,13 +20,7 @@ pub(super) fn preferred(run: &Run) -> Option<Card> {
             .iter()
             .flat_map(|p| p.others.iter().map(move |o| (*p, o)))
     };
-    let ends = |o: &maveric_analysis::Above| o.share.as_ref().map(Proportion::ends);
-    let verdicts = all().map(|(p, o)| within(p.n, ends(o), (0.0, 0.5)));
-    let mut found = card(
-        "preferred",
-        "Do people prefer their own style?",
-        Verdict::all(verdicts.collect::<Vec<_>>()),
-    );
+    let mut found = card(finding, "Do people prefer their own style?");
     let shares: Vec<String> = first
         .others
         .iter()
@@ -100,23 +92,11 @@ pub(super) fn preferred(run: &Run) -> Option<Card> {
 }
 
 /// Does what people are like tell whose style they want?
-pub(super) fn homophily(run: &Run) -> Option<Card> {
+pub(super) fn homophily(run: &Run, finding: &Finding) -> Option<Card> {
     let rows = &run.analysis.homophily;
     let tested: Vec<_> = rows.iter().filter(|r| r.p_holm.is_some()).collect();
-    if rows.is_empty() {
-        return None;
-    }
     let clear = |p: Option<f64>| p.is_some_and(|p| p < 0.05);
-    let verdicts = tested.iter().map(|r| match r.correlation.n {
-        n if n < FEWEST => Verdict::TooFew,
-        _ if clear(r.p_holm) => Verdict::Shown,
-        _ => Verdict::NotShown,
-    });
-    let mut found = card(
-        "personality",
-        "Does personality tell which style one wants?",
-        Verdict::any(verdicts.collect::<Vec<_>>()),
-    );
+    let mut found = card(finding, "Does personality tell which style one wants?");
     let kept = tested.iter().filter(|r| clear(r.p_holm)).count();
     let low = tested.iter().filter(|r| clear(r.correlation.p)).count();
     found.answer = format!(

@@ -2,14 +2,12 @@
 
 use super::super::{Run, correlation_words, enumerated, setting::Reliable};
 use crate::stages::report::card::{card, interval, number, plot};
-use maveric_analysis::Verdict;
-use maveric_analysis::verdict::directed;
-use maveric_domain::design::Sign;
+use maveric_analysis::{Finding, Verdict};
 use maveric_report::figures::intervals::IntervalRow;
 use maveric_report::{Card, apa, markup};
 
 /// Does the learned style hold what the driver's score says?
-pub(super) fn line(run: &Run, reliabilities: &[Reliable]) -> Option<Card> {
+pub(super) fn line(run: &Run, finding: &Finding, reliabilities: &[Reliable]) -> Option<Card> {
     let a = &run.analysis;
     let score =
         |line: &maveric_analysis::AggressionLine| line.rows.last().map(|r| r.correlation.clone());
@@ -17,9 +15,8 @@ pub(super) fn line(run: &Run, reliabilities: &[Reliable]) -> Option<Card> {
     let without = a.line_without_adb.as_ref().and_then(score);
     let decides = without.as_ref().or(with.as_ref())?;
     let mut found = card(
-        "style",
+        finding,
         format!("Does driving alone tell the {}?", run.style_label()),
-        directed(decides.n, decides.r, decides.p, Sign::Plus),
     );
     let r = decides.r.unwrap_or(0.0);
     found.answer = format!(
@@ -85,25 +82,20 @@ pub(super) fn line(run: &Run, reliabilities: &[Reliable]) -> Option<Card> {
 }
 
 /// Does moving across the dial change a habit that the dial leaves alone?
-pub(super) fn across(run: &Run) -> Option<Card> {
+pub(super) fn across(run: &Run, finding: &Finding) -> Option<Card> {
     let kept = &run.analysis.kept;
     let label = run.label(kept.first()?.across);
-    let verdicts = kept
-        .iter()
-        .map(|k| directed(k.points.len(), k.circular_r, k.circular_p_holm, Sign::Plus));
     let mut found = card(
-        "across",
+        finding,
         format!(
             "Does {} change a habit other than aggression?",
             markup::plain(&label)
         ),
-        Verdict::any(verdicts.collect::<Vec<_>>()),
     );
-    let clear = |k: &&maveric_analysis::Kept| k.circular_p_holm.is_some_and(|p| p < 0.05);
-    let titles: Vec<String> = kept
-        .iter()
-        .filter(clear)
-        .map(|k| k.title.to_lowercase())
+    let judged = kept.iter().zip(&finding.parts);
+    let titles: Vec<String> = judged
+        .filter(|(_, part)| part.verdict == Verdict::Shown)
+        .map(|(habit, _)| habit.title.to_lowercase())
         .collect();
     found.answer = if titles.is_empty() {
         format!(

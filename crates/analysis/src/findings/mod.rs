@@ -1,0 +1,10 @@
+//! The findings of a study, a file a group of questions: which rows answer a question, and by which rule.
+
+mod car;
+mod conditions;
+mod declared;
+mod people;
+mod study;
+mod style;
+
+pub use study::{against_the_paper, of_study};
