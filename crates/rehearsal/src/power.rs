@@ -27,15 +27,24 @@ impl Cell {
         }
     }
 
+    /// The tests of each part of the analysis that has any.
+    pub fn by_part(&self) -> Vec<(Part, Vec<&TestRate>)> {
+        let of = |part: Part| self.tests.iter().filter(move |t| t.part == part);
+        let parts = Part::ALL.into_iter().map(|part| (part, of(part).collect()));
+        parts
+            .filter(|(_, tests): &(_, Vec<_>)| !tests.is_empty())
+            .collect()
+    }
+
     /// Of each part of the analysis the test that most studies found.
     pub fn best_tests(&self) -> Vec<&TestRate> {
-        let best = |part: Part| {
-            let mut tests = self.tests.iter().filter(|t| t.part == part);
-            let first = tests.next()?;
-            let most = |best: &'_ TestRate, t: &TestRate| t.rejected > best.rejected;
-            Some(tests.fold(first, |best, t| if most(best, t) { t } else { best }))
-        };
-        Part::ALL.into_iter().filter_map(best).collect()
+        fn most<'a>(best: &'a TestRate, t: &'a TestRate) -> &'a TestRate {
+            if t.rejected > best.rejected { t } else { best }
+        }
+        let parts = self.by_part().into_iter();
+        parts
+            .filter_map(|(_, tests)| tests.into_iter().reduce(most))
+            .collect()
     }
 }
 

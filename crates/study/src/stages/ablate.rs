@@ -1,9 +1,6 @@
 //! `ablate`: what each part of the model is worth on drivers that it has not seen.
 
-use super::report::{
-    card::{card, number, percent, plot, share_row},
-    hashed, page_of, write_page,
-};
+use super::report::{hashed, page_of, write_page};
 use crate::{
     atomic_write::write_json,
     design::DesignFile,
@@ -15,18 +12,16 @@ use crate::{
     run_folder::adb_of,
     tables::{drives::read_drives, surveys::read_scores},
 };
-use maveric_analysis::{Finding, Part, Question, Verdict};
+use maveric_analysis::{Finding, Part, Question};
 use maveric_domain::DrivenBy;
 use maveric_model::{
     Ablated, AblationSettings, HeldOut, ModelError, TrainSettings, TrainingDrive, VariantResult,
     ablate as compare, variants,
 };
+use maveric_pages::cards::ablation;
 use maveric_report::{
-    Card, Context, Report,
-    figures::{
-        ablation::{Ablation, AblationVariant, ablation},
-        intervals::IntervalRow,
-    },
+    Context, Report,
+    figures::ablation::{Ablation, AblationVariant, ablation as figure_of},
     html::{Provenance, Section},
     markup,
     tables::{Cell, Table},
@@ -254,13 +249,13 @@ fn page(
     );
     Ok(Report {
         cards: finding
-            .map(|finding| worth(found, finding))
+            .map(|finding| ablation::parts(finding, &found.variants[0].name))
             .into_iter()
-            .collect(),
+            .collect::<Result<_, _>>()?,
         sections: vec![Section {
             title: "Ablation and baselines".to_owned(),
             intro: Vec::new(),
-            figures: vec![ablation(&figure, context)?],
+            figures: vec![figure_of(&figure, context)?],
             tables: vec![table],
         }],
         provenance: Provenance {
@@ -291,42 +286,4 @@ fn parts(found: &Ablated) -> Option<Finding> {
         }
     }
     Some(Finding::every(Question::Parts, parts))
-}
-
-fn worth(found: &Ablated, finding: &Finding) -> Card {
-    let mut asked = card(finding, "Is every part of the model worth having?");
-    asked.answer = format!(
-        "In {} of {} comparisons the whole is clearly better on unseen drivers, in {} clearly worse.",
-        finding.count(Verdict::Shown),
-        finding.parts.len(),
-        finding.count(Verdict::Fails)
-    );
-    format!("Shown if for every variant and loss more than half of the unseen drives are predicted better by “{}” (Wilson’s 95% interval above 50%); fails if for one fewer are.", found.variants[0].name)
-        .clone_into(&mut asked.rule);
-    let parts = finding.parts.iter();
-    let mut rows: Vec<IntervalRow> = parts.map(|part| share_row(&part.of, part)).collect();
-    rows.sort_by(|a, b| {
-        a.estimate
-            .unwrap_or(0.0)
-            .total_cmp(&b.estimate.unwrap_or(0.0))
-    });
-    asked.number = rows.first().and_then(|row| {
-        let share = row.estimate.map(|s| s / 100.0);
-        number(
-            format!("least: {}, {}", row.label, percent(share)),
-            "50%, a coin",
-            "100%",
-        )
-    });
-    rows.truncate(12);
-    asked.plot = plot(
-        "Drives on which the whole is better (%)",
-        "The twelve least; Wilson’s 95% CI",
-        Some(50.0),
-        rows,
-    );
-    "Variants are many and share drives: one of them may be better by luck. A loss is not what the car does with it."
-        .clone_into(&mut asked.doubt);
-    asked.see = Some("table-ablation".to_owned());
-    asked
 }

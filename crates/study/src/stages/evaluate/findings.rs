@@ -66,12 +66,12 @@ pub(crate) fn findings(found: &FollowingEvaluation) -> Vec<Finding> {
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
     use maveric_analysis::Verdict::{self, Fails, NotShown, Shown, TooFew};
 
     /// So many drivers, a mean error a method, and one comparison with its interval.
-    pub(crate) fn found(drivers: usize, low_m: f64, high_m: f64) -> FollowingEvaluation {
+    fn found(drivers: usize, low_m: f64, high_m: f64) -> FollowingEvaluation {
         let driver = |i: usize| {
             serde_json::json!({ "driver": format!("D{i}"), "methods": [],
                 "series": { "time_s": [], "gap_m": [], "ego_speed_mps": [], "lead_speed_mps": [], "simulated": [] } })
@@ -109,6 +109,41 @@ pub(crate) mod tests {
         assert_eq!(judged(8, 0.2, 1.8), [Fails, Fails]);
         assert_eq!(judged(8, -1.0, 1.0), [NotShown, NotShown]);
         assert_eq!(judged(4, -1.8, -0.2), [TooFew, TooFew]);
+    }
+
+    #[test]
+    fn the_best_of_the_peers_stands_beside_ours_and_drivers_are_counted_not_named() {
+        let cards = |low_m, high_m| {
+            let evaluation = found(8, low_m, high_m);
+            let following = maveric_pages::cards::following::Following {
+                found: &evaluation,
+                peers: beside_peers(&evaluation),
+                personal: beside_everybody(&evaluation),
+                networks: &NETWORKS,
+                driven: driven(&evaluation),
+            };
+            following.cards(&findings(&evaluation)).unwrap()
+        };
+        let all = cards(0.2, 1.8);
+        let (better, personal) = (&all[0], &all[1]);
+        assert!(
+            better.answer.contains("3.00 m") && better.answer.contains("IDM, own 2.00 m"),
+            "{}",
+            better.answer
+        );
+        let number = format!("{:?}", better.number);
+        assert!(
+            number.contains("2.80 m") && number.contains("1.00 m"),
+            "the population's and the fitted law too: {number}"
+        );
+        assert!(
+            personal.answer.contains("1 of 8 nearer, 7 further off"),
+            "{}",
+            personal.answer
+        );
+        assert!(!personal.answer.contains("D1"));
+        let tie = cards(-1.0, 1.0);
+        assert!(tie[0].answer.contains("a tie by its interval"));
     }
 
     #[test]

@@ -1,22 +1,13 @@
 //! The page of a rehearsal: its figures and tables.
 
 use super::{Cell, Rehearsal, RehearseOptions, tables};
-use crate::{
-    error::StudyError,
-    mean::mean,
-    stages::report::{
-        card::{card, number, percent, plot, share_row},
-        page_of,
-    },
-};
-use maveric_analysis::Verdict;
-use maveric_rehearsal::{ALPHA, Judge, POWER};
+use crate::{error::StudyError, stages::report::page_of};
+use maveric_pages::cards::rehearsal::of_studies;
 use maveric_report::{
     Card, Context, Figure, Report,
     figures::{
         curves::{CurvePanel, CurvePoint, Curves, curves},
         false_positives::{FalsePositives, PartRates, false_positives},
-        intervals::IntervalRow,
     },
     html::Section,
 };
@@ -53,11 +44,7 @@ pub(super) fn page(found: &Rehearsal, options: &RehearseOptions) -> Result<Repor
     );
     let method = "Measures and ratings are drawn from a fitted population and analysed by the code that analyses a run; docs/null-and-power.md gives the generator and its sources.";
     Ok(Report {
-        cards: if found.is_null() {
-            null_cards(found)
-        } else {
-            power_card(found).into_iter().collect()
-        },
+        cards: cards(found)?,
         sections,
         ..page_of(
             (title, subtitle),
@@ -68,181 +55,31 @@ pub(super) fn page(found: &Rehearsal, options: &RehearseOptions) -> Result<Repor
     })
 }
 
-/// Is a family kept at its level, and are single tests?
-fn null_cards(found: &Rehearsal) -> Vec<Card> {
-    let (Some(cell), [of_families, of_tests]) = (found.cells.first(), &found.findings[..]) else {
-        return Vec::new();
-    };
-    let families = || cell.families.iter();
-    let mut kept = card(of_families, "Is anything found where there is nothing?");
-    let worst = families().filter_map(|f| Some((f, f.any_holm.as_ref()?)));
-    let worst = worst.max_by(|a, b| a.1.estimate.total_cmp(&b.1.estimate));
-    let plain = families()
-        .filter_map(|f| Some(f.any_uncorrected.as_ref()?.estimate))
-        .reduce(f64::max);
-    kept.answer = worst.map_or_else(String::new, |(f, rate)| {
-        format!(
-            "In at most {} of {} empty studies after Holm ({}); uncorrected, in up to {}.",
-            percent(Some(rate.estimate)),
-            cell.studies,
-            f.family,
-            percent(plain)
-        )
-    });
-    "Shown, that is: kept, if in every family the rate of studies with anything below .05 after Holm is at most 5% (Wilson’s 95% interval); fails \
-     if in one it is above."
-        .clone_into(&mut kept.rule);
-    kept.number = worst.and_then(|(f, rate)| {
-        number(
-            format!("most: {}, {}", f.family, percent(Some(rate.estimate))),
-            "0%",
-            "5%, the level that was asked for",
-        )
-    });
-    let rows = families().map(|f| IntervalRow::share(f.family.clone(), f.any_holm.as_ref()));
-    kept.plot = plot(
-        "Studies with a false finding (%)",
-        "After Holm; Wilson’s 95% CI",
-        Some(5.0),
-        rows.take(30).collect(),
-    );
-    "The people and their answers are made up: real ones may break what the tests assume in other ways."
-        .clone_into(&mut kept.doubt);
-    kept.see = Some("figure-false-positives".to_owned());
-    let tests: Vec<_> = cell
-        .tests
-        .iter()
-        .filter_map(|t| Some((t, t.rate.as_ref()?)))
-        .collect();
-    let above = tests.iter().filter(|(_, r)| r.low > ALPHA).count();
-    let expected = 0.025 * tests.len() as f64;
-    let mut single = card(of_tests, "Is each test as strict as it says?");
-    single.answer = format!(
-        "Of {} tests, {above} are clearly above 5%; chance alone would make {expected:.0} look so.",
-        tests.len()
-    );
-    "Shown if the share of tests whose own interval lies above 5% is at most 5% (Wilson’s 95% interval); fails if above."
-        .clone_into(&mut single.rule);
-    let most = tests
-        .iter()
-        .max_by(|a, b| a.1.estimate.total_cmp(&b.1.estimate));
-    single.number = most.and_then(|(t, r)| {
-        number(
-            format!("most: {}, {}", t.key, percent(Some(r.estimate))),
-            "0%",
-            "5%",
-        )
-    });
-    let rows = tables::by_part(cell).into_iter().map(|(part, tests)| {
-        let rates: Vec<f64> = tests
-            .iter()
-            .filter_map(|t| t.rate.map(|r| 100.0 * r.estimate))
-            .collect();
-        let ends = rates
-            .iter()
-            .copied()
-            .reduce(f64::min)
-            .zip(rates.iter().copied().reduce(f64::max));
-        IntervalRow::new(part.title(), mean(&rates), ends)
-    });
-    single.plot = plot(
-        "Studies with *p* < .05 (%)",
-        "Mean of the tests of a part, lowest to highest",
-        Some(5.0),
-        rows.collect(),
-    );
-    "Tests of one study share people, so they are not independent.".clone_into(&mut single.doubt);
-    single.see = Some("figure-false-positives".to_owned());
-    vec![kept, single]
-}
-
-/// Would a study of the largest size find what was planted?
-fn power_card(found: &Rehearsal) -> Option<Card> {
-    let (cell, finding) = (found.largest()?, found.findings.first()?);
-    let (judge, parts) = (cell.judge(), finding.parts.as_slice());
-    let what = match judge {
-        Judge::Hypotheses => "what the design declares",
-        Judge::BestTests => "what was planted",
-    };
-    let scale = if (cell.effect_scale - 1.0).abs() < 1e-12 {
-        String::new()
+/// What the page opens with: of studies without effects the first size, else the largest.
+fn cards(found: &Rehearsal) -> Result<Vec<Card>, StudyError> {
+    let cell = if found.is_null() {
+        found.cells.first()
     } else {
-        format!(", with effects × {}", cell.effect_scale)
+        found.largest()
     };
-    let mut asked = card(
-        finding,
-        format!("Would {} people show {what}{scale}?", cell.participants),
-    );
-    let enough = finding.count(Verdict::Shown);
-    asked.answer = match (&judge, parts) {
-        (Judge::Hypotheses, [only]) => {
-            let share = percent(only.estimate);
-            format!("“{}” would be shown in {share} of studies.", only.of)
-        }
-        (Judge::Hypotheses, rows) => format!(
-            "{enough} of {} declared hypotheses would be shown in at least four studies of five.",
-            rows.len()
-        ),
-        (Judge::BestTests, rows) => format!(
-            "The design declares no hypothesis. For {enough} of {} parts of the analysis at least four studies of five would find something, by \
-             the best test of each.",
-            rows.len()
-        ),
-    };
-    let rule = match judge {
-        Judge::Hypotheses => {
-            "Shown if every declared hypothesis is shown, by its own rule, in at least 80% of studies (Wilson’s 95% interval); fails if one is \
-             shown in fewer."
-        }
-        Judge::BestTests => {
-            "Shown if for every part of the analysis the test that finds most has *p* < .05 in at least 80% of studies (Wilson’s 95% interval); \
-             fails if for one of them fewer do."
-        }
-    };
-    rule.clone_into(&mut asked.rule);
-    let weakest = finding.least(|part| part.estimate);
-    let weakest = weakest.filter(|part| part.estimate.is_some());
-    asked.number = weakest.and_then(|part| {
-        number(
-            format!("weakest: {}, {}", part.of, percent(part.estimate)),
-            "at most 5%, what nothing at all would give",
-            "100%",
-        )
-    });
-    let drawn = parts.iter().map(|part| share_row(part.of.clone(), part));
-    let corrected = match judge {
-        Judge::Hypotheses => "By each hypothesis’s own rule",
-        Judge::BestTests => "Uncorrected",
-    };
-    asked.plot = plot(
-        "Power (%)",
-        &format!("{corrected}; Wilson’s 95% CI"),
-        Some(100.0 * POWER),
-        drawn.collect(),
-    );
-    let doubt = match judge {
-        Judge::Hypotheses => {
-            "The planted sizes are made up, at about what the paper reports: with smaller ones power is less."
-        }
-        Judge::BestTests => {
-            "The best of many tests flatters: declare a hypothesis and rehearse again. The planted sizes are made up."
-        }
-    };
-    doubt.clone_into(&mut asked.doubt);
-    asked.see = Some("figure-power-curves".to_owned());
-    Some(asked)
+    let mut cards = Vec::new();
+    for (cell, finding) in cell
+        .into_iter()
+        .flat_map(|c| found.findings.iter().map(move |f| (c, f)))
+    {
+        cards.extend(of_studies(cell, finding)?);
+    }
+    Ok(cards)
 }
 
 fn null_section(cell: &Cell, context: &Context) -> Result<Section, StudyError> {
-    let parts = tables::by_part(cell)
-        .into_iter()
-        .map(|(part, tests)| PartRates {
-            name: part.title().to_owned(),
-            rates: tests
-                .iter()
-                .filter_map(|t| t.rate.map(|r| r.estimate))
-                .collect(),
-        });
+    let parts = cell.by_part().into_iter().map(|(part, tests)| PartRates {
+        name: part.title().to_owned(),
+        rates: tests
+            .iter()
+            .filter_map(|t| t.rate.map(|r| r.estimate))
+            .collect(),
+    });
     let families = cell.families.iter().filter_map(|f| {
         let holm = f.any_holm?;
         Some((f.family.clone(), holm.estimate, (holm.low, holm.high)))

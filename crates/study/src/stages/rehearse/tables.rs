@@ -1,6 +1,6 @@
 //! What was found, as tables and as lines.
 
-use super::{Cell, Part, Rehearsal, TestRate};
+use super::{Cell, Rehearsal, TestRate};
 use crate::mean::mean;
 use maveric_rehearsal::{ALPHA, HypothesisRate, POWER, n_for};
 use maveric_report::tables::{Cell as Entry, Table};
@@ -17,18 +17,6 @@ fn interval(share: Option<Proportion>) -> Entry {
     })
 }
 
-/// Parts of the report with their tests' rates.
-pub(super) fn by_part(cell: &Cell) -> Vec<(Part, Vec<&TestRate>)> {
-    let of = |part: Part| {
-        cell.tests
-            .iter()
-            .filter(|t| t.part == part)
-            .collect::<Vec<_>>()
-    };
-    let parts = Part::ALL.into_iter().map(|part| (part, of(part)));
-    parts.filter(|(_, tests)| !tests.is_empty()).collect()
-}
-
 /// Whether a test keeps its level: .05 within .01.
 fn keeps_level(test: &TestRate) -> bool {
     test.rate
@@ -37,7 +25,7 @@ fn keeps_level(test: &TestRate) -> bool {
 
 /// The tables of studies without effects.
 pub(super) fn null_tables(cell: &Cell) -> Vec<Table> {
-    let parts = by_part(cell).into_iter();
+    let parts = cell.by_part().into_iter();
     let parts: Vec<_> = parts
         .map(|(part, tests)| (part, rates(&tests), tests))
         .collect();
@@ -181,7 +169,7 @@ pub(super) fn summary(found: &Rehearsal) -> Vec<String> {
             cell.participants,
             cell.tests.len()
         ));
-        for (part, tests) in by_part(cell) {
+        for (part, tests) in cell.by_part() {
             let rates = rates(&tests);
             let mean = mean(&rates).unwrap_or(0.0);
             let low = rates.iter().copied().fold(f64::INFINITY, f64::min);

@@ -1,21 +1,13 @@
 //! The page of the dial's rehearsal: figures, tables, lines.
 
 use super::{DialRehearsal, LearnedFrom, Method, RehearseDialOptions, TrialError};
-use crate::{
-    error::StudyError,
-    stages::report::{
-        card::{card, number, percent, plot},
-        page_of,
-        words::capital,
-    },
-};
-use maveric_analysis::{Finding, Question};
-use maveric_rehearsal::findings::halfway;
+use crate::{error::StudyError, stages::report::page_of};
+use maveric_analysis::Question;
+use maveric_pages::cards::rehearsal::{recommends, saves};
 use maveric_report::{
-    Card, Context, Figure, Report, apa,
+    Card, Context, Figure, Report,
     figures::{
         curves::{CurvePanel, CurvePoint, Curves, curves},
-        intervals::IntervalRow,
         recommendation::{Recommendations, recommendation},
     },
     html::Section,
@@ -49,15 +41,7 @@ pub(super) fn page(
         (options.seed, &options.command),
     );
     Ok(Report {
-        cards: found
-            .findings
-            .iter()
-            .filter_map(|finding| match finding.question {
-                Question::Recommends => Some(known(found.learned_from.last()?, finding)),
-                Question::Active => saves(&found.search, finding),
-                _ => None,
-            })
-            .collect(),
+        cards: cards(found)?,
         sections: vec![
             section(
                 "After the four conditions",
@@ -77,72 +61,17 @@ pub(super) fn page(
     })
 }
 
-/// Does the model know how far to turn, once somebody has been driven in the four conditions?
-fn known(learned: &LearnedFrom, finding: &Finding) -> Card {
-    let of = |method| {
-        let score = learned.scores.iter().find(|s| s.method == method);
-        score.and_then(|s| s.within_5.map(|p| (s.people, p)))
-    };
-    let (after, floor, ceiling) = (
-        of(Method::AfterFourConditions),
-        of(Method::OwnForAll),
-        of(Method::Ceiling),
-    );
-    let least = floor.map_or(0.0, |(_, p)| p.estimate);
-    let mut asked = card(finding, "Does it know how far to turn the dial?");
-    let share = |p: Option<(usize, Proportion)>| percent(p.map(|(_, p)| p.estimate));
-    asked.answer = format!(
-        "Learned from {} people, it comes within 5 points of what a new person would like best for {}; leaving everybody at their own style does for {}.",
-        learned.participants,
-        share(after),
-        share(floor)
-    );
-    "Shown if the share of new people within 5 points is above that of leaving everybody at their own style (Wilson’s 95% interval); fails if below."
-        .clone_into(&mut asked.rule);
-    asked.number = number(
-        share(after),
-        format!("the own style for everybody, {}", share(floor)),
-        format!("who knows how people perceive a drive, {}", share(ceiling)),
-    );
-    let rows = learned.scores.iter();
-    let rows = rows.map(|s| IntervalRow::share(s.method.title(), s.within_5.as_ref()));
-    asked.plot = plot(
-        "Within 5 points (%)",
-        "Wilson’s 95% CI",
-        Some(100.0 * least),
-        rows.collect(),
-    );
-    "The people are made up, and one preference a person is what they were made with."
-        .clone_into(&mut asked.doubt);
-    asked.see = Some("table-recommendation".to_owned());
-    asked
-}
-
-/// Does choosing what to show next learn faster than a grid?
-fn saves(search: &[TrialError], finding: &Finding) -> Option<Card> {
-    let middle = halfway(search)?;
-    let mut asked = card(finding, "Does choosing the next ride save rides?");
-    asked.answer = format!("{}.", capital(&saved(search)));
-    format!("Shown if after {} trials the mean error of the chosen settings is below that of the grid (95% interval of the difference, both taken as independent); fails if above.", middle.trials)
-        .clone_into(&mut asked.rule);
-    asked.number = number(
-        format!("mean error {} points", apa::number(middle.active.0, 2)),
-        format!("the grid, {}", apa::number(middle.grid.0, 2)),
-        "0",
-    );
-    let rows = [("Chosen", middle.active), ("Grid", middle.grid)].map(|(label, (value, half))| {
-        IntervalRow::new(label, Some(value), Some((value - half, value + half)))
-    });
-    asked.plot = plot(
-        "Mean |error| (points)",
-        &format!("After {} trials; 95% CI", middle.trials),
-        None,
-        rows.to_vec(),
-    );
-    "The same people tried both, so the interval of the difference is wider than it need be."
-        .clone_into(&mut asked.doubt);
-    asked.see = Some("table-active-learning".to_owned());
-    Some(asked)
+/// What the page opens with.
+fn cards(found: &DialRehearsal) -> Result<Vec<Card>, StudyError> {
+    let mut cards = Vec::new();
+    for finding in &found.findings {
+        cards.extend(match (finding.question, found.learned_from.last()) {
+            (Question::Recommends, Some(learned)) => Some(recommends(learned, finding)?),
+            (Question::Active, _) => saves(&found.search, &saved(&found.search), finding)?,
+            _ => None,
+        });
+    }
+    Ok(cards)
 }
 
 fn sizes_figure(found: &DialRehearsal, context: &Context) -> Result<Figure, StudyError> {

@@ -2,7 +2,6 @@
 
 use super::{
     ReportOptions,
-    card::{card, interval, must_not_happen, number, plot},
     inputs::{hashed, in_folder},
     page_of,
 };
@@ -19,16 +18,13 @@ use crate::{
         train::TrainingSummary,
     },
 };
-use maveric_analysis::{Finding, Question};
-use maveric_following::{
-    Compared, DriverEvaluation, FollowingEvaluation, FollowingMethod, Knows, MethodMean,
-};
+use maveric_following::{DriverEvaluation, FollowingEvaluation, FollowingMethod};
+use maveric_pages::cards::following::Following;
 use maveric_report::{
-    Card, Context, Report, apa,
+    Context, Report,
     figures::{
         car_following::{CarFollowing, Follower, FollowingSeries, car_following},
         following_errors::{FollowingErrors, ModelErrors, following_errors},
-        intervals::IntervalRow,
     },
     html::{Provenance, Section},
     tables::{Cell, Table},
@@ -131,13 +127,14 @@ pub(super) fn page(options: &ReportOptions) -> Result<(Report, Vec<String>), Stu
             .map(|l| format!("Left out of the training: {l}.")),
     );
     let judged = findings::findings(&found);
-    let words = |finding: &Finding| match finding.question {
-        Question::Better => Some(better(&found, finding)),
-        Question::Personal => Some(personal(&found, finding)),
-        Question::Reached => Some(reached(&found, finding)),
-        _ => None,
+    let following = Following {
+        found: &found,
+        peers: findings::beside_peers(&found),
+        personal: findings::beside_everybody(&found),
+        networks: &NETWORKS,
+        driven: findings::driven(&found),
     };
-    let cards: Vec<Card> = judged.iter().filter_map(words).collect();
+    let cards = following.cards(&judged)?;
     let said = cards
         .iter()
         .map(|c| format!("{} {}: {}", c.question, c.verdict, c.answer));
@@ -195,149 +192,6 @@ pub(super) fn page(options: &ReportOptions) -> Result<(Report, Vec<String>), Stu
     Ok((report, findings))
 }
 
-/// Lowest mean error among the methods that know so much.
-fn best(found: &FollowingEvaluation, knows: Knows) -> Option<&MethodMean> {
-    let of = found.means.iter().filter(|m| m.method.knows() == knows);
-    of.min_by(|a, b| a.gap_rmse_m.total_cmp(&b.gap_rmse_m))
-}
-
-fn compared_row(pair: &Compared) -> IntervalRow {
-    IntervalRow::new(
-        format!("{} − {}", pair.method.label(), pair.beside.label()),
-        Some(pair.mean_m),
-        pair.low_m.zip(pair.high_m),
-    )
-}
-
-fn paired(pair: &Compared) -> String {
-    let ends = interval(pair.low_m.zip(pair.high_m), 2);
-    format!(
-        "{} − {}: {} m{ends}, nearer/further {}/{}",
-        pair.method.label(),
-        pair.beside.label(),
-        apa::number(pair.mean_m, 2),
-        pair.better,
-        pair.worse
-    )
-}
-
-/// What was learned against the best of its peers, whichever that is.
-fn better(found: &FollowingEvaluation, finding: &Finding) -> Card {
-    let n = found.drivers.len();
-    let peers = findings::beside_peers(found);
-    let mut asked = card(
-        finding,
-        "Does it follow more like the driver than a simple law would?",
-    );
-    let ours = found.mean(FollowingMethod::ClosedLoopShrunken);
-    let peer = found
-        .means
-        .iter()
-        .filter(|m| m.method.knows() == Knows::Driver && !NETWORKS.contains(&m.method));
-    let peer = peer.min_by(|a, b| a.gap_rmse_m.total_cmp(&b.gap_rmse_m));
-    let said = |m: Option<&MethodMean>| {
-        m.map_or_else(
-            || "not tried".to_owned(),
-            |m| format!("{} {} m", m.method.label(), apa::number(m.gap_rmse_m, 2)),
-        )
-    };
-    let overlap = peers.iter().any(|p| {
-        p.low_m
-            .zip(p.high_m)
-            .is_some_and(|(low, high)| low < 0.0 && high > 0.0)
-    });
-    asked.answer = format!(
-        "Mean error of the gap: {}; best of the simple laws: {}{}.",
-        said(ours),
-        said(peer),
-        if overlap {
-            ", a tie by its interval"
-        } else {
-            ""
-        }
-    );
-    "Shown if against every law that it is held beside the interval of the mean difference, drivers drawn with replacement, lies below 0; fails if \
-     against one it lies above. Below six drivers nothing is said."
-        .clone_into(&mut asked.rule);
-    asked.number = number(
-        said(ours),
-        format!(
-            "the best that is the same for everybody, {}",
-            said(best(found, Knows::Population))
-        ),
-        format!(
-            "fitted to what it is judged by, {}",
-            said(best(found, Knows::Test))
-        ),
-    );
-    asked.plot = plot(
-        "Difference of the gap’s error (m)",
-        "95% CI, bootstrap over drivers",
-        Some(0.0),
-        peers.iter().map(|p| compared_row(p)).collect(),
-    );
-    format!("With {n} drivers an interval from drawing drivers is too narrow, and a few drivers carry a mean.").clone_into(&mut asked.doubt);
-    asked.see = Some("table-following-compared".to_owned());
-    asked.tests = peers.iter().map(|p| paired(p)).collect();
-    asked
-}
-
-/// Does knowing the driver help, by each way of knowing?
-fn personal(found: &FollowingEvaluation, finding: &Finding) -> Card {
-    let n = found.drivers.len();
-    let pairs = findings::beside_everybody(found);
-    let mut asked = card(finding, "Does knowing the driver help?");
-    let counts: Vec<String> = pairs
-        .iter()
-        .map(|p| {
-            format!(
-                "{}: {} of {n} nearer, {} further off",
-                p.method.label(),
-                p.better,
-                p.worse
-            )
-        })
-        .collect();
-    asked.answer = format!("{}.", counts.join("; "));
-    "Shown if for every way of knowing the driver the error is below that of the same method for everybody (interval of the mean difference below 0); \
-     fails if for one it is above. Below six drivers nothing is said."
-        .clone_into(&mut asked.rule);
-    asked.number = pairs.first().and_then(|p| {
-        number(
-            format!("{}: {} m", p.method.label(), apa::number(p.mean_m, 2)),
-            "0, the same for everybody",
-            "none: an error cannot be less than 0",
-        )
-    });
-    asked.plot = plot(
-        "Own less everybody’s (m)",
-        "95% CI, bootstrap over drivers",
-        Some(0.0),
-        pairs.iter().map(|p| compared_row(p)).collect(),
-    );
-    "A pair of vehicles is one meeting of two drivers: what differs may be the leader, the road or the day."
-        .clone_into(&mut asked.doubt);
-    asked.see = Some("table-following-by-driver".to_owned());
-    asked.tests = pairs.iter().map(|p| paired(p)).collect();
-    asked
-}
-
-/// Did what is driven by default ever run into the leader?
-fn reached(found: &FollowingEvaluation, finding: &Finding) -> Card {
-    let driven = findings::driven(found);
-    let mean = found.mean(driven);
-    let (hits, n) = mean.map_or((0, 0), |m| (m.reached_zero, m.drivers));
-    let mut asked = must_not_happen(finding, "Does it stay behind the leader?", "share");
-    asked.answer = format!(
-        "What is driven by default ({}) reached the leader in {hits} of {n} drives.",
-        driven.label()
-    );
-    "Shown if the simulated gap reaches 0 in no drive; fails if in one. Below six drivers nothing is said unless one does.".clone_into(&mut asked.rule);
-    "The recorded leader does not react to who follows.".clone_into(&mut asked.doubt);
-    asked.see = Some("table-following-errors".to_owned());
-    asked
-}
-
 /// The gap's error of every driver by every method: one row a method, one column a driver.
 fn by_driver(found: &FollowingEvaluation) -> Table {
     let table = Table::of(
@@ -352,50 +206,4 @@ fn by_driver(found: &FollowingEvaluation) -> Table {
             table.right(&driver.driver, |mean| Cell::number(driver.gap_rmse_m(mean.method), 2))
         })
         .noted("Root-mean-square error of the gap in closed loop over the unseen last third, in m. No test.")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::stages::evaluate::findings::tests::found;
-
-    fn of(
-        found: &FollowingEvaluation,
-        words: fn(&FollowingEvaluation, &Finding) -> Card,
-        at: usize,
-    ) -> Card {
-        words(found, &findings::findings(found)[at])
-    }
-
-    #[test]
-    fn the_best_of_the_peers_stands_beside_ours_whoever_is_ahead() {
-        let card = of(&found(8, 0.2, 1.8), better, 0);
-        assert!(
-            card.answer.contains("3.00 m") && card.answer.contains("IDM, own 2.00 m"),
-            "{}",
-            card.answer
-        );
-        let (floor, ceiling) = (format!("{:?}", card.number), "1.00 m");
-        assert!(
-            floor.contains("2.80 m") && floor.contains(ceiling),
-            "the population's and the fitted law too: {floor}"
-        );
-        let tie = of(&found(8, -1.0, 1.0), better, 0);
-        assert!(
-            tie.answer.contains("a tie by its interval"),
-            "{}",
-            tie.answer
-        );
-    }
-
-    #[test]
-    fn drivers_are_counted_and_not_named() {
-        let card = of(&found(8, 0.2, 1.8), personal, 1);
-        assert!(
-            card.answer.contains("1 of 8 nearer, 7 further off"),
-            "{}",
-            card.answer
-        );
-        assert!(!card.answer.contains("D1"));
-    }
 }

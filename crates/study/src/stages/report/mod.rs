@@ -1,6 +1,5 @@
 //! `report`: figures, tables and the page from the results of a run.
 
-pub(crate) mod card;
 mod evaluation;
 mod inputs;
 mod keys;

@@ -34,23 +34,6 @@ pub(crate) fn glossary() -> Vec<(String, String)> {
     found
 }
 
-/// A sentence with its first letter large.
-pub(crate) fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().chain(letters).collect()
-    })
-}
-
-/// A quantity with its unit, where it has one.
-pub(crate) fn with_unit(title: &str, unit: &str) -> String {
-    if unit.is_empty() {
-        title.to_owned()
-    } else {
-        format!("{title} ({unit})")
-    }
-}
-
 /// Terms in small letters that a reader may not know.
 const RARE: [&str; 7] = [
     "homophily",

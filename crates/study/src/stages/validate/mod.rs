@@ -2,7 +2,6 @@
 //!
 //! It needs people who drove twice, which the paper's did not.
 
-mod cards;
 mod examine;
 mod page;
 mod people;

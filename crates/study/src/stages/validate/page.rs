@@ -1,13 +1,14 @@
 //! The page of a validation: its figures and tables.
 
-use super::{Dial, Fidelity, ValidateOptions, Validated, cards, tables::over};
+use super::{Dial, Fidelity, ValidateOptions, Validated, tables::over};
 use crate::{
     error::StudyError,
     stages::report::{hashed, page_of},
 };
 use maveric_domain::MetresPerSecond;
+use maveric_pages::cards::validation::Validation;
 use maveric_report::{
-    Context, Figure, Report,
+    Card, Context, Figure, Report,
     figures::{
         dial_sweep::{DialPanel, DialSweep, dial_sweep},
         fidelity::{Fidelity as FidelityFigure, FidelityRow, fidelity},
@@ -18,6 +19,25 @@ use maveric_report::{
 
 /// Tables of identity, fidelity and likeness come before those of the dial.
 const FIRST_TABLES: usize = 3;
+
+/// What the page opens with.
+fn cards(found: &Validated, points: f64) -> Result<Vec<Card>, StudyError> {
+    let Some(first) = found.models.first() else {
+        return Ok(Vec::new());
+    };
+    let models = || found.models.iter();
+    let validation = Validation {
+        fidelity: models().map(|m| m.fidelity.as_slice()).collect(),
+        identity: &first.identity,
+        dial: &first.dial,
+        line: &first.line,
+        drivers: found.drivers,
+        collisions: models().map(|m| m.collisions).sum(),
+        near: models().map(|m| m.rule_violations).sum(),
+        points,
+    };
+    Ok(validation.cards(&found.findings)?)
+}
 
 pub(super) fn page(
     found: &Validated,
@@ -53,7 +73,7 @@ pub(super) fn page(
         (options.seed, &options.command),
     );
     Ok(Report {
-        cards: cards::cards(found, options.points),
+        cards: cards(found, options.points)?,
         sections: vec![
             section(
                 "Identity and fidelity",

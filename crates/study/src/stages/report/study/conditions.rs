@@ -1,16 +1,10 @@
 //! What the conditions did, and which habits they left alone.
 
-use super::{Run, correlation_words, watch};
-use crate::{
-    error::StudyError,
-    stages::report::{
-        keys::short,
-        words::{capital, with_unit},
-    },
-    watching::WatchedDrive,
-};
+use super::{Run, watch};
+use crate::{error::StudyError, stages::report::keys::short, watching::WatchedDrive};
 use maveric_analysis::{Contrast, Panel};
 use maveric_domain::design::Sign;
+use maveric_pages::words::{capital, correlation, of_group, omnibus, paired, with_unit};
 use maveric_report::{
     apa,
     claims::LedgerRow,
@@ -20,10 +14,8 @@ use maveric_report::{
         time_space,
     },
     html::Section,
-    markup,
     tables::{self, Cell},
 };
-use maveric_stats::{Adjustment, PosthocTest, apa::Statements};
 
 pub(super) fn section_conditions(
     run: &Run,
@@ -166,7 +158,7 @@ pub(super) fn section_kept(run: &Run) -> Result<Option<Section>, StudyError> {
              cosine and sine (a habit a panel, Holm over the habits).",
             k.title,
             run.style_label(),
-            correlation_words(&k.line)
+            correlation(&k.line)
         )
     });
     Ok(Some(Section {
@@ -175,92 +167,6 @@ pub(super) fn section_kept(run: &Run) -> Result<Option<Section>, StudyError> {
         figures,
         tables: Vec::new(),
     }))
-}
-
-/// The test over the conditions, and over what else the design crosses with them, in words with marks; `short` is for a panel's width: without
-/// interval and ε, and of several effects the highest.
-pub(super) fn omnibus(panel: &Panel, short: bool) -> String {
-    let Some(found) = &panel.comparison else {
-        let reason = panel.reasons.first().map_or("", String::as_str);
-        return if short {
-            format!("not tested: *n* = {}", panel.n)
-        } else {
-            format!("not tested: {reason}")
-        };
-    };
-    if let Some(found) = found.one_factor() {
-        let said = if short {
-            found.omnibus.short_statement(found.n)
-        } else {
-            found.omnibus.statement(found.n)
-        };
-        return said.map_or_else(
-            || {
-                let why = found.undefined.get("omnibus").filter(|_| !short);
-                let why = why.map_or_else(String::new, |why| format!(": {why}"));
-                format!("no test statistic{why}")
-            },
-            |said| said.markup().to_owned(),
-        );
-    }
-    // Pairs have a table of their own.
-    let effects = found.effects();
-    let all: Vec<String> = found
-        .statements()
-        .into_iter()
-        .filter(|(name, _)| effects.len() == 1 || effects.iter().any(|(e, _)| e == name))
-        .map(|(name, said)| match effects.len() {
-            1 => said.markup().to_owned(),
-            _ => format!(
-                "{}: {}",
-                markup::literal(&name.replace(':', " × ")),
-                said.markup()
-            ),
-        })
-        .collect();
-    match (&all[..], short || effects.len() == 1) {
-        ([], _) => "no test statistic: see the reasons in the analysis".to_owned(),
-        ([first, ..], true) if effects.len() == 1 => first.clone(),
-        ([.., last], true) => last.clone(),
-        (all, false) => all.join("; "),
-    }
-}
-
-/// A paired test in words; *p* is that of Holm over its family, under its plain name.
-pub(super) fn paired(panel: &Panel, pair: &Contrast) -> Option<String> {
-    let effect = pair.effect.as_ref();
-    let p = pair.p_holm?;
-    Some(match (panel.test?, pair.df) {
-        (PosthocTest::T, Some(df)) => {
-            let interval = effect.and_then(|e| {
-                Some(apa::Interval {
-                    level: e.confidence,
-                    low: e.ci_low?,
-                    high: e.ci_high?,
-                })
-            });
-            let size = effect.and_then(|e| Some((e.value?, interval)));
-            apa::t(pair.statistic?, df as f64, p, Adjustment::None, size)
-                .markup()
-                .to_owned()
-        }
-        _ => apa::wilcoxon(
-            pair.statistic?,
-            p,
-            Adjustment::None,
-            effect.and_then(|e| e.value),
-        )
-        .markup()
-        .to_owned(),
-    })
-}
-
-/// Whose panel it is, where people are divided.
-pub(super) fn of_group(panel: &Panel) -> String {
-    panel
-        .group
-        .as_ref()
-        .map_or_else(String::new, |g| format!(" ({}: {})", g.factor, g.level))
 }
 
 /// Which test answered each panel, and why.

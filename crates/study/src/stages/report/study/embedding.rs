@@ -1,11 +1,11 @@
 //! The embedding space and the aggression line.
 
-use super::{Run, correlation_words, printed};
+use super::{Run, printed};
 use crate::{
     atomic_write::if_there,
     error::StudyError,
     run_folder::{MODEL_FILE, embeddings_path},
-    stages::report::{keys::short, words::with_unit},
+    stages::report::keys::short,
     tables::{
         conditions::ConditionRow,
         embeddings::{EmbeddingRow, read_embeddings},
@@ -15,6 +15,7 @@ use maveric_analysis::{AggressionLine as Line, LineRow};
 use maveric_domain::{ConditionId, DriveId, MetresPerSecond, design::Condition};
 use maveric_model::Model;
 use maveric_model::style_space::{LinearHead, PerpendicularEllipse};
+use maveric_pages::words::{correlation, with_unit};
 use maveric_report::{
     claims::LedgerRow,
     figures::{
@@ -319,7 +320,7 @@ fn line_panels(line: &Line) -> AggressionLine {
         title: row.title.clone(),
         axis: with_unit(&row.title, &row.unit),
         points: row.points.clone(),
-        statistic: correlation_words(&row.correlation),
+        statistic: correlation(&row.correlation),
     };
     AggressionLine {
         panels: line

@@ -1,11 +1,12 @@
 //! What a paper about a study is written from: its methods, from the design and the results.
 
 use super::{
-    Run, enumerated,
+    Run,
     methods::Paragraph,
     setting::{Reliable, done},
 };
 use maveric_measures::objective;
+use maveric_pages::words::listed;
 use maveric_report::{Manuscript, apa, markup};
 
 /// Methods under the headings that journals ask for, with the questionnaires' references.
@@ -86,7 +87,7 @@ fn questionnaires(run: &Run, reliabilities: &[Reliable]) -> Vec<String> {
         let held = if held.is_empty() {
             String::new()
         } else {
-            format!(" Reliability: {}.", enumerated(&held))
+            format!(" Reliability: {}.", listed(&held))
         };
         found.push(format!(
             "{} ({} items; {}).{held}",

@@ -1,7 +1,6 @@
 //! The page of a study.
 
 mod car;
-mod cards;
 mod conditions;
 mod embedding;
 mod homophily;
@@ -16,7 +15,6 @@ mod watch;
 
 use super::{
     ReportOptions,
-    card::percent,
     inputs::{hashed, in_folder, parameter_files, shown_whole},
     keys::{made, results},
     people::People,
@@ -37,17 +35,17 @@ use conditions::{section_conditions, section_kept};
 use embedding::{live, section_embedding};
 use homophily::section_homophily;
 use learned::section_model;
-use maveric_analysis::Correlation;
 use maveric_domain::Road;
+use maveric_pages::words::{correlation, listed, of_group, omnibus, percent};
 use maveric_report::{
-    Report, apa,
+    Card, Report, apa,
     claims::{self, LedgerRow},
     html::{Methods, Provenance, Section},
     tables::Exclusion,
 };
 use nameless::Nameless;
 pub(in crate::stages::report) use run::Run;
-use setting::{listed_exclusions, reliabilities, section_study};
+use setting::{Reliable, listed_exclusions, reliabilities, section_study};
 use setup::setup;
 use std::{collections::BTreeSet, path::Path};
 
@@ -171,7 +169,7 @@ pub(super) fn page(
     let report = Report {
         manuscript: Some(manuscript::manuscript(&run, &paragraphs, &reliabilities)),
         glossary: crate::stages::report::words::glossary(),
-        cards: cards::cards(&run, &reliabilities, ledger.as_deref()),
+        cards: cards(&run, &reliabilities, ledger.as_deref())?,
         summary: said,
         live: moving,
         sections,
@@ -259,7 +257,7 @@ fn subtitle(run: &Run) -> String {
     format!(
         "{made_up}{learned}{} participants in {count} condition{s}: {}",
         run.analysis.participants,
-        enumerated(&labels)
+        listed(&labels)
     )
 }
 
@@ -271,15 +269,6 @@ fn in_words(n: usize) -> String {
     WORDS
         .get(n)
         .map_or_else(|| n.to_string(), |w| (*w).to_owned())
-}
-
-/// `a`, `a and b`, `a, b and c`.
-fn enumerated(words: &[String]) -> String {
-    match words {
-        [] => String::new(),
-        [one] => one.clone(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
 }
 
 /// The same said of several is one row of all of them.
@@ -341,12 +330,29 @@ fn flatten(path: &str, value: &serde_json::Value, list: &mut Vec<(String, String
     }
 }
 
-/// A correlation in words with marks.
-fn correlation_words(c: &Correlation) -> String {
-    c.statement().map_or_else(
-        || format!("not computed from {} pairs", c.n),
-        |said| said.markup().to_owned(),
-    )
+/// What the page opens with: its findings in words, and what the paper's ledger says.
+fn cards(
+    run: &Run,
+    reliabilities: &[Reliable],
+    ledger: Option<&[LedgerRow]>,
+) -> Result<Vec<Card>, StudyError> {
+    let alpha = run.design.style().and_then(|style| {
+        let score = style.score.to_string();
+        let of_score = reliabilities.iter().find(|r| r.id == score)?;
+        of_score.found.alpha
+    });
+    let study = maveric_pages::cards::study::Study {
+        design: &run.design,
+        analysis: &run.analysis,
+        conditions: &run.conditions,
+        alpha,
+        steps: !embedding::steps(run).is_empty(),
+    };
+    let mut cards = maveric_pages::cards::study::cards(&study)?;
+    if let Some(ledger) = ledger {
+        cards.push(maveric_pages::cards::study::against_the_paper(ledger)?);
+    }
+    Ok(cards)
 }
 
 /// The lines that a run ends with.
@@ -368,7 +374,7 @@ fn findings(run: &Run) -> Vec<String> {
             lines.push(format!(
                 "Position on the line against {}: {} (embedding fitted {fitted} the score)",
                 score.title,
-                correlation_words(&score.correlation)
+                correlation(&score.correlation)
             ));
         }
     }
@@ -376,8 +382,8 @@ fn findings(run: &Run) -> Vec<String> {
         lines.push(format!(
             "{}{} over the conditions: {}",
             panel.title,
-            conditions::of_group(panel),
-            conditions::omnibus(panel, false)
+            of_group(panel),
+            omnibus(panel, false)
         ));
     }
     lines

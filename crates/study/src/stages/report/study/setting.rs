@@ -1,6 +1,6 @@
 //! The setting and the people.
 
-use super::{Run, conditions::of_group, enumerated};
+use super::Run;
 use crate::{
     atomic_write::if_there,
     error::StudyError,
@@ -13,6 +13,7 @@ use crate::{
     tables::{Table as File, embeddings::read_embeddings},
 };
 use maveric_domain::{Scale, design::By};
+use maveric_pages::words::{listed, of_group};
 use maveric_report::{
     apa,
     figures::{
@@ -75,7 +76,7 @@ pub(super) fn done(run: &Run) -> String {
         .map(|c| (c.car.is_some(), run.label(c.id)))
         .partition(|(car, _)| *car);
     let labels = |of: Vec<(bool, String)>| {
-        enumerated(&of.into_iter().map(|(_, label)| label).collect::<Vec<_>>())
+        listed(&of.into_iter().map(|(_, label)| label).collect::<Vec<_>>())
     };
     let mut parts = Vec::new();
     if let Some(baseline) = run.design.baseline() {
@@ -100,7 +101,7 @@ pub(super) fn done(run: &Run) -> String {
     sentences.push(format!(
         "Each of the {} who are analysed {}.",
         count(a.participants, "participant", "participants"),
-        enumerated(&parts)
+        listed(&parts)
     ));
     let out: usize = a.flow.left_out.iter().map(|l| l.who.len()).sum();
     if out > 0 {
@@ -120,7 +121,7 @@ pub(super) fn done(run: &Run) -> String {
             "Of {} who were recruited, {out} {} left out: {}.",
             a.flow.recruited,
             if out == 1 { "was" } else { "were" },
-            enumerated(&reasons)
+            listed(&reasons)
         ));
     }
     sentences.join(" ")

@@ -1,0 +1,37 @@
+//! The answer of an ablation.
+
+use crate::{
+    card::{Drawn, card, share_row},
+    texts::{Texts, value},
+};
+use maveric_analysis::{Finding, Part, Verdict};
+use maveric_report::{Card, ReportError};
+use minijinja::context;
+
+/// Most rows of the picture.
+const ROWS: usize = 12;
+
+/// Is every part worth having? `whole` is what each variant is held against.
+///
+/// # Errors
+/// [`ReportError::Template`] for a text that asks for a value which is not given.
+pub fn parts(finding: &Finding, whole: &str) -> Result<Card, ReportError> {
+    let texts = Texts::read("ablation.toml", include_str!("../../texts/ablation.toml"))?;
+    let mut ascending: Vec<&Part> = finding.parts.iter().collect();
+    let share = |part: &Part| part.estimate.unwrap_or(0.0);
+    ascending.sort_by(|a, b| share(a).total_cmp(&share(b)));
+    let values = context! {
+        shown => finding.count(Verdict::Shown),
+        fails => finding.count(Verdict::Fails),
+        all => finding.parts.len(),
+        whole,
+        least => ascending.first().map(value),
+    };
+    let rows = ascending.iter().take(ROWS);
+    let drawn = Drawn {
+        rows: rows.map(|part| share_row(&part.of, part)).collect(),
+        nothing: Some(50.0),
+        bounds: None,
+    };
+    card(&texts, finding, &values, Some(drawn))
+}

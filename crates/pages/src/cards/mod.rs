@@ -1,0 +1,7 @@
+//! The cards of each page.
+
+pub mod ablation;
+pub mod following;
+pub mod rehearsal;
+pub mod study;
+pub mod validation;

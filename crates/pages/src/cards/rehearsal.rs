@@ -1,0 +1,171 @@
+//! The answers of rehearsals: of studies without effects, of power, and of the dial.
+
+use crate::{
+    card::{Drawn, card, share_row},
+    texts::{Texts, value},
+};
+use maveric_analysis::{Finding, Question, Verdict};
+use maveric_rehearsal::{
+    ALPHA, Cell, Judge, LearnedFrom, Method, POWER, TrialError, findings::halfway, validation::mean,
+};
+use maveric_report::{Card, ReportError, figures::intervals::IntervalRow};
+use minijinja::context;
+
+/// Most rows of a picture.
+const ROWS: usize = 30;
+
+fn texts() -> Result<Texts, ReportError> {
+    Texts::read("rehearsal.toml", include_str!("../../texts/rehearsal.toml"))
+}
+
+/// The card of a finding about studies of one size.
+///
+/// # Errors
+/// [`ReportError::Template`] for a text that asks for a value which is not given.
+pub fn of_studies(cell: &Cell, finding: &Finding) -> Result<Option<Card>, ReportError> {
+    let texts = texts()?;
+    let made = match finding.question {
+        Question::Families => families(&texts, cell, finding),
+        Question::Single => single(&texts, cell, finding),
+        Question::Power => power(&texts, cell, finding),
+        _ => return Ok(None),
+    };
+    made.map(Some)
+}
+
+fn families(texts: &Texts, cell: &Cell, finding: &Finding) -> Result<Card, ReportError> {
+    let known = finding.parts.iter().filter(|part| part.estimate.is_some());
+    let rate = |part: &maveric_analysis::Part| part.estimate.unwrap_or(0.0);
+    let worst = known.max_by(|a, b| rate(a).total_cmp(&rate(b)));
+    let uncorrected = cell.families.iter().filter_map(|f| f.any_uncorrected);
+    let values = context! {
+        worst => worst.map(|part| context! { family => part.of.as_str(), rate => part.estimate }),
+        studies => cell.studies,
+        uncorrected => uncorrected.map(|share| share.estimate).reduce(f64::max),
+    };
+    let rows = finding.parts.iter().take(ROWS);
+    let drawn = Drawn {
+        rows: rows.map(|part| share_row(&part.of, part)).collect(),
+        nothing: Some(100.0 * ALPHA),
+        bounds: None,
+    };
+    card(texts, finding, &values, Some(drawn))
+}
+
+fn single(texts: &Texts, cell: &Cell, finding: &Finding) -> Result<Card, ReportError> {
+    let rates = cell
+        .tests
+        .iter()
+        .filter_map(|t| Some((t, t.rate.as_ref()?)));
+    let tests: Vec<_> = rates.collect();
+    let above = tests.iter().filter(|(_, rate)| rate.low > ALPHA).count();
+    let most = tests
+        .iter()
+        .max_by(|a, b| a.1.estimate.total_cmp(&b.1.estimate));
+    let values = context! {
+        tests => tests.len(),
+        above,
+        chance => 0.025 * tests.len() as f64,
+        most => most.map(|(test, rate)| context! { key => test.key.as_str(), rate => rate.estimate }),
+    };
+    let rows = cell.by_part().into_iter().map(|(part, tests)| {
+        let rates = tests.iter().filter_map(|t| Some(100.0 * t.rate?.estimate));
+        let rates: Vec<f64> = rates.collect();
+        let low = rates.iter().copied().reduce(f64::min);
+        let ends = low.zip(rates.iter().copied().reduce(f64::max));
+        IntervalRow::new(part.title(), mean(&rates), ends)
+    });
+    let drawn = Drawn {
+        rows: rows.collect(),
+        nothing: Some(100.0 * ALPHA),
+        bounds: None,
+    };
+    card(texts, finding, &values, Some(drawn))
+}
+
+fn power(texts: &Texts, cell: &Cell, finding: &Finding) -> Result<Card, ReportError> {
+    let weakest = finding.least(|part| part.estimate);
+    let weakest = weakest.filter(|part| part.estimate.is_some());
+    let planted = (cell.effect_scale - 1.0).abs() < 1e-12;
+    let values = context! {
+        people => cell.participants,
+        declared => cell.judge() == Judge::Hypotheses,
+        scale => if planted { 1.0 } else { cell.effect_scale },
+        scale_words => cell.effect_scale.to_string(),
+        questions => finding.parts.len(),
+        only => finding.parts.first().map(value),
+        enough => finding.count(Verdict::Shown),
+        weakest => weakest.map(value),
+    };
+    let rows = finding.parts.iter();
+    let drawn = Drawn {
+        rows: rows.map(|part| share_row(&part.of, part)).collect(),
+        nothing: Some(100.0 * POWER),
+        bounds: None,
+    };
+    card(texts, finding, &values, Some(drawn))
+}
+
+/// Does the model know how far to turn, once somebody has been driven in the four conditions?
+///
+/// # Errors
+/// As [`of_studies`].
+pub fn recommends(learned: &LearnedFrom, finding: &Finding) -> Result<Card, ReportError> {
+    let share = |method| {
+        let score = learned.scores.iter().find(|s| s.method == method);
+        score.and_then(|s| Some(s.within_5?.estimate))
+    };
+    let own = share(Method::OwnForAll);
+    let values = context! {
+        learned_from => learned.participants,
+        after => share(Method::AfterFourConditions),
+        own,
+        best => share(Method::Ceiling),
+    };
+    let rows = learned.scores.iter();
+    let rows = rows.map(|s| IntervalRow::share(s.method.title(), s.within_5.as_ref()));
+    let drawn = Drawn {
+        rows: rows.collect(),
+        nothing: Some(100.0 * own.unwrap_or(0.0)),
+        bounds: None,
+    };
+    card(&texts()?, finding, &values, Some(drawn))
+}
+
+/// Does choosing what to show next learn faster than a grid? `saved` says how many trials.
+///
+/// # Errors
+/// As [`of_studies`].
+pub fn saves(
+    search: &[TrialError],
+    saved: &str,
+    finding: &Finding,
+) -> Result<Option<Card>, ReportError> {
+    let Some(middle) = halfway(search) else {
+        return Ok(None);
+    };
+    let texts = texts()?;
+    let values = context! {
+        saved,
+        trials => middle.trials,
+        active => middle.active.0,
+        grid => middle.grid.0,
+    };
+    let row = |key: &str, (value, half): (f64, f64)| {
+        let label = texts.say("active", key, &values)?;
+        Ok::<_, ReportError>(IntervalRow::new(
+            label,
+            Some(value),
+            Some((value - half, value + half)),
+        ))
+    };
+    let drawn = Drawn {
+        rows: vec![
+            row("chosen_row", middle.active)?,
+            row("grid_row", middle.grid)?,
+        ],
+        nothing: None,
+        bounds: None,
+    };
+    card(&texts, finding, &values, Some(drawn)).map(Some)
+}

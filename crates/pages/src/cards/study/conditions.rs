@@ -1,0 +1,143 @@
+//! Do the conditions differ, and the way that was expected?
+
+use super::data::Study;
+use crate::{
+    card::{Drawn, card},
+    texts::{Texts, value},
+    words::{omnibus, paired},
+};
+use maveric_analysis::{Contrast, Finding, Panel, Question, Verdict, verdict::FEWEST};
+use maveric_domain::{
+    ConditionId,
+    design::{Condition, Sign},
+};
+use maveric_report::{Card, ReportError, figures::intervals::IntervalRow};
+use maveric_stats::proportion;
+use minijinja::context;
+
+/// The panels of everybody.
+fn whole<'a>(study: &Study<'a>) -> impl Iterator<Item = &'a Panel> {
+    let panels = study.analysis.panels.iter();
+    panels.filter(|panel| panel.group.is_none())
+}
+
+/// Of these contrasts the one between the places that lie furthest apart on the dial.
+fn widest<'a>(study: &Study<'_>, contrasts: &[&'a Contrast]) -> Option<&'a Contrast> {
+    let dial = |id: ConditionId| study.design.condition(id).and_then(Condition::dial);
+    let apart = |c: &Contrast| (dial(c.first).unwrap_or(0.0) - dial(c.second).unwrap_or(0.0)).abs();
+    let all = contrasts.iter().copied();
+    all.max_by(|a, b| apart(a).total_cmp(&apart(b)))
+}
+
+/// People for whom a contrast lies the expected way, in %.
+fn expected_share(title: &str, c: &Contrast) -> IntervalRow {
+    let [above, tied, below] = c.people;
+    let hits = match c.expected {
+        Some(Sign::Plus) => above,
+        _ => below,
+    };
+    let n = above + tied + below;
+    let share = proportion(hits, n, 0.95).ok().filter(|_| n >= FEWEST);
+    IntervalRow::share(title, share.as_ref())
+}
+
+/// The test over the conditions, in words.
+fn over(texts: &Texts, card: &str, panel: &Panel) -> Result<String, ReportError> {
+    let values = context! { title => panel.title.as_str(), omnibus => omnibus(panel, false) };
+    texts.say(card, "over", &values)
+}
+
+/// Do the conditions differ the way that was expected: in what was measured, or in what people said?
+pub(super) fn expected(
+    study: &Study<'_>,
+    texts: &Texts,
+    finding: &Finding,
+) -> Result<Option<Card>, ReportError> {
+    let name = finding.question.to_string();
+    let measured = finding.question != Question::Noticed;
+    let mut panels: Vec<(&Panel, Vec<&Contrast>)> = Vec::new();
+    for panel in whole(study).filter(|p| p.measured == measured) {
+        let expected = panel.contrasts.iter().filter(|c| c.expected.is_some());
+        let expected: Vec<&Contrast> = expected.collect();
+        if !expected.is_empty() {
+            panels.push((panel, expected));
+        }
+    }
+    let Some(first) = panels.first().and_then(|(_, all)| widest(study, all)) else {
+        return Ok(None);
+    };
+    let rows = panels.iter().filter_map(|(panel, contrasts)| {
+        Some(expected_share(&panel.title, widest(study, contrasts)?))
+    });
+    let rows: Vec<IntervalRow> = rows.collect();
+    let lowest = rows.iter().filter(|row| row.estimate.is_some());
+    let lowest = lowest.min_by(|a, b| {
+        a.estimate
+            .unwrap_or(0.0)
+            .total_cmp(&b.estimate.unwrap_or(0.0))
+    });
+    let all = || {
+        panels
+            .iter()
+            .flat_map(|(p, cs)| cs.iter().map(move |c| (*p, *c)))
+    };
+    let right = all().filter(|(_, c)| c.mean_difference.and_then(Sign::of) == c.expected);
+    let steps = study.conditions.iter();
+    let steps = steps.filter(|c| c.moved_points.is_some_and(|m| m.abs() > 0.0) || c.clamped);
+    let (cut, asked) = steps.fold((0, 0), |(cut, asked), c| {
+        (cut + usize::from(c.clamped), asked + 1)
+    });
+    let values = context! {
+        right => right.count(),
+        all => finding.parts.len(),
+        shown => finding.count(Verdict::Shown),
+        fails => finding.count(Verdict::Fails),
+        lowest => lowest.map(value),
+        pair => format!("{} against {}", study.label(first.first), study.label(first.second)),
+        steered => study.design.style().is_some(),
+        steps => study.steps,
+        cut,
+        asked,
+    };
+    let mut tests = Vec::new();
+    for (panel, _) in &panels {
+        tests.push(over(texts, &name, panel)?);
+    }
+    for (panel, pair) in all() {
+        if let Some(paired) = paired(panel, pair) {
+            let values = context! {
+                title => panel.title.as_str(),
+                first => study.label(pair.first),
+                second => study.label(pair.second),
+                paired,
+            };
+            tests.push(texts.say(&name, "test", &values)?);
+        }
+    }
+    let drawn = Drawn {
+        rows,
+        nothing: Some(50.0),
+        bounds: None,
+    };
+    Ok(Some(Card {
+        tests,
+        ..card(texts, finding, &values, Some(drawn))?
+    }))
+}
+
+/// Do the conditions differ at all? Where nothing else was expected of them.
+pub(super) fn differ(
+    study: &Study<'_>,
+    texts: &Texts,
+    finding: &Finding,
+) -> Result<Card, ReportError> {
+    let judged = whole(study).zip(&finding.parts);
+    let clear = judged.filter(|(_, part)| part.verdict == Verdict::Shown);
+    let clear: Vec<String> = clear.map(|(panel, _)| panel.title.to_lowercase()).collect();
+    let values = context! { clear, all => finding.parts.len() };
+    let tests = whole(study).map(|panel| over(texts, "differ", panel));
+    Ok(Card {
+        tests: tests.collect::<Result<_, _>>()?,
+        ..card(texts, finding, &values, None)?
+    })
+}

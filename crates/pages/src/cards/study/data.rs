@@ -1,0 +1,32 @@
+//! What the cards of a study are made from.
+
+use maveric_analysis::Analysis;
+use maveric_domain::{ConditionId, ConditionRow, Design};
+use maveric_report::markup;
+
+/// What the cards of a study are made from.
+#[derive(Debug, Clone, Copy)]
+pub struct Study<'a> {
+    /// Its design.
+    pub design: &'a Design,
+    /// Its results.
+    pub analysis: &'a Analysis,
+    /// Where each condition lay for each participant.
+    pub conditions: &'a [ConditionRow],
+    /// Cronbach's alpha of the style's score, where it is known.
+    pub alpha: Option<f64>,
+    /// Whether the page has a table of the dial's steps.
+    pub steps: bool,
+}
+
+impl Study<'_> {
+    /// What the page calls a condition, the baseline or a role.
+    pub(super) fn label(&self, id: ConditionId) -> String {
+        markup::literal(&self.design.label(id))
+    }
+
+    /// What the dial turns.
+    pub(super) fn style_label(&self) -> &str {
+        self.design.style().map_or("the style", |s| &s.label)
+    }
+}

@@ -1,0 +1,11 @@
+//! The answers that a study's page opens with.
+
+mod car;
+mod conditions;
+mod data;
+mod people;
+mod results;
+mod style;
+
+pub use data::Study;
+pub use results::{against_the_paper, cards};

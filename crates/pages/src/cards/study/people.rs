@@ -1,0 +1,147 @@
+//! What people want: their own style or another, and whether their traits tell.
+
+use super::data::Study;
+use crate::{
+    card::{Drawn, card},
+    texts::{Texts, value},
+    words,
+};
+use maveric_analysis::{Above, Finding, HomophilyRow, Preference, Verdict};
+use maveric_report::{Card, ReportError, figures::intervals::IntervalRow};
+use maveric_stats::Proportion;
+use minijinja::{Value, context};
+
+/// Most rows of a picture.
+const ROWS: usize = 8;
+
+/// Would people rather be driven as they drive?
+pub(super) fn preferred(
+    study: &Study<'_>,
+    texts: &Texts,
+    finding: &Finding,
+) -> Result<Card, ReportError> {
+    let say = |key: &str, values: &Value| texts.say("preferred", key, values);
+    let rated = study.analysis.preferences.iter().filter(|p| p.n > 0);
+    let rated: Vec<&Preference> = rated.collect();
+    let answers: usize = rated.iter().map(|p| p.n).sum();
+    let mut shares = Vec::new();
+    for (at, other) in rated
+        .first()
+        .into_iter()
+        .flat_map(|p| p.others.iter().enumerate())
+    {
+        let above = rated.iter().filter_map(|p| p.others.get(at));
+        let above: usize = above.map(|other| other.above).sum();
+        let values = context! {
+            label => study.label(other.condition),
+            share => 100.0 * above as f64 / answers.max(1) as f64,
+        };
+        shares.push(say("shares", &values)?);
+    }
+    let all: Vec<(&Preference, &Above)> = rated
+        .iter()
+        .flat_map(|p| p.others.iter().map(move |o| (*p, o)))
+        .collect();
+    let of = |(p, o): (&Preference, &Above)| {
+        context! {
+            title => p.title.as_str(),
+            label => study.label(o.condition),
+            other => study.design.label(o.condition),
+            above => o.above,
+            n => p.n,
+            share => o.share.as_ref().map(|s| s.estimate),
+            interval => value(&o.share.as_ref().map(|s| s.percent().ends())),
+        }
+    };
+    let known = || {
+        all.iter()
+            .filter_map(|(p, o)| Some((*p, *o, o.share.as_ref()?)))
+    };
+    let larger = |a: &Proportion, b: &Proportion| a.estimate.total_cmp(&b.estimate);
+    let most = known().max_by(|a, b| larger(a.2, b.2));
+    let mut rows = Vec::new();
+    for (p, o) in all.iter().take(ROWS) {
+        rows.push(IntervalRow::share(
+            say("row", &of((p, o)))?,
+            o.share.as_ref(),
+        ));
+    }
+    let values = context! {
+        ratings => rated.len(),
+        shares,
+        most => most.map(|(p, o, _)| of((p, o))),
+    };
+    let drawn = Drawn {
+        rows,
+        nothing: Some(50.0),
+        bounds: None,
+    };
+    let tests = known().map(|(p, o, _)| say("test", &of((p, o))));
+    Ok(Card {
+        tests: tests.collect::<Result<_, _>>()?,
+        ..card(texts, finding, &values, Some(drawn))?
+    })
+}
+
+/// Strongest correlations that are shown.
+const STRONGEST: usize = 5;
+
+/// Does what people are like tell whose style they want?
+pub(super) fn personality(
+    study: &Study<'_>,
+    texts: &Texts,
+    finding: &Finding,
+) -> Result<Option<Card>, ReportError> {
+    let say = |key: &str, values: &Value| texts.say("personality", key, values);
+    let rows = study.analysis.homophily.iter();
+    let mut tested: Vec<&HomophilyRow> = rows.filter(|r| r.p_holm.is_some()).collect();
+    let size = |r: &HomophilyRow| r.correlation.r.unwrap_or(0.0).abs();
+    tested.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    let Some(strongest) = tested.first() else {
+        return Ok(None);
+    };
+    let of = |r: &HomophilyRow| {
+        context! {
+            title => r.title.as_str(),
+            rating_title => r.rating_title.as_str(),
+            own => study.label(r.own),
+            versus => study.label(r.versus),
+            correlation => words::correlation(&r.correlation),
+            p_holm => r.p_holm,
+        }
+    };
+    let alone = tested
+        .iter()
+        .filter(|r| r.correlation.p.is_some_and(|p| p < 0.05));
+    let half = tested
+        .iter()
+        .filter_map(|r| r.simultaneous.map(|(low, high)| 0.5 * (high - low)));
+    let values = context! {
+        all => tested.len(),
+        kept => finding.count(Verdict::Shown),
+        low => alone.count(),
+        chance => 0.05 * tested.len() as f64,
+        strongest => of(strongest),
+        people => study.analysis.participants,
+        least => half.reduce(f64::max),
+    };
+    let (mut drawn, mut tests) = (Vec::new(), Vec::new());
+    for row in tested.iter().take(STRONGEST) {
+        let values = of(row);
+        drawn.push(IntervalRow::new(
+            say("row", &values)?,
+            row.correlation.r,
+            row.simultaneous,
+        ));
+        tests.push(say("test", &values)?);
+    }
+    let drawn = Drawn {
+        rows: drawn,
+        nothing: Some(0.0),
+        bounds: None,
+    };
+    Ok(Some(Card {
+        tests,
+        ..card(texts, finding, &values, Some(drawn))?
+    }))
+}

@@ -1,0 +1,98 @@
+//! All cards of a study, in the order of its findings.
+
+use super::{car, conditions, data::Study, people, style};
+use crate::{
+    card::{Drawn, card, share_row},
+    texts::{Texts, value},
+};
+use maveric_analysis::{Finding, Question, findings};
+use maveric_report::{
+    Card, ReportError,
+    claims::{LedgerRow, Verdict, verdict_counts},
+    figures::intervals::IntervalRow,
+};
+use minijinja::context;
+
+/// The texts of these cards.
+pub(super) fn texts() -> Result<Texts, ReportError> {
+    Texts::read("study.toml", include_str!("../../../texts/study.toml"))
+}
+
+/// A card a finding.
+///
+/// # Errors
+/// [`ReportError::Template`] for a text that asks for a value which is not given.
+pub fn cards(study: &Study<'_>) -> Result<Vec<Card>, ReportError> {
+    let texts = texts()?;
+    let mut cards = Vec::new();
+    for finding in &study.analysis.findings {
+        cards.extend(match finding.question {
+            Question::Hypothesis(number) => hypothesis(study, &texts, finding, number)?,
+            Question::OwnStyle => car::own_style(study, &texts, finding)?,
+            Question::Nearer => car::nearer(study, &texts, finding)?,
+            Question::Dial | Question::Expected | Question::Noticed => {
+                conditions::expected(study, &texts, finding)?
+            }
+            Question::Differ => Some(conditions::differ(study, &texts, finding)?),
+            Question::Style => style::line(study, &texts, finding)?,
+            Question::Across => style::across(study, &texts, finding)?,
+            Question::Preferred => Some(people::preferred(study, &texts, finding)?),
+            Question::Personality => people::personality(study, &texts, finding)?,
+            _ => None,
+        });
+    }
+    Ok(cards)
+}
+
+fn hypothesis(
+    study: &Study<'_>,
+    texts: &Texts,
+    finding: &Finding,
+    number: usize,
+) -> Result<Option<Card>, ReportError> {
+    let place = number.checked_sub(1);
+    let Some(judged) = place.and_then(|at| study.analysis.hypotheses.get(at)) else {
+        return Ok(None);
+    };
+    let values = context! {
+        first => study.label(judged.first),
+        second => study.label(judged.second),
+        ..value(judged)
+    };
+    let say = |key| texts.say("hypothesis", key, &values);
+    let row = IntervalRow::new(say("row")?, judged.mean_difference, judged.interval);
+    let drawn = Drawn {
+        rows: vec![row],
+        nothing: Some(0.0),
+        bounds: judged.bounds,
+    };
+    let tests = Some(say("test")?).filter(|test| !test.is_empty());
+    Ok(Some(Card {
+        tests: tests.into_iter().collect(),
+        ..card(texts, finding, &values, Some(drawn))?
+    }))
+}
+
+/// How many numbers of the paper come out here, of those that could differ.
+///
+/// # Errors
+/// As [`cards`].
+pub fn against_the_paper(ledger: &[LedgerRow]) -> Result<Card, ReportError> {
+    let texts = texts()?;
+    let counts = verdict_counts(ledger);
+    let count = |verdict| counts.get(&verdict).copied().unwrap_or(0);
+    let [agree, same, differ] =
+        [Verdict::Agrees, Verdict::SameDirection, Verdict::Differs].map(count);
+    let could = agree + same + differ;
+    let finding = findings::against_the_paper(agree, could);
+    let set = count(Verdict::ByDesign) + count(Verdict::Tuned);
+    let values = context! { agree, same, differ, could, set };
+    let label = texts.say("paper", "row", &values)?;
+    let rows = finding.parts.iter().map(|part| share_row(&label, part));
+    let drawn = Drawn {
+        rows: rows.collect(),
+        nothing: Some(50.0),
+        bounds: None,
+    };
+    card(&texts, &finding, &values, Some(drawn))
+}

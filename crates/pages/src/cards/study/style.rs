@@ -1,0 +1,111 @@
+//! What the learned style holds: the score, and habits beside it.
+
+use super::data::Study;
+use crate::{
+    card::{Drawn, card},
+    texts::{Texts, value},
+    words,
+};
+use maveric_analysis::{AggressionLine, Correlation, Finding, Kept, Verdict};
+use maveric_report::{Card, ReportError, figures::intervals::IntervalRow};
+use minijinja::context;
+
+/// Does the learned style hold what the driver's score says?
+pub(super) fn line(
+    study: &Study<'_>,
+    texts: &Texts,
+    finding: &Finding,
+) -> Result<Option<Card>, ReportError> {
+    let score = |line: &Option<AggressionLine>| {
+        let line = line.as_ref()?;
+        line.rows.last().map(|row| row.correlation.clone())
+    };
+    let with = score(&study.analysis.line);
+    let without = score(&study.analysis.line_without_adb);
+    let Some(decides) = without.as_ref().or(with.as_ref()) else {
+        return Ok(None);
+    };
+    let alpha = study.alpha.filter(|alpha| *alpha > 0.0);
+    let ceiling = alpha.map(f64::sqrt);
+    let r = decides.r.unwrap_or(0.0);
+    let values = context! {
+        style => study.style_label(),
+        n => decides.n,
+        r,
+        explained => 100.0 * r * r,
+        interval => value(&decides.ci_low.zip(decides.ci_high)),
+        alpha,
+        ceiling,
+    };
+    let (mut rows, mut tests) = (Vec::new(), Vec::new());
+    let fits: [(&str, &str, &Option<Correlation>); 2] = [
+        ("without", "test_without", &without),
+        ("with", "test_with", &with),
+    ];
+    for (label, test, fit) in fits {
+        let Some(fit) = fit else { continue };
+        let label = texts.say("style", label, &values)?;
+        rows.push(IntervalRow {
+            floor: Some(0.0),
+            ceiling,
+            ..IntervalRow::new(label, fit.r, fit.ci_low.zip(fit.ci_high))
+        });
+        let fit = context! { correlation => words::correlation(fit), ..values.clone() };
+        tests.push(texts.say("style", test, &fit)?);
+    }
+    let drawn = Drawn {
+        rows,
+        nothing: Some(0.0),
+        bounds: None,
+    };
+    Ok(Some(Card {
+        tests,
+        ..card(texts, finding, &values, Some(drawn))?
+    }))
+}
+
+/// Multiple R of two predictors that tell nothing, on average: √(2 / (n − 1)).
+fn chance(n: usize) -> Option<f64> {
+    (n > 3).then(|| (2.0 / (n as f64 - 1.0)).sqrt())
+}
+
+/// Does moving across the dial change a habit that the dial leaves alone?
+pub(super) fn across(
+    study: &Study<'_>,
+    texts: &Texts,
+    finding: &Finding,
+) -> Result<Option<Card>, ReportError> {
+    let kept = &study.analysis.kept;
+    let size = |k: &Kept| k.circular_r.unwrap_or(0.0);
+    let strongest = kept.iter().max_by(|a, b| size(a).total_cmp(&size(b)));
+    let Some(strongest) = strongest else {
+        return Ok(None);
+    };
+    let judged = kept.iter().zip(&finding.parts);
+    let clear = judged.filter(|(_, part)| part.verdict == Verdict::Shown);
+    let clear: Vec<String> = clear.map(|(habit, _)| habit.title.to_lowercase()).collect();
+    let values = context! {
+        label => study.label(strongest.across),
+        clear,
+        all => kept.len(),
+        strongest => value(strongest),
+        chance => chance(strongest.points.len()),
+    };
+    let rows = kept.iter().map(|k| IntervalRow {
+        floor: chance(k.points.len()),
+        ..IntervalRow::new(k.title.clone(), k.circular_r, None)
+    });
+    let tested = kept
+        .iter()
+        .filter(|k| k.circular_r.is_some() && k.circular_p_holm.is_some());
+    let tests = tested.map(|k| texts.say("across", "test", &value(k)));
+    let drawn = Drawn {
+        rows: rows.collect(),
+        nothing: Some(0.0),
+        bounds: None,
+    };
+    Ok(Some(Card {
+        tests: tests.collect::<Result<_, _>>()?,
+        ..card(texts, finding, &values, Some(drawn))?
+    }))
+}

@@ -1,0 +1,141 @@
+//! Phrases that pages share: lists, shares, intervals, and tests as APA writes them.
+
+use maveric_analysis::{Contrast, Correlation, Panel};
+use maveric_report::{apa, markup};
+use maveric_stats::{Adjustment, PosthocTest, apa::Statements};
+
+/// A sentence with its first letter large.
+pub fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
+}
+
+/// A quantity with its unit, where it has one.
+pub fn with_unit(title: &str, unit: &str) -> String {
+    if unit.is_empty() {
+        title.to_owned()
+    } else {
+        format!("{title} ({unit})")
+    }
+}
+
+/// `a`, `a and b`, `a, b and c`.
+pub fn listed(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// `86.9%`, with a true minus; `no value` where there is none.
+pub fn percent(share: Option<f64>) -> String {
+    share.map_or_else(
+        || "no value".to_owned(),
+        |v| format!("{}%", apa::number(100.0 * v, 1)),
+    )
+}
+
+/// ` [0.12, 0.34]`, or nothing.
+pub fn interval(ends: Option<(f64, f64)>, decimals: usize) -> String {
+    let written = |end| apa::number(end, decimals);
+    ends.map_or_else(String::new, |(low, high)| {
+        format!(" [{}, {}]", written(low), written(high))
+    })
+}
+
+/// A correlation with its test, with marks.
+pub fn correlation(c: &Correlation) -> String {
+    c.statement().map_or_else(
+        || format!("not computed from {} pairs", c.n),
+        |statement| statement.markup().to_owned(),
+    )
+}
+
+/// The test over the conditions, and over what else the design crosses with them, in words with marks; `short` is for a panel's width: without
+/// interval and ε, and of several effects the highest.
+pub fn omnibus(panel: &Panel, short: bool) -> String {
+    let Some(found) = &panel.comparison else {
+        let reason = panel.reasons.first().map_or("", String::as_str);
+        return if short {
+            format!("not tested: *n* = {}", panel.n)
+        } else {
+            format!("not tested: {reason}")
+        };
+    };
+    if let Some(found) = found.one_factor() {
+        let said = if short {
+            found.omnibus.short_statement(found.n)
+        } else {
+            found.omnibus.statement(found.n)
+        };
+        return said.map_or_else(
+            || {
+                let why = found.undefined.get("omnibus").filter(|_| !short);
+                let why = why.map_or_else(String::new, |why| format!(": {why}"));
+                format!("no test statistic{why}")
+            },
+            |said| said.markup().to_owned(),
+        );
+    }
+    // Pairs have a table of their own.
+    let effects = found.effects();
+    let all: Vec<String> = found
+        .statements()
+        .into_iter()
+        .filter(|(name, _)| effects.len() == 1 || effects.iter().any(|(e, _)| e == name))
+        .map(|(name, said)| match effects.len() {
+            1 => said.markup().to_owned(),
+            _ => format!(
+                "{}: {}",
+                markup::literal(&name.replace(':', " × ")),
+                said.markup()
+            ),
+        })
+        .collect();
+    match (&all[..], short || effects.len() == 1) {
+        ([], _) => "no test statistic: see the reasons in the analysis".to_owned(),
+        ([first, ..], true) if effects.len() == 1 => first.clone(),
+        ([.., last], true) => last.clone(),
+        (all, false) => all.join("; "),
+    }
+}
+
+/// A paired test in words; *p* is that of Holm over its family, under its plain name.
+pub fn paired(panel: &Panel, pair: &Contrast) -> Option<String> {
+    let effect = pair.effect.as_ref();
+    let p = pair.p_holm?;
+    Some(match (panel.test?, pair.df) {
+        (PosthocTest::T, Some(df)) => {
+            let interval = effect.and_then(|e| {
+                Some(apa::Interval {
+                    level: e.confidence,
+                    low: e.ci_low?,
+                    high: e.ci_high?,
+                })
+            });
+            let size = effect.and_then(|e| Some((e.value?, interval)));
+            apa::t(pair.statistic?, df as f64, p, Adjustment::None, size)
+                .markup()
+                .to_owned()
+        }
+        _ => apa::wilcoxon(
+            pair.statistic?,
+            p,
+            Adjustment::None,
+            effect.and_then(|e| e.value),
+        )
+        .markup()
+        .to_owned(),
+    })
+}
+
+/// Whose panel it is, where people are divided.
+pub fn of_group(panel: &Panel) -> String {
+    panel
+        .group
+        .as_ref()
+        .map_or_else(String::new, |g| format!(" ({}: {})", g.factor, g.level))
+}
