@@ -130,6 +130,10 @@ fn a_study_is_exported_and_traced_from_its_folder_without_a_path() {
     study.write("mine/pipelines/study.toml", &text);
     let again = study.maveric_in("mine", &["run", "--show"]).ok().stdout;
     assert_eq!(again, text);
+    // The study's own pipeline goes on where the design's left off: nothing runs again, and nothing there is somebody else's.
+    study.maveric_in("mine", &["run"]).ok();
+    assert!(!study.path("mine/pipelines/study.lock").exists());
+    assert!(read(&study, "mine/.maveric/study.lock").contains("report"));
 }
 
 #[test]

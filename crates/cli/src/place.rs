@@ -1,7 +1,7 @@
 //! Where a pipeline stands, and what its stages may call.
 
 use crate::{diagnostics::Failure, invocation};
-use maveric_pipeline::{Pipeline, Place, Program, Settings, command_line, parse_override};
+use maveric_pipeline::{Ledger, Pipeline, Place, Program, Settings, command_line, parse_override};
 use maveric_study::design::DESIGN_FILE;
 use std::path::{Path, PathBuf};
 
@@ -135,15 +135,32 @@ fn root(file: &Path) -> Result<PathBuf, Failure> {
         .map_err(|e| Failure::io(doing, e))
 }
 
-/// Where the pipeline of `file` runs: its root, the ledger beside the pipeline file, and this program
-/// under its own name.
+/// The ledger beside a pipeline file. A study's own pipeline that was made of its design's (`run --show`) goes on with the ledger of that, so
+/// that what is there stays its own.
+fn ledger(file: &Path, root: &Path) -> PathBuf {
+    let beside = file.with_extension("lock");
+    let designed = root.join(DESIGNED_PIPELINE).with_extension("lock");
+    if !file.ends_with(OWN_PIPELINE) || beside.is_file() {
+        return beside;
+    }
+    let is_of = |ledger: Ledger| {
+        let name = format!("name = \"{}\"", ledger.pipeline);
+        let text = std::fs::read_to_string(file).unwrap_or_default();
+        text.lines().any(|line| line.trim() == name)
+    };
+    let goes_on = Ledger::read_any(&designed).is_ok_and(is_of);
+    if goes_on { designed } else { beside }
+}
+
+/// Where the pipeline of `file` runs: its root, its ledger, and this program under its own name.
 pub(crate) fn place(file: &Path) -> Result<Place, Failure> {
     let file = &named(file)?;
     let folder = file.parent().unwrap_or(Path::new(""));
     let stem = file.file_stem().unwrap_or_default();
+    let root = root(file)?;
     Ok(Place {
-        root: root(file)?,
-        ledger: file.with_extension("lock"),
+        ledger: ledger(file, &root),
+        root,
         log_dir: folder.join(".logs").join(stem),
         program: invocation::current().map(|call| Program {
             name: "maveric".to_owned(),

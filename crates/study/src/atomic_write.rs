@@ -40,9 +40,9 @@ pub fn atomic_write(
     remove_left_behind(folder);
     let mut builder = tempfile::Builder::new();
     builder.prefix(FRESH.0).suffix(FRESH.1);
-    // Temporary files are private by default; a result should be as readable as any other file.
+    // Temporary files are private by default; a result is as readable as any other file, less the umask.
     #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut file = builder
         .tempfile_in(folder)
         .map_err(StudyError::write(folder))?;
