@@ -110,32 +110,6 @@ pub fn unknown_condition(design: &Design, condition: ConditionId) -> Option<Why>
     (!design.knows(condition)).then(|| Why::by(Rule::UnknownCondition, reason()))
 }
 
-/// What the design leaves out, in sentences, as a preregistration declares it.
-pub fn declared(design: &Design) -> Vec<String> {
-    let rules = design.exclude();
-    let sentence = |text: &str| format!("{}.", text.trim().trim_end_matches('.'));
-    let mut lines = Vec::new();
-    lines.extend(
-        rules
-            .drive_shorter_than_s
-            .map(|seconds| format!("Drives shorter than {seconds} s, with what was said of them.")),
-    );
-    lines.extend(rules.straight_lined.then(|| {
-        "People who gave one answer to every item of a questionnaire that has reversed items."
-            .to_owned()
-    }));
-    let fewest = rules.fewer_conditions_than;
-    lines.extend(fewest.map(|n| format!("People with fewer than {n} conditions.")));
-    let people = rules.people.iter();
-    lines.extend(people.map(|(who, why)| format!("{who}: {}", sentence(why))));
-    let drives = rules.drives.iter();
-    lines.extend(drives.map(|(drive, why)| format!("Drive {drive}: {}", sentence(why))));
-    lines.push(
-        "A person without a value in a condition is left out of that outcome and named.".to_owned(),
-    );
-    lines
-}
-
 /// Whom and what the design leaves out.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LeftOut {

@@ -2,5 +2,8 @@
 
 mod card;
 pub mod cards;
+mod preregistration;
 mod texts;
 pub mod words;
+
+pub use preregistration::preregistration;

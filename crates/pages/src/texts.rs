@@ -1,7 +1,7 @@
 //! The templates of `texts/`: tables of texts, filled with values.
 
 use maveric_report::{ReportError, apa, markup};
-use minijinja::{Environment, UndefinedBehavior, Value};
+use minijinja::{Environment, UndefinedBehavior, Value, syntax::SyntaxConfig};
 use std::collections::BTreeMap;
 
 use crate::words;
@@ -40,6 +40,20 @@ impl Texts {
         let filled = environment().render_str(text, values);
         filled.map_err(|e| failed(format!("{}, {card}.{key}: {e:#}", self.file)))
     }
+}
+
+/// A document that is compiled in, with its values; a line that is a statement of the template alone leaves nothing behind.
+///
+/// # Errors
+/// [`ReportError::Template`] naming the file, for a value that is not given.
+pub(crate) fn document(file: &str, text: &str, values: Value) -> Result<String, ReportError> {
+    let mut syntax = SyntaxConfig::builder();
+    syntax.trim_blocks(true).lstrip_blocks(true);
+    syntax.keep_trailing_newline(true);
+    let failed = |e: minijinja::Error| failed(format!("{file}: {e:#}"));
+    let mut environment = environment();
+    environment.set_syntax(syntax.build().map_err(failed)?);
+    environment.render_str(text, values).map_err(failed)
 }
 
 /// An environment with the filters that texts use.

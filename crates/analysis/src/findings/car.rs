@@ -55,7 +55,7 @@ mod tests {
         for i in 0..12 {
             let own = 24.0 + 0.5 * i as f64;
             tables.measurements.push(drive(i, "own", Some(own)));
-            let wobble = if i % 2 == 0 { 0.1 } else { -0.1 };
+            let wobble = if i.is_multiple_of(2) { 0.1 } else { -0.1 };
             for condition in CONDITIONS {
                 let faster = match condition {
                     "same" => same(i),
@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn a_car_that_drives_as_its_driver_is_the_same_a_fast_one_fails_and_between_nothing_is_shown() {
-        let spread = |i: usize| if i % 2 == 0 { 0.2 } else { -0.2 };
+        let spread = |i: usize| if i.is_multiple_of(2) { 0.2 } else { -0.2 };
         let own = |shift: f64| of(&driven(|i| shift + spread(i), 3.0), Question::OwnStyle);
         assert_eq!([own(0.0).verdict, own(2.0).verdict], [Shown, Fails]);
         // What counts as none is half a standard deviation of 12 people half a metre a second apart.
@@ -109,7 +109,7 @@ mod tests {
                 .all(|p| p.n == 12 && p.estimate == Some(1.0))
         );
         assert_eq!(
-            driven(|i| if i % 2 == 0 { 2.0 } else { 4.0 }, 3.0).findings[1].verdict,
+            driven(|i| if i.is_multiple_of(2) { 2.0 } else { 4.0 }, 3.0).findings[1].verdict,
             NotShown
         );
     }

@@ -1,0 +1,194 @@
+//! A design as the text of a preregistration; its words are `texts/preregistration.md`.
+
+use crate::texts::document;
+use maveric_analysis::{PlannedTest, planned};
+use maveric_domain::{
+    Design,
+    design::{Car, Claim, Compare, Condition, Hypothesis, Outcome, Sign},
+};
+use maveric_measures::objective;
+use maveric_report::ReportError;
+use minijinja::{Value, context};
+use path_slash::PathExt as _;
+use std::collections::BTreeMap;
+
+/// Markdown under the headings of a preregistration; `sample_size` has the sentences about how many people.
+///
+/// # Errors
+/// [`ReportError::Template`] for a text that asks for a value which is not given.
+///
+/// # Source
+/// Headings: the OSF Preregistration template and AsPredicted.
+pub fn preregistration(design: &Design, sample_size: &[String]) -> Result<String, ReportError> {
+    let pair = |[a, b]: [_; 2]| format!("{} with {}", design.label(a), design.label(b));
+    let (compare, against) = match design.compare() {
+        Compare::All => ("all", None),
+        Compare::Against(one) => ("against", Some(design.label(*one))),
+        Compare::Pairs(_) => ("pairs", None),
+    };
+    let homophily = design.homophily().map(|family| {
+        let ratings: Vec<String> = family.ratings.iter().map(ToString::to_string).collect();
+        context! { factors => family.factors.clone(), ratings }
+    });
+    let cells = |cells: &Option<BTreeMap<String, String>>| {
+        let cells = cells.as_ref()?.iter().map(|(k, v)| format!("{k} = {v}"));
+        Some(cells.collect::<Vec<_>>().join(" and "))
+    };
+    let hypotheses = design.hypotheses().iter().map(|h| hypothesis(design, h));
+    let conditions = design.conditions().iter().map(condition);
+    let values = context! {
+        title => design.title(),
+        hypotheses => hypotheses.collect::<Vec<_>>(),
+        conditions => conditions.collect::<Vec<_>>(),
+        dial => design.style().map_or("the style", |s| s.label.as_str()),
+        baseline => design.baseline().map(|b| context! { label => b.label.as_str(), id => b.id.to_string() }),
+        learn => cells(&design.people().learn),
+        test => cells(&design.people().test),
+        groups => design.factors().iter().map(|f| f.column.clone()).collect::<Vec<_>>(),
+        sample_size => sample_size.to_vec(),
+        outcomes => design.outcomes().iter().map(outcome).collect::<Vec<_>>(),
+        compare,
+        against,
+        pairs => design.contrasts().into_iter().map(pair).collect::<Vec<_>>(),
+        tests => tests(design),
+        homophily,
+        exclude => exclude(design),
+    };
+    document(
+        "preregistration.md",
+        include_str!("../texts/preregistration.md"),
+        values,
+    )
+}
+
+fn hypothesis(design: &Design, h: &Hypothesis) -> Value {
+    let [first, second] = h.contrast.map(|c| design.label(c));
+    let bounds = match h.claim {
+        Claim::Direction(_) => None,
+        Claim::Equivalent(bounds) => Some(bounds.map(|end| end.to_string())),
+    };
+    let [low, high] = bounds.map_or([None, None], |[low, high]| [Some(low), Some(high)]);
+    context! {
+        says => sentence(&h.says),
+        outcome => h.outcome.as_str(),
+        first,
+        second,
+        above => matches!(h.claim, Claim::Direction(Sign::Plus)),
+        low,
+        high,
+    }
+}
+
+/// One full stop at the end.
+fn sentence(text: &str) -> String {
+    format!("{}.", text.trim().trim_end_matches('.'))
+}
+
+/// What the design leaves out.
+fn exclude(design: &Design) -> Value {
+    let rules = design.exclude();
+    let row = |id: &str, why: &str| context! { id, why => sentence(why) };
+    let people = rules.people.iter().map(|(id, why)| row(id.as_str(), why));
+    let drives = rules.drives.iter().map(|(id, why)| row(id.as_str(), why));
+    context! {
+        shorter_than_s => rules.drive_shorter_than_s.map(|s| s.to_string()),
+        straight_lined => rules.straight_lined,
+        fewer_than => rules.fewer_conditions_than,
+        people => people.collect::<Vec<_>>(),
+        drives => drives.collect::<Vec<_>>(),
+    }
+}
+
+fn condition(c: &Condition) -> Value {
+    let (car, points, path) = match &c.car {
+        None => ("recorded", None, None),
+        Some(Car::Dial(0.0)) => ("own", None, None),
+        Some(Car::Dial(points)) => ("dial", Some(format!("{points:+}")), None),
+        Some(Car::Across) => ("across", None, None),
+        Some(Car::Mean) => ("mean", None, None),
+        Some(Car::Embedding(path)) => ("embedding", None, Some(path.to_slash_lossy().into_owned())),
+        Some(_) => ("turned", None, None),
+    };
+    let levels = c.levels.iter().map(|(f, l)| format!("{f}: {l}"));
+    context! {
+        label => c.label.as_str(),
+        id => c.id.to_string(),
+        car,
+        points,
+        path,
+        levels => levels.collect::<Vec<_>>(),
+    }
+}
+
+fn outcome(o: &Outcome) -> Value {
+    let known = objective::find(&o.id());
+    let title = || known.map(|m| m.title.to_owned());
+    context! {
+        id => o.id(),
+        label => o.label.clone().or_else(title),
+        description => known.map(|m| m.description),
+        same => o.same_within.map(|within| within.to_string()),
+    }
+}
+
+/// The test of each outcome, from the value that the analysis goes by.
+fn tests(design: &Design) -> Value {
+    let kind = |kind: &str| context! { kind };
+    match planned(design) {
+        PlannedTest::Pair => kind("pair"),
+        PlannedTest::OneFactor => kind("one factor"),
+        PlannedTest::Groups => kind("groups"),
+        PlannedTest::Covariance => kind("covariance"),
+        PlannedTest::Effects(plan) => {
+            let effects = plan.effects.iter().map(|e| {
+                context! {
+                    effect => e.effect.as_str(),
+                    normal => e.normal.words(),
+                    far => e.far_from_normal.words(),
+                }
+            });
+            context! { kind => "effects", effects => effects.collect::<Vec<_>>() }
+        }
+        PlannedTest::None(why) => context! { kind => "none", why },
+        _ => kind("other"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STUDY: &str = "[study]\ntitle = \"Calm or sporty\"\n[[condition]]\nid = \"calm\"\n[[condition]]\nid = \"sporty\"\n\
+                         [baseline]\nid = \"own\"\n[[hypothesis]]\nsays = \"Sporty is faster\"\noutcome = \"mean_velocity_mps\"\n\
+                         contrast = [\"sporty\", \"calm\"]\ndirection = \"+\"\n[exclude]\ndrive_shorter_than_s = 300\n";
+
+    #[test]
+    fn effects_and_covariates_are_declared_with_the_tests_that_they_get() {
+        let more = "[[factor]]\ncolumn = \"city\"\n[[covariate]]\ncolumn = \"age\"\nwith = [\"condition\"]\n";
+        let design = Design::from_toml(&format!("{STUDY}{more}")).unwrap();
+        let text = preregistration(&design, &[]).unwrap();
+        for said in [
+            "`city`: F of a regression",
+            "`condition`: F of a regression",
+            "`age:condition`: F of a regression",
+            "over everybody",
+            "in each group on its own",
+        ] {
+            assert!(text.contains(said), "{said} in {text}");
+        }
+        assert!(!text.contains("tested within each group"), "{text}");
+    }
+
+    #[test]
+    fn a_design_reads_as_a_preregistration() {
+        let text = preregistration(&Design::from_toml(STUDY).unwrap(), &[]).unwrap();
+        for said in [
+            "## Hypotheses\n\n- Sporty is faster. In mean_velocity_mps: sporty lies above calm",
+            "- calm (`calm`): driven by the laboratory's own car",
+            "Drives shorter than 300 s",
+            "a paired t test",
+        ] {
+            assert!(text.contains(said), "{said} in {text}");
+        }
+    }
+}
