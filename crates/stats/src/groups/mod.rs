@@ -238,6 +238,26 @@ mod tests {
     }
 
     #[test]
+    fn the_interval_of_a_rank_biserial_lies_on_either_side_of_it_by_fishers_z() {
+        let values = [1.0, 2.0, 3.0, 5.0, 8.0, 4.0, 6.0, 7.0, 9.0, 10.0, 11.0].map(Some);
+        let found = groups(&labels("a a a a a b b b b b b"), &values).unwrap();
+        let u = found.mann_whitney.get("a|b").unwrap();
+        // Of 30 pairs the first is the larger in 4: 8 over 4, 6 and 7, 5 over 4.
+        let r = (4.0 - 26.0) / 30.0;
+        let half = 1.959_963_984_540_054 * (12.0_f64 / 90.0).sqrt();
+        for (end, expected) in [
+            (Some(u.rank_biserial), r),
+            (u.rank_biserial_ci_low, libm::tanh(libm::atanh(r) - half)),
+            (u.rank_biserial_ci_high, libm::tanh(libm::atanh(r) + half)),
+        ] {
+            assert!(
+                (end.unwrap() - expected).abs() < 1e-12,
+                "{end:?} {expected}"
+            );
+        }
+    }
+
+    #[test]
     fn a_single_group_and_a_group_without_values_are_refused() {
         let one = groups(&labels("a a"), &[Some(1.0), Some(2.0)]);
         assert!(matches!(one, Err(StatsError::TooFew { found: 1, .. })));

@@ -223,3 +223,30 @@ fn reasons(result: &Wilcoxon) -> Reasons {
     }
     reasons
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::WithinSubjects;
+
+    #[test]
+    fn the_interval_of_a_rank_biserial_lies_on_either_side_of_it_by_fishers_z() {
+        let names = ["a".to_owned(), "b".to_owned()];
+        let subjects: Vec<String> = (1..=6).map(|i| format!("s{i}")).collect();
+        let rows = [1.0, 2.0, -3.0, 4.0, 5.0, 6.0].map(|d| vec![d, 0.0]);
+        let data = WithinSubjects::from_rows(&names, &subjects, &rows).unwrap();
+        let all = crate::within(&data).wilcoxon;
+        let w = all.get("a|b").unwrap();
+        // W+ is 18, W- 3; the standard error √91 over their sum.
+        let (r, half) = (15.0 / 21.0, 1.959_963_984_540_054 * 91.0_f64.sqrt() / 21.0);
+        for (end, expected) in [
+            (w.rank_biserial, r),
+            (w.rank_biserial_ci_low, libm::tanh(libm::atanh(r) - half)),
+            (w.rank_biserial_ci_high, libm::tanh(libm::atanh(r) + half)),
+        ] {
+            assert!(
+                (end.unwrap() - expected).abs() < 1e-12,
+                "{end:?} {expected}"
+            );
+        }
+    }
+}
