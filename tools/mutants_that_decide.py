@@ -76,11 +76,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--number", type=int, default=30)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--crate", help="of this crate alone")
     parser.add_argument("--limit", type=int, default=1800, help="seconds for the tests of one step")
     given = parser.parse_args()
     if subprocess.run(["git", "status", "--porcelain", "--untracked-files=no"], cwd=ROOT, capture_output=True, text=True).stdout.strip():
         sys.exit("the checkout has changes: commit them first")
-    drawn = candidates()
+    drawn = [c for c in candidates() if given.crate in (None, c[0])]
     random.Random(given.seed).shuffle(drawn)
     print("| where | changed | caught by |\n|---|---|---|", flush=True)
     made = caught = 0
