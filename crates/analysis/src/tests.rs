@@ -9,7 +9,7 @@ use crate::{
     },
 };
 use maveric_domain::{
-    Scale,
+    Moment, Scale,
     design::{ScoreName, Sign},
 };
 use maveric_stats::{ByDesign, EffectMethod, FactorialDesign, OmnibusTest, PosthocTest, factorial};
@@ -786,6 +786,28 @@ fn too_few_conditions_are_counted_from_drives_and_answers() {
     let a = analysed_by(&plain(&["same", "fast", "slow"], rules), with);
     assert_eq!(a.flow.left_out[0].why, "fewer than 2 conditions");
     assert_eq!((a.participants, a.flow.left_out[0].who.len()), (5, 1));
+}
+
+#[test]
+fn a_condition_is_there_if_it_was_driven_or_rated_and_refused_if_it_was_neither() {
+    let design = design(DESIGN.split("[homophily]").next().unwrap());
+    let of = |driven: bool, rated: bool| {
+        let mut tables = tables();
+        let across = id("across");
+        tables
+            .measurements
+            .retain(|d| driven || d.meta.condition != across);
+        let after = Moment::After(across);
+        tables.post.retain(|s| rated || s.moment != after);
+        StudyData::new(&design, tables).map(|_| ())
+    };
+    for (driven, rated) in [(true, true), (true, false), (false, true)] {
+        assert!(of(driven, rated).is_ok(), "{driven} {rated}");
+    }
+    assert!(matches!(
+        of(false, false),
+        Err(AnalysisError::NobodyThere { condition }) if condition == id("across")
+    ));
 }
 
 #[test]
