@@ -5,7 +5,7 @@
     cargo build --release -p maveric-simulator --example fundamental_diagram
     venv/bin/python tests/external/sumo_compare.py target/release/examples/fundamental_diagram [speed]
 
-Writes sumo_compare.csv beside this script and prints the tables of docs/traffic.md. Not part of the tests.
+Writes sumo_compare.csv beside this script and prints the tables of docs/simulator.md. Not part of the tests.
 
 Both programs get the same drivers (desired speed and time gap drawn once, here), the same start, steps of 0.1 s, and are
 measured by the same code from samples once a second. What is matched in SUMO: carFollowModel IDM with accel, decel, tau,

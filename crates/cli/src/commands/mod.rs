@@ -56,7 +56,7 @@ Example: maveric run                      the whole synthetic study, into report
          maveric run pipelines/smoke.toml a small one, in a minute"
 )]
 pub(crate) struct Args {
-    /// How every figure is to look: palette, font, sizes, labels (TOML; docs/style.md)
+    /// How every figure is to look: palette, font, sizes, labels (TOML; docs/report.md)
     #[arg(
         long,
         global = true,

@@ -5,7 +5,7 @@
 //! allocated.
 //!
 //! # Source
-//! Treiber, Hennecke and Helbing 2000; Kesting, Treiber and Helbing 2007. See `docs/traffic.md` for what was checked.
+//! Treiber, Hennecke and Helbing 2000; Kesting, Treiber and Helbing 2007. See `docs/simulator.md` for what was checked.
 
 mod around_ego;
 mod changes;

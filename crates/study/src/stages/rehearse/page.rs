@@ -42,7 +42,7 @@ pub(super) fn page(found: &Rehearsal, options: &RehearseOptions) -> Result<Repor
         "Synthetic participants: {} studies of each size and scale of the effects, at the level of measures and ratings, not driven",
         options.studies
     );
-    let method = "Measures and ratings are drawn from a fitted population and analysed by the code that analyses a run; docs/null-and-power.md gives the generator and its sources.";
+    let method = "Measures and ratings are drawn from a fitted population and analysed by the code that analyses a run; docs/rehearsal.md gives the generator and its sources.";
     Ok(Report {
         cards: cards(found)?,
         sections,

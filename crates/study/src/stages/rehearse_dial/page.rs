@@ -37,7 +37,7 @@ pub(super) fn page(
     let new = page_of(
         ("How far to turn the dial for this person", subtitle),
         &context,
-        "A Bayesian linear regression with shrinkage, learned from one study and tried on people of another; docs/how-far-to-turn-the-dial.md gives the model.",
+        "A Bayesian linear regression with shrinkage, learned from one study and tried on people of another; docs/rehearsal.md gives the model.",
         (options.seed, &options.command),
     );
     Ok(Report {
