@@ -725,6 +725,27 @@ fn a_hypothesis_is_judged_by_its_rule() {
 }
 
 #[test]
+fn the_rule_of_an_equivalence_has_the_unit_of_what_was_measured_and_none_of_a_rating() {
+    let rule = |outcome: &str| {
+        let hypothesis = hypothesis(r#"["fast", "slow"]"#, "equivalent = [-1, 1]");
+        let hypothesis = hypothesis.replace(SPEED, outcome);
+        let mut with = tables();
+        let text = "id = \"jian_trust\"\ntitle = \"Trust\"\nreference = \"made up\"\nitems = 1\nmin = 1\nmax = 7\nscoring = \"mean\"\n\
+                    [[subscales]]\nid = \"overall\"\ntitle = \"Trust\"\nitems = [1]\n";
+        with.scales = vec![toml::from_str::<Scale>(text).unwrap()];
+        let a = analysed_by(&plain(&["fast", "slow"], &hypothesis), with);
+        a.hypotheses[0].rule.clone()
+    };
+    assert!(
+        rule(SPEED).contains("between -1 and 1 mph (both"),
+        "{}",
+        rule(SPEED)
+    );
+    let rating = rule("jian_trust.overall");
+    assert!(rating.contains("between -1 and 1 (both"), "{rating}");
+}
+
+#[test]
 fn whoever_is_excluded_is_out_of_everything_and_counted_with_the_reason() {
     let mut with = tables();
     with.people = (0..7)
@@ -804,10 +825,37 @@ fn a_condition_is_there_if_it_was_driven_or_rated_and_refused_if_it_was_neither(
     for (driven, rated) in [(true, true), (true, false), (false, true)] {
         assert!(of(driven, rated).is_ok(), "{driven} {rated}");
     }
+    // One person's rating is enough.
+    let mut once = tables();
+    once.measurements
+        .retain(|d| d.meta.condition != id("across"));
+    let after = Moment::After(id("across"));
+    once.post
+        .retain(|s| s.moment != after || s.participant == person(0));
+    assert!(StudyData::new(&design, once).is_ok());
     assert!(matches!(
         of(false, false),
         Err(AnalysisError::NobodyThere { condition }) if condition == id("across")
     ));
+}
+
+#[test]
+fn whoever_is_learned_from_or_drove_nothing_of_the_study_takes_no_part() {
+    let mut with = with_people(AGES);
+    // P7 is learned from and drove the baseline; P8 is to be tested and drove something else.
+    for (i, tested) in [(6, false), (7, true)] {
+        with.people.push(Person {
+            id: person(i),
+            learned: !tested,
+            tested,
+            columns: BTreeMap::new(),
+        });
+    }
+    with.measurements.push(drive_of(6, "own", Some(30.0)));
+    with.measurements.push(drive_of(7, "elsewhere", Some(30.0)));
+    let a = analysed(with);
+    assert_eq!((a.participants, a.flow.recruited, a.flow.drove), (6, 7, 6));
+    assert_eq!(a.flow.left_out[0].who, ["P8"]);
 }
 
 #[test]
