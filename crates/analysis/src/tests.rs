@@ -92,6 +92,8 @@ fn the_bias_of_the_own_style_car_has_the_interval_of_its_two_one_sided_tests() {
     let outcome = format!("[[outcome]]\nmeasure = \"{SPEED}\"\nsame_within = 0.5\n");
     let declared = analysed_by(&format!("{DESIGN}{outcome}"), tables());
     let bias = declared.reproduction[0].bias.as_ref().unwrap();
+    // The only measure: nothing to correct for.
+    assert!(bias.p.is_some() && bias.p_holm == bias.p);
     assert!(bias.declared && bias.verdict == Verdict::NotShown);
     near(Some(bias.same_within), 0.5);
 }
@@ -743,6 +745,18 @@ fn the_rule_of_an_equivalence_has_the_unit_of_what_was_measured_and_none_of_a_ra
     );
     let rating = rule("jian_trust.overall");
     assert!(rating.contains("between -1 and 1 (both"), "{rating}");
+    for (sign, way, expected) in [("+", "above", Sign::Plus), ("-", "below", Sign::Minus)] {
+        let text = hypothesis(r#"["fast", "slow"]"#, &format!("direction = \"{sign}\""));
+        let a = analysed_by(&plain(&["fast", "slow"], &text), tables());
+        assert!(
+            a.hypotheses[0]
+                .rule
+                .contains(&format!("lies {way} the second"))
+        );
+        let part = &a.findings[0].parts[0];
+        assert_eq!(part.rule, crate::finding::Rule::Directed { expected });
+        assert_eq!(part.of, format!("{SPEED}.fast-slow"));
+    }
 }
 
 #[test]
@@ -837,6 +851,28 @@ fn a_condition_is_there_if_it_was_driven_or_rated_and_refused_if_it_was_neither(
         of(false, false),
         Err(AnalysisError::NobodyThere { condition }) if condition == id("across")
     ));
+}
+
+#[test]
+fn parts_of_drives_are_told_of_counts_and_extremes_alone() {
+    let told = |counted_s: Option<f64>| {
+        let mut cut = tables();
+        for drive in &mut cut.measurements {
+            drive.counted_s = counted_s;
+            let speed = drive.values[SPEED];
+            drive.values.insert("lane_changes".to_owned(), speed);
+        }
+        let a = analysed_by(&plain(&["fast", "slow"], ""), cut);
+        let says = |outcome: &str| {
+            let reasons = panel(&a, outcome).reasons.join("; ");
+            reasons.contains("whose drives differ in length")
+        };
+        [says("lane_changes"), says(SPEED)]
+    };
+    assert_eq!(
+        [told(Some(60.0)), told(None)],
+        [[true, false], [false, false]]
+    );
 }
 
 #[test]

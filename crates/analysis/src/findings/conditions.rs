@@ -131,6 +131,13 @@ mod tests {
         assert_eq!(judged(&[Some(0.2), Some(0.04)], 24), Shown);
         assert_eq!(judged(&[Some(0.2), Some(0.05)], 24), NotShown);
         assert_eq!(judged(&[Some(0.04)], 5), TooFew);
+        // One of several contrasts of an outcome is enough.
+        let mut several = panels[0].clone();
+        several.n = 24;
+        let mut open = several.contrasts[0].clone();
+        (several.contrasts[0].p_holm, open.p_holm) = (Some(0.04), Some(0.9));
+        several.contrasts.push(open);
+        assert_eq!(differ(&[several]).unwrap().verdict, Shown);
         assert_eq!(judged(&[None], 0), NotAsked);
         assert_eq!(differ(&[]), None);
     }
