@@ -71,6 +71,27 @@ fn every_scenario_is_driven_by_a_person_and_by_a_planner() -> Result<(), Simulat
 }
 
 #[test]
+fn the_follower_is_chosen_by_its_name_and_hits_nobody() -> Result<(), SimulatorError> {
+    let mut drives = Vec::new();
+    for rule in ["asked_gap", "idm", "paper"] {
+        let text = PAPER.replace("\"asked_gap\"", &format!("\"{rule}\""));
+        let scenario: Scenario = toml::from_str(&text).unwrap();
+        let mut planner = simple;
+        let controllers = &scenario.settings().controllers;
+        let drive = rollout(&scenario, Driver::Automated(&mut planner, controllers), 5)?;
+        assert!(drive.collisions.is_empty(), "{rule}");
+        drives.push(drive.recording.ego().x_m.clone());
+    }
+    assert!(drives[0] != drives[1] && drives[1] != drives[2]);
+    let unknown = PAPER.replace("\"asked_gap\"", "\"idn\"");
+    let refusal = toml::from_str::<Scenario>(&unknown)
+        .unwrap_err()
+        .to_string();
+    assert!(refusal.contains("`asked_gap`, `idm`, `paper`"), "{refusal}");
+    Ok(())
+}
+
+#[test]
 fn a_file_written_from_a_scenario_reads_back_as_it() {
     for (name, text) in ALL {
         let scenario: Scenario = toml::from_str(text).unwrap();

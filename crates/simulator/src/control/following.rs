@@ -1,6 +1,6 @@
 //! Following controller: f̂ behind a lead, and when it takes part.
 
-use super::safety;
+use super::{idm, safety};
 use crate::scenario::{ControllerSettings, FollowingRule};
 
 /// Opening speed asked for at most where the gap is too short, in m/s: a car that cut in is let go, not fled from.
@@ -33,6 +33,9 @@ pub fn following_acceleration(
     let kept = kept_distance_m(settings, asked_m, speed_mps, lead);
     match settings.following_rule {
         FollowingRule::AskedGap => settling(settings, kept, speed_mps, lead).min(cruise_mps2),
+        FollowingRule::Idm => {
+            idm::acceleration_mps2(settings, kept, speed_mps, lead).min(cruise_mps2)
+        }
         FollowingRule::Paper => below_threshold(settings, kept, speed_mps, lead, cruise_mps2),
     }
 }

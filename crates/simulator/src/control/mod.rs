@@ -5,6 +5,7 @@ mod automated;
 mod by_hand;
 mod emergency;
 mod following;
+mod idm;
 mod intervention;
 mod lane_change;
 mod passing;

@@ -20,6 +20,8 @@ pub enum ChangeRule {
 pub enum FollowingRule {
     /// The gap asked for is the gap kept; a car that means to pass drives up to the lead.
     AskedGap,
+    /// The intelligent-driver model, with the gap asked for in the place of its time gap.
+    Idm,
     /// The paper, to the letter: the following controller takes part below λ only.
     Paper,
 }
@@ -38,7 +40,8 @@ pub struct ControllerSettings {
     pub velocity_gain_per_s: f64,
     /// Velocity controller, integral gain, in 1/s².
     pub velocity_integral_per_s2: f64,
-    /// Which rule follows. The next four are those of [`FollowingRule::AskedGap`], the seven after them the paper's.
+    /// Which rule follows. [`FollowingRule::AskedGap`] takes the next three, [`FollowingRule::Idm`] of them the braking;
+    /// both pass by the two after them; the seven that follow are the paper's.
     pub following_rule: FollowingRule,
     /// Following controller, gain on the speed, in 1/s.
     pub following_gain_per_s: f64,
