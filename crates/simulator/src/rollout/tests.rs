@@ -5,7 +5,10 @@ use crate::{
     control::{Hands, safe_distance},
     drivers::DriverParams,
     planner::{Planner, View},
-    scenario::{ControllerSettings, Integrator, ScenarioSettings, VehicleModel, VehiclePlacement},
+    scenario::{
+        ControllerSettings, FollowingRule, Integrator, ScenarioSettings, VehicleModel,
+        VehiclePlacement,
+    },
     session::Session,
 };
 use maveric_domain::{
@@ -475,9 +478,11 @@ proptest! {
         rss in (0.3..3.0_f64, 3.0..8.0_f64, 0.0..1.0_f64, 1.0..50.0_f64),
         handing in (5.0..200.0_f64, 0.0..5.0_f64, 0.5..3.5_f64, 0.1..20.0_f64),
         changing in (2.0..10.0_f64, 0.0..1.0_f64, 0.5..1.8_f64),
+        following_rule in prop::sample::select(vec![FollowingRule::AskedGap, FollowingRule::Idm, FollowingRule::Paper]),
         seed in 0..u64::MAX,
     ) {
         let controllers = ControllerSettings {
+            following_rule,
             velocity_gain_per_s: gains.0,
             velocity_integral_per_s2: gains.1,
             gap_gain_per_s2: gains.2,
