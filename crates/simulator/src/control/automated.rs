@@ -3,9 +3,10 @@
 use super::{
     action::{Action, Manoeuvre},
     emergency::EmergencyBrake,
-    following::{Lead, following_acceleration},
+    following::following_acceleration,
     intervention::{Intervention, InterventionKind},
     lane_change::{ReturnRule, duration_s, gaps_are_safe},
+    lead::Lead,
     passing::DrivingUp,
     path::Steering,
     sideways::Sideways,

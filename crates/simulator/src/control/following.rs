@@ -1,19 +1,10 @@
 //! Following controller: f̂ behind a lead, and when it takes part.
 
-use super::{idm, safety};
+use super::{idm, lead::Lead, safety};
 use crate::scenario::{ControllerSettings, FollowingRule};
 
 /// Opening speed asked for at most where the gap is too short, in m/s: a car that cut in is let go, not fled from.
 const OPENS_AT_MPS: f64 = 3.0;
-
-/// A vehicle ahead in a lane that ego uses.
-#[derive(Debug, Clone, Copy)]
-pub struct Lead {
-    /// Bumper to bumper, in m.
-    pub gap_m: f64,
-    /// Its speed, in m/s.
-    pub speed_mps: f64,
-}
 
 /// f̂': the distance asked for, or the safe one where that is longer, in m.
 fn kept_distance_m(settings: &ControllerSettings, asked_m: f64, speed_mps: f64, lead: Lead) -> f64 {

@@ -1,6 +1,6 @@
 //! The intelligent-driver model as the car's follower.
 
-use super::following::Lead;
+use super::lead::Lead;
 use crate::scenario::ControllerSettings;
 use maveric_laws::Idm;
 
